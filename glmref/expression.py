@@ -1,0 +1,305 @@
+"""The text form of exact numbers: a small whitelisted grammar, parsed by hand, never evaluated.
+
+    sum     = product (("+" | "-") product)*
+    product = factor (("*" | "/") factor)*
+    factor  = ("+" | "-") factor | atom
+    atom    = integer | decimal | name | "(" sum ")"
+            | "sqrt(" sum ")" | "root(" sum "," integer ")" | "exp(" angle ")"
+
+``decimal`` is read only where the file declares its digits, and gives a ball. ``name`` is ``i`` or
+a constant the file declares. ``root(x, n)`` is the positive n-th root of a positive real number.
+``angle`` is a rational multiple of ``pi*i``, as in ``exp(2*pi*i/3)``.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from fractions import Fraction
+
+from .claims import DataError, ExactnessError
+from .exact import Ball, Exact, Scalar, root_of_unity
+
+__all__ = ["parse", "to_text"]
+
+MAX_LENGTH = 4000  # characters of one entry; the longest published one has about 200
+MAX_DEPTH = 40  # nested parentheses and signs
+MAX_INTEGER_DIGITS = 1000
+MAX_TURN_DENOMINATOR = 120  # of a root of unity exp(2*pi*i*k/n)
+MAX_ROOT = 12  # n of root(x, n)
+MAX_RADICALS = 40  # in one entry: each may double the degree of the field
+MAX_RADICAL_DEPTH = 4  # sqrt inside sqrt
+
+_TOKEN = re.compile(r"\s*(?:([0-9]+\.[0-9]*|\.[0-9]+|[0-9]+)|([A-Za-z_][A-Za-z_0-9]*)|([-+*/(),]))")
+
+
+def parse(
+    text: str,
+    *,
+    constants: Mapping[str, Scalar] | None = None,
+    digits: int | None = None,
+) -> Scalar:
+    """Read one entry.
+
+    Args:
+        text: the expression, for example ``"(3-sqrt(3))/6"``.
+        constants: names the entry may use, with their values.
+        digits: digits after the point that published decimals of this file carry; ``None`` where
+            decimals are not allowed.
+
+    Returns
+    -------
+        An :class:`Exact`, or a :class:`Ball` where a decimal took part.
+
+    Raises
+    ------
+        DataError: with one sentence that names the entry and what to do.
+    """
+    return _Parser(text, constants or {}, digits).read()
+
+
+class _Parser:
+    """Recursive descent over the tokens of one entry."""
+
+    def __init__(self, text: str, constants: Mapping[str, Scalar], digits: int | None) -> None:
+        if len(text) > MAX_LENGTH:
+            raise DataError(
+                f"an entry has {len(text)} characters and at most {MAX_LENGTH} are read: "
+                f"{text[:30]!r}...; declare a constant for the repeated part"
+            )
+        self.text, self.constants, self.digits = text, constants, digits
+        self.tokens: list[str] = []
+        self.position = 0
+        self.depth = 0
+        self.radicals = 0
+        self.radical_depth = 0
+        self._split()
+
+    def _split(self) -> None:
+        position, text = 0, self.text.rstrip()
+        while position < len(text):
+            match = _TOKEN.match(text, position)
+            if match is None:
+                raise self._error(f"the character {text[position:].lstrip()[:1]!r} is not allowed")
+            self.tokens.append(match[0].strip())
+            position = match.end()
+
+    def _error(self, what: str) -> DataError:
+        shown = self.text if len(self.text) <= 60 else self.text[:57] + "..."
+        return DataError(
+            f"{what} in the entry {shown!r}; write integers, + - * / ( ), sqrt(), root(x,n), "
+            f"i, exp(2*pi*i/n) or a declared constant"
+        )
+
+    def read(self) -> Scalar:
+        if not self.tokens:
+            raise self._error("an empty string stands for no number")
+        try:
+            value = self._sum()
+        except ZeroDivisionError:
+            raise self._error("there is a division by zero") from None
+        if self.position < len(self.tokens):
+            raise self._error(f"{self.tokens[self.position]!r} is out of place")
+        return value
+
+    def _peek(self) -> str:
+        return self.tokens[self.position] if self.position < len(self.tokens) else ""
+
+    def _take(self, expected: str = "") -> str:
+        token = self._peek()
+        if expected and token != expected:
+            raise self._error(f"{expected!r} is missing")
+        if not token:
+            raise self._error("the expression ends too early")
+        self.position += 1
+        return token
+
+    def _deeper(self) -> None:
+        self.depth += 1
+        if self.depth > MAX_DEPTH:
+            raise self._error(f"parentheses and signs are nested deeper than {MAX_DEPTH}")
+
+    def _sum(self) -> Scalar:
+        value = self._product()
+        while self._peek() in ("+", "-"):
+            sign = self._take()
+            term = self._product()
+            value = value + term if sign == "+" else value - term
+        return value
+
+    def _product(self) -> Scalar:
+        value = self._factor()
+        while self._peek() in ("*", "/"):
+            operator = self._take()
+            factor = self._factor()
+            value = value * factor if operator == "*" else value / factor
+        return value
+
+    def _factor(self) -> Scalar:
+        if self._peek() in ("+", "-"):
+            sign = self._take()
+            self._deeper()
+            value = self._factor()
+            self.depth -= 1
+            return value if sign == "+" else -value
+        return self._atom()
+
+    def _atom(self) -> Scalar:
+        token = self._take()
+        if token == "(":
+            return self._parenthesis()
+        if token[0].isdigit() or token[0] == ".":
+            return self._number(token)
+        if token in ("sqrt", "root"):
+            return self._radical(token)
+        if token == "exp":
+            return self._exponential()
+        if token in self.constants:
+            return self.constants[token]
+        if token == "i":
+            return Exact(-1).sqrt()
+        if token[0].isalpha() or token[0] == "_":
+            raise self._error(f"the name {token!r} is not known")
+        raise self._error(f"{token!r} is out of place")
+
+    def _parenthesis(self) -> Scalar:
+        self._deeper()
+        value = self._sum()
+        self._take(")")
+        self.depth -= 1
+        return value
+
+    def _radical(self, kind: str) -> Scalar:
+        """``sqrt(x)`` or ``root(x, n)``, with bounds on how many and how deep."""
+        self.radicals += 1
+        self.radical_depth += 1
+        if self.radicals > MAX_RADICALS or self.radical_depth > MAX_RADICAL_DEPTH:
+            raise self._error(
+                f"there are more than {MAX_RADICALS} roots, or roots nested deeper than "
+                f"{MAX_RADICAL_DEPTH},"
+            )
+        self._take("(")
+        degree = 2
+        self._deeper()
+        radicand = self._sum()
+        if kind == "root":
+            self._take(",")
+            degree = self._root_degree()
+        self._take(")")
+        self.depth -= 1
+        self.radical_depth -= 1
+        if kind == "sqrt":
+            return radicand.sqrt()
+        if not radicand.is_real() or radicand.sign() <= 0:
+            raise self._error("root(x, n) takes a positive real x; something else stands")
+        return radicand.root(degree)
+
+    def _root_degree(self) -> int:
+        token = self._take()
+        if not token.isdigit() or not 2 <= int(token) <= MAX_ROOT:
+            raise self._error(
+                f"root(x, n) takes a whole number n from 2 to {MAX_ROOT}, not {token!r},"
+            )
+        return int(token)
+
+    def _number(self, token: str) -> Scalar:
+        if len(token) > MAX_INTEGER_DIGITS:
+            raise self._error(f"a number has more than {MAX_INTEGER_DIGITS} digits")
+        if "." not in token:
+            return Exact(int(token))
+        if self.digits is None:
+            raise self._error(
+                f"the decimal {token!r} is not exact (write a fraction, "
+                f"or declare `digits` for published decimals)"
+            )
+        if len(token.partition(".")[2]) > self.digits + 2:
+            raise self._error(
+                f"the decimal {token!r} has more digits than the declared {self.digits}"
+            )
+        return Ball.decimal("0" + token if token[0] == "." else token, self.digits)
+
+    def _exponential(self) -> Scalar:
+        """Exp of a rational multiple of pi*i: the angle is read with ``pi`` as the unit."""
+        self._take("(")
+        outer, self.constants = self.constants, {"pi": Exact(1)}
+        angle = self._parenthesis()
+        self.constants = outer
+        turns = (angle / (Exact(-1).sqrt() * 2)) if isinstance(angle, Exact) else None
+        fraction = turns.as_fraction() if turns is not None else None
+        if fraction is None or fraction.denominator > MAX_TURN_DENOMINATOR:
+            raise self._error(
+                f"exp() takes a rational multiple of pi*i with denominator at most "
+                f"{MAX_TURN_DENOMINATOR}, as exp(2*pi*i/3),"
+            )
+        return root_of_unity(fraction.numerator, fraction.denominator)
+
+
+_GENERATOR = re.compile(
+    r"(?P<name>[a-z]\d*) = [^\[]*\[(?:Sqrt\([^{]*\{(?P<radicand>[^}]*)\}\)"
+    r"|Pow\((?:[^{,]*\{)?(?P<base>[^},]*)\}?, [^{]*\{1/(?P<degree>\d+)\}\)"
+    r"|(?P<minpoly>[^\]]*)=0)\]"
+)
+_QUADRATIC = re.compile(r"(?P<name>[a-z]\d*)\^2(?P<constant>[-+]\d+)$")
+_POWER = re.compile(r"([a-z]\d*)\^(\d+)")
+
+
+def to_text(value: Scalar) -> str:
+    """Write a number in the grammar of :func:`parse`, so that parsing it gives the same number.
+
+    Raises
+    ------
+        ExactnessError: for a ball, and for an algebraic number without square-root form.
+    """
+    if isinstance(value, Ball):
+        raise ExactnessError("a ball has no exact text; write its decimals and declare `digits`")
+    fraction = value.as_fraction()
+    if fraction is not None:
+        return str(fraction)
+    description = value.description()
+    body, _, where = description[description.index("{") + 1 : -1].partition(" where ")
+    names: dict[str, str] = {}
+    for match in reversed(list(_GENERATOR.finditer(where))):
+        names[match["name"]] = _generator_text(match, names, value)
+    text = _substitute(body, names, value)
+    if parse(text) != value:  # e.g. the other root of the generator's polynomial
+        raise ExactnessError(f"no square-root form found for {value!r}")
+    return text
+
+
+def _generator_text(match: re.Match[str], names: Mapping[str, str], value: Exact) -> str:
+    if match["radicand"] is not None:
+        return f"sqrt({_substitute(match['radicand'], names, value)})"
+    if match["base"] is not None:
+        return f"root({_substitute(match['base'], names, value)},{match['degree']})"
+    quadratic = _QUADRATIC.match(match["minpoly"])
+    if quadratic is None or quadratic["name"] != match["name"]:
+        raise ExactnessError(f"no square-root form found for {value!r}")
+    radicand = -int(quadratic["constant"])
+    return (
+        "i" if radicand == -1 else f"sqrt({radicand})" if radicand > 0 else f"(i*sqrt({-radicand}))"
+    )
+
+
+def _substitute(body: str, names: Mapping[str, str], value: Exact) -> str:
+    expanded = _POWER.sub(lambda m: "*".join([m[1]] * int(m[2])), body)
+
+    def generator(match: re.Match[str]) -> str:
+        if match[0] not in names:
+            raise ExactnessError(f"no square-root form found for {value!r}")
+        return names[match[0]]
+
+    return re.sub(r"(?<![A-Za-z_])[a-z]\d*(?![A-Za-z_(])", generator, expanded)
+
+
+def parse_fraction(text: str) -> Fraction:
+    """Read an entry that must be rational.
+
+    Raises
+    ------
+        DataError: when it is not.
+    """
+    value = parse(text)
+    fraction = value.as_fraction() if isinstance(value, Exact) else None
+    if fraction is None:
+        raise DataError(f"{text!r} must be a rational number, such as '1/3'")
+    return fraction

@@ -1,0 +1,400 @@
+"""From a method document to a method: every key and entry checked on the way.
+
+The document is the JSON object of a file in the format ``glmref-method-1`` (``data/README.md`` is
+its contract). Each problem is a :class:`~glmref.claims.DataError` of one sentence.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from . import families
+from .claims import DataError, ExactnessError
+from .exact import Scalar
+from .expression import parse
+from .linalg import Matrix, Vector
+from .method import GLM, FinishingMethod, PartitionedGLM, StartingMethod
+from .strict_json import shown
+
+__all__ = ["CLAIMS", "FORMAT", "load_document"]
+
+FORMAT = "glmref-method-1"
+MAX_SIZE = 200  # stages or values of one method
+RESERVED = frozenset(["i", "pi", "sqrt", "root", "exp"])
+STATUS = ("as printed", "corrected", "derived", "regenerated")
+
+_COMMON = frozenset(
+    {
+        *("$schema", "format", "name", "title", "class", "field", "constants", "digits"),
+        *("unknowns", "enclosure", "starting", "finishing", "claims", "source", "broken", "notes"),
+    }
+)
+_BLOCKS: Mapping[str, frozenset[str]] = {
+    "glm": frozenset(["A", "U", "B", "V", "G", "D"]),
+    "rk": frozenset(["A", "b"]),
+    "lmm": frozenset(["alpha", "beta"]),
+    "one-leg": frozenset(["alpha", "beta", "G"]),
+    "sweep": frozenset(["b", "omega", "gamma", "V", "G"]),
+    "composition": frozenset(["base", "gamma"]),
+    "splitting": frozenset(["a", "b", "first"]),
+    "partitioned-rk": frozenset(["A", "b", "A_hat", "b_hat"]),
+    "partitioned": frozenset(["q", "p", "G", "D_P", "D_Q", "separable"]),
+}
+_OPTIONAL = frozenset(["G", "D", "D_P", "D_Q", "separable"])
+CLAIMS: Mapping[str, type | tuple[type, ...]] = {
+    "order": int,
+    "order-identity": int,
+    "stage-order": int,
+    "starting-order": int,
+    "preconsistent": bool,
+    "consistent": bool,
+    "zero-stable": bool,
+    "explicit": bool,
+    "symplectic": bool,
+    "g-symplectic": bool,
+    "symmetric": bool,
+    "parasitism-free": bool,
+    "a-stable": bool,
+    "l-stable": bool,
+    "growth": list,
+    "abscissae": list,
+    "error-constant": str,
+}
+
+
+def load_document(doc: Mapping[str, Any], *, where: str = "document") -> GLM | PartitionedGLM:
+    """Turn a method document into a method, checking everything on the way.
+
+    Args:
+        doc: the parsed JSON object.
+        where: file name, for messages.
+
+    Raises
+    ------
+        DataError: for anything that is not as the format asks.
+    """
+    return _Reader(doc, where).method()
+
+
+class _Reader:
+    """Checks one document and builds its method."""
+
+    def __init__(self, doc: Mapping[str, Any], where: str) -> None:
+        self.doc, self.where = doc, where
+        self.constants: dict[str, Scalar] = {}
+        self.digits: int | None = None
+
+    def error(self, what: str) -> DataError:
+        return DataError(f"{self.where}: {what}")
+
+    def method(self) -> GLM | PartitionedGLM:
+        if not isinstance(self.doc, Mapping):
+            raise self.error(f"a method must be a JSON object, got {shown(self.doc)}")
+        if self.doc.get("format") != FORMAT:
+            raise self.error(
+                f"`format` must be {FORMAT!r}, got {shown(self.doc.get('format'))}; "
+                f"this version reads only that format"
+            )
+        kind = self._text("class")
+        if kind not in _BLOCKS:
+            raise self.error(f"`class` must be one of {', '.join(_BLOCKS)}, got {kind!r}")
+        self._check_keys(kind)
+        self._text("name", pattern=r"[a-z0-9][a-z0-9.-]*")
+        self._read_constants()
+        build: Callable[[], GLM | PartitionedGLM] = getattr(self, "_" + kind.replace("-", "_"))
+        try:
+            built = build()
+        except DataError as error:
+            prefix = f"{self.where}: "
+            text = str(error)
+            raise DataError(text if text.startswith(prefix) else prefix + text) from None
+        except (ExactnessError, ZeroDivisionError) as error:
+            raise self.error(f"the coefficients do not define a method ({error})") from None
+        self._check_real(built)
+        return built
+
+    def _check_keys(self, kind: str) -> None:
+        allowed = _COMMON | _BLOCKS[kind]
+        for key in self.doc:
+            if key not in allowed:
+                raise self.error(
+                    f"the key {key!r} is unknown for class {kind!r}; allowed are "
+                    f"{', '.join(sorted(allowed))}"
+                )
+        for key in ("name", "claims", "source", *sorted(_BLOCKS[kind] - _OPTIONAL)):
+            if key not in self.doc:
+                raise self.error(f"the key {key!r} is missing; a file of class {kind!r} needs it")
+
+    def _text(self, key: str, pattern: str = r".*") -> str:
+        value = self.doc.get(key)
+        if not isinstance(value, str) or not re.fullmatch(pattern, value):
+            raise self.error(f"`{key}` must be a string matching {pattern}, got {shown(value)}")
+        return value
+
+    def _read_constants(self) -> None:
+        digits = self.doc.get("digits")
+        if digits is not None and (isinstance(digits, bool) or not isinstance(digits, int)):
+            raise self.error(f"`digits` must be a whole number, got {shown(digits)}")
+        if digits is not None and not 1 <= digits <= 150:
+            raise self.error(f"`digits` must lie between 1 and 150, got {digits}")
+        self.digits = digits
+        for key in ("unknowns", "constants"):
+            block = self.doc.get(key, {})
+            if not isinstance(block, dict):
+                raise self.error(f"`{key}` must be an object of names and expressions")
+            for name, text in block.items():
+                if not re.fullmatch(r"[A-Za-z_][A-Za-z_0-9]*", name) or name in RESERVED:
+                    raise self.error(f"`{key}` has the name {name!r}, which cannot be used")
+                self.constants[name] = self.scalar(text, f"{key}.{name}")
+
+    def scalar(self, text: object, where: str) -> Scalar:
+        """Read one entry."""
+        if not isinstance(text, str):
+            raise self.error(
+                f"`{where}` must be a string such as '1/2', got {shown(text)}; quote the number"
+            )
+        try:
+            return parse(text, constants=self.constants, digits=self.digits)
+        except (DataError, ExactnessError) as error:
+            raise self.error(f"`{where}`: {error}") from None
+
+    def vector(self, values: object, where: str) -> Vector:
+        """Read a list of entries."""
+        if not isinstance(values, list) or not values:
+            raise self.error(f"`{where}` must be a list of strings, got {shown(values)}")
+        if len(values) > MAX_SIZE:
+            raise self.error(f"`{where}` has {len(values)} entries and at most {MAX_SIZE} are read")
+        return tuple(self.scalar(x, f"{where}[{i + 1}]") for i, x in enumerate(values))
+
+    def matrix(self, rows: object, where: str) -> Matrix:
+        """Read a list of rows of equal length."""
+        if not isinstance(rows, list) or not rows:
+            raise self.error(f"`{where}` must be a list of rows, got {shown(rows)}")
+        if len(rows) > MAX_SIZE:
+            raise self.error(f"`{where}` has {len(rows)} rows and at most {MAX_SIZE} are read")
+        result = tuple(self.vector(row, f"{where}[{i + 1}]") for i, row in enumerate(rows))
+        for i, row in enumerate(result):
+            if len(row) != len(result[0]):
+                raise self.error(
+                    f"`{where}` is ragged: row {i + 1} has {len(row)} entries and row 1 has "
+                    f"{len(result[0])}"
+                )
+        return result
+
+    def square(self, block: Mapping[str, Any], letters: str, where: str = "") -> dict[str, Matrix]:
+        """Read the named matrices of a block."""
+        missing = [x for x in letters if x not in block]
+        if missing:
+            raise self.error(f"`{where}{missing[0]}` is missing; give all of {', '.join(letters)}")
+        return {x: self.matrix(block[x], where + x) for x in letters}
+
+    def _forms(self, r: int) -> dict[str, Any]:
+        """Read the optional G and D. G may be given by its diagonal."""
+        forms: dict[str, Any] = {}
+        if "G" in self.doc:
+            rows = self.doc["G"]
+            if isinstance(rows, list) and rows and all(isinstance(x, str) for x in rows):
+                from .linalg import diagonal
+
+                forms["G"] = diagonal(self.vector(rows, "G"))
+            else:
+                forms["G"] = self.matrix(rows, "G")
+        for key in ("D", "D_P", "D_Q"):
+            if key in self.doc:
+                forms[key] = self.vector(self.doc[key], key)
+        return forms
+
+    def _record(self, r: int) -> dict[str, Any]:
+        """What every class shares: name, start, finish, claims, source."""
+        return {
+            "name": self.doc["name"],
+            "starting": self._starting(r),
+            "finishing": self._finishing(),
+            "claims": self._claims(),
+            "source": self._source(),
+        }
+
+    def _one_step(self, base: GLM) -> GLM:
+        from dataclasses import replace
+
+        return replace(base, **self._record(base.r))
+
+    def _glm(self) -> GLM:
+        blocks = self.square(self.doc, "AUBV")
+        r = len(blocks["V"])
+        return GLM(**blocks, **self._forms(r), **self._record(r))
+
+    def _rk(self) -> GLM:
+        return self._one_step(
+            families.runge_kutta(self.matrix(self.doc["A"], "A"), self.vector(self.doc["b"], "b"))
+        )
+
+    def _lmm(self) -> GLM:
+        return self._one_step(families.linear_multistep(*self._alpha_beta()))
+
+    def _one_leg(self) -> GLM:
+        from dataclasses import replace
+
+        built = families.one_leg(*self._alpha_beta())
+        return replace(built, **self._forms(built.r), **self._record(built.r))
+
+    def _alpha_beta(self) -> tuple[Vector, Vector]:
+        alpha = self.vector(self.doc["alpha"], "alpha")
+        beta = self.vector(self.doc["beta"], "beta")
+        if len(alpha) != len(beta):
+            raise self.error(
+                f"`alpha` and `beta` must have the same length, got {len(alpha)} and {len(beta)}"
+            )
+        return alpha, beta
+
+    def _composition(self) -> GLM:
+        from .catalogue import document
+
+        base = document(self._text("base"))
+        if base.get("class") != "rk":
+            raise self.error(f"`base` must name a method of class 'rk', got {self.doc['base']!r}")
+        built = load_document(base, where=f"{self.doc['base']}.json")
+        assert isinstance(built, GLM)
+        return self._one_step(families.composition(built, self.vector(self.doc["gamma"], "gamma")))
+
+    def _splitting(self) -> PartitionedGLM:
+        first = self._text("first", pattern="q|p")
+        built = families.splitting(
+            self.vector(self.doc["a"], "a"), self.vector(self.doc["b"], "b"), first=first
+        )
+        return self._pair(built)
+
+    def _partitioned_rk(self) -> PartitionedGLM:
+        built = families.partitioned_runge_kutta(
+            self.matrix(self.doc["A"], "A"),
+            self.vector(self.doc["b"], "b"),
+            self.matrix(self.doc["A_hat"], "A_hat"),
+            self.vector(self.doc["b_hat"], "b_hat"),
+        )
+        return self._pair(built)
+
+    def _partitioned(self) -> PartitionedGLM:
+        for key in ("q", "p"):
+            if not isinstance(self.doc[key], dict):
+                raise self.error(f"`{key}` must be an object with A, U, B and V")
+        q = self.square(self.doc["q"], "AUBV", "q.")
+        p = {f"{x}_hat": y for x, y in self.square(self.doc["p"], "AUBV", "p.").items()}
+        separable = self.doc.get("separable", False)
+        if not isinstance(separable, bool):
+            raise self.error(f"`separable` must be true or false, got {shown(separable)}")
+        built = PartitionedGLM(**q, **p, **self._forms(len(q["V"])), separable=separable)
+        return self._pair(built)
+
+    def _pair(self, built: PartitionedGLM) -> PartitionedGLM:
+        from dataclasses import replace
+
+        return replace(built, name=self.doc["name"], claims=self._claims(), source=self._source())
+
+    def _starting(self, r: int) -> StartingMethod | None:
+        block = self._tableau_block("starting", "A B u")
+        if block is None:
+            return None
+        B = self.matrix(block["B"], "starting.B")
+        A = self.matrix(block["A"], "starting.A")
+        u = self.vector(block["u"], "starting.u")
+        shapes = {len(A), len(A[0]), len(B[0])}
+        if len(shapes) > 1 or len(B) != r or len(u) != r:
+            raise self.error(
+                f"`starting` must have A (m, m), B (r, m) and u (r) with r = {r}, got "
+                f"A ({len(A)}, {len(A[0])}), B ({len(B)}, {len(B[0])}) and u ({len(u)})"
+            )
+        claims = {"order": block["order"]} if "order" in block else {}
+        return StartingMethod(A=A, B=B, u=u, name=str(block.get("name", "")), claims=claims)
+
+    def _finishing(self) -> FinishingMethod | None:
+        block = self._tableau_block("finishing", "A b")
+        if block is None:
+            return None
+        A = self.matrix(block["A"], "finishing.A")
+        b = self.vector(block["b"], "finishing.b")
+        if not len(A) == len(A[0]) == len(b):
+            raise self.error(
+                f"`finishing` must have A (m, m) and b (m), got A ({len(A)}, {len(A[0])}) and "
+                f"b ({len(b)})"
+            )
+        claims = {"order": block["order"]} if "order" in block else {}
+        return FinishingMethod(A=A, b=b, name=str(block.get("name", "")), claims=claims)
+
+    def _tableau_block(self, key: str, needed: str) -> Mapping[str, Any] | None:
+        block = self.doc.get(key)
+        if block is None:
+            return None
+        allowed = {*needed.split(), "order", "name", "kind"}
+        if not isinstance(block, dict):
+            raise self.error(f"`{key}` must be an object with {needed.replace(' ', ', ')}")
+        for name in block:
+            if name not in allowed:
+                raise self.error(f"`{key}` has the unknown key {name!r}")
+        for name in needed.split():
+            if name not in block:
+                raise self.error(f"`{key}.{name}` is missing")
+        if block.get("kind", "runge-kutta") != "runge-kutta":
+            raise self.error(f"`{key}.kind` must be 'runge-kutta', got {shown(block['kind'])}")
+        order = block.get("order", 0)
+        if isinstance(order, bool) or not isinstance(order, int) or order < 0:
+            raise self.error(f"`{key}.order` must be a whole number, got {shown(order)}")
+        return block
+
+    def _claims(self) -> Mapping[str, Any]:
+        claims = self.doc["claims"]
+        if not isinstance(claims, dict) or not claims:
+            raise self.error(
+                f"`claims` must be an object with at least one claim, got {shown(claims)}"
+            )
+        for key, value in claims.items():
+            if key not in CLAIMS:
+                raise self.error(
+                    f"the claim {key!r} is unknown; known are {', '.join(sorted(CLAIMS))}"
+                )
+            if not isinstance(value, CLAIMS[key]) or (
+                isinstance(value, bool) and CLAIMS[key] is int
+            ):
+                kind = {int: "a whole number", bool: "true or false", list: "a list of strings"}
+                wanted = kind.get(CLAIMS[key], "a string")  # type: ignore[arg-type]
+                raise self.error(f"the claim {key!r} must be {wanted}, got {shown(value)}")
+            if isinstance(value, int) and not isinstance(value, bool) and not 0 <= value <= 20:
+                raise self.error(f"the claim {key!r} must lie between 0 and 20, got {value}")
+            if isinstance(value, list):
+                for i, text in enumerate(value):
+                    self.scalar(text, f"claims.{key}[{i + 1}]")
+            if isinstance(value, str):
+                self.scalar(value, f"claims.{key}")
+        return dict(claims)
+
+    def _source(self) -> Mapping[str, Any]:
+        source = self.doc["source"]
+        if not isinstance(source, dict):
+            raise self.error(f"`source` must be an object, got {shown(source)}")
+        for key in ("citation", "where", "status"):
+            if not isinstance(source.get(key), str) or not source[key]:
+                raise self.error(f"`source.{key}` must be a non-empty string; say who, where, how")
+        if source["status"] not in STATUS:
+            raise self.error(
+                f"`source.status` must be one of {', '.join(STATUS)}, got {shown(source['status'])}"
+            )
+        return dict(source)
+
+    def _check_real(self, built: GLM | PartitionedGLM) -> None:
+        """A real tableau has real entries; a complex one says ``"field": "complex"``."""
+        field = self.doc.get("field", "real")
+        if field not in ("real", "complex"):
+            raise self.error(f"`field` must be 'real' or 'complex', got {shown(field)}")
+        if field == "complex":
+            return
+        hats = ("", "_hat") if isinstance(built, PartitionedGLM) else ("",)
+        for letter in (x + hat for x in "AUBV" for hat in hats):
+            for i, row in enumerate(getattr(built, letter)):
+                for j, x in enumerate(row):
+                    if not x.is_real():
+                        raise self.error(
+                            f"`{letter}[{i + 1}][{j + 1}]` is complex ({complex(x):.6g}) in a real "
+                            f"tableau; a square root of a negative number, or say "
+                            f'"field": "complex"'
+                        )
