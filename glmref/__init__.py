@@ -9,16 +9,18 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from .analysis import Analysis, analyze
     from .catalogue import load, names
     from .claims import DataError, ExactnessError, Finding, GlmrefError, Proof, UsageError, Verdict
     from .engine.solve import Solution, solve
     from .method import GLM, FinishingMethod, PartitionedGLM, StartingMethod
     from .problems import Problem, problem
-    from .verification import Analysis, analyze, verify
+    from .verification import verify
 
 __version__ = "0.1.0"
 
 _HOMES = {
+    "analysis": ("Analysis", "analyze"),
     "catalogue": ("load", "names"),
     "claims": (
         "DataError",
@@ -32,7 +34,7 @@ _HOMES = {
     "engine.solve": ("Solution", "solve"),
     "method": ("GLM", "FinishingMethod", "PartitionedGLM", "StartingMethod"),
     "problems": ("Problem", "problem"),
-    "verification": ("Analysis", "analyze", "verify"),
+    "verification": ("verify",),
 }
 _HOME_OF = {name: home for home, public in _HOMES.items() for name in public}
 

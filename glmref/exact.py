@@ -32,9 +32,12 @@ BALL_BITS = 512
 _MAX_BITS = 1 << 16
 
 _FIELD = _gr.gr_complex_algebraic_ca_ctx.new()
+_MINIMAL = _gr.gr_complex_qqbar_ctx.new()  # the same numbers by their minimal polynomials
+_TERM = re.compile(r"(?P<sign>[+-]?)(?:(?P<c>\d+)\*?)?(?P<a>a(?:\^(?P<n>\d+))?)?")
 _NUMBER = r"(?:\[[^\]]*\]|[-+]?[0-9][0-9.]*(?:e[-+]?[0-9]+)?)"
 _BALL_TEXT = re.compile(
-    rf"\(?(?P<re>{_NUMBER})?(?:(?P<sign> [+-] )?(?P<im>{_NUMBER})\*I)?\)?$",
+    # the lookahead keeps a purely imaginary number from being split into a real part and the rest
+    rf"\(?(?:(?P<re>{_NUMBER})(?=\)?$| [+-] ))?(?:(?P<sign> [+-] )?(?P<im>{_NUMBER})\*I)?\)?$",
 )
 _RATIONAL_TEXT = re.compile(r"\{(-?\d+(?:/\d+)?)\}$|^(-?\d+)$")
 
@@ -132,14 +135,18 @@ class Exact(_Arithmetic):
 
     @classmethod
     def _wrap(cls, element: Any) -> Exact:
-        """Wrap a field element; rational ones are noticed, their arithmetic is far faster."""
+        """Wrap a field element; whether it is rational is found only when asked: `_settle`."""
         self = cls.__new__(cls)
         self._q, self._gr = None, element
-        match = _RATIONAL_TEXT.search(repr(element))
-        if match is not None:
-            numerator, _, denominator = (match[1] or match[2]).partition("/")
-            self._q = flint.fmpq(int(numerator), int(denominator or 1))
         return self
+
+    def _settle(self) -> None:
+        """Notice a rational value. It costs a printing, ten operations: never in arithmetic."""
+        if self._q is None:
+            match = _RATIONAL_TEXT.search(repr(self._gr))
+            if match is not None:
+                numerator, _, denominator = (match[1] or match[2]).partition("/")
+                self._q = flint.fmpq(int(numerator), int(denominator or 1))
 
     @property
     def _element(self) -> Any:
@@ -160,6 +167,41 @@ class Exact(_Arithmetic):
             return Exact._wrap(operation(self._element, other._element))
         except AssertionError:  # flint's way to say that there is no quotient
             raise ZeroDivisionError("division by an exact zero") from None
+
+    def __truediv__(self, other: object) -> Any:
+        if isinstance(other, Exact) and other._q is None:
+            return self * other._reciprocal()
+        return self._binary(other, operator.truediv)
+
+    def __rtruediv__(self, other: object) -> Any:
+        if isinstance(other, int | Fraction) and not isinstance(other, bool):
+            return Exact(other) * self._reciprocal()
+        return NotImplemented
+
+    def _reciprocal(self) -> Exact:
+        """1/x as a polynomial in the roots, never a fraction of two.
+
+        flint does not clear roots from denominators of fields with several of them; such fractions
+        grow until zero cannot be decided. From the minimal polynomial p of x,
+        ``1/x = -(p(x) - p(0)) / (x p(0))``.
+
+        Raises
+        ------
+            ZeroDivisionError: for zero.
+        """
+        plain = Exact(1)._binary(self, operator.truediv)
+        if not re.search("[a-z]", repr(plain._element).partition(" where ")[0].partition("/")[2]):
+            return plain
+        text = repr(_MINIMAL(self._element)).partition(" of ")[2]
+        coefficients: dict[int, int] = {}
+        for term in _TERM.finditer(text):
+            if term[0]:
+                degree = int(term["n"] or 1) if term["a"] else 0
+                coefficients[degree] = int(term["sign"] + (term["c"] or "1"))
+        value = Exact(0)
+        for degree in range(max(coefficients), 0, -1):
+            value = value * self + coefficients.get(degree, 0)
+        return value * Fraction(-1, coefficients[0])
 
     def is_zero(self) -> bool:
         """Decide whether this number is zero, exactly.
@@ -213,6 +255,7 @@ class Exact(_Arithmetic):
 
     def as_fraction(self) -> Fraction | None:
         """Return the value as a Fraction, or ``None`` when it is irrational."""
+        self._settle()
         if self._q is None:
             return None
         return Fraction(int(self._q.p), int(self._q.q))

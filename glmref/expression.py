@@ -20,7 +20,7 @@ from fractions import Fraction
 from .claims import DataError, ExactnessError
 from .exact import Ball, Exact, Scalar, root_of_unity
 
-__all__ = ["parse", "to_text"]
+__all__ = ["Text", "parse", "to_text"]
 
 MAX_LENGTH = 4000  # characters of one entry; the longest published one has about 200
 MAX_DEPTH = 40  # nested parentheses and signs
@@ -31,6 +31,23 @@ MAX_RADICALS = 40  # in one entry: each may double the degree of the field
 MAX_RADICAL_DEPTH = 4  # sqrt inside sqrt
 
 _TOKEN = re.compile(r"\s*(?:([0-9]+\.[0-9]*|\.[0-9]+|[0-9]+)|([A-Za-z_][A-Za-z_0-9]*)|([-+*/(),]))")
+
+
+class Text(str):
+    """An entry as it is written, with the number it stands for.
+
+    Claims are kept this way: the text is what a reader sees, the value what is compared. Constants
+    of the file are already in the value.
+    """
+
+    __slots__ = ("value",)
+    value: Scalar
+
+    def __new__(cls, text: str, value: Scalar) -> Text:
+        """Attach a value to a text."""
+        self = super().__new__(cls, text)
+        self.value = value
+        return self
 
 
 def parse(

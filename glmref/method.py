@@ -150,6 +150,7 @@ class GLM:
         finishing: finishing method, or ``None`` where the first value is the solution.
         claims: what its file claims, by key; empty for a method that was computed.
         source: citation, place and status, as in the file.
+        document: the file's JSON object, ``None`` for a method that was computed.
 
     The constructor takes strings, ints, Fractions or scalars and checks shapes.
 
@@ -173,6 +174,7 @@ class GLM:
     finishing: FinishingMethod | None = None
     claims: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     source: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+    document: Mapping[str, Any] | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         for letter in "AUBV":
@@ -236,6 +238,7 @@ class GLM:
         empty: dict[str, Any] = {
             "claims": MappingProxyType({}),
             "source": MappingProxyType({}),
+            "document": None,
             "starting": None,
             "finishing": None,
             "G": None,
@@ -336,6 +339,7 @@ class PartitionedGLM:
     starting_p: StartingMethod | None = None
     claims: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     source: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+    document: Mapping[str, Any] | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         for letter in "AUBV":

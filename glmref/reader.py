@@ -13,7 +13,7 @@ from typing import Any
 from . import families
 from .claims import DataError, ExactnessError
 from .exact import Scalar
-from .expression import parse
+from .expression import Text, parse
 from .linalg import Matrix, Vector
 from .method import GLM, FinishingMethod, PartitionedGLM, StartingMethod
 from .strict_json import shown
@@ -36,7 +36,7 @@ _BLOCKS: Mapping[str, frozenset[str]] = {
     "rk": frozenset(["A", "b"]),
     "lmm": frozenset(["alpha", "beta"]),
     "one-leg": frozenset(["alpha", "beta", "G"]),
-    "sweep": frozenset(["b", "omega", "gamma", "V", "G"]),
+    "sweep": frozenset(["D", "X", "V", "G"]),
     "composition": frozenset(["base", "gamma"]),
     "splitting": frozenset(["a", "b", "first"]),
     "partitioned-rk": frozenset(["A", "b", "A_hat", "b_hat"]),
@@ -46,8 +46,10 @@ _OPTIONAL = frozenset(["G", "D", "D_P", "D_Q", "separable"])
 CLAIMS: Mapping[str, type | tuple[type, ...]] = {
     "order": int,
     "order-identity": int,
+    "effective-order": int,
     "stage-order": int,
     "starting-order": int,
+    "finishing-order": int,
     "preconsistent": bool,
     "consistent": bool,
     "zero-stable": bool,
@@ -214,6 +216,7 @@ class _Reader:
             "finishing": self._finishing(),
             "claims": self._claims(),
             "source": self._source(),
+            "document": self.doc,
         }
 
     def _one_step(self, base: GLM) -> GLM:
@@ -230,6 +233,13 @@ class _Reader:
         return self._one_step(
             families.runge_kutta(self.matrix(self.doc["A"], "A"), self.vector(self.doc["b"], "b"))
         )
+
+    def _sweep(self) -> GLM:
+        from .sweep_form import build, explicit_stages
+
+        D, blocks = self.vector(self.doc.get("D"), "D"), self.square(self.doc, "XVG")
+        explicit = explicit_stages(self.doc.get("enclosure", {}), len(D))
+        return self._one_step(build(D, **blocks, explicit=explicit))
 
     def _lmm(self) -> GLM:
         return self._one_step(families.linear_multistep(*self._alpha_beta()))
@@ -290,7 +300,13 @@ class _Reader:
     def _pair(self, built: PartitionedGLM) -> PartitionedGLM:
         from dataclasses import replace
 
-        return replace(built, name=self.doc["name"], claims=self._claims(), source=self._source())
+        return replace(
+            built,
+            name=self.doc["name"],
+            claims=self._claims(),
+            source=self._source(),
+            document=self.doc,
+        )
 
     def _starting(self, r: int) -> StartingMethod | None:
         block = self._tableau_block("starting", "A B u")
@@ -361,12 +377,15 @@ class _Reader:
                 raise self.error(f"the claim {key!r} must be {wanted}, got {shown(value)}")
             if isinstance(value, int) and not isinstance(value, bool) and not 0 <= value <= 20:
                 raise self.error(f"the claim {key!r} must lie between 0 and 20, got {value}")
-            if isinstance(value, list):
-                for i, text in enumerate(value):
-                    self.scalar(text, f"claims.{key}[{i + 1}]")
-            if isinstance(value, str):
-                self.scalar(value, f"claims.{key}")
-        return dict(claims)
+        return {key: self._claimed(value, f"claims.{key}") for key, value in claims.items()}
+
+    def _claimed(self, value: Any, where: str) -> Any:
+        """Attach their values to the expressions of a claim."""
+        if isinstance(value, list):
+            return [self._claimed(text, f"{where}[{i + 1}]") for i, text in enumerate(value)]
+        if isinstance(value, bool | int):
+            return value
+        return Text(value, self.scalar(value, where))
 
     def _source(self) -> Mapping[str, Any]:
         source = self.doc["source"]

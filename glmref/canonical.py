@@ -1,0 +1,116 @@
+"""The one way a JSON document of this project is written: the same document, the same bytes.
+
+Objects have one key a line, in the order of :data:`KEY_ORDER` and then of the alphabet; a list of
+plain values stands on one line, so that a matrix shows one row a line; sentences (:data:`PROSE`)
+have a line each; a file ends with a newline. Constants keep their order (:data:`IN_ORDER`), because
+a constant may use those above it. Only the standard library is used, so that any script can format
+data without this package's dependencies.
+
+Public names::
+
+    canonical(document) -> str          the text of one file
+    checksums(root) -> str              the text of SHA256SUMS for a data folder
+    datapackage(root, head) -> dict     the datapackage document with every file listed
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+__all__ = ["IN_ORDER", "KEY_ORDER", "PROSE", "canonical", "checksums", "datapackage"]
+
+#: Keys of method files in reading order: what it is, its coefficients, what is claimed, from where.
+KEY_ORDER: tuple[str, ...] = (
+    *("$schema", "$id", "format", "name", "title", "class", "field", "broken", "notes"),
+    *("digits", "unknowns", "constants", "base", "first", "separable", "kind"),
+    *("alpha", "beta", "a", "A", "U", "B", "V", "b", "omega", "gamma", "q", "p", "A_hat", "b_hat"),
+    *("u", "G", "D", "D_P", "D_Q", "enclosure", "starting", "finishing", "claims"),
+    *("order", "order-identity", "effective-order", "stage-order", "starting-order"),
+    *("error-constant", "abscissae"),
+    *("preconsistent", "consistent", "zero-stable", "explicit", "symplectic", "g-symplectic"),
+    *("symmetric", "parasitism-free", "growth", "a-stable", "l-stable", "claim", "flag", "why"),
+    *("source", "citation", "doi", "where", "status", "errata", "bibtex"),
+)
+#: Objects whose keys keep the order they are given in.
+IN_ORDER = frozenset(["constants", "unknowns"])
+#: Lists of sentences.
+PROSE = frozenset(["errata", "notes"])
+_RANK: Mapping[str, int] = {key: rank for rank, key in enumerate(KEY_ORDER)}
+
+#: Files that list the others and so cannot list themselves.
+_SUMS, _PACKAGE = "SHA256SUMS", "datapackage.json"
+
+
+def canonical(document: Mapping[str, Any]) -> str:
+    """Return the text of a document; two equal documents have the same text, whatever their order.
+
+    Raises
+    ------
+        TypeError: for a value JSON does not have.
+        ValueError: for NaN or an infinity.
+    """
+    return _write(document, "") + "\n"
+
+
+def _write(value: Any, margin: str, name: str = "") -> str:
+    deeper = margin + "  "
+    if isinstance(value, Mapping) and value:
+        keys = list(value)
+        if name not in IN_ORDER:
+            keys.sort(key=lambda key: (_RANK.get(key, len(_RANK)), key))
+        rows = [f"{json.dumps(key)}: {_write(value[key], deeper, key)}" for key in keys]
+        return _lines("{", rows, "}", margin)
+    if isinstance(value, list | tuple) and value:
+        nested = any(isinstance(x, list | tuple | Mapping) for x in value)
+        if nested or name in PROSE:
+            return _lines("[", [_write(x, deeper) for x in value], "]", margin)
+    return json.dumps(value, ensure_ascii=False, allow_nan=False)
+
+
+def _lines(left: str, rows: Iterable[str], right: str, margin: str) -> str:
+    inner = ",\n".join(f"{margin}  {row}" for row in rows)
+    return f"{left}\n{inner}\n{margin}{right}"
+
+
+def _files(root: Path, *without: str) -> list[Path]:
+    """Every file of the data folder but hidden ones and those named, sorted by path."""
+    found = (x for x in root.rglob("*") if x.is_file())
+    shown = (x for x in found if not any(p[0] in "._" for p in x.relative_to(root).parts))
+    return sorted((x for x in shown if x.relative_to(root).as_posix() not in without), key=str)
+
+
+def checksums(root: Path) -> str:
+    """Return the text of SHA256SUMS: what ``sha256sum -c SHA256SUMS`` reads, one line a file."""
+    lines = (
+        f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.relative_to(root).as_posix()}\n"
+        for path in _files(root, _SUMS)
+    )
+    return "".join(lines)
+
+
+def datapackage(root: Path, head: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the datapackage document: its ``head`` and every file with size and hash.
+
+    Args:
+        root: the data folder.
+        head: the document without ``resources``, or an older one whose ``resources`` are replaced.
+
+    References: Data Package (v2), https://datapackage.org/standard/data-package/.
+    """
+    resources = []
+    for path in _files(root, _SUMS, _PACKAGE):
+        content, place = path.read_bytes(), path.relative_to(root)
+        resources.append(
+            {
+                "name": "-".join((*place.parent.parts, place.stem)).lower(),
+                "path": place.as_posix(),
+                "format": place.suffix.removeprefix(".") or "text",
+                "bytes": len(content),
+                "hash": f"sha256:{hashlib.sha256(content).hexdigest()}",
+            }
+        )
+    return {**head, "resources": resources}

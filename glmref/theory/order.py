@@ -1,0 +1,374 @@
+"""Order of a general linear method: the existence of a starting series, decided exactly.
+
+Public names::
+
+    order_of(method, *, max_order=12, principal="free") -> OrderResult
+    order_residuals(method, order, *, principal="identity") -> dict[Tree, Scalar]
+    error_norm(result) -> float              Euclidean norm of residual / sigma at order p + 1
+    error_max(result) -> float               largest residual at order p + 1
+    conjugate_error(result) -> dict[Tree, Scalar]    the same residuals, least squares over the
+                                             principal parts: what no conjugation can remove
+    OrderResult                              frozen record, see its attributes
+
+A method has order p when there is a starting series eta with ``M S = S E + O(h^(p+1))``. With
+``principal="free"`` any series will do (for r = 1 this is Butcher's effective order); with
+``principal="identity"`` the first value must be the solution itself, ``eta_1(t) = 0`` for every
+tree, so that no finishing method is needed. The treatment is complete: see
+:mod:`glmref.theory.conditions` for the conditions and the proof that deciding order by order, with
+at most one choice of the principal parts left each time, loses no starting series.
+
+References
+----------
+Butcher, "Numerical Methods for Ordinary Differential Equations" (2016), sections 389, 531-535.
+Khan, MS thesis, COMSATS University Islamabad, Lahore (2018), section 2.3.3.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from math import sqrt
+from typing import Any, Literal
+
+from ..claims import ExactnessError, Proof, UsageError
+from ..exact import Ball, Exact, Scalar
+from ..linalg import Vector
+from ..method import GLM
+from .blocks import Block, NotPreconsistent, make_block
+from .conditions import Conditions
+from .series import Series, is_zero, plus, times
+from .trees import MAX_ORDER, ROOTED, Palette, Tree, pruned, trees
+
+__all__ = [
+    "OrderResult",
+    "Principal",
+    "conjugate_error",
+    "error_max",
+    "error_norm",
+    "order_of",
+    "order_residuals",
+]
+
+Principal = Literal["free", "identity"]
+
+
+@dataclass(frozen=True, eq=False)
+class OrderResult:
+    """What is known about the order of a method or a pair.
+
+    Attributes
+    ----------
+        order: the order p; 0 for a method that is not consistent (``reason`` says why).
+        principal: ``"free"`` or ``"identity"``.
+        failing_tree: first tree of order p + 1 whose condition fails, or ``None``.
+        residual: its residual ``w R(t)`` (w the left eigenvector, w u = 1), or ``None``.
+        residuals: residuals of all trees of order p + 1, the error constants. For a method that
+            needs no finishing these are the coefficients of the local error, by tree. With a free
+            principal part the parts of order p are chosen so that the trees with a leaf at the root
+            have none: see :func:`conjugate_error` for the least choice.
+        eta: the starting series through order p, vectors with r entries; ``None`` at order 0.
+            Principal parts of order p are free, and are zero here.
+        abscissae: c = A 1 + U v by root colour (``"o"``; ``"f"`` for Q and ``"k"`` for P).
+        stage_order: largest q <= p such that every stage is the solution at time c_i h,
+            ``xi(t) = c^|t| / gamma(t)`` for all trees of order <= q, for this starting series (at
+            q = p for some choice of its free principal parts, where several values are carried).
+        proof: exact, or enclosed where balls took part.
+        largest_residual: upper bound of the residuals of all trees of order <= p; 0.0 when exact.
+        undecided: trees of order <= p whose residual is a ball that contains zero.
+        decided: whether failing at order p + 1 excludes every starting series.
+        at_least: whether the search ended at ``max_order`` without a failing tree.
+        reason: one sentence for what is not the usual case, or ``""``.
+        multiplicity: number of eigenvectors of V to the eigenvalue 1, 0 where there is none.
+    """
+
+    order: int
+    principal: Principal
+    failing_tree: Tree | None = None
+    residual: Scalar | None = None
+    residuals: Mapping[Tree, Scalar] = field(default_factory=dict)
+    eta: Series | None = None
+    abscissae: Mapping[str, Vector] = field(default_factory=dict)
+    stage_order: int = 0
+    proof: Proof = Proof.EXACT
+    largest_residual: float = 0.0
+    undecided: tuple[Tree, ...] = ()
+    decided: bool = True
+    at_least: bool = False
+    reason: str = ""
+    multiplicity: int = 0
+
+    @property
+    def witness(self) -> str:
+        """One sentence: what decides the order."""
+        if self.failing_tree is None or self.residual is None:
+            bound = f"no tree of order {self.order} or less fails" if self.at_least else ""
+            return "; ".join(x for x in (bound, self.reason) if x)
+        size = self.residual.magnitude()
+        fails = f"tree {self.failing_tree} of order {self.order + 1} has residual {size:.6g}"
+        return f"{fails}; {self.reason}" if self.reason else fails
+
+
+def order_of(method: GLM, *, max_order: int = 12, principal: Principal = "free") -> OrderResult:
+    """Decide the order of a method.
+
+    Args:
+        method: the method; entries may be exact or balls.
+        max_order: largest order looked at.
+        principal: ``"free"``, or ``"identity"`` where the first value must be the solution itself.
+
+    Returns
+    -------
+        The order with its witness; order 0 with the reason for a method that is not consistent.
+
+    Raises
+    ------
+        UsageError: for another ``principal`` or a ``max_order`` for which trees are not listed.
+    """
+    entries = (method.A, method.U, method.B, method.V)
+    return decide([("o", entries)], ROOTED, max_order, principal)
+
+
+def order_residuals(
+    method: GLM, order: int, *, principal: Principal = "identity"
+) -> dict[Tree, Scalar]:
+    """Return the residuals of all conditions through the given order, decided or not.
+
+    For solvers: works for every number type, and goes on past residuals that are not zero. With a
+    free principal part the conditions that only determine it are left out.
+
+    Raises
+    ------
+        UsageError: when the method has no u with V u = u and U u = 1.
+    """
+    _check_arguments(order, principal)
+    try:
+        blocks = {"o": make_block(method.A, method.U, method.B, method.V)}
+    except NotPreconsistent as reason:
+        raise UsageError(f"the method {method.name!r} is not preconsistent: {reason}") from None
+    return residuals_of(blocks, ROOTED, order, principal)
+
+
+def residuals_of(
+    blocks: Mapping[str, Block], palette: Palette, order: int, principal: Principal
+) -> dict[Tree, Scalar]:
+    """Residuals of all conditions through the given order, of prepared methods."""
+    conditions = Conditions(blocks, palette, principal)
+    found: dict[Tree, Scalar] = {}
+    for _ in range(order):
+        level = conditions.advance()
+        found.update({t: _one(x) for t, x in level.items() if t not in conditions.determined})
+    return found
+
+
+def _check_arguments(order: int, principal: str) -> None:
+    if principal not in ("free", "identity"):
+        raise UsageError(f"`principal` must be 'free' or 'identity', got {principal!r}")
+    if not isinstance(order, int) or not 1 <= order <= MAX_ORDER:
+        raise UsageError(f"the order must be an integer from 1 to {MAX_ORDER}, got {order!r}")
+
+
+def _one(residual: Sequence[Any]) -> Scalar:
+    """The residual of a tree as one number: the first entry that is not certainly zero."""
+    value = next((x for x in residual if is_zero(x) is not True), 0)
+    return Exact(value) if isinstance(value, int | Fraction) else value
+
+
+def decide(
+    methods: Iterable[tuple[str, tuple[Any, Any, Any, Any]]],
+    palette: Palette,
+    max_order: int,
+    principal: Principal,
+) -> OrderResult:
+    """Decide the order of one method or a pair, given as (A, U, B, V) by root colour."""
+    _check_arguments(max_order, principal)
+    methods = list(methods)
+    exact = not any(isinstance(x, Ball) for _, m in methods for e in m for row in e for x in row)
+    proof = Proof.EXACT if exact else Proof.ENCLOSED
+    try:
+        blocks = {colour: make_block(*entries) for colour, entries in methods}
+    except NotPreconsistent as reason:
+        return OrderResult(0, principal, proof=proof, reason=f"not preconsistent: {reason}")
+    except ExactnessError as reason:
+        return OrderResult(0, principal, proof=proof, decided=False, reason=str(reason))
+    conditions = Conditions(blocks, palette, principal)
+    result = OrderResult(
+        0, principal, proof=proof, multiplicity=max(len(b.N) for b in blocks.values())
+    )
+    if not all(b.certain for b in blocks.values()):
+        reason = "V has the eigenvalue 1 only within the radius of its balls"
+        result = replace(result, reason=reason)
+    largest, undecided = 0.0, []
+    for n in range(1, max_order + 1):
+        level = {t: _one(x) for t, x in conditions.advance().items()}
+        answers = {t: is_zero(x) for t, x in level.items()}
+        failing = next((t for t, answer in answers.items() if answer is False), None)
+        if failing is not None:
+            result = replace(result, failing_tree=failing, residual=level[failing], residuals=level)
+            return _finish(conditions, result, n - 1, largest, undecided)
+        undecided += [t for t, answer in answers.items() if answer is None]
+        largest = max([largest, *(level[t].magnitude() for t, a in answers.items() if a is None)])
+    return _finish(conditions, replace(result, at_least=True), max_order, largest, undecided)
+
+
+def _finish(
+    conditions: Conditions,
+    result: OrderResult,
+    order: int,
+    largest: float,
+    undecided: Sequence[Tree],
+) -> OrderResult:
+    """Add to a result what follows once the order is known."""
+    complete = conditions.complete or result.at_least
+    if not complete:
+        more = (
+            "the eigenvalue 1 of V is multiple, and whether other principal parts reach a higher "
+            "order is not decided"
+        )
+        result = replace(result, reason="; ".join(x for x in (result.reason, more) if x))
+    eta = _starting_series(conditions, order) if order else None
+    return replace(
+        result,
+        order=order,
+        largest_residual=largest,
+        undecided=tuple(undecided),
+        decided=complete,
+        eta=eta,
+        abscissae={c: tuple(map(_scalar, conditions.abscissae(c))) for c in conditions.palette},
+        stage_order=0 if eta is None else _stage_order(conditions, eta, order),
+    )
+
+
+def _scalar(x: Any) -> Scalar:
+    return Exact(x) if isinstance(x, int | Fraction) else x
+
+
+def _starting_series(conditions: Conditions, order: int) -> Series:
+    """The starting series through ``order``, principal parts of that order zero."""
+    values = {t: x for t, x in conditions.eta.items() if t.order < order}
+    last = conditions.eta if conditions.order == order else conditions.last_free
+    values.update({t: x for t, x in last.items() if t.order == order})
+    return Series(
+        {t: tuple(map(_scalar, x)) for t, x in values.items()},
+        {colour: block.u for colour, block in conditions.blocks.items()},
+        order,
+        conditions.palette,
+    )
+
+
+def _stage_order(conditions: Conditions, eta: Series, order: int) -> int:
+    for q in range(1, order + 1):
+        for t in trees(q, conditions.palette):
+            defect = conditions.stage_defect(t, eta[t])
+            if q == order and _adjustable(conditions, eta, t.colour):
+                defect = tuple(plus(x, times(-1, defect[0])) for x in defect[1:])
+            if is_zero(defect) is False:
+                return q - 1
+    return order
+
+
+def _adjustable(conditions: Conditions, eta: Series, colour: str) -> bool:
+    """Whether the free principal parts of the highest order are chosen to suit the stages.
+
+    Not for a Runge-Kutta method that starts from the solution itself: its stage order is that of
+    the literature, 1 for the midpoint rule.
+    """
+    if not conditions.free or len(conditions.blocks[colour].u) > 1:
+        return conditions.free
+    known = ((t, x) for t, x in eta.support().items() if t.colour == colour)
+    return any(
+        is_zero(conditions.principal_part(colour, x)) is not True
+        for t, x in known
+        if t.order < eta.order
+    )
+
+
+# -- error constants ---------------------------------------------------------------------------
+
+
+def error_max(result: OrderResult) -> float:
+    """Largest magnitude of a residual at order p + 1; 0.0 where none was computed."""
+    return max((x.magnitude() for x in result.residuals.values()), default=0.0)
+
+
+def error_norm(result: OrderResult, residuals: Mapping[Tree, Scalar] | None = None) -> float:
+    """Euclidean norm of ``residual / sigma`` over the trees of order p + 1.
+
+    The local error is ``h^(p+1)`` times the sum of ``residual / sigma`` times the elementary
+    differential, so this is the usual principal error norm (Hairer, Norsett, Wanner (1993), II.1).
+
+    Args:
+        result: an order with its residuals.
+        residuals: others of the same order to take instead, for example of
+            :func:`conjugate_error`.
+    """
+    chosen = result.residuals if residuals is None else residuals
+    return sqrt(sum((x.magnitude() / t.symmetry) ** 2 for t, x in chosen.items()))
+
+
+def conjugate_error(result: OrderResult) -> dict[Tree, Scalar]:
+    """Return the residuals at order p + 1 for the principal parts of order p that make them least.
+
+    Least squares of ``residual / sigma``. A conjugation cannot remove what is left.
+
+    Raises
+    ------
+        UsageError: when the result holds no residuals, or stands for several eigenvectors.
+    """
+    if not result.residuals or result.multiplicity != 1:
+        raise UsageError("error constants up to conjugation need residuals and a simple eigenvalue")
+    level = list(result.residuals)
+    palette = result.eta.palette if result.eta is not None else ROOTED
+    order = level[0].order
+    smaller = trees(order - 1, palette) if order > 1 else ()
+    if order == 2:  # at the single nodes a common shift in time changes nothing
+        smaller = tuple(s for s in smaller if s.colour != next(iter(palette)))
+    place = {s: j for j, s in enumerate(smaller)}
+    rows = [_commutator_row(t, place) for t in level]
+    gram = [[Fraction(0)] * len(smaller) for _ in smaller]
+    right: list[Any] = [0] * len(smaller)
+    for t, row in zip(level, rows, strict=True):
+        weight = Fraction(1, t.symmetry**2)
+        for i, x in row.items():
+            right[i] = plus(right[i], times(-x * weight, result.residuals[t]))
+            for j, y in row.items():
+                gram[i][j] += x * y * weight
+    best = _solve_rational(gram, right)
+    moved = {}
+    for t, row in zip(level, rows, strict=True):
+        total: Any = result.residuals[t]
+        for j, x in row.items():
+            total = plus(total, times(x, best[j]))
+        moved[t] = _scalar(total)
+    return moved
+
+
+def _commutator_row(t: Tree, place: Mapping[Tree, int]) -> dict[int, int]:
+    """Row t of L: how principal parts one order lower enter the condition of t."""
+    row: dict[int, int] = {}
+    for kept, count in pruned(t).items():
+        if kept in place:
+            row[place[kept]] = -count
+    if len(t.children) == 1 and t.children[0] in place:
+        at = place[t.children[0]]
+        row[at] = row.get(at, 0) + 1
+    return row
+
+
+def _solve_rational(matrix: list[list[Fraction]], right: list[Any]) -> list[Any]:
+    """Solve a positive definite rational system whose right side may be of any number type."""
+    size = len(matrix)
+    a, b = [list(row) for row in matrix], list(right)
+    for i in range(size):
+        lead = 1 / a[i][i]
+        for k in range(i + 1, size):
+            factor = a[k][i] * lead
+            if factor:
+                a[k] = [x - factor * y if y else x for x, y in zip(a[k], a[i], strict=True)]
+                b[k] = plus(b[k], times(-factor, b[i]))
+    for i in reversed(range(size)):
+        total = b[i]
+        for j in range(i + 1, size):
+            total = plus(total, times(-a[i][j], b[j]))
+        b[i] = times(1 / a[i][i], total)
+    return b

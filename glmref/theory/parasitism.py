@@ -1,0 +1,311 @@
+"""Growth of parasitic components, at every eigenvalue of V of modulus one other than the principal.
+
+Near an eigenvalue zeta with left and right eigenvectors w, v (w v = 1) the carried values hold a
+component that grows like ``phi' = mu f'(y) phi`` with ``mu = zeta^-1 w B U v``. A method whose
+growth parameters are all zero is free of parasitism, to first order in h.
+
+For a pair ``q' = f(p), p' = k(q)`` the components at a common eigenvalue are coupled:
+``phi_q' = mu_q f' phi_p, phi_p' = mu_p k' phi_q``, with ``mu_q = zeta^-1 w B U^ v^`` and
+``mu_p = zeta^-1 w^ B^ U v``; both are asked to be zero. Where the stages are shared, f and k may
+depend on both variables, and ``mu_qq = zeta^-1 w B U v``, ``mu_pp = zeta^-1 w^ B^ U^ v^`` count
+too.
+
+Public names::
+
+    growth(m) -> Parasitism                    growth_parameters(m) -> tuple[Scalar, ...]
+    growth_parameter(m, zeta, w, v) -> Scalar  is_parasitism_free(m) -> bool | None
+    real_block_residual(m, k) -> (sum, difference)
+    pair_growth(pair) -> PairParasitism        is_pair_parasitism_free(pair) -> bool | None
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .. import linalg
+from ..claims import ExactnessError
+from ..exact import Exact, Scalar
+from ..linalg import Matrix, Vector
+from ..method import GLM, PartitionedGLM
+from .affine import verdict_of
+from .consistency import preconsistency_vector
+from .spectrum import Eigenvalue, eigenvectors, unimodular_eigenvalues
+
+__all__ = [
+    "Growth",
+    "PairGrowth",
+    "PairParasitism",
+    "Parasitism",
+    "growth",
+    "growth_parameter",
+    "growth_parameters",
+    "is_pair_parasitism_free",
+    "is_parasitism_free",
+    "pair_growth",
+    "real_block_residual",
+]
+
+
+@dataclass(frozen=True, eq=False)
+class Growth:
+    """Growth at one eigenvalue.
+
+    Attributes
+    ----------
+        eigenvalue: zeta, of modulus one.
+        multiplicity: of zeta; beyond the principal component where zeta = 1.
+        matrix: (multiplicity, multiplicity) growth matrix ``zeta^-1 W B U X`` in a basis of
+            eigenvectors. One number for a simple eigenvalue.
+        mu: that number for multiplicity 1, else ``None``.
+    """
+
+    eigenvalue: Exact
+    multiplicity: int
+    matrix: Matrix
+    mu: Scalar | None
+
+
+@dataclass(frozen=True, eq=False)
+class Parasitism:
+    """Growth at all parasitic eigenvalues, by increasing argument in (0, 2 pi).
+
+    Attributes
+    ----------
+        free: whether every growth parameter is zero; ``None`` where that is not decided.
+        growths: one record for each eigenvalue; a multiple eigenvalue 1 comes first.
+        residual: largest growth parameter, 0.0 when free.
+        witness: one sentence naming the eigenvalue that grows, or why the question is open.
+    """
+
+    free: bool | None
+    growths: tuple[Growth, ...] = ()
+    residual: float = 0.0
+    witness: str = ""
+
+
+def growth_parameter(m: GLM, zeta: Scalar, w: Vector, v: Vector) -> Scalar:
+    """Growth parameter ``mu = zeta^-1 w B U v / (w v)`` at a simple eigenvalue.
+
+    Args:
+        m: a method. zeta: the eigenvalue. w: (r,) left, v: (r,) right eigenvector of V.
+
+    References: Butcher, Habib, Hill and Norton, SIAM J. Numer. Anal. 52 (2014) 2440; Khan (2018),
+    equation (3.4), for V_22 = -1.
+    """
+    weight = linalg.dot(linalg.vecmat(w, m.B), linalg.matvec(m.U, v))
+    return weight / (zeta * linalg.dot(w, v))
+
+
+def _growth_matrix(
+    zeta: Scalar, left: list[Vector], B: Matrix, U: Matrix, right: list[Vector]
+) -> Matrix:
+    inner = linalg.matmul(tuple(left), B)
+    columns = [linalg.matvec(U, v) for v in right]
+    return tuple(tuple(linalg.dot(row, column) / zeta for column in columns) for row in inner)
+
+
+def _without_principal(m: GLM, V: Matrix) -> tuple[list[Vector], list[Vector]]:
+    """Eigenvectors at 1 with the principal one, u, taken out."""
+    u = preconsistency_vector(m)
+    left, right = eigenvectors(V, Exact(1))
+    if u is None:
+        return left, right
+    # in the scaled basis u has coordinates w_i u; replace one basis vector by u, then drop it
+    coordinates = [linalg.dot(w, u) for w in left]
+    at = next(i for i, x in enumerate(coordinates) if x.is_zero() is False)
+    rest = [i for i in range(len(left)) if i != at]
+    ratio = [coordinates[i] / coordinates[at] for i in rest]
+    dual = [
+        tuple(x - t * y for x, y in zip(left[i], left[at], strict=True))
+        for i, t in zip(rest, ratio, strict=True)
+    ]
+    return dual, [right[i] for i in rest]
+
+
+def _growth_at(m: GLM, eigenvalue: Eigenvalue) -> Growth:
+    zeta = eigenvalue.value
+    if (zeta - 1).is_zero():
+        left, right = _without_principal(m, m.V)
+    else:
+        left, right = eigenvectors(m.V, zeta)
+    matrix = _growth_matrix(zeta, left, m.B, m.U, right)
+    return Growth(zeta, len(right), matrix, matrix[0][0] if len(right) == 1 else None)
+
+
+def _eigenvalue_text(zeta: Exact) -> str:
+    fraction = zeta.as_fraction()
+    return str(fraction) if fraction is not None else f"{complex(zeta):.6g}"
+
+
+def growth(m: GLM) -> Parasitism:
+    """Growth parameters at all eigenvalues of V on the unit circle but the principal one.
+
+    Args:
+        m: a method whose V is exact; A, U and B may be balls.
+
+    References: Butcher, Habib, Hill and Norton, SIAM J. Numer. Anal. 52 (2014) 2440.
+    """
+    try:
+        found = [
+            e
+            for e in unimodular_eigenvalues(m.V)
+            if e.multiplicity > 1 or not (e.value - 1).is_zero()
+        ]
+        growths = tuple(_growth_at(m, e) for e in found)
+    except ExactnessError as error:
+        return Parasitism(None, witness=f"the growth parameters are open: {error}")
+    free: bool | None = True
+    residual, witness = 0.0, ""
+    for g in growths:
+        verdict = verdict_of(g.matrix)
+        if verdict.residual > residual:
+            residual = verdict.residual
+            size = (
+                f"is {residual:.6g}" if verdict.holds is False else f"may be up to {residual:.3g}"
+            )
+            witness = (
+                f"the growth parameter at the eigenvalue {_eigenvalue_text(g.eigenvalue)} of V "
+                f"{size} in size"
+            )
+        free = (
+            False
+            if False in (free, verdict.holds)
+            else None
+            if None in (free, verdict.holds)
+            else True
+        )
+    return Parasitism(free, growths, residual, "" if free else witness)
+
+
+def growth_parameters(m: GLM) -> tuple[Scalar, ...]:
+    """Growth parameters by increasing argument in (0, 2 pi) of the eigenvalue.
+
+    Raises
+    ------
+        ExactnessError: when the eigenvalues are not decided, or one of them is multiple.
+    """
+    found = growth(m)
+    if found.free is None and not found.growths:
+        raise ExactnessError(found.witness)
+    for g in found.growths:
+        if g.mu is None:
+            raise ExactnessError(
+                f"the eigenvalue {_eigenvalue_text(g.eigenvalue)} of V is multiple: it has a "
+                f"growth matrix, not a growth parameter"
+            )
+    return tuple(g.mu for g in found.growths if g.mu is not None)
+
+
+def is_parasitism_free(m: GLM) -> bool | None:
+    """Whether all growth parameters are zero; ``None`` where balls leave it open."""
+    return growth(m).free
+
+
+def real_block_residual(m: GLM, k: int) -> tuple[Scalar, Scalar]:
+    """The growth test on a rotation block of V in real form: both numbers zero means mu = 0.
+
+    The block of B U itself need not vanish: with the block in rows and columns k, k + 1 the growth
+    parameters of the conjugate pair are ``(sum +- i difference) / (2 zeta)`` up to sign.
+
+    Args:
+        m: a real method. k: position, from 0, of the first of the two values.
+
+    Returns
+    -------
+        ``(BU)_kk + (BU)_(k+1)(k+1)`` and ``(BU)_k(k+1) - (BU)_(k+1)k``.
+    """
+    columns = [[row[j] for row in m.U] for j in (k, k + 1)]
+    block = [[linalg.dot(m.B[i], column) for column in columns] for i in (k, k + 1)]
+    return block[0][0] + block[1][1], block[0][1] - block[1][0]
+
+
+@dataclass(frozen=True, eq=False)
+class PairGrowth:
+    """Coupled growth of a pair at one eigenvalue that V and V^ share.
+
+    Attributes
+    ----------
+        eigenvalue: zeta. mu_q, mu_p: the coupled parameters (matrices for multiple eigenvalues).
+        mu_qq, mu_pp: the parameters within q and within p where the stages are shared, or ``None``.
+    """
+
+    eigenvalue: Exact
+    mu_q: Matrix
+    mu_p: Matrix
+    mu_qq: Matrix | None = None
+    mu_pp: Matrix | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class PairParasitism:
+    """Coupled growth at all shared parasitic eigenvalues: the fields of :class:`Parasitism`."""
+
+    free: bool | None
+    growths: tuple[PairGrowth, ...] = ()
+    residual: float = 0.0
+    witness: str = ""
+
+
+def _parasitic(V: Matrix) -> list[Eigenvalue]:
+    found = unimodular_eigenvalues(V)
+    for e in found:
+        if e.multiplicity > 1 and (e.value - 1).is_zero():
+            raise ExactnessError(
+                "1 is a multiple eigenvalue of V, which is not supported for pairs"
+            )
+    return [e for e in found if not (e.value - 1).is_zero()]
+
+
+def _pair_growth_at(pair: PartitionedGLM, zeta: Exact, *, both: bool) -> PairGrowth:
+    w, v = eigenvectors(pair.V, zeta)
+    w_hat, v_hat = eigenvectors(pair.V_hat, zeta)
+    return PairGrowth(
+        zeta,
+        _growth_matrix(zeta, w, pair.B, pair.U_hat, v_hat),
+        _growth_matrix(zeta, w_hat, pair.B_hat, pair.U, v),
+        _growth_matrix(zeta, w, pair.B, pair.U, v) if both else None,
+        _growth_matrix(zeta, w_hat, pair.B_hat, pair.U_hat, v_hat) if both else None,
+    )
+
+
+def pair_growth(pair: PartitionedGLM) -> PairParasitism:
+    """Coupled growth parameters of a pair at the eigenvalues its two halves share.
+
+    A component at an eigenvalue that only one half has meets no partner at first order in h,
+    unless the stages are shared: then its growth within that half counts.
+    """
+    shared = not pair.separable
+    try:
+        q, p = _parasitic(pair.V), _parasitic(pair.V_hat)
+        common = [e.value for e in q if any((e.value - x.value).is_zero() for x in p)]
+        growths = [_pair_growth_at(pair, zeta, both=shared) for zeta in common]
+        if shared and len(common) < max(len(q), len(p)):
+            return PairParasitism(
+                None,
+                tuple(growths),
+                witness="V and V^ have different eigenvalues and the stages are shared: "
+                "not supported",
+            )
+    except ExactnessError as error:
+        return PairParasitism(None, witness=f"the growth parameters are open: {error}")
+    free: bool | None = True
+    residual, witness = 0.0, ""
+    for g in growths:
+        for name in ("mu_q", "mu_p", "mu_qq", "mu_pp"):
+            matrix = getattr(g, name)
+            verdict = verdict_of(matrix or ())
+            if verdict.residual > residual:
+                residual = verdict.residual
+                size = "is" if verdict.holds is False else "may be up to"
+                witness = (
+                    f"{name} {size} {residual:.6g} in size at the eigenvalue "
+                    f"{_eigenvalue_text(g.eigenvalue)} of V"
+                )
+            if free is not False and verdict.holds is not True:
+                free = verdict.holds
+    return PairParasitism(free, tuple(growths), residual, "" if free else witness)
+
+
+def is_pair_parasitism_free(pair: PartitionedGLM) -> bool | None:
+    """Whether all coupled growth parameters are zero; ``None`` where balls leave it open."""
+    return pair_growth(pair).free

@@ -1,0 +1,279 @@
+"""Eigenvalues of modulus one and power-boundedness of a matrix, decided exactly.
+
+Public names::
+
+    unimodular_eigenvalues(V) -> tuple[Eigenvalue, ...]    in order of increasing argument, 1 first
+    eigenvectors(V, zeta) -> (left rows, right columns)
+    power_bounded(V) -> Boundedness
+    argument_key                                           sorts unimodular numbers by argument
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cmp_to_key, lru_cache
+from math import gcd as integer_gcd
+
+from .. import linalg
+from ..claims import ExactnessError
+from ..exact import Ball, Exact, Scalar, exact, root_of_unity
+from ..linalg import Matrix, Vector
+from . import polynomials as poly
+from .polynomials import Polynomial
+
+__all__ = [
+    "Boundedness",
+    "Eigenvalue",
+    "argument_key",
+    "eigenvectors",
+    "power_bounded",
+    "unimodular_eigenvalues",
+]
+
+#: Roots of unity of these orders are tried whatever the field; the others follow from the degree.
+USUAL_ORDERS = (1, 2, 3, 4, 5, 6, 8, 10, 12)
+MAX_ORDER = 90
+
+
+@dataclass(frozen=True)
+class Eigenvalue:
+    """An eigenvalue of modulus one and its algebraic multiplicity."""
+
+    value: Exact
+    multiplicity: int
+
+
+@dataclass(frozen=True)
+class Boundedness:
+    """Whether all powers of a matrix stay below one bound.
+
+    Attributes
+    ----------
+        holds: the decision, ``None`` where balls leave it open.
+        witness: one sentence on what decides.
+    """
+
+    holds: bool | None
+    witness: str
+
+
+def _require_exact(V: Matrix) -> None:
+    if not all(isinstance(x, Exact) for row in V for x in row):
+        raise ExactnessError(
+            "the eigenvalues of V are decided for exact entries only; write V with sqrt() or exp()"
+        )
+
+
+@lru_cache(maxsize=1)
+def _totients() -> dict[int, int]:
+    return {
+        n: sum(integer_gcd(k, n) == 1 for k in range(1, n + 1)) for n in range(1, MAX_ORDER + 1)
+    }
+
+
+@lru_cache(maxsize=4096)
+def _unit_ball(numerator: int, denominator: int) -> Ball:
+    return root_of_unity(numerator, denominator).ball()
+
+
+def _candidate_orders(p: Polynomial) -> list[int]:
+    """Orders of the roots of unity that can be roots: for rational p, phi(n) is at most deg p."""
+    if all(isinstance(a, Exact) and a.as_fraction() is not None for a in p):
+        return [n for n, phi in _totients().items() if phi <= len(p) - 1]
+    return list(USUAL_ORDERS)
+
+
+def _cyclotomic_part(p: Polynomial) -> tuple[list[Eigenvalue], Polynomial]:
+    """Divide out the roots of unity: found roots, and what is left of the polynomial."""
+    found: list[Eigenvalue] = []
+    for order in _candidate_orders(p):
+        for k in range(order):
+            if integer_gcd(k, order) != 1 and order > 1:
+                continue
+            if len(p) <= 1:
+                return found, p
+            balls = tuple(a.ball() for a in p)
+            if not poly.evaluate(balls, _unit_ball(k, order)).ball().contains_zero():
+                continue
+            root, multiplicity = root_of_unity(k, order), 0
+            while len(p) > 1:
+                quotient, rest = poly.divide(p, (-root, exact(1)))
+                if rest:
+                    break
+                p, multiplicity = quotient, multiplicity + 1
+            if multiplicity:
+                found.append(Eigenvalue(root, multiplicity))
+    return found, p
+
+
+def _strip_zero_roots(p: Polynomial) -> Polynomial:
+    while p and p[0].is_zero() is True:
+        p = p[1:]
+    return p
+
+
+def _quadratic_roots(p: Polynomial) -> list[Scalar]:
+    c, b, a = p
+    root = (b * b - 4 * a * c).sqrt()
+    return [(root - b) / (2 * a), (-root - b) / (2 * a)]
+
+
+def _solve_unimodular(p: Polynomial) -> list[Scalar]:
+    """Roots of a squarefree polynomial that is its own mirror image, by square roots.
+
+    Real coefficients allow ``x + 1/x`` as the unknown, of half the degree.
+
+    Raises
+    ------
+        ExactnessError: when the degree is too high for square roots.
+    """
+    degree = len(p) - 1
+    if degree == 1:
+        return [-p[0] / p[1]]
+    if degree == 2:
+        return _quadratic_roots(p)
+    palindromic = all((a - b).is_zero() is True for a, b in zip(p, reversed(p), strict=True))
+    if degree == 4 and palindromic:
+        sums = _quadratic_roots((p[2] - 2 * p[0], p[1], p[0]))  # a t^2 + b t + (c - 2 a) = 0
+        return [x for t in sums for x in _quadratic_roots((exact(1), -t, exact(1)))]
+    raise ExactnessError(
+        f"V has {degree} eigenvalues of modulus 1 that are neither roots of unity nor given by "
+        f"square roots"
+    )
+
+
+def _compare_arguments(x: Exact, y: Exact) -> int:
+    def half(z: Exact) -> int:
+        side = z.imag.sign()
+        return 0 if side > 0 or (side == 0 and z.real.sign() > 0) else 1
+
+    first, second = half(x), half(y)
+    if first != second:
+        return first - second
+    turn = x.real * y.imag - x.imag * y.real  # positive when y lies ahead of x
+    return -exact(turn).sign()
+
+
+#: Sort key: argument in [0, 2 pi).
+argument_key = cmp_to_key(_compare_arguments)
+
+
+def unimodular_eigenvalues(V: Matrix) -> tuple[Eigenvalue, ...]:
+    """Eigenvalues of modulus one with their multiplicities, by increasing argument in [0, 2 pi).
+
+    Roots of unity are divided out of the characteristic polynomial. What is left and its mirror
+    image in the unit circle share the other unimodular roots, which are then found by square roots.
+
+    Args:
+        V: (r, r), exact.
+
+    Raises
+    ------
+        ExactnessError: for balls, or for eigenvalues that square roots do not give.
+    """
+    _require_exact(V)
+    found, rest = _cyclotomic_part(_strip_zero_roots(poly.characteristic_polynomial(V)))
+    if not poly.is_schur(rest):
+        common = poly.gcd(rest, poly.reciprocal(rest))
+        if len(common) > 1:
+            simple = poly.squarefree(common)
+            if poly.unimodular_roots(simple):
+                found += _multiplicities(rest, _solve_unimodular(simple))
+    order = sorted(range(len(found)), key=lambda i: argument_key(found[i].value))
+    return tuple(found[i] for i in order)
+
+
+def _multiplicities(p: Polynomial, roots: list[Scalar]) -> list[Eigenvalue]:
+    result: list[Eigenvalue] = []
+    for x in roots:
+        root = exact(x)  # type: ignore[arg-type]
+        if (root * root.conjugate() - 1).is_zero() is not True:
+            continue
+        multiplicity, rest = 0, p
+        while (poly.evaluate(rest, root)).is_zero() is True and len(rest) > 1:
+            rest, multiplicity = poly.divide(rest, (-root, exact(1)))[0], multiplicity + 1
+        result.append(Eigenvalue(root, multiplicity))
+    return result
+
+
+def eigenvectors(V: Matrix, zeta: Scalar) -> tuple[list[Vector], list[Vector]]:
+    """Left and right eigenvectors of V for an eigenvalue, scaled so that ``w_i v_j = delta_ij``.
+
+    Returns
+    -------
+        Rows w_i and columns v_j, as many as the geometric multiplicity.
+
+    Raises
+    ------
+        ExactnessError: when the eigenvalue is defective, so that no such scaling exists.
+    """
+    r = len(V)
+    shifted = linalg.sub(V, linalg.scale(zeta, linalg.identity(r)))
+    right = linalg.nullspace(shifted)
+    left = linalg.nullspace(linalg.transpose(shifted))
+    products = tuple(tuple(linalg.dot(w, v) for v in right) for w in left)
+    scaled = linalg.solve(products, tuple(left)) if left else ()
+    return list(scaled), right
+
+
+def power_bounded(V: Matrix) -> Boundedness:
+    """Decide whether the powers of V are bounded: no root outside the disc, those on it semisimple.
+
+    With the characteristic polynomial split into q (unimodular roots, each once) and h (the rest),
+    V is power-bounded exactly if h has all roots inside the circle and h(V) q(V) = 0.
+
+    Args:
+        V: (r, r).
+
+    References: Butcher, "Numerical Methods for Ordinary Differential Equations" (2016), section 51;
+    Hairer, Nørsett and Wanner, "Solving Ordinary Differential Equations I" (1993), section III.3.
+    """
+    try:
+        _require_exact(V)
+    except ExactnessError:
+        return Boundedness(None, "V holds published decimals: its eigenvalues are not decided")
+    full = poly.characteristic_polynomial(V)
+    found, rest = _cyclotomic_part(_strip_zero_roots(full))
+    simple: Polynomial = poly.from_roots([e.value for e in found])
+    multiple = any(e.multiplicity > 1 for e in found)
+    if not poly.is_schur(rest):
+        common = poly.gcd(rest, poly.reciprocal(rest))
+        inner = poly.divide(rest, common)[0]
+        once = poly.squarefree(common)
+        if len(common) == 1 or not poly.is_schur(inner):
+            return Boundedness(False, _outside(full))
+        if poly.unimodular_roots(once) < len(once) - 1:
+            return Boundedness(False, _outside(full))
+        simple, multiple = poly.mul(simple, once), multiple or len(once) < len(common)
+        rest = inner
+    if multiple:
+        zero_roots = len(full) - len(_strip_zero_roots(full))
+        annihilator = poly.mul(simple, (*((exact(0),) * zero_roots), *rest))
+        product = poly.evaluate_matrix(annihilator, V)
+        if any(x.is_zero() is not True for row in product for x in row):
+            return Boundedness(False, _defective(V, found))
+    return Boundedness(True, "")
+
+
+def _outside(p: Polynomial) -> str:
+    size = max((abs(x) for x in poly.approximate_roots(p)), default=0.0)
+    return f"V has an eigenvalue outside the unit circle, of modulus about {size:.6g}"
+
+
+def _defective(V: Matrix, found: list[Eigenvalue]) -> str:
+    for eigenvalue in found:
+        shifted = linalg.sub(V, linalg.scale(eigenvalue.value, linalg.identity(len(V))))
+        independent = len(V) - linalg.rank(shifted)
+        if independent < eigenvalue.multiplicity:
+            return (
+                f"the eigenvalue {_brief(eigenvalue.value)} of V on the unit circle has "
+                f"multiplicity {eigenvalue.multiplicity} and {independent} eigenvector"
+                f"{'s' if independent > 1 else ''}"
+            )
+    return "a multiple eigenvalue of V on the unit circle lacks eigenvectors"
+
+
+def _brief(x: Exact) -> str:
+    fraction: Fraction | None = x.as_fraction()
+    return str(fraction) if fraction is not None else f"{complex(x):.6g}"

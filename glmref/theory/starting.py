@@ -1,0 +1,244 @@
+"""Starting and finishing methods against the exact starting series.
+
+Public names::
+
+    starting_order(method, starting, *, max_order=None, principal="free") -> StartingResult
+    finishing_order(method, finishing, *, starting=None, max_order=None) -> StartingResult
+    exact_start_series(method, order, *, principal="free") -> Series     (vectors of r entries)
+    starting_series(starting, order) -> Series                          (vectors of r entries)
+    finishing_series(finishing, order) -> Series                        (scalar)
+    StartingResult                                                      frozen record
+
+A method of order p has a family of starting series: one eta with principal parts zero at order p,
+every ``eta(t) + beta(t) u`` at ``|t| = p``, and each of these after the exact flow of any duration
+(:mod:`glmref.theory.conditions` proves that there are no others). A starting method has order q
+when it agrees with a member of the family on all trees of order <= q. Then, for q = p, errors in all
+values are O(h^(p+1)) after the start; the first value may be a shifted or conjugated solution, which
+the finishing method has to undo.
+
+References
+----------
+Butcher, "Numerical Methods for Ordinary Differential Equations" (2016), sections 530-535.
+Khan, MS thesis, COMSATS University Islamabad, Lahore (2018), equations (3.6) and (3.9).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from ..claims import Proof, UsageError
+from ..exact import Ball, Exact, Scalar
+from ..method import GLM, FinishingMethod, StartingMethod
+from .order import OrderResult, Principal, order_of
+from .series import Series, compose, elementary_weights, is_zero, plus, shift, times
+from .trees import MAX_ORDER, Tree, single, trees
+
+__all__ = [
+    "StartingResult",
+    "exact_start_series",
+    "finishing_order",
+    "finishing_series",
+    "starting_order",
+    "starting_series",
+]
+
+
+@dataclass(frozen=True, eq=False)
+class StartingResult:
+    """What is known about the order of a starting or a finishing method.
+
+    Attributes
+    ----------
+        order: largest order through which it agrees; -1 when already the multiples of y differ.
+        failing_tree: first tree on which it differs, ``None`` when none was found.
+        component: value, counted from 1, in which it differs there; 0 when none.
+        residual: by how much, or ``None``.
+        shift: duration, in steps, by which the start runs ahead of the solution (0 is usual).
+        proof: exact, or enclosed where balls took part.
+        largest_residual: upper bound of the differences through ``order``; 0.0 when exact.
+        method_order: order p of the method, which is the largest order that has a meaning.
+    """
+
+    order: int
+    failing_tree: Tree | None = None
+    component: int = 0
+    residual: Scalar | None = None
+    shift: Scalar = field(default_factory=Exact)
+    proof: Proof = Proof.EXACT
+    largest_residual: float = 0.0
+    method_order: int = 0
+
+    @property
+    def witness(self) -> str:
+        """One sentence: what decides the order."""
+        if self.residual is None:
+            return f"agrees on all trees of order {self.order} or less"
+        where = "the multiple of y" if self.failing_tree is None else f"tree {self.failing_tree}"
+        size = self.residual.magnitude()
+        return f"{where} differs by {size:.6g} in value {self.component}"
+
+
+def starting_series(starting: StartingMethod, order: int) -> Series:
+    """Return the vector-valued series of a starting method, through the given order."""
+    return elementary_weights(starting.A, starting.B, order, u=tuple(starting.u))
+
+
+def finishing_series(finishing: FinishingMethod, order: int) -> Series:
+    """Return the scalar series of a finishing method, through the given order."""
+    return elementary_weights(finishing.A, finishing.b, order)
+
+
+def exact_start_series(method: GLM, order: int, *, principal: Principal = "free") -> Series:
+    """Return the exact starting series of a method through the given order.
+
+    With a free principal part the member of the family that is returned has, in the first value, no
+    shift in time, and zero principal parts at the order of the method.
+
+    Raises
+    ------
+        UsageError: when the method's order is lower.
+    """
+    result = order_of(method, max_order=max(order, 1), principal=principal)
+    if result.order < order or result.eta is None:
+        raise UsageError(
+            f"{method.name or 'the method'!r} has no starting series through order {order}: its "
+            f"order is {result.order} ({result.witness})"
+        )
+    if result.order > order:
+        return result.eta.truncate(order)
+    return result.eta
+
+
+def _is_enclosed(*matrices: Any) -> bool:
+    return any(isinstance(x, Ball) for matrix in matrices for row in matrix for x in row)
+
+
+def starting_order(
+    method: GLM,
+    starting: StartingMethod,
+    *,
+    max_order: int | None = None,
+    principal: Principal = "free",
+) -> StartingResult:
+    """Decide through which order a starting method agrees with the exact starting series.
+
+    Args:
+        method: the method that is started.
+        starting: the starting method; its ``B`` has one row for each of the r values.
+        max_order: largest order looked at; the order of the method when ``None``.
+        principal: ``"free"``: any member of the family will do; ``"identity"``: the first value
+            must be the solution itself.
+
+    Raises
+    ------
+        UsageError: when the number of values differs.
+    """
+    if len(starting.B) != method.r or len(starting.u) != method.r:
+        raise UsageError(
+            f"a starting method for r = {method.r} values must have as many rows in `B` and "
+            f"entries in `u`, got {len(starting.B)} and {len(starting.u)}"
+        )
+    result = order_of(method, max_order=max_order or MAX_ORDER - 1, principal=principal)
+    enclosed = result.proof is Proof.ENCLOSED or _is_enclosed(starting.A, starting.B, [starting.u])
+    proof = Proof.ENCLOSED if enclosed else Proof.EXACT
+    if result.eta is None:
+        return StartingResult(-1, residual=Exact(1), proof=proof)
+    series = starting_series(starting, result.order)
+    return _compare(result, series, proof)
+
+
+def _compare(result: OrderResult, series: Series, proof: Proof) -> StartingResult:
+    """Compare a vector-valued series with the family of starting series, order by order."""
+    eta, p = result.eta, result.order
+    assert eta is not None
+    first = next(i for i, x in enumerate(eta.empty()) if is_zero(x) is False)
+    ahead: Any = 0
+    if result.principal == "free":
+        node = single()
+        ahead = _difference(series, eta, node)[first] / eta.empty()[first]
+        if is_zero(ahead) is not True:
+            eta = shift(eta, ahead)
+    known: dict[str, Any] = {"proof": proof, "method_order": p, "shift": _scalar(ahead)}
+    largest = 0.0
+    start = plus(series.empty(), times(-1, eta.empty()))
+    place = _first_nonzero(start)
+    if place is not None:
+        known.update(component=place + 1, residual=_scalar(start[place]))
+        return StartingResult(-1, **known)
+    for q in range(1, p + 1):
+        for t in trees(q):
+            difference = _difference(series, eta, t)
+            if q == p and result.principal == "free":
+                along = difference[first] / eta.empty()[first]
+                difference = plus(difference, times(-1, times(along, eta.empty())))
+            place = _first_nonzero(difference)
+            if place is not None:
+                known.update(component=place + 1, residual=_scalar(difference[place]))
+                return StartingResult(q - 1, failing_tree=t, largest_residual=largest, **known)
+            largest = max(largest, *(_scalar(x).magnitude() for x in difference))
+    return StartingResult(p, largest_residual=largest, **known)
+
+
+def _difference(series: Series, eta: Series, t: Tree) -> tuple[Any, ...]:
+    return tuple(plus(x, times(-1, y)) for x, y in zip(series[t], eta[t], strict=True))
+
+
+def _first_nonzero(vector: tuple[Any, ...]) -> int | None:
+    return next((i for i, x in enumerate(vector) if is_zero(x) is False), None)
+
+
+def _scalar(x: Any) -> Scalar:
+    return x if isinstance(x, Exact | Ball) else Exact(x)
+
+
+def finishing_order(
+    method: GLM,
+    finishing: FinishingMethod,
+    *,
+    starting: StartingMethod | None = None,
+    max_order: int | None = None,
+) -> StartingResult:
+    """Decide through which order a finishing method undoes the start in the first value.
+
+    Args:
+        method: the method that is finished.
+        finishing: acts on the first value.
+        starting: the starting method used with it: finishing right after it must give y back. When
+            ``None``, the exact starting series is taken, any member of its family.
+        max_order: largest order looked at; the order of the method when ``None``.
+
+    Raises
+    ------
+        UsageError: when the first value carries no solution, so that there is nothing to finish.
+    """
+    result = order_of(method, max_order=max_order or MAX_ORDER - 1)
+    enclosed = result.proof is Proof.ENCLOSED or _is_enclosed(finishing.A, [finishing.b])
+    if result.eta is None:
+        return StartingResult(-1, residual=Exact(1))
+    p, series = result.order, result.eta
+    if starting is not None:
+        enclosed = enclosed or _is_enclosed(starting.A, starting.B, [starting.u])
+        series = starting_series(starting, p)
+    if is_zero(plus(series.empty()[0], -1)) is False:
+        raise UsageError(
+            "a finishing method needs a first value that starts from y itself, u_1 = 1"
+        )
+    first = Series({t: series[t][0] for t in series}, 1, p)
+    finish = finishing_series(finishing, p)
+    ahead: Any = 0
+    if starting is None:  # the member of the family that runs ahead by what the finish goes back
+        ahead = times(-1, plus(first[single()], finish[single()]))
+        first = shift(first, ahead)
+    both = compose(first, finish)
+    proof = Proof.ENCLOSED if enclosed else Proof.EXACT
+    known: dict[str, Any] = {"proof": proof, "method_order": p, "shift": _scalar(ahead)}
+    largest = 0.0
+    for t in both:
+        if t.order == p and starting is None:
+            continue  # the free principal part makes up for any difference
+        if is_zero(both[t]) is False:
+            known.update(component=1, residual=_scalar(both[t]), largest_residual=largest)
+            return StartingResult(t.order - 1, failing_tree=t, **known)
+        largest = max(largest, _scalar(both[t]).magnitude())
+    return StartingResult(p, largest_residual=largest, **known)

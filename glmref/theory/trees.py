@@ -1,0 +1,369 @@
+"""Rooted trees, one-coloured and two-coloured, in one design.
+
+Public names::
+
+    Tree                                  interned, immutable, hashable
+        .colour .children .order .density .symmetry .labellings .extensions, str(tree)
+    ROOTED, GENERAL, SEPARABLE            palettes: which colours a child may have
+    trees(order, palette=ROOTED)          -> tuple of all trees of that order
+    trees_up_to(order, palette=ROOTED)    -> tuple of all trees of order 1..order
+    tree(children, colour="o")            -> Tree, children in any order
+    parse_tree("[o[oo]]")                 -> Tree
+    single(colour="o")                    -> Tree of one node
+    pruned(tree)                          -> {kept: number of ways, counted with the growth order}
+    coproduct(tree)                       -> ((kept, removed, multiplicity), ...)
+
+The text form writes ``o`` for a single node and ``[...]`` for a root with the trees inside the
+brackets as its subtrees: ``[o[oo]]``. Two-coloured trees write the colour of every vertex, ``f`` or
+``k``, before its bracket: ``f[kk[f]]``. For ``q' = f(q, p)``, ``p' = k(q, p)`` a vertex ``f``
+stands for f; its children ``f`` differentiate f by q, its children ``k`` by p. For a separable system
+(f depends on p only, k on q only) colours alternate along every edge.
+
+References
+----------
+Butcher, "Numerical Methods for Ordinary Differential Equations" (2016), sections 301-304, 383.
+Hairer, Lubich, Wanner, "Geometric Numerical Integration" (2006), sections III.1, III.2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
+from math import comb, factorial
+from types import MappingProxyType
+from typing import Any, NoReturn
+
+from ..claims import UsageError
+
+__all__ = [
+    "GENERAL",
+    "MAX_ORDER",
+    "ROOTED",
+    "SEPARABLE",
+    "Palette",
+    "Tree",
+    "coproduct",
+    "parse_tree",
+    "pruned",
+    "single",
+    "tree",
+    "trees",
+    "trees_up_to",
+]
+
+#: Colours that children of a vertex of a given colour may have.
+Palette = Mapping[str, str]
+
+ROOTED: Palette = MappingProxyType({"o": "o"})
+GENERAL: Palette = MappingProxyType({"f": "fk", "k": "fk"})
+SEPARABLE: Palette = MappingProxyType({"f": "k", "k": "f"})
+
+#: Largest order for which all trees are listed (12486 one-coloured trees have order 13).
+MAX_ORDER = 13
+
+_COLOURS = "ofk"
+_MAX_TEXT = 2000  # characters of a tree's text form
+
+
+class Tree:
+    """A rooted tree, its vertices coloured ``o`` (one colour) or ``f`` and ``k`` (two).
+
+    Trees are interned: two equal trees are the same object, so comparison and hashing cost nothing.
+    Make them with :func:`tree`, :func:`parse_tree` or :func:`trees`.
+
+    Attributes
+    ----------
+        colour: colour of the root.
+        children: subtrees of the root, in ascending order (see :attr:`key`).
+        order: number of vertices, ``|t|``.
+        density: ``gamma(t)``, the product over all vertices of the order of the subtree there.
+        symmetry: ``sigma(t)``, the order of the automorphism group.
+    """
+
+    __slots__ = ("_repeat", "children", "colour", "density", "order", "symmetry")
+    colour: str
+    children: tuple[Tree, ...]
+    order: int
+    density: int
+    symmetry: int
+    _repeat: int  # how many of the last children are equal
+
+    def __new__(cls) -> NoReturn:
+        """Refuse: two equal trees would not be the same object."""
+        raise UsageError("trees are made by tree(), parse_tree() or trees(), not by Tree()")
+
+    def __setattr__(self, name: str, value: object) -> NoReturn:
+        raise AttributeError(f"a Tree is immutable: `{name}` cannot be set")
+
+    __delattr__ = __setattr__  # type: ignore[assignment]
+
+    @property
+    def key(self) -> tuple[Any, ...]:
+        """Sort key: by order, then colour, then the largest children first."""
+        below = tuple(child.key for child in reversed(self.children))
+        return (self.order, _COLOURS.index(self.colour), below)
+
+    @property
+    def labellings(self) -> int:
+        """``alpha(t) = |t|! / (sigma gamma)``: number of monotone labellings."""
+        return factorial(self.order) // (self.symmetry * self.density)
+
+    @property
+    def extensions(self) -> int:
+        """``|t|! / gamma(t)``: orders in which the vertices can appear, parents first."""
+        return factorial(self.order) // self.density
+
+    def __str__(self) -> str:
+        if not self.children:
+            return self.colour
+        inside = "".join(map(str, self.children))
+        return f"{'' if self.colour == 'o' else self.colour}[{inside}]"
+
+    def __repr__(self) -> str:
+        return f"Tree({str(self)!r})"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return parse_tree, (str(self),)
+
+    def __copy__(self) -> Tree:
+        return self
+
+    def __deepcopy__(self, memo: object) -> Tree:
+        return self
+
+
+_set_colour = Tree.colour.__set__  # type: ignore[attr-defined]
+_set_children = Tree.children.__set__  # type: ignore[attr-defined]
+_set_order = Tree.order.__set__  # type: ignore[attr-defined]
+_set_density = Tree.density.__set__  # type: ignore[attr-defined]
+_set_symmetry = Tree.symmetry.__set__  # type: ignore[attr-defined]
+_set_repeat = Tree._repeat.__set__  # type: ignore[attr-defined]
+_blank = object.__new__
+
+#: All trees made so far: colour of the root -> children -> tree.
+_MADE: dict[str, dict[tuple[Tree, ...], Tree]] = {colour: {} for colour in _COLOURS}
+
+
+def _make_single(colour: str) -> Tree:
+    new = _blank(Tree)
+    _set_colour(new, colour)
+    _set_children(new, ())
+    _set_order(new, 1)
+    _set_density(new, 1)
+    _set_symmetry(new, 1)
+    _set_repeat(new, 0)
+    _MADE[colour][()] = new
+    return new
+
+
+_SINGLE = {colour: _make_single(colour) for colour in _COLOURS}
+
+
+def _graft(rest: Tree, last: Tree) -> Tree:
+    """Return ``rest`` with ``last``, not smaller than its children, as one more child."""
+    made, children = _MADE[rest.colour], (*rest.children, last)
+    found = made.get(children)
+    if found is not None:
+        return found
+    order = rest.order + last.order
+    repeat = rest._repeat + 1 if rest.children and rest.children[-1] is last else 1
+    new = _blank(Tree)
+    _set_colour(new, rest.colour)
+    _set_children(new, children)
+    _set_order(new, order)
+    _set_density(new, rest.density // rest.order * last.density * order)
+    _set_symmetry(new, rest.symmetry * last.symmetry * repeat)
+    _set_repeat(new, repeat)
+    made[children] = new
+    return new
+
+
+def single(colour: str = "o") -> Tree:
+    """Return the tree of one node of the given colour."""
+    return _SINGLE[colour]
+
+
+def tree(children: Iterable[Tree] = (), colour: str = "o") -> Tree:
+    """Return the tree with a root of the given colour and the given subtrees, in any order.
+
+    Raises
+    ------
+        UsageError: for an unknown colour.
+    """
+    if colour not in _SINGLE:
+        raise UsageError(f"`colour` must be one of {', '.join(_COLOURS)}, got {colour!r}")
+    result = _SINGLE[colour]
+    for child in sorted(children, key=_key):
+        result = _graft(result, child)
+    return result
+
+
+def _key(t: Tree) -> tuple[Any, ...]:
+    return t.key
+
+
+def parse_tree(text: str) -> Tree:
+    """Read the text form, for example ``"[o[oo]]"`` or ``"f[kk[f]]"``.
+
+    Raises
+    ------
+        UsageError: naming the place that cannot be read.
+    """
+    if not isinstance(text, str) or len(text) > _MAX_TEXT:
+        raise UsageError(f"a tree is a text of at most {_MAX_TEXT} characters such as '[o[oo]]'")
+    open_roots: list[tuple[str, list[Tree]]] = [("", [])]
+    place = 0
+    while place < len(text):
+        letter = text[place]
+        if letter == "[" or (letter in "fk" and text[place + 1 : place + 2] == "["):
+            open_roots.append(("o" if letter == "[" else letter, []))
+            place += 1 if letter == "[" else 2
+        elif letter in _COLOURS:
+            open_roots[-1][1].append(_SINGLE[letter])
+            place += 1
+        elif letter == "]" and len(open_roots) > 1 and open_roots[-1][1]:
+            colour, children = open_roots.pop()
+            open_roots[-1][1].append(tree(children, colour))
+            place += 1
+        else:
+            raise UsageError(f"{text!r} is not a tree: {letter!r} at place {place + 1}")
+    if len(open_roots) != 1 or len(open_roots[0][1]) != 1:
+        raise UsageError(f"{text!r} is not one tree such as 'o', '[o[oo]]' or 'f[kk[f]]'")
+    result = open_roots[0][1][0]
+    if len({vertex.colour == "o" for vertex in _vertices(result)}) > 1:
+        raise UsageError(f"{text!r} mixes 'o' with 'f' and 'k': a tree has one colour or two")
+    return result
+
+
+def _vertices(t: Tree) -> Iterator[Tree]:
+    waiting = [t]
+    while waiting:
+        vertex = waiting.pop()
+        yield vertex
+        waiting.extend(vertex.children)
+
+
+class _Listing:
+    """All trees of one palette, order by order; each tree is reached exactly once.
+
+    A tree with more than one vertex is ``rest`` with its largest child ``last`` grafted on, so the
+    trees of order n are the pairs (last, rest) with ``|last| + |rest| = n`` and no child of ``rest``
+    larger than ``last``. Lists are sorted by largest child, so these ``rest`` are a prefix.
+    """
+
+    def __init__(self, palette: Palette) -> None:
+        self.palette = dict(palette)
+        self.levels: list[dict[str, list[Tree]]] = [{}, {c: [_SINGLE[c]] for c in palette}]
+        self.sorted: list[tuple[Tree, ...]] = [(), tuple(_SINGLE[c] for c in palette)]
+
+    def level(self, order: int) -> tuple[Tree, ...]:
+        while len(self.levels) <= order:
+            self._extend(len(self.levels))
+        return self.sorted[order]
+
+    def _extend(self, order: int) -> None:
+        level: dict[str, list[Tree]] = {}
+        for colour, allowed in self.palette.items():
+            level[colour] = found = []
+            for size in range(1, order):
+                rests = self.levels[order - size][colour]
+                end = 0
+                while end < len(rests) and (
+                    not rests[end].children or rests[end].children[-1].order < size
+                ):
+                    end += 1
+                for last in self.sorted[size]:
+                    if last.colour not in allowed:
+                        continue
+                    while end < len(rests) and rests[end].children[-1] is last:
+                        end += 1
+                    found += [_graft(rest, last) for rest in rests[:end]]
+        self.levels.append(level)
+        self.sorted.append(tuple(t for colour in self.palette for t in level[colour]))
+
+
+_LISTINGS: dict[tuple[tuple[str, str], ...], _Listing] = {}
+
+
+def trees(order: int, palette: Palette = ROOTED) -> tuple[Tree, ...]:
+    """Return all trees of the given order, bushy ones first, in the same order every time.
+
+    Raises
+    ------
+        UsageError: for an order outside 1..:data:`MAX_ORDER`.
+    """
+    if not isinstance(order, int) or not 1 <= order <= MAX_ORDER:
+        raise UsageError(f"`order` must be an integer from 1 to {MAX_ORDER}, got {order!r}")
+    name = tuple(palette.items())
+    if name not in _LISTINGS:
+        _LISTINGS[name] = _Listing(palette)
+    return _LISTINGS[name].level(order)
+
+
+def trees_up_to(order: int, palette: Palette = ROOTED) -> tuple[Tree, ...]:
+    """Return all trees of order 1 to ``order`` (which may be 0), in ascending order."""
+    return tuple(t for n in range(1, order + 1) for t in trees(n, palette))
+
+
+@cache
+def pruned(t: Tree) -> Mapping[Tree, int]:
+    """Count the ways from each pruned subtree to ``t``, growing one leaf at a time.
+
+    Returns
+    -------
+        For every ``kept`` (a subtree of ``t`` with the same root, ``t`` itself included) the number
+        N of pairs: a place of ``kept`` in ``t``, and an order of the removed vertices in which
+        parents come first. With it the flow of duration c acts on a series by
+        ``(E^c a)(t) = a(empty) c^|t| / gamma(t) + sum N(t, s) c^j / j! a(s)``, ``j = |t| - |s|``.
+
+    Integers only, so they are remembered for good.
+    """
+    if not t.children:
+        return MappingProxyType({t: 1})
+    last = t.children[-1]
+    rest = _MADE[t.colour][t.children[:-1]]
+    ways: dict[Tree, int] = {}
+    whole = [(None, last.extensions), *pruned(last).items()]
+    for kept_rest, ways_rest in pruned(rest).items():
+        removed_rest = rest.order - kept_rest.order
+        for kept_last, ways_last in whole:
+            removed = removed_rest + last.order - (kept_last.order if kept_last else 0)
+            kept = _insert(kept_rest, kept_last) if kept_last else kept_rest
+            count = ways_rest * ways_last * comb(removed, removed_rest)
+            ways[kept] = ways.get(kept, 0) + count
+    return MappingProxyType(ways)
+
+
+def _insert(rest: Tree, child: Tree) -> Tree:
+    """Return ``rest`` with one more child, which may be smaller than the others."""
+    if not rest.children or rest.children[-1] is child:
+        return _graft(rest, child)
+    return tree((*rest.children, child), rest.colour)
+
+
+@cache
+def coproduct(t: Tree) -> tuple[tuple[Tree, tuple[Tree, ...], int], ...]:
+    """Cut ``t`` in all ways that keep its root.
+
+    Returns
+    -------
+        Triples (kept, removed, multiplicity): a subtree with the root of ``t``, the sorted tuple of
+        the trees cut off, and how often this happens. The first is ``(t, (), 1)``. The term in
+        which nothing is kept is not among them.
+
+    References
+    ----------
+    Hairer, Lubich, Wanner (2006), section III.1.4; Butcher (2016), section 383.
+    """
+    if not t.children:
+        return ((t, (), 1),)
+    last = t.children[-1]
+    rest = _MADE[t.colour][t.children[:-1]]
+    found: dict[tuple[Tree, tuple[Tree, ...]], int] = {}
+    for kept_rest, removed_rest, times in coproduct(rest):
+        for kept_last, removed_last, more in ((None, (last,), 1), *coproduct(last)):
+            kept = _insert(kept_rest, kept_last) if kept_last else kept_rest
+            removed = tuple(sorted((*removed_rest, *removed_last), key=_key))
+            found[kept, removed] = found.get((kept, removed), 0) + times * more
+    ranked = sorted(found.items(), key=lambda item: (-item[0][0].order, item[0][0].key))
+    return tuple((kept, removed, times) for (kept, removed), times in ranked)

@@ -1,0 +1,120 @@
+"""Recompute what a data file claims; refute what a broken one claims."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from .catalogue import document, path_of
+from .checks import CHECKS, Outcome
+from .claims import DataError, ExactnessError, Finding, Verdict
+from .facts import Facts, facts_of
+from .method import GLM, PartitionedGLM
+from .reader import load_document
+
+__all__ = ["claims_of", "is_enclosed", "verify", "verify_file"]
+
+Method = GLM | PartitionedGLM
+
+
+def verify(method: Method) -> list[Finding]:
+    """Check every claim the method carries.
+
+    Args:
+        method: a loaded method; its ``claims`` are those of its file.
+
+    Returns
+    -------
+        One finding for each claim, in the order of the file.
+
+    Raises
+    ------
+        DataError: when the method carries no claims.
+    """
+    if not method.claims:
+        raise DataError(
+            f"the method {method.name or '(unnamed)'!r} carries no claims to verify; "
+            f"load it from a file, or use analyze() to see what it is"
+        )
+    facts = facts_of(method, enclosed=is_enclosed(method))
+    return [_check(facts, claim, declared) for claim, declared in claims_of(method).items()]
+
+
+def claims_of(method: Method) -> Mapping[str, Any]:
+    """Add the orders that the starting and finishing blocks of a file declare to its claims."""
+    claims = dict(method.claims)
+    for kind in ("starting", "finishing"):
+        block = getattr(method, kind, None)
+        if block is not None and "order" in block.claims:
+            claims.setdefault(f"{kind}-order", block.claims["order"])
+    return claims
+
+
+def is_enclosed(method: Method) -> bool:
+    """Prove, from the file alone, that a true method lies within the published digits.
+
+    Raises
+    ------
+        DataError, ExactnessError: when the file says so and it cannot be proved.
+    """
+    if method.document is None or "enclosure" not in method.document:
+        return False
+    from .derive.enclosure import prove
+
+    prove(method.document)
+    return True
+
+
+def _check(facts: Facts, claim: str, declared: object) -> Finding:
+    try:
+        outcome = CHECKS[claim](facts, declared)
+    except ExactnessError as error:
+        outcome = Outcome(None, None, witness=str(error))
+    verdict = {True: Verdict.HOLDS, False: Verdict.FAILS, None: Verdict.OPEN}[outcome.holds]
+    return Finding(
+        method=facts.method.name,
+        claim=claim,
+        declared=declared,
+        verdict=verdict,
+        value=outcome.value,
+        proof=facts.proof,
+        residual=outcome.residual,
+        witness=outcome.witness,
+    )
+
+
+def verify_file(name: str | Path) -> list[Finding]:
+    """Check a data file; for one of ``broken/`` the finding is that the named claim fails.
+
+    Raises
+    ------
+        UsageError, DataError: for a name or a file that cannot be read.
+    """
+    path = path_of(name)
+    doc = document(path)
+    method = load_document(doc, where=path.name)
+    broken = doc.get("broken")
+    if broken is None:
+        return verify(method)
+    return [_refute(method, broken, path.name)]
+
+
+def _refute(method: Method, broken: Mapping[str, Any], where: str) -> Finding:
+    """Turn the failure of the named claim into a finding that the refutation holds."""
+    claim = broken.get("claim")
+    claims = claims_of(method)
+    if claim not in claims:
+        raise DataError(f"{where}: `broken.claim` names {claim!r}, which is not among the claims")
+    inner = _check(facts_of(method), claim, claims[claim])
+    refuted = {Verdict.FAILS: Verdict.HOLDS, Verdict.HOLDS: Verdict.FAILS}
+    return Finding(
+        method=inner.method,
+        claim=f"refutes {claim}",
+        declared=inner.declared,
+        verdict=refuted.get(inner.verdict, Verdict.OPEN),
+        value=inner.value,
+        proof=inner.proof,
+        residual=inner.residual,
+        witness=inner.witness,
+    )
