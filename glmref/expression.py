@@ -16,21 +16,36 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from fractions import Fraction
+from typing import NamedTuple
 
 from .claims import DataError, ExactnessError
 from .exact import Ball, Exact, Scalar, root_of_unity
 
-__all__ = ["Text", "parse", "to_text"]
+__all__ = ["Text", "Weight", "parse", "to_text", "weigh"]
 
-MAX_LENGTH = 4000  # characters of one entry; the longest published one has about 200
+MAX_LENGTH = 4000  # characters of one entry, its constants written out; published ones have 200
 MAX_DEPTH = 40  # nested parentheses and signs
 MAX_INTEGER_DIGITS = 1000
-MAX_TURN_DENOMINATOR = 120  # of a root of unity exp(2*pi*i*k/n)
+MAX_TURN_DENOMINATOR = 30  # of a root of unity exp(2*pi*i*k/n), whose degree is up to n - 1
 MAX_ROOT = 12  # n of root(x, n)
-MAX_RADICALS = 40  # in one entry: each may double the degree of the field
-MAX_RADICAL_DEPTH = 4  # sqrt inside sqrt
+MAX_RADICALS = 40  # in one entry, its constants written out: each may double the field's degree
+MAX_RADICAL_DEPTH = 4  # sqrt inside sqrt, constants written out
 
-_TOKEN = re.compile(r"\s*(?:([0-9]+\.[0-9]*|\.[0-9]+|[0-9]+)|([A-Za-z_][A-Za-z_0-9]*)|([-+*/(),]))")
+_TOKEN = re.compile(
+    r"\s*(?:([0-9]+\.[0-9]*|\.[0-9]+|[0-9]+)|([A-Za-z_][A-Za-z_0-9]*)|([-+*/(),]))", re.ASCII
+)
+
+
+class Weight(NamedTuple):
+    """Size of an entry when its constants are written out: what its arithmetic may cost.
+
+    A file may build constants from constants; a square of a square of a square costs more than
+    memory has, however short its text.
+    """
+
+    length: int
+    radicals: int
+    depth: int
 
 
 class Text(str):
@@ -48,6 +63,51 @@ class Text(str):
         self = super().__new__(cls, text)
         self.value = value
         return self
+
+    def __reduce__(self) -> tuple[type[str], tuple[str]]:
+        """Leave the value behind in a copy that is sent to another process: plain text goes."""
+        return str, (str(self),)
+
+
+def weigh(text: str, weights: Mapping[str, Weight]) -> Weight:
+    """Add up the size of an entry whose constants have the given sizes, before it is computed.
+
+    Raises
+    ------
+        DataError: when it is more than this module computes.
+    """
+    if len(text) > MAX_LENGTH:
+        raise DataError(
+            f"an entry has {len(text)} characters and at most {MAX_LENGTH} are read: "
+            f"{text[:30]!r}...; declare a constant for the repeated part"
+        )
+    length = radicals = depth = 0
+    open_roots: list[bool] = []
+    before = ""
+    for match in _TOKEN.finditer(text):
+        token = match[1] or match[2] or match[3]
+        if token == "(":
+            open_roots.append(before in ("sqrt", "root"))
+            radicals += open_roots[-1]
+            depth = max(depth, sum(open_roots))
+        elif token == ")" and open_roots:
+            open_roots.pop()
+        inner = weights.get(token, Weight(len(token), 0, 0))
+        length += inner.length
+        radicals += inner.radicals
+        depth = max(depth, sum(open_roots) + inner.depth)
+        before = token
+    if length > MAX_LENGTH or radicals > MAX_RADICALS or depth > MAX_RADICAL_DEPTH:
+        raise DataError(
+            f"the entry {_shortened(text)} stands for {length} characters and {radicals} roots "
+            f"nested {depth} deep when its constants are written out, and at most {MAX_LENGTH}, "
+            f"{MAX_RADICALS} and {MAX_RADICAL_DEPTH} are computed; simplify it"
+        )
+    return Weight(length, radicals, depth)
+
+
+def _shortened(text: str) -> str:
+    return repr(text if len(text) <= 60 else text[:57] + "...")
 
 
 def parse(
@@ -79,17 +139,11 @@ class _Parser:
     """Recursive descent over the tokens of one entry."""
 
     def __init__(self, text: str, constants: Mapping[str, Scalar], digits: int | None) -> None:
-        if len(text) > MAX_LENGTH:
-            raise DataError(
-                f"an entry has {len(text)} characters and at most {MAX_LENGTH} are read: "
-                f"{text[:30]!r}...; declare a constant for the repeated part"
-            )
+        weigh(text, {})
         self.text, self.constants, self.digits = text, constants, digits
         self.tokens: list[str] = []
         self.position = 0
         self.depth = 0
-        self.radicals = 0
-        self.radical_depth = 0
         self._split()
 
     def _split(self) -> None:
@@ -102,9 +156,8 @@ class _Parser:
             position = match.end()
 
     def _error(self, what: str) -> DataError:
-        shown = self.text if len(self.text) <= 60 else self.text[:57] + "..."
         return DataError(
-            f"{what} in the entry {shown!r}; write integers, + - * / ( ), sqrt(), root(x,n), "
+            f"{what} in the entry {_shortened(self.text)}; write integers, + - * / ( ), sqrt(), root(x,n), "
             f"i, exp(2*pi*i/n) or a declared constant"
         )
 
@@ -187,14 +240,7 @@ class _Parser:
         return value
 
     def _radical(self, kind: str) -> Scalar:
-        """``sqrt(x)`` or ``root(x, n)``, with bounds on how many and how deep."""
-        self.radicals += 1
-        self.radical_depth += 1
-        if self.radicals > MAX_RADICALS or self.radical_depth > MAX_RADICAL_DEPTH:
-            raise self._error(
-                f"there are more than {MAX_RADICALS} roots, or roots nested deeper than "
-                f"{MAX_RADICAL_DEPTH},"
-            )
+        """``sqrt(x)`` or ``root(x, n)``; how many and how deep was bounded by :func:`weigh`."""
         self._take("(")
         degree = 2
         self._deeper()
@@ -204,7 +250,6 @@ class _Parser:
             degree = self._root_degree()
         self._take(")")
         self.depth -= 1
-        self.radical_depth -= 1
         if kind == "sqrt":
             return radicand.sqrt()
         if not radicand.is_real() or radicand.sign() <= 0:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any
 
 from .. import linalg
@@ -21,6 +22,7 @@ __all__ = [
     "NotPreconsistent",
     "Rows",
     "apply",
+    "as_scalar",
     "equal",
     "kernel",
     "make_block",
@@ -126,6 +128,11 @@ def kernel(matrix: Matrix) -> tuple[list[Vector], bool]:
             vector[pivot] = -row[free]
         basis.append(tuple(vector))
     return basis, False
+
+
+def as_scalar(x: Any) -> Scalar:
+    """Turn an int or a Fraction into an exact number; pass every other number through."""
+    return Exact(x) if isinstance(x, int | Fraction) else x
 
 
 def equal(a: tuple[Any, ...], b: tuple[Any, ...]) -> bool:

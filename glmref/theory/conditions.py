@@ -23,12 +23,13 @@ is 1 for a simple eigenvalue (then K = w B 1 = w u, by the condition of order 1)
 
 *They are unique.* L is injective for k >= 2: among the trees where a beta in its kernel is not zero
 take s with the most children, and among those with the most leaves of one colour x at the root. Let
-t be s with one more such leaf at the root. It has two children or more, so K plays no part. Removing
-from t a leaf that is not a child of the root leaves more children at the root than s has; removing a
-leaf of another colour there leaves more leaves x. So beta is zero on all the trees in the sum but s,
-hence n(s, t) beta(s) = 0, and n(s, t) > 0. The same proof is an algorithm: the conditions of the
-trees with such a leaf at the root determine beta by back substitution; the conditions of the other
-trees remain, and they decide. No matrix is factorised and only integers divide.
+t be s with one more such leaf at the root. It has two children or more, so K plays no part.
+Removing from t a leaf that is not a child of the root leaves more children at the root than s has;
+removing a leaf of another colour there leaves more leaves x. So beta is zero on all the trees in
+the sum but s, hence n(s, t) beta(s) = 0, and n(s, t) > 0. The same proof is an algorithm: the
+conditions of the trees with such a leaf at the root determine beta by back substitution; the
+conditions of the other trees remain, and they decide. No matrix is factorised and only integers
+divide.
 
 *At k = 1 one parameter is left, and it does not matter.* L maps beta(single nodes) to the trees of
 order 2; its kernel holds the multiples of u, because S E^c (follow the flow for c h, then start) is
@@ -38,11 +39,12 @@ exists whenever any solution exists. For one or two colours with simple eigenval
 exactly that (for two colours the tree [x] with root y says beta_x - beta_y = known).
 
 Hence deciding order by order is complete, though the conditions are not linear as a whole: at each
-order at most one choice of the principal parts is left, up to the shift. In the language of Butcher
-(1969): the method's underlying one-step method Phi satisfies Phi beta = beta E; beta is unique up to
-the centraliser of E, and that is the flow itself. An eigenvalue 1 of V that is multiple is treated
-in the same way when it is semisimple and the kernel at k = 1 is one-dimensional; otherwise an order
-that is reached is proved, an order that is not reached is reported as undecided.
+order at most one choice of the principal parts is left, up to the shift. In the language of
+Butcher (1969): the method's underlying one-step method Phi satisfies Phi beta = beta E; beta is
+unique up to the centraliser of E, and that is the flow itself. An eigenvalue 1 of V that is
+multiple is treated in the same way when it is semisimple and the kernel at k = 1 is
+one-dimensional; otherwise an order that is reached is proved, an order that is not reached is
+reported as undecided.
 
 References
 ----------
@@ -57,8 +59,7 @@ from fractions import Fraction
 from math import factorial
 from typing import Any
 
-from ..exact import Exact, Scalar
-from .blocks import Block, apply, equal, kernel, present, seen, tidy
+from .blocks import Block, apply, as_scalar, equal, kernel, present, seen, tidy
 from .series import grown, is_zero, plus, times
 from .trees import Palette, Tree, pruned, single, tree, trees
 
@@ -152,10 +153,10 @@ class Conditions:
             factor, found = self._shared[key]
             self._stage[t] = (ratio * factor, found)
             return
-        vector = self._stage_vector(t, value)
+        vector = self.stage_vector(t, value)
         self._stage[t] = self._recognise(t, vector, Fraction(1, t.density))
 
-    def _stage_vector(self, t: Tree, value: Sequence[Any]) -> tuple[Any, ...]:
+    def stage_vector(self, t: Tree, value: Sequence[Any]) -> tuple[Any, ...]:
         """xi(t) from its definition, with eta(t) = value; its subtrees are settled."""
         ratio, monomial = self._slope(t)
         vector = times(ratio, self._image(t.colour, monomial)[0])
@@ -181,18 +182,12 @@ class Conditions:
             self._power[t.colour] = len(self._bases) - 1
         return Fraction(1), (len(self._bases) - 1,)
 
-    def abscissae(self, colour: str) -> tuple[Any, ...]:
-        """Return c = A 1 + U v, one entry for each stage value of that colour."""
-        power = self._power.get(colour)
-        return (0,) * self.blocks[colour].stages if power is None else self._bases[power]
-
-    def stage_defect(self, t: Tree, value: Sequence[Any]) -> tuple[Any, ...]:
+    def stage_defect(self, t: Tree, value: Sequence[Any], c: Sequence[Any]) -> tuple[Any, ...]:
         """Return ``xi(t) - c^|t| / gamma(t)``, stage by stage, where eta(t) is ``value``."""
-        c = self.abscissae(t.colour)
-        expected = times(Fraction(1, t.density), c)
+        expected = times(Fraction(1, t.density), tuple(c))
         for _ in range(t.order - 1):
             expected = tuple(map(times, expected, c))
-        return plus(self._stage_vector(t, value), times(-1, expected))
+        return plus(self.stage_vector(t, value), times(-1, expected))
 
     # -- one order -----------------------------------------------------------------------------
 
@@ -282,15 +277,15 @@ class Conditions:
         """
         block, node = self.blocks[colour], single(colour)
         before = self.eta.get(node, (0,) * len(block.u))
-        right = plus(apply(block.B, self._stage_vector(node, before)), times(-1, before))
+        right = plus(apply(block.B, self.stage_vector(node, before)), times(-1, before))
         residual = apply(block.W, plus(right, times(Fraction(-1, 2), block.u)))
         columns = [apply(block.W, apply(block.B, apply(block.U, x))) for x in block.N]
         rows = [
             [plus(column[i], -int(i == j)) for j, column in enumerate(columns)]
             for i in range(len(columns))
         ]
-        square = tuple(tuple(map(_scalar, row)) for row in rows)
-        wide = tuple((*row, _scalar(x)) for row, x in zip(square, residual, strict=True))
+        square = tuple(tuple(map(as_scalar, row)) for row in rows)
+        wide = tuple((*row, as_scalar(x)) for row, x in zip(square, residual, strict=True))
         fixed, sure = kernel(square)
         solutions, certain = kernel(wide)
         self.complete = sure and certain and len(fixed) == 1
@@ -352,7 +347,3 @@ class Conditions:
                 if kept in moved:
                     right[t] = plus(right[t], times(-count, moved[kept]))
         return right
-
-
-def _scalar(x: Any) -> Scalar:
-    return Exact(x) if isinstance(x, int | Fraction) else x

@@ -32,10 +32,10 @@ from math import sqrt
 from typing import Any, Literal
 
 from ..claims import ExactnessError, Proof, UsageError
-from ..exact import Ball, Exact, Scalar
+from ..exact import Ball, Scalar
 from ..linalg import Vector
 from ..method import GLM
-from .blocks import Block, NotPreconsistent, make_block
+from .blocks import Block, NotPreconsistent, as_scalar, make_block
 from .conditions import Conditions
 from .series import Series, is_zero, plus, times
 from .trees import MAX_ORDER, ROOTED, Palette, Tree, pruned, trees
@@ -69,7 +69,8 @@ class OrderResult:
             have none: see :func:`conjugate_error` for the least choice.
         eta: the starting series through order p, vectors with r entries; ``None`` at order 0.
             Principal parts of order p are free, and are zero here.
-        abscissae: c = A 1 + U v by root colour (``"o"``; ``"f"`` for Q and ``"k"`` for P).
+        abscissae: c = A 1 + U v by root colour (``"o"``; ``"f"`` for Q and ``"k"`` for P); empty at
+            order 0.
         stage_order: largest q <= p such that every stage is the solution at time c_i h,
             ``xi(t) = c^|t| / gamma(t)`` for all trees of order <= q, for this starting series (at
             q = p for some choice of its free principal parts, where several values are carried).
@@ -171,7 +172,7 @@ def _check_arguments(order: int, principal: str) -> None:
 def _one(residual: Sequence[Any]) -> Scalar:
     """The residual of a tree as one number: the first entry that is not certainly zero."""
     value = next((x for x in residual if is_zero(x) is not True), 0)
-    return Exact(value) if isinstance(value, int | Fraction) else value
+    return as_scalar(value)
 
 
 def decide(
@@ -227,6 +228,8 @@ def _finish(
         )
         result = replace(result, reason="; ".join(x for x in (result.reason, more) if x))
     eta = _starting_series(conditions, order) if order else None
+    nodes = [] if eta is None else [(node, eta[node]) for node in trees(1, conditions.palette)]
+    c = {node.colour: conditions.stage_vector(node, value) for node, value in nodes}
     return replace(
         result,
         order=order,
@@ -234,13 +237,9 @@ def _finish(
         undecided=tuple(undecided),
         decided=complete,
         eta=eta,
-        abscissae={c: tuple(map(_scalar, conditions.abscissae(c))) for c in conditions.palette},
-        stage_order=0 if eta is None else _stage_order(conditions, eta, order),
+        abscissae={colour: tuple(map(as_scalar, x)) for colour, x in c.items()},
+        stage_order=0 if eta is None else _stage_order(conditions, eta, c, order),
     )
-
-
-def _scalar(x: Any) -> Scalar:
-    return Exact(x) if isinstance(x, int | Fraction) else x
 
 
 def _starting_series(conditions: Conditions, order: int) -> Series:
@@ -249,17 +248,19 @@ def _starting_series(conditions: Conditions, order: int) -> Series:
     last = conditions.eta if conditions.order == order else conditions.last_free
     values.update({t: x for t, x in last.items() if t.order == order})
     return Series(
-        {t: tuple(map(_scalar, x)) for t, x in values.items()},
+        {t: tuple(map(as_scalar, x)) for t, x in values.items()},
         {colour: block.u for colour, block in conditions.blocks.items()},
         order,
         conditions.palette,
     )
 
 
-def _stage_order(conditions: Conditions, eta: Series, order: int) -> int:
+def _stage_order(
+    conditions: Conditions, eta: Series, c: Mapping[str, Sequence[Any]], order: int
+) -> int:
     for q in range(1, order + 1):
         for t in trees(q, conditions.palette):
-            defect = conditions.stage_defect(t, eta[t])
+            defect = conditions.stage_defect(t, eta[t], c[t.colour])
             if q == order and _adjustable(conditions, eta, t.colour):
                 defect = tuple(plus(x, times(-1, defect[0])) for x in defect[1:])
             if is_zero(defect) is False:
@@ -339,7 +340,7 @@ def conjugate_error(result: OrderResult) -> dict[Tree, Scalar]:
         total: Any = result.residuals[t]
         for j, x in row.items():
             total = plus(total, times(x, best[j]))
-        moved[t] = _scalar(total)
+        moved[t] = as_scalar(total)
     return moved
 
 

@@ -7,8 +7,8 @@ Public names::
 
 For ``q' = f(q, p)``, ``p' = k(q, p)`` a tree with root ``f`` belongs to q, one with root ``k`` to
 p; for a separable pair (f depends on p, k on q) colours alternate along every edge. The pair has
-order p when there is a pair of starting series with ``M S = S E + O(h^(p+1))``; conditions and proof
-of completeness are those of one method: see :mod:`glmref.theory.conditions`.
+order p when there is a pair of starting series with ``M S = S E + O(h^(p+1))``; conditions and
+proof of completeness are those of one method: see :mod:`glmref.theory.conditions`.
 
 With ``principal="free"`` symplectic Euler has order 2 on separable systems, being conjugate to
 Stormer-Verlet there.

@@ -2,7 +2,8 @@
 
 Public names::
 
-    starting_order(method, starting, *, max_order=None, principal="free") -> StartingResult
+    starting_order(method, starting, *, max_order=None, principal="free", known=None)
+        -> StartingResult
     finishing_order(method, finishing, *, starting=None, max_order=None) -> StartingResult
     exact_start_series(method, order, *, principal="free") -> Series     (vectors of r entries)
     starting_series(starting, order) -> Series                          (vectors of r entries)
@@ -12,9 +13,9 @@ Public names::
 A method of order p has a family of starting series: one eta with principal parts zero at order p,
 every ``eta(t) + beta(t) u`` at ``|t| = p``, and each of these after the exact flow of any duration
 (:mod:`glmref.theory.conditions` proves that there are no others). A starting method has order q
-when it agrees with a member of the family on all trees of order <= q. Then, for q = p, errors in all
-values are O(h^(p+1)) after the start; the first value may be a shifted or conjugated solution, which
-the finishing method has to undo.
+when it agrees with a member of the family on all trees of order <= q. Then, for q = p, errors in
+all values are O(h^(p+1)) after the start; the first value may be a shifted or conjugated solution,
+which the finishing method has to undo.
 
 References
 ----------
@@ -30,6 +31,7 @@ from typing import Any
 from ..claims import Proof, UsageError
 from ..exact import Ball, Exact, Scalar
 from ..method import GLM, FinishingMethod, StartingMethod
+from .blocks import as_scalar
 from .order import OrderResult, Principal, order_of
 from .series import Series, compose, elementary_weights, is_zero, plus, shift, times
 from .trees import MAX_ORDER, Tree, single, trees
@@ -120,6 +122,7 @@ def starting_order(
     *,
     max_order: int | None = None,
     principal: Principal = "free",
+    known: OrderResult | None = None,
 ) -> StartingResult:
     """Decide through which order a starting method agrees with the exact starting series.
 
@@ -129,6 +132,8 @@ def starting_order(
         max_order: largest order looked at; the order of the method when ``None``.
         principal: ``"free"``: any member of the family will do; ``"identity"``: the first value
             must be the solution itself.
+        known: what :func:`order_of` returned for the method, so that it is not computed again;
+            its kind of principal part is taken.
 
     Raises
     ------
@@ -139,7 +144,7 @@ def starting_order(
             f"a starting method for r = {method.r} values must have as many rows in `B` and "
             f"entries in `u`, got {len(starting.B)} and {len(starting.u)}"
         )
-    result = order_of(method, max_order=max_order or MAX_ORDER - 1, principal=principal)
+    result = known or order_of(method, max_order=max_order or MAX_ORDER - 1, principal=principal)
     enclosed = result.proof is Proof.ENCLOSED or _is_enclosed(starting.A, starting.B, [starting.u])
     proof = Proof.ENCLOSED if enclosed else Proof.EXACT
     if result.eta is None:
@@ -159,12 +164,12 @@ def _compare(result: OrderResult, series: Series, proof: Proof) -> StartingResul
         ahead = _difference(series, eta, node)[first] / eta.empty()[first]
         if is_zero(ahead) is not True:
             eta = shift(eta, ahead)
-    known: dict[str, Any] = {"proof": proof, "method_order": p, "shift": _scalar(ahead)}
+    known: dict[str, Any] = {"proof": proof, "method_order": p, "shift": as_scalar(ahead)}
     largest = 0.0
     start = plus(series.empty(), times(-1, eta.empty()))
     place = _first_nonzero(start)
     if place is not None:
-        known.update(component=place + 1, residual=_scalar(start[place]))
+        known.update(component=place + 1, residual=as_scalar(start[place]))
         return StartingResult(-1, **known)
     for q in range(1, p + 1):
         for t in trees(q):
@@ -174,9 +179,9 @@ def _compare(result: OrderResult, series: Series, proof: Proof) -> StartingResul
                 difference = plus(difference, times(-1, times(along, eta.empty())))
             place = _first_nonzero(difference)
             if place is not None:
-                known.update(component=place + 1, residual=_scalar(difference[place]))
+                known.update(component=place + 1, residual=as_scalar(difference[place]))
                 return StartingResult(q - 1, failing_tree=t, largest_residual=largest, **known)
-            largest = max(largest, *(_scalar(x).magnitude() for x in difference))
+            largest = max(largest, *(as_scalar(x).magnitude() for x in difference))
     return StartingResult(p, largest_residual=largest, **known)
 
 
@@ -186,10 +191,6 @@ def _difference(series: Series, eta: Series, t: Tree) -> tuple[Any, ...]:
 
 def _first_nonzero(vector: tuple[Any, ...]) -> int | None:
     return next((i for i, x in enumerate(vector) if is_zero(x) is False), None)
-
-
-def _scalar(x: Any) -> Scalar:
-    return x if isinstance(x, Exact | Ball) else Exact(x)
 
 
 def finishing_order(
@@ -232,13 +233,13 @@ def finishing_order(
         first = shift(first, ahead)
     both = compose(first, finish)
     proof = Proof.ENCLOSED if enclosed else Proof.EXACT
-    known: dict[str, Any] = {"proof": proof, "method_order": p, "shift": _scalar(ahead)}
+    known: dict[str, Any] = {"proof": proof, "method_order": p, "shift": as_scalar(ahead)}
     largest = 0.0
     for t in both:
         if t.order == p and starting is None:
             continue  # the free principal part makes up for any difference
         if is_zero(both[t]) is False:
-            known.update(component=1, residual=_scalar(both[t]), largest_residual=largest)
+            known.update(component=1, residual=as_scalar(both[t]), largest_residual=largest)
             return StartingResult(t.order - 1, failing_tree=t, **known)
-        largest = max(largest, _scalar(both[t]).magnitude())
+        largest = max(largest, as_scalar(both[t]).magnitude())
     return StartingResult(p, largest_residual=largest, **known)

@@ -16,8 +16,8 @@ Public names::
 The text form writes ``o`` for a single node and ``[...]`` for a root with the trees inside the
 brackets as its subtrees: ``[o[oo]]``. Two-coloured trees write the colour of every vertex, ``f`` or
 ``k``, before its bracket: ``f[kk[f]]``. For ``q' = f(q, p)``, ``p' = k(q, p)`` a vertex ``f``
-stands for f; its children ``f`` differentiate f by q, its children ``k`` by p. For a separable system
-(f depends on p only, k on q only) colours alternate along every edge.
+stands for f; its children ``f`` differentiate f by q, its children ``k`` by p. For a separable
+system (f depends on p only, k on q only) colours alternate along every edge.
 
 References
 ----------
@@ -95,7 +95,8 @@ class Tree:
     def __setattr__(self, name: str, value: object) -> NoReturn:
         raise AttributeError(f"a Tree is immutable: `{name}` cannot be set")
 
-    __delattr__ = __setattr__  # type: ignore[assignment]
+    def __delattr__(self, name: str) -> NoReturn:
+        raise AttributeError(f"a Tree is immutable: `{name}` cannot be deleted")
 
     @property
     def key(self) -> tuple[Any, ...]:
@@ -247,8 +248,8 @@ class _Listing:
     """All trees of one palette, order by order; each tree is reached exactly once.
 
     A tree with more than one vertex is ``rest`` with its largest child ``last`` grafted on, so the
-    trees of order n are the pairs (last, rest) with ``|last| + |rest| = n`` and no child of ``rest``
-    larger than ``last``. Lists are sorted by largest child, so these ``rest`` are a prefix.
+    trees of order n are the pairs (last, rest) with ``|last| + |rest| = n`` and no child of
+    ``rest`` larger than ``last``. Lists are sorted by largest child: these ``rest`` are a prefix.
     """
 
     def __init__(self, palette: Palette) -> None:

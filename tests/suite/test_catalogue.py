@@ -1,0 +1,72 @@
+"""Every claim of every shipped file, recomputed; every broken file refuted for its reason."""
+
+from __future__ import annotations
+
+import pytest
+
+from glmref.catalogue import document, load, names
+from glmref.claims import Proof, Verdict
+from glmref.facts import facts_of
+from glmref.method import GLM
+from glmref.verification import is_enclosed, verify_file
+
+#: What the thesis of Khan (2018) names, by the name of its file.
+NAMED_BY_THE_THESIS = """
+    euler rk4 gauss-2 ab-1 ab-2 ab-3 ab-4 ab-5 ab-6 am-1 am-2 am-3 am-4 am-5 am-6 leapfrog
+    leapfrog-one-leg symplectic-euler-a symplectic-euler-b stormer-verlet gsymplectic-n
+    gsymplectic-p thesis-3-8 s4-symmetric g6245-w3 g6245 g4123
+""".split()
+
+
+@pytest.mark.parametrize("name", names("methods"))
+def test_every_claim_of_a_method_holds(name: str) -> None:
+    findings = verify_file(name)
+    assert findings
+    assert [f for f in findings if f.verdict is not Verdict.HOLDS] == []
+    assert all(f.proof in (Proof.EXACT, Proof.ENCLOSED) for f in findings) or (
+        "digits" in document(name) and "enclosure" not in document(name)
+    )
+
+
+@pytest.mark.parametrize("name", names("broken"))
+def test_a_broken_file_is_refuted_for_the_declared_reason(name: str) -> None:
+    (finding,) = verify_file(name)
+    assert finding.verdict is Verdict.HOLDS, finding
+    assert finding.claim == f"refutes {document(name)['broken']['claim']}"
+
+
+@pytest.mark.parametrize("name", names("methods"))
+def test_the_order_is_exact_and_one_more_fails_at_a_named_tree(name: str) -> None:
+    method = load(name)
+    result = facts_of(method, enclosed=is_enclosed(method)).classical_order
+    assert result.failing_tree is not None
+    assert result.failing_tree.order == result.order + 1
+    assert result.residual is not None
+    assert result.residual.is_zero() is False
+
+
+def test_the_catalogue_is_as_large_as_promised() -> None:
+    assert len(names("methods")) >= 60
+    assert len(names("broken")) >= 20
+    assert 3 * len(names("broken")) >= len(names())
+
+
+@pytest.mark.parametrize("name", NAMED_BY_THE_THESIS)
+def test_methods_the_thesis_names_are_there(name: str) -> None:
+    assert name in names("methods")
+
+
+def test_order_six_with_all_error_constants_takes_one_pass_over_48_trees() -> None:
+    method = load("g6245-w3")
+    assert isinstance(method, GLM)
+    result = facts_of(method).classical_order
+    assert result.order == 6
+    assert len(result.residuals) == 48
+    largest = max(x.magnitude() for x in result.residuals.values())
+    assert 6.6e-4 < largest < 6.7e-4
+
+
+def test_g4123_has_order_4_with_a_free_principal_part_and_2_with_the_identity() -> None:
+    facts = facts_of(load("g4123"))
+    assert facts.order.order == 4
+    assert facts.order_identity.order == 2
