@@ -11,17 +11,29 @@ Public names::
     canonical(document) -> str          the text of one file
     checksums(root) -> str              the text of SHA256SUMS for a data folder
     datapackage(root, head) -> dict     the datapackage document with every file listed
+    refresh(root) -> list of paths      write method files anew and then the two lists
+
+After a change of the data run ``python -m glmref.canonical data``.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
+import sys
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-__all__ = ["IN_ORDER", "KEY_ORDER", "PROSE", "canonical", "checksums", "datapackage"]
+__all__ = [
+    "IN_ORDER",
+    "KEY_ORDER",
+    "PROSE",
+    "canonical",
+    "checksums",
+    "datapackage",
+    "refresh",
+]
 
 #: Keys of method files in reading order: what it is, its coefficients, what is claimed, from where.
 KEY_ORDER: tuple[str, ...] = (
@@ -80,7 +92,8 @@ def _files(root: Path, *without: str) -> list[Path]:
     """Every file of the data folder but hidden ones and those named, sorted by path."""
     found = (x for x in root.rglob("*") if x.is_file())
     shown = (x for x in found if not any(p[0] in "._" for p in x.relative_to(root).parts))
-    return sorted((x for x in shown if x.relative_to(root).as_posix() not in without), key=str)
+    places = {x.relative_to(root).as_posix(): x for x in shown}
+    return [places[name] for name in sorted(places) if name not in without]
 
 
 def checksums(root: Path) -> str:
@@ -114,3 +127,35 @@ def datapackage(root: Path, head: Mapping[str, Any]) -> dict[str, Any]:
             }
         )
     return {**head, "resources": resources}
+
+
+def refresh(root: Path) -> list[Path]:
+    """Bring the method files into canonical form, then datapackage.json and SHA256SUMS up to date.
+
+    Returns
+    -------
+        The files that were written: those whose text was another one.
+
+    Raises
+    ------
+        FileNotFoundError: when the folder has no datapackage.json to take the head from.
+    """
+    written: list[Path] = []
+
+    def put(path: Path, text: str) -> None:
+        if not path.is_file() or path.read_text(encoding="utf-8") != text:
+            path.write_text(text, encoding="utf-8")
+            written.append(path)
+
+    for folder in ("methods", "broken"):
+        for path in sorted((root / folder).rglob("*.json")):
+            put(path, canonical(json.loads(path.read_text(encoding="utf-8"))))
+    package = root / _PACKAGE
+    head = json.loads(package.read_text(encoding="utf-8"))
+    put(package, canonical(datapackage(root, head)))
+    put(root / _SUMS, checksums(root))
+    return written
+
+
+if __name__ == "__main__":
+    sys.stdout.writelines(f"wrote {path}\n" for path in refresh(Path(sys.argv[1])))

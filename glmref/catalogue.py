@@ -62,16 +62,26 @@ def path_of(name: str | Path) -> Path:
     if text in known:
         return known[text]
     path = Path(text)
-    if path.suffix == ".json" or path.parent != Path() or path.is_file():
+    try:
         if path.is_file():
             return path
-        what = "is a folder" if path.is_dir() else "does not exist"
-        raise UsageError(f"the file {text!r} {what}; give a method file or a name of `glmref list`")
+        what = "is a folder" if path.is_dir() else "is not a regular file" * path.exists()
+    except (OSError, ValueError) as error:  # a name too long, a folder one may not enter
+        raise UsageError(f"the file {shown(text)} cannot be read ({_reason(error)})") from None
+    if what or path.suffix == ".json" or path.parent != Path():
+        raise UsageError(
+            f"the file {shown(text)} {what or 'does not exist'}; "
+            f"give a method file or a name of `glmref list`"
+        )
     from difflib import get_close_matches
 
-    near = get_close_matches(text, known, n=3)
+    near = get_close_matches(text[:80], known, n=3)
     hint = f"did you mean {' or '.join(near)}?" if near else "see `glmref list`"
-    raise UsageError(f"there is no method named {text!r}; {hint}")
+    raise UsageError(f"there is no method named {shown(text)}; {hint}")
+
+
+def _reason(error: OSError | ValueError) -> str:
+    return getattr(error, "strerror", None) or str(error)
 
 
 def load(name: str | Path) -> GLM | PartitionedGLM:

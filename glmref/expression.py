@@ -16,6 +16,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from fractions import Fraction
+from math import isfinite
 from typing import NamedTuple
 
 from .claims import DataError, ExactnessError
@@ -147,7 +148,7 @@ class _Parser:
         self._split()
 
     def _split(self) -> None:
-        position, text = 0, self.text.rstrip()
+        position, text = 0, self.text.rstrip(" \t\r\n\f\v")
         while position < len(text):
             match = _TOKEN.match(text, position)
             if match is None:
@@ -168,8 +169,12 @@ class _Parser:
             value = self._sum()
         except ZeroDivisionError:
             raise self._error("there is a division by zero") from None
+        except ExactnessError as error:
+            raise self._error(f"{error}, so there is no exact value") from None
         if self.position < len(self.tokens):
             raise self._error(f"{self.tokens[self.position]!r} is out of place")
+        if isinstance(value, Ball) and not isfinite(value.magnitude()):
+            raise self._error("a quotient, a root or a size that its decimals do not bound stands")
         return value
 
     def _peek(self) -> str:
@@ -316,6 +321,10 @@ def to_text(value: Scalar) -> str:
         raise ExactnessError("a ball has no exact text; write its decimals and declare `digits`")
     fraction = value.as_fraction()
     if fraction is not None:
+        if max(abs(fraction.numerator), fraction.denominator).bit_length() > 3 * MAX_LENGTH:
+            raise ExactnessError(
+                f"a fraction with more than {MAX_LENGTH} digits is not written out"
+            )
         return str(fraction)
     description = value.description()
     body, _, where = description[description.index("{") + 1 : -1].partition(" where ")
@@ -323,9 +332,16 @@ def to_text(value: Scalar) -> str:
     for match in reversed(list(_GENERATOR.finditer(where))):
         names[match["name"]] = _generator_text(match, names, value)
     text = _substitute(body, names, value)
-    if parse(text) != value:  # e.g. the other root of the generator's polynomial
+    if not _stands_for(text, value):  # e.g. the other root of the generator's polynomial
         raise ExactnessError(f"no square-root form found for {value!r}")
     return text
+
+
+def _stands_for(text: str, value: Exact) -> bool:
+    try:
+        return parse(text) == value
+    except DataError:  # longer or deeper than this module reads
+        return False
 
 
 def _generator_text(match: re.Match[str], names: Mapping[str, str], value: Exact) -> str:
@@ -351,17 +367,3 @@ def _substitute(body: str, names: Mapping[str, str], value: Exact) -> str:
         return names[match[0]]
 
     return re.sub(r"(?<![A-Za-z_])[a-z]\d*(?![A-Za-z_(])", generator, expanded)
-
-
-def parse_fraction(text: str) -> Fraction:
-    """Read an entry that must be rational.
-
-    Raises
-    ------
-        DataError: when it is not.
-    """
-    value = parse(text)
-    fraction = value.as_fraction() if isinstance(value, Exact) else None
-    if fraction is None:
-        raise DataError(f"{text!r} must be a rational number, such as '1/3'")
-    return fraction

@@ -61,7 +61,8 @@ def read_json(path: Path) -> Any:
 def _nesting(text: str) -> int:
     """Deepest nesting of brackets outside strings, without recursion."""
     deepest = depth = 0
-    for match in re.finditer(r'"(?:[^"\\]|\\.)*"|[\[{]|[\]}]', text):
+    # a string without its closing quote counts as one too: else its search would be quadratic
+    for match in re.finditer(r'"(?:[^"\\]|\\.)*+"?|[\[{]|[\]}]', text, re.DOTALL):
         if match[0] in "[{":
             depth += 1
             deepest = max(deepest, depth)

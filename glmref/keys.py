@@ -1,0 +1,151 @@
+"""Which keys a method file may have, and of what kind: the tables of ``glmref-method-1``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from .strict_json import shown
+
+__all__ = [
+    "BLOCKS",
+    "CLAIMS",
+    "COMMON",
+    "FORMAT",
+    "MAX_ORDER",
+    "MAX_SIZE",
+    "OPTIONAL",
+    "PAIRS",
+    "RESERVED",
+    "SOURCE",
+    "STATUS",
+    "TEXTS",
+    "fault_of_texts",
+    "without_meaning",
+]
+
+FORMAT = "glmref-method-1"
+MAX_SIZE = 200  # stages or values of one method
+MAX_ORDER = 20  # the largest order one can claim; trees are compared up to 12
+RESERVED = frozenset(["i", "pi", "sqrt", "root", "exp"])
+STATUS = ("as printed", "corrected", "derived", "regenerated")
+
+#: Keys every class has.
+COMMON = frozenset(
+    {
+        *("$schema", "format", "name", "title", "class", "field", "constants", "digits"),
+        *("unknowns", "enclosure", "claims", "source", "broken", "notes"),
+    }
+)
+_START = frozenset(["starting", "finishing"])
+#: Keys of each class.
+BLOCKS: Mapping[str, frozenset[str]] = {
+    "glm": frozenset(["A", "U", "B", "V", "G", "D"]) | _START,
+    "rk": frozenset(["A", "b"]) | _START,
+    "lmm": frozenset(["alpha", "beta"]) | _START,
+    "one-leg": frozenset(["alpha", "beta", "G"]) | _START,
+    "sweep": frozenset(["D", "X", "V", "G"]) | _START,
+    "composition": frozenset(["base", "gamma"]) | _START,
+    "splitting": frozenset(["a", "b", "first"]),
+    "partitioned-rk": frozenset(["A", "b", "A_hat", "b_hat"]),
+    "partitioned": frozenset(["q", "p", "G", "D_P", "D_Q", "separable"]),
+}
+#: Classes that stand for a pair of methods.
+PAIRS = frozenset(["splitting", "partitioned-rk", "partitioned"])
+#: Keys a file may leave out; ``D`` is one for class ``glm`` only.
+OPTIONAL = frozenset(["G", "D", "D_P", "D_Q", "separable", "starting", "finishing"])
+#: Keys that are shown and not computed with, and what their values may be.
+TEXTS: Mapping[str, tuple[type, ...]] = {"$schema": (str,), "title": (str,), "notes": (str, list)}
+#: Keys of ``source``, and what their values may be.
+SOURCE: Mapping[str, tuple[type, ...]] = {
+    "citation": (str,),
+    "where": (str,),
+    "status": (str,),
+    "doi": (str,),
+    "bibtex": (str,),
+    "errata": (list,),
+    "notes": (str, list),
+}
+#: Claims and the kind of value each takes.
+CLAIMS: Mapping[str, type] = {
+    "order": int,
+    "order-identity": int,
+    "effective-order": int,
+    "stage-order": int,
+    "starting-order": int,
+    "finishing-order": int,
+    "preconsistent": bool,
+    "consistent": bool,
+    "zero-stable": bool,
+    "explicit": bool,
+    "symplectic": bool,
+    "g-symplectic": bool,
+    "symmetric": bool,
+    "parasitism-free": bool,
+    "a-stable": bool,
+    "l-stable": bool,
+    "growth": list,
+    "abscissae": list,
+    "error-constant": str,
+}
+_OF_ONE_METHOD = frozenset(
+    ["starting-order", "finishing-order", "a-stable", "l-stable", "abscissae", "error-constant"]
+)
+
+
+def without_meaning(kind: str) -> frozenset[str]:
+    """Claims that a class cannot make: those about one method, for a pair."""
+    return _OF_ONE_METHOD if kind in PAIRS else frozenset()
+
+
+def fault_of_texts(doc: Mapping[str, Any]) -> str:
+    """Say what is wrong with the texts and objects that hold no numbers; ``""`` where all is well.
+
+    Args:
+        doc: a method document whose keys are known to be allowed.
+    """
+    for key, kinds in TEXTS.items():
+        if key in doc and not _is_text(doc[key], kinds):
+            return f"`{key}` must be a string, got {shown(doc[key])}"
+    if not isinstance(doc.get("enclosure", {}), dict):
+        return f"`enclosure` must be an object, got {shown(doc['enclosure'])}"
+    return _fault_of_broken(doc) or _fault_of_source(doc["source"])
+
+
+def _is_text(value: object, kinds: tuple[type, ...]) -> bool:
+    """Whether a value is a string, or a list of strings where lists are allowed."""
+    if isinstance(value, list) and list in kinds:
+        return all(isinstance(x, str) for x in value)
+    return isinstance(value, str) and str in kinds
+
+
+def _fault_of_broken(doc: Mapping[str, Any]) -> str:
+    broken = doc.get("broken")
+    if "broken" not in doc:
+        return ""
+    if (
+        not isinstance(broken, dict)
+        or not {"claim", "why"} <= broken.keys() <= {"claim", "why", "flag"}
+        or not all(isinstance(x, str) for x in broken.values())
+    ):
+        return (
+            f"`broken` must be an object with the strings claim, why and flag, got {shown(broken)}"
+        )
+    return ""
+
+
+def _fault_of_source(source: object) -> str:
+    if not isinstance(source, dict):
+        return f"`source` must be an object, got {shown(source)}"
+    for key in ("citation", "where", "status"):
+        if not isinstance(source.get(key), str) or not source[key].strip():
+            return f"`source.{key}` must be a non-empty string; say who, where, how"
+    for key, value in source.items():
+        if key not in SOURCE:
+            return f"the key {key!r} is unknown in `source`; allowed are {', '.join(SOURCE)}"
+        if not _is_text(value, SOURCE[key]):
+            kind = "a list of sentences" if SOURCE[key] == (list,) else "a string"
+            return f"`source.{key}` must be {kind}, got {shown(value)}"
+    if source["status"] not in STATUS:
+        return f"`source.status` must be one of {', '.join(STATUS)}, got {shown(source['status'])}"
+    return ""

@@ -1,0 +1,122 @@
+"""Laws of series: a group on which the flow acts; order belongs to the conjugacy class."""
+
+from fractions import Fraction as F
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from glmref.method import GLM
+from glmref.theory.order import order_of
+from glmref.theory.series import Series, combine, compose, flow, identity, inverse, shift
+from glmref.theory.trees import GENERAL, ROOTED, SEPARABLE, trees_up_to
+
+ORDER = 4
+fractions = st.fractions(min_value=-2, max_value=2, max_denominator=6)
+palettes = st.sampled_from([ROOTED, GENERAL, SEPARABLE])
+
+
+@st.composite
+def scalar_series(draw, palette, order=ORDER):
+    level = trees_up_to(order, palette)
+    return Series({t: draw(fractions) for t in level}, 1, order, palette)
+
+
+@st.composite
+def three_series(draw):
+    palette = draw(st.sampled_from([ROOTED, SEPARABLE]))
+    return tuple(draw(scalar_series(palette)) for _ in range(3))
+
+
+@st.composite
+def one_series(draw):
+    return draw(scalar_series(draw(palettes), 3))
+
+
+@given(three_series())
+@settings(max_examples=30, deadline=None)
+def test_composition_is_associative(series):
+    a, b, c = series
+    assert compose(compose(a, b), c) == compose(a, compose(b, c))
+
+
+@given(one_series())
+@settings(max_examples=30, deadline=None)
+def test_every_series_has_one_inverse(a):
+    one = identity(a.order, a.palette)
+    assert compose(a, inverse(a)) == one == compose(inverse(a), a)
+    assert compose(a, one) == a == compose(one, a)
+
+
+@given(fractions, fractions, palettes)
+@settings(max_examples=30, deadline=None)
+def test_flows_form_a_one_parameter_group(s, t, palette):
+    assert compose(flow(ORDER, s, palette), flow(ORDER, t, palette)) == flow(ORDER, s + t, palette)
+
+
+@given(one_series(), fractions, fractions)
+@settings(max_examples=30, deadline=None)
+def test_shifts_add_up_and_are_compositions_with_the_flow(a, s, t):
+    assert shift(shift(a, s), t) == shift(a, s + t)
+    assert shift(a, s) == compose(flow(a.order, s, a.palette), a)
+
+
+@given(three_series(), fractions)
+@settings(max_examples=20, deadline=None)
+def test_composition_is_linear_in_what_is_applied_last(series, factor):
+    a, b, c = series
+    both = compose(a, combine([(factor, b), (1 - factor, c)]))
+    assert both == combine([(factor, compose(a, b)), (1 - factor, compose(a, c))])
+
+
+GAUSS_2 = {
+    "A": [["1/4", "1/4-sqrt(3)/6"], ["1/4+sqrt(3)/6", "1/4"]],
+    "b": ["1/2", "1/2"],
+}
+HEUN_3 = {"A": [[0, 0, 0], ["1/3", 0, 0], [0, "2/3", 0]], "b": ["1/4", 0, "3/4"]}
+
+
+def runge_kutta(A, b):
+    return GLM(A=A, U=[[1]] * len(A), B=[b], V=[[1]])
+
+
+def conjugate(method, a, b):
+    """Apply the Runge-Kutta step (a, b) backwards, then the method, then (a, b) forwards."""
+    m, s = len(b), method.s
+    back = [[a[i][j] - b[j] for j in range(m)] for i in range(m)]
+    backwards, zero = [-x for x in b], [0] * m
+    rows = [[*row, *[0] * s, *zero] for row in back]
+    rows += [[*backwards, *row, *zero] for row in method.A]
+    rows += [[*backwards, *method.B[0], *row] for row in a]
+    return runge_kutta(rows, [*backwards, *method.B[0], *b])
+
+
+@given(st.lists(fractions, min_size=5, max_size=5), st.sampled_from([(GAUSS_2, 4), (HEUN_3, 3)]))
+@settings(max_examples=12, deadline=None)
+def test_conjugation_leaves_the_order_with_a_free_principal_part(x, known):
+    tableau, order = known
+    a, b = [[F(0), F(0)], [x[0], x[1]]], [x[2], x[3]]
+    method = conjugate(runge_kutta(**tableau), a, b)
+    result = order_of(method, max_order=6)
+    assert (result.order, result.decided) == (order, True)
+
+
+@st.composite
+def invertible(draw, size):
+    entry = st.integers(min_value=-2, max_value=2)
+    lower = [[draw(entry) if j < i else int(i == j) for j in range(size)] for i in range(size)]
+    upper = [[draw(entry) if j > i else int(i == j) for j in range(size)] for i in range(size)]
+    product = range(size)
+    return [[sum(lower[i][k] * upper[k][j] for k in product) for j in product] for i in product]
+
+
+@given(invertible(2), st.permutations([0, 1, 2]))
+@settings(max_examples=20, deadline=None)
+def test_equivalent_methods_have_the_same_order(T, stages):
+    g4123 = GLM(
+        A=[[0, 0, 0], ["2/3", 0, 0], ["2/5", "-3/10", "1/2"]],
+        U=[[1, 1], [1, -1], [1, "-1/5"]],
+        B=[["1/3", "-3/8", "25/24"], ["1/3", "3/8", "-5/24"]],
+        V=[[1, 0], [0, -1]],
+    )
+    result = order_of(g4123.transform(T).permute_stages(stages))
+    assert (result.order, result.stage_order, str(result.failing_tree)) == (4, 1, "[[o][o]]")

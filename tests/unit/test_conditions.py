@@ -1,0 +1,88 @@
+"""Conditions: the linear map behind free principal parts, and agreement with direct formulas."""
+
+from fractions import Fraction as F
+
+import pytest
+
+from glmref.exact import exact
+from glmref.linalg import rank
+from glmref.method import GLM
+from glmref.theory.blocks import make_block
+from glmref.theory.conditions import Conditions
+from glmref.theory.series import elementary_weights, flow
+from glmref.theory.trees import GENERAL, ROOTED, SEPARABLE, pruned, trees
+
+
+def commutator(order, palette):
+    """Matrix of beta -> (beta(t1) if t = [t1]) - sum n(s, t) beta(s), order k to order k + 1."""
+    smaller = trees(order, palette)
+    rows = []
+    for t in trees(order + 1, palette):
+        row = {s: -count for s, count in pruned(t).items() if s.order == order}
+        if len(t.children) == 1:
+            row[t.children[0]] = row.get(t.children[0], 0) + 1
+        rows.append(tuple(exact(row.get(s, 0)) for s in smaller))
+    return tuple(rows)
+
+
+@pytest.mark.parametrize(
+    ("palette", "orders"), [(ROOTED, range(2, 6)), (SEPARABLE, range(2, 6)), (GENERAL, range(2, 4))]
+)
+def test_principal_parts_of_order_2_or_more_are_determined(palette, orders):
+    # the theorem that makes deciding order by order complete, here by rank
+    for k in orders:
+        assert rank(commutator(k, palette)) == len(trees(k, palette))
+
+
+@pytest.mark.parametrize("palette", [ROOTED, SEPARABLE, GENERAL])
+def test_at_order_1_only_the_common_shift_in_time_is_left(palette):
+    matrix = commutator(1, palette)
+    assert rank(matrix) == len(palette) - 1
+    assert all(sum(row, start=exact(0)).is_zero() for row in matrix)
+
+
+def rk4():
+    A = [[0, 0, 0, 0], [F(1, 2), 0, 0, 0], [0, F(1, 2), 0, 0], [0, 0, 1, 0]]
+    b = [F(1, 6), F(1, 3), F(1, 3), F(1, 6)]
+    return A, b
+
+
+def test_residuals_of_a_runge_kutta_method_are_weights_minus_the_flow():
+    A, b = rk4()
+    m = GLM(A=A, U=[[1]] * 4, B=[b], V=[[1]])
+    conditions = Conditions({"o": make_block(m.A, m.U, m.B, m.V)}, ROOTED, "identity")
+    weights, exact_flow = elementary_weights(A, b, 7), flow(7)
+    for _ in range(7):
+        for t, (residual,) in conditions.advance().items():
+            assert residual == weights[t] - exact_flow[t]
+
+
+def test_the_number_of_effective_order_conditions():
+    # |T_k+1| - |T_k| conditions are left at order k + 1 >= 3 (Butcher 1969)
+    A, b = rk4()
+    m = GLM(A=A, U=[[1]] * 4, B=[b], V=[[1]])
+    conditions = Conditions({"o": make_block(m.A, m.U, m.B, m.V)}, ROOTED, "free")
+    left = [len(conditions.advance()) - len(conditions.determined) for _ in range(7)]
+    assert left == [1, 1, 1, 2, 5, 11, 28]
+
+
+def test_trees_that_a_stage_order_makes_alike_are_computed_once():
+    x = "sqrt(15)"
+    gauss = GLM(
+        A=[
+            ["5/36", f"2/9-{x}/15", f"5/36-{x}/30"],
+            [f"5/36+{x}/24", "2/9", f"5/36-{x}/24"],
+            [f"5/36+{x}/30", f"2/9+{x}/15", "5/36"],
+        ],
+        U=[[1]] * 3,
+        B=[["5/18", "4/9", "5/18"]],
+        V=[[1]],
+    )
+    conditions = Conditions(
+        {"o": make_block(gauss.A, gauss.U, gauss.B, gauss.V)}, ROOTED, "identity"
+    )
+    for _ in range(6):
+        assert all(residual == (0,) for residual in conditions.advance().values())
+    # 37 trees, but powers of c to the fifth and what the missing A c^3 = c^4 / 4 adds: [[ooo]] and
+    # its like
+    assert len(conditions._images) < 12

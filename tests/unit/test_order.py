@@ -1,0 +1,284 @@
+"""Order: holds at p, fails at p + 1 with the tree named; free and identity principal parts."""
+
+import time
+from fractions import Fraction as F
+
+import pytest
+
+from glmref.catalogue import load
+from glmref.claims import Proof, UsageError
+from glmref.exact import Ball
+from glmref.expression import parse
+from glmref.linalg import block_diagonal
+from glmref.method import GLM
+from glmref.theory.order import (
+    conjugate_error,
+    error_max,
+    error_norm,
+    order_of,
+    order_residuals,
+)
+from glmref.theory.trees import parse_tree, trees_up_to
+
+# name, order and failing tree with a free principal part, then with the identity, stage order
+SHARP = [
+    ("gsymplectic-n", 4, "[[ooo]]", 4, "[oooo]", 2),
+    ("gsymplectic-p", 4, "[[ooo]]", 4, "[oooo]", 2),
+    ("thesis-3-8", 4, "[[o][o]]", 4, "[oooo]", 1),
+    ("s4-symmetric", 4, "[[o][o]]", 4, "[oooo]", 1),
+    ("g6245-w3", 6, "[[oo][oo]]", 6, "[oooooo]", 2),
+    ("g6245", 6, "[[oo][oo]]", 6, "[oooooo]", 2),
+    ("g4123", 4, "[[o][o]]", 2, "[oo]", 1),
+    ("rk4", 4, "[[o][o]]", 4, "[oooo]", 1),
+    ("gauss-2", 4, "[[ooo]]", 4, "[oooo]", 2),
+    ("gauss-4", 8, "[[ooooooo]]", 8, "[oooooooo]", 4),
+    ("butcher-effective-5", 5, "[[oooo]]", 4, "[oooo]", 1),
+    ("ab-2", 2, "[[o]]", 2, "[oo]", 2),
+    ("leapfrog", 2, "[[o]]", 2, "[oo]", 2),
+    ("bdf-3", 3, "[[oo]]", 3, "[ooo]", 3),
+    ("milne-simpson-one-leg", 4, "[[ooo]]", 2, "[oo]", 4),
+    ("dimsim-2-type-2", 2, "[[o]]", 2, "[oo]", 2),
+]
+
+
+@pytest.mark.parametrize(("name", "order", "tree", "identity", "tree_i", "stage"), SHARP)
+def test_order_holds_and_the_next_fails(name, order, tree, identity, tree_i, stage):
+    method = load(name)
+    free = order_of(method)
+    assert (free.order, str(free.failing_tree), free.stage_order) == (order, tree, stage)
+    assert free.decided
+    assert free.proof is Proof.EXACT
+    assert free.largest_residual == 0.0
+    assert free.residual is not None
+    assert not free.residual.is_zero()
+    fixed = order_of(method, principal="identity")
+    assert (fixed.order, str(fixed.failing_tree)) == (identity, tree_i)
+
+
+def test_order_6_methods_take_less_than_2_seconds_with_error_constants():
+    # measured 0.05 s each; the bound is the promise
+    for name in ("g6245-w3", "g6245"):
+        method = load(name)
+        start = time.perf_counter()
+        result = order_of(method, principal="identity")
+        assert time.perf_counter() - start < 2.0
+        assert len(result.residuals) == 48
+        assert error_max(result) == pytest.approx(F(5, 7560), rel=1e-12)
+
+
+def test_printed_a21_of_thesis_3_8_gives_order_1():
+    right = load("thesis-3-8")
+    rows = [list(row) for row in right.A]
+    rows[1][0] = parse("-11/72")
+    wrong = order_of(right.bare(A=rows))
+    assert wrong.order == 1
+    assert str(wrong.failing_tree) == "[o]"
+    # the defect is b_2 times the wrong c_2 plus what it adds to the starting series: exact
+    assert wrong.residual is not None
+    assert not wrong.residual.is_zero()
+
+
+def test_starting_series_of_n_is_the_printed_one():
+    # values of the second component, derived from (3.5) by hand for the first trees
+    eta = order_of(load("gsymplectic-n")).eta
+    assert eta is not None
+    expected = {
+        "o": "0", "[o]": "-sqrt(3)/12", "[oo]": "0", "[[o]]": "0", "[ooo]": "sqrt(3)/18",
+        "[o[o]]": "sqrt(3)/36", "[[oo]]": "1/12-sqrt(3)/36", "[[[o]]]": "1/24-sqrt(3)/72",
+    }  # fmt: skip
+    for text, value in expected.items():
+        first, second = eta[parse_tree(text)]
+        assert first == 0
+        assert second == parse(value)
+
+
+def test_starting_series_of_g4123_is_that_of_the_literature():
+    # Butcher and Imran (2015), both components: the first is a conjugation
+    eta = order_of(load("g4123")).eta
+    assert eta is not None
+    first = {"o": "0", "[o]": "-1/32", "[oo]": "-7/4320", "[[o]]": "149/8640"}
+    second = {"o": "1/4", "[o]": "-1/16", "[oo]": "-49/960", "[[o]]": "-13/384"}
+    for text, value in first.items():
+        assert eta[parse_tree(text)][0] == parse(value)
+        assert eta[parse_tree(text)][1] == parse(second[text])
+
+
+def test_the_starting_series_satisfies_the_definition():
+    # M S = S E, written out with series of another module
+    from glmref.theory.series import shift
+
+    method = load("g4123")
+    result = order_of(method)
+    assert result.eta is not None
+    moved = shift(result.eta)
+    xi = {}
+    for t in trees_up_to(result.order):
+        slopes = [1] * method.s
+        for child in t.children:
+            slopes = [x * y for x, y in zip(slopes, xi[child], strict=True)]
+        eta = result.eta[t]
+        xi[t] = [
+            sum((a * f for a, f in zip(row, slopes, strict=True)), start=F(0))
+            + sum((u * x for u, x in zip(top, eta, strict=True)), start=F(0))
+            for row, top in zip(method.A, method.U, strict=True)
+        ]
+        after = [
+            sum((b * f for b, f in zip(row, slopes, strict=True)), start=F(0))
+            + sum((v * x for v, x in zip(low, eta, strict=True)), start=F(0))
+            for row, low in zip(method.B, method.V, strict=True)
+        ]
+        assert all(x == y for x, y in zip(after, moved[t], strict=True)), str(t)
+
+
+def test_abscissae_of_g4123():
+    assert [c.as_fraction() for c in order_of(load("g4123")).abscissae["o"]] == [
+        F(1, 4),
+        F(5, 12),
+        F(11, 20),
+    ]
+
+
+def test_a_method_that_is_conjugate_to_rk4_has_its_order_only_with_a_free_start():
+    # Euler back by h/3, RK4, Euler forth again: Euler differs from the flow in h^2, so that the
+    # conjugate differs from RK4 in h^3
+    half, b = F(1, 2), [F(1, 6), F(1, 3), F(1, 3), F(1, 6)]
+    rk = [[0, 0, 0, 0], [half, 0, 0, 0], [0, half, 0, 0], [0, 0, 1, 0]]
+    rows = [[F(-1, 3), 0, 0, 0, 0, 0]]
+    rows += [[F(-1, 3), *row, 0] for row in rk]
+    rows += [[F(-1, 3), *b, 0]]
+    method = GLM(A=rows, U=[[1]] * 6, B=[[F(-1, 3), *b, F(1, 3)]], V=[[1]])
+    assert order_of(method).order == 4
+    assert order_of(method, principal="identity").order == 2
+
+
+def test_error_constants_of_rk4():
+    result = order_of(load("rk4"), principal="identity")
+    assert {str(t): x.as_fraction() for t, x in result.residuals.items()}["[oooo]"] == F(1, 120)
+    # Hairer, Norsett, Wanner (1993), table II.1.2 lists these up to gamma; the norm is theirs
+    assert error_norm(result) == pytest.approx(0.0145045823, rel=1e-8)
+
+
+def test_what_conjugation_cannot_remove_is_the_same_from_both_starts():
+    method = load("gsymplectic-n")
+    free, fixed = order_of(method), order_of(method, principal="identity")
+    least = error_norm(free, conjugate_error(free))
+    assert error_norm(fixed, conjugate_error(fixed)) == pytest.approx(least, rel=1e-12)
+    assert least < error_norm(fixed)
+    five = order_of(load("butcher-effective-5"), principal="identity")
+    assert error_norm(five, conjugate_error(five)) == 0.0
+
+
+def test_published_digits_are_enclosed():
+    def d(text):
+        return Ball.decimal(text, 10)
+
+    rk = GLM(
+        A=[[0, 0, 0, 0], [d("0.5"), 0, 0, 0], [0, d("0.5"), 0, 0], [0, 0, 1, 0]],
+        U=[[1]] * 4,
+        B=[[d("0.1666666667"), d("0.3333333333"), d("0.3333333333"), d("0.1666666667")]],
+        V=[[1]],
+    )
+    result = order_of(rk)
+    assert (result.order, result.proof, result.decided) == (4, Proof.ENCLOSED, True)
+    assert parse_tree("o") in result.undecided
+    # radii are 1e-10; 8 trees of at most 4 factors below 1 cannot add up to more than 1e-8
+    assert 0 < result.largest_residual < 1e-8
+    wrong = rk.bare(B=[[d("0.1666666668"), *rk.B[0][1:3], d("0.1666666668")]])
+    assert order_of(wrong).order == 4  # inside the radii: it cannot be told apart
+    wrong = rk.bare(B=[[d("0.1666666767"), *rk.B[0][1:]]])
+    assert order_of(wrong).order == 0
+
+
+def test_an_eigenvalue_that_balls_leave_open_is_said():
+    third, two = Ball.decimal("0.3333333333", 10), Ball.decimal("0.6666666667", 10)
+    method = GLM(A=[[0]], U=[[1, 0]], B=[[1], [1]], V=[[third, two], [third, two]])
+    result = order_of(method)
+    assert result.order == 1
+    assert result.proof is Proof.ENCLOSED
+    assert "only within the radius" in result.reason
+
+
+@pytest.mark.parametrize(
+    ("blocks", "says"),
+    [
+        ({"A": [[0]], "U": [[1]], "B": [[1]], "V": [["1/2"]]}, "no eigenvalue 1"),
+        ({"A": [[0]], "U": [[0]], "B": [[1]], "V": [[1]]}, "U u = 0"),
+        ({"A": [[0, 0], [1, 0]], "U": [[1], [2]], "B": [[1, 0]], "V": [[1]]}, "row 2"),
+        (
+            {"A": [[0, 0], [1, 0]], "U": [[1, 0], [2, 0]], "B": [[1, 0], [0, 1]],
+             "V": [[1, 0], [0, 1]]},
+            "no eigenvector u",
+        ),
+    ],
+)  # fmt: skip
+def test_a_method_that_is_not_preconsistent_has_order_0_and_a_reason(blocks, says):
+    result = order_of(GLM(**blocks))
+    assert (result.order, result.decided, result.eta) == (0, True, None)
+    assert says in result.witness
+    with pytest.raises(UsageError, match="not preconsistent"):
+        order_residuals(GLM(**blocks), 2)
+
+
+def test_a_method_that_is_not_consistent_fails_at_the_single_node():
+    result = order_of(GLM(A=[[0]], U=[[1]], B=[[2]], V=[[1]]))
+    assert (result.order, str(result.failing_tree)) == (0, "o")
+    assert result.residual == 1
+
+
+def test_a_multiple_eigenvalue_that_is_harmless_is_decided():
+    # two copies of one sum, averaged by the stages: u = (1, 1) is fixed by consistency
+    rk4 = load("rk4")
+    twin = GLM(A=rk4.A, U=[["1/2", "1/2"]] * 4, B=[rk4.B[0]] * 2, V=[[1, 0], [0, 1]])
+    result = order_of(twin)
+    assert (result.order, result.decided, result.multiplicity) == (4, True, 2)
+    # a second sum with the weights of Euler's method along Heun's: it has the order of Heun, since
+    # a sum of f differs from the integral by its ends
+    pair = GLM(A=[[0, 0], [1, 0]], U=[[1, 0]] * 2, B=[["1/2", "1/2"], [1, 0]], V=[[1, 0], [0, 1]])
+    result = order_of(pair)
+    assert (result.order, result.decided) == (2, True)
+
+
+def test_a_multiple_eigenvalue_with_more_freedom_is_reported_as_undecided():
+    rk4 = load("rk4")
+    apart = GLM(
+        A=block_diagonal(rk4.A, rk4.A),
+        U=[[1, 0]] * 4 + [[0, 1]] * 4,
+        B=block_diagonal(rk4.B, rk4.B),
+        V=[[1, 0], [0, 1]],
+    )
+    result = order_of(apart)
+    assert result.order == 4
+    assert not result.decided
+    assert "not decided" in result.reason
+    # a defective eigenvalue 1: the difference of Euler's method with itself one step back
+    twice = GLM(A=[[0]], U=[[1, 0, 0]], B=[[1], [0], [1]], V=[[2, -1, -1], [1, 0, 0], [0, 0, 0]])
+    assert not order_of(twice).decided
+
+
+def test_the_search_ends_at_max_order():
+    result = order_of(load("gauss-4"), max_order=5)
+    assert (result.order, result.at_least, result.failing_tree) == (5, True, None)
+    assert dict(result.residuals) == {}
+    assert "no tree of order 5 or less" in result.witness
+
+
+@pytest.mark.parametrize(
+    "arguments", [{"principal": "any"}, {"max_order": 0}, {"max_order": 14}, {"max_order": 2.5}]
+)
+def test_wrong_arguments_are_refused(arguments):
+    with pytest.raises(UsageError):
+        order_of(load("rk4"), **arguments)
+
+
+def test_residuals_for_solvers_go_on_past_what_fails():
+    euler = GLM(A=[[0]], U=[[1]], B=[[1]], V=[[1]])
+    residuals = order_residuals(euler, 3)
+    assert {str(t): x.as_fraction() for t, x in residuals.items()} == {
+        "o": 0,
+        "[o]": F(-1, 2),
+        "[oo]": F(-1, 3),
+        "[[o]]": F(-1, 6),
+    }
+    assert [str(t) for t in order_residuals(euler, 3, principal="free")] == ["o", "[o]", "[[o]]"]
+    with pytest.raises(UsageError):
+        order_residuals(euler, 0)

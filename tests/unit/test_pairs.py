@@ -1,0 +1,189 @@
+"""Order of pairs: trees of two colours, general and separable, exact and enclosed."""
+
+from fractions import Fraction as F
+
+import pytest
+
+from glmref.catalogue import load
+from glmref.claims import Proof, UsageError
+from glmref.exact import Ball, exact
+from glmref.method import PartitionedGLM
+from glmref.theory.order import conjugate_error, error_norm, order_of
+from glmref.theory.pairs import pair_order_of, pair_residuals
+
+
+def pair(A, b, A_hat, b_hat, *, separable=False):
+    return PartitionedGLM(
+        A=A, U=[[1]] * len(A), B=[b], V=[[1]],
+        A_hat=A_hat, U_hat=[[1]] * len(A_hat), B_hat=[b_hat], V_hat=[[1]],
+        separable=separable,
+    )  # fmt: skip
+
+
+def symplectic_euler(*, separable):
+    return pair([[1]], [1], [[0]], [1], separable=separable)
+
+
+VERLET = ([[0, 0], ["1/2", "1/2"]], ["1/2", "1/2"], [["1/2", 0], ["1/2", 0]], ["1/2", "1/2"])
+LOBATTO_3 = (
+    [[0, 0, 0], ["5/24", "1/3", "-1/24"], ["1/6", "2/3", "1/6"]],
+    ["1/6", "2/3", "1/6"],
+    [["1/6", "-1/6", 0], ["1/6", "1/3", 0], ["1/6", "5/6", 0]],
+    ["1/6", "2/3", "1/6"],
+)
+
+
+def test_symplectic_euler_is_conjugate_to_order_2_on_separable_systems_only():
+    separable = symplectic_euler(separable=True)
+    assert pair_order_of(separable, principal="identity").order == 1
+    free = pair_order_of(separable)
+    assert (free.order, str(free.failing_tree)) == (2, "f[k[f]]")
+    general = pair_order_of(symplectic_euler(separable=False))
+    assert (general.order, str(general.failing_tree)) == (1, "f[f]")
+
+
+def test_the_conjugation_of_symplectic_euler_is_half_a_kick():
+    eta = pair_order_of(symplectic_euler(separable=True)).eta
+    assert eta is not None
+    parts = {str(t): x[0] for t, x in eta.items() if t.order == 1}
+    assert parts["f"] == 0
+    assert parts["k"] == F(1, 2)
+
+
+@pytest.mark.parametrize("principal", ["free", "identity"])
+def test_lobatto_pairs_have_order_2_and_4(principal):
+    two = pair_order_of(pair(*VERLET), principal=principal)
+    assert (two.order, two.decided, two.proof) == (2, True, Proof.EXACT)
+    four = pair_order_of(pair(*LOBATTO_3), principal=principal)
+    assert four.order == 4
+    assert four.failing_tree is not None
+    assert four.failing_tree.order == 5
+    swapped = pair_order_of(pair(LOBATTO_3[2], *LOBATTO_3[1:2], LOBATTO_3[0], LOBATTO_3[3]))
+    assert swapped.order == 4
+
+
+def test_the_failing_tree_of_lobatto_iiia_iiib_3_needs_both_colours():
+    assert str(pair_order_of(pair(*LOBATTO_3)).failing_tree) == "f[k[f]k[f]]"
+    # each method by itself has order 4 too, so that mixing them is what is proved
+    wrong = [list(row) for row in LOBATTO_3[2]]
+    wrong[1], wrong[2] = wrong[2], wrong[1]
+    mixed = pair_order_of(pair(LOBATTO_3[0], LOBATTO_3[1], wrong, LOBATTO_3[3]))
+    assert mixed.order == 1
+
+
+def test_a_pair_of_twice_one_method_has_its_order():
+    n = load("gsymplectic-n")
+    twin = PartitionedGLM(
+        A=n.A, U=n.U, B=n.B, V=n.V, A_hat=n.A, U_hat=n.U, B_hat=n.B, V_hat=n.V
+    )  # fmt: skip
+    for principal in ("free", "identity"):
+        single, double = order_of(n, principal=principal), pair_order_of(twin, principal=principal)
+        assert double.order == single.order == 4
+        assert double.stage_order == single.stage_order
+    p = load("gsymplectic-p")
+    mixed = PartitionedGLM(A=n.A, U=n.U, B=n.B, V=n.V, A_hat=p.A, U_hat=p.U, B_hat=p.B, V_hat=p.V)
+    assert pair_order_of(mixed).order == 2
+
+
+@pytest.mark.parametrize(
+    ("name", "order", "effective"),
+    [
+        ("symplectic-euler-a", 1, 2),
+        ("symplectic-euler-b", 1, 2),
+        ("stormer-verlet", 2, 2),
+        ("ruth-3", 3, 3),
+        ("forest-ruth-4", 4, 4),
+        ("suzuki-verlet-4", 4, 4),
+        ("lobatto-iiia-iiib-3", 4, 4),
+    ],
+)
+def test_orders_of_pairs_of_the_catalogue(name, order, effective):
+    method = load(name)
+    assert pair_order_of(method, principal="identity").order == order
+    assert pair_order_of(method).order == effective
+
+
+# explicit pairs with one carried value, V = diag(1, -1), G = I; doubles, known to about one unit of
+# the 16th digit: weights b, c and couplings w, v of the first half of the palindrome P Q P ... Q P
+FOUR = {
+    "stages": 4,
+    "b": "0.2925313617015972 -0.08008651949946255 0.5751103155957307",
+    "w": "-0.2632305019937023 0.5030865636208413 0.0",
+    "c": "-0.1550197758320869 0.6550197758320869",
+    "v": "-0.3616003782568213 -0.1759119011968732",
+}
+SIX = {
+    "stages": 7,
+    "b": "0.0731276158068693 0.22031276814102588 0.20991017274295828 -0.0033505566908534905",
+    "w": "0.11842782531328337 -0.46621964044048736 0.607624148873906 -6.142397291274921",
+    "c": "0.1551122201579667 0.20510459679092402 -0.016038543793269838 0.31164345368875834",
+    "v": "-0.7421018988064142 0.4470485148283094 -2.8074622244090017 0.0",
+}
+
+
+def explicit_pair(data, read):
+    n = data["stages"]
+
+    def whole(key, length, sign):
+        half = [read(x) for x in data[key].split()]
+        return half + [sign * x for x in reversed(half[: length // 2])]
+
+    b, w = whole("b", n + 1, 1), whole("w", n + 1, -1)
+    c, v = whole("c", n, 1), whole("v", n, -1)
+    return PartitionedGLM(
+        A=[[b[i] * (1 + w[i] * v[j]) if i <= j else 0 for i in range(n + 1)] for j in range(n)],
+        U=[[1, -x] for x in v],
+        B=[b, [x * y for x, y in zip(b, w, strict=True)]],
+        V=[[1, 0], [0, -1]],
+        A_hat=[[c[j] * (1 + w[i] * v[j]) if j < i else 0 for j in range(n)] for i in range(n + 1)],
+        U_hat=[[1, -x] for x in w],
+        B_hat=[c, [x * y for x, y in zip(c, v, strict=True)]],
+        V_hat=[[1, 0], [0, -1]],
+        separable=True,
+    )
+
+
+@pytest.mark.parametrize(("data", "order"), [(FOUR, 4), (SIX, 6)])
+@pytest.mark.parametrize("principal", ["free", "identity"])
+def test_explicit_pairs_have_their_order_within_the_digits_of_doubles(data, order, principal):
+    method = explicit_pair(data, lambda x: Ball.decimal(x, 14))
+    result = pair_order_of(method, principal=principal)
+    assert (result.order, result.proof, result.decided) == (order, Proof.ENCLOSED, True)
+    # radii of 1e-14, weights and couplings up to 6.2 in products of up to six factors
+    assert 0 < result.largest_residual < 1e-8
+
+
+@pytest.mark.parametrize(("data", "order"), [(FOUR, 4), (SIX, 6)])
+def test_doubles_taken_as_exact_miss_the_conditions_by_rounding_only(data, order):
+    method = explicit_pair(data, lambda x: exact(F(x)))
+    sizes = [x.magnitude() for x in pair_residuals(method, order).values()]
+    # a rounding of 1.1e-16 per coefficient, tens of terms of size up to 1 in a condition
+    assert 0 < max(sizes) < 1e-14
+    assert pair_order_of(method).order < order
+    higher = pair_residuals(method, order + 1, principal="free")
+    assert max(x.magnitude() for t, x in higher.items() if t.order == order + 1) > 1e-6
+
+
+def test_what_conjugation_cannot_remove_from_a_pair():
+    euler = symplectic_euler(separable=True)
+    result = pair_order_of(euler, principal="identity")
+    assert error_norm(result) > 0.5
+    assert error_norm(result, conjugate_error(result)) == 0.0
+    verlet = load("stormer-verlet")
+    free, fixed = pair_order_of(verlet), pair_order_of(verlet, principal="identity")
+    least = error_norm(free, conjugate_error(free))
+    assert error_norm(fixed, conjugate_error(fixed)) == pytest.approx(least, rel=1e-12)
+    assert least < error_norm(fixed)
+
+
+def test_a_pair_that_is_not_preconsistent_says_why():
+    broken = pair([[1]], [1], [[0]], [1])
+    broken = PartitionedGLM(
+        A=broken.A, U=broken.U, B=broken.B, V=[["1/2"]],
+        A_hat=broken.A_hat, U_hat=broken.U_hat, B_hat=broken.B_hat, V_hat=broken.V_hat,
+    )  # fmt: skip
+    result = pair_order_of(broken)
+    assert result.order == 0
+    assert "no eigenvalue 1" in result.witness
+    with pytest.raises(UsageError, match="not preconsistent"):
+        pair_residuals(broken, 2)

@@ -1,0 +1,134 @@
+"""Series: flow, composition, inverse, elementary weights."""
+
+from fractions import Fraction as F
+
+import pytest
+
+from glmref.claims import UsageError
+from glmref.exact import Ball, exact
+from glmref.expression import parse
+from glmref.theory.series import (
+    Series,
+    combine,
+    compose,
+    derivative,
+    elementary_weights,
+    flow,
+    identity,
+    inverse,
+    is_zero,
+    shift,
+)
+from glmref.theory.trees import GENERAL, SEPARABLE, parse_tree, single
+
+RK4 = ([[0, 0, 0, 0], [F(1, 2), 0, 0, 0], [0, F(1, 2), 0, 0], [0, 0, 1, 0]],
+       [F(1, 6), F(1, 3), F(1, 3), F(1, 6)])  # fmt: skip
+
+
+def test_flow_twice_is_the_flow_of_double_duration():
+    assert compose(flow(7), flow(7)) == flow(7, 2)
+    assert compose(flow(7), flow(7)) != flow(7, F(2001, 1000))
+
+
+def test_flow_of_an_irrational_duration_is_undone_by_its_reverse():
+    c = parse("sqrt(2)")
+    assert compose(flow(5, c), flow(5, -c)) == identity(5)
+
+
+def test_two_coloured_flows_compose():
+    for palette in (GENERAL, SEPARABLE):
+        assert compose(flow(5, 1, palette), flow(5, 2, palette)) == flow(5, 3, palette)
+
+
+def test_rk4_agrees_with_the_flow_through_order_4_and_not_5():
+    weights, exact_flow = elementary_weights(*RK4, 5), flow(5)
+    differing = [t for t in weights if weights[t] != exact_flow[t]]
+    assert {t.order for t in differing} == {5}
+    assert str(differing[0]) == "[oooo]"
+
+
+def test_two_steps_as_one_tableau_are_the_composition():
+    A, b = RK4
+    twice = [[*row, 0, 0, 0, 0] for row in A] + [[*b, *row] for row in A]
+    assert elementary_weights(twice, [*b, *b], 6) == compose(
+        elementary_weights(A, b, 6), elementary_weights(A, b, 6)
+    )
+
+
+def test_inverse_on_both_sides():
+    a = elementary_weights(*RK4, 6)
+    assert compose(a, inverse(a)) == identity(6)
+    assert compose(inverse(a), a) == identity(6)
+
+
+def test_the_inverse_of_euler_is_implicit_euler_with_a_negative_step():
+    euler = elementary_weights([[0]], [1], 6)
+    assert inverse(euler) == elementary_weights([[-1]], [-1], 6)
+
+
+def test_derivative_satisfies_the_differential_equation_of_the_flow():
+    # d/dt of the flow is f of the flow: |t| / gamma(t) = product over the children
+    series = derivative(flow(6))
+    assert all(series[t] == F(t.order, t.density) for t in series)
+    assert series.empty() == 0
+
+
+def test_derivative_of_a_pair_takes_products_over_both_colours():
+    series = derivative(flow(4, 1, GENERAL))
+    assert all(series[t] == F(t.order, t.density) for t in series)
+
+
+def test_shift_is_composition_with_the_flow():
+    a = elementary_weights(*RK4, 6)
+    assert shift(a, F(2, 3)) == compose(flow(6, F(2, 3)), a)
+
+
+def test_vector_valued_series_compose_from_the_left():
+    start = elementary_weights(RK4[0], [RK4[1], [1, 0, 0, -1]], 5, u=(1, 0))
+    after = compose(flow(5), start)
+    assert after == shift(start)
+    assert after.empty() == (1, 0)
+    assert after[single()] == (2, 0)
+
+
+def test_a_start_without_stages_has_zero_weights():
+    start = elementary_weights([], [[], []], 3, u=(1, F(1, 2)))
+    assert start[parse_tree("[oo]")] == (0, 0)
+    assert start.support() == {}
+
+
+def test_linear_combination():
+    a = combine([(2, flow(3)), (F(-1, 2), identity(4))])
+    assert a.order == 3
+    assert a.empty() == F(3, 2)
+    assert a[single()] == 2
+
+
+def test_map_and_truncate():
+    assert flow(5).truncate(3) == flow(3)
+    assert flow(3).map(lambda x: 2 * x) == combine([(2, flow(3))])
+
+
+def test_coefficients_of_balls_are_equal_only_where_that_is_certain():
+    third = Ball.decimal("0.33333", 5)
+    series = flow(2).map(lambda x: x * third)
+    assert series != series
+    assert is_zero(third - F(1, 3)) is None
+    assert is_zero((0, third - F(1, 3))) is None
+    assert is_zero((third, third - F(1, 3))) is False
+    assert is_zero((0, F(0), exact(0))) is True
+
+
+def test_misuse_is_refused():
+    with pytest.raises(UsageError, match="no coefficient"):
+        Series({parse_tree("[oo]"): 1}, 1, 2)
+    with pytest.raises(UsageError, match="no coefficient"):
+        Series({single("f"): 1}, 1, 2)
+    with pytest.raises(UsageError, match="palettes"):
+        compose(flow(2), flow(2, 1, GENERAL))
+    with pytest.raises(UsageError, match="empty coefficient 1"):
+        compose(combine([(2, flow(2))]), flow(2))
+    with pytest.raises(UsageError, match="at least one"):
+        combine([])
+    with pytest.raises(KeyError):
+        flow(2)[parse_tree("[oo]")]
