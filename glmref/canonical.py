@@ -40,7 +40,7 @@ KEY_ORDER: tuple[str, ...] = (
     *("$schema", "$id", "format", "name", "title", "class", "field", "broken", "notes"),
     *("digits", "unknowns", "constants", "base", "first", "separable", "kind"),
     *("alpha", "beta", "a", "A", "U", "B", "V", "b", "omega", "gamma", "q", "p", "A_hat", "b_hat"),
-    *("u", "G", "D", "D_P", "D_Q", "enclosure", "starting", "finishing", "claims"),
+    *("u", "G", "D", "X", "D_P", "D_Q", "enclosure", "starting", "finishing", "claims"),
     *("order", "order-identity", "effective-order", "stage-order", "starting-order"),
     *("error-constant", "abscissae"),
     *("preconsistent", "consistent", "zero-stable", "explicit", "symplectic", "g-symplectic"),

@@ -201,6 +201,8 @@ class Exact(_Arithmetic):
             if term[0]:
                 degree = int(term["n"] or 1) if term["a"] else 0
                 coefficients[degree] = int(term["sign"] + (term["c"] or "1"))
+        if 0 not in coefficients:  # a printed form that is not understood
+            return plain
         value = Exact(0)
         for degree in range(max(coefficients), 0, -1):
             value = value * self + coefficients.get(degree, 0)
@@ -288,7 +290,10 @@ class Exact(_Arithmetic):
         """Return a ball that contains this number, of relative width about ``2**-bits``."""
         if self._q is not None and bits == BALL_BITS:
             return Ball._wrap(flint.acb(self._q))
-        return Ball._wrap(_enclose(self._element, bits))
+        enclosed = _enclose(self._element, bits)
+        if not enclosed.imag == 0 and self.is_real():  # a real number written with roots of unity
+            enclosed = flint.acb(enclosed.real)
+        return Ball._wrap(enclosed)
 
     def to_mpf(self) -> Any:
         """Return the mpmath number nearest in its current working precision."""

@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from fractions import Fraction
 from math import isfinite
 from typing import NamedTuple
 
@@ -158,8 +157,8 @@ class _Parser:
 
     def _error(self, what: str) -> DataError:
         return DataError(
-            f"{what} in the entry {_shortened(self.text)}; write integers, + - * / ( ), sqrt(), root(x,n), "
-            f"i, exp(2*pi*i/n) or a declared constant"
+            f"{what} in the entry {_shortened(self.text)}; write integers, + - * / ( ), sqrt(), "
+            f"root(x,n), i, exp(2*pi*i/n) or a declared constant"
         )
 
     def read(self) -> Scalar:
@@ -331,10 +330,29 @@ def to_text(value: Scalar) -> str:
     names: dict[str, str] = {}
     for match in reversed(list(_GENERATOR.finditer(where))):
         names[match["name"]] = _generator_text(match, names, value)
-    text = _substitute(body, names, value)
+    text = _tidy(_substitute(body, names, value))
     if not _stands_for(text, value):  # e.g. the other root of the generator's polynomial
         raise ExactnessError(f"no square-root form found for {value!r}")
     return text
+
+
+def _tidy(text: str) -> str:
+    """Write ``(-sqrt(3)+3)/6`` as ``(3-sqrt(3))/6`` and ``(-sqrt(3))/2`` as ``-sqrt(3)/2``."""
+    over = re.fullmatch(r"\((.*)\)(/\d+)", text)
+    body, rest = (over[1], over[2]) if over else (text, "")
+    terms: list[str] = [""]
+    depth = 0
+    for character in body:
+        depth += {"(": 1, ")": -1}.get(character, 0)
+        if depth < 0:  # the first parenthesis is not the one that closes last
+            return text
+        if character in "+-" and depth == 0 and terms[-1]:
+            terms.append("")
+        terms[-1] += character
+    if len(terms) > 1 and re.fullmatch(r"\+[\d/]+", terms[-1]):
+        terms = [terms[-1][1:], *(x if x[0] in "+-" else f"+{x}" for x in terms[:-1])]
+    joined = "".join(terms)
+    return f"({joined}){rest}" if rest and len(terms) > 1 else joined + rest
 
 
 def _stands_for(text: str, value: Exact) -> bool:

@@ -129,7 +129,7 @@ class GLMFacts(Facts):
 
         if self.method.starting is None:
             return 0, "the file gives no starting method"
-        found = starting_order(self.method, self.method.starting)
+        found = starting_order(self.method, self.method.starting, known=self.order)
         return found.order, found.witness
 
     @cached_property

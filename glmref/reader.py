@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import Any
 
 from . import families
-from .claims import DataError, ExactnessError, UsageError
+from .claims import DataError, ExactnessError
 from .exact import Scalar
 from .expression import Text, Weight, parse, weigh
 from .keys import (

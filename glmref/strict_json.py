@@ -42,6 +42,8 @@ def read_json(path: Path) -> Any:
         raise DataError(
             f"{name}: byte {error.start} is not UTF-8; save the file as UTF-8"
         ) from None
+    if text.startswith("\ufeff"):
+        raise DataError(f"{name}: the file begins with a byte order mark; save it as UTF-8 without")
     if _nesting(text) > MAX_NESTING:
         raise DataError(f"{name}: brackets are nested deeper than {MAX_NESTING}; flatten the file")
     try:

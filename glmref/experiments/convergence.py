@@ -1,20 +1,51 @@
-"""Observed order: differences of runs at halved step sizes, in extended precision.
+"""Observed order: runs at doubled numbers of steps, in extended precision, no series and no trees.
 
 With runs at n, 2n and 4n steps, ``log2(|y_n - y_2n| / |y_2n - y_4n|)`` tends to the order p with an
-error of first order in h (second order for symmetric methods). One Richardson step on that sequence
-removes it, so that a few doublings give p to a few hundredths. No reference solution takes part.
+error of order h, or of order h^2 for symmetric methods. One Richardson step on that sequence
+removes it, so that a few doublings give p to a few hundredths. The window chooses itself: doubling
+goes on until two extrapolated orders agree while the orders as measured approach them.
+
+Two orders are measured apart:
+
+* the order of the solution itself (:func:`method_order`), by differences on a nonlinear problem;
+* the order that a start and a finish can reach, the *effective* order (:func:`effective_order`).
+  On an isochronous problem, where every solution has the same period, a conjugation of the method
+  drops out after one period: what is left of the error has the effective order.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
 
-__all__ = ["ConvergenceRecord", "observed_order"]
+from ..engine.reference import stepper
+from ..method import GLM, PartitionedGLM
+from ..problems.model import Problem
+from ..problems.precision import Flow
+from .underlying import Underlying
+
+__all__ = [
+    "ConvergenceRecord",
+    "effective_order",
+    "isochronous",
+    "isochronous_separable",
+    "method_order",
+    "observed_order",
+    "parasitic_order",
+]
 
 #: Two successive extrapolated orders that agree to this count as settled.
-AGREEMENT = 0.02
+AGREEMENT = 0.01
+#: ... provided that the last order as measured lies this close to the extrapolated one.
+NEARNESS = 0.3
+#: First number of steps.
+FIRST = 6
+#: Length of the interval on which solutions are compared, in time units of the problem: the shorter
+#: it is, the smaller h at the same number of steps, and precision is not what is short here.
+LENGTH = Fraction(1, 8)
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,27 +55,40 @@ class ConvergenceRecord:
     Attributes
     ----------
         steps: numbers of steps, each twice the one before.
-        differences: ``|y_n - y_2n|`` for each n but the last.
-        orders: base-2 logarithms of successive ratios of differences.
-        extrapolated: the orders after one Richardson step.
+        sizes: differences ``|y_n - y_2n|``, one fewer than ``steps``; or errors, as many.
+        orders: base-2 logarithms of successive ratios of sizes.
+        extrapolated: the orders after Richardson extrapolation.
         order: the last extrapolated order.
         settled: whether the last two extrapolated orders agree to :data:`AGREEMENT`.
     """
 
     steps: tuple[int, ...]
-    differences: tuple[float, ...]
+    sizes: tuple[float, ...]
     orders: tuple[float, ...]
     extrapolated: tuple[float, ...]
     order: float
     settled: bool
 
+    def as_json(self) -> dict[str, Any]:
+        """Return the record in JSON's types."""
+        from .records import finite
+
+        return {
+            "steps": list(self.steps),
+            "sizes": [finite(x) for x in self.sizes],
+            "orders": [finite(x) for x in self.orders],
+            "order": finite(self.order),
+            "settled": self.settled,
+        }
+
 
 def observed_order(
-    run: Callable[[int], Sequence[object]],
+    run: Callable[[int], Sequence[Any]],
     *,
-    first: int = 8,
-    most: int = 512,
-    distance: Callable[[Sequence[object], Sequence[object]], object] | None = None,
+    first: int = FIRST,
+    most: int = 128 * FIRST,
+    target: Sequence[Any] | None = None,
+    distance: Callable[[Sequence[Any], Sequence[Any]], Any] | None = None,
 ) -> ConvergenceRecord:
     """Measure the order of ``run(n)``, the numerical solution at a fixed time after n steps.
 
@@ -54,29 +98,31 @@ def observed_order(
         run: n -> components, in a precision high enough that no difference reaches round-off.
         first: the first number of steps.
         most: the largest number of steps.
-        distance: norm of the difference of two results; the maximum norm when not given.
+        target: what ``run`` converges to; by default successive runs are compared.
+        distance: norm of the difference of two results; the Euclidean norm when not given.
     """
-    norm = distance or _maximum_norm
-    steps, differences = [first], []
+    norm = distance or _norm
+    steps, sizes = [first], []
     previous = run(first)
+    if target is not None:
+        sizes.append(norm(previous, target))
     orders: list[float] = []
     extrapolated: list[float] = []
-    while steps[-1] * 2 <= most:
+    settled = False
+    while not settled and steps[-1] * 2 <= most:
         steps.append(steps[-1] * 2)
         current = run(steps[-1])
-        differences.append(norm(previous, current))
+        sizes.append(norm(current, previous if target is None else target))
         previous = current
-        if len(differences) > 1:
-            orders.append(_log2_ratio(differences[-2], differences[-1]))
+        if len(sizes) > 1:
+            orders.append(_log2_ratio(sizes[-2], sizes[-1]))
         if len(orders) > 1:
-            extrapolated.append(2 * orders[-1] - orders[-2])
-        if len(extrapolated) > 1 and abs(extrapolated[-1] - extrapolated[-2]) < AGREEMENT:
-            break
+            best, settled = _extrapolate(orders)
+            extrapolated.append(best)
     order = extrapolated[-1] if extrapolated else math.nan
-    settled = len(extrapolated) > 1 and abs(extrapolated[-1] - extrapolated[-2]) < AGREEMENT
     return ConvergenceRecord(
         tuple(steps),
-        tuple(float(x) for x in differences),
+        tuple(float(x) for x in sizes),
         tuple(orders),
         tuple(extrapolated),
         order,
@@ -84,12 +130,192 @@ def observed_order(
     )
 
 
-def _maximum_norm(a: Sequence[object], b: Sequence[object]) -> object:
-    return max(abs(x - y) for x, y in zip(a, b, strict=True))  # type: ignore[operator]
+def _extrapolate(orders: Sequence[float]) -> tuple[float, bool]:
+    """Remove the leading errors of the orders; return the result and whether it is settled.
+
+    Halving h divides an error of order h by 2 and one of order h^2 by 4, so three sequences are
+    tried: with the first removed, with both removed, with the second alone removed. The one whose
+    last two members agree best counts.
+    """
+    first = [2 * b - a for a, b in zip(orders, orders[1:], strict=False)]
+    both = [(4 * b - a) / 3 for a, b in zip(first, first[1:], strict=False)]
+    second = [(4 * b - a) / 3 for a, b in zip(orders, orders[1:], strict=False)]
+    best, gap = first[-1], math.inf
+    for sequence in (first, both, second):
+        if len(sequence) > 1 and abs(sequence[-1] - sequence[-2]) < gap:
+            best, gap = sequence[-1], abs(sequence[-1] - sequence[-2])
+    falls = len(orders) > 2 and abs(orders[-1] - orders[-2]) < abs(orders[-2] - orders[-3])
+    near = abs(best - orders[-1]) < NEARNESS
+    return best, gap < AGREEMENT and near and (falls or gap < AGREEMENT / 20)
 
 
-def _log2_ratio(coarse: object, fine: object) -> float:
+def _norm(a: Sequence[Any], b: Sequence[Any]) -> Any:
+    """Euclidean distance: smooth in h, unlike the maximum, where components take turns."""
+    return sum(abs(x - y) ** 2 for x, y in zip(a, b, strict=True)) ** 0.5
+
+
+def _log2_ratio(coarse: Any, fine: Any) -> float:
     """Return log2(coarse / fine) for floats or mpmath numbers, NaN where a difference vanished."""
     if not fine or not coarse:
         return math.nan
-    return math.log2(float(coarse / fine))  # type: ignore[operator]
+    return math.log2(float(coarse / fine))
+
+
+def _digits(order: int) -> int:
+    """Digits that keep differences at the finest step, about ``1e-3 h^(p + 1)``, above round-off.
+
+    The finest step is near 1e-4; a ratio is wanted to four digits.
+    """
+    return 16 + 4 * (order + 1)
+
+
+def method_order(
+    method: GLM | PartitionedGLM,
+    problem: Problem,
+    *,
+    expected: int,
+    t_end: float | Fraction = LENGTH,
+    most: int = 128 * FIRST,
+) -> ConvergenceRecord:
+    """Measure the order of the first value, the solution, when started by iteration.
+
+    Args:
+        method: any method.
+        problem: a nonlinear problem.
+        expected: the order thought to be there; sets precision and passes of the start, nothing
+            else: a lower order is seen as such, and a higher one too (up to two more).
+        t_end: length of the interval.
+        most: the largest number of steps.
+    """
+    return observed_order(_run(method, problem, expected, t_end), most=most)
+
+
+def effective_order(
+    method: GLM | PartitionedGLM, *, expected: int, most: int = 128 * FIRST
+) -> ConvergenceRecord:
+    """Measure the order that start and finish can reach, on an isochronous problem.
+
+    Args:
+        method: any method; a pair is measured on a separable problem.
+        expected: as in :func:`method_order`.
+        most: the largest number of steps in the period.
+    """
+    pair = isinstance(method, PartitionedGLM)
+    problem = isochronous_separable() if pair else isochronous()
+    run = _run(method, problem, expected, None)
+    return observed_order(run, first=4 * FIRST, most=most, target=run(0))
+
+
+def _run(
+    method: GLM | PartitionedGLM, problem: Problem, expected: int, t_end: float | Fraction | None
+) -> Callable[[int], Sequence[Any]]:
+    """Return n -> solution after n steps; ``t_end = None`` is one period 2 pi."""
+    engine = stepper(method, problem, digits=_digits(expected))
+    underlying = Underlying(engine)
+    context = engine.arithmetic.context
+    if t_end is None:
+        length = 2 * context.pi
+    elif isinstance(t_end, Fraction):
+        length = context.mpf(t_end.numerator) / t_end.denominator
+    else:
+        length = context.mpf(t_end)
+    y0 = engine.problem.y0
+
+    def run(n: int) -> Sequence[Any]:
+        if n == 0:
+            return list(y0)
+        h = length / n
+        values = underlying.start(context.mpf(0), y0, h, order=expected + 1)
+        return list(underlying.solution(underlying.run(context.mpf(0), values, h, n)))
+
+    return run
+
+
+def parasitic_order(
+    method: GLM,
+    problem: Problem,
+    start: Callable[[Any, Any, Any, Any], Any],
+    *,
+    expected: int,
+    t_end: float | Fraction = LENGTH,
+    most: int = 32 * FIRST,
+) -> ConvergenceRecord:
+    """Measure how fast the parasitic part at ``t_end`` falls with h, for a given start.
+
+    Args:
+        method: a GLM with r > 1.
+        problem: a nonlinear problem.
+        start: ``start(engine, t, y0, h)`` -> (r, d) values, in the engine's arithmetic.
+        expected: order thought to be there.
+        t_end: length of the interval.
+        most: the largest number of steps.
+    """
+    engine = stepper(method, problem, digits=_digits(expected + 2))
+    underlying = Underlying(engine)
+    context = engine.arithmetic.context
+    zero, y0 = context.mpf(0), engine.problem.y0
+    length = context.mpf(Fraction(t_end).numerator) / Fraction(t_end).denominator
+
+    def run(n: int) -> Sequence[Any]:
+        h = length / n
+        values = underlying.run(zero, start(engine, zero, y0, h), h, n)
+        rest = underlying.parasitic(length, values, h, order=expected + 2)
+        return list(rest.ravel())
+
+    size = engine.method.r * problem.dimension
+    return observed_order(run, most=most, target=[zero] * size)
+
+
+def isochronous(a: str = "1/4", b: str = "1/3") -> Problem:
+    """Harmonic motion seen through a polynomial change of variables: every period is 2 pi.
+
+    With z1' = z2, z2' = -z1: y1 = z1 + a z2^2, y2 = z2 + b y1^2. The equations are not Hamiltonian,
+    and no elementary differential of them vanishes for a reason of structure.
+    """
+    from ..problems.formula import Formula
+
+    parameters = {"a": a, "b": b}
+    return Problem(
+        name="isochronous",
+        source="Harmonic oscillator in the coordinates y1 = z1 + a z2^2, y2 = z2 + b y1^2",
+        parameters=parameters,
+        f=Formula(
+            common=(
+                ("z2", "y[1] - b*y[0]*y[0]"),
+                ("z1", "y[0] - a*z2*z2"),
+                ("f0", "z2 - 2*a*z1*z2"),
+            ),
+            outputs=("f0", "2*b*y[0]*f0 - z1"),
+            parameters=parameters,
+        ),
+        y0=("1/2", "3/10"),
+        t_span=(0.0, 2 * math.pi),
+        exact=Flow(_isochronous_flow, {"a": Fraction(a), "b": Fraction(b)}),
+        scales={"period": 2 * math.pi, "time": 1.0},
+    )
+
+
+def _isochronous_flow(
+    t: Any, y0: Sequence[Any], parameters: Mapping[str, Any], ctx: Any
+) -> list[Any]:
+    a, b = parameters["a"], parameters["b"]
+    z2 = y0[1] - b * y0[0] * y0[0]
+    z1 = y0[0] - a * z2 * z2
+    c, s = ctx.cos(t), ctx.sin(t)
+    z1, z2 = z1 * c + z2 * s, z2 * c - z1 * s
+    first = z1 + a * z2 * z2
+    return [first, z2 + b * first * first]
+
+
+def isochronous_separable() -> Problem:
+    """Pinney's oscillator q'' = -(q - 1/q^3)/4: canonical, separable, every period is 2 pi."""
+    return Problem(
+        name="isochronous-separable",
+        source="Pinney, Proc. Amer. Math. Soc. 1 (1950) 681",
+        force=("-(q[0] - 1/(q[0]*q[0]*q[0]))/4",),
+        y0=("5/4", "1/5"),
+        t_span=(0.0, 2 * math.pi),
+        hamiltonian="y[1]*y[1]/2 + (y[0]*y[0] + 1/(y[0]*y[0]))/8",
+        canonical=True,
+        scales={"period": 2 * math.pi, "time": 1.0},
+    )

@@ -217,7 +217,9 @@ def make_block(A: Matrix, U: Matrix, B: Matrix, V: Matrix) -> Block:
     semisimple = len(pairing) == len(pairing[0]) and not _singular(pairing)
     if semisimple:
         W = linalg.matmul(linalg.inverse(pairing), W)
-    first = next(i for i, x in enumerate(u) if is_zero(x) is False)
+    first = next((i for i, x in enumerate(u) if is_zero(x) is False), None)
+    if first is None:
+        raise ExactnessError("no entry of u is certainly not zero; give more digits")
     output = tuple(1 / u[first] if i == first else Exact(0) for i in range(len(u)))
     return Block(
         A=sparse(A), U=sparse(U), B=sparse(B),

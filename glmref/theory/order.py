@@ -4,6 +4,8 @@ Public names::
 
     order_of(method, *, max_order=12, principal="free") -> OrderResult
     order_residuals(method, order, *, principal="identity") -> dict[Tree, Scalar]
+    residuals_of(blocks, palette, order, principal) -> dict[Tree, Scalar]    the same from blocks
+                                             of any number type, see theory.blocks.make_block
     error_norm(result) -> float              Euclidean norm of residual / sigma at order p + 1
     error_max(result) -> float               largest residual at order p + 1
     conjugate_error(result) -> dict[Tree, Scalar]    the same residuals, least squares over the
@@ -48,9 +50,13 @@ __all__ = [
     "error_norm",
     "order_of",
     "order_residuals",
+    "residuals_of",
 ]
 
 Principal = Literal["free", "identity"]
+
+#: Characters of the reason that an undecided number gives: such numbers print at any length.
+_LONGEST_REASON = 200
 
 
 @dataclass(frozen=True, eq=False)
@@ -199,10 +205,25 @@ def decide(
     if not all(b.certain for b in blocks.values()):
         reason = "V has the eigenvalue 1 only within the radius of its balls"
         result = replace(result, reason=reason)
+    return _search(conditions, result, max_order)
+
+
+def _search(conditions: Conditions, result: OrderResult, max_order: int) -> OrderResult:
+    """Advance until a tree fails or ``max_order`` is reached."""
     largest, undecided = 0.0, []
     for n in range(1, max_order + 1):
-        level = {t: _one(x) for t, x in conditions.advance().items()}
-        answers = {t: is_zero(x) for t, x in level.items()}
+        try:
+            level = {t: _one(x) for t, x in conditions.advance().items()}
+            answers = {t: is_zero(x) for t, x in level.items()}
+        except ExactnessError as reason:  # a number too large to be told from zero
+            return replace(
+                result,
+                order=n - 1,
+                largest_residual=largest,
+                undecided=tuple(undecided),
+                decided=False,
+                reason=str(reason)[:_LONGEST_REASON],
+            )
         failing = next((t for t, answer in answers.items() if answer is False), None)
         if failing is not None:
             result = replace(result, failing_tree=failing, residual=level[failing], residuals=level)

@@ -1,14 +1,17 @@
 """Periodicity interval: how far all eigenvalues of M(iy) stay on the unit circle, with proof.
 
-``y_max`` is the largest y such that for 0 < y < y_max all eigenvalues of M(iy) are simple and of modulus
-one, and beyond which some are not. It exists only if the roots of P(w, iy) are mirrored in the
-circle for every y (G-symplectic and symmetric methods), which is decided exactly. Then
+``y_max`` is the largest y such that for 0 < y < y_max all eigenvalues of M(iy) are simple and of
+modulus one, and beyond which some are not. It exists only if the roots of P(w, iy) are mirrored in
+the circle for every y (G-symplectic and symmetric methods), which is decided exactly. Then
 
-* from below: with w = (1 + i t)/(1 - i t) the function ``(1 - i t)^r P(w, iy)`` is real in t up to a factor
-  that t does not change. Where it alternates at r points around the circle there are r simple roots
-  between them; ball arithmetic proves that for a whole interval of y at a time;
-* from above: the disc of radius ``r |P/P'|`` around any w holds a root; if it misses the circle, a root
-  is off it.
+* from below: with w = rho (1 + i t)/(1 - i t), |rho| = 1, the function ``(1 - i t)^r P(w, iy)`` is
+  real in t up to a factor that t does not change. Where it alternates at r points around the
+  circle there are r simple roots between them. Taylor's formula in ball arithmetic proves that for
+  a whole interval of y at a time;
+* from above: the disc of radius ``r |P/P'|`` around any w holds a root; if it misses the circle, a
+  root is off it.
+
+A method that is G-symplectic with a definite G needs none of this: its M(iy) is unitary in G.
 
 Public names::
 
@@ -21,19 +24,28 @@ import cmath
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 from math import pi, tan
 
-from ..exact import Ball, Exact, Scalar, ball
+from ..exact import Ball, Exact, ball
 from ..method import GLM, PartitionedGLM
 from . import polynomials as poly
 from .polynomials import Polynomial
 from .stability import axis_polynomial
+from .symplectic import g_symplectic
 
 __all__ = ["Periodicity", "periodicity"]
 
 FINEST = Fraction(1, 2**44)  # step below which a collision of eigenvalues is taken to be near
 FARTHEST = 64  # beyond this y the interval is reported as proven so far
 _I = Exact(-1).sqrt()
+
+#: Rational points of the unit circle, well spread: (4 + 3 i)/5 has an angle of 37 degrees.
+TURNS = tuple(
+    power * x
+    for power in (Exact(1), _I, Exact(-1), -_I)
+    for x in (Exact(1), (4 + 3 * _I) / 5, (3 + 4 * _I) / 5)
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,9 +54,11 @@ class Periodicity:
 
     Attributes
     ----------
-        end: ball around y_max; the exact 0 where there is no interval; ``None`` where it is not known.
+        end: ball around y_max; the exact 0 where there is no interval; ``None`` if not known.
         infinite: whether the whole axis belongs to it, by proof.
-        proven: every y in (0, proven) belongs to the interval.
+        proven: every y in (start, proven) belongs to the interval.
+        start: 0, or where the proof begins for a method whose V has repeated eigenvalues (every
+            pair has: one of q and one of p).
         witness: what happens at the end, or why it is not known.
     """
 
@@ -52,6 +66,7 @@ class Periodicity:
     infinite: bool
     proven: Fraction
     witness: str = ""
+    start: Fraction = Fraction(0)
 
     @property
     def value(self) -> float | None:
@@ -78,6 +93,10 @@ def periodicity(
     q = list(axis_polynomial(m))
     while q and not q[0]:
         q = q[1:]
+    if isinstance(m, GLM) and m.is_exact and _is_definite(m):
+        return Periodicity(
+            None, True, Fraction(FARTHEST), "M(iy) is unitary in the definite form G"
+        )
     if not conserving:
         mirrored = _mirrored(q)
         if mirrored is False:
@@ -93,6 +112,19 @@ def periodicity(
     if len(q) == 2 and _never_both_zero(q):
         return Periodicity(None, True, Fraction(FARTHEST), "the only eigenvalue has modulus 1")
     return _March(tuple(q), width).run()
+
+
+def _is_definite(m: GLM) -> bool:
+    """Whether the method is G-symplectic with a positive definite G (Sylvester's criterion)."""
+    found = g_symplectic(m)
+    if not found.holds or found.G is None:
+        return False
+    minors = (tuple(row[:k] for row in found.G[:k]) for k in range(1, m.r + 1))
+    for minor in minors:  # the constant coefficient of the characteristic polynomial: a determinant
+        determinant = poly.characteristic_polynomial(minor)[0] * (-1) ** len(minor)
+        if determinant.real.sign() <= 0:
+            return False
+    return True
 
 
 def _mirrored(q: Sequence[Polynomial]) -> bool | None:
@@ -121,35 +153,38 @@ class _March:
         self.q = [[x.ball() for x in p] for p in q]
         self.degree = len(q) - 1
         self.width = width
+        self.start = Fraction(0)
 
     def run(self) -> Periodicity:
-        y, step = Fraction(0), Fraction(1, 8)
+        roots = self._approximate(Fraction(0)) or []
+        apart = all(abs(a - b) > 1e-6 for i, a in enumerate(roots) for b in roots[:i])
+        self.start = y = Fraction(0) if apart else Fraction(1, 64)
+        step = Fraction(1, 8)
         while y < FARTHEST:
             if self._alternates(y, step):
-                y, step = y + step, step * Fraction(3, 2)
-                step = _rounded(step)
+                y, step = y + step, step * 2
                 continue
             step /= 2
             if step < FINEST:
                 return self._end(y)
-        return Periodicity(None, False, y, f"all eigenvalues stay on the circle up to y = {y}")
+        reason = f"all eigenvalues stay on the circle up to y = {float(y):.6g}"
+        return Periodicity(None, False, y, reason, self.start)
 
     def _end(self, y: Fraction) -> Periodicity:
         """The march has stopped at y: look for eigenvalues off the circle just beyond."""
         gap = self.width
-        beyond = y + gap
-        if self._off_circle(beyond):
+        if y == self.start > 0 and self._off_circle(y):
+            reason = f"at y = {y} an eigenvalue of M(iy) is off the circle"
+            return Periodicity(Ball.around(ball(y / 2), y / 2), False, Fraction(0), reason)
+        if self._off_circle(y + gap):
             end = Ball.around(ball(y + gap / 2), gap / 2)
-            return Periodicity(
-                end, False, y, f"two eigenvalues of M(iy) meet near y = {float(y):.10g}"
-            )
-        return Periodicity(
-            None,
-            False,
-            y,
+            reason = f"two eigenvalues of M(iy) meet near y = {float(y):.10g} and leave the circle"
+            return Periodicity(end, False, y, reason, self.start)
+        reason = (
             f"two eigenvalues of M(iy) come together near y = {float(y):.10g}, and what they do "
-            f"there is not decided",
+            f"there is not decided"
         )
+        return Periodicity(None, False, y, reason, self.start)
 
     def _coefficients(self, y: Ball) -> list[Ball]:
         return [poly.evaluate(tuple(p), y).ball() if p else ball(0) for p in self.q]
@@ -159,31 +194,47 @@ class _March:
         roots = self._approximate(y + step / 2)
         if roots is None or any(abs(abs(w) - 1) > 1e-3 for w in roots):
             return False
-        separators = _separators(roots)
-        if separators is None:
+        rho, separators = _separators(roots)
+        if rho is None:
             return False
-        coefficients = self._coefficients(Ball.around(ball(y + step / 2), step / 2))
-        values = [self._real_form(coefficients, t) for t in separators]
-        for a, b in zip(values, values[1:], strict=False):
-            if not _opposite(a, b):
-                return False
-        # through w = -1, where t jumps from +infinity to -infinity, the form changes by (-1)^r
-        last, first = values[-1], values[0] * (-1) ** self.degree
-        return len(values) == 1 or _opposite(last, first)
+        offset = Ball.around(ball(0), step / 2)
+        shifted, turn = [], ball(1)
+        for p in self.q:
+            shifted.append(_taylor([c * turn for c in p], y + step / 2))
+            turn = turn * rho
+        values = [self._real_form(shifted, t, offset) for t in separators]
+        if not all(_opposite(a, b) for a, b in pairwise(values)):
+            return False
+        # through w = -rho, where t jumps from +infinity to -infinity, the form changes by (-1)^r
+        return len(values) == 1 or _opposite(values[-1], values[0] * (-1) ** self.degree)
 
-    def _real_form(self, coefficients: list[Ball], t: Fraction) -> Ball:
-        """``(1 - i t)^r P((1 + i t)/(1 - i t))`` at an exact t."""
+    def _real_form(self, shifted: list[list[Ball]], t: Fraction, offset: Ball) -> Ball:
+        """``(1 - i t)^r P(rho (1 + i t)/(1 - i t))`` at an exact t, for a whole interval of y.
+
+        The powers of the offset are collected before it is put in: near a double root the value and
+        the slope in y are both small, and only so does the enclosure stay small.
+        """
         up, down = ball(_I * t + 1), ball(-(_I * t) + 1)
-        total, factor = coefficients[-1], down
-        for c in reversed(coefficients[:-1]):
-            total, factor = total * up + c * factor, factor * down
-        return total
+        powers_up, powers_down = [ball(1)], [ball(1)]
+        for _ in range(self.degree):
+            powers_up.append(powers_up[-1] * up)
+            powers_down.append(powers_down[-1] * down)
+        total = [ball(0)] * max(len(p) for p in shifted)
+        for k, p in enumerate(shifted):
+            weight = powers_up[k] * powers_down[self.degree - k]
+            for j, c in enumerate(p):
+                total[j] = total[j] + weight * c
+        return poly.evaluate(tuple(total), offset).ball()
 
     def _approximate(self, y: Fraction) -> list[complex] | None:
-        values: tuple[Scalar, ...] = tuple(c.midpoint() for c in self._coefficients(ball(y)))
+        """Roots at y in floating point; close ones are polished: they lose half the digits."""
+        values: Polynomial = tuple(c.midpoint() for c in self._coefficients(ball(y)))
         if values[-1].magnitude() < 1e-12 * max(v.magnitude() for v in values):
             return None
-        return poly.approximate_roots(values)
+        roots = poly.approximate_roots(values)
+        if all(abs(a - b) > 1e-4 for i, a in enumerate(roots) for b in roots[:i]):
+            return roots
+        return _polished(values, roots)
 
     def _off_circle(self, y: Fraction) -> bool:
         """Prove that some root at y has a modulus other than one."""
@@ -191,17 +242,42 @@ class _March:
         slope = poly.derivative(coefficients)
         roots = self._approximate(y) or []
         for start in sorted(roots, key=lambda w: -abs(abs(w) - 1))[:2]:
-            w = ball(Fraction(start.real)) + ball(Fraction(start.imag)) * _I
-            for _ in range(12):  # Newton on midpoints: a guess, proved below
-                w = (w - poly.evaluate(coefficients, w) / poly.evaluate(slope, w)).midpoint()
+            w = _newton(coefficients, slope, start, 12)
             radius = self.degree * poly.evaluate(coefficients, w) / poly.evaluate(slope, w)
             distance = (w * w.conjugate() - 1).real  # |w|^2 - 1
-            bound = ball(Fraction(radius.magnitude())) if radius.magnitude() < 1 else ball(1)
+            if not radius.magnitude() < 1:
+                continue
+            bound = ball(Fraction(radius.magnitude()) * Fraction(1001, 1000))
             # a root within r of w has | |root|^2 - 1 | >= | |w|^2 - 1 | - r (2 |w| + r)
             reach = bound * (2 * Fraction(max(w.magnitude(), 1.0)) + bound)
             if _surely_larger(distance, reach):
                 return True
         return False
+
+
+def _polished(p: Polynomial, roots: list[complex]) -> list[complex]:
+    """Durand and Kerner's iteration again, with many digits: close roots stay apart."""
+    fine = [ball(Fraction(w.real)) + ball(Fraction(w.imag)) * _I for w in roots]
+    for _ in range(8):
+        for k, w in enumerate(fine):
+            divisor = p[-1].ball()
+            for j, other in enumerate(fine):
+                if j != k:
+                    divisor = divisor * (w - other)
+            if divisor.is_zero() is False:
+                fine[k] = (w - poly.evaluate(p, w) / divisor).midpoint()
+    return [complex(w) for w in fine]
+
+
+def _newton(p: Polynomial, slope: Polynomial, start: complex, steps: int) -> Ball:
+    """Newton's iteration on midpoints: a good guess, nothing more."""
+    w = ball(Fraction(start.real)) + ball(Fraction(start.imag)) * _I
+    for _ in range(steps):
+        divisor = poly.evaluate(slope, w)
+        if divisor.is_zero() is not False:
+            return w
+        w = (w - poly.evaluate(p, w) / divisor).midpoint()
+    return w
 
 
 def _surely_larger(distance: Ball, reach: Ball) -> bool:
@@ -214,24 +290,30 @@ def _opposite(a: Ball, b: Ball) -> bool:
     return product.is_zero() is False and product.sign() < 0
 
 
-def _rounded(step: Fraction) -> Fraction:
-    """A power of two near the step, so that the numbers stay short."""
-    power = Fraction(1)
-    while power > step:
-        power /= 2
-    while power * 2 <= step:
-        power *= 2
-    return power if power * Fraction(3, 2) > step else power * Fraction(3, 2)
+def _taylor(p: Sequence[Ball], at: Fraction) -> list[Ball]:
+    """Coefficients of ``p(at + x)`` by repeated synthetic division."""
+    result = list(p)
+    for i in range(len(result)):
+        for j in range(len(result) - 2, i - 1, -1):
+            result[j] = result[j] + result[j + 1] * at
+    return result
 
 
-def _separators(roots: list[complex]) -> list[Fraction] | None:
-    """Parameters t of points on the circle half-way between neighbouring roots, increasing."""
+def _separators(roots: list[complex]) -> tuple[Exact | None, list[Fraction]]:
+    """A turn rho and increasing parameters t of points rho (1 + i t)/(1 - i t) between the roots.
+
+    The turn keeps t = infinity, which is w = -rho, away from all the points.
+    """
     angles = sorted(cmath.phase(w) for w in roots)
-    gaps = zip(angles, [*angles[1:], angles[0] + 2 * pi], strict=True)
+    gaps = list(zip(angles, [*angles[1:], angles[0] + 2 * pi], strict=True))
+    if any(b - a < 1e-13 for a, b in gaps):
+        return None, []
     middles = [(a + b) / 2 for a, b in gaps]
-    wrapped = sorted(x if x < pi else x - 2 * pi for x in middles)
-    if any(b - a < 1e-13 for a, b in zip(wrapped, wrapped[1:], strict=False)):
-        return None
-    if wrapped and pi - abs(wrapped[-1]) < 1e-9:
-        return None
-    return [Fraction(tan(x / 2)) for x in wrapped]
+
+    def room(turn: Exact) -> float:
+        return min(abs(cmath.exp(1j * x) + complex(turn)) for x in middles)
+
+    rho = max(TURNS, key=room)
+    angle = cmath.phase(complex(rho))
+    wrapped = sorted((x - angle + pi) % (2 * pi) - pi for x in middles)
+    return rho, [Fraction(tan(x / 2)) for x in wrapped]

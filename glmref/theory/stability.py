@@ -1,10 +1,10 @@
 """Linear stability, exactly: the polynomial of M(z), A- and L-stability, behaviour at infinity.
 
-For y' = lambda y, z = h lambda, one step is ``M(z) = V + z B (I - z A)^-1 U``. Its eigenvalues w are
-the roots of ``P(w, z) = det(w I - M(z)) det(I - z A)``, a polynomial in both. A-stability is decided
-on P: no pole of M in the left half-plane (signs of Schur and Cohn after a Moebius transformation), and
-all roots in the closed unit disc along the imaginary axis (Schur-Cohn with polynomials in y as
-coefficients; each must nowhere be negative, which Sturm's theorem decides).
+For y' = lambda y, z = h lambda, one step is ``M(z) = V + z B (I - z A)^-1 U``. Its eigenvalues w
+are the roots of ``P(w, z) = det(w I - M(z)) det(I - z A)``, a polynomial in both. A-stability is
+decided on P: no pole of M in the left half-plane (signs of Schur and Cohn after a Moebius
+transformation), and all roots in the closed unit disc along the imaginary axis (Schur-Cohn with
+polynomials in y as coefficients; each must nowhere be negative, which Sturm's theorem decides).
 
 Public names::
 

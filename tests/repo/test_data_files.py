@@ -24,6 +24,7 @@ FOLDERS = {
     "glm": {"glm", "sweep"},
     "partitioned": {"splitting", "partitioned-rk", "partitioned"},
 }
+FUNCTIONS = {"sqrt", "root", "exp", "pi", "i"}
 COEFFICIENTS = {
     *("A", "U", "B", "V", "X", "b", "alpha", "beta", "a", "gamma", "A_hat", "b_hat", "q", "p"),
     *("G", "D", "D_P", "D_Q", "constants", "unknowns"),
@@ -68,6 +69,9 @@ def faults(document, path):
         for key in COEFFICIENTS & document.keys()
         if not all(isinstance(x, str) for x in leaves(document[key]))
     }
+    texts = [x for x in leaves(document.get("claims", {})) if isinstance(x, str)]
+    if any(set(re.findall(r"[A-Za-z_]\w*", x)) - FUNCTIONS for x in texts):
+        found.add("constant")  # a claim stands by itself
     start = document.get("starting")
     if start and document["claims"].get("starting-order") != start["order"]:
         found.add("starting-order")
@@ -90,6 +94,7 @@ def test_the_contract_check_notices_each_fault():
         "source": {**good, "source": {**good["source"], "where": ""}},
         "errata": {**good, "source": {"citation": "x", "where": "y", "status": "corrected"}},
         "claims": {**good, "claims": {}, "starting": None},
+        "constant": {**good, "claims": {**good["claims"], "growth": ["w"]}},
         "B": {**good, "B": [["1/2", 1], ["1/2", "-1/2"]]},
         "starting-order": {**good, "starting": start},
     }

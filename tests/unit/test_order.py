@@ -11,14 +11,17 @@ from glmref.exact import Ball
 from glmref.expression import parse
 from glmref.linalg import block_diagonal
 from glmref.method import GLM
+from glmref.theory.blocks import make_block
+from glmref.theory.jet import jets, lift
 from glmref.theory.order import (
     conjugate_error,
     error_max,
     error_norm,
     order_of,
     order_residuals,
+    residuals_of,
 )
-from glmref.theory.trees import parse_tree, trees_up_to
+from glmref.theory.trees import ROOTED, parse_tree, trees_up_to
 
 # name, order and failing tree with a free principal part, then with the identity, stage order
 SHARP = [
@@ -282,3 +285,24 @@ def test_residuals_for_solvers_go_on_past_what_fails():
     assert [str(t) for t in order_residuals(euler, 3, principal="free")] == ["o", "[o]", "[[o]]"]
     with pytest.raises(UsageError):
         order_residuals(euler, 0)
+
+
+def test_conditions_take_numbers_that_carry_a_gradient():
+    # residuals of N with b_11 and a_21 as unknowns; the gradient against difference quotients
+    n = load("gsymplectic-n")
+    b, a = jets([n.B[0][0].ball(), n.A[1][0].ball()])
+
+    def residuals(b11, a21):
+        A = (n.A[0], (a21, n.A[1][1]))
+        B = ((b11, n.B[0][1]), n.B[1])
+        blocks = {"o": make_block(A, n.U, B, n.V)}
+        return residuals_of(blocks, ROOTED, 5, "free")
+
+    carried = residuals(b, a)
+    step = F(1, 10**40)
+    at, moved = residuals(b.value, a.value), residuals(b.value, a.value + step)
+    for t, jet in carried.items():
+        # |f''| h / 2 with h = 1e-40 and coefficients below 2 stays far below 1e-30
+        quotient = (moved[t] - at[t]) / step
+        assert (quotient - lift(jet, 2).gradient[1]).magnitude() < 1e-30
+    assert any(lift(jet, 2).gradient[0].is_zero() is not True for jet in carried.values())

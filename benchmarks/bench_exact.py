@@ -1,0 +1,69 @@
+"""Exact theory: arithmetic with nested roots, orders, starting methods."""
+
+from glmref.catalogue import load
+from glmref.expression import parse
+from glmref.theory.order import conjugate_error, order_of
+from glmref.theory.pairs import pair_order_of
+from glmref.theory.starting import starting_order
+
+
+class Arithmetic:
+    def setup(self):
+        self.x = parse("sqrt((65274*sqrt(330)-347009)/1265902)*sqrt(3)+sqrt(5)")
+        self.y = parse("sqrt((5934*sqrt(330)-70541)/115082)+sqrt(15)/7")
+
+    def time_multiply(self):
+        self.x * self.y
+
+    def time_divide(self):
+        self.x / self.y
+
+    def time_decide_zero(self):
+        (self.x * self.y - self.y * self.x).is_zero()
+
+
+class Order:
+    params = ["rk4", "gauss-2", "gauss-4", "gsymplectic-n", "g4123", "g6245-w3", "bdf-6"]
+    param_names = ["method"]
+
+    def setup(self, name):
+        self.method = load(name)
+        order_of(self.method)
+
+    def time_free(self, name):
+        order_of(self.method)
+
+    def time_identity(self, name):
+        order_of(self.method, principal="identity")
+
+
+class Pairs:
+    params = ["stormer-verlet", "suzuki-verlet-4", "lobatto-iiia-iiib-3"]
+    param_names = ["pair"]
+
+    def setup(self, name):
+        self.pair = load(name)
+        pair_order_of(self.pair)
+
+    def time_order(self, name):
+        pair_order_of(self.pair)
+
+
+class Starting:
+    params = ["gsymplectic-n", "thesis-3-8"]
+    param_names = ["method"]
+
+    def setup(self, name):
+        self.method = load(name)
+        self.known = order_of(self.method)
+
+    def time_starting_order(self, name):
+        starting_order(self.method, self.method.starting, known=self.known)
+
+
+class ErrorConstants:
+    def setup(self):
+        self.result = order_of(load("g6245-w3"), principal="identity")
+
+    def time_least_squares(self):
+        conjugate_error(self.result)

@@ -1,0 +1,68 @@
+"""Trees: listing, growth counts, cuts. Each timing starts from nothing remembered."""
+
+from glmref.theory import trees as module
+from glmref.theory.series import compose, flow
+from glmref.theory.trees import GENERAL, coproduct, pruned, trees_up_to
+
+
+def forget():
+    pruned.cache_clear()
+    coproduct.cache_clear()
+    module._LISTINGS.clear()
+    for made in module._MADE.values():
+        for children in [key for key in made if key]:
+            del made[children]
+
+
+class Listing:
+    params = [6, 8, 10, 12]
+    param_names = ["order"]
+    number = 1
+
+    def setup(self, order):
+        forget()
+
+    def time_rooted(self, order):
+        trees_up_to(order)
+
+
+class TwoColours:
+    params = [4, 6]
+    param_names = ["order"]
+    number = 1
+
+    def setup(self, order):
+        forget()
+
+    def time_general(self, order):
+        trees_up_to(order, GENERAL)
+
+
+class Cuts:
+    params = [6, 8]
+    param_names = ["order"]
+    number = 1
+
+    def setup(self, order):
+        forget()
+        self.trees = trees_up_to(order)
+
+    def time_growth_counts(self, order):
+        for t in self.trees:
+            pruned(t)
+
+    def time_coproduct(self, order):
+        for t in self.trees:
+            coproduct(t)
+
+
+class Composition:
+    params = [6, 8]
+    param_names = ["order"]
+
+    def setup(self, order):
+        self.flow = flow(order)
+        compose(self.flow, self.flow)
+
+    def time_flow_twice(self, order):
+        compose(self.flow, self.flow)

@@ -1,0 +1,85 @@
+"""``glmref list``, ``show`` and ``cite``: what the catalogue holds."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+from typing import Any
+
+import click
+
+from ..keys import BLOCKS
+from ..tables import Style, columns, csv_text, json_text
+from .output import HOLDS, say
+
+__all__ = ["LISTS", "cite", "list_", "show"]
+
+LISTS = ("table", "json", "csv")
+_METHODS = ("name", "class", "order", "status", "title")
+_BROKEN = ("name", "class", "refutes", "flag", "title")
+
+
+@click.command("list", short_help="The shipped methods.")
+@click.option("--class", "kind", type=click.Choice(sorted(BLOCKS)), help="This class only.")
+@click.option("--broken", is_flag=True, help="The files that are wrong on purpose.")
+@click.option(
+    "--format", "form", type=click.Choice(LISTS), default="table", help="What stdout gets."
+)
+def list_(kind: str | None, broken: bool, form: str) -> int:
+    """List the shipped methods: name, class, order claimed, status of the source, title."""
+    from ..catalogue import document, names
+
+    rows = [_row(document(name)) for name in names("broken" if broken else "methods")]
+    rows = [row for row in rows if kind in (None, row["class"])]
+    keys = _BROKEN if broken else _METHODS
+    cells = [["" if row[k] is None else str(row[k]) for k in keys] for row in rows]
+    if form == "json":
+        say(json_text({"format": "glmref-list-1", "methods": rows}))
+    elif form == "csv":
+        say(csv_text([keys, *cells]))
+    else:
+        say(columns(cells, style=Style.of(sys.stdout), head=keys))
+    return HOLDS
+
+
+def _row(doc: Mapping[str, Any]) -> dict[str, Any]:
+    broken = doc.get("broken", {})
+    return {
+        "name": doc["name"],
+        "class": doc["class"],
+        "title": doc.get("title", ""),
+        "order": doc["claims"].get("order"),
+        "status": doc["source"]["status"],
+        "citation": doc["source"]["citation"],
+        "where": doc["source"]["where"],
+        "refutes": broken.get("claim"),
+        "flag": broken.get("flag"),
+        "why": broken.get("why"),
+    }
+
+
+@click.command(short_help="A tableau as in a paper.")
+@click.argument("name", metavar="NAME|FILE")
+@click.option(
+    "--decimal",
+    type=click.IntRange(1, 150),
+    metavar="N",
+    help="Decimals with N significant digits instead of exact expressions.",
+)
+def show(name: str, decimal: int | None) -> int:
+    """Show a method's tableau as one reads it in a paper, with its source."""
+    from ..catalogue import load
+    from ..show import show as page
+
+    say(page(load(name), decimal=decimal, style=Style.of(sys.stdout)))
+    return HOLDS
+
+
+@click.command(short_help="BibTeX of methods and their files.")
+@click.argument("names", nargs=-1, required=True, metavar="NAME|FILE...")
+def cite(names: tuple[str, ...]) -> int:
+    """Write BibTeX for methods: the source of each, and the data file itself."""
+    from ..bibtex import entries
+
+    say("\n\n".join(entries(dict.fromkeys(names))))
+    return HOLDS

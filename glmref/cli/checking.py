@@ -1,0 +1,166 @@
+"""``glmref verify``: recompute every claim of data files."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from contextlib import AbstractContextManager, nullcontext
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ..claims import Finding, UsageError, Verdict
+from ..keys import CLAIMS
+from ..tables import FORMATS, Style
+from .output import BAD_INPUT, FAILED, HOLDS, INTERNAL, complain, say
+
+if TYPE_CHECKING:
+    from .parallel import Checked
+
+__all__ = ["verify"]
+
+
+@click.command(short_help="Recompute every claim, and say by which proof.")
+@click.argument("names", nargs=-1, metavar="[NAME|FILE]...")
+@click.option(
+    "--format", "form", type=click.Choice(FORMATS), default="table", help="What stdout gets."
+)
+@click.option(
+    "--only",
+    multiple=True,
+    type=click.Choice(sorted(CLAIMS)),
+    metavar="CLAIM",
+    help="Check this claim only; may be given several times.",
+)
+def verify(names: tuple[str, ...], form: str, only: tuple[str, ...]) -> int:
+    """Recompute every claim of the methods named, and say how each was proved.
+
+    Without a name all shipped methods are checked, and all files that are wrong on purpose are
+    refuted, one line a file. A NAME is one of `glmref list`; a FILE is your own method file.
+    """
+    from ..catalogue import names as shipped
+
+    asked = list(dict.fromkeys(names)) or shipped()
+    report = _Report(form, every=bool(names), width=max(map(len, asked), default=0))
+    try:
+        with _progress(len(asked)) as advance:
+            _check(asked, only, report, advance)
+    except KeyboardInterrupt:
+        report.finish(len(asked), interrupted=True)
+        raise
+    report.finish(len(asked))
+    if only and not report.findings and not report.errors:
+        raise UsageError(f"none of the files asked for claims {' or '.join(map(repr, only))}")
+    return report.code()
+
+
+def _check(names: Sequence[str], only: Sequence[str], report: _Report, advance: Any) -> None:
+    from .parallel import check_all
+
+    for checked in check_all(names, only):
+        with advance():
+            report.add(checked)
+
+
+class _Report:
+    """Collects what was found; a table and CSV are written as they grow, the others at the end."""
+
+    def __init__(self, form: str, *, every: bool, width: int) -> None:
+        self.form, self.every, self.width = form, every, width
+        self.style = Style.of(sys.stdout)
+        self.findings: list[Finding] = []
+        self.errors: list[tuple[str, str]] = []
+        self.bad = self.internal = False
+        self.files = 0
+
+    def add(self, checked: Checked) -> None:
+        """Take in one file, and write what can be written now."""
+        from .. import tables
+
+        if checked.error:
+            self.errors.append((checked.name, checked.error))
+            self.internal |= checked.internal
+            self.bad |= not checked.internal
+            if checked.trace and os.environ.get("GLMREF_DEBUG"):
+                click.echo(checked.trace, err=True)
+            complain(checked.error)
+            return
+        first = not self.findings
+        self.findings += checked.findings
+        self.files += bool(checked.findings)
+        if not checked.findings:
+            return
+        if self.form == "csv":
+            say(tables.findings_csv(checked.findings, head=first))
+        elif self.form == "table":
+            say(
+                tables.findings_table(
+                    checked.findings, style=self.style, every=self.every, width=self.width
+                )
+            )
+
+    def finish(self, asked: int, *, interrupted: bool = False) -> None:
+        """Write the end of the report: everything that was found so far, complete in itself."""
+        from .. import tables
+
+        if interrupted:
+            complain(f"interrupted after {self.files + len(self.errors)} of {asked} files")
+        if self.form == "json":
+            say(tables.findings_json(self.findings))
+        elif self.form == "junit":
+            say(tables.findings_junit(self.findings, self.errors))
+        elif self.form == "csv" and not self.findings:
+            say(tables.findings_csv([]))
+        elif self.form == "table" and self.findings:
+            say("\n" + tables.tally(self.findings, self.files))
+
+    def code(self) -> int:
+        """Return the exit code: bad input before failures before what stayed open."""
+        verdicts = {f.verdict for f in self.findings}
+        if self.bad:
+            return BAD_INPUT
+        if Verdict.FAILS in verdicts:
+            return FAILED
+        return INTERNAL if self.internal or Verdict.OPEN in verdicts else HOLDS
+
+
+class _Silent:
+    """Progress that shows nothing."""
+
+    def __enter__(self) -> Any:
+        return nullcontext
+
+    def __exit__(self, *exception: object) -> None:
+        return None
+
+
+class _Bar:
+    """A progress bar on stderr that steps aside while a result is written."""
+
+    def __init__(self, total: int) -> None:
+        from tqdm import tqdm
+
+        tqdm.monitor_interval = 0  # no thread besides this one
+        self.bar = tqdm(total=total, unit="file", leave=False, file=sys.stderr)
+
+    def __enter__(self) -> Any:
+        return self._aside
+
+    def _aside(self) -> AbstractContextManager[None]:
+        from contextlib import contextmanager
+
+        @contextmanager
+        def step() -> Any:
+            with self.bar.external_write_mode():
+                yield
+            self.bar.update()
+
+        return step()
+
+    def __exit__(self, *exception: object) -> None:
+        self.bar.close()
+
+
+def _progress(total: int) -> AbstractContextManager[Any]:
+    return _Bar(total) if sys.stderr.isatty() and total > 8 else _Silent()

@@ -1,0 +1,150 @@
+"""``glmref analyze`` and ``errata``: what a method is, and what the thesis prints."""
+
+from __future__ import annotations
+
+import sys
+import textwrap
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ..claims import UsageError
+from ..tables import Style, columns, csv_text, json_text, one_line, shown_value
+from .browsing import LISTS
+from .output import HOLDS, INTERNAL, say
+
+if TYPE_CHECKING:
+    from ..errata import Erratum
+
+__all__ = ["analyze", "errata"]
+
+_FORM = click.option(
+    "--format", "form", type=click.Choice(LISTS), default="table", help="What stdout gets."
+)
+_TITLES = {
+    "order_identity": "order with the identity as principal part",
+    "principal": "principal part",
+    "order_witness": "why not more",
+    "g_symplectic": "G-symplectic",
+}
+_DECISIONS = (
+    *("preconsistent", "consistent", "zero stable", "G-symplectic", "symmetric"),
+    "parasitism free",
+)
+_VERDICTS = ("right", "wrong", "misprint", "incomplete", "false")
+
+
+@click.command(short_help="What a method is, claims or not.")
+@click.argument("name", metavar="NAME|FILE")
+@_FORM
+def analyze(name: str, form: str) -> int:
+    """Say what a method is, whatever is claimed: order, forms, symmetry, growth, and the proof.
+
+    Exit code 3 when something could not be decided.
+    """
+    from ..analysis import analyze as examine
+    from ..catalogue import load
+
+    record = examine(load(name)).as_json()
+    if form == "json":
+        say(json_text(record))
+    elif form == "csv":
+        say(csv_text([("fact", "value"), *record.items()]))
+    else:
+        say(_page(record, Style.of(sys.stdout)))
+    decisions = [record["g_symplectic"]["holds"], record["symmetric"]["holds"]]
+    decisions += [
+        record[k] for k in ("preconsistent", "consistent", "zero_stable", "parasitism_free")
+    ]
+    return INTERNAL if None in decisions else HOLDS
+
+
+def _page(record: Mapping[str, Any], style: Style) -> str:
+    """Return an analysis as lines of name and value; a matrix has a line for each row."""
+    rows: list[tuple[str, str]] = []
+
+    def put(name: str, value: object) -> None:
+        if isinstance(value, Mapping):
+            for key, x in value.items():
+                put(name if key == "holds" else f"{name} {key}", x)
+        elif isinstance(value, list) and value and all(isinstance(x, list) for x in value):
+            rows.extend((name if i == 0 else "", shown_value(row)) for i, row in enumerate(value))
+        elif value is not None or name in _DECISIONS:
+            rows.append((name, shown_value(value)))
+
+    for key, value in record.items():
+        if key == "growth":
+            for entry in value:
+                for inner, x in entry.items():
+                    if inner != "eigenvalue":
+                        put(f"growth {inner} at {shown_value(entry['eigenvalue'])}", x)
+        elif key == "error_constants":
+            rows.append(("residuals at the next order", _largest(value)))
+        elif key not in ("format", "method"):
+            put(_TITLES.get(key, key.replace("_", " ")), value)
+    name = style.paint(one_line(record["method"]) or "(unnamed)", "bold")
+    return "\n".join([name, columns(rows, style=style)])
+
+
+def _largest(residuals: Mapping[str, float]) -> str:
+    wrong = {tree: x for tree, x in residuals.items() if x}
+    if not wrong:
+        return f"none of {len(residuals)} trees"
+    worst = max(wrong, key=lambda tree: abs(wrong[tree]))
+    return f"{len(wrong)} of {len(residuals)} trees, largest {wrong[worst]:.6g} at tree {worst}"
+
+
+@click.command(short_help="What the thesis prints, and what is right.")
+@click.argument("text", default="", metavar="[ID|TEXT]")
+@click.option("--verdict", type=click.Choice(_VERDICTS), help="These only.")
+@click.option("--method", metavar="NAME", help="Those about this data file only.")
+@_FORM
+def errata(text: str, verdict: str | None, method: str | None, form: str) -> int:
+    """Show what the thesis prints and whether it is right: one ID, or all that mention TEXT."""
+    from ..errata import erratum, find_errata, load_errata
+
+    known = {record.id for record in load_errata()}
+    found = find_errata("" if text in known else text, verdict=verdict, method=method)
+    if text in known:
+        found = tuple(record for record in found if record.id == text)
+    if not found:
+        if text and not (verdict or method):
+            erratum(text)  # names the nearest ids
+        raise UsageError("no erratum is like that; see `glmref errata`")
+    if form == "json":
+        say(json_text({"format": "glmref-errata-1", "errata": [r.as_json() for r in found]}))
+    elif form == "csv":
+        keys = list(found[0].as_json())
+        say(csv_text([keys, *([r.as_json()[k] for k in keys] for r in found)]))
+    else:
+        style = Style.of(sys.stdout)
+        say("\n\n".join(_record(record, style) for record in found))
+        if not text:
+            say(f"\n{len(found)} records; right or wrong, each names the test that proves it")
+    return HOLDS
+
+
+def _record(record: Erratum, style: Style) -> str:
+    color = "green" if record.verdict == "right" else "red"
+    head = f"{style.paint(record.id, 'bold')}  {style.paint(record.verdict, color)}, {record.proof}"
+    rows = {
+        "where": record.where,
+        "printed": record.printed,
+        "right": record.right,
+        "method": ", ".join(record.method),
+        "test": record.test or "",
+    }
+    lines = [f"{head}"]
+    for key, text in rows.items():
+        if text:
+            margin = f"  {key:<8}"
+            lines += textwrap.wrap(
+                one_line(text),
+                style.width,
+                initial_indent=margin,
+                subsequent_indent=" " * len(margin),
+                break_long_words=False,
+                break_on_hyphens=False,
+            )
+    return "\n".join(lines)

@@ -1,0 +1,64 @@
+"""Streams, exit codes and sentences of the command line."""
+
+from __future__ import annotations
+
+import io
+import os
+import sys
+import traceback
+
+from ..tables import one_line
+
+__all__ = [
+    "BAD_INPUT",
+    "FAILED",
+    "HOLDS",
+    "INTERNAL",
+    "INTERRUPTED",
+    "PIPE_CLOSED",
+    "complain",
+    "confess",
+    "internal_sentence",
+    "open_streams",
+    "say",
+]
+
+HOLDS, FAILED, BAD_INPUT, INTERNAL = 0, 1, 2, 3
+INTERRUPTED, PIPE_CLOSED = 130, 141  # 128 + SIGINT and 128 + SIGPIPE, as shells count
+
+
+def open_streams() -> None:
+    """Make sure that there are streams, and that no character can stop them."""
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if stream is None:  # closed by the caller, as in `glmref list >&-`
+            setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115
+        elif isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+
+
+def say(text: str) -> None:
+    """Write a result to stdout, at once, so that an interruption keeps it."""
+    sys.stdout.write(text + "\n")
+    sys.stdout.flush()
+
+
+def complain(text: str) -> None:
+    """Write one sentence, on one line, to stderr."""
+    print(f"glmref: {one_line(text)}", file=sys.stderr, flush=True)  # noqa: T201
+
+
+def internal_sentence(error: BaseException, where: str = "") -> str:
+    """Say that something failed that should not have, and what to do."""
+    at = f" while checking {where}" if where else ""
+    return (
+        f"internal error{at} ({type(error).__name__}: {one_line(error, limit=300)}); "
+        f"please report it, with what GLMREF_DEBUG=1 shows"
+    )
+
+
+def confess(error: BaseException) -> None:
+    """Report an exception nobody expected; with GLMREF_DEBUG=1 its traceback too."""
+    if os.environ.get("GLMREF_DEBUG"):
+        traceback.print_exception(error)
+    complain(internal_sentence(error))

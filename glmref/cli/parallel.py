@@ -1,0 +1,123 @@
+"""Check many data files, in this process or in several, and lose none to another one's failure."""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass, field, replace
+from multiprocessing import get_context
+from time import perf_counter
+
+from ..claims import Finding, GlmrefError
+from ..tables import plain
+from .output import internal_sentence
+
+__all__ = ["Checked", "check", "check_all"]
+
+#: Seconds that two new processes need before they give a first result (they import the package).
+STARTUP = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Checked:
+    """What became of one data file.
+
+    Attributes
+    ----------
+        name: name or path as it was asked for.
+        findings: one for each claim.
+        error: the sentence that says why there are none, or ``""``.
+        internal: whether that is this program's fault.
+        trace: the traceback of an internal error.
+    """
+
+    name: str
+    findings: list[Finding] = field(default_factory=list)
+    error: str = ""
+    internal: bool = False
+    trace: str = ""
+
+
+def check(name: str, only: Sequence[str] = ()) -> Checked:
+    """Check one data file; every outcome, good or bad, is a record."""
+    from ..verification import verify_file
+
+    try:
+        found = verify_file(name, only=only)
+    except GlmrefError as error:
+        return Checked(name, error=str(error))
+    except Exception as error:
+        import traceback
+
+        text = "".join(traceback.format_exception(error))
+        return Checked(name, error=internal_sentence(error, name), internal=True, trace=text)
+    # only plain values travel between processes; the exact numbers behind them stay here
+    return Checked(
+        name, [replace(f, declared=plain(f.declared), value=plain(f.value)) for f in found]
+    )
+
+
+def check_all(
+    names: Sequence[str], only: Sequence[str] = (), *, processes: int | None = None
+) -> Iterator[Checked]:
+    """Check data files in order.
+
+    They are checked here until it is seen that what is left takes longer than starting processes.
+
+    Args:
+        names: names or paths.
+        only: claims to check; all by default.
+        processes: at most so many; as many as there are cores by default.
+    """
+    processes = _cores() if processes is None else processes
+    started = perf_counter()
+    for done, name in enumerate(names):
+        elapsed, left = perf_counter() - started, len(names) - done
+        pays = elapsed > STARTUP / 2 and elapsed / done * left > 2 * STARTUP
+        if processes > 1 and left > 2 and pays:
+            yield from _in_processes(names[done:], only, min(processes, left))
+            return
+        yield check(name, only)
+
+
+def _cores() -> int:
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def _ignore_interrupts() -> None:
+    """Ctrl-C is the parent's to answer."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _pool(processes: int) -> ProcessPoolExecutor:
+    # spawn: the same on every system, and no thread of the parent can be caught half-way
+    return ProcessPoolExecutor(processes, get_context("spawn"), _ignore_interrupts)
+
+
+def _in_processes(names: Sequence[str], only: Sequence[str], processes: int) -> Iterator[Checked]:
+    """Check in processes. A file that kills its process costs its own result, no other."""
+    waiting = list(names)
+    while waiting:
+        pool = _pool(processes)
+        try:
+            for checked in pool.map(check, waiting, [only] * len(waiting)):
+                waiting.pop(0)
+                yield checked
+        except BrokenProcessPool:
+            suspect = waiting.pop(0)
+            yield _alone(suspect, only)
+        finally:
+            pool.shutdown(wait=False, cancel_futures=True)
+
+
+def _alone(name: str, only: Sequence[str]) -> Checked:
+    with _pool(1) as pool:
+        try:
+            return pool.submit(check, name, only).result()
+        except BrokenProcessPool as error:
+            return Checked(name, error=internal_sentence(error, name), internal=True)

@@ -1,0 +1,83 @@
+"""Named derivations: each reproduces method files, or proves that there is nothing to reproduce.
+
+    from glmref.derive import recipes
+    recipes.names()                                        what there is
+    recipes.run("order6", {"c2": "1/3", "z": "exp(2*pi*i/3)"}, progress)
+
+A recipe gives a :class:`Derivation`: documents in the format of method files, and statements with
+the kind of proof each has. A refusal is a derivation too, without documents.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from importlib import import_module
+
+from ...claims import UsageError
+from .record import Derivation, Progress, Statement
+
+__all__ = ["Derivation", "Progress", "Statement", "describe", "names", "options_of", "run"]
+
+#: Recipe -> module of this package that holds it as ``derive(options, progress)``.
+_MODULES: Mapping[str, str] = {
+    "order6": "order6",
+    "two-stage": "two_stage",
+    "order4": "order4",
+    "thesis-printed": "printed",
+    "conjugation6": "conjugation",
+    "order8": "order8",
+    "yoshida6": "yoshida",
+    "search": "searching",
+}
+
+
+def names() -> list[str]:
+    """Names of the recipes."""
+    return list(_MODULES)
+
+
+def _module(name: str) -> object:
+    if name not in _MODULES:
+        raise UsageError(f"there is no recipe {name!r}; there are {', '.join(_MODULES)}")
+    return import_module(f"{__name__}.{_MODULES[name]}")
+
+
+def describe(name: str) -> str:
+    """One line on what a recipe derives."""
+    return (_module(name).__doc__ or "").partition("\n")[0]
+
+
+def options_of(name: str) -> Mapping[str, str]:
+    """Options of a recipe with their defaults."""
+    return dict(_module(name).OPTIONS)  # type: ignore[attr-defined]
+
+
+def run(
+    name: str,
+    options: Mapping[str, str] | None = None,
+    progress: Progress | None = None,
+) -> Derivation:
+    """Carry out a recipe.
+
+    Args:
+        name: one of :func:`names`.
+        options: values for the options of the recipe, as text; the others keep their defaults.
+        progress: called with (what, done, total).
+
+    Raises
+    ------
+        UsageError: for an unknown recipe or option, or a value that cannot be read.
+    """
+    known = options_of(name)
+    for key in options or {}:
+        if key not in known:
+            raise UsageError(
+                f"the recipe {name!r} has no option {key!r}; it has {', '.join(known) or 'none'}"
+            )
+    derive: Callable[[Mapping[str, str], Progress], Derivation]
+    derive = _module(name).derive  # type: ignore[attr-defined]
+    return derive({**known, **(options or {})}, progress or _silent)
+
+
+def _silent(what: str, done: int, total: int) -> None:
+    """Report nothing."""

@@ -1,0 +1,247 @@
+"""Order 6 with stage order 2 and the identity start: any c2, any z on the unit circle, exactly.
+
+The construction of Khan (2018), section 3.4, with its equations solved as they stand (tableau,
+forms and the test of admissibility: :mod:`glmref.derive.recipes.order6_family`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from typing import Any
+
+from ...claims import ExactnessError, Proof, UsageError
+from ...exact import Exact
+from ...expression import parse
+from ..recognise import exact_text
+from .order6_family import Family, Forms, family, solve_forms
+from .record import Derivation, Progress, Statement, derived_source, thesis_source
+
+__all__ = ["OPTIONS", "derive"]
+
+OPTIONS: Mapping[str, str] = {"c2": "1/3", "z": "exp(2*pi*i/3)"}
+
+_W3 = "exp(2*pi*i/3)"
+
+
+def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
+    """Derive the method at ``c2`` and ``z``, or prove that there is none.
+
+    Raises
+    ------
+        UsageError: for a c2 that is not rational or at a pole, or a z off the unit circle.
+    """
+    c2, z = _fraction(options["c2"]), _unit(options["z"])
+    progress("tableau", 0, 3)
+    member = family(c2)
+    candidates = solve_forms(member)
+    progress("forms", 1, 3)
+    forms = next((x for x in candidates if x.is_real()), None)
+    if forms is None:
+        return _refusal(member, candidates)
+    document = _document(member, forms, options["z"].replace(" ", ""), z)
+    progress("proof", 2, 3)
+    statement = _prove(document)
+    progress("done", 3, 3)
+    return Derivation("order6", [document], [statement])
+
+
+def _fraction(text: str) -> Fraction:
+    value = parse(text)
+    fraction = value.as_fraction() if isinstance(value, Exact) else None
+    if fraction is None:
+        raise UsageError(f"`c2` must be rational, such as 1/3, got {text!r}")
+    return fraction
+
+
+def _unit(text: str) -> Exact:
+    z = parse(text)
+    if not isinstance(z, Exact) or z * z.conjugate() != 1 or z.is_real():
+        raise UsageError(f"`z` must lie on the unit circle and not be real, got {text!r}")
+    return z
+
+
+def _refusal(member: Family, candidates: Sequence[Forms]) -> Derivation:
+    """Say exactly why no real forms exist at this c2."""
+    statements: list[Statement] = []
+    b1, b2, b3 = member.b[:3]
+    if not candidates:
+        text = f"c2 = {member.c2}: -b1 b2 b3 = {-b1 * b2 * b3} < 0: no real gamma without growth"
+        statements.append(Statement(text, Proof.EXACT))
+    for x in candidates:
+        squares = {
+            "alpha1^2": Exact(x.alpha_square),
+            "beta1^2": x.beta_square.exact(),
+            "gamma1^2": x.gamma_square.exact(),
+        }
+        wrong = [f"{name} = {float(v):.6g}" for name, v in squares.items() if v.sign() <= 0]
+        direction = x.gamma_ratios[0].quotient_text()
+        text = (
+            f"c2 = {member.c2}, gamma2/gamma1 = {direction}: {', '.join(wrong)}, must be positive"
+        )
+        statements.append(Statement(text, Proof.EXACT))
+    least = _least(member)
+    if least is not None:
+        text = (
+            f"c2 = {member.c2}: all real alpha, beta, gamma of this W, symmetric or not, have a "
+            f"growth parameter of {least.ball().decimal_text(12)} or more, in absolute value, at -1"
+        )
+        statements.append(Statement(text, Proof.ENCLOSED))
+    return Derivation("order6", [], statements, refused=True)
+
+
+def _least(member: Family) -> Exact | None:
+    from .order6_family import least_growth
+
+    return least_growth(member)
+
+
+def _document(member: Family, forms: Forms, z_text: str, z: Exact) -> dict[str, Any]:
+    b = [str(x) for x in member.b]
+    alpha1 = Exact(forms.alpha_square).sqrt()
+    half = z_text == "i"
+    return {
+        "format": "glmref-method-1",
+        "name": _name(member.c2, z_text),
+        "title": _title(member.c2, z_text),
+        "class": "glm",
+        "constants": {
+            "alpha1": exact_text(alpha1),
+            "alpha2": exact_text(alpha1 * forms.alpha_ratio),
+            "beta1": f"sqrt({forms.beta_square.quotient_text()})",
+            "beta2": forms.beta_ratios[0].factor_text("beta1"),
+            "beta3": forms.beta_ratios[1].factor_text("beta1"),
+            "gamma1": f"sqrt({forms.gamma_square.quotient_text()})",
+            "gamma2": forms.gamma_ratios[0].factor_text("gamma1"),
+            "gamma3": forms.gamma_ratios[1].factor_text("gamma1"),
+        },
+        "A": [[str(x) for x in row] for row in member.A],
+        "U": [_u_row(i, z_text, z) for i in range(5)],
+        "B": [b, *_b_rows(member.b, 1 if half else 2), _times(member.b, 1, "gamma")],
+        "V": _rotation(z),
+        "G": _diagonal(["1", "-1", "-1", "1"] if half else ["1", "-1/4", "-1/4", "1"]),
+        "D": b,
+        "claims": {
+            "order": 6,
+            "order-identity": 6,
+            "stage-order": 2,
+            "abscissae": [str(x) for x in member.c],
+            "preconsistent": True,
+            "consistent": True,
+            "zero-stable": True,
+            "explicit": False,
+            "g-symplectic": True,
+            "symmetric": True,
+            "parasitism-free": True,
+            "growth": ["0", "0", "0"],
+        },
+        "source": _source(member.c2, z_text),
+    }
+
+
+def _diagonal(values: Sequence[str]) -> list[list[str]]:
+    return [[x if i == j else "0" for j in range(len(values))] for i, x in enumerate(values)]
+
+
+def _rotation(z: Exact) -> list[list[str]]:
+    c, s, minus = exact_text(z.real), exact_text(z.imag), exact_text(-z.imag)
+    rows = _diagonal(["1", c, c, "-1"])
+    rows[1][2], rows[2][1] = minus, s
+    return rows
+
+
+def _times(b: Sequence[Fraction], factor: int, name: str) -> list[str]:
+    """A row of B: weights times the symmetric gamma or beta."""
+    return [f"{factor * x}*{name}{min(i, 4 - i) + 1}" for i, x in enumerate(b)]
+
+
+def _b_rows(b: Sequence[Fraction], factor: int) -> list[list[str]]:
+    alpha = [f"{factor * b[0]}*alpha1", f"{factor * b[1]}*alpha2", "0"]
+    alpha += [f"{-factor * b[1]}*alpha2", f"{-factor * b[0]}*alpha1"]
+    return [alpha, _times(b, factor, "beta")]
+
+
+def _u_row(i: int, z_text: str, z: Exact) -> list[str]:
+    """Row i of U: (1, Re and Im of -z conj(omega_i) or half of them, -gamma_i)."""
+    k = min(i, 4 - i) + 1
+    alpha, beta, gamma = f"alpha{k}", f"beta{k}", f"-gamma{k}"
+    sign = "" if i < 2 else "-"
+    if z_text == "i":
+        return ["1", f"-{beta}", "0" if i == 2 else f"{sign}{alpha}", gamma]
+    if z_text == _W3:
+        if i == 2:
+            return ["1", f"-sqrt(3)*{beta}/4", f"{beta}/4", gamma]
+        second = f"(sqrt(3)*{alpha}+{beta})/4" if i < 2 else f"({beta}-sqrt(3)*{alpha})/4"
+        return ["1", f"({sign}{alpha}-sqrt(3)*{beta})/4", second, gamma]
+    c, s = f"({exact_text(z.real)})", f"({exact_text(z.imag)})"
+    if i == 2:
+        return ["1", f"-{s}*{beta}/2", f"-{c}*{beta}/2", gamma]
+    other = "-" if i < 2 else ""
+    first, second = f"({other}{c}*{alpha}-{s}*{beta})/2", f"({sign}{s}*{alpha}-{c}*{beta})/2"
+    return ["1", first, second, gamma]
+
+
+def _name(c2: Fraction, z_text: str) -> str:
+    if c2 == Fraction(1, 3) and z_text in ("i", _W3):
+        return "g6245" if z_text == "i" else "g6245-w3"
+    where = {_W3: "w3", "i": "i"}.get(z_text, "z")
+    return f"c2-{c2.numerator}-{c2.denominator}-{where}"
+
+
+def _title(c2: Fraction, z_text: str) -> str:
+    shown = {_W3: "exp(2 pi i/3)"}.get(z_text, z_text)
+    what = "G-symplectic method G6245" if _name(c2, z_text) == "g6245" else "G-symplectic method"
+    with_c2 = "" if c2 == Fraction(1, 3) else f" and c2 = {c2}"
+    return f"{what} of order 6 with z = {shown}{with_c2}, symmetric and free of parasitism"
+
+
+_ERRATA = (
+    (
+        "Section 3.4 prints a method with c2 = 1/15 that does not exist: its W has rank 5 instead "
+        "of 3. The construction with c2 = 1/3 does."
+    ),
+    (
+        "Printed U carries z = i; for z = exp(2 pi i/3) its rows are (1, -z conj(omega)/2, "
+        "-conj(z) omega/2, -gamma)."
+    ),
+)
+_BIP = {
+    "citation": "Butcher, J. C., Imran, G. and Podhaisky, H., A G-symplectic method with order 6, "
+    "BIT Numerical Mathematics 57 (2017), 313-328",
+    "where": "the method G6245; Butcher (2021), section 7.6; beta and gamma in rational multiples "
+    "of beta1 and gamma1",
+    "status": "regenerated",
+    "bibtex": "@article{bip2017,\n  author = {Butcher, J. C. and Imran, G. and Podhaisky, H.},\n  "
+    "title = {{A G-symplectic method with order 6}},\n  journal = {BIT Numerical Mathematics},\n  "
+    "volume = {57},\n  pages = {313--328},\n  year = {2017},\n}",
+}
+
+
+def _source(c2: Fraction, z_text: str) -> dict[str, Any]:
+    name = _name(c2, z_text)
+    if name == "g6245":
+        return dict(_BIP)
+    if name == "g6245-w3":
+        where = "section 3.4, in the real form (3.7), with c2 = 1/3"
+        return thesis_source(where, "corrected", _ERRATA)
+    return derived_source(
+        f"the construction of Khan (2018), section 3.4, with c2 = {c2}, its equations solved exactly"
+    )
+
+
+def _prove(document: Mapping[str, Any]) -> Statement:
+    """Check the claims of the document exactly.
+
+    Raises
+    ------
+        ExactnessError: when one of them fails, which would be an error of this module.
+    """
+    from ...reader import load_document
+    from ...verification import verify
+
+    findings = verify(load_document(document, where=document["name"]))
+    failing = [x.claim for x in findings if str(x.verdict) != "holds"]
+    if failing or any(x.proof is not Proof.EXACT for x in findings):
+        raise ExactnessError(f"{document['name']}: not proved exactly: {', '.join(failing)}")
+    claims = ", ".join(x.claim for x in findings)
+    return Statement(f"{document['name']}: {claims}", Proof.EXACT)

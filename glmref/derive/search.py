@@ -1,0 +1,207 @@
+"""Newton from many starts at once, in double precision, reproducible from a seed and resumable.
+
+The system is written once, for any scalar (:mod:`glmref.derive.system`). Here a scalar is a numpy
+array: axis 0 runs over starts, axis 1 over the unknowns, each perturbed by an imaginary ``STEP``;
+the imaginary part of a result divided by it is the derivative, exact to round-off (complex step,
+Squire and Trapp 1998). One evaluation of Python code so serves all starts and the whole Jacobian.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from ..exact import Ball, Exact
+
+__all__ = ["Batch", "Found", "evaluate", "levenberg_marquardt", "search"]
+
+#: Imaginary perturbation: its square vanishes beside any number met here.
+STEP = 1e-40
+
+Residuals = Callable[[Sequence[Any]], Sequence[Any]]
+
+
+class Batch:
+    """An array with the operations of a scalar; it mixes with exact numbers and balls."""
+
+    __slots__ = ("array",)
+
+    def __init__(self, array: np.ndarray) -> None:
+        self.array = array
+
+    def __add__(self, other: Any) -> Batch:
+        return Batch(self.array + _array(other))
+
+    __radd__ = __add__
+
+    def __neg__(self) -> Batch:
+        return Batch(-self.array)
+
+    def __pos__(self) -> Batch:
+        return self
+
+    def __sub__(self, other: Any) -> Batch:
+        return Batch(self.array - _array(other))
+
+    def __rsub__(self, other: Any) -> Batch:
+        return Batch(_array(other) - self.array)
+
+    def __mul__(self, other: Any) -> Batch:
+        return Batch(self.array * _array(other))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Batch:
+        return Batch(self.array / _array(other))
+
+    def __rtruediv__(self, other: Any) -> Batch:
+        return Batch(_array(other) / self.array)
+
+    def sqrt(self) -> Batch:
+        """Square root, entry by entry."""
+        return Batch(np.sqrt(self.array))
+
+    def conjugate(self) -> Batch:
+        """The unknowns are real, so is everything made of them: nothing to do."""
+        return self
+
+    def is_zero(self) -> bool | None:
+        """Zero is never known of an array."""
+        return None
+
+    def is_real(self) -> bool:
+        """Real up to the perturbation."""
+        return True
+
+
+_FLOATS: dict[int, tuple[Any, float]] = {}
+
+
+def _array(value: Any) -> Any:
+    if isinstance(value, Batch):
+        return value.array
+    if isinstance(value, Exact | Ball):
+        known = _FLOATS.get(id(value))
+        if known is None or known[0] is not value:
+            if len(_FLOATS) > 10_000:
+                _FLOATS.clear()
+            known = _FLOATS[id(value)] = (value, float(value))
+        return known[1]
+    return float(value) if isinstance(value, Fraction) else value
+
+
+def evaluate(residuals: Residuals, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Values (starts, m) and Jacobians (starts, m, n) of a system at points (starts, n)."""
+    starts, n = points.shape
+    columns = []
+    for j in range(n):
+        column = np.repeat(points[:, j : j + 1], n, axis=1).astype(complex)
+        column[:, j] += 1j * STEP
+        columns.append(Batch(column))
+    with np.errstate(all="ignore"):
+        found = [np.broadcast_to(_array(x), (starts, n)) for x in residuals(columns)]
+    stacked = np.stack(found, axis=1)
+    return stacked[:, :, 0].real.copy(), stacked.imag / STEP
+
+
+def levenberg_marquardt(
+    residuals: Residuals,
+    points: np.ndarray,
+    *,
+    iterations: int = 150,
+    tolerance: float = 1e-13,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Run damped least squares from all rows of ``points`` at once, independently of each other.
+
+    The damping of a row falls by 5 after a step that helps and grows by 6 after one that does
+    not.
+
+    Returns
+    -------
+        points (starts, n) and the largest absolute residual (starts,) of each.
+    """
+    points = np.array(points, dtype=float)
+    n = points.shape[1]
+    values, jacobian = evaluate(residuals, points)
+    cost = _cost(values)
+    damping = np.full(len(points), 1e-2)
+    alive = np.isfinite(cost)
+    for _ in range(iterations):
+        rows = np.flatnonzero(alive & (np.abs(values).max(axis=1) > tolerance) & (damping < 1e10))
+        if not len(rows):
+            break
+        J, f = jacobian[rows], values[rows]
+        gram = np.einsum("kij,kil->kjl", J, J)
+        diagonal = np.einsum("kjj->kj", gram) + 1e-12
+        gram[:, np.arange(n), np.arange(n)] += damping[rows, None] * diagonal
+        step = np.linalg.solve(gram, -np.einsum("kij,ki->kj", J, f)[..., None])[..., 0]
+        trial = points[rows] + step
+        new_values, new_jacobian = evaluate(residuals, trial)
+        new_cost = _cost(new_values)
+        better = np.isfinite(new_cost) & (new_cost < cost[rows])
+        good = rows[better]
+        points[good], values[good] = trial[better], new_values[better]
+        jacobian[good], cost[good] = new_jacobian[better], new_cost[better]
+        damping[good] = np.maximum(damping[good] * 0.2, 1e-14)
+        damping[rows[~better]] *= 6.0
+    return points, np.abs(values).max(axis=1)
+
+
+def _cost(values: np.ndarray) -> np.ndarray:
+    with np.errstate(all="ignore"):
+        cost = np.einsum("ki,ki->k", values, values)
+    return np.where(np.isfinite(cost), cost, np.inf)
+
+
+@dataclass(frozen=True)
+class Found:
+    """Where one start ended.
+
+    Attributes
+    ----------
+        number: which start: the draw depends on the seed and on this alone.
+        point: (n,) unknowns. residual: largest absolute residual.
+    """
+
+    number: int
+    point: tuple[float, ...]
+    residual: float
+
+
+def search(
+    residuals: Residuals,
+    draw: Callable[[np.random.Generator], np.ndarray],
+    *,
+    seed: int,
+    starts: int,
+    first: int = 0,
+    iterations: int = 150,
+    batch: int = 32,
+    progress: Callable[[int, int], None] | None = None,
+) -> Iterator[Found]:
+    """Run :func:`levenberg_marquardt` from many random starts.
+
+    Args:
+        residuals: the system, over any scalar; it may have more unknowns than equations.
+        draw: a random start from a generator.
+        seed: start k is drawn from ``numpy.random.default_rng([seed, k])``.
+        starts: how many starts. first: number of the first, to resume a search that was stopped.
+        progress: called with (done, starts) after each batch.
+
+    Yields
+    ------
+        Found: one for each start, in order.
+    """
+    numbers = range(first, first + starts)
+    for at in range(0, starts, batch):
+        part = numbers[at : at + batch]
+        points = np.stack([draw(np.random.default_rng([seed, k])) for k in part])
+        ends, sizes = levenberg_marquardt(residuals, points, iterations=iterations)
+        for k, point, size in zip(part, ends, sizes, strict=True):
+            yield Found(k, tuple(map(float, point)), float(size))
+        if progress is not None:
+            progress(at + len(part), starts)

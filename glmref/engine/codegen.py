@@ -1,0 +1,392 @@
+"""Generate the source of a kernel: one tableau, one problem shape, a loop over steps.
+
+The source is plain Python on numbers and arrays. numba compiles it as it stands; without numba the
+same source runs in the interpreter. Zeros of the tableau cost nothing, ones cost no multiplication,
+explicit stages are evaluated once, and the stages of a block that depend on each other are solved
+together.
+
+Stage equations L = h w f(z + a + M L) are iterated until the change of L is zero, or is round-off
+and no longer decreases; a loose tolerance would show up as drift of the invariants. On a separable
+problem one round is Q -> p'(Q) -> P -> q'(P) -> Q, which squares the contraction of a plain fixed
+point and evaluates the expensive half once (the *halved form*).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+from ..problems.formula import Formula
+from .emit import ArrayTarget, ScalarTarget, Target, Writer
+from .shape import Shape, inlined, jacobian_block, parameter_names, used_parameters
+from .stages import HELPERS, StageWriter, linear
+from .sweep import Row, StepForm
+
+__all__ = ["SIGNATURE", "Builder", "KernelSource", "Options", "kernel_source"]
+
+#: Arguments of every generated kernel, in order; see :mod:`.compiled` for their types.
+ARGUMENTS = "y, e, mem, x, par, t0, h, first, last, every, out, row, tally"
+SIGNATURE = (
+    "int64(float64[:, ::1], float64[:, ::1], float64[:, ::1], float64[::1], float64[::1], "
+    "float64, float64, int64, int64, int64, float64[:, :, ::1], int64, int64[::1])"
+)
+
+#: Systems up to this dimension live in local variables, larger ones in arrays.
+SCALAR_LIMIT = 12
+SCALAR_STAGE_LIMIT = 72  # and at most this many stage components
+
+
+@dataclass(frozen=True)
+class Options:
+    """What to generate besides the form and the shape.
+
+    Attributes
+    ----------
+        compensated: compensated summation of the values.
+        solver: ``"fixed-point"`` or ``"newton"``.
+        target: ``"scalar"``, ``"array"`` or ``"auto"``.
+        history: whether all values are recorded, not only the solution.
+        interpreted: whether the source is for the interpreter: arithmetic errors end the run by
+            name instead of raising.
+    """
+
+    compensated: bool = True
+    solver: str = "fixed-point"
+    target: str = "auto"
+    history: bool = False
+    interpreted: bool = False
+
+
+@dataclass(frozen=True)
+class KernelSource:
+    """A generated kernel.
+
+    Attributes
+    ----------
+        text: module source; defines ``kernel``.
+        work_size: length of the work array ``x``.
+        memory_rows: rows of ``mem``, what the predictor keeps from step to step.
+        target: ``"scalar"`` or ``"array"``.
+    """
+
+    text: str
+    work_size: int
+    memory_rows: int
+    target: str
+
+
+def choose_kind(stages: int, shape: Shape, options: Options) -> str:
+    """Local variables for small systems, arrays for large ones and for loop bodies."""
+    if options.target != "auto":
+        return options.target
+    if options.interpreted and not any(part.body for part in shape.parts):
+        return "scalar"
+    small = shape.dimension <= SCALAR_LIMIT and stages * shape.dimension <= SCALAR_STAGE_LIMIT
+    return "scalar" if small and not shape.loops else "array"
+
+
+def kernel_source(form: StepForm, shape: Shape, options: Options) -> KernelSource:
+    """Generate the module for one form, shape and set of options."""
+    kind = choose_kind(form.s, shape, options)
+    writer = Writer()
+    target: Target = (ScalarTarget if kind == "scalar" else ArrayTarget)(shape, writer)
+    builder = Builder(form, shape, options, target)
+    builder.kernel()
+    head = header(shape, kind, newton=builder.factored_newton)
+    title = (
+        f'"""Generated kernel: {form.kind} form, {form.s} stages, {form.r} values, '
+        f'd = {shape.dimension}."""\n\n'
+    )
+    return KernelSource(title + head + writer.text, target.work_size, form.s, kind)
+
+
+def header(shape: Shape, kind: str, *, newton: bool) -> str:
+    """Imports and the functions that a kernel calls."""
+    w = Writer()
+    w("from math import atan2, cos, exp, log, sin, sqrt, tan", "")
+    for part in shape.parts if kind == "array" or newton else ():
+        if part.body:
+            w("", "@compiled", *part.body.splitlines(), "")
+        elif part.formula is not None and not part.identity and kind == "array":
+            w("", "@compiled")
+            with w.block(f"def {part.role}({'time, ' if part.timed else ''}v, par, out):"):
+                _formula_body(w, shape, part.formula, lambda c: f"out[{c}]")
+            w("")
+    if newton:
+        w(*HELPERS.splitlines(), "")
+        _jacobian_function(w, shape)
+    return w.text
+
+
+def _formula_body(w: Writer, shape: Shape, formula: Formula, entry: Callable[[int], str]) -> None:
+    """Body of a function of an array ``v``: parameters, common subexpressions, outputs."""
+    for i in used_parameters(shape):
+        w(f"par_{shape.parameters[i]} = par[{i}]")
+    lines, outputs = inlined(formula, lambda i: f"v[{i}]", parameter_names(shape), "c_")
+    w(*lines)
+    w(*(f"{entry(c)} = {text}" for c, text in enumerate(outputs) if text != "0"))
+
+
+def _jacobian_function(w: Writer, shape: Shape) -> None:
+    """``jacobian_into(time, v, par, out, scratch)`` from a formula, a loop body or differences."""
+    d, first = shape.dimension, len(shape.parameters)
+    if shape.jacobian_body:
+        w("", "@compiled", *shape.jacobian_body.splitlines(), "")
+    w("", "@compiled")
+    with w.block("def jacobian_into(time, v, par, out, scratch):"):
+        w("out[:] = 0.0")
+        if shape.jacobian is not None:
+            formula = jacobian_block(shape, range(d), range(d))
+            _formula_body(w, shape, formula, lambda c: f"out[{c // d}, {c % d}]")
+        elif shape.jacobian_body:
+            w(f"{shape.jacobian_name}(time, v, par[{first}:], out)")
+        else:
+            _differences(w, shape)
+    w("")
+
+
+def _differences(w: Writer, shape: Shape) -> None:
+    """Columns of the Jacobian by difference quotients, part by part."""
+    d, first = shape.dimension, len(shape.parameters)
+    for part in shape.parts:
+        if part.identity:
+            with w.block(f"for c in range({part.stop - part.start}):"):
+                w(f"out[{part.start} + c, {part.source} + c] = 1.0")
+            continue
+        low, high = part.source, part.source_stop
+        with w.block(f"for k in range({low - 1}, {high}):"):
+            w(f"place = 0 if k == {low - 1} else {d}")
+            w("held = v[k]")
+            with w.block(f"if k >= {low}:"):
+                w("step = 1.4901161193847656e-08*(abs(held) + 1.0)", "v[k] = held + step")
+            time = "time, " if part.timed else ""
+            where = f"v[{low}:{high}]"
+            count = part.stop - part.start
+            if part.function is not None:
+                w(f"found = {part.role}({time}{where})")
+                with w.block(f"for c in range({count}):"):
+                    w("scratch[place + c] = found[c]")
+            elif part.body:
+                values = f"par[{first}:]"
+                w(f"{part.body_name}({time}{where}, {values}, scratch[place:place + {count}])")
+            else:
+                w(f"{part.role}({time}{where}, par, scratch[place:place + {count}])")
+            with w.block(f"if k >= {low}:"):
+                w("v[k] = held")
+                with w.block(f"for c in range({count}):"):
+                    w(f"out[{part.start} + c, k] = (scratch[{d} + c] - scratch[c])/step")
+
+
+class Builder(StageWriter):
+    """Writes one kernel: the loop over steps and what happens to the values."""
+
+    # --- skeleton -------------------------------------------------------------------------------
+
+    def kernel(self) -> None:
+        """Write the function ``kernel``."""
+        w = self.w
+        w("", "@compiled_with_signature")
+        with w.block(f"def kernel({ARGUMENTS}):"):
+            self.t.parameters()
+            if self.shape.loops:
+                w(f"constants = par[{len(self.shape.parameters)}:]")
+            self._scaled_weights()
+            self._load()
+            w("n = first", "evaluations = 0", "velocities = 0", "iterations = 0")
+            w("factorisations = 0", "outcome = 0")
+            w("mark = (first // every + 1) * every if every > 0 else -1")
+            with w.block("while n < last:"), self._guard():
+                if self.shape.uses_time:
+                    w("start = t0 + n*h")
+                self._begin()
+                self._blocks()
+                self._commit()
+                w("n += 1")
+                with w.block("if n == mark:"):
+                    self._record()
+                    w("row += 1", "mark += every")
+            self._store()
+            names = ("evaluations", "velocities", "iterations", "factorisations")
+            w(*(f"tally[{i}] += {name}" for i, name in enumerate(names)))
+            w("tally[4] = n", "tally[5] = row", "return outcome")
+
+    def _blocks(self) -> None:
+        """All stages of a step."""
+        if self.factored_newton:
+            self.w("slow = False")
+        for block in self.form.blocks:
+            self._block(block.stages, block.implicit)
+            if self.form.running:
+                self._update(block.stages)
+        if self.factored_newton:
+            with self.w.block("if slow:"):
+                self.w(f"x[{self.t.reserve('fresh', 1)}] = 0.0")
+
+    @contextmanager
+    def _guard(self) -> Iterator[None]:
+        """In the interpreter an overflow or a division by zero ends the run; machine code has inf."""
+        if not self.options.interpreted:
+            yield
+            return
+        with self.w.block("try:"):
+            yield
+        with self.w.block("except (ArithmeticError, ValueError):"):
+            self.w("outcome = 2", "break")
+
+    def _scaled_weights(self) -> None:
+        for i, weight in enumerate(self.form.weights):
+            self.w(f"hw{i} = h" if weight == 1.0 else f"hw{i} = h*{weight!r}")
+        if self.shape.uses_time:
+            for i, c in enumerate(self.form.c):
+                if c:
+                    self.w(f"hc{i} = h*{c!r}")
+
+    def _names(self) -> dict[str, range]:
+        return {"y": range(self.form.r), "e": range(self.form.r), "mem": range(self.form.s)}
+
+    def _load(self) -> None:
+        letters = {"y": "y", "e": "e", "mem": "L"}
+        for array, rows in self._names().items():
+            if array == "e" and not self.options.compensated:
+                continue
+            for k in rows:
+                self.t.load(f"{letters[array]}{k}", array, k)
+
+    def _store(self) -> None:
+        letters = {"y": "y", "e": "e", "mem": "L"}
+        for array, rows in self._names().items():
+            if array == "e" and not self.options.compensated:
+                continue
+            for k in rows:
+                self.t.store(f"{letters[array]}{k}", array, k)
+
+    def _record(self) -> None:
+        for k in range(self.form.r) if self.options.history else range(1):
+            terms = [(x, f"@y{j}") for j, x in enumerate(self.form.from_form[k])]
+            self._output(k, terms, self.all)
+
+    def _output(self, k: int, terms: list[tuple[float, str]], part: tuple[int, int]) -> None:
+        """Write value k to the current row of ``out``."""
+        if isinstance(self.t, ScalarTarget):
+            for c in range(*part):
+                self.w(f"out[row, {k}, {c}] = {self.t.substitute(linear(terms), c)}")
+        else:
+            self.t.vec([f"out[row, {k}, c] = {linear(terms)}"], part)
+
+    # --- values ---------------------------------------------------------------------------------
+
+    def _begin(self) -> None:
+        """x = V y for a running form; remember what the predictor needs."""
+        self.u_known = set()
+        if self.form.running:
+            self.t.vec(self._moved(self.form.V, "w", "u"))
+        copies = [f"@K{j} = @L{j}" for j in self._remembered()]
+        if copies:
+            self.t.vec(copies, self.inner)
+
+    def _moved(self, V: tuple[Row, ...], value: str, rest: str) -> list[str]:
+        """Statements for value{k} = V y and, compensated, rest{k} = V e and what V y rounds away."""
+        lines = []
+        for k, row in enumerate(V):
+            terms = [(x, f"@y{j}") for j, x in enumerate(row) if x]
+            errors = [(x, f"@e{j}") for j, x in enumerate(row) if x]
+            integral = all(abs(x) == 1.0 for x, _ in terms)
+            if not self.options.compensated or not integral or len(terms) < 2:
+                lines.append(f"@{value}{k} = {linear(terms)}")
+                if self.options.compensated:
+                    lines.append(f"@{rest}{k} = {linear(errors)}")
+            else:
+                lines += self._two_sums(f"@{value}{k}", f"@{rest}{k}", terms, linear(errors))
+            if self.options.compensated:
+                self.u_known.add(k)
+        return lines
+
+    @staticmethod
+    def _two_sums(
+        value: str, rest: str, terms: list[tuple[float, str]], error: str
+    ) -> list[str]:
+        """Add the terms one by one, each rounding error going to ``rest`` (Knuth's TwoSum)."""
+        lines = [f"held = {linear(terms[:1])}", f"lost = {error}"]
+        for factor, name in terms[1:]:
+            lines += [
+                f"more = {linear([(factor, name)])}",
+                "both = held + more",
+                "part = both - held",
+                "lost = lost + ((held - (both - part)) + (more - part))",
+                "held = both",
+            ]
+        return [*lines, f"{value} = held", f"{rest} = lost"]
+
+    def _add(self, updates: list[tuple[int, str]]) -> list[str]:
+        """Statements u{k} += increments, the first one being an assignment."""
+        lines = []
+        for k, increments in updates:
+            if increments == "0.0":
+                continue
+            if k not in self.u_known:
+                lines.append(f"@u{k} = {increments}")
+            elif increments.startswith("-"):
+                lines.append(f"@u{k} = @u{k} - {increments[1:]}")
+            else:
+                lines.append(f"@u{k} = @u{k} + {increments}")
+            self.u_known.add(k)
+        return lines
+
+    def _update(self, stages: tuple[int, ...]) -> None:
+        """Running forms: add R L to the values as soon as L is known."""
+        for i in stages:
+            updates = [(k, linear([(self.form.R[k][i], f"@L{i}")])) for k in range(self.form.r)]
+            self.t.vec(self._add(updates))
+
+    def _commit(self) -> None:
+        """New values, their rounding errors, and the check that they are numbers."""
+        form = self.form
+        if not form.running:
+            self._standard_update(self.all, form.V, form.R, form.R_residue, 0)
+        self._sums(self.all, form.r)
+        total = " + ".join(f"@w{k}" for k in range(form.r))
+        self.t.total("check", f"({total})" if form.r > 1 else total)
+        self._finite("check")
+        self._accept(self.all, form.r)
+
+    def _standard_update(
+        self, part: tuple[int, int], V: tuple[Row, ...], R: tuple[Row, ...],
+        residue: tuple[Row, ...], shift: int,
+    ) -> None:  # fmt: skip
+        """w = V y and u = V e + R L, the residue of R first."""
+        lines = self._moved(V, "w", "u")
+        updates = []
+        for k, row in enumerate(R):
+            terms = [(x, f"@L{i + shift}") for i, x in enumerate(row)]
+            if self.options.compensated:
+                terms = [(x, f"@L{i + shift}") for i, x in enumerate(residue[k])] + terms
+            text = linear(terms)
+            updates.append((k, text if text == "0.0" else f"({text})"))
+        self.t.vec(lines + self._add(updates), part)
+
+    def _sums(self, part: tuple[int, int], rows: int) -> None:
+        """w = w + u, and in u what that rounds away."""
+        lines = []
+        for k in range(rows):
+            if k not in self.u_known:
+                continue
+            lines.append(f"new = @w{k} + @u{k}")
+            if self.options.compensated:
+                # Fast2Sum: where |u| > |w| the error kept is itself rounded, which is below the
+                # round-off of one step; TwoSum would lengthen the chain from step to step
+                lines.append(f"@u{k} = @u{k} - (new - @w{k})")
+            lines.append(f"@w{k} = new")
+        if lines:
+            self.t.vec(lines, part)
+
+    def _finite(self, total: str) -> None:
+        with self.w.block(f"if not (abs({total}) < 1e300):"):
+            self.w("outcome = 2", "break")
+
+    def _accept(self, part: tuple[int, int], rows: int) -> None:
+        """The step is good: its values become the state."""
+        lines = [f"@y{k} = @w{k}" for k in range(rows)]
+        if self.options.compensated:
+            lines += [f"@e{k} = @u{k}" for k in range(rows)]
+        self.t.vec(lines, part)

@@ -1,0 +1,192 @@
+"""Turn generated source into a callable: through numba with a cache on disk, or as plain Python.
+
+numba caches what it compiled beside the source file it came from, so the generated module is
+written to a folder of its own, under a name that is a hash of the source, of the versions of numba
+and llvmlite, and of the processor. A second process finds both and compiles nothing.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+import os
+import platform
+import sys
+import tempfile
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from ..claims import UsageError
+
+__all__ = ["Built", "build", "cache_folder", "interpret"]
+
+#: Variable that names the cache folder; by default the platform's user cache.
+CACHE_VARIABLE = "GLMREF_CACHE"
+
+_NUMBA_HEAD = """\
+import numba
+
+_options = {{"error_model": "numpy", "boundscheck": False, "nogil": True, "cache": {cache}}}
+compiled = numba.njit(**_options)
+compiled_with_signature = numba.njit({signature!r}, **_options)
+
+"""
+_PLAIN_HEAD = """\
+
+
+def compiled(function):
+    return function
+
+
+compiled_with_signature = compiled
+
+"""
+
+
+@dataclass(frozen=True)
+class Built:
+    """A kernel ready to be called.
+
+    Attributes
+    ----------
+        kernel: the function, with the arguments of :mod:`.codegen`.
+        engine: ``"numba"`` or ``"python"``.
+        path: the generated module, or ``None`` where it was not written.
+        notice: why the interpreter runs it, or ``""``.
+    """
+
+    kernel: Callable[..., int]
+    engine: str
+    path: Path | None = None
+    notice: str = ""
+
+
+def cache_folder() -> Path:
+    """Folder for generated kernels: ``$GLMREF_CACHE``, else the platform's user cache.
+
+    Where that cannot be written (a read-only home), a folder below the temporary directory.
+
+    Raises
+    ------
+        UsageError: when ``$GLMREF_CACHE`` is set and cannot be written.
+    """
+    named = os.environ.get(CACHE_VARIABLE)
+    if named:
+        if not _writable(Path(named)):
+            raise UsageError(f"${CACHE_VARIABLE} = {named!r} cannot be written; name another folder")
+        return Path(named)
+    home = Path.home()
+    if sys.platform == "darwin":
+        base = home / "Library" / "Caches"
+    elif sys.platform == "win32":
+        base = Path(os.environ.get("LOCALAPPDATA", home / "AppData" / "Local"))
+    else:
+        base = Path(os.environ.get("XDG_CACHE_HOME") or home / ".cache")
+    folder = base / "glmref" / "kernels"
+    if _writable(folder):
+        return folder
+    user = os.environ.get("USER") or os.environ.get("USERNAME") or "user"
+    fallback = Path(tempfile.gettempdir()) / f"glmref-{user}"
+    if not _writable(fallback):
+        raise UsageError(f"no folder for compiled kernels can be written; set ${CACHE_VARIABLE}")
+    return fallback
+
+
+def _writable(folder: Path) -> bool:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return False
+    return os.access(folder, os.W_OK)
+
+
+def build(source: str, signature: str, functions: Mapping[str, Callable[..., Any]]) -> Built:
+    """Compile a module with numba; where numba cannot, interpret it and say so.
+
+    Args:
+        source: module text that defines ``kernel``.
+        signature: numba signature of ``kernel``.
+        functions: Python callables the source calls by name; with any, nothing is cached on disk
+            because their code is not part of the source.
+    """
+    if functions:
+        return _build_around(source, signature, functions)
+    try:
+        module = _load(source, signature)
+    except ImportError as error:
+        return interpret(source, {}, f"numba cannot be imported ({error}); the kernel is interpreted")
+    return Built(module.kernel, "numba", Path(str(module.__file__)))
+
+
+@lru_cache(maxsize=256)
+def _load(source: str, signature: str) -> ModuleType:
+    """Write the module once, import it, and let numba find or fill its cache."""
+    import numba
+    from llvmlite import binding
+
+    text = _NUMBA_HEAD.format(cache=True, signature=signature) + source
+    key = "\n".join(
+        (text, numba.__version__, binding.get_host_cpu_name(), platform.machine(), sys.version)
+    )
+    name = f"glmref_kernel_{hashlib.sha256(key.encode()).hexdigest()[:24]}"
+    path = cache_folder() / f"{name}.py"
+    if not path.exists():
+        # another process may be doing the same: write aside, then move in one piece
+        with tempfile.NamedTemporaryFile(
+            "w", dir=path.parent, prefix=name, suffix=".tmp", delete=False, encoding="utf-8"
+        ) as file:
+            file.write(text)
+        os.replace(file.name, path)
+    spec = importlib.util.spec_from_file_location(name, path)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    try:
+        spec.loader.exec_module(module)
+    except BaseException:
+        del sys.modules[name]
+        raise
+    return module
+
+
+def _build_around(
+    source: str, signature: str, functions: Mapping[str, Callable[..., Any]]
+) -> Built:
+    """Compile with a user's functions among the callees, in memory."""
+    try:
+        import numba
+        from numba.core.errors import NumbaError
+    except ImportError as error:
+        return interpret(source, functions, f"numba cannot be imported ({error})")
+    namespace: dict[str, Any] = {}
+    try:
+        for name, function in functions.items():
+            jitted = hasattr(function, "py_func")
+            namespace[name] = function if jitted else numba.njit(error_model="numpy")(function)
+        text = _NUMBA_HEAD.format(cache=False, signature=signature) + source
+        exec(compile(text, "<glmref kernel>", "exec"), namespace)
+    except (NumbaError, TypeError, AttributeError, NotImplementedError) as error:
+        reason = next((line for line in str(error).splitlines() if line.strip()), type(error).__name__)
+        called = ", ".join(getattr(f, "__name__", repr(f)) for f in functions.values())
+        return interpret(
+            source,
+            functions,
+            f"numba cannot compile {called} ({reason.strip()}); the kernel is interpreted, "
+            f"about 30 times slower",
+        )
+    return Built(namespace["kernel"], "numba")
+
+
+def interpret(
+    source: str, functions: Mapping[str, Callable[..., Any]], notice: str = ""
+) -> Built:
+    """Run the source in the interpreter."""
+    import numpy as np
+
+    namespace: dict[str, Any] = {**functions, "array": np.array}
+    exec(compile(_PLAIN_HEAD + source, "<glmref kernel>", "exec"), namespace)
+    return Built(namespace["kernel"], "python", None, notice)

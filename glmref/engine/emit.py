@@ -1,0 +1,261 @@
+"""Where generated statements live: local variables, an array over components, or lanes.
+
+A statement such as ``@Y = @z + @L`` is written once and holds for every component. The targets
+below turn it into source:
+
+* :class:`ScalarTarget` one line per component on local variables ``Y_0``, ``Y_1`` ... (small
+  systems: everything stays in registers);
+* :class:`ArrayTarget` one loop over components of a work array (large systems: the source, and so
+  the time to compile, does not grow with the dimension);
+* :class:`LaneTarget` one line per component inside a loop over lanes, each lane one trajectory
+  (ensembles: the loop over lanes becomes SIMD instructions).
+
+All three evaluate in the same order, so they give the same bits.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+
+from .shape import Part, Shape, inlined, parameter_names, used_parameters
+
+__all__ = ["ArrayTarget", "LaneTarget", "ScalarTarget", "Target", "Writer", "tree_sum"]
+
+_REFERENCE = re.compile(r"@(\w+)")
+_UNROLLED_SUM = 64  # terms of a sum over components that are written out
+
+
+class Writer:
+    """Lines of source with indentation."""
+
+    def __init__(self) -> None:
+        self.lines: list[str] = []
+        self.depth = 0
+
+    def __call__(self, *lines: str) -> None:
+        self.lines += ["    " * self.depth + line if line else "" for line in lines]
+
+    @contextmanager
+    def block(self, head: str) -> Iterator[None]:
+        """Write ``head`` and indent what follows."""
+        self(head)
+        self.depth += 1
+        yield
+        self.depth -= 1
+
+    @property
+    def text(self) -> str:
+        """The source so far."""
+        return "\n".join(self.lines) + "\n"
+
+
+def tree_sum(terms: Sequence[str]) -> str:
+    """Sum by halves: short dependency chains, and one order for every target."""
+    if len(terms) == 1:
+        return terms[0]
+    half = (len(terms) + 1) // 2
+    return f"({tree_sum(terms[:half])} + {tree_sum(terms[half:])})"
+
+
+class Target:
+    """Common part: names, right-hand sides and where the state is kept between calls."""
+
+    lanes = False
+
+    def __init__(self, shape: Shape, writer: Writer) -> None:
+        self.shape, self.w = shape, writer
+        self.d = shape.dimension
+        self.places: dict[str, int] = {}
+        self.used = 0
+
+    def reserve(self, name: str, length: int) -> int:
+        """Place of an array of this length in the work array ``x``; the same for the same name."""
+        if name not in self.places:
+            self.places[name] = self.used
+            self.used += length
+        return self.places[name]
+
+    @property
+    def work_size(self) -> int:
+        """Length of the work array."""
+        return max(1, self.used)
+
+    def load(self, name: str, array: str, row: int) -> None:
+        """Read a vector from a row of an argument."""
+        raise NotImplementedError
+
+    def store(self, name: str, array: str, row: int) -> None:
+        """Write a vector to a row of an argument."""
+        raise NotImplementedError
+
+    def ref(self, name: str, c: int) -> str:
+        """Source of component c of a vector."""
+        raise NotImplementedError
+
+    def vec(self, lines: Sequence[str], part: tuple[int, int] | None = None) -> None:
+        """Statements for every component of ``part`` (all of them by default)."""
+        raise NotImplementedError
+
+    def total(self, name: str, template: str, part: tuple[int, int] | None = None) -> None:
+        """Assign to ``name`` the sum of ``template`` over components."""
+        raise NotImplementedError
+
+    def call(self, part: Part, source: str, out: str, tag: str) -> None:
+        """Evaluate a part of the right-hand side at vector ``source`` into ``out``."""
+        raise NotImplementedError
+
+    def substitute(self, line: str, c: int) -> str:
+        """Replace the references of a statement for component c."""
+        return _REFERENCE.sub(lambda match: self.ref(match[1], c), line)
+
+    def parameters(self) -> None:
+        """Load the parameters that expressions use into local variables."""
+        for i in used_parameters(self.shape):
+            self.w(f"par_{self.shape.parameters[i]} = par[{i}]")
+
+    def inline(self, part: Part, source: str, out: str, tag: str) -> None:
+        """Write the expressions of a part, component by component."""
+        assert part.formula is not None
+        lines, outputs = inlined(
+            part.formula,
+            lambda i: self.ref(source, part.source + i),
+            parameter_names(self.shape),
+            f"{tag}_",
+        )
+        self.w(*lines)
+        for c, text in zip(range(part.start, part.stop), outputs, strict=True):
+            self.w(f"{self.ref(out, c)} = {text}")
+
+    def identity(self, part: Part, source: str, out: str) -> None:
+        """q' = p: copy."""
+        for c in range(part.start, part.stop):
+            self.w(f"{self.ref(out, c)} = {self.ref(source, part.source + c - part.start)}")
+
+
+class ScalarTarget(Target):
+    """Components are local variables."""
+
+    def ref(self, name: str, c: int) -> str:
+        return f"{name}_{c}"
+
+    def vec(self, lines: Sequence[str], part: tuple[int, int] | None = None) -> None:
+        for c in range(*(part or (0, self.d))):
+            self.w(*(self.substitute(line, c) for line in lines))
+
+    def total(self, name: str, template: str, part: tuple[int, int] | None = None) -> None:
+        terms = [self.substitute(template, c) for c in range(*(part or (0, self.d)))]
+        self.w(f"{name} = {tree_sum(terms)}")
+
+    def call(self, part: Part, source: str, out: str, tag: str) -> None:
+        if part.identity:
+            self.identity(part, source, out)
+        elif part.formula is not None:
+            self.inline(part, source, out, tag)
+        else:
+            arguments = ", ".join(self.ref(source, c) for c in range(part.source, part.source_stop))
+            time = "time, " if part.timed else ""
+            self.w(f"found = {part.role}({time}array(({arguments},)))")
+            for c in range(part.start, part.stop):
+                self.w(f"{self.ref(out, c)} = found[{c - part.start}]")
+
+    def load(self, name: str, array: str, row: int) -> None:
+        """Read a vector from a row of an argument."""
+        self.w(*(f"{self.ref(name, c)} = {array}[{row}, {c}]" for c in range(self.d)))
+
+    def store(self, name: str, array: str, row: int) -> None:
+        """Write a vector to a row of an argument."""
+        self.w(*(f"{array}[{row}, {c}] = {self.ref(name, c)}" for c in range(self.d)))
+
+
+class ArrayTarget(Target):
+    """Components are entries of one work array ``x``; a vector is a slice at a fixed offset."""
+
+    def offset(self, name: str) -> int:
+        """Place of a vector in the work array."""
+        return self.reserve(name, self.d)
+
+    def ref(self, name: str, c: int) -> str:
+        return f"x[{self.offset(name) + c}]"
+
+    def vec(self, lines: Sequence[str], part: tuple[int, int] | None = None) -> None:
+        low, high = part or (0, self.d)
+        with self.w.block(f"for c in range({low}, {high}):"):
+            self.w(
+                *(_REFERENCE.sub(lambda match: f"x[{self.offset(match[1])} + c]", line)
+                  for line in lines)
+            )  # fmt: skip
+
+    def total(self, name: str, template: str, part: tuple[int, int] | None = None) -> None:
+        low, high = part or (0, self.d)
+        if high - low <= _UNROLLED_SUM:
+            self.w(f"{name} = {tree_sum([self.substitute(template, c) for c in range(low, high)])}")
+            return
+        # four running sums: additions of one do not wait for those of another
+        whole = low + (high - low) // 4 * 4
+        self.w("part_0 = 0.0", "part_1 = 0.0", "part_2 = 0.0", "part_3 = 0.0")
+        with self.w.block(f"for c in range({low}, {whole}, 4):"):
+            for k in range(4):
+                term = _REFERENCE.sub(lambda m: f"x[{self.offset(m[1])} + c + {k}]", template)  # noqa: B023
+                self.w(f"part_{k} += {term}")
+        rest = [self.substitute(template, c) for c in range(whole, high)]
+        self.w(f"{name} = {tree_sum(['part_0', 'part_1', 'part_2', 'part_3', *rest])}")
+
+    def call(self, part: Part, source: str, out: str, tag: str) -> None:
+        low, high = self.offset(out) + part.start, self.offset(out) + part.stop
+        start = self.offset(source)
+        where = f"x[{start + part.source}:{start + part.source_stop}]"
+        if part.identity:
+            with self.w.block(f"for c in range({part.stop - part.start}):"):
+                self.w(f"x[{low} + c] = x[{start + part.source} + c]")
+            return
+        time = "time, " if part.timed else ""
+        if part.function is not None:
+            self.w(f"found = {part.role}({time}{where})")
+            with self.w.block(f"for c in range({part.stop - part.start}):"):
+                self.w(f"x[{low} + c] = found[c]")
+            return
+        name, values = (part.body_name, "constants") if part.body else (part.role, "par")
+        self.w(f"{name}({time}{where}, {values}, x[{low}:{high}])")
+
+    def load(self, name: str, array: str, row: int) -> None:
+        """Read a vector from a row of an argument."""
+        with self.w.block(f"for c in range({self.d}):"):
+            self.w(f"x[{self.offset(name)} + c] = {array}[{row}, c]")
+
+    def store(self, name: str, array: str, row: int) -> None:
+        """Write a vector to a row of an argument."""
+        with self.w.block(f"for c in range({self.d}):"):
+            self.w(f"{array}[{row}, c] = x[{self.offset(name)} + c]")
+
+
+class LaneTarget(Target):
+    """Components are rows of a work array, one entry per lane; written inside ``for l in ...``."""
+
+    lanes = True
+
+    def __init__(self, shape: Shape, writer: Writer, width: int) -> None:
+        super().__init__(shape, writer)
+        self.width = width
+
+    def ref(self, name: str, c: int) -> str:
+        return f"x[{self.reserve(name, self.d * self.width) + c * self.width} + l]"
+
+    def lane(self, name: str) -> str:
+        """Source of a quantity with one entry per lane."""
+        return f"x[{self.reserve(name, self.width)} + l]"
+
+    def vec(self, lines: Sequence[str], part: tuple[int, int] | None = None) -> None:
+        for c in range(*(part or (0, self.d))):
+            self.w(*(self.substitute(line, c) for line in lines))
+
+    def total(self, name: str, template: str, part: tuple[int, int] | None = None) -> None:
+        terms = [self.substitute(template, c) for c in range(*(part or (0, self.d)))]
+        self.w(f"{name} = {tree_sum(terms)}")
+
+    def call(self, part: Part, source: str, out: str, tag: str) -> None:
+        if part.identity:
+            self.identity(part, source, out)
+        else:
+            self.inline(part, source, out, tag)

@@ -1,0 +1,315 @@
+"""Everything between a method on a problem and a compiled loop: choices, arrays, chunks of steps.
+
+The stage solver is chosen by a stated rule (:func:`choose_solver`): the one with the smaller
+predicted cost per stage. With rho the contraction of the fixed point at the initial value and c the
+cost of one evaluation, the fixed point takes about ``1 + 10 / -log10(rho)`` rounds from a predictor
+that is right to six digits; Newton takes about 2.3 and pays for the matrix. Blocks of several
+stages and systems of more than three unknowns use Newton where rho exceeds :data:`POOR`.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+
+import numpy as np
+
+from ..claims import UsageError
+from ..method import GLM, PartitionedGLM
+from ..problems.formula import Formula
+from ..problems.model import Problem
+from . import compiled
+from .codegen import SIGNATURE, KernelSource, Options, kernel_source
+from .outcome import KERNEL_OUTCOMES, Outcome
+from .pairs import PairForm, pair_form, pair_source
+from .shape import Shape, jacobian_block, shape_of
+from .stages import INLINE_LIMIT
+from .sweep import StepForm, step_form
+
+__all__ = ["ARITHMETIC", "SOLVERS", "Kernel", "State", "choose_solver", "contraction", "prepare"]
+
+ARITHMETIC = ("strict", "compensated", "naive")
+SOLVERS = ("auto", "fixed-point", "newton")
+
+POOR = 0.25  # a fixed point that contracts less than this per round is slow
+_DIFFERENCES_UP_TO = 64  # dimension up to which a missing Jacobian is differenced for the estimate
+
+#: Rough latencies in units of one addition, for comparing solvers.
+_LATENCY = {ast.Add: 1, ast.Sub: 1, ast.Mult: 1, ast.Div: 4, ast.Pow: 10, ast.USub: 0}
+_CALL_LATENCY = {"sqrt": 5}
+_OTHER_CALL = 15
+_ROUND_LATENCY = 12  # forming Y and L around one evaluation
+_INLINE_SOLVE = {1: 6, 2: 14, 3: 40}
+_NEWTON_ROUNDS = 2.3
+
+_FIRST_CHUNK = 256
+_CHUNK_SECONDS = 0.05
+
+_cached_form = lru_cache(maxsize=128)(step_form)
+_cached_pair_form = lru_cache(maxsize=128)(pair_form)
+
+
+@dataclass
+class State:
+    """The arrays a kernel works on, carried from one chunk of steps to the next."""
+
+    y: np.ndarray
+    e: np.ndarray
+    memory: np.ndarray
+    work: np.ndarray
+    tally: np.ndarray = field(default_factory=lambda: np.zeros(6, dtype=np.int64))
+
+    @property
+    def step(self) -> int:
+        """Steps completed."""
+        return int(self.tally[4])
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """A compiled method on a problem.
+
+    Attributes
+    ----------
+        form: coefficients.
+        shape: problem.
+        options: what was generated.
+        source: the generated module.
+        built: the callable and where it came from.
+        seconds: time it took to generate and compile or load.
+    """
+
+    form: StepForm | PairForm
+    shape: Shape
+    options: Options
+    source: KernelSource
+    built: compiled.Built
+    seconds: float
+
+    @property
+    def description(self) -> str:
+        """Engine, form, solver and arithmetic in words."""
+        words = [f"{self.built.engine}, {self.form.kind} form"]
+        if self.form.implicit_stages:
+            words.append(self.options.solver)
+        words.append("compensated" if self.options.compensated else "not compensated")
+        return ", ".join((*words, f"{self.source.target} target"))
+
+    def state(self, values: np.ndarray, slope: np.ndarray, h: float) -> State:
+        """State before the first step.
+
+        Args:
+            values: (r, d) starting values in the method's basis.
+            slope: (d,) right-hand side at the start, the predictor's first guess.
+            h: step size.
+        """
+        y = np.ascontiguousarray(self.form.into(values), dtype=float)
+        memory = np.zeros((self.source.memory_rows, self.shape.dimension))
+        for row, weight in zip(memory, self.form.memory_weights, strict=True):
+            row[:] = h * weight * slope
+        return State(y, np.zeros_like(y), memory, np.zeros(self.source.work_size))
+
+    def values(self, state: State) -> np.ndarray:
+        """(r, d) values in the method's basis."""
+        return self.form.back(state.y)
+
+    def advance(
+        self, state: State, last: int, *, t0: float, h: float, every: int, out: np.ndarray,
+        pause: Callable[[int], bool] = lambda _: False,
+    ) -> tuple[Outcome, float]:  # fmt: skip
+        """Step until ``last`` steps are done, in chunks of about 50 ms.
+
+        Args:
+            every: record into ``out`` after every so many steps; 0 for never.
+            pause: called between chunks with the steps done; True cancels.
+
+        Returns
+        -------
+            The outcome and the seconds spent stepping.
+        """
+        chunk, seconds = _FIRST_CHUNK, 0.0
+        if self.built.engine == "python":
+            chunk = 8
+        while state.step < last:
+            until = min(last, state.step + chunk)
+            begin = time.perf_counter()
+            code = self.built.kernel(
+                state.y, state.e, state.memory, state.work, self.shape.values, t0, h,
+                state.step, until, every, out, int(state.tally[5]), state.tally,
+            )  # fmt: skip
+            spent = time.perf_counter() - begin
+            seconds += spent
+            if code:
+                return KERNEL_OUTCOMES[code], seconds
+            if spent < _CHUNK_SECONDS:
+                chunk *= 2
+            if state.step < last and pause(state.step):
+                return Outcome.CANCELLED, seconds
+        return Outcome.COMPLETED, seconds
+
+
+def prepare(
+    method: GLM | PartitionedGLM, problem: Problem, *, h: float, arithmetic: str = "strict",
+    solver: str = "auto", form: str = "auto", history: bool = False, interpreted: bool = False,
+) -> Kernel:  # fmt: skip
+    """Choose form and solver, generate the kernel and compile it.
+
+    Args:
+        arithmetic: ``"strict"``: structurally exact coefficients (sweep or mu-form) where the
+            method has them, increments first, compensated; ``"compensated"``: A, U, B, V with
+            compensated summation and the tableau's rounding residue; ``"naive"``: neither.
+        solver: one of :data:`SOLVERS`.
+        form: ``"auto"`` or one of :data:`.sweep.FORMS`, which overrides what ``arithmetic`` says.
+        history: whether all values are recorded.
+        interpreted: run the generated source in the interpreter.
+
+    Raises
+    ------
+        UsageError: when the method does not fit the problem or the form.
+    """
+    begin = time.perf_counter()
+    if arithmetic not in ARITHMETIC:
+        raise UsageError(f"`arithmetic` must be one of {', '.join(ARITHMETIC)}, got {arithmetic!r}")
+    if solver not in SOLVERS:
+        raise UsageError(f"`solver` must be one of {', '.join(SOLVERS)}, got {solver!r}")
+    wanted = form if form != "auto" else ("auto" if arithmetic == "strict" else "standard")
+    options = Options(
+        compensated=arithmetic != "naive", history=history, interpreted=interpreted
+    )
+    coefficients: StepForm | PairForm
+    if isinstance(method, PartitionedGLM):
+        coefficients = _cached_pair_form(method, wanted)
+        shape = shape_of(problem, split=True)
+    else:
+        coefficients = _cached_form(method, wanted)
+        shape = shape_of(problem)
+        options = replace(options, solver=choose_solver(coefficients, shape, problem, h, solver))
+    return _assembled(coefficients, shape, options, begin)
+
+
+def _assembled(
+    form: StepForm | PairForm, shape: Shape, options: Options, begin: float
+) -> Kernel:
+    source = _source_of(form, shape, options)
+    functions = {part.role: part.function for part in shape.parts if part.function is not None}
+    if options.interpreted:
+        built = compiled.interpret(source.text, functions)
+    else:
+        built = compiled.build(source.text, SIGNATURE, functions)
+        if built.engine == "python":
+            options = replace(options, interpreted=True)
+            source = _source_of(form, shape, options)
+            built = compiled.interpret(source.text, functions, built.notice)
+    return Kernel(form, shape, options, source, built, time.perf_counter() - begin)
+
+
+def _source_of(form: StepForm | PairForm, shape: Shape, options: Options) -> KernelSource:
+    if isinstance(form, PairForm):
+        return pair_source(form, shape, options)
+    return kernel_source(form, shape, options)
+
+
+def with_newton(kernel: Kernel) -> Kernel:
+    """Return the same kernel with Newton in place of the fixed point."""
+    options = replace(kernel.options, solver="newton")
+    return _assembled(kernel.form, kernel.shape, options, time.perf_counter())
+
+
+# --- which solver -------------------------------------------------------------------------------
+
+
+def contraction(form: StepForm, shape: Shape, problem: Problem, h: float) -> float:
+    """Contraction per fixed-point round at the initial value: h max |w M| |J|, squared if halved.
+
+    ``nan`` where the Jacobian is not known and too large to be differenced.
+    """
+    matrix = _jacobian(problem)
+    if matrix is None:
+        return math.nan
+    size = abs(h) * max(
+        sum(abs(form.weights[i] * form.M[i][j]) for j in block.stages)
+        for block in form.blocks
+        if block.implicit
+        for i in block.stages
+    )
+    if shape.halved:
+        m = shape.half
+        return float(size**2 * np.linalg.norm(matrix[m:, :m] @ matrix[:m, m:], ord=np.inf))
+    return float(size * np.linalg.norm(matrix, ord=np.inf))
+
+
+def _jacobian(problem: Problem) -> np.ndarray | None:
+    t, y, d = problem.t_span[0], np.array(problem.y0, dtype=float), problem.dimension
+    with np.errstate(all="ignore"):
+        if problem.jacobian is not None:
+            return np.asarray(problem.jacobian(t, y), dtype=float)
+        if d > _DIFFERENCES_UP_TO:
+            return None
+        base, columns = np.asarray(problem.f(t, y), dtype=float), []
+        for k in range(d):
+            moved = y.copy()
+            moved[k] += 1e-8 * (abs(y[k]) + 1)
+            slope = np.asarray(problem.f(t, moved), dtype=float)
+            columns.append((slope - base) / (moved[k] - y[k]))
+    return np.stack(columns, axis=1)
+
+
+def choose_solver(
+    form: StepForm, shape: Shape, problem: Problem, h: float, solver: str = "auto"
+) -> str:
+    """Fixed point or Newton, by predicted cost; see the module's docstring."""
+    if solver != "auto" or not form.implicit_stages:
+        return solver if solver != "auto" else "fixed-point"
+    rho = contraction(form, shape, problem, h)
+    if not math.isfinite(rho):
+        return "fixed-point"
+    if rho == 0.0:
+        return "fixed-point"
+    single = all(len(block.stages) == 1 for block in form.blocks if block.implicit)
+    unknowns = shape.half if shape.halved else shape.dimension
+    inline = single and unknowns <= INLINE_LIMIT and shape.jacobian is not None
+    if not inline or shape.loops or rho > POOR:
+        return "newton" if rho > POOR else "fixed-point"
+    once = _ROUND_LATENCY + sum(_latency(p.formula) for p in shape.parts if p.formula)
+    rounds = 1 + 10 / -math.log10(rho)
+    newton = _NEWTON_ROUNDS * once + _jacobian_latency(shape) + _INLINE_SOLVE[unknowns]
+    return "newton" if newton < rounds * once else "fixed-point"
+
+
+def _jacobian_latency(shape: Shape) -> int:
+    d, m = shape.dimension, shape.half
+    if not shape.halved:
+        return _latency(jacobian_block(shape, range(d), range(d)))
+    total = _latency(jacobian_block(shape, range(m, d), range(m)))
+    if not shape.parts[0].identity:
+        total += _latency(jacobian_block(shape, range(m), range(m, d)))
+    return total
+
+
+def _latency(formula: Formula) -> int:
+    """Operations of a formula weighted by their latency; equal expressions are counted once."""
+    seen: set[str] = set()
+    common, outputs = formula.trees
+    return sum(_tree_latency(tree, seen) for tree in (*(t for _, t in common), *outputs))
+
+
+def _tree_latency(tree: ast.AST, seen: set[str]) -> int:
+    if isinstance(tree, ast.Constant | ast.Name | ast.Subscript):
+        return 0
+    text = ast.dump(tree)
+    if text in seen:
+        return 0
+    seen.add(text)
+    children: Iterable[ast.AST]
+    if isinstance(tree, ast.BinOp):
+        own, children = _LATENCY[type(tree.op)], (tree.left, tree.right)
+    elif isinstance(tree, ast.UnaryOp):
+        own, children = 0, (tree.operand,)
+    else:
+        assert isinstance(tree, ast.Call) and isinstance(tree.func, ast.Name)
+        own, children = _CALL_LATENCY.get(tree.func.id, _OTHER_CALL), tree.args
+    return own + sum(_tree_latency(child, seen) for child in children)

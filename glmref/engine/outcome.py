@@ -1,0 +1,85 @@
+"""How a run ended, and what it left: named outcomes and the solution record."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import numpy as np
+
+__all__ = ["Outcome", "Solution"]
+
+
+class Outcome(StrEnum):
+    """How a run ended; in every case what was computed before stays in the solution."""
+
+    COMPLETED = "completed"
+    STAGE_SOLVE_FAILED = "stage solve failed"
+    NOT_FINITE = "not finite"
+    STEP_LIMIT = "step limit"
+    CANCELLED = "cancelled"
+
+
+#: Codes a kernel returns, in this order.
+KERNEL_OUTCOMES = (Outcome.COMPLETED, Outcome.STAGE_SOLVE_FAILED, Outcome.NOT_FINITE)
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """What a run computed.
+
+    Attributes
+    ----------
+        t: (m,) times of the rows kept.
+        y: (m, d) solution at these times (finishing method applied).
+        outcome: how the run ended.
+        message: one sentence on the outcome; says what to do where it is not ``completed``.
+        steps: number of steps completed.
+        values: (r, d) the values carried, after the last completed step, in the method's own basis;
+            for a pair (max(r, r^), d), q in the first half of the columns and p in the second.
+        history: (m, r, d) the same at every time in ``t``, or ``None`` where not asked for.
+        evaluations: right-hand-side evaluations of the steps. For a separable problem the
+            evaluations of p' = dp(q), the expensive half; see ``velocity_evaluations``.
+        velocity_evaluations: evaluations of q' = dq(p) where it is counted apart, else 0.
+        iterations: rounds of the stage solver, summed over stages and steps.
+        factorisations: Newton matrices factored.
+        seconds: wall clock time of the steps alone (no compilation, no start).
+        start_evaluations, finish_evaluations: right-hand-side evaluations of start and finish.
+        build_seconds: time to generate, compile or load the kernel.
+        method, problem, h: what was run.
+        kernel: what was built: engine, form, solver and arithmetic in words.
+        notices: sentences worth knowing, such as a fallback that was taken.
+    """
+
+    t: np.ndarray
+    y: np.ndarray
+    outcome: Outcome
+    message: str
+    steps: int
+    values: np.ndarray
+    history: np.ndarray | None
+    evaluations: int
+    velocity_evaluations: int
+    iterations: int
+    factorisations: int
+    seconds: float
+    start_evaluations: int
+    finish_evaluations: int
+    build_seconds: float
+    method: str
+    problem: str
+    h: float
+    kernel: str
+    notices: tuple[str, ...] = ()
+
+    @property
+    def completed(self) -> bool:
+        """Whether every step that was asked for was taken."""
+        return self.outcome is Outcome.COMPLETED
+
+    @property
+    def total_evaluations(self) -> int:
+        """Right-hand-side evaluations of start, steps and finish together."""
+        return self.start_evaluations + self.evaluations + self.finish_evaluations

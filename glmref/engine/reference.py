@@ -1,0 +1,464 @@
+"""The step as one reads it in a paper: the yardstick, not the fast path.
+
+    Y = h A f(Y) + U y        y+ = h B f(Y) + V y
+
+for every GLM (explicit, diagonally or fully implicit, real or complex) and every pair, in double
+precision (numpy) or at any number of digits (mpmath). Stage equations are iterated to round-off:
+until the change is zero or no longer decreases. Nothing is rearranged, so that a compiled kernel
+can be compared with it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import mpmath
+import numpy as np
+
+from ..claims import UsageError
+from ..linalg import Matrix
+from ..method import GLM, FinishingMethod, PartitionedGLM, StartingMethod
+from ..problems.model import Problem
+from .tableau import StageBlock, dependency_blocks, method_abscissae
+
+__all__ = ["Step", "Stepper", "apply_finish", "apply_start", "stepper"]
+
+_ROUNDS = 200  # fixed-point rounds before Newton takes over, Newton rounds before giving up
+_STALLS = 3  # rounds without decrease that end an iteration which is not yet at round-off
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """One step and what happened inside it.
+
+    Attributes
+    ----------
+        values: (r, d) values after the step; for a pair see :class:`.outcome.Solution`.
+        stages: (s, d) the Y_i; for a pair (n_Q, d/2) of Q followed by (n_P, d/2) of P as a tuple.
+        slopes: the right-hand side at the stages, in the same shape.
+        evaluations, velocity_evaluations, iterations: as in :class:`.outcome.Solution`.
+        converged: whether every stage equation was solved to round-off.
+    """
+
+    values: np.ndarray
+    stages: Any
+    slopes: Any
+    evaluations: int
+    velocity_evaluations: int
+    iterations: int
+    converged: bool
+
+
+class Arithmetic:
+    """Double precision, or an mpmath context of its own with the digits asked for."""
+
+    def __init__(self, digits: int | None) -> None:
+        self.digits = digits
+        self.context: Any = None
+        if digits is not None:
+            self.context = mpmath.MPContext()
+            self.context.dps = digits
+
+    @property
+    def epsilon(self) -> Any:
+        """Distance from 1 to the next number."""
+        return 2.0**-52 if self.context is None else self.context.eps
+
+    def number(self, x: Any) -> Any:
+        """Round a scalar of a tableau (or a real number) once."""
+        if self.context is None:
+            return complex(x) if hasattr(x, "is_real") and not x.is_real() else float(x)
+        if not hasattr(x, "to_mpf"):
+            return self.context.mpf(x)
+        with mpmath.workdps(self.context.dps + 5):
+            return self.context.convert(x.to_mpf())
+
+    def array(self, matrix: Matrix) -> np.ndarray:
+        """Round a matrix entry by entry."""
+        rows = [[self.number(x) for x in row] for row in matrix]
+        if self.context is None:
+            return np.array(rows)
+        out = np.empty((len(rows), len(rows[0]) if rows else 0), dtype=object)
+        for i, row in enumerate(rows):
+            out[i, :] = row
+        return out
+
+    def zeros(self, shape: tuple[int, ...], like: np.ndarray | None = None) -> np.ndarray:
+        """Zeros of the number type (complex where ``like`` is)."""
+        if self.context is None:
+            complex_ = like is not None and np.iscomplexobj(like)
+            return np.zeros(shape, dtype=complex if complex_ else float)
+        out = np.empty(shape, dtype=object)
+        out[...] = self.context.mpf(0)
+        return out
+
+    def localised(self, problem: Problem) -> Problem:
+        """Return the problem in this arithmetic."""
+        return problem if self.context is None else problem.on(self.context)
+
+    def solve(self, matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+        """Solve a linear system, by elimination with partial pivoting."""
+        if self.context is None:
+            return np.linalg.solve(matrix, right)
+        a, b = matrix.copy(), right.copy()
+        n = len(b)
+        for k in range(n):
+            p = max(range(k, n), key=lambda i: abs(a[i, k]))
+            if a[p, k] == 0:
+                raise np.linalg.LinAlgError("singular matrix")
+            a[[k, p]], b[[k, p]] = a[[p, k]], b[[p, k]]
+            for i in range(k + 1, n):
+                factor = a[i, k] / a[k, k]
+                a[i, k:] = a[i, k:] - factor * a[k, k:]
+                b[i] = b[i] - factor * b[k]
+        for k in reversed(range(n)):
+            b[k] = (b[k] - a[k, k + 1 :].dot(b[k + 1 :])) / a[k, k]
+        return b
+
+
+def _size(x: np.ndarray) -> Any:
+    return max((abs(v) for v in x.ravel()), default=0)
+
+
+def _finite(x: Any) -> bool:
+    return bool(x == x and abs(x) != float("inf"))
+
+
+class StageSolver:
+    """Solves x = F(x), x the slopes of one block, to round-off."""
+
+    def __init__(self, arithmetic: Arithmetic) -> None:
+        self.arithmetic = arithmetic
+        self.iterations = 0
+        self.converged = True
+
+    def __call__(
+        self, function: Callable[[np.ndarray], np.ndarray], x: np.ndarray, scale: Any
+    ) -> np.ndarray:
+        """Iterate from x. A change below a few units of ``scale`` counts as round-off.
+
+        Fixed point first; where that does not contract, Newton with a difference quotient matrix.
+        """
+        settled, result = self._settle(function, x, scale)
+        if settled:
+            return result
+        settled, result = self._settle(self._newton(function, x), x, scale)
+        self.converged &= settled
+        return result
+
+    def _settle(
+        self, update: Callable[[np.ndarray], np.ndarray], x: np.ndarray, scale: Any
+    ) -> tuple[bool, np.ndarray]:
+        """Apply ``update`` until the change is zero, or is round-off and no longer decreases."""
+        round_off = 64 * self.arithmetic.epsilon * scale
+        last, stalls = None, 0
+        for _ in range(_ROUNDS):
+            try:
+                new = update(x)
+            except (ArithmeticError, ValueError, np.linalg.LinAlgError):
+                return False, x
+            self.iterations += 1
+            change = _size(new - x)
+            x = new
+            if not _finite(change):
+                return False, x
+            if change == 0:
+                return True, x
+            if last is not None and change >= last:
+                if change <= round_off:
+                    return True, x
+                stalls += 1
+                if stalls > _STALLS:
+                    return False, x
+            last = change
+        return False, x
+
+    def _newton(
+        self, function: Callable[[np.ndarray], np.ndarray], x: np.ndarray
+    ) -> Callable[[np.ndarray], np.ndarray]:
+        """Return the simplified Newton update, its matrix by differences at the first guess."""
+        matrix: list[np.ndarray] = []
+
+        def residual(x: np.ndarray) -> np.ndarray:
+            return (x - function(x)).ravel()
+
+        def update(x: np.ndarray) -> np.ndarray:
+            defect = residual(x)
+            if not matrix:
+                matrix.append(self._differences(residual, x, defect))
+            return x - self.arithmetic.solve(matrix[0], defect).reshape(x.shape)
+
+        return update
+
+    def _differences(
+        self, residual: Callable[[np.ndarray], np.ndarray], x: np.ndarray, at: np.ndarray
+    ) -> np.ndarray:
+        flat = x.ravel()
+        columns = []
+        for k in range(len(flat)):
+            step = self.arithmetic.epsilon ** 0.5 * (abs(flat[k]) + 1)
+            moved = flat.copy()
+            moved[k] = moved[k] + step
+            columns.append((residual(moved.reshape(x.shape)) - at) / step)
+        return np.stack(columns, axis=1)
+
+
+class Stepper:
+    """Steps one method on one problem; keeps the coefficients in the arithmetic asked for.
+
+    Args:
+        method: a GLM.
+        problem: in double precision form; it is moved to the arithmetic here.
+        digits: ``None`` for double precision, else decimal digits of mpmath.
+    """
+
+    def __init__(self, method: GLM, problem: Problem, *, digits: int | None = None) -> None:
+        self.arithmetic = Arithmetic(digits)
+        self.problem = self.arithmetic.localised(problem)
+        self._tableau(method)
+
+    def _tableau(self, method: GLM) -> None:
+        self.method = method
+        number = self.arithmetic.array
+        self.A, self.U = number(method.A), number(method.U)
+        self.B, self.V = number(method.B), number(method.V)
+        self.c = self.arithmetic.array((method_abscissae(method),))[0]
+        self.blocks = dependency_blocks(
+            method.s, lambda i, j: method.A[i][j].is_zero() is not True
+        )
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Shape (r, d) of the values carried."""
+        return self.method.r, self.problem.dimension
+
+    def values(self, y0: Any = None) -> np.ndarray:
+        """Return the zero start (y0, 0, ..., 0); y0 is the problem's by default."""
+        out = self.arithmetic.zeros(self.shape, self.V)
+        out[0] = self.problem.y0 if y0 is None else y0
+        return out
+
+    def slope(self, t: Any, y: np.ndarray) -> np.ndarray:
+        """Right-hand side at (t, y), shape (d,)."""
+        return np.asarray(self.problem.f(t, y))
+
+    def step(self, t: Any, values: np.ndarray, h: Any) -> Step:
+        """Take one step of size h from the values at time t."""
+        solver = StageSolver(self.arithmetic)
+        s, evaluations = self.method.s, 0
+        stages = self.arithmetic.zeros((s, values.shape[1]), values + self.V[0, 0])
+        slopes = self.arithmetic.zeros(stages.shape, stages)
+        known = self.U.dot(values)
+
+        def evaluate(i: int, y: np.ndarray) -> np.ndarray:
+            nonlocal evaluations
+            evaluations += 1
+            stages[i] = y
+            return self.slope(t + self.c[i] * h, y)
+
+        for block in self.blocks:
+            index = list(block.stages)
+            base = known[index] + h * self.A[index].dot(slopes)
+            if not block.implicit:
+                slopes[index[0]] = evaluate(index[0], base[0])
+                continue
+            inner = self.A[np.ix_(index, index)]
+
+            def rhs(x: np.ndarray, index: list[int] = index, base: Any = base, inner: Any = inner):
+                y = base + h * inner.dot(x)
+                return np.stack([evaluate(i, y[k]) for k, i in enumerate(index)])
+
+            guess = np.stack([evaluate(i, base[k]) for k, i in enumerate(index)])
+            scale = _size(guess) + _size(base) / abs(h) if h else _size(guess)
+            slopes[index] = solver(rhs, guess, scale)
+        new = h * self.B.dot(slopes) + self.V.dot(values)
+        return Step(new, stages, slopes, evaluations, 0, solver.iterations, solver.converged)
+
+
+class PairStepper(Stepper):
+    """Steps a :class:`PartitionedGLM` on a problem y = (q, p).
+
+    On a separable problem every stage Q_i and P_i is evaluated once, each only when needed; on
+    another one stage i is the pair (Q_i, P_i).
+    """
+
+    def __init__(
+        self, method: PartitionedGLM, problem: Problem, *, digits: int | None = None
+    ) -> None:
+        self.arithmetic = Arithmetic(digits)
+        self.problem = self.arithmetic.localised(problem)
+        self.pair = method
+        if not problem.separable and method.separable:
+            raise UsageError(
+                f"{method.name or 'the pair'} is for separable problems; {problem.name} gives no "
+                f"`dq` and `dp`"
+            )
+        if problem.dimension % 2:
+            raise UsageError(f"a pair needs y = (q, p), got {problem.dimension} components")
+        for letter in "AUBV":
+            setattr(self, letter, self.arithmetic.array(getattr(method, letter)))
+            hat = self.arithmetic.array(getattr(method, f"{letter}_hat"))
+            setattr(self, f"{letter}_hat", hat)
+        self.half = problem.dimension // 2
+        self.blocks = pair_blocks(method, joint=not problem.separable)
+
+    A_hat: np.ndarray
+    U_hat: np.ndarray
+    B_hat: np.ndarray
+    V_hat: np.ndarray
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Shape (max(r, r^), d) of the values carried."""
+        return max(self.pair.r, self.pair.r_hat), self.problem.dimension
+
+    def step(self, t: Any, values: np.ndarray, h: Any) -> Step:
+        """Take one step of size h from the values at time t."""
+        pair, m = self.pair, self.half
+        solver = StageSolver(self.arithmetic)
+        counts = [0, 0]
+        q, p = values[: pair.r, :m], values[: pair.r_hat, m:]
+        f = self.arithmetic.zeros((pair.n_P, m), values)
+        k = self.arithmetic.zeros((pair.n_Q, m), values)
+        Uq, Up = self.U.dot(q), self.U_hat.dot(p)
+        joint = not self.problem.separable
+
+        def stage_q(i: int) -> np.ndarray:
+            return Uq[i] + h * self.A[i].dot(f)
+
+        def stage_p(i: int) -> np.ndarray:
+            return Up[i] + h * self.A_hat[i].dot(k)
+
+        def refresh(nodes: Sequence[int]) -> None:
+            """Evaluate the right-hand side at stages, all from the slopes as they were."""
+            where = [stage_q(i) if i < pair.n_Q else stage_p(i - pair.n_Q) for i in nodes]
+            other = [stage_p(i) for i in nodes] if joint else []
+            for place, i in enumerate(nodes):
+                if joint:
+                    slope = self.slope(t, np.concatenate([where[place], other[place]]))
+                    f[i], k[i] = slope[:m], slope[m:]
+                    counts[0] += 1
+                elif i < pair.n_Q:
+                    k[i] = self.problem.dp(where[place])
+                    counts[0] += 1
+                else:
+                    f[i - pair.n_Q] = self.problem.dq(where[place])
+                    counts[1] += 1
+
+        for block in self.blocks:
+            nodes = list(block.stages)
+            refresh(nodes)
+            if block.implicit:
+                self._solve(solver, nodes, f, k, refresh, _size(values) / abs(h) if h else 0)
+        new = self.arithmetic.zeros(self.shape, values)
+        new[: pair.r, :m] = h * self.B.dot(f) + self.V.dot(q)
+        new[: pair.r_hat, m:] = h * self.B_hat.dot(k) + self.V_hat.dot(p)
+        stages = (
+            np.stack([stage_q(i) for i in range(pair.n_Q)]),
+            np.stack([stage_p(i) for i in range(pair.n_P)]),
+        )
+        return Step(new, stages, (f, k), *counts, solver.iterations, solver.converged)
+
+    def _solve(
+        self, solver: StageSolver, nodes: list[int], f: np.ndarray, k: np.ndarray,
+        refresh: Callable[[Sequence[int]], None], scale: Any,
+    ) -> None:  # fmt: skip
+        """Iterate the slopes of a block of stages that depend on each other."""
+        joint, n = not self.problem.separable, self.pair.n_Q
+        in_f = nodes if joint else [i - n for i in nodes if i >= n]
+        in_k = nodes if joint else [i for i in nodes if i < n]
+
+        def rhs(x: np.ndarray) -> np.ndarray:
+            f[in_f], k[in_k] = x[: len(in_f)], x[len(in_f) :]
+            refresh(nodes)
+            return np.concatenate([f[in_f], k[in_k]])
+
+        x = solver(rhs, np.concatenate([f[in_f], k[in_k]]), scale + _size(f) + _size(k))
+        f[in_f], k[in_k] = x[: len(in_f)], x[len(in_f) :]
+
+
+def pair_blocks(pair: PartitionedGLM, *, joint: bool = False) -> tuple[StageBlock, ...]:
+    """Order the stages of a pair.
+
+    Args:
+        joint: whether stage i is (Q_i, P_i), as on a problem that is not separable.
+
+    Returns
+    -------
+        Blocks of numbers: Q stages 0..n_Q-1, then P stages n_Q..n_Q+n_P-1 (joint: stages 0..s-1).
+    """
+    n_q, n_p = pair.n_Q, pair.n_P
+
+    def zero(matrix: Matrix, i: int, j: int) -> bool:
+        return matrix[i][j].is_zero() is True
+
+    if joint:
+        return dependency_blocks(
+            n_q, lambda i, j: not (zero(pair.A, i, j) and zero(pair.A_hat, i, j))
+        )
+
+    def needs(i: int, j: int) -> bool:
+        if i < n_q <= j:
+            return not zero(pair.A, i, j - n_q)
+        if j < n_q <= i:
+            return not zero(pair.A_hat, i - n_q, j)
+        return False
+
+    return dependency_blocks(n_q + n_p, needs)
+
+
+def stepper(
+    method: GLM | PartitionedGLM, problem: Problem, *, digits: int | None = None
+) -> Stepper:
+    """Return the stepper for a method or a pair on a problem.
+
+    Args:
+        digits: ``None`` for double precision, else decimal digits.
+
+    Raises
+    ------
+        UsageError: when the pair needs a separable problem and this one is not.
+    """
+    if isinstance(method, PartitionedGLM):
+        return PairStepper(method, problem, digits=digits)
+    return Stepper(method, problem, digits=digits)
+
+
+def _runge_kutta_slopes(
+    engine: Stepper, A: Matrix, t: Any, y: np.ndarray, h: Any
+) -> tuple[np.ndarray, int]:
+    """Slopes f(Y) of Y = y + h A f(Y), and the number of evaluations."""
+    if not A:
+        return engine.arithmetic.zeros((0, len(y))), 0
+    method = GLM(A=A, U=[[1]] * len(A), B=[[0] * len(A)], V=[[1]])
+    inner = Stepper.__new__(Stepper)
+    inner.arithmetic, inner.problem = engine.arithmetic, engine.problem
+    inner._tableau(method)
+    taken = inner.step(t, y[None, :], h)
+    if not taken.converged:
+        raise ArithmeticError("the stages of a starting or finishing method could not be solved")
+    return taken.slopes, taken.evaluations
+
+
+def apply_start(
+    start: StartingMethod, engine: Stepper, t: Any, y0: np.ndarray, h: Any
+) -> tuple[np.ndarray, int]:
+    """Starting values ``y_k = u_k y0 + h B_k f(Y)`` and the evaluations they cost."""
+    slopes, evaluations = _runge_kutta_slopes(engine, start.A, t, y0, h)
+    u = engine.arithmetic.array((start.u,))[0]
+    values = np.outer(u, y0)
+    if len(slopes):
+        values = values + h * engine.arithmetic.array(start.B).dot(slopes)
+    return values, evaluations
+
+
+def apply_finish(
+    finish: FinishingMethod, engine: Stepper, t: Any, y: np.ndarray, h: Any
+) -> tuple[np.ndarray, int]:
+    """Finished solution ``y + h b f(Y)`` and the evaluations it costs."""
+    slopes, evaluations = _runge_kutta_slopes(engine, finish.A, t, y, h)
+    if not len(slopes):
+        return y, 0
+    return y + h * engine.arithmetic.array((finish.b,))[0].dot(slopes), evaluations

@@ -1,0 +1,322 @@
+"""What a kernel needs to know of a problem: which functions, given how, on which components.
+
+A right-hand side is given in one of three ways, and each part of a separable one in its own:
+expressions (pasted into the kernel), a plain loop body (pasted as a function), or any Python
+callable (compiled by numba where it can be).
+"""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import textwrap
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ..claims import UsageError
+from ..problems.derivative import Jacobian
+from ..problems.formula import Formula, subscripts
+from ..problems.loops import Loops, PhaseSpace
+from ..problems.model import Problem
+
+__all__ = ["Part", "Shape", "inlined", "jacobian_block", "shape_of"]
+
+_EXPAND_UP_TO = 8  # integer powers up to this become products: the same bits in C, numba and Python
+
+
+@dataclass(frozen=True)
+class Part:
+    """One function of a right-hand side.
+
+    Attributes
+    ----------
+        role: ``"full"`` for f(t, y), ``"force"`` for dp(q), ``"velocity"`` for dq(p).
+        start, stop: components of y that it fills.
+        source, source_stop: components of y that it reads are ``range(source, source_stop)``.
+        formula: its expressions, or ``None``.
+        body: source text of a plain loop body, or ``None``.
+        body_name: name of that body.
+        function: a Python callable, where neither is there.
+        identity: q' = p.
+    """
+
+    role: str
+    start: int
+    stop: int
+    source: int
+    source_stop: int
+    formula: Formula | None = None
+    body: str = ""
+    body_name: str = ""
+    function: Callable[..., Any] | None = None
+    identity: bool = False
+
+    @property
+    def timed(self) -> bool:
+        """Whether the function is called with t."""
+        return self.role == "full"
+
+    @property
+    def uses_time(self) -> bool:
+        """Whether the value can depend on t."""
+        if self.role != "full":
+            return False
+        if self.formula is None:
+            return True
+        common, outputs = self.formula.trees
+        trees = [*(tree for _, tree in common), *outputs]
+        return any(isinstance(n, ast.Name) and n.id == "t" for x in trees for n in ast.walk(x))
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A problem as code generation sees it; two problems of one shape share a kernel.
+
+    Attributes
+    ----------
+        dimension: d.
+        halved: whether q and p parts are evaluated apart (separable).
+        parts: the full right-hand side, or (velocity, force).
+        jacobian: formula of the Jacobian (d, d), or ``None``.
+        jacobian_body, jacobian_name: source and name of a loop body for it, or ``""``.
+        parameters: names handed to expressions.
+        values: their values, then the constants of a loop body: the kernel's ``par``.
+        opaque: whether a Python callable is among the parts.
+    """
+
+    dimension: int
+    halved: bool
+    parts: tuple[Part, ...]
+    jacobian: Formula | None
+    parameters: tuple[str, ...]
+    values: np.ndarray
+    jacobian_body: str = ""
+    jacobian_name: str = ""
+
+    @property
+    def half(self) -> int:
+        """Number of positions of a separable problem."""
+        return self.dimension // 2
+
+    @property
+    def opaque(self) -> bool:
+        """Whether a Python callable, neither expressions nor a loop body, is among the parts."""
+        return any(part.function is not None for part in self.parts)
+
+    @property
+    def loops(self) -> bool:
+        """Whether a part is a loop body or a callable, which works on arrays."""
+        return any(part.formula is None and not part.identity for part in self.parts)
+
+    @property
+    def uses_time(self) -> bool:
+        """Whether the right-hand side depends on t."""
+        return any(part.uses_time for part in self.parts)
+
+    @property
+    def counted(self) -> Part:
+        """The part whose evaluations are counted first: f, or the force."""
+        return self.parts[-1]
+
+
+def shape_of(problem: Problem, *, split: bool | None = None) -> Shape:
+    """Read the shape of a problem.
+
+    Args:
+        split: ``True`` asks for separate parts, ``False`` for f as a whole, ``None`` takes the
+            parts where the problem gives them.
+
+    Raises
+    ------
+        UsageError: when separate parts are asked for and there are none.
+    """
+    d = problem.dimension
+    if split and not problem.separable:
+        raise UsageError(f"{problem.name} is not separable; it gives no `dq` and `dp`")
+    halved = problem.separable if split is None else split
+    names = tuple(problem.parameters)
+    values = np.concatenate([[float(v) for v in problem.parameters.values()], problem.params])
+    if halved:
+        m = d // 2
+        force = problem.force if problem.force is not None else problem.dp
+        parts: tuple[Part, ...] = (
+            _part("velocity", 0, m, m, d, problem.dq, plain=problem.second_order),
+            _part("force", m, d, 0, m, force),
+        )
+    else:
+        parts = (_part("full", 0, d, 0, d, problem.f),)
+    jacobian = problem.jacobian
+    known = jacobian.formula if isinstance(jacobian, Jacobian) else jacobian
+    body = _source(jacobian.body) if isinstance(jacobian, Loops) else ""
+    return Shape(
+        d, halved, parts, known if isinstance(known, Formula) else None, names,
+        np.array(values, dtype=float), body, jacobian.body.__name__ if body else "",
+    )  # fmt: skip
+
+
+def _part(
+    role: str, start: int, stop: int, source: int, source_stop: int, function: Any, *,
+    plain: bool = False,
+) -> Part:  # fmt: skip
+    place = (role, start, stop, source, source_stop)
+    if isinstance(function, Formula):
+        identity = role == "velocity" and function.outputs == tuple(
+            f"p[{i}]" for i in range(stop - start)
+        )
+        return Part(*place, formula=function, identity=identity)
+    if isinstance(function, Loops):
+        text = _source(function.body)
+        if text:
+            return Part(*place, body=text, body_name=function.body.__name__)
+        return Part(*place, function=function)
+    if plain and role == "velocity":
+        return Part(*place, identity=True)
+    if isinstance(function, PhaseSpace) and function.dq is None and isinstance(function.dp, Loops):
+        text = _source(function.dp.body)
+        if text:
+            return Part(*place, body=_joined(text, function.dp.body.__name__), body_name="f_into")
+    return Part(*place, function=function)
+
+
+def _joined(force: str, name: str) -> str:
+    """Source of f_into(t, y, params, out) around a force's body, as PhaseSpace.compiled does."""
+    whole = f"""
+        def f_into(t, y, params, out):
+            half = len(y) // 2
+            for i in range(half):
+                out[i] = y[half + i]
+            {name}(y[:half], params, out[half:])
+    """
+    return force + "\n\n@compiled" + textwrap.dedent(whole).rstrip()
+
+
+def _source(body: Callable[..., Any]) -> str:
+    """Source text of a top-level function without annotations and docstring, or ``""``."""
+    try:
+        tree = ast.parse(textwrap.dedent(inspect.getsource(body)))
+    except (OSError, TypeError, SyntaxError):
+        return ""
+    function = tree.body[0]
+    if not isinstance(function, ast.FunctionDef) or function.decorator_list:
+        return ""
+    function.returns = None
+    for argument in function.args.args:
+        argument.annotation = None
+    if ast.get_docstring(function) is not None:
+        function.body = function.body[1:]
+    return ast.unparse(function)
+
+
+class _Inline(ast.NodeTransformer):
+    """Rewrites one expression: components, names of common subexpressions, integer powers."""
+
+    def __init__(
+        self, component: Callable[[int], str], names: dict[str, str], prefix: str
+    ) -> None:
+        self.component, self.names, self.prefix = component, names, prefix
+        self.hoisted: list[tuple[str, str]] = []
+        self.count = 0
+
+    def visit_Subscript(self, node: ast.Subscript) -> ast.expr:
+        ((_, index),) = subscripts(node)
+        return ast.parse(self.component(index), mode="eval").body
+
+    def visit_Name(self, node: ast.Name) -> ast.Name:
+        return ast.Name(self.names.get(node.id, node.id), ast.Load())
+
+    def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
+        self.generic_visit(node)
+        exponent = node.right
+        if not isinstance(node.op, ast.Pow) or not isinstance(exponent, ast.Constant):
+            return node
+        n = exponent.value
+        if not isinstance(n, int) or not 2 <= n <= _EXPAND_UP_TO:
+            return node
+        base = node.left
+        if not isinstance(base, ast.Name):
+            name = f"{self.prefix}power_{self.count}"
+            self.count += 1
+            self.hoisted.append((name, ast.unparse(base)))
+            base = ast.Name(name, ast.Load())
+        product: ast.expr = base
+        for _ in range(n - 1):
+            product = ast.BinOp(product, ast.Mult(), base)
+        return product
+
+
+def inlined(
+    formula: Formula, component: Callable[[int], str], names: dict[str, str], prefix: str
+) -> tuple[list[str], list[str]]:
+    """Return assignments of the common subexpressions and the outputs, as kernel source.
+
+    Args:
+        component: name of component i of the vector argument.
+        names: names of the parameters, ``t`` and ``pi`` in the kernel.
+        prefix: put before the names of common subexpressions.
+    """
+    rewrite = _Inline(component, dict(names), prefix)
+    lines: list[str] = []
+
+    def text(tree: ast.expr) -> str:
+        fresh = ast.parse(ast.unparse(tree), mode="eval").body
+        result = ast.unparse(rewrite.visit(fresh))
+        lines.extend(f"{name} = {x}" for name, x in rewrite.hoisted)
+        rewrite.hoisted.clear()
+        return result
+
+    common, outputs = formula.trees
+    for name, tree in common:
+        value = text(tree)
+        rewrite.names[name] = prefix + name
+        lines.append(f"{prefix}{name} = {value}")
+    return lines, [text(tree) for tree in outputs]
+
+
+def jacobian_block(shape: Shape, rows: range, columns: range) -> Formula:
+    """Formula of a block of the Jacobian, with only the common subexpressions it needs."""
+    assert shape.jacobian is not None
+    d = shape.dimension
+    entries = tuple(shape.jacobian.outputs[i * d + j] for i in rows for j in columns)
+    return replace(
+        shape.jacobian,
+        outputs=entries,
+        common=_needed(shape.jacobian.common, entries),
+        shape=(len(rows), len(columns)),
+    )
+
+
+def _needed(
+    common: Sequence[tuple[str, str]], outputs: Sequence[str]
+) -> tuple[tuple[str, str], ...]:
+    """Common subexpressions that the outputs need, in order."""
+
+    def names(text: str) -> set[str]:
+        return {n.id for n in ast.walk(ast.parse(text, mode="eval")) if isinstance(n, ast.Name)}
+
+    wanted = set().union(*(names(text) for text in outputs))
+    kept = []
+    for name, text in reversed(common):
+        if name in wanted:
+            wanted |= names(text)
+            kept.append((name, text))
+    return tuple(kept[::-1])
+
+
+def parameter_names(shape: Shape) -> dict[str, str]:
+    """Names of parameters inside a kernel, and of t and pi."""
+    return {name: f"par_{name}" for name in shape.parameters} | {"t": "time", "pi": repr(np.pi)}
+
+
+def used_parameters(shape: Shape) -> Sequence[int]:
+    """Indices of the parameters that some expression of the right-hand side uses."""
+    used: set[str] = set()
+    formulas = [part.formula for part in shape.parts] + [shape.jacobian]
+    for formula in formulas:
+        if formula is not None:
+            common, outputs = formula.trees
+            for tree in (*(x for _, x in common), *outputs):
+                used |= {n.id for n in ast.walk(tree) if isinstance(n, ast.Name)}
+    return [i for i, name in enumerate(shape.parameters) if name in used]

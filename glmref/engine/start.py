@@ -1,0 +1,222 @@
+"""Starting values: from the method's data, by iteration, or given.
+
+The *enhanced start* needs no data. With S_0(y) = u y and M one step,
+
+    S_{k+1}(y) = S_k(y) + K^-1 [M S_k(y) - S_k((M S_k(y))_1)]    on the values 2..r,
+
+K = I - V_22 + u_2 v_12 (which is I - V_22 where the first value is decoupled), each pass gains one
+order in these values, and k passes cost 2^k - 1 steps. It applies where the first value is the
+solution itself (u_1 = 1, no finishing method).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..claims import UsageError
+from ..linalg import Matrix
+from ..method import GLM, PartitionedGLM, StartingMethod
+from ..problems.model import Problem
+from .reference import PairStepper, Stepper, apply_start
+from .tableau import preconsistency
+
+__all__ = ["Start", "enhanced_start", "starting_values", "zero_start"]
+
+#: Passes of the enhanced start where the method's file claims no order.
+DEFAULT_PASSES = 4
+MOST_PASSES = 8
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """Starting values, what they cost and where they come from."""
+
+    values: np.ndarray
+    evaluations: int
+    kind: str
+
+
+def starting_values(
+    engine: Stepper,
+    start: Any,
+    *,
+    t: Any,
+    y0: np.ndarray,
+    h: Any,
+) -> Start:
+    """Compute the values carried into the first step.
+
+    Args:
+        engine: stepper of the method on the problem, in the arithmetic of the run.
+        start: ``None``: the method's own starting method, else the enhanced start where r > 1;
+            ``"enhanced"`` or ``("enhanced", passes)``; ``"zero"``: (y0, 0, ...); a
+            :class:`StartingMethod`; values (r, d); or ``start(problem, h)`` that returns them.
+        t, y0, h: initial time and value, step size.
+
+    Raises
+    ------
+        UsageError: for a start that does not fit the method.
+    """
+    method = engine.pair if isinstance(engine, PairStepper) else engine.method
+    own = _own_start(method)
+    if start is None:
+        start = own if own is not None else ("enhanced" if engine.shape[0] > 1 else "zero")
+    if isinstance(start, StartingMethod):
+        if isinstance(engine, PairStepper):
+            raise UsageError("a pair starts from its own two starting methods or from values")
+        return _from_method(start, engine, t, y0, h)
+    if isinstance(start, tuple) and len(start) == 2 and isinstance(start[0], StartingMethod):
+        return _from_pair(start, engine, t, y0, h)
+    if start == "zero":
+        return Start(zero_start(engine, y0), 0, "zero")
+    if start == "enhanced" or (isinstance(start, tuple) and start[:1] == ("enhanced",)):
+        passes = start[1] if isinstance(start, tuple) else _passes(method)
+        values, evaluations = enhanced_start(engine, t, y0, h, passes)
+        return Start(values, evaluations, f"enhanced, {passes} passes")
+    if callable(start):
+        return Start(_checked(start(engine.problem, h), engine), 0, "given")
+    if isinstance(start, str):
+        raise UsageError(f"`start` must be enhanced, zero, a starting method or values, got {start!r}")
+    return Start(_checked(start, engine), 0, "given")
+
+
+def _own_start(method: GLM | PartitionedGLM) -> Any:
+    if isinstance(method, GLM):
+        return method.starting
+    if method.starting_q is not None and method.starting_p is not None:
+        return method.starting_q, method.starting_p
+    return None
+
+
+def _passes(method: GLM | PartitionedGLM) -> int:
+    order = method.claims.get("order", DEFAULT_PASSES)
+    return min(MOST_PASSES, order) if isinstance(order, int) else DEFAULT_PASSES
+
+
+def _checked(values: Any, engine: Stepper) -> np.ndarray:
+    array = np.array(values, dtype=object if engine.arithmetic.context else None)
+    if array.shape != engine.shape:
+        raise UsageError(f"starting values must have shape (r, d) = {engine.shape}, got {array.shape}")
+    if engine.arithmetic.context is None and not np.isfinite(array).all():
+        raise UsageError("starting values must be finite")
+    return array
+
+
+def _from_method(start: StartingMethod, engine: Stepper, t: Any, y0: Any, h: Any) -> Start:
+    if len(start.u) != engine.shape[0]:
+        raise UsageError(
+            f"the starting method gives {len(start.u)} values, the method carries {engine.shape[0]}"
+        )
+    values, evaluations = apply_start(start, engine, t, y0, h)
+    return Start(values, evaluations, start.name or start.kind)
+
+
+def _from_pair(
+    start: tuple[StartingMethod, StartingMethod], engine: Stepper, t: Any, y0: Any, h: Any
+) -> Start:
+    """Starting methods of q and p share the stages of y0: each reads its half of the slopes."""
+    values = engine.arithmetic.zeros(engine.shape)
+    m, evaluations = engine.shape[1] // 2, 0
+    for method, columns in zip(start, (slice(0, m), slice(m, None)), strict=True):
+        found, cost = apply_start(method, engine, t, y0, h)
+        values[: len(found), columns] = found[:, columns]
+        evaluations += cost
+    return Start(values, evaluations, "runge-kutta")
+
+
+def _halves(engine: Stepper) -> list[tuple[slice, Matrix, Matrix]]:
+    """(columns, U, V) of each half of a pair, or of the one method."""
+    if isinstance(engine, PairStepper):
+        m, pair = engine.half, engine.pair
+        return [(slice(0, m), pair.U, pair.V), (slice(m, 2 * m), pair.U_hat, pair.V_hat)]
+    return [(slice(None), engine.method.U, engine.method.V)]
+
+
+def zero_start(engine: Stepper, y0: np.ndarray) -> np.ndarray:
+    """Return u y0: (y0, 0, ..., 0) where the first value is the solution and the others small."""
+    values = engine.arithmetic.zeros(engine.shape, _complex_like(engine))
+    for columns, U, V in _halves(engine):
+        u = preconsistency(U, V)
+        if u is None:
+            values[0, columns] = y0[columns]
+        else:
+            rounded = engine.arithmetic.array((u,))[0]
+            rounded = np.array([0 * x if abs(x) < 1e-40 else x for x in rounded])
+            values[: len(u), columns] = np.outer(rounded, y0[columns])
+    return values
+
+
+def _complex_like(engine: Stepper) -> np.ndarray | None:
+    return None if isinstance(engine, PairStepper) else engine.V
+
+
+def _corrector(engine: Stepper) -> Callable[[np.ndarray], np.ndarray]:
+    """Return the map from a defect (r, d) to the correction of the values 2..r."""
+    parts = []
+    for columns, U, V in _halves(engine):
+        u = preconsistency(U, V)
+        if u is None or (u[0] - 1).is_zero() is False:
+            raise UsageError(
+                "the enhanced start needs a first value that is the solution (u_1 = 1); give "
+                "starting values or a starting method"
+            )
+        number = engine.arithmetic.array
+        v, w = number(V), number((u,))[0]
+        n = len(V)
+        matrix = -v[1:, 1:] + np.outer(w[1:], v[0, 1:])
+        for k in range(n - 1):
+            matrix[k, k] = matrix[k, k] + 1
+        parts.append((columns, n, matrix))
+
+    def correct(defect: np.ndarray) -> np.ndarray:
+        change = 0 * defect
+        for columns, n, matrix in parts:
+            if n > 1:
+                right = defect[1:n, columns]
+                solved = [engine.arithmetic.solve(matrix, right[:, c]) for c in range(right.shape[1])]
+                change[1:n, columns] = np.stack(solved, axis=1)
+        return change
+
+    return correct
+
+
+def enhanced_start(
+    engine: Stepper, t: Any, y0: np.ndarray, h: Any, passes: int
+) -> tuple[np.ndarray, int]:
+    """Enhanced start: the values and the right-hand-side evaluations they cost.
+
+    Args:
+        passes: number of passes k; the cost is 2^k - 1 steps.
+
+    Raises
+    ------
+        UsageError: when the first value is not the solution, or a trial step fails.
+    """
+    if not isinstance(passes, int) or not 0 <= passes <= MOST_PASSES:
+        raise UsageError(f"the enhanced start takes 0 to {MOST_PASSES} passes, got {passes!r}")
+    correct = _corrector(engine)
+    evaluations = 0
+
+    def start(k: int, time: Any, y: np.ndarray) -> np.ndarray:
+        nonlocal evaluations
+        if k == 0:
+            return zero_start(engine, y)
+        values = start(k - 1, time, y)
+        taken = engine.step(time, values, h)
+        evaluations += taken.evaluations
+        if not taken.converged:
+            raise UsageError("a trial step of the enhanced start failed; use a smaller h")
+        defect = taken.values - start(k - 1, time + h, taken.values[0])
+        return values + correct(defect)
+
+    return start(passes, t, y0), evaluations
+
+
+def problem_start(problem: Problem, engine: Stepper) -> tuple[Any, np.ndarray]:
+    """Initial time and value in the arithmetic of the engine."""
+    t0 = engine.arithmetic.number(problem.t_span[0])
+    return t0, np.array(engine.problem.y0)

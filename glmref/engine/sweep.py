@@ -1,0 +1,474 @@
+"""Tableaux in the form a kernel steps in: the sweep, the mu-form, or A, U, B, V as given.
+
+All three are one :class:`StepForm`. With L_i = h w_i f(Y_i) a step is
+
+    Y_i = sum_k U_ik x_k + sum_j M_ij L_j        x = V y (running) or x = y (not running)
+    y+  = V y + R L
+
+*Sweep* (lower triangular A, G-symplectic): w = D, R = B D^-1, U = R^T G, and M only on the diagonal,
+because each L_i is added to x before the next stage is formed. Each update changes <x, x>_G by
+exactly 2 <Y_i, L_i> whatever R was rounded to, if U = R^T G and 2 M_ii = R_i^T G R_i hold for the
+rounded numbers: :func:`_nudge` picks roundings for which they do.
+
+*Mu-form* (symplectic Runge-Kutta): w = b, M_ij = a_ij / b_j with M_ij + M_ji = 1 in floating point.
+
+References: Hairer, McLachlan, Razakarivony, "Achieving Brouwer's law with implicit Runge-Kutta
+methods", BIT 48 (2008), for the mu-form and the compensation of rounded coefficients.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+
+from .. import linalg
+from ..claims import ExactnessError, UsageError
+from ..exact import Scalar, ball, exact
+from ..linalg import Matrix
+from ..method import GLM
+from ..rounding import split_float
+from .tableau import StageBlock, as_balls, method_abscissae, preconsistency, stage_blocks
+
+__all__ = ["FORMS", "StepForm", "is_symplectic_rk", "step_form"]
+
+FORMS = ("sweep", "mu", "standard")
+
+#: Roundings up to this many units in the last place away are tried by :func:`_nudge`.
+_REACH = {1: 500, 2: 150, 3: 30}
+
+#: Directions tried for the basis of a turning pair of values until the identities hold well enough.
+_TILTS = (Fraction(0), Fraction(3, 7), Fraction(-2, 5), Fraction(5, 4))
+_SMALL_DEFECT = Fraction(1, 2**66)
+_GOOD_ENOUGH = 2.0**-68
+
+#: A number this close to an integer or to zero counts as one in the float engine.
+_CLOSE = 1e-40
+
+Row = tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class StepForm:
+    """Double precision coefficients of one step, ready for code generation.
+
+    Attributes
+    ----------
+        kind: ``"sweep"``, ``"mu"`` or ``"standard"``.
+        s, r: numbers of stages and values.
+        running: whether the updates R L are added to x as the stages go (sweep).
+        U: (s, r). M: (s, s). R: (r, s). V: (r, r). weights: (s,), the w of the module docstring.
+        R_residue: (r, s), exact minus rounded update coefficients (zero in the structural forms).
+        c: (s,) abscissae.
+        blocks: stages in the order of computation.
+        large: values that are multiples of y (u_k != 0); the others are O(h).
+        to_form, from_form: (r, r), change of basis: x = to_form @ y and back.
+        exact_V: whether V is integral, so that V^T G V = G holds without rounding.
+        G: (r, r) form that a running form conserves, in its basis, or ``None``.
+    """
+
+    kind: str
+    s: int
+    r: int
+    running: bool
+    U: tuple[Row, ...]
+    M: tuple[Row, ...]
+    R: tuple[Row, ...]
+    V: tuple[Row, ...]
+    weights: Row
+    R_residue: tuple[Row, ...]
+    c: Row
+    blocks: tuple[StageBlock, ...]
+    large: tuple[bool, ...]
+    to_form: tuple[Row, ...]
+    from_form: tuple[Row, ...]
+    exact_V: bool
+    G: tuple[Row, ...] | None = None
+
+    def into(self, values: np.ndarray) -> np.ndarray:
+        """(r, d) values of the method in the basis of this form."""
+        return np.array(self.to_form) @ values
+
+    def back(self, x: np.ndarray) -> np.ndarray:
+        """(r, d) values of this form in the basis of the method."""
+        return np.array(self.from_form) @ x
+
+    @property
+    def memory_weights(self) -> Row:
+        """Weights w of the increments L that the predictor keeps, stage by stage."""
+        return self.weights
+
+    @property
+    def implicit_stages(self) -> int:
+        """Number of stages that need an equation solved."""
+        return sum(len(block.stages) for block in self.blocks if block.implicit)
+
+
+def step_form(method: GLM, form: str = "auto") -> StepForm:
+    """Choose and compute the form a kernel steps in.
+
+    Args:
+        method: real GLM.
+        form: one of :data:`FORMS`, or ``"auto"``: the first of them that applies.
+
+    Raises
+    ------
+        UsageError: when the form asked for does not apply, saying why.
+    """
+    if not method.is_real:
+        raise UsageError(
+            f"{method.name or 'the method'} has complex coefficients; give its real form or use "
+            f'engine="reference"'
+        )
+    if form not in ("auto", *FORMS):
+        raise UsageError(f"`form` must be auto, {', '.join(FORMS)}, got {form!r}")
+    if form in ("auto", "sweep"):
+        reason = _sweep_obstacle(method)
+        if not reason:
+            return _sweep(method)
+        if form == "sweep":
+            raise UsageError(f"{method.name or 'the method'} has no sweep form: {reason}")
+    if form in ("auto", "mu"):
+        if is_symplectic_rk(method):
+            return _mu(method)
+        if form == "mu":
+            raise UsageError(
+                f"{method.name or 'the method'} has no mu-form: it is not a symplectic "
+                f"Runge-Kutta method with nonzero weights"
+            )
+    return _standard(method)
+
+
+def vanishes(x: Scalar) -> bool:
+    """Whether nothing speaks against zero: exact zero, or a ball around it."""
+    return x.is_zero() is not False
+
+
+def all_vanish(matrix: Matrix) -> bool:
+    return all(vanishes(x) for row in matrix for x in row)
+
+
+def _quadratic_form(method: GLM) -> tuple[Matrix, Sequence[Scalar]] | None:
+    """(G, D) of the method: as its file gives it, or (1, b) for one value."""
+    if method.G is not None and method.D is not None:
+        return method.G, method.D
+    if method.r == 1:
+        return ((exact(1),),), method.B[0]
+    return None
+
+
+def _sweep_obstacle(method: GLM) -> str:
+    """Return why the method has no sweep form, or ``""``.
+
+    The identities are tested in ball arithmetic on the coefficients as given: a file whose G or D
+    is wrong is stepped with its own A and U, never with others.
+    """
+    if not linalg.is_lower_triangular(method.A):
+        return "A is not lower triangular"
+    pair = _quadratic_form(method)
+    if pair is None:
+        return "G and D are not given"
+    G, D = as_balls(pair[0]), tuple(ball(x) for x in pair[1])
+    if any(vanishes(x) for x in D):
+        return "D has a zero"
+    if not all(x.is_real() for row in pair[0] for x in row):
+        return "G is not real"
+    A, U, B, V = (as_balls(x) for x in (method.A, method.U, method.B, method.V))
+    Bt, Vt = linalg.transpose(B), linalg.transpose(V)
+    DA = tuple(tuple(d * x for x in row) for d, row in zip(D, A, strict=True))
+    DU = tuple(tuple(d * x for x in row) for d, row in zip(D, U, strict=True))
+    checks = {
+        "G = V^T G V": linalg.sub(G, linalg.matmul(Vt, G, V)),
+        "D U = B^T G V": linalg.sub(DU, linalg.matmul(Bt, G, V)),
+        "D A + A^T D = B^T G B": linalg.sub(
+            linalg.add(DA, linalg.transpose(DA)), linalg.matmul(Bt, G, B)
+        ),
+    }
+    failed = [name for name, defect in checks.items() if not all_vanish(defect)]
+    return f"{failed[0]} does not hold" if failed else ""
+
+
+def is_symplectic_rk(method: GLM) -> bool:
+    """Whether the method is Runge-Kutta with b_i a_ij + b_j a_ji = b_i b_j and nonzero weights."""
+    if method.r != 1:
+        return False
+    A, U, B, V = (as_balls(x) for x in (method.A, method.U, method.B, method.V))
+    b = B[0]
+    ones = [V[0][0] - 1, *(row[0] - 1 for row in U)]
+    if any(vanishes(x) for x in b) or not all(vanishes(x) for x in ones):
+        return False
+    s = range(method.s)
+    return all(vanishes(b[i] * A[i][j] + b[j] * A[j][i] - b[i] * b[j]) for i in s for j in s)
+
+
+# --- the basis in which V is integral -----------------------------------------------------------
+
+
+def _near_integer(x: Scalar) -> int | None:
+    nearest = round(float(x))
+    return nearest if (x - nearest).magnitude() < _CLOSE else None
+
+
+def _components(*patterns: Matrix) -> list[list[int]]:
+    """Index sets that the matrices do not couple."""
+    r = len(patterns[0])
+    label = list(range(r))
+    for p in patterns:
+        for i, j, x in linalg.entries(p):
+            if x.magnitude() > _CLOSE:
+                old, new = max(label[i], label[j]), min(label[i], label[j])
+                label = [new if k == old else k for k in label]
+    return [[i for i in range(r) if label[i] == k] for k in sorted(set(label))]
+
+
+def _block_basis(V: Matrix, G: Matrix, index: list[int], tilt: Fraction) -> Matrix:
+    """Columns of a basis in which the block of V is integral and that of G dyadic, if there is one.
+
+    One value: scaled so that G = +-1. Two values turning by 60, 90 or 120 degrees: p and V p with
+    p = (1, tilt), for which V^T G V = G gives G = <p, p>_G [[1, trace/2], [trace/2, 1]]. A block
+    whose V is integral already is only scaled.
+    """
+    v = tuple(tuple(V[i][j] for j in index) for i in index)
+    g = tuple(tuple(G[i][j] for j in index) for i in index)
+    size = len(index)
+    integral = all(_near_integer(x) is not None for row in v for x in row)
+    if size == 2 and _near_integer(v[0][0] + v[1][1]) in (-1, 0, 1) and (tilt or not integral):
+        p = (exact(1), exact(tilt))
+        scale = linalg.dot(p, linalg.matvec(g, p))
+        turned = linalg.matvec(v, p)
+        columns: Matrix = tuple(zip(p, turned, strict=True))
+    elif integral:
+        scale = next((x for row in g for x in row if x.magnitude() > _CLOSE), exact(1))
+        columns = linalg.identity(size)
+    else:
+        return linalg.identity(size)
+    if scale.magnitude() < _CLOSE:
+        return linalg.identity(size)
+    if (scale * scale - 1).magnitude() < _CLOSE:
+        return columns
+    return linalg.scale(1 / ball(scale if float(scale) > 0 else -scale).sqrt(), columns)
+
+
+def integral_basis(V: Matrix, G: Matrix, tilt: Fraction = Fraction(0)) -> Matrix:
+    """Matrix whose columns are the new basis, see :func:`_block_basis`."""
+    r = len(V)
+    columns: list[list[Scalar]] = [[exact(0)] * r for _ in range(r)]
+    for index in _components(V, G):
+        block = _block_basis(V, G, index, tilt)
+        for a, i in enumerate(index):
+            for b, j in enumerate(index):
+                columns[i][j] = block[a][b]
+    return tuple(tuple(row) for row in columns)
+
+
+# --- the sweep ----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Rounded:
+    """A sweep in double precision in one basis: rows omega_i, their halves of <omega, omega>_G."""
+
+    back: Matrix
+    to_form: Matrix
+    V: tuple[tuple[Fraction, ...], ...]
+    G: tuple[tuple[Fraction, ...], ...]
+    omega: list[list[Fraction]]
+    half: list[float]
+    defect: Fraction
+
+
+def _rounded(method: GLM, G0: Matrix, D: Sequence[Scalar], tilt: Fraction) -> _Rounded:
+    V0 = as_balls(method.V)
+    back = integral_basis(V0, G0, tilt)
+    to_form = linalg.inverse(back)
+    V = _snapped(linalg.matmul(to_form, V0, back))
+    G = _snapped(linalg.matmul(linalg.transpose(back), G0, back))
+    B = linalg.matmul(to_form, as_balls(method.B))
+    omega, half, defect = [], [], Fraction(0)
+    for i in range(method.s):
+        explicit = method.A[i][i].is_zero() is True
+        row = _nudge([row[i] / D[i] for row in B], G, explicit)
+        exact_half = _norm(G, row) / 2
+        half.append(0.0 if explicit else float(exact_half))
+        omega.append(row)
+        defect = max(defect, abs(exact_half - Fraction(half[-1])))
+    return _Rounded(back, to_form, V, G, omega, half, defect)
+
+
+def _sweep(method: GLM) -> StepForm:
+    pair = _quadratic_form(method)
+    assert pair is not None
+    G0, D = as_balls(pair[0]), [ball(x) for x in pair[1]]
+    candidates = []
+    for tilt in _TILTS:
+        candidates.append(_rounded(method, G0, D, tilt))
+        if candidates[-1].defect < _SMALL_DEFECT:
+            break
+    x = min(candidates, key=lambda candidate: candidate.defect)
+    s, r = method.s, method.r
+    u = preconsistency(method.U, method.V)
+    return StepForm(
+        kind="sweep", s=s, r=r, running=True,
+        U=tuple(tuple(float(_dot(g, w)) for g in x.G) for w in x.omega),
+        M=tuple(tuple(x.half[i] if i == j else 0.0 for j in range(s)) for i in range(s)),
+        R=tuple(tuple(float(w[k]) for w in x.omega) for k in range(r)),
+        V=tuple(tuple(float(e) for e in row) for row in x.V),
+        weights=_consistent_weights([float(d) for d in D], [float(w[0]) for w in x.omega]),
+        R_residue=((0.0,) * s,) * r,
+        c=floats(method_abscissae(method)),
+        blocks=tuple(StageBlock((i,), x.half[i] != 0.0) for i in range(s)),
+        large=large(None if u is None else linalg.matvec(x.to_form, u), r),
+        to_form=float_rows(x.to_form), from_form=float_rows(x.back),
+        exact_V=all(e.denominator == 1 for row in x.V for e in row),
+        G=tuple(tuple(float(e) for e in row) for row in x.G),
+    )  # fmt: skip
+
+
+def _snapped(matrix: Matrix) -> tuple[tuple[Fraction, ...], ...]:
+    """Multiples of 1/4 where the entry is one (to :data:`_CLOSE`), else the nearest double."""
+    return tuple(tuple(_snap(x) for x in row) for row in matrix)
+
+
+def _snap(x: Scalar) -> Fraction:
+    quarter = _near_integer(4 * x)
+    return Fraction(float(x)) if quarter is None else Fraction(quarter, 4)
+
+
+def _dot(a: Sequence[Fraction], b: Sequence[Fraction]) -> Fraction:
+    return sum((x * y for x, y in zip(a, b, strict=True)), Fraction(0))
+
+
+def _norm(G: tuple[tuple[Fraction, ...], ...], row: Sequence[Fraction]) -> Fraction:
+    return _dot([_dot(g, row) for g in G], row)
+
+
+def _nudge(
+    row: Sequence[Scalar], G: tuple[tuple[Fraction, ...], ...], explicit: bool
+) -> list[Fraction]:
+    """Round one row omega of R^T so that the sweep's identities hold for the rounded numbers.
+
+    ``omega^T G`` must be representable, and ``omega^T G omega / 2`` must be a double (zero for an
+    explicit stage): a rounding error there has the same sign at every step and is the linear drift
+    that compensated summation cannot remove. Roundings within :data:`_REACH` units are searched for
+    the one that comes nearest, typically within 1e-20.
+    """
+    r = range(len(G))
+    snapped = [_snap(x) for x in row]
+    image = [_dot(g, snapped) for g in G]
+    omega, units = [], []
+    for k in r:
+        coupled = [m for m in r if m != k and G[k][m]]
+        # values that G couples share a grid on which omega and omega^T G are representable
+        sizes = [abs(snapped[m]) for m in (k, *coupled)]
+        sizes += [2 * abs(image[m]) for m in (k, *coupled) if coupled]
+        unit = Fraction(math.ulp(float(max(sizes))))
+        fixed = snapped[k].denominator <= 4
+        omega.append(snapped[k] if fixed else round(snapped[k] / unit) * unit)
+        units.append(Fraction(0) if fixed else unit)
+    free = sorted((k for k in r if units[k]), key=lambda k: units[k])[: len(_REACH)]
+    if free:
+        half = _norm(G, omega) / 2
+        grid = Fraction(0) if explicit else Fraction(math.ulp(float(half)))
+        slopes = [_dot(G[k], omega) * units[k] for k in free]
+        for k, n in zip(free, _best_shift(half, slopes, grid, _REACH[len(free)]), strict=True):
+            omega[k] += n * units[k]
+    return omega
+
+
+def _best_shift(
+    value: Fraction, slopes: list[Fraction], grid: Fraction, reach: int
+) -> tuple[int, ...]:
+    """Integers n within ``reach`` that bring ``value + n . slopes`` nearest to a grid point."""
+    offset = value if not grid else value - Fraction(float(value))
+    axis = np.arange(-reach, reach + 1)
+    total = np.full((1,) * len(slopes), float(offset))
+    for k, slope in enumerate(slopes):
+        shape = [1] * len(slopes)
+        shape[k] = -1
+        total = total + (axis * float(slope)).reshape(shape)
+    distance = np.abs(total)
+    if grid:
+        unit = float(grid)
+        distance = np.abs(total - unit * np.round(total / unit))
+    # of those that are good enough the smallest shift
+    size = sum(np.square(a) for a in np.ix_(*[axis] * len(slopes)))
+    cost = np.maximum(distance, _GOOD_ENOUGH) + _GOOD_ENOUGH * 1e-6 * size
+    place = np.unravel_index(np.argmin(cost), cost.shape)
+    return tuple(int(axis[i]) for i in place)
+
+
+def _consistent_weights(weights: list[float], first: list[float]) -> Row:
+    """Change the last bits of the weights so that they sum to 1 exactly (no drift in the phase).
+
+    Only where the first value receives each L_i once, so that the sum is the length of the step.
+    """
+    if any(x != 1.0 for x in first):
+        return tuple(weights)
+    excess = sum((Fraction(w) for w in weights), Fraction(0)) - 1
+    if not excess or abs(excess) > Fraction(1, 2**48):
+        return tuple(weights)
+    single = [i for i, w in enumerate(weights) if weights.count(w) == 1]
+    for i in (*single, *range(len(weights))):
+        adjusted = Fraction(weights[i]) - excess
+        if Fraction(float(adjusted)) == adjusted:
+            return tuple(float(adjusted) if j == i else w for j, w in enumerate(weights))
+    return tuple(weights)
+
+
+# --- the other two ------------------------------------------------------------------------------
+
+
+def _mu(method: GLM) -> StepForm:
+    s = method.s
+    A, b = as_balls(method.A), as_balls(method.B)[0]
+    M = [[0.5 if i == j else 0.0 for j in range(s)] for i in range(s)]
+    for i in range(s):
+        for j in range(i):
+            value = float(A[i][j] / b[j])
+            # a grid coarse enough for both value and 1 - value
+            unit = math.ulp(max(abs(value), abs(1 - value), 0.5))
+            M[i][j] = round(value / unit) * unit
+            M[j][i] = 1.0 - M[i][j]
+    rounded = _consistent_weights([float(x) for x in b], [1.0] * s)
+    blocks = stage_blocks(tuple(tuple(exact(int(x != 0)) for x in row) for row in M))
+    return StepForm(
+        kind="mu", s=s, r=1, running=False, U=((1.0,),) * s,
+        M=tuple(tuple(row) for row in M), R=((1.0,) * s,), V=((1.0,),), weights=rounded,
+        R_residue=((0.0,) * s,), c=floats(method_abscissae(method)), blocks=blocks,
+        large=(True,), to_form=((1.0,),), from_form=((1.0,),), exact_V=True, G=((1.0,),),
+    )  # fmt: skip
+
+
+def _standard(method: GLM) -> StepForm:
+    s, r = method.s, method.r
+    identity = float_rows(linalg.identity(r))
+    pairs = [[split_float(x) for x in row] for row in method.B]
+    V = float_rows(method.V)
+    return StepForm(
+        kind="standard", s=s, r=r, running=False, U=float_rows(method.U),
+        M=float_rows(method.A), R=tuple(tuple(x for x, _ in row) for row in pairs), V=V,
+        weights=(1.0,) * s, R_residue=tuple(tuple(x for _, x in row) for row in pairs),
+        c=floats(method_abscissae(method)), blocks=stage_blocks(method.A),
+        large=large(preconsistency(method.U, method.V), r),
+        to_form=identity, from_form=identity,
+        exact_V=all(x == int(x) for row in V for x in row),
+    )  # fmt: skip
+
+
+def large(u: Sequence[Scalar] | None, r: int) -> tuple[bool, ...]:
+    if u is None:
+        return (True,) * r
+    return tuple(x.magnitude() > _CLOSE for x in u)
+
+
+def float_rows(matrix: Matrix) -> tuple[Row, ...]:
+    return tuple(floats(row) for row in matrix)
+
+
+def floats(row: Sequence[Scalar]) -> Row:
+    """Round; what is zero to :data:`_CLOSE` is zero."""
+    return tuple(0.0 if x.magnitude() < _CLOSE else float(x) for x in row)

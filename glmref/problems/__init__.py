@@ -1,0 +1,97 @@
+"""Initial value problems by name: ``problem("kepler", eccentricity="3/5")``.
+
+Each problem is built by a function of the module named in the table below; the function's arguments
+are the problem's parameters. Nothing is imported before it is asked for.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from difflib import get_close_matches
+from importlib import import_module
+
+from ..claims import UsageError
+from .model import Problem
+
+__all__ = ["Problem", "names", "parameters_of", "problem"]
+
+_MODULES = {
+    "oscillators": (
+        "double-pendulum",
+        "harmonic-oscillator",
+        "henon-heiles",
+        "lotka-volterra",
+        "lotka-volterra-logarithmic",
+        "pendulum",
+    ),
+    "kepler": ("kepler",),
+    "nbody": ("arenstorf", "figure-eight", "n-body", "outer-solar-system", "pleiades"),
+    "chains": ("fput", "fput-stiff", "nonseparable-chain", "toda"),
+    "extreme": (
+        "blow-up",
+        "fault-infinity",
+        "fault-jacobian",
+        "fault-jacobian-nan",
+        "fault-nan",
+        "fault-raises",
+        "fault-shape",
+        "linear-field",
+        "long-chain",
+        "pythagorean",
+        "scaled-kepler",
+        "zero-field",
+    ),
+    "quadratic": ("point-vortices", "rigid-body", "skew-quadratic"),
+    "stiff": (
+        "dahlquist",
+        "hires",
+        "kaps",
+        "oregonator",
+        "prothero-robinson",
+        "robertson",
+        "stiff-spring-pendulum",
+        "van-der-pol",
+    ),
+}
+_HOME = {name: module for module, listed in _MODULES.items() for name in listed}
+
+
+def names() -> list[str]:
+    """Names of the problems, sorted."""
+    return sorted(_HOME)
+
+
+def problem(name: str, **parameters: object) -> Problem:
+    """Return a problem by name, with its default parameters unless given.
+
+    Args:
+        name: one of :func:`names`.
+        **parameters: numbers, or strings such as ``"3/5"``; a float means its exact binary value.
+
+    Raises
+    ------
+        UsageError: for an unknown name or parameter, or a value out of range.
+    """
+    build = _builder(name)
+    known = inspect.signature(build).parameters
+    for key in parameters:
+        if key not in known:
+            allowed = f"its parameters are {', '.join(known)}" if known else "it has no parameters"
+            raise UsageError(f"the problem {name!r} has no parameter {key!r}; {allowed}")
+    return build(**parameters)
+
+
+def parameters_of(name: str) -> dict[str, object]:
+    """Parameters of a problem and their default values."""
+    known = inspect.signature(_builder(name)).parameters
+    return {key: parameter.default for key, parameter in known.items()}
+
+
+def _builder(name: str) -> Callable[..., Problem]:
+    if name not in _HOME:
+        near = get_close_matches(str(name), _HOME, n=3)
+        hint = f"did you mean {' or '.join(near)}?" if near else "see glmref.problems.names()"
+        raise UsageError(f"there is no problem named {name!r}; {hint}")
+    module = import_module(f".{_HOME[name]}", __name__)
+    return getattr(module, name.replace("-", "_"))

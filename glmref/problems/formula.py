@@ -1,0 +1,278 @@
+"""Functions of a problem as data: one definition for numpy, for any precision and for kernels.
+
+A :class:`Formula` holds Python expressions such as ``"-sin(y[0])"``. They are read through a
+whitelist (so a formula may come from a file), evaluated in double precision by numpy or at any
+precision in an mpmath context, differentiated by :mod:`.derivative`, and pasted into generated
+kernels as they stand. A decimal literal means the decimal: ``0.1`` is 1/10 at every precision.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from functools import cached_property, lru_cache
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from ..claims import UsageError
+
+__all__ = ["FUNCTIONS", "Formula", "Number", "exact_number", "functions", "to_number"]
+
+Number = int | Fraction | float
+
+FUNCTIONS = ("sqrt", "sin", "cos", "tan", "exp", "log", "atan2")
+_NODES = (
+    *(ast.Expression, ast.BinOp, ast.UnaryOp, ast.Call, ast.Subscript, ast.Name, ast.Constant),
+    *(ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow, ast.USub, ast.Load),
+)
+_NUMPY = {name: getattr(np, name) for name in FUNCTIONS if name != "atan2"}
+_NUMPY |= {"atan2": np.arctan2, "pi": math.pi}
+
+
+def functions(context: Any = None) -> dict[str, Any]:
+    """Return the functions (and ``pi``) of numpy, or of an mpmath context."""
+    if context is None:
+        return dict(_NUMPY)
+    return {name: getattr(context, name) for name in FUNCTIONS} | {"pi": +context.pi}
+
+
+def exact_number(value: object, what: str) -> Number:
+    """Read a parameter: int, Fraction, finite float (its exact value), or a string such as "3/5".
+
+    Raises
+    ------
+        UsageError: for anything else, naming the parameter ``what``.
+    """
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, str):
+        try:
+            return Fraction(value)
+        except (ValueError, ZeroDivisionError):
+            pass
+    elif (
+        isinstance(value, int | Fraction | float)
+        and not isinstance(value, bool)
+        and math.isfinite(value)
+    ):
+        return value
+    raise UsageError(f"`{what}` must be a finite number or a string such as '3/5', got {value!r}")
+
+
+def to_number(value: Number, context: Any = None) -> Any:
+    """Convert a parameter to a double, or to a number of an mpmath context."""
+    if context is None:
+        return float(value)
+    if isinstance(value, Fraction):
+        return context.mpf(value.numerator) / value.denominator
+    return context.mpf(value)
+
+
+@dataclass(frozen=True)
+class Formula:
+    """A function given by expressions; calling it evaluates them.
+
+    Attributes
+    ----------
+        outputs: one expression per component.
+        common: pairs (name, expression) computed first, in this order; each may use those before.
+        variables: names of the arguments. The last one is a vector, written ``y[0]``, ``y[1]``...
+        parameters: values of the remaining names.
+        shape: shape of the result, ``()`` for a scalar; by default one component per output.
+        context: ``None`` for numpy in double precision, else an mpmath context.
+
+    Called with a vector of shape (d,) it returns an array of ``shape``; with (d, m), that is one
+    column per state, it returns ``shape + (m,)``.
+
+    Raises
+    ------
+        UsageError: for an expression that is not arithmetic in the names given.
+    """
+
+    outputs: tuple[str, ...]
+    common: tuple[tuple[str, str], ...] = ()
+    variables: tuple[str, ...] = ("t", "y")
+    parameters: Mapping[str, Number] = field(default_factory=dict)
+    shape: tuple[int, ...] | None = None
+    context: Any = field(default=None, compare=False, repr=False)
+
+    def __post_init__(self) -> None:
+        parameters = {k: exact_number(v, k) for k, v in self.parameters.items()}
+        shape = (len(self.outputs),) if self.shape is None else tuple(self.shape)
+        set_field = object.__setattr__
+        set_field(self, "outputs", tuple(self.outputs))
+        set_field(self, "common", tuple((name, text) for name, text in self.common))
+        set_field(self, "parameters", MappingProxyType(parameters))
+        set_field(self, "shape", shape)
+        if math.prod(shape) != len(self.outputs):
+            raise UsageError(f"a formula of shape {shape} cannot have {len(self.outputs)} outputs")
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Evaluate at a state (d,), or at states in columns (d, m)."""
+        *others, last = arguments
+        dtype = float if self.context is None else object
+        vector = np.asarray(last, dtype=None if np.iscomplexobj(last) else dtype)
+        assert self.shape is not None
+        if not self.shape:
+            return self._function(*others, vector)
+        out = np.empty((len(self.outputs), *vector.shape[1:]), dtype=vector.dtype)
+        self._function(*others, vector, out)
+        return out.reshape(self.shape + vector.shape[1:])
+
+    def on(self, context: Any) -> Formula:
+        """Return this function evaluated in an mpmath context, at that context's precision."""
+        return replace(self, context=context)
+
+    @cached_property
+    def trees(self) -> tuple[tuple[tuple[str, ast.expr], ...], tuple[ast.expr, ...]]:
+        """Syntax trees of ``common`` and ``outputs``, checked."""
+        names = {*self.variables, *self.parameters, "pi"}
+        common = []
+        for name, text in self.common:
+            if not name.isidentifier() or name in names or name in FUNCTIONS:
+                raise UsageError(f"the common subexpression {name!r} needs a name of its own")
+            common.append((name, _checked(text, frozenset(names), self.variables[-1:])))
+            names.add(name)
+        allowed = frozenset(names)
+        return tuple(common), tuple(_checked(x, allowed, self.variables[-1:]) for x in self.outputs)
+
+    @cached_property
+    def indices(self) -> frozenset[int]:
+        """Components of the vector argument that occur."""
+        common, outputs = self.trees
+        found = set()
+        for tree in (*(tree for _, tree in common), *outputs):
+            found |= {i for _, i in subscripts(tree)}
+        return frozenset(found)
+
+    @cached_property
+    def _function(self) -> Callable[..., Any]:
+        """Compile into ``function(*variables)``, with a last argument ``out`` unless scalar."""
+        common, outputs = self.trees
+        literals = _Literals(self.context)
+        lines = [f"{name} = {literals.text(tree)}" for name, tree in common]
+        if self.shape:
+            lines += [f"out[{i}] = {literals.text(tree)}" for i, tree in enumerate(outputs)]
+        else:
+            lines.append(f"return {literals.text(outputs[0])}")
+        arguments = ", ".join((*self.variables, "out") if self.shape else self.variables)
+        source = f"def formula({arguments}):\n    " + "\n    ".join(lines)
+        namespace: dict[str, Any] = functions(self.context)
+        namespace |= {k: to_number(v, self.context) for k, v in self.parameters.items()}
+        namespace |= literals.values
+        exec(compile(source, "<formula>", "exec"), namespace)
+        return namespace["formula"]
+
+    def substituted(self, old: str, new: str, shift: int) -> Formula:
+        """Return the formula with ``old[i]`` written ``new[i + shift]``."""
+        change = _Shift(old, new, shift)
+
+        def rewrite(text: str) -> str:
+            return ast.unparse(change.visit(ast.parse(text, mode="eval")))
+
+        return replace(
+            self,
+            outputs=tuple(rewrite(text) for text in self.outputs),
+            common=tuple((name, rewrite(text)) for name, text in self.common),
+            variables=tuple(new if name == old else name for name in self.variables),
+        )
+
+
+class _Literals(ast.NodeTransformer):
+    """Binds number literals to numbers of the context, but for indices and whole exponents."""
+
+    def __init__(self, context: Any) -> None:
+        self.context = context
+        self.values: dict[str, Any] = {}
+
+    def text(self, tree: ast.expr) -> str:
+        if self.context is None:
+            return ast.unparse(tree)
+        return ast.unparse(self.visit(ast.parse(ast.unparse(tree), mode="eval")))
+
+    def visit_Subscript(self, node: ast.Subscript) -> ast.Subscript:
+        return node
+
+    def visit_BinOp(self, node: ast.BinOp) -> ast.BinOp:
+        node.left = self.visit(node.left)
+        whole = isinstance(node.right, ast.Constant) and isinstance(node.right.value, int)
+        if not (isinstance(node.op, ast.Pow) and whole):
+            node.right = self.visit(node.right)
+        return node
+
+    def visit_Constant(self, node: ast.Constant) -> ast.Name:
+        # repr gives back the decimal as it was written, up to 17 digits
+        value = to_number(Fraction(repr(node.value)), self.context)
+        name = f"number_{len(self.values)}"
+        self.values[name] = value
+        return ast.Name(name, ast.Load())
+
+
+class _Shift(ast.NodeTransformer):
+    """Renames a vector and shifts its indices."""
+
+    def __init__(self, old: str, new: str, shift: int) -> None:
+        self.old, self.new, self.shift = old, new, shift
+
+    def visit_Subscript(self, node: ast.Subscript) -> ast.Subscript:
+        if isinstance(node.value, ast.Name) and node.value.id == self.old:
+            assert isinstance(node.slice, ast.Constant) and isinstance(node.slice.value, int)
+            node.slice = ast.Constant(node.slice.value + self.shift)
+            node.value = ast.Name(self.new, ast.Load())
+        return node
+
+
+def subscripts(tree: ast.AST) -> Iterator[tuple[str, int]]:
+    """Yield (vector, index) for each component that occurs in a checked tree."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Subscript):
+            assert isinstance(node.value, ast.Name) and isinstance(node.slice, ast.Constant)
+            yield node.value.id, int(node.slice.value)  # type: ignore[arg-type]
+
+
+@lru_cache(maxsize=4096)
+def _checked(text: str, names: frozenset[str], vectors: tuple[str, ...]) -> ast.expr:
+    """Parse one expression, refusing everything but arithmetic in the names given."""
+    try:
+        tree = ast.parse(text, mode="eval")
+    except (SyntaxError, TypeError, ValueError):
+        raise UsageError(f"the expression {text!r} cannot be read") from None
+    calls = {id(node.func) for node in ast.walk(tree) if isinstance(node, ast.Call)}
+    bases = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Subscript)}
+    for node in ast.walk(tree):
+        if not isinstance(node, _NODES):
+            what = type(node).__name__
+            raise UsageError(f"the expression {text!r} contains {what}; write arithmetic only")
+        if isinstance(node, ast.Constant) and type(node.value) not in (int, float):
+            raise UsageError(f"the expression {text!r} contains {node.value!r}, not a number")
+        if isinstance(node, ast.Call):
+            known = isinstance(node.func, ast.Name) and node.func.id in FUNCTIONS
+            if not known or node.keywords:
+                called = ast.unparse(node.func)
+                raise UsageError(
+                    f"the expression {text!r} calls {called}; known are {', '.join(FUNCTIONS)}"
+                )
+        if isinstance(node, ast.Subscript):
+            index = node.slice
+            whole = isinstance(index, ast.Constant) and type(index.value) is int
+            vector = isinstance(node.value, ast.Name) and node.value.id in vectors
+            if not (whole and vector):
+                raise UsageError(
+                    f"the expression {text!r} must write components as {vectors[0]}[0]"
+                )
+        if isinstance(node, ast.Name) and id(node) not in calls:
+            if (node.id in vectors) != (id(node) in bases):
+                raise UsageError(
+                    f"the expression {text!r} must write components as {vectors[0]}[0]"
+                )
+            if node.id not in names:
+                raise UsageError(
+                    f"the expression {text!r} contains the unknown name {node.id!r}; known are "
+                    f"{', '.join(sorted(names))}"
+                )
+    return tree.body

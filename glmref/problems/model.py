@@ -1,0 +1,341 @@
+"""The record every engine and experiment reads: an initial value problem, and what is known."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType, SimpleNamespace
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ..claims import UsageError
+from .derivative import Jacobian
+from .formula import Formula, Number, exact_number, functions, to_number
+from .loops import Loops, PhaseSpace, QuadraticForm, join
+from .precision import on_context
+from .reference import Reference, references_of
+
+__all__ = ["Problem"]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Problem:
+    """An initial value problem y' = f(t, y), y(t0) = y0; only ``f`` and ``y0`` are required.
+
+    Every function may be given as a Python callable or as expressions (a string, or a tuple with
+    one string per component, in the names below and those of ``parameters``). Expressions work at
+    every precision, are differentiated where a Jacobian is asked, and compile into kernels;
+    callables work wherever their own code does. A state of Hamiltonian or second-order form is
+    y = (q, p), or (q, v), with dim q = dim p = d/2.
+
+    Attributes
+    ----------
+        f: ``f(t, y)`` -> (d,). May be left out where ``dp`` or ``force`` is given.
+        y0: initial value, (d,): numbers, expressions in the parameters, or a function that gets
+            the namespace sin, sqrt, pi ... and returns the numbers.
+        name, source: what it is and where it comes from.
+        parameters: name -> exact number (int, Fraction, or a float taken at its exact value).
+        t_span: (t0, t_end) of the problem's usual test.
+        jacobian: ``jacobian(t, y)`` -> (d, d); derived from f where f is expressions.
+        dq, dp: the separable parts, q' = dq(p) and p' = dp(q), in ``p[0]``... and ``q[0]``...
+        force: g of q'' = g(q), in ``q[0]``...; then dq(p) = p and dp = force.
+        hamiltonian: ``hamiltonian(y)``, conserved; in ``y[0]``...
+        quadratic: name -> symmetric C with y^T C y conserved, as a :class:`.loops.QuadraticForm`.
+        invariants: name -> ``I(y)``, other conserved functions.
+        observables: name -> ``O(y)``, functions worth watching that are not conserved exactly.
+        canonical: whether f = J grad H in the coordinates y = (q, p).
+        exact: ``exact(t, y0)`` -> (d,), the flow in closed form, t measured from t0.
+        scales: typical sizes: ``"time"``, ``"length"``, and ``"period"`` where periodic.
+        context: the mpmath context of :meth:`on`, ``None`` in double precision.
+
+    Raises
+    ------
+        UsageError: one sentence on the first entry that does not fit.
+    """
+
+    f: Any = None
+    y0: Any
+    name: str = "user problem"
+    source: str = ""
+    parameters: Mapping[str, Number] = field(default_factory=dict)
+    t_span: tuple[float, float] = (0.0, 10.0)
+    jacobian: Any = None
+    dq: Any = None
+    dp: Any = None
+    force: Any = None
+    hamiltonian: Any = None
+    quadratic: Mapping[str, Any] = field(default_factory=dict)
+    invariants: Mapping[str, Any] = field(default_factory=dict)
+    observables: Mapping[str, Any] = field(default_factory=dict)
+    canonical: bool = False
+    exact: Any = None
+    scales: Mapping[str, float] = field(default_factory=dict)
+    context: Any = field(default=None, repr=False)
+    initial: Any = field(default=None, repr=False)
+
+    _VECTORS: ClassVar = {"f": ("t", "y"), "dq": ("p",), "dp": ("q",), "force": ("q",)}
+
+    def __post_init__(self) -> None:
+        if self.context is not None:
+            return
+        values = {k: exact_number(v, k) for k, v in self.parameters.items()}
+        self._set("parameters", MappingProxyType(values))
+        self._set("initial", self.y0)
+        self._set("y0", _initial_value(self.y0, values, None))
+        for key, variables in self._VECTORS.items():
+            self._set(key, self._function(key, getattr(self, key), variables))
+        self._set("hamiltonian", self._scalar("hamiltonian", self.hamiltonian))
+        for key in ("invariants", "observables"):
+            scalars = {k: self._scalar(k, v) for k, v in getattr(self, key).items()}
+            self._set(key, MappingProxyType(scalars))
+        d = self.dimension
+        forms = {
+            k: v if isinstance(v, QuadraticForm) else QuadraticForm.of(v, d)
+            for k, v in self.quadratic.items()
+        }
+        self._set("quadratic", MappingProxyType(forms))
+        self._set("scales", MappingProxyType(dict(self.scales)))
+        self._assemble()
+        self._check()
+
+    def _set(self, key: str, value: Any) -> None:
+        object.__setattr__(self, key, value)
+
+    def _function(self, key: str, value: Any, variables: tuple[str, ...]) -> Any:
+        """Read a function-valued entry: a callable, or expressions."""
+        if value is None or callable(value):
+            return value
+        texts = (value,) if isinstance(value, str) else value
+        if isinstance(texts, Sequence) and texts and all(isinstance(x, str) for x in texts):
+            return Formula(tuple(texts), variables=variables, parameters=self.parameters)
+        raise UsageError(f"`{key}` must be a function or a tuple of expressions, got {value!r}")
+
+    def _scalar(self, key: str, value: Any) -> Any:
+        """Read a conserved function: a callable, or one expression."""
+        if value is None or callable(value):
+            return value
+        if isinstance(value, str):
+            return Formula((value,), variables=("y",), parameters=self.parameters, shape=())
+        raise UsageError(f"`{key}` must be a function or one expression, got {value!r}")
+
+    def _assemble(self) -> None:
+        """Derive f, dq, dp and the Jacobian from the parts that define them."""
+        half = self.dimension // 2
+        if self.force is not None:
+            if isinstance(self.force, Formula):
+                names = tuple(f"p[{i}]" for i in range(half))
+                self._set("dq", self.dq or Formula(names, variables=("p",)))
+            self._set("dq", self.dq or _identity)
+            self._set("dp", self.dp or self.force)
+        if self.f is None and self.dp is not None and self.dq is not None:
+            plain = self.force is not None and not isinstance(self.force, Formula)
+            self._set("f", join(None if plain else self.dq, self.dp, half))
+        if self.jacobian is None and isinstance(self.f, Formula):
+            self._set("jacobian", Jacobian(self.f, self.dimension))
+
+    def _check(self) -> None:
+        """Refuse entries that do not fit together, before any step is taken."""
+        d = self.dimension
+        if self.f is None:
+            raise UsageError("`f` is missing; give f, or dq and dp, or force")
+        if d % 2 and (self.dq or self.dp or self.force):
+            raise UsageError(f"y = (q, p) must have an even number of components, got {d}")
+        sizes = {"f": d, "dq": d // 2, "dp": d // 2, "force": d // 2}
+        for key, size in sizes.items():
+            function = getattr(self, key)
+            if not isinstance(function, Formula):
+                continue
+            if len(function.outputs) != size:
+                raise UsageError(f"`{key}` must have {size} entries, got {len(function.outputs)}")
+            beyond = [i for i in function.indices if not 0 <= i < size]
+            if beyond:
+                raise UsageError(f"`{key}` uses component {beyond[0]}, but there are {size}")
+        start, end = self.t_span
+        if not (np.isfinite(start) and np.isfinite(end)):
+            raise UsageError(f"`t_span` must be two finite times, got {self.t_span}")
+
+    @property
+    def dimension(self) -> int:
+        """Number d of components."""
+        return len(self.y0)
+
+    @property
+    def separable(self) -> bool:
+        """Whether q' = dq(p) and p' = dp(q)."""
+        return self.dq is not None and self.dp is not None
+
+    @property
+    def second_order(self) -> bool:
+        """Whether q'' = force(q)."""
+        return self.force is not None
+
+    @property
+    def references(self) -> tuple[Reference, ...]:
+        """Reference states shipped for this problem with these parameters, by time."""
+        return references_of(self.name, self.parameters)
+
+    def on(self, context: Any) -> Problem:
+        """Return the problem in an mpmath context: y0, parameters and functions at its precision.
+
+        States become numpy arrays of ``context.mpf`` (dtype object), so that ``y + h * f(t, y)``
+        reads as in double precision. Use a context of your own, ``mpmath.MPContext()``: the global
+        one is not thread safe.
+        """
+        if self.context is not None:
+            raise UsageError("the problem is already in an mpmath context; use the double one")
+        functions = ("f", "jacobian", "dq", "dp", "force", "hamiltonian", "exact")
+        return replace(
+            self,
+            **{key: on_context(getattr(self, key), context) for key in functions},
+            y0=_initial_value(self.initial, self.parameters, context),
+            quadratic={k: v.on(context) for k, v in self.quadratic.items()},
+            invariants={k: on_context(v, context) for k, v in self.invariants.items()},
+            observables={k: on_context(v, context) for k, v in self.observables.items()},
+            context=context,
+        )
+
+    def solution(self, t: Any) -> np.ndarray:
+        """Return the exact solution at time t from this problem's y0.
+
+        Raises
+        ------
+            UsageError: when no closed form is known.
+        """
+        if self.exact is None:
+            raise UsageError(f"{self.name} has no solution in closed form; see its references")
+        return self.exact(t, self.y0)
+
+    # What a kernel generator reads. Expressions are Python source in t, y[i] (or q[i], p[i]), the
+    # names of `parameters`, pi and the functions of formula.FUNCTIONS; bodies are plain loops.
+
+    @property
+    def expressions(self) -> tuple[str, ...] | None:
+        """Right-hand side f_0 ... f_{d-1} as expressions, or ``None``."""
+        return _outputs(self.f)
+
+    @property
+    def common(self) -> tuple[tuple[str, str], ...]:
+        """Common subexpressions (name, expression) of :attr:`expressions`, in order."""
+        return _common(self.f)
+
+    @property
+    def jacobian_expressions(self) -> tuple[tuple[str, ...], ...] | None:
+        """Rows of df/dy as expressions, or ``None``; differentiated on first use."""
+        entries, d = _outputs(self.jacobian), self.dimension
+        if entries is None:
+            return None
+        return tuple(entries[i : i + d] for i in range(0, d * d, d))
+
+    @property
+    def jacobian_common(self) -> tuple[tuple[str, str], ...]:
+        """Common subexpressions of :attr:`jacobian_expressions` (those of f it needs included)."""
+        return _common(self.jacobian)
+
+    @property
+    def dq_expressions(self) -> tuple[str, ...] | None:
+        """Components of dq in p[0], p[1]..., or ``None``."""
+        return _outputs(self.dq)
+
+    @property
+    def dq_common(self) -> tuple[tuple[str, str], ...]:
+        """Common subexpressions of :attr:`dq_expressions`."""
+        return _common(self.dq)
+
+    @property
+    def dp_expressions(self) -> tuple[str, ...] | None:
+        """Components of dp in q[0], q[1]..., or ``None``."""
+        return _outputs(self.dp)
+
+    @property
+    def dp_common(self) -> tuple[tuple[str, str], ...]:
+        """Common subexpressions of :attr:`dp_expressions`."""
+        return _common(self.dp)
+
+    @property
+    def force_expressions(self) -> tuple[str, ...] | None:
+        """Components of the force g(q), or ``None``."""
+        return _outputs(self.force)
+
+    @property
+    def force_common(self) -> tuple[tuple[str, str], ...]:
+        """Common subexpressions of :attr:`force_expressions`."""
+        return _common(self.force)
+
+    @property
+    def f_into(self) -> Callable[..., None] | None:
+        """Body ``f_into(t, y, params, out)`` of a large problem, or ``None``.
+
+        Plain Python. Where f comes from a force it calls the force's body: pass the compiler to
+        ``problem.f.compiled(jit)`` instead, which compiles both.
+        """
+        if isinstance(self.f, Loops):
+            return self.f.body
+        if isinstance(self.f, PhaseSpace) and self.f.dq is None and isinstance(self.f.dp, Loops):
+            return self.f.compiled(lambda body: body)
+        return None
+
+    @property
+    def force_into(self) -> Callable[..., None] | None:
+        """Body ``force_into(q, params, out)`` of a large problem q'' = g(q), or ``None``."""
+        return self.force.body if isinstance(self.force, Loops) else None
+
+    @property
+    def jacobian_into(self) -> Callable[..., None] | None:
+        """Body ``jacobian_into(t, y, params, out)``, out (d, d) and zero on entry, or ``None``."""
+        return self.jacobian.body if isinstance(self.jacobian, Loops) else None
+
+    @property
+    def params(self) -> np.ndarray:
+        """The float64 array handed to the bodies as ``params``; empty where there are none."""
+        for function in (self.f, self.force):
+            if isinstance(function, Loops):
+                return function.params
+        return np.zeros(0)
+
+
+def _identity(p: Any) -> Any:
+    """Return p, for q' = p."""
+    return np.asarray(p)
+
+
+def _formula(function: Any) -> Formula | None:
+    if isinstance(function, Jacobian):
+        return function.formula
+    return function if isinstance(function, Formula) else None
+
+
+def _outputs(function: Any) -> tuple[str, ...] | None:
+    formula = _formula(function)
+    return None if formula is None else formula.outputs
+
+
+def _common(function: Any) -> tuple[tuple[str, str], ...]:
+    formula = _formula(function)
+    return () if formula is None else formula.common
+
+
+def _initial_value(entries: Any, parameters: Mapping[str, Number], context: Any) -> np.ndarray:
+    """Evaluate y0, whose entries are numbers or expressions, in doubles or in a context."""
+    convert = float if context is None else context.mpf
+    if callable(entries):
+        start: Any = entries
+        values = [convert(x) for x in start(SimpleNamespace(**functions(context)))]
+    else:
+        given = entries.tolist() if isinstance(entries, np.ndarray) else entries
+        if isinstance(given, str) or not isinstance(given, Sequence):
+            raise UsageError(f"`y0` must be a vector of numbers, shape (d,), got {entries!r}")
+        values = [_initial_entry(i, x, parameters, context) for i, x in enumerate(given)]
+    if not values:
+        raise UsageError("`y0` must have at least one component, got none")
+    result = np.array(values, dtype=float if context is None else object)
+    if context is None and not np.isfinite(result).all():
+        raise UsageError(f"`y0` must be finite, got {values}")
+    result.setflags(write=False)
+    return result
+
+
+def _initial_entry(i: int, x: Any, parameters: Mapping[str, Number], context: Any) -> Any:
+    if not isinstance(x, str):
+        return to_number(exact_number(x, f"y0[{i}]"), context)
+    return Formula((x,), parameters=parameters, shape=()).on(context)(0, ())

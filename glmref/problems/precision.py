@@ -1,0 +1,87 @@
+"""Functions of a problem beyond double precision: mpmath contexts and closed forms."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from ..claims import UsageError
+from .formula import Number, to_number
+
+__all__ = ["Flow", "on_context"]
+
+GUARD_DIGITS = 15  # beyond the digits asked, for cancellation in closed forms
+DOUBLE_DIGITS = 40  # working digits of a closed form whose result is rounded to double
+
+
+@dataclass(frozen=True)
+class Flow:
+    """An exact solution in closed form, evaluated in extended precision and rounded once.
+
+    Attributes
+    ----------
+        function: ``function(t, y0, parameters, context)`` -> list of numbers of the mpmath context.
+        parameters: exact values.
+        context: ``None``: arguments and result are doubles, each taken at its exact value.
+    """
+
+    function: Callable[..., Sequence[Any]]
+    parameters: Mapping[str, Number]
+    context: Any = field(default=None, compare=False, repr=False)
+
+    def __call__(self, t: Any, y0: Any) -> np.ndarray:
+        """Return the state at time t of the solution that starts at y0, shape (d,)."""
+        import mpmath
+
+        context = mpmath.MPContext()
+        digits = DOUBLE_DIGITS if self.context is None else self.context.dps + GUARD_DIGITS
+        time = context.mpf(t.numerator) / t.denominator if isinstance(t, Fraction) else t
+        # a phase of size t costs log10(t) digits
+        context.dps = digits + max(0, int(context.log10(abs(context.mpf(time)) + 1)))
+        numbers = {k: context.mpf(v) for k, v in self._parameters(context).items()}
+        state = [context.mpf(x) for x in y0]
+        result = self.function(context.mpf(time), state, numbers, context)
+        if self.context is None:
+            return np.array([float(x) for x in result])
+        return np.array([self.context.mpf(x) for x in result], dtype=object)
+
+    def _parameters(self, context: Any) -> dict[str, Any]:
+        # in double precision the equation solved has the rounded parameters
+        if self.context is None:
+            return {k: float(v) for k, v in self.parameters.items()}
+        return {k: to_number(v, context) for k, v in self.parameters.items()}
+
+    def on(self, context: Any) -> Flow:
+        """Return the solution evaluated in an mpmath context."""
+        return replace(self, context=context)
+
+
+@dataclass(frozen=True)
+class _PlainFunction:
+    """A user's Python function in an mpmath context."""
+
+    function: Callable[..., Any]
+    context: Any
+
+    def __call__(self, *arguments: Any) -> Any:
+        try:
+            return self.function(*arguments)
+        except (TypeError, AttributeError) as error:
+            raise UsageError(
+                f"{getattr(self.function, '__name__', 'a function')} works in double precision "
+                f"only ({error}); give it as expressions for extended precision"
+            ) from None
+
+    def on(self, context: Any) -> _PlainFunction:
+        return replace(self, context=context)
+
+
+def on_context(function: Any, context: Any) -> Any:
+    """Return a problem's function evaluated in an mpmath context; ``None`` stays ``None``."""
+    if function is None:
+        return None
+    return function.on(context) if hasattr(function, "on") else _PlainFunction(function, context)
