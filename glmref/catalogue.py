@@ -63,21 +63,29 @@ def path_of(name: str | Path) -> Path:
         return known[text]
     path = Path(text)
     try:
-        if path.is_file():
-            return path
-        what = "is a folder" if path.is_dir() else "is not a regular file" * path.exists()
+        kind = _kind(path) if text else "no file"
     except (OSError, ValueError) as error:  # a name too long, a folder one may not enter
         raise UsageError(f"the file {shown(text)} cannot be read ({_reason(error)})") from None
-    if what or path.suffix == ".json" or path.parent != Path():
+    if kind == "file":
+        return path
+    if kind != "no file" or path.suffix == ".json" or path.parent != Path():
+        what = "does not exist" if kind == "no file" else f"is {kind}"
         raise UsageError(
-            f"the file {shown(text)} {what or 'does not exist'}; "
-            f"give a method file or a name of `glmref list`"
+            f"the file {shown(text)} {what}; give a method file or a name of `glmref list`"
         )
     from difflib import get_close_matches
 
     near = get_close_matches(text[:80], known, n=3)
     hint = f"did you mean {' or '.join(near)}?" if near else "see `glmref list`"
     raise UsageError(f"there is no method named {shown(text)}; {hint}")
+
+
+def _kind(path: Path) -> str:
+    if path.is_file():
+        return "file"
+    if path.is_dir():
+        return "a folder"
+    return "not a regular file" if path.exists() else "no file"
 
 
 def _reason(error: OSError | ValueError) -> str:

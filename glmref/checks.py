@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, Any
 from .claims import DataError, ExactnessError, Proof
 from .exact import Exact, Scalar
 from .expression import Text, parse, to_text
-from .facts import Facts
+from .facts import Facts, GLMFacts
 
 if TYPE_CHECKING:
     from .theory.order import OrderResult
 
-__all__ = ["CHECKS", "Outcome", "all_of", "shown_number"]
+__all__ = ["CHECKS", "FOR_ONE_METHOD", "Outcome", "all_of", "shown_number"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,12 +90,12 @@ def _compare_number(found: int, declared: object) -> Outcome:
     return Outcome(found == declared, found, witness=f"found {found}")
 
 
-def _check_starting_order(facts: Facts, declared: object) -> Outcome:
+def _check_starting_order(facts: GLMFacts, declared: object) -> Outcome:
     found, witness = facts.starting_order
     return Outcome(found >= int(declared), found, witness=witness)  # type: ignore[call-overload]
 
 
-def _check_finishing_order(facts: Facts, declared: object) -> Outcome:
+def _check_finishing_order(facts: GLMFacts, declared: object) -> Outcome:
     found, witness = facts.finishing_order
     return Outcome(found >= int(declared), found, witness=witness)  # type: ignore[call-overload]
 
@@ -168,7 +168,7 @@ def _values_agree(
         return Outcome(False, value, witness=f"{len(found)} {what} found, {len(texts)} declared")
     residual, holds, witness = 0.0, True, ""
     for k, (x, text) in enumerate(zip(found, texts, strict=True)):
-        difference = x - (text.value if isinstance(text, Text) else parse(text))
+        difference = x - (text.value if isinstance(text, Text) else parse(str(text)))
         size = difference.magnitude()
         answer = _decision(facts, difference.is_zero(), size)
         if answer is not True:
@@ -192,20 +192,20 @@ def _check_growth(facts: Facts, declared: object) -> Outcome:
     return _values_agree(facts, facts.growth_parameters, declared, "growth parameters")
 
 
-def _check_abscissae(facts: Facts, declared: object) -> Outcome:
+def _check_abscissae(facts: GLMFacts, declared: object) -> Outcome:
     return _values_agree(facts, facts.abscissae, declared, "abscissae")
 
 
-def _check_error_constant(facts: Facts, declared: object) -> Outcome:
+def _check_error_constant(facts: GLMFacts, declared: object) -> Outcome:
     return _values_agree(facts, facts.quadrature_error, [declared], "error constant")
 
 
-def _check_a_stable(facts: Facts, declared: object) -> Outcome:
+def _check_a_stable(facts: GLMFacts, declared: object) -> Outcome:
     found = facts.a_stability
     return _compare(found.holds, declared, 0.0, found.witness)
 
 
-def _check_l_stable(facts: Facts, declared: object) -> Outcome:
+def _check_l_stable(facts: GLMFacts, declared: object) -> Outcome:
     found = facts.l_stability
     return _compare(found.holds, declared, 0.0, found.witness)
 
@@ -231,3 +231,8 @@ CHECKS: Mapping[str, Callable[[Any, object], Outcome]] = {
     "a-stable": _check_a_stable,
     "l-stable": _check_l_stable,
 }
+
+#: Claims that have no meaning for a pair.
+FOR_ONE_METHOD = frozenset(
+    {"starting-order", "finishing-order", "abscissae", "error-constant", "a-stable", "l-stable"}
+)

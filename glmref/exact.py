@@ -235,12 +235,19 @@ class Exact(_Arithmetic):
     @property
     def real(self) -> Exact:
         """Real part."""
-        return self if self._q is not None else Exact._wrap(self._element.real)
+        if self._q is not None:
+            return self
+        # flint's own Re() is a new generator of the field, on which zero may stay undecided
+        element = self._element
+        return Exact._wrap((element + element.conjugate()) / 2)
 
     @property
     def imag(self) -> Exact:
         """Imaginary part."""
-        return Exact(0) if self._q is not None else Exact._wrap(self._element.imag)
+        if self._q is not None:
+            return Exact(0)
+        element = self._element
+        return Exact._wrap((element - element.conjugate()) / (2 * _FIELD(-1).sqrt()))
 
     def conjugate(self) -> Exact:
         """Complex conjugate."""

@@ -31,6 +31,7 @@ MAX_ROOT = 12  # n of root(x, n)
 MAX_RADICALS = 40  # in one entry, its constants written out: each may double the field's degree
 MAX_RADICAL_DEPTH = 4  # sqrt inside sqrt, constants written out
 
+_SPACES = " \t\r\n\f\v"
 _TOKEN = re.compile(
     r"\s*(?:([0-9]+\.[0-9]*|\.[0-9]+|[0-9]+)|([A-Za-z_][A-Za-z_0-9]*)|([-+*/(),]))", re.ASCII
 )
@@ -147,11 +148,12 @@ class _Parser:
         self._split()
 
     def _split(self) -> None:
-        position, text = 0, self.text.rstrip(" \t\r\n\f\v")
+        position, text = 0, self.text.rstrip(_SPACES)
         while position < len(text):
             match = _TOKEN.match(text, position)
             if match is None:
-                raise self._error(f"the character {text[position:].lstrip()[:1]!r} is not allowed")
+                wrong = text[position:].lstrip(_SPACES)[0]
+                raise self._error(f"the character {wrong!r} is not allowed")
             self.tokens.append(match[0].strip())
             position = match.end()
 

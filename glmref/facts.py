@@ -59,6 +59,13 @@ class Facts:
 
     order: OrderResult
     order_identity: OrderResult
+    consistencies: tuple[Consistency, ...]
+    zero_stabilities: tuple[Boundedness, ...]
+    g_symplecticity: GSymplecticity | PairSymplecticity
+    symmetry: Symmetry | PairSymmetry
+    parasitism: Parasitism | PairParasitism
+    growth_parameters: tuple[Scalar, ...]
+    is_explicit: bool
 
     @property
     def proof(self) -> Proof:

@@ -101,10 +101,11 @@ class _Reader:
             if key not in self.doc:
                 raise self.error(f"the key {key!r} is missing; a file of class {kind!r} needs it")
 
-    def _text(self, key: str, pattern: str = r".*") -> str:
+    def _text(self, key: str, pattern: str = "") -> str:
         value = self.doc.get(key)
-        if not isinstance(value, str) or not re.fullmatch(pattern, value):
-            raise self.error(f"`{key}` must be a string matching {pattern}, got {shown(value)}")
+        if not isinstance(value, str) or (pattern and not re.fullmatch(pattern, value)):
+            kind = f"a string matching {pattern}" if pattern else "a string"
+            raise self.error(f"`{key}` must be {kind}, got {shown(value)}")
         return value
 
     def _read_constants(self) -> None:

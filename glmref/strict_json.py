@@ -44,12 +44,12 @@ def read_json(path: Path) -> Any:
         ) from None
     if text.startswith("\ufeff"):
         raise DataError(f"{name}: the file begins with a byte order mark; save it as UTF-8 without")
-    if _nesting(text) > MAX_NESTING:
+    if _too_deep(text):
         raise DataError(f"{name}: brackets are nested deeper than {MAX_NESTING}; flatten the file")
     try:
         return json.loads(
             text,
-            parse_float=lambda x: _refuse(name, f"the number {x} is a float", x),
+            parse_float=lambda x: _refuse(name, f"the number {shown(x)[1:-1]} is a float", x),
             parse_constant=lambda x: _refuse(name, f"{x} is not a number JSON allows", "0"),
             parse_int=lambda x: _integer(name, x),
             object_pairs_hook=lambda pairs: _unique(name, pairs),
@@ -60,17 +60,18 @@ def read_json(path: Path) -> Any:
         ) from None
 
 
-def _nesting(text: str) -> int:
-    """Deepest nesting of brackets outside strings, without recursion."""
-    deepest = depth = 0
+def _too_deep(text: str) -> bool:
+    """Whether brackets outside strings are nested too deep, without recursion."""
+    depth = 0
     # a string without its closing quote counts as one too: else its search would be quadratic
     for match in re.finditer(r'"(?:[^"\\]|\\.)*+"?|[\[{]|[\]}]', text, re.DOTALL):
         if match[0] in "[{":
             depth += 1
-            deepest = max(deepest, depth)
+            if depth > MAX_NESTING:
+                return True
         elif match[0] in "]}":
             depth -= 1
-    return deepest
+    return False
 
 
 def _refuse(name: str, what: str, value: str) -> Any:

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from .catalogue import document, path_of
-from .checks import CHECKS, Outcome
+from .checks import CHECKS, FOR_ONE_METHOD, Outcome
 from .claims import DataError, ExactnessError, Finding, Verdict
-from .facts import Facts, facts_of
+from .facts import Facts, PairFacts, facts_of
 from .method import GLM, PartitionedGLM
 from .reader import load_document
 
@@ -71,6 +71,10 @@ def is_enclosed(method: Method) -> bool:
 
 
 def _check(facts: Facts, claim: str, declared: object) -> Finding:
+    if claim in FOR_ONE_METHOD and isinstance(facts, PairFacts):
+        raise DataError(
+            f"the claim {claim!r} of {facts.method.name!r} has no meaning for a pair; remove it"
+        )
     try:
         outcome = CHECKS[claim](facts, declared)
     except ExactnessError as error:

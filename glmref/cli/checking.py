@@ -13,7 +13,7 @@ import click
 from ..claims import Finding, UsageError, Verdict
 from ..keys import CLAIMS
 from ..tables import FORMATS, Style
-from .output import BAD_INPUT, FAILED, HOLDS, INTERNAL, complain, say
+from .output import BAD_INPUT, FAILED, HOLDS, INTERNAL, INTERRUPTED, complain, say
 
 if TYPE_CHECKING:
     from .parallel import Checked
@@ -48,7 +48,7 @@ def verify(names: tuple[str, ...], form: str, only: tuple[str, ...]) -> int:
             _check(asked, only, report, advance)
     except KeyboardInterrupt:
         report.finish(len(asked), interrupted=True)
-        raise
+        return INTERRUPTED
     report.finish(len(asked))
     if only and not report.findings and not report.errors:
         raise UsageError(f"none of the files asked for claims {' or '.join(map(repr, only))}")

@@ -7,8 +7,10 @@ import signal
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from multiprocessing import get_context
+from threading import current_thread, main_thread
 from time import perf_counter
 
 from ..claims import Finding, GlmrefError
@@ -94,6 +96,19 @@ def _ignore_interrupts() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
+@contextmanager
+def _deaf_children() -> Iterator[None]:
+    """Let processes started here be deaf to Ctrl-C from their first moment on, not only later."""
+    if current_thread() is not main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)  # what is ignored is inherited
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
 def _pool(processes: int) -> ProcessPoolExecutor:
     # spawn: the same on every system, and no thread of the parent can be caught half-way
     return ProcessPoolExecutor(processes, get_context("spawn"), _ignore_interrupts)
@@ -105,7 +120,9 @@ def _in_processes(names: Sequence[str], only: Sequence[str], processes: int) -> 
     while waiting:
         pool = _pool(processes)
         try:
-            for checked in pool.map(check, waiting, [only] * len(waiting)):
+            with _deaf_children():
+                results = pool.map(check, waiting, [only] * len(waiting))
+            for checked in results:
                 waiting.pop(0)
                 yield checked
         except BrokenProcessPool:
@@ -118,6 +135,8 @@ def _in_processes(names: Sequence[str], only: Sequence[str], processes: int) -> 
 def _alone(name: str, only: Sequence[str]) -> Checked:
     with _pool(1) as pool:
         try:
-            return pool.submit(check, name, only).result()
+            with _deaf_children():
+                future = pool.submit(check, name, only)
+            return future.result()
         except BrokenProcessPool as error:
             return Checked(name, error=internal_sentence(error, name), internal=True)

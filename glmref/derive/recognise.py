@@ -88,6 +88,8 @@ def surd(value: Ball, *, digits: int = 70) -> str | None:
 
     Rational, ``p + q sqrt(n)``, or ``sqrt`` of such a number.
     """
+    if value.magnitude() < 10.0**-digits:
+        return "0"
     for outer in (False, True):
         target = value * value if outer else value
         polynomial = minimal_polynomial(target, degree=2, digits=digits)

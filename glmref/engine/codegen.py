@@ -26,10 +26,10 @@ from .sweep import Row, StepForm
 __all__ = ["SIGNATURE", "Builder", "KernelSource", "Options", "kernel_source"]
 
 #: Arguments of every generated kernel, in order; see :mod:`.compiled` for their types.
-ARGUMENTS = "y, e, mem, x, par, t0, h, first, last, every, out, row, tally"
+ARGUMENTS = "x, par, t0, h, first, last, every, out, row, tally"
 SIGNATURE = (
-    "int64(float64[:, ::1], float64[:, ::1], float64[:, ::1], float64[::1], float64[::1], "
-    "float64, float64, int64, int64, int64, float64[:, :, ::1], int64, int64[::1])"
+    "int64(float64[::1], float64[::1], float64, float64, int64, int64, int64, "
+    "float64[:, :, ::1], int64, int64[::1])"
 )
 
 #: Systems up to this dimension live in local variables, larger ones in arrays.
@@ -65,13 +65,15 @@ class KernelSource:
     Attributes
     ----------
         text: module source; defines ``kernel``.
-        work_size: length of the work array ``x``.
-        memory_rows: rows of ``mem``, what the predictor keeps from step to step.
+        work_size: length of the work array ``x``. Its head is the state that lasts from step to
+            step: ``value_rows`` rows of d values y, as many rounding errors e (if compensated),
+            and ``memory_rows`` rows L that the predictor starts from.
         target: ``"scalar"`` or ``"array"``.
     """
 
     text: str
     work_size: int
+    value_rows: int
     memory_rows: int
     target: str
 
@@ -98,7 +100,7 @@ def kernel_source(form: StepForm, shape: Shape, options: Options) -> KernelSourc
         f'"""Generated kernel: {form.kind} form, {form.s} stages, {form.r} values, '
         f'd = {shape.dimension}."""\n\n'
     )
-    return KernelSource(title + head + writer.text, target.work_size, form.s, kind)
+    return KernelSource(title + head + writer.text, target.work_size, form.r, form.s, kind)
 
 
 def header(shape: Shape, kind: str, *, newton: bool) -> str:
@@ -192,7 +194,8 @@ class Builder(StageWriter):
             if self.shape.loops:
                 w(f"constants = par[{len(self.shape.parameters)}:]")
             self._scaled_weights()
-            self._load()
+            self.t.load(self._state())
+            self._declare()
             w("n = first", "evaluations = 0", "velocities = 0", "iterations = 0")
             w("factorisations = 0", "outcome = 0")
             w("mark = (first // every + 1) * every if every > 0 else -1")
@@ -206,7 +209,7 @@ class Builder(StageWriter):
                 with w.block("if n == mark:"):
                     self._record()
                     w("row += 1", "mark += every")
-            self._store()
+            self.t.store(self._state())
             names = ("evaluations", "velocities", "iterations", "factorisations")
             w(*(f"tally[{i}] += {name}" for i, name in enumerate(names)))
             w("tally[4] = n", "tally[5] = row", "return outcome")
@@ -242,24 +245,18 @@ class Builder(StageWriter):
                 if c:
                     self.w(f"hc{i} = h*{c!r}")
 
-    def _names(self) -> dict[str, range]:
-        return {"y": range(self.form.r), "e": range(self.form.r), "mem": range(self.form.s)}
+    def _declare(self) -> None:
+        """Give a value to local variables that the first round of a solver reads."""
+        if isinstance(self.t, ScalarTarget):
+            implicit = [i for b in self.form.blocks if b.implicit for i in b.stages]
+            names = [self.t.ref(f"Y{i}", c) for i in implicit for c in range(*self.watched)]
+            self.w(*(f"{name} = 0.0" for name in names + self._newton_names()))
 
-    def _load(self) -> None:
-        letters = {"y": "y", "e": "e", "mem": "L"}
-        for array, rows in self._names().items():
-            if array == "e" and not self.options.compensated:
-                continue
-            for k in rows:
-                self.t.load(f"{letters[array]}{k}", array, k)
-
-    def _store(self) -> None:
-        letters = {"y": "y", "e": "e", "mem": "L"}
-        for array, rows in self._names().items():
-            if array == "e" and not self.options.compensated:
-                continue
-            for k in rows:
-                self.t.store(f"{letters[array]}{k}", array, k)
+    def _state(self) -> list[str]:
+        """Vectors that last from call to call, in their order at the head of ``x``."""
+        letters = "ye" if self.options.compensated else "y"
+        names = [f"{letter}{k}" for letter in letters for k in range(self.form.r)]
+        return names + [f"L{i}" for i in range(self.form.s)]
 
     def _record(self) -> None:
         for k in range(self.form.r) if self.options.history else range(1):
@@ -272,7 +269,7 @@ class Builder(StageWriter):
             for c in range(*part):
                 self.w(f"out[row, {k}, {c}] = {self.t.substitute(linear(terms), c)}")
         else:
-            self.t.vec([f"out[row, {k}, c] = {linear(terms)}"], part)
+            self.t.vec([f"out[row, {k}, component] = {linear(terms)}"], part)
 
     # --- values ---------------------------------------------------------------------------------
 

@@ -24,7 +24,7 @@ from .shape import Part, Shape, inlined, parameter_names, used_parameters
 __all__ = ["ArrayTarget", "LaneTarget", "ScalarTarget", "Target", "Writer", "tree_sum"]
 
 _REFERENCE = re.compile(r"@(\w+)")
-_UNROLLED_SUM = 64  # terms of a sum over components that are written out
+_COUNTER = re.compile(r"\bcomponent\b")
 
 
 class Writer:
@@ -69,6 +69,7 @@ class Target:
         self.d = shape.dimension
         self.places: dict[str, int] = {}
         self.used = 0
+        self.loops = 0
 
     def reserve(self, name: str, length: int) -> int:
         """Place of an array of this length in the work array ``x``; the same for the same name."""
@@ -82,13 +83,11 @@ class Target:
         """Length of the work array."""
         return max(1, self.used)
 
-    def load(self, name: str, array: str, row: int) -> None:
-        """Read a vector from a row of an argument."""
-        raise NotImplementedError
+    def load(self, names: Sequence[str]) -> None:
+        """Read vectors of the state, kept at the head of ``x``, at the beginning of a call."""
 
-    def store(self, name: str, array: str, row: int) -> None:
-        """Write a vector to a row of an argument."""
-        raise NotImplementedError
+    def store(self, names: Sequence[str]) -> None:
+        """Write them back at its end."""
 
     def ref(self, name: str, c: int) -> str:
         """Source of component c of a vector."""
@@ -160,13 +159,15 @@ class ScalarTarget(Target):
             for c in range(part.start, part.stop):
                 self.w(f"{self.ref(out, c)} = found[{c - part.start}]")
 
-    def load(self, name: str, array: str, row: int) -> None:
-        """Read a vector from a row of an argument."""
-        self.w(*(f"{self.ref(name, c)} = {array}[{row}, {c}]" for c in range(self.d)))
+    def load(self, names: Sequence[str]) -> None:
+        for name in names:
+            place = self.reserve(name, self.d)
+            self.w(*(f"{self.ref(name, c)} = x[{place + c}]" for c in range(self.d)))
 
-    def store(self, name: str, array: str, row: int) -> None:
-        """Write a vector to a row of an argument."""
-        self.w(*(f"{array}[{row}, {c}] = {self.ref(name, c)}" for c in range(self.d)))
+    def store(self, names: Sequence[str]) -> None:
+        for name in names:
+            place = self.reserve(name, self.d)
+            self.w(*(f"x[{place + c}] = {self.ref(name, c)}" for c in range(self.d)))
 
 
 class ArrayTarget(Target):
@@ -179,55 +180,59 @@ class ArrayTarget(Target):
     def ref(self, name: str, c: int) -> str:
         return f"x[{self.offset(name) + c}]"
 
+    @contextmanager
+    def loop(self, low: int, high: int) -> Iterator[str]:
+        """A loop over a range; its own counter, a while statement: half the work for numba."""
+        self.loops += 1
+        c = f"c{self.loops}"
+        self.w(f"{c} = {low}")
+        with self.w.block(f"while {c} < {high}:"):
+            yield c
+            self.w(f"{c} += 1")
+
     def vec(self, lines: Sequence[str], part: tuple[int, int] | None = None) -> None:
-        low, high = part or (0, self.d)
-        with self.w.block(f"for c in range({low}, {high}):"):
-            self.w(
-                *(_REFERENCE.sub(lambda match: f"x[{self.offset(match[1])} + c]", line)
-                  for line in lines)
-            )  # fmt: skip
+        with self.loop(*(part or (0, self.d))) as c:
+            for line in lines:
+                text = _REFERENCE.sub(lambda m: f"x[{self.offset(m[1])} + {c}]", line)
+                self.w(_COUNTER.sub(c, text))
 
     def total(self, name: str, template: str, part: tuple[int, int] | None = None) -> None:
         low, high = part or (0, self.d)
-        if high - low <= _UNROLLED_SUM:
-            self.w(f"{name} = {tree_sum([self.substitute(template, c) for c in range(low, high)])}")
-            return
+        self.loops += 1
+        sums = [f"sum{self.loops}{letter}" for letter in "abcd"]
         # four running sums: additions of one do not wait for those of another
+        self.w(*(f"{x} = 0.0" for x in sums))
         whole = low + (high - low) // 4 * 4
-        self.w("part_0 = 0.0", "part_1 = 0.0", "part_2 = 0.0", "part_3 = 0.0")
-        with self.w.block(f"for c in range({low}, {whole}, 4):"):
-            for k in range(4):
-                term = _REFERENCE.sub(lambda m: f"x[{self.offset(m[1])} + c + {k}]", template)  # noqa: B023
-                self.w(f"part_{k} += {term}")
+        c = f"c{self.loops}"
+        self.w(f"{c} = {low}")
+        with self.w.block(f"while {c} < {whole}:"):
+            for k, x in enumerate(sums):
+                term = _REFERENCE.sub(lambda m: f"x[{self.offset(m[1]) + k} + {c}]", template)  # noqa: B023
+                self.w(f"{x} += {term}")
+            self.w(f"{c} += 4")
         rest = [self.substitute(template, c) for c in range(whole, high)]
-        self.w(f"{name} = {tree_sum(['part_0', 'part_1', 'part_2', 'part_3', *rest])}")
+        self.w(f"{name} = {tree_sum([*sums, *rest])}")
 
     def call(self, part: Part, source: str, out: str, tag: str) -> None:
         low, high = self.offset(out) + part.start, self.offset(out) + part.stop
         start = self.offset(source)
         where = f"x[{start + part.source}:{start + part.source_stop}]"
         if part.identity:
-            with self.w.block(f"for c in range({part.stop - part.start}):"):
-                self.w(f"x[{low} + c] = x[{start + part.source} + c]")
+            with self.loop(0, part.stop - part.start) as c:
+                self.w(f"x[{low} + {c}] = x[{start + part.source} + {c}]")
             return
         time = "time, " if part.timed else ""
         if part.function is not None:
             self.w(f"found = {part.role}({time}{where})")
-            with self.w.block(f"for c in range({part.stop - part.start}):"):
-                self.w(f"x[{low} + c] = found[c]")
+            with self.loop(0, part.stop - part.start) as c:
+                self.w(f"x[{low} + {c}] = found[{c}]")
             return
         name, values = (part.body_name, "constants") if part.body else (part.role, "par")
         self.w(f"{name}({time}{where}, {values}, x[{low}:{high}])")
 
-    def load(self, name: str, array: str, row: int) -> None:
-        """Read a vector from a row of an argument."""
-        with self.w.block(f"for c in range({self.d}):"):
-            self.w(f"x[{self.offset(name)} + c] = {array}[{row}, c]")
-
-    def store(self, name: str, array: str, row: int) -> None:
-        """Write a vector to a row of an argument."""
-        with self.w.block(f"for c in range({self.d}):"):
-            self.w(f"{array}[{row}, c] = x[{self.offset(name)} + c]")
+    def load(self, names: Sequence[str]) -> None:
+        for name in names:
+            self.offset(name)
 
 
 class LaneTarget(Target):

@@ -55,12 +55,17 @@ _cached_pair_form = lru_cache(maxsize=128)(pair_form)
 
 @dataclass
 class State:
-    """The arrays a kernel works on, carried from one chunk of steps to the next."""
+    """What a kernel works on, carried from one chunk of steps to the next.
 
-    y: np.ndarray
-    e: np.ndarray
-    memory: np.ndarray
+    Attributes
+    ----------
+        work: the work array; ``y`` (r, d) and ``memory`` (rows, d) are views of its head.
+        tally: evaluations, velocity evaluations, iterations, factorisations, steps, rows.
+    """
+
     work: np.ndarray
+    y: np.ndarray
+    memory: np.ndarray
     tally: np.ndarray = field(default_factory=lambda: np.zeros(6, dtype=np.int64))
 
     @property
@@ -107,11 +112,26 @@ class Kernel:
             slope: (d,) right-hand side at the start, the predictor's first guess.
             h: step size.
         """
-        y = np.ascontiguousarray(self.form.into(values), dtype=float)
-        memory = np.zeros((self.source.memory_rows, self.shape.dimension))
+        work, d, rows = np.zeros(self.source.work_size), self.shape.dimension, self.source.value_rows
+        below = (2 if self.options.compensated else 1) * rows
+        y = work[: rows * d].reshape(rows, d)
+        memory = work[below * d : (below + self.source.memory_rows) * d].reshape(-1, d)
+        y[:] = self.form.into(values)
         for row, weight in zip(memory, self.form.memory_weights, strict=True):
             row[:] = h * weight * slope
-        return State(y, np.zeros_like(y), memory, np.zeros(self.source.work_size))
+        return State(work, y, memory)
+
+    def resumed(self, other: State) -> State:
+        """State of another kernel of the same form, to go on from: same values, same counts."""
+        work = np.zeros(self.source.work_size)
+        head = other.memory.ctypes.data - other.work.ctypes.data
+        size = head // other.work.itemsize + other.memory.size
+        work[:size] = other.work[:size]
+        start = size - other.memory.size
+        memory = work[start:size].reshape(other.memory.shape)
+        memory[~np.isfinite(memory)] = 0.0
+        y = work[: other.y.size].reshape(other.y.shape)
+        return State(work, y, memory, other.tally)
 
     def values(self, state: State) -> np.ndarray:
         """(r, d) values in the method's basis."""
@@ -138,8 +158,8 @@ class Kernel:
             until = min(last, state.step + chunk)
             begin = time.perf_counter()
             code = self.built.kernel(
-                state.y, state.e, state.memory, state.work, self.shape.values, t0, h,
-                state.step, until, every, out, int(state.tally[5]), state.tally,
+                state.work, self.shape.values, t0, h, state.step, until, every, out,
+                int(state.tally[5]), state.tally,
             )  # fmt: skip
             spent = time.perf_counter() - begin
             seconds += spent

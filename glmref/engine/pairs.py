@@ -236,7 +236,8 @@ def pair_source(form: PairForm, shape: Shape, options: Options) -> KernelSource:
     PairBuilder(form, shape, options, target).kernel()
     title = f'"""Generated kernel: pair, {form.kind} form, {form.P.n} P and {form.Q.n} Q stages."""'
     head = header(shape, kind, newton=False)
-    return KernelSource(title + "\n\n" + head + writer.text, target.work_size, form.Q.n, kind)
+    text, rows = title + "\n\n" + head + writer.text, max(form.r, form.r_hat)
+    return KernelSource(text, target.work_size, rows, form.Q.n, kind)
 
 
 class PairBuilder(Builder):
@@ -259,9 +260,15 @@ class PairBuilder(Builder):
     def _rows(self) -> int:
         return max(self.form.r, self.form.r_hat)
 
-    def _names(self) -> dict[str, range]:
-        rows = range(self._rows())
-        return {"y": rows, "e": rows, "mem": range(self.form.Q.n)}
+    def _declare(self) -> None:
+        if isinstance(self.t, ScalarTarget):
+            at_q = [j for b in self.form.blocks if b.implicit for j in b.stages if j < self.form.Q.n]
+            self.w(*(f"{self.t.ref(f'Y{j}', c)} = 0.0" for j in at_q for c in range(*self.watched)))
+
+    def _state(self) -> list[str]:
+        letters = "ye" if self.options.compensated else "y"
+        names = [f"{letter}{k}" for letter in letters for k in range(self._rows())]
+        return names + [f"L{i}" for i in range(self.form.Q.n)]
 
     def _scaled_weights(self) -> None:
         for half, shift in ((self.form.Q, 0), (self.form.P, self.form.Q.n)):
@@ -373,18 +380,12 @@ class PairBuilder(Builder):
                 text = linear([(1.0, a), *terms])
                 self.t.vec([f"@{name}{node} = {z} + ({text})"], self._halves()[side][0])
 
-        def once(name: str) -> None:
+        w("last_change = 1e300", "stalls = 0", "rounds = 0")
+        with w.block("while True:"):
             values(at_p, at_q, "Y")
             for node in at_p:
                 self._call(node)
-            values(at_q, at_p, name)
-
-        once("Y")
-        for node in at_q:
-            self._call(node)
-        w("last_change = 1e300", "stalls = 0", "rounds = 1")
-        with w.block("while True:"):
-            once("N")
+            values(at_q, at_p, "N")
             self._compare(at_q)
             for node in at_q:
                 self._call(node)

@@ -137,8 +137,6 @@ def shape_of(problem: Problem, *, split: bool | None = None) -> Shape:
     if split and not problem.separable:
         raise UsageError(f"{problem.name} is not separable; it gives no `dq` and `dp`")
     halved = problem.separable if split is None else split
-    names = tuple(problem.parameters)
-    values = np.concatenate([[float(v) for v in problem.parameters.values()], problem.params])
     if halved:
         m = d // 2
         force = problem.force if problem.force is not None else problem.dp
@@ -150,9 +148,12 @@ def shape_of(problem: Problem, *, split: bool | None = None) -> Shape:
         parts = (_part("full", 0, d, 0, d, problem.f),)
     jacobian = problem.jacobian
     known = jacobian.formula if isinstance(jacobian, Jacobian) else jacobian
+    formulas = [*(part.formula for part in parts), known if isinstance(known, Formula) else None]
+    parameters = {k: float(v) for f in formulas if f for k, v in f.parameters.items()}
+    values = [*parameters.values(), *problem.params]
     body = _source(jacobian.body) if isinstance(jacobian, Loops) else ""
     return Shape(
-        d, halved, parts, known if isinstance(known, Formula) else None, names,
+        d, halved, parts, known if isinstance(known, Formula) else None, tuple(parameters),
         np.array(values, dtype=float), body, jacobian.body.__name__ if body else "",
     )  # fmt: skip
 

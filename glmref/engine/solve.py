@@ -15,7 +15,7 @@ from ..problems.model import Problem
 from .outcome import Outcome, Solution
 
 if TYPE_CHECKING:
-    from .kernel import Kernel
+    from .kernel import Kernel, State
     from .reference import Stepper
 
 __all__ = ["Outcome", "Solution", "solve"]
@@ -283,7 +283,7 @@ class _Run:
             for mark in marks:
                 self.outcome = self._advance(kernel, state, mark, t0, out)
                 if self.outcome is Outcome.STAGE_SOLVE_FAILED and solver == "auto":
-                    kernel, self.outcome = self._retry(kernel, state, mark, t0, out)
+                    kernel, state = self._retry(kernel, state, mark, t0, out)
                 if self.outcome is not Outcome.COMPLETED:
                     break
                 if not self.plan.every:
@@ -297,7 +297,9 @@ class _Run:
         if self.plan.every and self.done == self.plan.steps and self.done % self.plan.every:
             self._keep(self.done, self.values)
 
-    def _advance(self, kernel: Kernel, state: Any, mark: int, t0: float, out: Any) -> Outcome:
+    def _advance(
+        self, kernel: Kernel, state: State, mark: int, t0: float, out: np.ndarray
+    ) -> Outcome:
         outcome, seconds = kernel.advance(
             state, mark, t0=t0, h=self.h, every=self.plan.every, out=out, pause=self._pause
         )
@@ -313,23 +315,21 @@ class _Run:
             self.notices.append(kernel.built.notice)
 
     def _retry(
-        self, kernel: Kernel, state: Any, mark: int, t0: float, out: Any
-    ) -> tuple[Kernel, Outcome]:
+        self, kernel: Kernel, state: State, mark: int, t0: float, out: np.ndarray
+    ) -> tuple[Kernel, State]:
         """The fixed point failed: go on from the same step with Newton."""
-        from .kernel import Kernel, with_newton
+        from .kernel import with_newton
 
-        if not isinstance(kernel, Kernel) or kernel.options.solver == "newton":
-            return kernel, self.outcome
-        if isinstance(self.method, PartitionedGLM):
-            return kernel, self.outcome
+        if kernel.options.solver == "newton" or isinstance(self.method, PartitionedGLM):
+            return kernel, state
         other = with_newton(kernel)
         self._adopt(other)
         self.notices.append(
             f"the fixed point did not converge at step {state.step + 1}; Newton from there on"
         )
-        state.work = np.zeros(other.source.work_size)
-        state.memory[:] = np.where(np.isfinite(state.memory), state.memory, 0.0)
-        return other, self._advance(other, state, mark, t0, out)
+        state = other.resumed(state)
+        self.outcome = self._advance(other, state, mark, t0, out)
+        return other, state
 
     # --- result ---------------------------------------------------------------------------------
 

@@ -274,12 +274,32 @@ class StageWriter:
             self._explicit(stages[0], bases[stages[0]])
 
     def _solve(self, stages: tuple[int, ...], bases: Bases) -> None:
-        """First evaluation at the predicted stages, then rounds until Y is settled."""
+        """Rounds Y from L, f at Y, L from f, until Y is settled.
+
+        Before f is evaluated the new Y is compared with that of the round before: equal Y would
+        give the same f again, so the last, confirming, evaluation is never made.
+        """
         w = self.w
-        self._round(stages, bases, first=True)
-        w("last_change = 1e300", "stalls = 0", "rounds = 1")
+        w("last_change = 1e300", "stalls = 0", "rounds = 0")
         with w.block("while True:"):
-            self._round(stages, bases, first=False)
+            for part in self.shape.parts:
+                here = (part.source, part.source_stop)
+                if part is self.shape.counted:
+                    self._stage_values(stages, bases, here, "N")
+                    self._compare(stages)
+                    if self.options.solver == "newton":
+                        with w.block("if rounds == 1:"):
+                            self._prepare_newton(stages)
+                    self._evaluate(part, stages)
+                    if self.options.solver == "newton":
+                        self._newton_update(stages)
+                    else:
+                        self.t.vec([f"@L{i} = hw{i}*@F{i}" for i in stages], self.inner)
+                else:
+                    self._stage_values(stages, bases, here)
+                    self._evaluate(part, stages)
+                    outer = (part.start, part.stop)
+                    self.t.vec([f"@L{i} = hw{i}*@F{i}" for i in stages], outer)
         w("iterations += rounds")
         self._count(len(stages), "rounds", len(stages))
         with w.block("if outcome != 0:"):
@@ -288,36 +308,13 @@ class StageWriter:
             with w.block(f"if rounds > {REFRESH_ROUNDS}:"):
                 w("slow = True")
 
-    def _round(self, stages: Sequence[int], bases: Bases, *, first: bool) -> None:
-        """One round: Y from L, f at Y, L from f.
-
-        Before f is evaluated the new Y is compared with that of the round before: equal Y would
-        give the same f again, so the last, confirming, evaluation is never made.
-        """
-        for part in self.shape.parts:
-            here = (part.source, part.source_stop)
-            if part is self.shape.counted:
-                self._stage_values(stages, bases, here, "Y" if first else "N")
-                if not first:
-                    self._compare(stages)
-                elif self.options.solver == "newton":
-                    self._prepare_newton(stages)
-                self._evaluate(part, stages)
-                if self.options.solver == "newton":
-                    self._newton_update(stages)
-                else:
-                    self.t.vec([f"@L{i} = hw{i}*@F{i}" for i in stages], self.inner)
-            else:
-                self._stage_values(stages, bases, here)
-                self._evaluate(part, stages)
-                self.t.vec([f"@L{i} = hw{i}*@F{i}" for i in stages], (part.start, part.stop))
-
     def _compare(self, stages: Sequence[int]) -> None:
         """Leave the loop where Y is settled; else go on from the new Y."""
         w = self.w
         template = " + ".join(f"abs(@N{i} - @Y{i})" for i in stages)
         self.t.total("change", template if len(stages) == 1 else f"({template})", self.watched)
-        with w.block("if not (0.0 < change < last_change):"):
+        # in the first round there is no Y to compare with
+        with w.block("if rounds > 0 and not (0.0 < change < last_change):"):
             sizes = " + ".join(f"abs(@Y{i})" for i in stages)
             self.t.total("scale", sizes if len(stages) == 1 else f"({sizes})", self.watched)
             with w.block(f"if change <= {ROUND_OFF!r}*scale:"):
@@ -329,7 +326,7 @@ class StageWriter:
                 w("break")
         with w.block(f"if rounds >= {ROUNDS}:"):
             w("outcome = 1", "break")
-        w("last_change = change", "rounds += 1")
+        w("last_change = change if rounds > 0 else 1e300", "rounds += 1")
         self.t.vec([f"@Y{i} = @N{i}" for i in stages], self.watched)
 
     # --- Newton ---------------------------------------------------------------------------------
@@ -378,6 +375,14 @@ class StageWriter:
                     m, n_ = (k + 1) % 3, (k + 2) % 3
                     self.w(f"k{a}{k} = m{b}{m}*m{c}{n_} - m{b}{n_}*m{c}{m}")
             self.w("inverse = 1.0/(m00*k00 + m01*k01 + m02*k02)")
+
+    def _newton_names(self) -> list[str]:
+        """Local variables of the inline matrix, which are set in the first round of a solve."""
+        if not self.inline_newton:
+            return []
+        n = range(self.unknowns)
+        letters = "mk" if self.unknowns == 3 else "m"
+        return ["inverse", *(f"{x}{a}{b}" for x in letters for a in n for b in n)]
 
     def _reduced_entries(self, i: int) -> list[list[str]]:
         """Entries of J, or of K J_f, at Y_i as expressions; ``"0"`` where they vanish."""

@@ -49,7 +49,7 @@ def radau_nodes(stages: int, ctx: Any) -> list[Any]:
             if abs(change) < ctx.eps * 100:
                 break
         nodes.append(x)
-    return sorted((1 + x) / 2 for x in nodes) + [ctx.mpf(1)]
+    return [*sorted((1 + x) / 2 for x in nodes), ctx.mpf(1)]
 
 
 class _Collocation:
@@ -89,7 +89,8 @@ class _Collocation:
         z, before, inverse = guess, None, None
         scale = self._scale(y, z)
         for _ in range(MAX_ITERATIONS):
-            slopes = np.array([self.exact.f(t + c * h, y + dz) for c, dz in zip(self.c, z)])
+            stages = zip(t + h * self.c, y + z, strict=True)
+            slopes = np.array([self.exact.f(time, state) for time, state in stages])
             residual = (z - h * (self.A @ slopes)) / scale
             size = max(abs(x) for x in residual.flat) or self.ctx.mpf(1)
             if inverse is None:

@@ -235,7 +235,7 @@ def fault_shape() -> Problem:
 
 
 def fault_jacobian() -> Problem:
-    """Stiff decay with a Jacobian of the wrong sign: Newton's method must not be trusted with it."""
+    """Stiff decay with a Jacobian of the wrong sign: Newton's method must notice."""
 
     def jacobian(t: float, y: np.ndarray) -> np.ndarray:
         return np.array([[1e6]])

@@ -26,6 +26,7 @@ __all__ = ["FUNCTIONS", "Formula", "Number", "exact_number", "functions", "to_nu
 Number = int | Fraction | float
 
 FUNCTIONS = ("sqrt", "sin", "cos", "tan", "exp", "log", "atan2")
+LARGEST_EXPONENT = 1000
 _NODES = (
     *(ast.Expression, ast.BinOp, ast.UnaryOp, ast.Call, ast.Subscript, ast.Name, ast.Constant),
     *(ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow, ast.USub, ast.Load),
@@ -251,12 +252,16 @@ def _checked(text: str, names: frozenset[str], vectors: tuple[str, ...]) -> ast.
         if isinstance(node, ast.Constant) and type(node.value) not in (int, float):
             raise UsageError(f"the expression {text!r} contains {node.value!r}, not a number")
         if isinstance(node, ast.Call):
-            known = isinstance(node.func, ast.Name) and node.func.id in FUNCTIONS
-            if not known or node.keywords:
-                called = ast.unparse(node.func)
+            called = ast.unparse(node.func)
+            if called not in FUNCTIONS or node.keywords:
                 raise UsageError(
                     f"the expression {text!r} calls {called}; known are {', '.join(FUNCTIONS)}"
                 )
+            arity = 2 if called == "atan2" else 1
+            if len(node.args) != arity:
+                raise UsageError(f"{called} takes {arity} in {text!r}, got {len(node.args)}")
+        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow):
+            _check_power(node, text)
         if isinstance(node, ast.Subscript):
             index = node.slice
             whole = isinstance(index, ast.Constant) and type(index.value) is int
@@ -276,3 +281,19 @@ def _checked(text: str, names: frozenset[str], vectors: tuple[str, ...]) -> ast.
                     f"{', '.join(sorted(names))}"
                 )
     return tree.body
+
+
+def _check_power(node: ast.BinOp, text: str) -> None:
+    """Refuse powers that a few characters make astronomically large."""
+    literals = [x.value for x in ast.walk(node.right) if isinstance(x, ast.Constant)]
+    towers = [
+        side
+        for side in (node.left, node.right)
+        if any(isinstance(x, ast.Pow) for x in ast.walk(side))
+        and not any(isinstance(x, ast.Name) for x in ast.walk(side))
+    ]
+    if towers or any(isinstance(x, int | float) and abs(x) > LARGEST_EXPONENT for x in literals):
+        raise UsageError(
+            f"the exponent of {ast.unparse(node)!r} in {text!r} is no number up to "
+            f"{LARGEST_EXPONENT}"
+        )

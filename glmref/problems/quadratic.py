@@ -98,17 +98,17 @@ def point_vortices(vortices: object = 4) -> Problem:
         common.append((f"w{i}_{j}", f"1/(2*pi*(a{i}_{j}*a{i}_{j} + b{i}_{j}*b{i}_{j}))"))
     rows: list[list[str]] = [[] for _ in range(2 * n)]
     for i, j in pairs:
-        rows[i].append(f"- {strength[j]}*w{i}_{j}*b{i}_{j}")
-        rows[j].append(f"+ {strength[i]}*w{i}_{j}*b{i}_{j}")
-        rows[n + i].append(f"+ {strength[j]}*w{i}_{j}*a{i}_{j}")
-        rows[n + j].append(f"- {strength[i]}*w{i}_{j}*a{i}_{j}")
-    distances = [
-        f"- {strength[i] * strength[j] / 2}*log((y[{i}] - y[{j}])**2 + (y[{n + i}] - y[{n + j}])**2)"
-        for i, j in pairs
-    ]
+        rows[i].append(f"- ({strength[j]})*w{i}_{j}*b{i}_{j}")
+        rows[j].append(f"+ ({strength[i]})*w{i}_{j}*b{i}_{j}")
+        rows[n + i].append(f"+ ({strength[j]})*w{i}_{j}*a{i}_{j}")
+        rows[n + j].append(f"- ({strength[i]})*w{i}_{j}*a{i}_{j}")
+    distances = []
+    for i, j in pairs:
+        square = f"(y[{i}] - y[{j}])**2 + (y[{n + i}] - y[{n + j}])**2"
+        distances.append(f"- ({strength[i] * strength[j] / 2})*log({square})")
     impulse = {(k, k): strength[k % n] for k in range(2 * n)}
     linear = {
-        f"impulse {axis}": " + ".join(f"{strength[i]}*y[{shift + i}]" for i in range(n))
+        f"impulse {axis}": " + ".join(f"({strength[i]})*y[{shift + i}]" for i in range(n))
         for axis, shift in (("x", 0), ("y", n))
     }
     return Problem(

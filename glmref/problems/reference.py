@@ -25,8 +25,8 @@ class Reference:
     Attributes
     ----------
         t: time, as an exact fraction.
-        state: (d,) decimal strings.
-        agreement: largest difference between two computations, relative to the largest component.
+        state: (d,) decimal strings; each component has the digits on which two computations agree.
+        agreement: largest difference of the two, relative to the largest component.
         generator: how it was computed.
         source: citation of published digits that it confirms, or ``""``.
     """

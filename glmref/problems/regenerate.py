@@ -6,8 +6,6 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
-import numpy as np
-
 from .model import Problem
 from .reference import FORMAT
 
@@ -45,14 +43,14 @@ def solution_entries(
     parameters = {key: str(Fraction(value)) for key, value in problem.parameters.items()}
     entries = []
     for t, a, b in zip(times, coarse, fine, strict=True):
-        agreement = _difference(a, b)
-        kept = min(MOST_DIGITS, max(1, int(-np.log10(max(agreement, 1e-300)))))
+        differences = [abs(y - y.context.mpf(x)) for x, y in zip(a, b, strict=True)]
+        largest = max(abs(y) for y in b)
         entries.append(
             {
                 "parameters": parameters,
                 "t": t,
-                "state": [_text(x, kept) for x in b],
-                "agreement": f"{agreement:.1e}",
+                "state": [_text(y, error) for y, error in zip(b, differences, strict=True)],
+                "agreement": f"{float(max(differences) / largest):.1e}",
                 "generator": how,
             }
         )
@@ -64,12 +62,12 @@ def solution_document(name: str, entries: Sequence[dict[str, Any]]) -> dict[str,
     return {"format": FORMAT, "problem": name, "solutions": list(entries)}
 
 
-def _difference(a: np.ndarray, b: np.ndarray) -> float:
-    """Largest difference of two states, each component relative to its own size."""
-    sizes = [abs(y) or 1 for y in b]
-    return max(float(abs(y - y.context.mpf(x)) / s) for x, y, s in zip(a, b, sizes, strict=True))
-
-
-def _text(x: Any, digits: int) -> str:
-    """Decimal digits of an mpmath number, plain or with an exponent."""
-    return x.context.nstr(x, digits, strip_zeros=False)
+def _text(y: Any, error: Any) -> str:
+    """Those digits of an mpmath number that the other computation confirms."""
+    ctx = y.context
+    if abs(y) <= error:
+        return "0"
+    digits = MOST_DIGITS
+    if error:
+        digits = max(1, min(digits, int(-ctx.log10(error / abs(y)))))
+    return ctx.nstr(y, digits, strip_zeros=False)

@@ -17,10 +17,11 @@ from ..claims import UsageError
 from .formula import FUNCTIONS
 from .model import Problem
 
-__all__ = ["taylor_states"]
+__all__ = ["Tape", "taylor_states"]
 
 MAX_STEPS = 200_000
 GUARD_DIGITS = 10
+SMALLEST_STEP = 1e-12  # below, the radius of convergence shrinks towards a singularity
 
 
 class _Series:
@@ -28,7 +29,7 @@ class _Series:
 
     __slots__ = ("coefficients", "rule", "tape")
 
-    def __init__(self, tape: _Tape, rule: Callable[[int], Any]) -> None:
+    def __init__(self, tape: Tape, rule: Callable[[int], Any]) -> None:
         self.tape, self.rule = tape, rule
         self.coefficients: list[Any] = []
         tape.nodes.append(self)
@@ -109,7 +110,7 @@ class _Series:
         return self.tape.exp(self * self.tape.context.log(base))
 
 
-class _Tape:
+class Tape:
     """Records a right-hand side; stands in for an mpmath context while it runs."""
 
     def __init__(self, context: Any) -> None:
@@ -217,7 +218,7 @@ class _Integrator:
         self.order = int(1.16 * digits) + 2  # -log(tolerance)/2, optimal for O(N**2) operations
         self.tolerance = self.context.mpf(10) ** -digits
         self.start = problem.on(self.context).y0
-        self.tape = _Tape(self.context)
+        self.tape = Tape(self.context)
         self.time = self.tape.variable()
         self.y = [self.tape.variable() for _ in self.start]
         try:
@@ -272,7 +273,7 @@ def taylor_states(problem: Problem, times: Sequence[Any], *, digits: int = 30) -
     Raises
     ------
         UsageError: when f is a plain Python function that cannot be expanded, or after 200,000
-            steps (stiff problems need an implicit method).
+            steps (stiff problems need an implicit method), or at a singularity of the solution.
     """
     from fractions import Fraction
 
@@ -285,6 +286,8 @@ def taylor_states(problem: Problem, times: Sequence[Any], *, digits: int = 30) -
         while t != end:
             columns = engine.expand(t, y)
             h = min(engine.step_size(columns), abs(end - t))
+            if abs(h) < SMALLEST_STEP and h != abs(end - t):
+                raise UsageError(f"the solution of {problem.name} ends near t = {ctx.nstr(t, 12)}")
             reached = end if h == abs(end - t) else t + (h if end > t else -h)
             y = [ctx.polyval(c[::-1], reached - t) for c in columns]
             t, steps = reached, steps + 1
@@ -294,4 +297,4 @@ def taylor_states(problem: Problem, times: Sequence[Any], *, digits: int = 30) -
     return states
 
 
-assert all(hasattr(_Tape, name) for name in FUNCTIONS)
+assert all(hasattr(Tape, name) for name in FUNCTIONS)

@@ -159,20 +159,29 @@ def stability_function(m: GLM) -> tuple[Polynomial, Polynomial]:
     """
     if m.r != 1:
         raise UsageError(f"only a one-step method has a stability function; this one has r = {m.r}")
-    numerator, denominator = _without_content(stability_polynomial(m))
+    numerator, denominator = _without_content(m, stability_polynomial(m))
     unit = 1 / denominator[0]
     return poly.scale(-unit, numerator), poly.scale(unit, denominator)
 
 
-def _without_content(P: Bivariate) -> Bivariate:
-    """Divide out the polynomial in z that all coefficients share: poles that cancel."""
-    parts = sorted((p for p in P if p), key=len)
-    content = parts[0]
-    for p in parts[1:]:
-        if len(content) == 1:
-            return P
-        content = poly.gcd(content, p)
-    return P if len(content) == 1 else tuple(poly.divide(p, content)[0] if p else p for p in P)
+def _without_content(m: GLM, P: Bivariate) -> Bivariate:
+    """Divide out the polynomial in z that all coefficients share: poles that cancel.
+
+    It divides det(I - z A), whose zeros are known where A is lower triangular.
+    """
+    if not m.is_diagonally_implicit:
+        parts = sorted((p for p in P if p), key=len)
+        content = parts[0]
+        for p in parts[1:]:
+            if len(content) == 1:
+                return P
+            content = poly.gcd(content, p)
+        return P if len(content) == 1 else _divided(P, content)
+    for i in m.implicit_stages:
+        a = m.A[i - 1][i - 1]
+        if all(poly.evaluate(p, 1 / a).is_zero() is True for p in P):
+            P = _divided(P, (_ONE, -a))
+    return P
 
 
 def on_imaginary_axis(P: Bivariate) -> Bivariate:
@@ -183,7 +192,7 @@ def on_imaginary_axis(P: Bivariate) -> Bivariate:
 
 def at_infinity(m: GLM) -> AtInfinity:
     """Limits of the eigenvalues of M(z) as z grows without bound, in any direction."""
-    return _at_infinity(m, _without_content(stability_polynomial(m)))
+    return _at_infinity(m, stability_polynomial(m))
 
 
 def _at_infinity(m: GLM, P: Bivariate) -> AtInfinity:
@@ -212,10 +221,11 @@ def a_stability(m: GLM) -> Decision:
     """
     if not m.is_exact:
         return Decision(None, "published decimals: A-stability is decided for exact methods only")
-    P = _without_content(stability_polynomial(m))
+    P = stability_polynomial(m)
     quick = _quick_refusal(m, P)
     if quick is not None:
         return quick
+    P = _without_content(m, P)
     if not _poles_in_right_half(P[-1]):
         return Decision(False, "M(z) has a pole in the left half-plane or on the imaginary axis")
     fixed = _fixed_part(P)
@@ -231,10 +241,16 @@ def _quick_refusal(m: GLM, P: Bivariate) -> Decision | None:
         return Decision(False, "an eigenvalue of M(z) grows without bound as z goes to infinity")
     if not poly.in_closed_disc(far.polynomial):
         return Decision(False, _escape(far.polynomial, "as z goes to infinity"))
+    if m.is_diagonally_implicit:
+        for i in m.implicit_stages:
+            a = m.A[i - 1][i - 1]
+            moves = any(poly.evaluate(p, 1 / a).is_zero() is not True for p in P)
+            if moves and a.real.sign() < 0:
+                return Decision(False, f"M(z) has the pole z = {1 / float(a.real):.6g}")
     axis = on_imaginary_axis(P)
     for y in SAMPLES:
         p = poly.trim([poly.evaluate(c, y) for c in axis])
-        if len(p) <= m.r or not poly.in_closed_disc(p):
+        if p and (len(p) <= m.r or not poly.in_closed_disc(p)):
             return Decision(False, _escape(p, f"at z = {y} i"))
     return None
 

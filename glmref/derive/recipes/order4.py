@@ -183,6 +183,6 @@ def _symmetric(b1: Fraction, beta1: Fraction, start: str) -> Derivation:
     document["source"] = derived_source(where)
     text = (
         f"{name}: exactly one solution within 1e-60 of the digits (contraction "
-        f"{enclosure.contraction:.1e}); order 4 there, order 5 refuted by {enclosure.next_order:.2e}"
+        f"{enclosure.contraction:.1e}), of order 4; order 5 refuted by {enclosure.next_order:.2e}"
     )
     return Derivation("order4", [document], [Statement(text, Proof.ENCLOSED)])

@@ -78,6 +78,6 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
     progress("done", 1, 1)
     text = (
         f"{document['name']}: exactly one solution within 1e-60 of the digits (contraction "
-        f"{enclosure.contraction:.1e}); order 6 there, order 7 refuted by {enclosure.next_order:.2e}"
+        f"{enclosure.contraction:.1e}), of order 6; order 7 refuted by {enclosure.next_order:.2e}"
     )
     return Derivation("yoshida6", [document], [Statement(text, Proof.ENCLOSED)])

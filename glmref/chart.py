@@ -1,0 +1,351 @@
+"""Log-log charts without a plotting library: SVG for files, characters for a terminal.
+
+A series is told by marker, dash *and* colour (Okabe and Ito's palette), and is named at the right
+margin beside its last point, with a thin leader; names never overlap. PNG is left to matplotlib, if
+it is installed (the extra ``plots``).
+
+Public names::
+
+    Series(name, points)            svg(series, title=, x_label=, y_label=) -> str
+    text(series, ...) -> str        write_png(path, series, ...) -> str | None
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from xml.sax.saxutils import escape, quoteattr
+
+__all__ = ["Series", "decades", "place_labels", "svg", "text", "ticks", "write_png"]
+
+COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#3b3b3b")
+DASHES = ("", "7 3", "2 3", "9 3 2 3", "14 4")
+#: Names of the marker shapes; text charts use the letters of the alphabet instead.
+MARKERS = ("circle", "square", "up", "diamond", "down", "cross", "plus", "ring")
+_MATPLOTLIB_MARKERS = ("o", "s", "^", "D", "v", "x", "P", "h")
+_LETTERS = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+_CHARACTER = 6.7  # width of a character of the label font at 12 px, in px
+_SPACING = 15.0  # least distance of two labels, in px
+
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Series:
+    """A named line through points with positive coordinates; others are not drawn.
+
+    Attributes
+    ----------
+        name: shown beside the line.
+        points: (x, y) in the order in which they are joined.
+        notes: one text per point for the reader who points at it, or none.
+    """
+
+    name: str
+    points: tuple[Point, ...]
+    notes: tuple[str, ...] = ()
+
+    @property
+    def drawn(self) -> tuple[tuple[float, float, str], ...]:
+        """Points that a logarithmic chart can show, with their notes."""
+        notes = self.notes if len(self.notes) == len(self.points) else ("",) * len(self.points)
+        return tuple(
+            (x, y, note)
+            for (x, y), note in zip(self.points, notes, strict=True)
+            if 0 < x < math.inf and 0 < y < math.inf
+        )
+
+
+def decades(values: Sequence[float]) -> tuple[float, float]:
+    """Return log10 limits that hold all values with a margin, at least half a decade apart."""
+    logs = [math.log10(v) for v in values]
+    low, high = min(logs), max(logs)
+    margin = max(0.06 * (high - low), 0.08)
+    low, high = low - margin, high + margin
+    if high - low < 0.5:
+        middle = (low + high) / 2
+        low, high = middle - 0.25, middle + 0.25
+    return low, high
+
+
+def ticks(low: float, high: float, *, most: int = 8) -> list[float]:
+    """Return log10 positions of ticks: powers of ten, thinned, or 1-2-5 steps in a short range."""
+    whole = list(range(math.ceil(low - 1e-9), math.floor(high + 1e-9) + 1))
+    if len(whole) >= 3:
+        step = max(1, math.ceil(len(whole) / most))
+        return [float(k) for k in whole if k % step == 0]
+    fine = [
+        k + math.log10(m)
+        for k in range(math.floor(low) - 1, math.ceil(high) + 1)
+        for m in (1, 2, 5)
+        if low <= k + math.log10(m) <= high
+    ]
+    return fine if len(fine) >= 2 else [low, high]
+
+
+def _tick_text(log: float) -> str:
+    """Return a tick's value: 1e-9, 0.01, 5, 2e+3 as a short plain number."""
+    value = 10**log
+    if 1e-3 <= value < 1e4:
+        return f"{value:.3g}"
+    mantissa, _, power = f"{value:.0e}".partition("e")
+    return f"{mantissa}e{int(power)}"
+
+
+def place_labels(wanted: Sequence[float], low: float, high: float) -> list[float]:
+    """Move label positions apart to at least the line spacing, changing their order not at all.
+
+    Args:
+        wanted: positions in px, any order. low, high: limits they should stay within; where there
+            is no room for all, the last ones pass ``high``.
+    """
+    order = sorted(range(len(wanted)), key=lambda i: wanted[i])
+    placed = [0.0] * len(wanted)
+    # clusters of labels that touch share the mean of what they wanted
+    clusters: list[list[int]] = []
+    tops: list[float] = []
+    for i in order:
+        clusters.append([i])
+        tops.append(min(max(wanted[i], low), high))
+        while len(clusters) > 1 and tops[-1] < tops[-2] + _SPACING * len(clusters[-2]):
+            merged = clusters[-2] + clusters[-1]
+            clusters[-2:] = [merged]
+            ideal = sum(wanted[j] - _SPACING * n for n, j in enumerate(merged)) / len(merged)
+            most = high - _SPACING * (len(merged) - 1)
+            tops[-2:] = [max(low, min(ideal, most))]
+    for cluster, top in zip(clusters, tops, strict=True):
+        for n, i in enumerate(cluster):
+            placed[i] = top + n * _SPACING
+    return placed
+
+
+@dataclass(frozen=True)
+class _Frame:
+    """The plotting area in px and the log10 limits it shows."""
+
+    left: float
+    top: float
+    right: float
+    bottom: float
+    x: tuple[float, float]
+    y: tuple[float, float]
+
+    def at(self, x: float, y: float) -> Point:
+        """Position of a point, from its logarithms."""
+        u = (x - self.x[0]) / (self.x[1] - self.x[0])
+        v = (y - self.y[0]) / (self.y[1] - self.y[0])
+        return self.left + u * (self.right - self.left), self.bottom - v * (self.bottom - self.top)
+
+
+def svg(
+    series: Sequence[Series],
+    *,
+    title: str,
+    x_label: str,
+    y_label: str,
+    width: int = 820,
+    height: int = 460,
+) -> str:
+    """Return a complete SVG document, readable without any style sheet or script.
+
+    Series without a point that can be drawn are named in a line below the chart.
+    """
+    shown = [one for one in series if one.drawn]
+    empty = [one.name for one in series if not one.drawn]
+    longest = max((len(one.name) for one in shown), default=0)
+    margin = 30 + _CHARACTER * longest
+    height = max(height, round(110 + _SPACING * len(shown)))
+    width = max(width, round(70 + margin + 420))
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" '
+        f'height="{height}" role="img" aria-label={quoteattr(title)} '
+        f'font-family="Helvetica, Arial, sans-serif" font-size="12">',
+        f"<title>{escape(title)}</title>",
+        f'<rect width="{width}" height="{height}" fill="#ffffff"/>',
+        f'<text x="70" y="24" font-size="14" font-weight="bold" fill="#111">{escape(title)}</text>',
+    ]
+    if shown:
+        xs = [x for one in shown for x, _, _ in one.drawn]
+        ys = [y for one in shown for _, y, _ in one.drawn]
+        frame = _Frame(70, 40, width - margin, height - 58, decades(xs), decades(ys))
+        parts += _axes(frame, x_label, y_label)
+        parts += _lines(frame, shown)
+    else:
+        parts.append('<text x="70" y="60" fill="#111">nothing to draw</text>')
+    if empty:
+        listed = f"not drawn, without a positive value: {', '.join(empty)}"
+        parts.append(f'<text x="70" y="{height - 8}" fill="#555">{escape(listed)}</text>')
+    return "\n".join([*parts, "</svg>"]) + "\n"
+
+
+def _axes(frame: _Frame, x_label: str, y_label: str) -> list[str]:
+    left, top, right, bottom = frame.left, frame.top, frame.right, frame.bottom
+    parts = []
+    for log in ticks(*frame.x):
+        x, _ = frame.at(log, frame.y[0])
+        parts.append(
+            f'<line x1="{x:.1f}" y1="{top}" x2="{x:.1f}" y2="{bottom}" stroke="#e3e3e3"/>'
+            f'<text x="{x:.1f}" y="{bottom + 17}" text-anchor="middle" fill="#333">'
+            f"{_tick_text(log)}</text>"
+        )
+    for log in ticks(*frame.y):
+        _, y = frame.at(frame.x[0], log)
+        parts.append(
+            f'<line x1="{left}" y1="{y:.1f}" x2="{right:.1f}" y2="{y:.1f}" stroke="#e3e3e3"/>'
+            f'<text x="{left - 7}" y="{y + 4:.1f}" text-anchor="end" fill="#333">'
+            f"{_tick_text(log)}</text>"
+        )
+    middle = (top + bottom) / 2
+    parts += [
+        f'<rect x="{left}" y="{top}" width="{right - left:.1f}" height="{bottom - top}" '
+        f'fill="none" stroke="#555"/>',
+        f'<text x="{(left + right) / 2:.1f}" y="{bottom + 36}" text-anchor="middle" fill="#111">'
+        f"{escape(x_label)}</text>",
+        f'<text transform="translate(16 {middle:.1f}) rotate(-90)" text-anchor="middle" '
+        f'fill="#111">{escape(y_label)}</text>',
+    ]
+    return parts
+
+
+def _lines(frame: _Frame, shown: Sequence[Series]) -> list[str]:
+    """Lines, markers, leaders and names of the series."""
+    parts, ends = [], []
+    for number, one in enumerate(shown):
+        color = COLORS[number % len(COLORS)]
+        dash = DASHES[(number // len(COLORS)) % len(DASHES)]
+        points = [(*frame.at(math.log10(x), math.log10(y)), x, y, n) for x, y, n in one.drawn]
+        path = " ".join(f"{u:.1f},{v:.1f}" for u, v, *_ in points)
+        dashed = f' stroke-dasharray="{dash}"' if dash else ""
+        parts.append(
+            f'<polyline points="{path}" fill="none" stroke="{color}" stroke-width="1.6"{dashed}/>'
+        )
+        # markers at every point where there are few, at about sixteen where there are many
+        each = max(1, len(points) // 16)
+        for k, (u, v, x, y, note) in enumerate(points):
+            if k % each and k != len(points) - 1:
+                continue
+            label = f"{one.name}: {x:.4g}, {y:.4g}" + (f"; {note}" if note else "")
+            parts.append(
+                f"<g>{_marker(MARKERS[number % len(MARKERS)], u, v, color)}"
+                f"<title>{escape(label)}</title></g>"
+            )
+        end = max(points, key=lambda point: point[0])
+        ends.append((end[0], end[1], color))
+    rows = place_labels([v for _, v, _ in ends], frame.top + 6, frame.bottom - 2)
+    for one, (u, v, color), row in zip(shown, ends, rows, strict=True):
+        x = frame.right + 20
+        parts.append(
+            f'<polyline points="{u + 5:.1f},{v:.1f} {frame.right + 5:.1f},{row:.1f} '
+            f'{x - 3:.1f},{row:.1f}" fill="none" stroke="{color}" stroke-width="0.6" '
+            f'stroke-opacity="0.7"/>'
+            f'<text x="{x:.1f}" y="{row + 4:.1f}" fill="#111">{escape(one.name)}</text>'
+        )
+    return parts
+
+
+def _marker(shape: str, x: float, y: float, color: str) -> str:
+    """Return one marker of about 8 px."""
+    filled, hollow = f'fill="{color}"', f'fill="#fff" stroke="{color}" stroke-width="1.6"'
+    stroke = f'fill="none" stroke="{color}" stroke-width="1.8"'
+
+    def at(*offsets: tuple[float, float]) -> str:
+        return " ".join(f"{x + dx:.1f},{y + dy:.1f}" for dx, dy in offsets)
+
+    shapes = {
+        "circle": f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3.6" {filled}/>',
+        "ring": f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3.4" {hollow}/>',
+        "square": f'<rect x="{x - 3.3:.1f}" y="{y - 3.3:.1f}" width="6.6" height="6.6" {filled}/>',
+        "up": f'<polygon points="{at((-4, 3), (4, 3), (0, -4.5))}" {filled}/>',
+        "down": f'<polygon points="{at((-4, -3), (4, -3), (0, 4.5))}" {hollow}/>',
+        "diamond": f'<polygon points="{at((-4.4, 0), (0, -4.4), (4.4, 0), (0, 4.4))}" {filled}/>',
+        "cross": f'<path d="M{at((-3.4, -3.4))} L{at((3.4, 3.4))} M{at((-3.4, 3.4))} '
+        f'L{at((3.4, -3.4))}" {stroke}/>',
+        "plus": f'<path d="M{at((-4.4, 0))} L{at((4.4, 0))} M{at((0, -4.4))} '
+        f'L{at((0, 4.4))}" {stroke}/>',
+    }
+    return shapes[shape]
+
+
+def text(
+    series: Sequence[Series], *, x_label: str, y_label: str, width: int = 72, height: int = 18
+) -> str:
+    """Return the chart as lines of characters: one letter for each series, ``*`` where two meet."""
+    shown = [one for one in series if one.drawn]
+    if not shown:
+        return "nothing to draw"
+    xs = [x for one in shown for x, _, _ in one.drawn]
+    ys = [y for one in shown for _, y, _ in one.drawn]
+    frame = _Frame(0, 0, width - 1, height - 1, decades(xs), decades(ys))
+    grid = [[" "] * width for _ in range(height)]
+    for number, one in enumerate(shown):
+        letter = _LETTERS[number % len(_LETTERS)]
+        for x, y, _ in one.drawn:
+            u, v = frame.at(math.log10(x), math.log10(y))
+            column, row = round(u), round(v)
+            taken = grid[row][column] not in (" ", letter)
+            grid[row][column] = "*" if taken else letter
+    rows = {round(frame.at(0, log)[1]): _tick_text(log) for log in ticks(*frame.y, most=6)}
+    margin = max(len(label) for label in rows.values())
+    lines = [y_label]
+    lines += [f"{rows.get(k, ''):>{margin}} |{''.join(row)}" for k, row in enumerate(grid)]
+    lines.append(f"{'':{margin}} +{'-' * width}")
+    lines.append(f"{'':{margin}}  {_tick_line(frame, width)}")
+    lines.append(f"{'':{margin}}  {x_label}")
+    names = [f"{_LETTERS[n % len(_LETTERS)]} {one.name}" for n, one in enumerate(shown)]
+    return "\n".join(line.rstrip() for line in [*lines, *_wrapped(names, margin + 2 + width)])
+
+
+def _tick_line(frame: _Frame, width: int) -> str:
+    """Return the values along the x axis; one that would touch its neighbour is left out."""
+    line = ""
+    for log in ticks(*frame.x):
+        label = _tick_text(log)
+        column = max(0, min(width - len(label), round(frame.at(log, 0)[0]) - len(label) // 2))
+        if column > len(line) or not line:
+            line = line.ljust(column) + label
+    return line
+
+
+def _wrapped(names: Sequence[str], width: int) -> list[str]:
+    lines = [""]
+    for name in names:
+        if lines[-1] and len(lines[-1]) + 3 + len(name) > width:
+            lines.append("")
+        lines[-1] += f"   {name}" if lines[-1] else name
+    return lines
+
+
+def write_png(
+    path: Path, series: Sequence[Series], *, title: str, x_label: str, y_label: str
+) -> str | None:
+    """Write the chart as PNG through matplotlib; return a notice where that is not installed."""
+    try:
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+    except ImportError:
+        return "no PNG: matplotlib is not installed; pip install 'glmref[plots]'"
+    figure = Figure(figsize=(8.2, 4.8), dpi=120, layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.add_subplot()
+    for number, one in enumerate(one for one in series if one.drawn):
+        x, y, _ = zip(*one.drawn, strict=True)
+        dash = DASHES[(number // len(COLORS)) % len(DASHES)]
+        axes.loglog(
+            x,
+            y,
+            label=one.name,
+            color=COLORS[number % len(COLORS)],
+            marker=_MATPLOTLIB_MARKERS[number % len(_MATPLOTLIB_MARKERS)],
+            markersize=5,
+            markevery=max(1, len(x) // 16),
+            linewidth=1.3,
+            linestyle=(0, tuple(float(v) / 2 for v in dash.split())) if dash else "-",
+        )
+    axes.set(title=title, xlabel=x_label, ylabel=y_label)
+    axes.grid(visible=True, color="#e3e3e3")
+    if axes.lines:
+        figure.legend(loc="outside right upper", fontsize=8, frameon=False)
+    figure.savefig(path, format="png", metadata={"Software": None})
+    return None

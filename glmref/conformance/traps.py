@@ -1,0 +1,310 @@
+"""Usual bugs of integrators, carried out: the wrong result that each of them gives.
+
+A vector is a trap when a usual bug gives another result than the right one. The wrong results are
+stored beside the right one, so that an integrator that returns one of them can be told its defect
+by name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ..engine.reference import Stepper, apply_finish, apply_start, stepper
+from ..exact import Exact
+from ..linalg import Matrix, matmul, transpose
+from ..method import GLM, PartitionedGLM
+from ..problems import Problem
+
+__all__ = ["NOTES", "Wrong", "wrong_runs", "wrong_steps"]
+
+#: flag -> (the bug, what it does): the ``notes`` of the vector files.
+NOTES: Mapping[str, tuple[str, str]] = {
+    "StagesReordered": (
+        "the slopes of the stages are stored in the wrong order",
+        "A and B multiply the slopes of other stages; hidden where the weights are symmetric",
+    ),
+    "StagesOutOfOrder": (
+        "a stage is computed before the earlier stages it needs",
+        "the terms a_ij h f(Y_j), j < i, are missing: the order falls to 1",
+    ),
+    "BlocksSwapped": (
+        "U and V changed places",
+        "possible where s = r; the first value may look right for some steps",
+    ),
+    "Transposed": (
+        "V is used transposed",
+        "the other values turn the wrong way round; the first value looks right in the first step",
+    ),
+    "ParasiticDropped": (
+        "the other values are not carried: the part V y of the values 2 to r is lost",
+        "looks like a one-step method and has its lower order",
+    ),
+    "ValuesSwapped": (
+        "the first two values change places when they are handed to the next step",
+        "the solution and a small value are exchanged",
+    ),
+    "AbscissaeIgnored": (
+        "f is evaluated at the time t of the step in every stage",
+        "invisible on autonomous problems; order 1 on others",
+    ),
+    "AbscissaeOne": (
+        "f is evaluated at the end t + h of the step in every stage",
+        "invisible on autonomous problems; order 1 on others",
+    ),
+    "IterationStopped": (
+        "the iteration of the stage equations is stopped early",
+        "the error of the stages is larger than that of the method; no form is conserved",
+    ),
+    "NewtonStopped": (
+        "Newton's method is stopped after its first iteration",
+        "right on linear problems; elsewhere no form is conserved and the energy drifts",
+    ),
+    "PartnerStale": (
+        "p is updated and q is computed from the old p",
+        "explicit Euler in place of a symplectic method: the energy grows",
+    ),
+    "PartnerNotUpdated": (
+        "p is updated and q is not",
+        "the position does not move",
+    ),
+    "UpdatesExchanged": (
+        "the other variable is updated first",
+        "the adjoint or a conjugate method: the same order, other numbers",
+    ),
+    "StepSignLost": (
+        "the absolute value of h is used",
+        "going back in time goes forward",
+    ),
+    "StartZeroed": (
+        "the starting values 2 to r are zero",
+        "parasitic components of size h^k from the first step on",
+    ),
+    "FinishSkipped": (
+        "the first value is returned without the finishing method",
+        "the error does not fall with the order of the method",
+    ),
+    "TimeNotAdvanced": (
+        "every step begins at t0",
+        "invisible on autonomous problems",
+    ),
+    "StepMissing": ("one step less is taken", "the result belongs to an earlier time"),
+    "StepExtra": ("one step more is taken", "the result belongs to a later time"),
+    "StepHalved": (
+        "two steps of half the size are taken for one",
+        "more accurate than the method, and not the method",
+    ),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Wrong:
+    """What a bug returns: ``values`` of a step or a start (r, d), ``solution`` (d,) of a run."""
+
+    flag: str
+    values: np.ndarray
+
+
+def _variant(engine: Stepper, method: GLM | PartitionedGLM) -> Stepper:
+    """Stepper of a changed method that evaluates f at the times of the right one."""
+    changed = stepper(method, _double(engine), digits=engine.arithmetic.digits)
+    if isinstance(method, GLM):
+        changed.c = engine.c
+    return changed
+
+
+def _double(engine: Stepper) -> Problem:
+    problem: Problem = engine.problem
+    return replace(problem, context=None, y0=problem.initial)
+
+
+def wrong_steps(
+    engine: Stepper, method: GLM | PartitionedGLM, t: Any, values: np.ndarray, h: Any
+) -> Iterator[Wrong]:
+    """Carry out every bug that can happen in one step of this method; some may give the right end.
+
+    Args:
+        engine: stepper of the right method on the problem. t, values, h: the step.
+    """
+    right = engine.step(t, values, h).values
+    if isinstance(method, PartitionedGLM):
+        variants = _pair_variants(method)
+    else:
+        variants = _variants(method)
+        yield from _wrong_times(engine, t, values, h)
+        yield from _unsolved(engine, t, values, h)
+        if method.r > 1:
+            yield Wrong("ValuesSwapped", right[[1, 0, *range(2, method.r)]])
+    for flag, changed in variants:
+        yield Wrong(flag, _variant(engine, changed).step(t, values, h).values)
+    if h < 0:
+        yield Wrong("StepSignLost", engine.step(t, values, -h).values)
+
+
+def _variants(m: GLM) -> Iterator[tuple[str, GLM]]:
+    reversed_B = tuple(tuple(reversed(row)) for row in m.B)
+    zero = Exact(0)
+    if m.s > 1:
+        lower = m.is_diagonally_implicit
+        A = tuple(
+            (*reversed(row[:i]), *row[i:]) if lower else tuple(reversed(row))
+            for i, row in enumerate(m.A)
+        )
+        yield "StagesReordered", m.bare(A=A, B=reversed_B)
+        if lower:
+            diagonal = tuple(
+                tuple(x if i == j else zero for j, x in enumerate(row)) for i, row in enumerate(m.A)
+            )
+            yield "StagesOutOfOrder", m.bare(A=diagonal)
+    if m.r > 1:
+        if m.s == m.r:
+            yield "BlocksSwapped", m.bare(U=m.V, V=m.U)
+        yield "Transposed", m.bare(V=transpose(m.V))
+        lost: Matrix = tuple(row if k == 0 else (zero,) * m.r for k, row in enumerate(m.V))
+        yield "ParasiticDropped", m.bare(V=lost)
+
+
+def _pair_variants(m: PartitionedGLM) -> Iterator[tuple[str, PartitionedGLM]]:
+    def nothing(matrix: Matrix) -> Matrix:
+        return tuple(tuple(Exact(0) for _ in row) for row in matrix)
+
+    yield "PartnerStale", replace(m, A=nothing(m.A), A_hat=nothing(m.A_hat))
+    yield "PartnerNotUpdated", replace(m, B=nothing(m.B))
+    exchanged = {x: getattr(m, f"{x}_hat") for x in "AUBV"}
+    yield "UpdatesExchanged", replace(m, **exchanged, **{f"{x}_hat": getattr(m, x) for x in "AUBV"})
+
+
+def _wrong_times(engine: Stepper, t: Any, values: np.ndarray, h: Any) -> Iterator[Wrong]:
+    right = engine.c
+    for flag, value in (("AbscissaeIgnored", 0), ("AbscissaeOne", 1)):
+        engine.c = np.array([value * (x * 0 + 1) for x in right])
+        try:
+            yield Wrong(flag, engine.step(t, values, h).values)
+        finally:
+            engine.c = right
+
+
+def _unsolved(engine: Stepper, t: Any, values: np.ndarray, h: Any) -> Iterator[Wrong]:
+    """Results of stage equations solved badly: after 0, 1, 2, 3 iterations from ``U y``."""
+    if not any(block.implicit for block in engine.blocks):
+        return
+    for rounds in range(4):
+        yield Wrong("IterationStopped", _stopped(engine, t, values, h, _fixed_point(rounds)))
+    yield Wrong("NewtonStopped", _stopped(engine, t, values, h, _newton))
+
+
+Iteration = Callable[[Stepper, Callable[..., Any], np.ndarray, Any], np.ndarray]
+
+
+def _stopped(engine: Stepper, t: Any, values: np.ndarray, h: Any, iterate: Iteration) -> np.ndarray:
+    """A step whose implicit blocks are settled by ``iterate`` instead of solved."""
+    slopes = engine.arithmetic.zeros((engine.method.s, values.shape[1]))
+    known = engine.U.dot(values)
+    for block in engine.blocks:
+        index = list(block.stages)
+        base = known[index] + h * engine.A[index].dot(slopes)
+        inner = engine.A[np.ix_(index, index)]
+        times = [t + engine.c[i] * h for i in index]
+
+        def rhs(x: np.ndarray, base: Any = base, inner: Any = inner, times: Any = times) -> Any:
+            y = base + h * inner.dot(x)
+            return np.stack([engine.slope(s, row) for s, row in zip(times, y, strict=True)])
+
+        first = rhs(0 * base)
+        jacobian = (h, inner, times, base)
+        slopes[index] = iterate(engine, rhs, first, jacobian) if block.implicit else first
+    return h * engine.B.dot(slopes) + engine.V.dot(values)
+
+
+def _fixed_point(rounds: int) -> Iteration:
+    def iterate(engine: Stepper, rhs: Callable[..., Any], x: np.ndarray, _: Any) -> np.ndarray:
+        for _round in range(rounds):
+            x = rhs(x)
+        return x
+
+    return iterate
+
+
+def _newton(engine: Stepper, rhs: Callable[..., Any], x: np.ndarray, with_: Any) -> np.ndarray:
+    """One iteration from the slopes at ``U y``, the Jacobian at the same place."""
+    h, inner, times, base = with_
+    m, d = x.shape
+    at = base + h * inner.dot(x)
+    blocks = [engine.problem.jacobian(s, y) for s, y in zip(times, at, strict=True)]
+    matrix = engine.arithmetic.zeros((m * d, m * d))
+    for i in range(m):
+        for j in range(m):
+            matrix[i * d : i * d + d, j * d : j * d + d] = -h * inner[i, j] * blocks[i]
+    for k in range(m * d):
+        matrix[k, k] = matrix[k, k] + 1
+    change = engine.arithmetic.solve(matrix, (rhs(x) - x).ravel())
+    return x + change.reshape(x.shape)
+
+
+def wrong_runs(
+    engine: Stepper, method: GLM | PartitionedGLM, t0: Any, values: np.ndarray, h: Any, steps: int
+) -> Iterator[Wrong]:
+    """Carry out the bugs of a run of several steps; ``values`` holds the solution (1, d)."""
+
+    def run(
+        count: int, size: Any = h, start: np.ndarray = values, *, still: bool = False
+    ) -> np.ndarray:
+        y = start
+        for n in range(count):
+            y = engine.step(t0 if still else t0 + n * size, y, size).values
+        return y
+
+    def solution(y: np.ndarray, n: int = steps) -> np.ndarray:
+        finishing = getattr(method, "finishing", None)
+        if finishing is None:
+            return y[:1]
+        return apply_finish(finishing, engine, t0 + n * h, y[0], h)[0][None, :]
+
+    yield Wrong("StepMissing", solution(run(steps - 1), steps - 1))
+    yield Wrong("StepExtra", solution(run(steps + 1), steps + 1))
+    yield Wrong("TimeNotAdvanced", solution(run(steps, still=True)))
+    if getattr(method, "finishing", None) is not None:
+        yield Wrong("FinishSkipped", run(steps)[:1])
+    if isinstance(method, PartitionedGLM) or method.r == 1:
+        yield Wrong("StepHalved", solution(run(2 * steps, h / 2)))
+        return
+    if method.starting is not None:
+        zeroed = values.copy()
+        zeroed[1:] = 0 * zeroed[1:]
+        yield Wrong("StartZeroed", solution(run(steps, start=zeroed)))
+    dropped = tuple(row if k == 0 else (Exact(0),) * method.r for k, row in enumerate(method.V))
+    changed = _variant(engine, method.bare(V=dropped))
+    y = values
+    for n in range(steps):
+        y = changed.step(t0 + n * h, y, h).values
+    yield Wrong("ParasiticDropped", solution(y))
+
+
+def wrong_start(method: GLM, engine: Stepper, t: Any, y0: np.ndarray, h: Any) -> Iterator[Wrong]:
+    """Carry out the bugs of a start."""
+    assert method.starting is not None
+    right = apply_start(method.starting, engine, t, y0, h)[0]
+    zeroed = right.copy()
+    zeroed[1:] = 0 * zeroed[1:]
+    yield Wrong("StartZeroed", zeroed)
+
+
+def reversal(method: GLM | PartitionedGLM) -> Matrix | None:
+    """Return the involution L of a symmetric method, ``None`` for others and for pairs."""
+    if isinstance(method, PartitionedGLM):
+        return None
+    from ..facts import facts_of
+
+    symmetry = facts_of(method).symmetry
+    if not symmetry.holds or symmetry.L is None:
+        return None
+    L = symmetry.L
+    assert all(x.is_zero() is not False for x in _minus_identity(matmul(L, L)))
+    return L
+
+
+def _minus_identity(matrix: Matrix) -> list[Any]:
+    return [x - int(i == j) for i, row in enumerate(matrix) for j, x in enumerate(row)]

@@ -1,0 +1,165 @@
+"""What the interval test proves of a symmetric pair, from its file alone.
+
+:func:`prove_pair` applies :func:`~glmref.derive.enclosure.krawczyk` to a file of class
+``pair-sweep`` or ``splitting`` that names its equations, and says what follows:
+
+1. *The solution.* The system of the file has exactly one root within ``radius`` of its digits, and
+   the root lies within one unit of their last place.
+2. *G-symplectic* and *explicit* for every value of the unknowns (:mod:`glmref.pair_sweep`);
+   V^T G V^ = G is exact arithmetic.
+3. *Symmetric* for every value of the unknowns: b, c, X and Y are palindromic as affine expressions.
+4. *Order*: the equations vanish at the root; with 2 and 3 the theorems of :mod:`.pair_series` carry
+   one tree of each free tree of odd order to all two-coloured trees.
+5. *Parasitism-free*: mu_q and mu_p at every eigenvalue of V other than 1 are equations.
+
+Redundant to all this, every residual up to the order, on all two-coloured trees, and both growth
+parameters are balls around zero of width below :data:`WIDTH` over the enclosure of the root.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import Any
+
+from ..claims import DataError, ExactnessError
+from ..exact import Ball, ball
+from ..expression import parse
+from .enclosure import WIDTH, Krawczyk, Outcome, krawczyk
+from .pair_series import PairNumbers, PairSeries
+from .pair_system import PairSystem
+from .pair_trees import representatives
+
+__all__ = ["PairEnclosure", "prove_pair"]
+
+
+@dataclass(frozen=True)
+class PairEnclosure:
+    """A proof record.
+
+    Attributes
+    ----------
+        values: enclosing ball of every unknown, by name.
+        contraction: see :class:`~glmref.derive.enclosure.Krawczyk`.
+        order: the order proved (a lower bound).
+        identity: whether the first values are the solution itself, to that order.
+        width: largest magnitude over all residuals up to the order and all growth parameters.
+        proves: claim key -> sentence that says what proves it.
+    """
+
+    values: Mapping[str, Ball]
+    contraction: float
+    order: int
+    identity: bool
+    width: float
+    proves: Mapping[str, str]
+    series: PairSeries = field(repr=False)
+    numbers: PairNumbers = field(repr=False)
+
+
+def prove_pair(document: Mapping[str, Any]) -> PairEnclosure:
+    """Prove what a file of a pair with an ``"enclosure"`` claims, from the file alone.
+
+    Args:
+        document: the parsed JSON object.
+
+    Raises
+    ------
+        DataError: when the file asks for more than its equations give.
+        ExactnessError: when the interval test does not find exactly one root near the digits.
+    """
+    system = PairSystem(document)
+    claims = document["claims"]
+    order = claims.get("order", claims.get("order-identity", 0))
+    signs = system.signs()
+    if signs is None:
+        raise DataError(
+            "`b`, `c`, `w`, `v` and `stages` must be palindromic, `w` and `v` up to a sign for "
+            "each row, with V, V_hat and G to match: only then do the even orders follow"
+        )
+    for n in range(1, order, 2):
+        if not system.covered(n):
+            trees = ", ".join(map(str, representatives(n)))
+            raise DataError(
+                f"the equations of the file do not give the conditions of order {n}; those of "
+                f"{trees} would"
+            )
+    root = _root(document, system)
+    numbers, principal = system.read(dict(zip(system.unknowns, root.box, strict=True)))
+    for name, weights in zip(system.names, (numbers.b, numbers.c), strict=True):
+        for i, x in enumerate(weights):
+            if ball(x).is_zero() is not False:
+                raise ExactnessError(f"`{name}[{i + 1}]` may be zero")
+    series = system.series(numbers, principal, order)
+    growths = [system.growth(e.half, e.eigenvalue, numbers) for e in system.equations if e.half]
+    small = [ball(x) for x in (*series.residual.values(), *growths)]
+    width = max(x.magnitude() for x in small)
+    if not all(x.contains_zero() for x in small) or not width < WIDTH:
+        raise ExactnessError(
+            f"a redundant condition is not enclosed: the largest residual is {width:.3g}, and it "
+            f"must be a ball around zero below {WIDTH}"
+        )
+    identity = system.identity_through(order - 1)
+    return PairEnclosure(
+        values=dict(zip(system.unknowns, root.box, strict=True)),
+        contraction=root.contraction,
+        order=order,
+        identity=identity,
+        width=width,
+        proves=_consequences(system, identity),
+        series=series,
+        numbers=numbers,
+    )
+
+
+def _root(document: Mapping[str, Any], system: PairSystem) -> Krawczyk:
+    """Run the interval test around the digits of the file."""
+    text = document.get("enclosure", {}).get("radius", "1e-60")
+    radius, digits = Fraction(text), document.get("digits", 75)
+    if not 0 < radius <= Fraction(1, 10**60):
+        raise DataError(f"`enclosure.radius` must be positive and at most 1e-60, got {text!r}")
+    if len(system.equations) != len(system.unknowns):
+        raise DataError(
+            f"`enclosure.equations` must be as many as the unknowns ({len(system.unknowns)}), "
+            f"got {len(system.equations)}"
+        )
+    texts = [document["unknowns"][name] for name in system.unknowns]
+    published = [ball(parse(x, digits=digits)) for x in texts]
+    result = krawczyk(system.residuals, published, radius)
+    if result.outcome is not Outcome.UNIQUE:
+        raise ExactnessError(
+            f"{document.get('name', 'the file')}: the interval test gives {result.outcome!s} "
+            f"within {text} of the digits ({result.witness})"
+        )
+    for name, x, y in zip(system.unknowns, published, result.box, strict=True):
+        if not x.contains(y):
+            raise ExactnessError(
+                f"the root lies further than one unit of the last digit from `unknowns.{name}`"
+            )
+    return result
+
+
+def _consequences(system: PairSystem, identity: bool) -> Mapping[str, str]:
+    """Claims that follow, each with the sentence that says from what."""
+    equations = ", ".join(str(e.tree) for e in system.equations if e.kind == "order")
+    order = f"equations {equations} and the theorems on moving the root and on symmetry"
+    proves = {
+        "order": order,
+        "g-symplectic": "holds for every value of the unknowns, V^T G V^ = G",
+        "symmetric": "palindromic for every value of the unknowns",
+        "explicit": "the stages have an order",
+        "preconsistent": "the first rows of X and Y are 1",
+        "consistent": "the conditions of the two trees with one node",
+    }
+    if identity:
+        proves["order-identity"] = order
+    if system.kind_of_flow() is not None:
+        proves["symplectic"] = proves["g-symplectic"]
+    growths = {(e.half, e.eigenvalue) for e in system.equations if e.kind == "growth"}
+    for_q, for_p = ({z for half, z in growths if half == x} for x in "qp")
+    if for_q == for_p and sum(1 if parse(z).is_real() else 2 for z in for_q) == len(system.V) - 1:
+        proves["parasitism-free"] = proves["growth"] = (
+            "the growth parameters of both halves are equations"
+        )
+    return proves

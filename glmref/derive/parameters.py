@@ -1,0 +1,93 @@
+"""Fix what is left free: from one solution of many to a square system with rational parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+
+from ..claims import GlmrefError
+from .ansatz import Ansatz
+from .newton import ConvergenceError
+from .search import evaluate, levenberg_marquardt
+from .system import SweepSystem
+
+__all__ = ["RankError", "fix_parameters", "pivots"]
+
+
+class RankError(GlmrefError):
+    """The Jacobian at a solution has not full rank: the equations are not independent there."""
+
+
+def pivots(
+    jacobian: np.ndarray, *, first: Sequence[int] = (), tolerance: float = 1e-8
+) -> list[int]:
+    """Unknowns to fix, so that the rest is determined: columns left by elimination with pivoting.
+
+    Args:
+        jacobian: (m, n), m <= n.
+        first: columns that are eliminated first, so that they are not among those to fix.
+        tolerance: smallest pivot, relative to the largest entry.
+
+    Raises
+    ------
+        RankError: when the m rows have numerical rank below m.
+    """
+    rows = np.array(jacobian, dtype=float)
+    m, n = rows.shape
+    scale = float(np.abs(rows).max())
+    taken: list[int] = []
+    for k in range(m):
+        part = np.abs(rows[k:, :])
+        part[:, taken] = 0.0
+        if k < len(first):
+            part[:, [j for j in range(n) if j != first[k]]] = 0.0
+        i, j = np.unravel_index(int(part.argmax()), part.shape)
+        if part[i, j] < tolerance * scale:
+            raise RankError(f"the {m} equations have rank {k} at the solution")
+        rows[[k, k + int(i)]] = rows[[k + int(i), k]]
+        rows[k + 1 :] -= np.outer(rows[k + 1 :, j] / rows[k, j], rows[k])
+        taken.append(int(j))
+    return [j for j in range(n) if j not in taken]
+
+
+def fix_parameters(
+    ansatz: Ansatz, point: Sequence[float], *, places: int = 3
+) -> tuple[Ansatz, list[float]]:
+    """Fix the free parameters at decimals near a solution and solve again.
+
+    Only parameters of the method are fixed, never a principal part ``xi``.
+
+    Args:
+        ansatz: with m equations for n > m unknowns, or as many.
+        point: (n,) solution in double precision.
+        places: decimal places of the fixed values.
+
+    Returns
+    -------
+        The square ansatz and a solution of it, in double precision.
+
+    Raises
+    ------
+        RankError: see :func:`pivots`.
+        ConvergenceError: when the rounded parameters admit no solution nearby.
+    """
+    system = SweepSystem(ansatz.document())
+    names = list(system.unknowns)
+    _, jacobian = evaluate(system.residuals, np.array([point]))
+    parts = [k for k, x in enumerate(names) if x.startswith("xi")]
+    free = [names[k] for k in pivots(jacobian[0], first=parts)]
+    values = dict(zip(names, point, strict=True))
+    fixed = {x: str(Fraction(round(values[x] * 10**places), 10**places)) for x in free}
+    square = replace(ansatz, fixed={**ansatz.fixed, **fixed})
+    smaller = SweepSystem(square.document())
+    start = np.array([[values.get(x, 0.0) for x in smaller.unknowns]])
+    solved, residual = levenberg_marquardt(smaller.residuals, start, iterations=100)
+    if not residual[0] < 1e-10:
+        raise ConvergenceError(
+            f"with {', '.join(f'{k} = {v}' for k, v in fixed.items())} the residual stays at "
+            f"{residual[0]:.3g}; give more places"
+        )
+    return square, [float(x) for x in solved[0]]

@@ -1,0 +1,33 @@
+"""Scenes: a problem, methods, step sizes and questions as data; nothing that is not asked runs.
+
+Public names::
+
+    load_scene(name or path, quick=False) -> Scene      names() -> list of shipped scenes
+    plan(scene) -> Plan                                 tasks, modules, cost, before anything runs
+    run(scene, records=..., advance=...) -> list        measure what is missing, in order
+    answer(scene, records) -> str                       the scene's answer, in one line
+    rows, charts                                        what to show of records
+"""
+
+from __future__ import annotations
+
+from .answers import answer
+from .model import ASK, Answer, Scene
+from .planning import Plan, plan
+from .reading import load_scene, names
+from .running import run
+from .views import charts, rows
+
+__all__ = [
+    "ASK",
+    "Answer",
+    "Plan",
+    "Scene",
+    "answer",
+    "charts",
+    "load_scene",
+    "names",
+    "plan",
+    "rows",
+    "run",
+]

@@ -1,0 +1,90 @@
+"""The record a scene file becomes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+__all__ = ["ANSWERS", "ASK", "FORMAT", "KINDS", "STARTS", "Answer", "Scene"]
+
+FORMAT = "glmref-scene-1"
+
+#: What a scene can ask, and what is recorded for it.
+ASK: Mapping[str, str] = {
+    "state": "error of the last state, against a closed form or a reference",
+    "energy": "largest error of the Hamiltonian over 64 samples",
+    "invariants": "drift of the conserved quantities and of their G-forms",
+    "parasitic": "when the values beyond the solution outgrow it, and when mu f' says so",
+    "picture": "a log-log picture, as SVG and as PNG",
+}
+#: How the one-line answer is made from the records, and what it needs to have been asked.
+ANSWERS: Mapping[str, tuple[str, ...]] = {
+    "fastest": (),
+    "conserved": ("invariants",),
+    "lost": ("parasitic",),
+}
+#: Groups of methods by what their files claim.
+KINDS = ("explicit", "g-symplectic", "parasitism-free", "symmetric", "symplectic")
+STARTS = ("zero", "enhanced")
+
+
+@dataclass(frozen=True)
+class Answer:
+    """How a scene's one-line answer is computed.
+
+    Attributes
+    ----------
+        kind: one of :data:`ANSWERS`.
+        error: for ``"fastest"``, which error is judged: ``"state"`` or ``"energy"``.
+        at: for ``"fastest"``, the error to reach; for ``"conserved"``, the drift that counts as kept.
+    """
+
+    kind: str
+    error: str = "state"
+    at: float = 1e-9
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A question about methods on a problem.
+
+    Attributes
+    ----------
+        name, title, question: for the reader.
+        problem: name of the problem. parameters: its parameters.
+        methods: names of shipped methods, or paths of files, in order.
+        h: step sizes; empty where ``steps`` is given. steps: numbers of steps to ``t_end``.
+        t_end: final time.
+        ask: what is measured, of :data:`ASK`.
+        answer: how the answer is computed.
+        repeats: runs to time. budget: seconds after which a run is cancelled.
+        start: ``"zero"``, ``"enhanced"`` or ``None`` for the method's own.
+        peers: other integrators. tolerances: relative tolerances they run at.
+        file: where it was read, for messages.
+    """
+
+    name: str
+    title: str
+    question: str
+    problem: str
+    methods: tuple[str, ...]
+    t_end: float
+    answer: Answer
+    ask: tuple[str, ...] = ("state",)
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    h: tuple[float, ...] = ()
+    steps: tuple[int, ...] = ()
+    repeats: int = 3
+    budget: float = 10.0
+    start: str | None = None
+    peers: tuple[str, ...] = ()
+    tolerances: tuple[float, ...] = ()
+    file: str = ""
+
+    @property
+    def grid(self) -> tuple[tuple[float, int], ...]:
+        """Pairs (h, number of steps) that are run, coarsest first as in the file."""
+        if self.steps:
+            return tuple((self.t_end / n, n) for n in self.steps)
+        return tuple((h, round(self.t_end / h)) for h in self.h)

@@ -1,0 +1,373 @@
+"""Read scene files strictly: what is wrong is said in one sentence that names the line."""
+
+from __future__ import annotations
+
+import math
+import re
+import tomllib
+from collections.abc import Iterator, Mapping
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+from ..catalogue import data_root, document
+from ..catalogue import names as method_names
+from ..catalogue import path_of as method_path
+from ..claims import DataError, UsageError
+from ..strict_json import shown
+from .model import ANSWERS, ASK, FORMAT, KINDS, STARTS, Answer, Scene
+
+__all__ = ["load_scene", "names"]
+
+_TEXTS = ("format", "name", "title", "question")
+_KEYS = (
+    *_TEXTS,
+    *("problem", "methods", "classes", "h", "steps", "t_end", "ask", "answer", "repeats", "budget"),
+    *("start", "peers", "tolerances", "quick"),
+)
+_QUICK = ("methods", "classes", "h", "steps", "t_end", "ask", "repeats", "budget", "peers")
+_NAME = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*")
+_EXPRESSION = re.compile(r"[0-9eE+\-*/(). pisqrt]+")
+MAX_BYTES = 200_000
+MOST_STEPS = 10**9
+
+
+def names() -> list[str]:
+    """Names of the shipped scenes, sorted."""
+    folder = data_root() / "scenes"
+    return sorted(path.stem for path in folder.glob("*.toml"))
+
+
+def load_scene(name: str | Path, *, quick: bool = False) -> Scene:
+    """Load a scene by name or path.
+
+    Args:
+        quick: apply the overrides of the file's table ``[quick]``.
+
+    Raises
+    ------
+        UsageError: for an unknown name or a missing file.
+        DataError: for a file that is not a scene, naming the line.
+    """
+    path = _path_of(str(name))
+    return _Reader(path).scene(quick=quick)
+
+
+def _path_of(text: str) -> Path:
+    shipped = names()
+    if text in shipped:
+        return data_root() / "scenes" / f"{text}.toml"
+    path = Path(text)
+    if path.is_file():
+        return path
+    if path.suffix == ".toml" or path.parent != Path():
+        what = "is a folder" if path.is_dir() else "does not exist"
+        raise UsageError(f"the file {text!r} {what}; give a scene file or one of {', '.join(shipped)}")
+    near = get_close_matches(text, shipped, n=3)
+    hint = f"did you mean {' or '.join(near)}?" if near else f"the scenes are {', '.join(shipped)}"
+    raise UsageError(f"there is no scene named {text!r}; {hint}")
+
+
+def _lines(text: str) -> dict[tuple[str, ...], int]:
+    """Map every key path of a TOML document to the line it stands on, from 1.
+
+    Only what scene files use is understood: tables, and keys at the start of a line outside of
+    brackets and of multi-line strings. It serves messages, never values.
+    """
+    found: dict[tuple[str, ...], int] = {}
+    table: tuple[str, ...] = ()
+    depth, quoted = 0, ""
+    for number, line in enumerate(text.splitlines(), start=1):
+        stripped = line.strip()
+        if not depth and not quoted:
+            header = re.match(r"\[\s*([^\[\]]+?)\s*\]\s*(#.*)?$", stripped)
+            if header:
+                table = tuple(part.strip().strip("\"'") for part in header[1].split("."))
+                found.setdefault(table, number)
+                continue
+            key = re.match(r"([A-Za-z0-9_.\-]+|\"[^\"]*\"|'[^']*')\s*=", stripped)
+            if key:
+                parts = key[1].split(".") if key[1][0] not in "\"'" else [key[1].strip("\"'")]
+                for k in range(1, len(parts) + 1):
+                    found.setdefault((*table, *parts[:k]), number)
+        for mark in re.findall(r"\"\"\"|'''|#.*|\"(?:\\.|[^\"\\])*\"|'[^']*'|[\[\]{}]", line):
+            if mark in ('"""', "'''"):
+                quoted = "" if quoted == mark else quoted or mark
+            elif not quoted:
+                depth += {"[": 1, "{": 1, "]": -1, "}": -1}.get(mark, 0)
+    return found
+
+
+class _Reader:
+    """Reads one file; every complaint names its line."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        try:
+            if path.stat().st_size > MAX_BYTES:
+                raise DataError(f"{path.name}: the file is larger than {MAX_BYTES} bytes; shorten it")
+            text = path.read_text(encoding="utf-8")
+        except OSError as error:
+            raise DataError(f"{path.name}: the file cannot be read ({error.strerror})") from None
+        except UnicodeDecodeError as error:
+            raise DataError(
+                f"{path.name}: byte {error.start} is not UTF-8; save the file as UTF-8"
+            ) from None
+        try:
+            self.document: dict[str, Any] = tomllib.loads(text)
+        except tomllib.TOMLDecodeError as error:
+            raise DataError(f"{path.name}: not TOML: {str(error)[:1].lower()}{str(error)[1:]}") from None
+        except RecursionError:
+            raise DataError(f"{path.name}: brackets are nested too deep; flatten the file") from None
+        self.lines = _lines(text)
+
+    def fail(self, where: tuple[str, ...], sentence: str) -> DataError:
+        """Return the error for a key path; the nearest known line is named."""
+        line = next(
+            (self.lines[where[:k]] for k in range(len(where), 0, -1) if where[:k] in self.lines), 1
+        )
+        return DataError(f"{self.path.name}: line {line}: {sentence}")
+
+    # --- values -----------------------------------------------------------------------------------
+
+    def number(self, where: tuple[str, ...], value: Any, *, positive: bool = True) -> float:
+        """Read a finite number, or an expression such as ``"20*pi"``."""
+        result = math.nan
+        if isinstance(value, str) and _EXPRESSION.fullmatch(value):
+            result = _evaluated(value)
+        elif isinstance(value, int | float) and not isinstance(value, bool):
+            result = float(value)
+        if not math.isfinite(result) or (positive and result <= 0):
+            kind = "positive number" if positive else "number"
+            raise self.fail(
+                where,
+                f"`{'.'.join(where)}` must be a {kind} or an expression such as '20*pi', "
+                f"got {shown(value)}",
+            )
+        return result
+
+    def whole(self, where: tuple[str, ...], value: Any, most: int) -> int:
+        """Read a positive whole number."""
+        if not isinstance(value, int) or isinstance(value, bool) or not 0 < value <= most:
+            raise self.fail(
+                where,
+                f"`{'.'.join(where)}` must be a whole number from 1 to {most}, got {shown(value)}",
+            )
+        return value
+
+    def choice(self, where: tuple[str, ...], value: Any, allowed: Any) -> str:
+        """Read one of a few words."""
+        if not isinstance(value, str) or value not in allowed:
+            near = get_close_matches(str(value), list(allowed), n=1)
+            hint = f"; did you mean {near[0]!r}?" if near else ""
+            listed = ", ".join(map(repr, allowed))
+            raise self.fail(
+                where, f"`{'.'.join(where)}` must be one of {listed}, got {shown(value)}{hint}"
+            )
+        return value
+
+    def items(self, where: tuple[str, ...], value: Any) -> Iterator[Any]:
+        """Read a list without repetitions, of one entry or more."""
+        if not isinstance(value, list) or not value:
+            raise self.fail(
+                where, f"`{'.'.join(where)}` must be a list with entries, got {shown(value)}"
+            )
+        for k, item in enumerate(value):
+            if item in value[:k]:
+                raise self.fail(where, f"`{'.'.join(where)}` holds {shown(item)} twice; delete one")
+            yield item
+
+    def known(self, where: tuple[str, ...], table: Mapping[str, Any], allowed: Any) -> None:
+        """Refuse keys that mean nothing."""
+        for key in table:
+            if key not in allowed:
+                near = get_close_matches(key, list(allowed), n=1)
+                hint = f"did you mean {near[0]!r}?" if near else f"known are {', '.join(allowed)}"
+                raise self.fail((*where, key), f"there is no key {key!r} here; {hint}")
+
+    # --- the scene --------------------------------------------------------------------------------
+
+    def scene(self, *, quick: bool) -> Scene:
+        """Check everything and return the scene."""
+        given = self.document
+        self.known((), given, _KEYS)
+        for key in _TEXTS:
+            if not isinstance(given.get(key), str) or not given[key].strip():
+                raise self.fail((key,), f"`{key}` must be a text, got {shown(given.get(key))}")
+        if given["format"] != FORMAT:
+            raise self.fail(
+                ("format",), f"`format` must be {FORMAT!r}, got {shown(given['format'])}"
+            )
+        if not _NAME.fullmatch(given["name"]):
+            raise self.fail(
+                ("name",), f"`name` must be lower-case words with hyphens, got {shown(given['name'])}"
+            )
+        overrides = given.get("quick", {})
+        if not isinstance(overrides, dict):
+            raise self.fail(("quick",), "`quick` must be a table")
+        self.known(("quick",), overrides, _QUICK)
+        full = self._checked(given, ())
+        merged = {k: v for k, v in given.items() if k not in self._replaced(overrides)} | overrides
+        quickened = self._checked(merged, ("quick",) if overrides else ())
+        return quickened if quick else full
+
+    @staticmethod
+    def _replaced(overrides: Mapping[str, Any]) -> set[str]:
+        """Keys that an override makes meaningless: h and steps exclude each other, as do lists."""
+        replaced = set()
+        for group in (("h", "steps"), ("methods", "classes")):
+            if any(key in overrides for key in group):
+                replaced |= set(group)
+        return replaced
+
+    def _checked(self, given: Mapping[str, Any], quick: tuple[str, ...]) -> Scene:
+        def at(key: str) -> tuple[str, ...]:
+            return (*quick, key) if (*quick, key) in self.lines else (key,)
+
+        problem, parameters = self._problem(given)
+        ask = tuple(self.choice(at("ask"), x, ASK) for x in self._list(at("ask"), given, "ask"))
+        answer = self._answer(given, ask)
+        t_end = self.number(at("t_end"), given.get("t_end"))
+        h, steps = self._grid(given, t_end, at)
+        self._answerable(problem, ask, at("ask"))
+        tolerances = tuple(
+            self.number(at("tolerances"), x)
+            for x in self._list(at("tolerances"), given, "tolerances", empty=True)
+        )
+        start = given.get("start")
+        return Scene(
+            name=given["name"],
+            title=given["title"],
+            question=given["question"],
+            problem=problem.name,
+            parameters=parameters,
+            methods=self._methods(given, at),
+            t_end=t_end,
+            h=h,
+            steps=steps,
+            ask=ask,
+            answer=answer,
+            repeats=self.whole(at("repeats"), given.get("repeats", 3), 1000),
+            budget=self.number(at("budget"), given.get("budget", 10)),
+            start=None if start is None else self.choice(at("start"), start, STARTS),
+            peers=self._peers(given, tolerances, at),
+            tolerances=tolerances,
+            file=str(self.path),
+        )
+
+    def _list(
+        self, where: tuple[str, ...], given: Mapping[str, Any], key: str, *, empty: bool = False
+    ) -> list[Any]:
+        if empty and key not in given:
+            return []
+        return list(self.items(where, given.get(key)))
+
+    def _problem(self, given: Mapping[str, Any]) -> tuple[Any, dict[str, Any]]:
+        from ..problems import problem as build
+
+        table = given.get("problem")
+        if not isinstance(table, dict) or not isinstance(table.get("name"), str):
+            raise self.fail(("problem",), "`problem` must be a table with a `name`")
+        parameters = {k: v for k, v in table.items() if k != "name"}
+        for key, value in parameters.items():
+            if not isinstance(value, int | float | str) or isinstance(value, bool):
+                raise self.fail(
+                    ("problem", key),
+                    f"`problem.{key}` must be a number or a text such as '3/5', got {shown(value)}",
+                )
+        try:
+            return build(table["name"], **parameters), parameters
+        except UsageError as error:
+            bad = next((k for k in parameters if f"{k!r}" in str(error) or f"`{k}`" in str(error)), "")
+            raise self.fail(("problem", bad or "name"), str(error)) from None
+
+    def _answerable(self, problem: Any, ask: tuple[str, ...], where: tuple[str, ...]) -> None:
+        if "energy" in ask and problem.hamiltonian is None:
+            raise self.fail(where, f"the problem {problem.name!r} has no energy to ask for")
+        nothing = not (problem.quadratic or problem.invariants or problem.hamiltonian)
+        if "invariants" in ask and nothing:
+            raise self.fail(where, f"the problem {problem.name!r} has no invariants to ask for")
+        if set(ask) <= {"picture"}:
+            raise self.fail(where, "a picture alone asks nothing; add 'state' or 'energy'")
+
+    def _answer(self, given: Mapping[str, Any], ask: tuple[str, ...]) -> Answer:
+        table = given.get("answer")
+        if not isinstance(table, dict):
+            raise self.fail(("answer",), "`answer` must be a table with a `kind`")
+        self.known(("answer",), table, ("kind", "error", "at"))
+        kind = self.choice(("answer", "kind"), table.get("kind"), ANSWERS)
+        error = self.choice(("answer", "error"), table.get("error", "state"), ("state", "energy"))
+        needed = (error,) if kind == "fastest" else ANSWERS[kind]
+        for question in needed:
+            if question not in ask:
+                raise self.fail(
+                    ("answer", "kind"), f"the answer {kind!r} needs {question!r} in `ask`; add it"
+                )
+        return Answer(kind, error, self.number(("answer", "at"), table.get("at", 1e-9)))
+
+    def _grid(
+        self, given: Mapping[str, Any], t_end: float, at: Any
+    ) -> tuple[tuple[float, ...], tuple[int, ...]]:
+        if ("h" in given) == ("steps" in given):
+            both = "both" if "h" in given else "neither"
+            raise self.fail(at("h"), f"give `h` or `steps`, one of them; the scene has {both}")
+        if "steps" in given:
+            steps = self._list(at("steps"), given, "steps")
+            return (), tuple(self.whole(at("steps"), n, MOST_STEPS) for n in steps)
+        sizes = tuple(self.number(at("h"), x) for x in self._list(at("h"), given, "h"))
+        for h in sizes:
+            n = round(t_end / h)
+            if not 0 < n <= MOST_STEPS or abs(t_end / h - n) > 1e-9 * n:
+                raise self.fail(
+                    at("h"),
+                    f"h = {h:.6g} does not divide t_end = {t_end:.6g} into whole steps; "
+                    f"give `steps` instead",
+                )
+        return sizes, ()
+
+    def _methods(self, given: Mapping[str, Any], at: Any) -> tuple[str, ...]:
+        found: list[str] = []
+        for name in self._list(at("methods"), given, "methods", empty="classes" in given):
+            if not isinstance(name, str):
+                raise self.fail(at("methods"), f"a method must be a text, got {shown(name)}")
+            found.append(self._method(name, at("methods")))
+        classes = sorted({document(name)["class"] for name in method_names("methods")})
+        for kind in self._list(at("classes"), given, "classes", empty=True):
+            self.choice(at("classes"), kind, (*classes, *KINDS))
+            for name in method_names("methods"):
+                doc = document(name)
+                if doc["class"] == kind or doc["claims"].get(kind) is True:
+                    found.append(name)
+        return tuple(dict.fromkeys(found))
+
+    def _method(self, name: str, where: tuple[str, ...]) -> str:
+        """Return a shipped name, or the path of a file, which may lie beside the scene's."""
+        beside = self.path.parent / name
+        if name.endswith(".json") and beside.is_file():
+            return str(beside)
+        try:
+            method_path(name)
+        except UsageError as error:
+            raise self.fail(where, str(error)) from None
+        return name
+
+    def _peers(
+        self, given: Mapping[str, Any], tolerances: tuple[float, ...], at: Any
+    ) -> tuple[str, ...]:
+        from ..experiments.peers import NAMES
+
+        peers = self._list(at("peers"), given, "peers", empty=True)
+        if peers and not tolerances:
+            raise self.fail(at("peers"), "peers need `tolerances`, a list such as [1e-6, 1e-9]")
+        return tuple(self.choice(at("peers"), x, NAMES) for x in peers)
+
+
+def _evaluated(text: str) -> float:
+    """Evaluate an arithmetic expression in numbers, pi and sqrt; NaN where it is none."""
+    from ..problems.formula import Formula
+
+    try:
+        value = Formula((text,), variables=("y",), shape=())(())
+        return float(value)
+    except (UsageError, ArithmeticError, ValueError, TypeError):
+        return math.nan

@@ -1,0 +1,256 @@
+"""Carry out the tasks of a plan, one after another; whatever happens, a task ends in a record."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from ..claims import GlmrefError
+from ..experiments.records import RecordFile
+from .model import Scene
+from .planning import Plan, plan
+
+__all__ = ["BUDGET_SPENT", "FAILED", "LOST", "NOT_APPLICABLE", "perform", "run"]
+
+#: Outcomes a scene adds to those of the engine.
+BUDGET_SPENT = "budget spent"
+FAILED = "internal error"
+LOST = "lost"
+NOT_APPLICABLE = "not applicable"
+
+#: Points kept of a curve over time.
+POINTS = 60
+
+
+def run(
+    scene: Scene | Plan,
+    store: RecordFile | None = None,
+    *,
+    advance: Callable[[Mapping[str, Any], Mapping[str, Any]], None] | None = None,
+) -> list[dict[str, Any]]:
+    """Measure what the store does not hold yet, and return the records of all tasks in order.
+
+    Args:
+        scene: a scene, or the plan of one.
+        store: where records are kept; in memory by default.
+        advance: called after each new record with the task and the record.
+
+    Each record is on the disk before the next task starts, so that a killed run loses one task.
+    """
+    todo = scene if isinstance(scene, Plan) else plan(scene)
+    store = RecordFile(None) if store is None else store
+    for task in store.missing(todo.tasks):
+        record = store.append(task, perform(task))
+        if advance is not None:
+            advance(task, record)
+    found = (store.find(task) for task in todo.tasks)
+    return [record for record in found if record is not None]
+
+
+def perform(task: Mapping[str, Any]) -> dict[str, Any]:
+    """Carry out one task; errors become outcomes with one sentence.
+
+    Raises
+    ------
+        KeyboardInterrupt: when the user stops the run, and nothing else.
+    """
+    from ..experiments.measure import circumstances
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # overflow in a run that blows up is an outcome
+            measured = _peer(task) if task["kind"] == "peer" else _method(task)
+    except GlmrefError as error:
+        measured = {"outcome": NOT_APPLICABLE, "message": str(error)}
+    except MemoryError:
+        measured = {"outcome": FAILED, "message": "the memory did not suffice; ask for less"}
+    except Exception as error:
+        measured = {"outcome": FAILED, "message": f"{type(error).__name__}: {error}"}
+    return {**measured, "where": circumstances()}
+
+
+def _method(task: Mapping[str, Any]) -> dict[str, Any]:
+    from ..catalogue import load
+    from ..problems import problem
+
+    method = load(task["file"] or task["method"])
+    subject = problem(task["problem"], **_parameters(task))
+    if {"invariants", "parasitic"} & set(task["ask"]):
+        return _long(task, method, subject)
+    from ..experiments.work_precision import measure
+
+    work = measure(
+        subject,
+        method,
+        h=task["h"],
+        steps=task["steps"],
+        ask=task["ask"],
+        repeats=task["repeats"],
+        budget=task["budget"],
+        start=task["start"],
+    )
+    return _spent(work.as_json(), work.seconds.median, task)
+
+
+def _parameters(task: Mapping[str, Any]) -> dict[str, Any]:
+    return dict(task["parameters"])
+
+
+def _spent(record: dict[str, Any], seconds: float, task: Mapping[str, Any]) -> dict[str, Any]:
+    """Name a run that was cancelled: by its budget, or by the user, who is obeyed."""
+    if record["outcome"] == "cancelled":
+        if seconds < 0.5 * task["budget"]:
+            raise KeyboardInterrupt
+        record["outcome"] = BUDGET_SPENT
+        record["message"] = (
+            f"stopped after {task['budget']:g} s at step {record['steps']} of {task['steps']}; "
+            f"raise `budget` or ask for fewer steps"
+        )
+    return record
+
+
+def _long(task: Mapping[str, Any], method: Any, subject: Any) -> dict[str, Any]:
+    """One sampled run that answers about invariants and parasitic parts."""
+    import numpy as np
+
+    from ..experiments.longtime import follow, watch
+    from ..experiments.measure import Timing
+    from ..experiments.parasitic import loss, solution_direction
+    from ..experiments.work_precision import deadline, reference_state, state_error
+
+    u = solution_direction(method)
+    parasitic = "parasitic" in task["ask"]
+    stop = (lambda part: loss(subject, part, u).time is not None) if parasitic else None
+    solution = follow(
+        subject, method, h=task["h"], steps=task["steps"], start=task["start"],
+        cancel=deadline(task["budget"]), lost=stop,
+    )  # fmt: skip
+    record: dict[str, Any] = {
+        "method": method.name,
+        "problem": subject.name,
+        "h": task["h"],
+        "steps": solution.steps,
+        "t_end": float(solution.t[-1]),
+        "outcome": str(solution.outcome),
+        "message": "" if solution.completed else solution.message,
+        "seconds": Timing.of([solution.seconds]).as_json(),
+        "evaluations": solution.evaluations,
+        "velocity_evaluations": solution.velocity_evaluations,
+        "iterations": solution.iterations,
+        "start_evaluations": solution.start_evaluations + solution.finish_evaluations,
+        "build_seconds": solution.build_seconds,
+        "kernel": solution.kernel,
+        "notices": list(solution.notices),
+    }
+    if "invariants" in task["ask"]:
+        G = _form(method)
+        drifts = watch(subject, solution, G=G)
+        record["drifts"] = [one.as_json() for one in drifts]
+        record["series"] = _kept_series(subject, solution, G)
+    if "energy" in task["ask"] and subject.hamiltonian is not None:
+        (energy,) = watch(subject, solution, quadratic=False, invariants=False)
+        record["energy_error"] = energy.as_json()["largest"]
+    if "state" in task["ask"] and solution.completed and solution.steps == task["steps"]:
+        reference = reference_state(subject, float(solution.t[-1]))
+        record["state_error"] = state_error(np.asarray(solution.y[-1]), reference)
+        record["reference"], record["reference_error"] = reference.kind, reference.error
+    if parasitic:
+        record |= _parasitic(task, method, subject, solution, u)
+    return _spent(record, solution.seconds, task)
+
+
+def _form(method: Any) -> Any:
+    """The form G of a GLM as floats, or ``None``."""
+    import numpy as np
+
+    if getattr(method, "G", None) is None or not hasattr(method, "A") or method.r == 1:
+        return None
+    if hasattr(method, "A_hat"):
+        return None
+    return np.array([[complex(x) if not x.is_real() else float(x) for x in row] for row in method.G])
+
+
+def _parasitic(
+    task: Mapping[str, Any], method: Any, subject: Any, solution: Any, u: Any
+) -> dict[str, Any]:
+    """When the run was lost, when mu f' says so, and the size of the rest over time."""
+    import numpy as np
+
+    from ..experiments.parasitic import loss, modes, parasitic_size, period_of, predicted_loss
+
+    found = loss(subject, solution, u)
+    size = parasitic_size(solution, u) / (float(np.linalg.norm(solution.y[0])) or 1.0)
+    record: dict[str, Any] = {
+        "lost": found.time,
+        "reason": found.reason,
+        "largest": found.largest if math.isfinite(found.largest) else None,
+        "series": _thinned(np.asarray(solution.t, dtype=float), size),
+    }
+    if found.time is not None:
+        record["outcome"] = LOST
+        record["message"] = f"lost at t = {found.time:.6g}: {found.reason}"
+    if hasattr(method, "A_hat"):
+        return record
+    growing = modes(method)
+    record["growth"] = [
+        {"zeta": [m.zeta.real, m.zeta.imag], "mu": [m.mu.real, m.mu.imag]} for m in growing
+    ]
+    period = period_of(subject) if any(abs(m.mu) > 1e-9 for m in growing) else None
+    if period is not None:
+        record["predicted"] = predicted_loss(
+            method, subject, h=task["h"], t_end=task["t_end"], period=period, start=task["start"]
+        )
+    return record
+
+
+def _thinned(t: Any, values: Any) -> list[list[float]]:
+    """Running maximum at points evenly spread over log t; positive and finite ones only."""
+    import numpy as np
+
+    inside = (t > 0) & np.isfinite(values)
+    t, values = t[inside], np.maximum.accumulate(values[inside]) if inside.any() else values[inside]
+    if not len(t):
+        return []
+    marks = np.unique(np.searchsorted(t, np.geomspace(t[0], t[-1], POINTS)).clip(max=len(t) - 1))
+    return [[float(t[k]), float(values[k])] for k in marks if values[k] > 0]
+
+
+def _kept_series(subject: Any, solution: Any, G: Any) -> list[list[float]]:
+    """Largest relative deviation of what the method should keep, over time."""
+    import numpy as np
+
+    from ..experiments.longtime import along, g_form
+
+    t, y = np.asarray(solution.t, dtype=float), np.real(np.asarray(solution.y)).astype(float)
+    worst = np.zeros(len(t))
+    for form in subject.quadratic.values():
+        if G is None:
+            values = along(form, y)
+            scale = float(np.abs(y[0]) @ np.abs(form.matrix) @ np.abs(y[0]))
+        else:
+            history = np.asarray(solution.history)
+            values = g_form(history, G, form.matrix)
+            scale = abs(values[0])
+        worst = np.maximum(worst, np.abs(values - values[0]) / (scale or 1.0))
+    if not subject.quadratic and subject.hamiltonian is not None:
+        energy = along(subject.hamiltonian, y)
+        worst = np.abs(energy - energy[0]) / (abs(energy[0]) or 1.0)
+    return _thinned(t, worst)
+
+
+def _peer(task: Mapping[str, Any]) -> dict[str, Any]:
+    from ..experiments.peers import measure_peer
+    from ..problems import problem
+
+    subject = problem(task["problem"], **_parameters(task))
+    return measure_peer(
+        task["peer"],
+        subject,
+        tolerance=task["tolerance"],
+        t_end=task["t_end"],
+        ask=[q for q in task["ask"] if q in ("state", "energy")],
+        repeats=task["repeats"],
+        budget=task["budget"],
+    )

@@ -1,0 +1,79 @@
+"""Pre-consistency, consistency, abscissae."""
+
+from fractions import Fraction
+
+import pytest
+
+import glmref
+from glmref.exact import exact
+from glmref.families import adams_moulton, gauss, linear_multistep, one_leg, runge_kutta
+from glmref.method import GLM
+from glmref.theory.consistency import (
+    abscissae,
+    consistency,
+    consistency_residual,
+    is_zero_stable,
+    pair_consistency,
+    preconsistency_residual,
+)
+
+
+def test_runge_kutta_abscissae_are_row_sums():
+    A, b = gauss(3)
+    assert abscissae(runge_kutta(A, b)) == tuple(sum(row, exact(0)) for row in A)
+
+
+def test_multistep_vectors_say_what_is_carried():
+    found = consistency(linear_multistep(*adams_moulton(2)))
+    assert found.preconsistent is True and found.consistent is True and found.unique
+    assert found.u == (1, 0, 0) and found.v == (0, 1, 1) and found.c == (1,)
+
+
+def test_vectors_satisfy_the_conditions():
+    m = glmref.load("g6245-w3")
+    found = consistency(m)
+    residuals = preconsistency_residual(m, found.u) + consistency_residual(m, found.u, found.v)
+    assert all(x == 0 for row in residuals for x in row)
+    assert found.c == (0, Fraction(1, 3), Fraction(1, 2), Fraction(2, 3), 1)
+
+
+def test_a_wrong_stage_row_is_named():
+    m = glmref.load("g6245")
+    U = [list(row) for row in m.U]
+    U[3][0] = exact(2)
+    found = consistency(m.bare(U=U))
+    assert found.preconsistent is False and found.consistent is False and found.u is None
+    assert "row 4 of U u = 1" in found.witness and found.residual == 1
+
+
+def test_weights_that_do_not_sum_to_one_are_inconsistent():
+    found = consistency(runge_kutta([["0"]], ["1/2"]))
+    assert found.preconsistent is True and found.consistent is False
+    assert found.residual == 0.5 and "do not sum to 1" in found.witness
+
+
+def test_double_root_at_one_is_neither_consistent_nor_zero_stable():
+    m = linear_multistep(["1", "-2", "1"], ["0", "1", "0"])
+    assert consistency(m).consistent is False
+    assert is_zero_stable(m) is False
+
+
+def test_unscaled_one_leg_weights_give_another_u():
+    found = consistency(one_leg(["-1", "0", "1"], ["1/3", "4/3", "1/3"]))
+    assert found.u == (Fraction(1, 2), Fraction(1, 2))
+
+
+def test_balls_keep_the_weights_open_and_the_exact_part_decided():
+    found = consistency(glmref.load("s3-w3"))
+    assert found.preconsistent is True and found.consistent is None
+    assert 0 < found.residual < 1e-60
+
+
+def test_two_copies_of_one_solution_have_no_unique_u():
+    m = GLM(A=[["0"]], U=[["1", "0"]], B=[["1"], ["1"]], V=[["1", "0"], ["0", "1"]])
+    assert consistency(m).unique is False
+
+
+@pytest.mark.parametrize("name", ["stormer-verlet", "gsymplectic-n-pair"])
+def test_both_halves_of_a_pair_are_consistent(name):
+    assert all(half.consistent for half in pair_consistency(glmref.load(name)))

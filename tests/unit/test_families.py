@@ -1,0 +1,169 @@
+"""Families as general linear methods: the tableau must be the recursion it stands for."""
+
+from fractions import Fraction
+
+import pytest
+
+from glmref.claims import DataError
+from glmref.exact import Exact, exact
+from glmref.families import (
+    adams_bashforth,
+    adams_moulton,
+    bdf,
+    composition,
+    error_constant,
+    gauss,
+    linear_multistep,
+    one_leg,
+    one_leg_twin,
+    partitioned_runge_kutta,
+    runge_kutta,
+    splitting,
+)
+from glmref.linalg import solve
+
+LAMBDA = Fraction(-2, 3)  # h lambda of the linear problem the recursions are run on
+
+
+def step(m, y):
+    """One step of a method on y' = lambda y with h = 1, exactly."""
+    s, r = m.s, m.r
+    one_minus = tuple(
+        tuple(exact(int(i == j)) - LAMBDA * m.A[i][j] for j in range(s)) for i in range(s)
+    )
+    right = tuple((sum((m.U[i][k] * y[k] for k in range(r)), Exact(0)),) for i in range(s))
+    stages = [row[0] for row in solve(one_minus, right)]
+    return [
+        sum((m.B[k][j] * stages[j] * LAMBDA for j in range(s)), Exact(0))
+        + sum((m.V[k][l] * y[l] for l in range(r)), Exact(0))
+        for k in range(r)
+    ]
+
+
+def multistep_values(alpha, beta, start, count):
+    """The recursion itself, in Fractions, on y' = lambda y."""
+    k = len(alpha) - 1
+    y = list(start)
+    for n in range(count):
+        known = sum((LAMBDA * beta[m] - alpha[m]) * y[n + m] for m in range(k))
+        y.append(known / (alpha[k] - LAMBDA * beta[k]))
+    return y
+
+
+CASES = [
+    (["0", "-1", "1"], ["-1/2", "3/2", "0"]),  # Adams-Bashforth 2
+    (["0", "-1", "1"], ["-1/12", "2/3", "5/12"]),  # Adams-Moulton 2
+    (["-1", "0", "1"], ["0", "2", "0"]),  # leapfrog
+    (["-1", "0", "1"], ["1/3", "4/3", "1/3"]),  # Milne-Simpson
+    (["1/3", "-4/3", "1"], ["0", "0", "2/3"]),  # BDF2
+    (["1", "-2", "3", "2"], ["1", "0", "5", "7"]),  # no method at all, but a recursion
+    (["0", "0", "-1", "1"], ["2", "0", "0", "0"]),
+    (["-1", "1"], ["1", "0"]),
+]
+
+
+@pytest.mark.parametrize(("alpha", "beta"), CASES)
+def test_multistep_glm_reproduces_the_recursion(alpha, beta):
+    a, b = [Fraction(x) for x in alpha], [Fraction(x) for x in beta]
+    k = len(a) - 1
+    y = multistep_values(a, b, [Fraction(m + 1, 3) for m in range(k)], 4)
+    m = linear_multistep(alpha, beta)
+    implicit = b[k] != 0
+    ys = k - min(next(i for i, x in enumerate(a) if x), k - 1)
+    fs = m.r - ys
+    newest = k - 1 if implicit else k - 2
+    carried = [y[k - 1 - j] for j in range(ys)] + [LAMBDA * y[newest - j] for j in range(fs)]
+    values = [exact(x) for x in carried]
+    for n in range(4):
+        values = step(m, values)
+        assert values[0] == y[k + n]
+
+
+@pytest.mark.parametrize(
+    ("alpha", "beta", "r"), [(*CASES[0], 2), (*CASES[1], 3), (*CASES[2], 2), (*CASES[4], 2)]
+)
+def test_multistep_glm_carries_no_more_than_it_needs(alpha, beta, r):
+    m = linear_multistep(alpha, beta)
+    assert (m.s, m.r) == (1, r)
+
+
+@pytest.mark.parametrize(("alpha", "beta"), CASES[:5])
+def test_one_leg_glm_reproduces_the_recursion(alpha, beta):
+    a, b = [Fraction(x) for x in alpha], [Fraction(x) for x in beta]
+    k = len(a) - 1
+    # on a linear problem f(sum beta y) = sum beta f(y): the twin follows the same recursion
+    y = multistep_values(a, b, [Fraction(m + 1, 3) for m in range(k)], 4)
+    m = one_leg(alpha, beta)
+    values = [exact(y[k - 1 - j]) for j in range(k)]
+    for n in range(4):
+        values = step(m, values)
+        assert values[0] == y[k + n]
+
+
+def test_one_leg_twin_has_weights_of_sum_one():
+    alpha, beta = one_leg_twin(["-1", "0", "1"], ["1/3", "4/3", "1/3"])
+    assert sum(beta, Exact(0)) == 1
+    assert alpha[-1] == Fraction(1, 2)
+
+
+def test_adams_coefficients_are_the_printed_ones():
+    assert adams_bashforth(1)[1][:1] == (1,)
+    assert list(adams_bashforth(2)[1]) == [Fraction(-1, 2), Fraction(3, 2), 0]
+    assert list(adams_moulton(1)[1]) == [Fraction(1, 2), Fraction(1, 2)]
+    assert list(adams_moulton(2)[1]) == [Fraction(-1, 12), Fraction(2, 3), Fraction(5, 12)]
+    assert list(bdf(2)[0]) == [Fraction(1, 2), -2, Fraction(3, 2)]
+
+
+@pytest.mark.parametrize("k", range(1, 7))
+def test_error_constants_of_adams_and_bdf_methods(k):
+    printed = {  # Hairer, Norsett, Wanner, section III.2, table 2.1
+        1: (Fraction(1, 2), Fraction(-1, 12)),
+        2: (Fraction(5, 12), Fraction(-1, 24)),
+        3: (Fraction(3, 8), Fraction(-19, 720)),
+        4: (Fraction(251, 720), Fraction(-3, 160)),
+        5: (Fraction(95, 288), Fraction(-863, 60480)),
+        6: (Fraction(19087, 60480), Fraction(-275, 24192)),
+    }
+    assert error_constant(*adams_bashforth(k)) == (k, printed[k][0])
+    assert error_constant(*adams_moulton(k)) == (k + 1, printed[k][1])
+    assert error_constant(*bdf(k)) == (k, Fraction(-1, k + 1))
+
+
+def test_error_constant_sees_a_wrong_digit():
+    assert error_constant(["0", "-1", "1"], ["-1/2", "3/2", "0"])[0] == 2
+    assert error_constant(["0", "-1", "1"], ["-1/2", "4/2", "0"])[0] == 0
+
+
+def test_splitting_is_the_step_it_says():
+    pair = splitting(["1/2", "1/2"], ["1"], first="q")  # position Verlet
+    assert (pair.n_P, pair.n_Q, pair.separable) == (2, 1, True)
+    assert pair.A == ((Fraction(1, 2), 0),)
+    assert pair.A_hat == ((0,), (1,))
+    other = splitting(["1"], ["1/2", "1/2"], first="p")  # velocity Verlet
+    assert other.A == ((0,), (1,))
+    assert other.A_hat == ((Fraction(1, 2), 0),)
+
+
+def test_composition_of_two_midpoint_steps():
+    m = composition(runge_kutta(*gauss(1)), ["1/3", "2/3"])
+    assert m.A == ((Fraction(1, 6), 0), (Fraction(1, 3), Fraction(1, 3)))
+    assert m.B == ((Fraction(1, 3), Fraction(2, 3)),)
+
+
+@pytest.mark.parametrize(
+    ("build", "text"),
+    [
+        (lambda: runge_kutta([["0"]], ["1", "2"]), "`b` must have 1 entries"),
+        (lambda: linear_multistep(["1", "0"], ["1", "1"]), "must not be zero"),
+        (lambda: linear_multistep(["1", "1"], ["1"]), "k + 1 entries"),
+        (lambda: linear_multistep(["1", "1"], ["0", "0"]), "other than zero"),
+        (lambda: one_leg_twin(["-1", "1"], ["-1", "1"]), "sums to zero"),
+        (lambda: splitting(["1"], ["1", "1"], first="q"), "must alternate"),
+        (lambda: splitting(["1"], ["1"], first="x"), "'q' or 'p'"),
+        (lambda: composition(linear_multistep(*CASES[0]), ["1"]), "has r = 2"),
+        (lambda: partitioned_runge_kutta([["0"]], ["1"], [["0"]], ["1", "1"]), "`b` must have"),
+    ],
+)
+def test_bad_input_is_refused_with_one_sentence(build, text):
+    with pytest.raises(DataError, match=text.replace("+", r"\+")):
+        build()

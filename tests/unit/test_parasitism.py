@@ -1,0 +1,115 @@
+"""Growth parameters of parasitic components."""
+
+import pytest
+
+import glmref
+from glmref.claims import ExactnessError
+from glmref.exact import exact, root_of_unity
+from glmref.families import linear_multistep, partitioned_runge_kutta
+from glmref.method import GLM, PartitionedGLM
+from glmref.theory.parasitism import (
+    growth,
+    growth_parameter,
+    growth_parameters,
+    is_parasitism_free,
+    pair_growth,
+    real_block_residual,
+)
+
+
+def test_growth_of_n_and_p_is_the_printed_one():
+    root = 2 / exact(3).sqrt()
+    assert growth_parameters(glmref.load("gsymplectic-n")) == (1 - root,)
+    assert growth_parameters(glmref.load("gsymplectic-p")) == (1 + root,)
+
+
+@pytest.mark.parametrize("name", ["thesis-3-8", "s4-symmetric", "g4123", "g6245", "g6245-w3"])
+def test_methods_of_zero_growth_are_free_of_parasitism(name):
+    found = growth(glmref.load(name))
+    assert found.free is True and found.residual == 0
+    assert all(g.mu == 0 for g in found.growths)
+
+
+def test_eigenvalues_come_by_increasing_argument():
+    found = growth(glmref.load("g6245"))
+    assert [g.eigenvalue for g in found.growths] == [root_of_unity(k, 4) for k in (1, 2, 3)]
+
+
+def test_one_sign_of_one_weight_makes_it_grow():
+    m = glmref.load("g4123")
+    B = [list(row) for row in m.B]
+    B[1][2] = -B[1][2]
+    found = growth(m.bare(B=B))
+    assert found.free is False and "eigenvalue -1 of V is" in found.witness
+
+
+def test_leapfrog_and_milne_simpson_grow():
+    # the parasitic root -1 of rho: mu = sigma(-1)/(-1 rho'(-1)), the growth parameter of the books
+    assert growth_parameters(linear_multistep(["-1", "0", "1"], ["0", "2", "0"])) == (-1,)
+    milne = linear_multistep(["-1", "0", "1"], ["1/3", "4/3", "1/3"])
+    assert growth_parameters(milne) == (exact(-1) / 3,)
+
+
+def test_growth_parameter_does_not_depend_on_the_scaling_of_eigenvectors():
+    m = glmref.load("gsymplectic-n")
+    w, v = (exact(0), exact(5)), (exact(0), exact(-7))
+    assert growth_parameter(m, exact(-1), w, v) == growth_parameters(m)[0]
+
+
+def test_block_of_b_u_need_not_vanish_where_growth_does():
+    m = glmref.load("thesis-3-8")
+    assert all(x == 0 for x in real_block_residual(m, 1))
+    entry = sum((m.B[1][i] * m.U[i][1] for i in range(m.s)), exact(0))
+    assert float(entry) == pytest.approx(-0.0441501, abs=5e-8)  # ERRATA of the thesis: 7 digits
+    n = GLM(A=m.A, U=m.U, B=[m.B[0], m.B[1], [exact(0)] * 4], V=m.V)
+    assert any(x != 0 for x in real_block_residual(n, 1))
+    assert is_parasitism_free(n) is False
+
+
+def test_repeated_eigenvalue_has_a_growth_matrix():
+    m = GLM(A=[["0", "0"], ["0", "0"]], U=[["1", "0"], ["1", "1"]],
+            B=[["1", "0"], ["0", "1"]], V=[["1", "0"], ["0", "1"]])  # fmt: skip
+    found = growth(m)
+    (one,) = found.growths
+    assert found.free is False and one.multiplicity == 1 and one.eigenvalue == 1
+    twice = GLM(A=m.A, U=[["1", "1", "0"], ["1", "0", "1"]], B=[["1/2", "1/2"], ["1", "0"], ["0", "1"]],
+                V=[["1", "0", "0"], ["0", "-1", "0"], ["0", "0", "-1"]])  # fmt: skip
+    (minus,) = growth(twice).growths
+    assert minus.multiplicity == 2 and minus.mu is None and minus.matrix == ((-1, 0), (0, -1))
+    with pytest.raises(ExactnessError, match="is multiple"):
+        growth_parameters(twice)
+
+
+def test_published_decimals_stay_open():
+    found = growth(glmref.load("s3-w3"))
+    assert found.free is None and found.residual < 1e-60 and "may be up to" in found.witness
+
+
+def test_one_step_pairs_have_no_parasitic_components():
+    found = pair_growth(partitioned_runge_kutta([["0"]], ["1"], [["1"]], ["1"]))
+    assert found.free is True and found.growths == ()
+
+
+def test_pair_of_n_grows_like_n():
+    n = glmref.load("gsymplectic-n")
+    found = pair_growth(glmref.load("gsymplectic-n-pair"))
+    assert found.free is False and found.growths[0].mu_q == ((growth_parameters(n)[0],),)
+
+
+def separable_pair(w, v):
+    """P_0 Q_0 P_1 with values carried in the parasitic place: mu_q ~ sum b w^2, mu_p ~ sum c v^2."""
+    b, c = [exact(1) / 2, exact(1) / 2], [exact(1)]
+    return PartitionedGLM(
+        A=[[b[0] * (1 + v[0] * w[0]), 0]], U=[[1, -v[0]]],
+        B=[b, [b[0] * w[0], b[1] * w[1]]], V=[[1, 0], [0, -1]],
+        A_hat=[[0], [c[0] * (1 + w[1] * v[0])]], U_hat=[[1, -w[0]], [1, -w[1]]],
+        B_hat=[c, [c[0] * v[0]]], V_hat=[[1, 0], [0, -1]], separable=True,
+    )  # fmt: skip
+
+
+def test_coupled_growth_of_a_separable_pair():
+    two, three = exact(2), exact(3)
+    found = pair_growth(separable_pair([-two, two], [three]))
+    (g,) = found.growths
+    assert g.mu_q == ((4,),) and g.mu_p == ((9,),) and g.mu_qq is None
+    assert pair_growth(separable_pair([exact(0)] * 2, [exact(0)])).free is True

@@ -1,0 +1,99 @@
+"""Polynomials: decisions by signs, each with a near miss."""
+
+from fractions import Fraction
+
+import pytest
+
+from glmref.exact import Exact, exact, root_of_unity
+from glmref.theory import polynomials as poly
+
+SQRT2 = exact(2).sqrt()
+
+
+def P(*coefficients):
+    return poly.trim([exact(x) if isinstance(x, int | Fraction) else x for x in coefficients])
+
+
+def test_division_and_gcd():
+    p = poly.from_roots([exact(1), exact(2), SQRT2])
+    q = poly.from_roots([SQRT2, exact(5)])
+    assert poly.gcd(p, q) == (-SQRT2, 1)
+    quotient, rest = poly.divide(p, q)
+    assert poly.add(poly.mul(quotient, q), rest) == p
+
+
+def test_characteristic_polynomial_of_a_companion_matrix():
+    companion = ((exact(0), exact(1)), (exact(-6), exact(5)))
+    assert poly.characteristic_polynomial(companion) == (6, -5, 1)
+    zero = poly.evaluate_matrix(poly.characteristic_polynomial(companion), companion)
+    assert all(x == 0 for row in zero for x in row)
+
+
+def test_faddeev_leverrier_gives_the_adjugate():
+    m = ((exact(1), exact(2)), (exact(3), SQRT2))
+    p, terms = poly.faddeev_leverrier(m)
+    w = 7  # adj(w I - M) (w I - M) = p(w) I
+    adjugate = tuple(tuple(terms[0][i][j] + w * terms[1][i][j] for j in range(2)) for i in range(2))
+    shifted = tuple(tuple(w * int(i == j) - m[i][j] for j in range(2)) for i in range(2))
+    product = sum((adjugate[0][k] * shifted[k][0] for k in range(2)), Exact(0))
+    assert product == poly.evaluate(p, w)
+
+
+def test_interpolation_reproduces_a_polynomial():
+    p = P(1, -2, 0, SQRT2)
+    points = [0, 1, -1, 3]
+    assert poly.interpolate(points, [poly.evaluate(p, x) for x in points]) == p
+
+
+def test_moebius_transformation():
+    p = P(2, 3, 1)  # (x + 1)(x + 2) at (x + 1)/(x - 1), times (x - 1)^2
+    assert poly.compose_moebius(p, 1, 1, 1, -1) == poly.mul(P(0, 2), P(-1, 3))
+
+
+def test_sturm_counts_real_roots_in_half_open_intervals():
+    p = poly.from_roots([exact(1), exact(1), exact(3), SQRT2])
+    assert poly.real_roots(p) == 3
+    assert poly.real_roots(p, low=exact(1)) == 2
+    assert poly.real_roots(p, low=exact(0), high=exact(1)) == 1
+    assert poly.real_roots(P(1, 0, 1)) == 0
+
+
+@pytest.mark.parametrize(
+    ("p", "expected"),
+    [
+        (P(1, -2, 1), True),  # a double root does no harm
+        (P(Fraction(99, 100), -2, 1), False),
+        (P(0, 0, 1, 0, -2, 0, 1), True),  # y^2 (y^2 - 1)^2
+        (P(0, 0, 1, 0, -3, 0, 1), False),
+        (P(0, 1), False),
+        (P(1, 0, -1), False),
+        ((), True),
+    ],
+)
+def test_nonnegative_polynomials(p, expected):
+    assert poly.is_nonnegative(p) is expected
+
+
+@pytest.mark.parametrize(
+    ("roots", "schur", "closed", "on_circle"),
+    [
+        ([exact(Fraction(1, 2)), root_of_unity(1, 3) / 2], True, True, 0),
+        ([exact(1), exact(Fraction(1, 2))], False, True, 1),
+        ([exact(1), exact(1), root_of_unity(1, 8)], False, True, 2),
+        ([exact(2), exact(Fraction(1, 2))], False, False, 0),  # mirrored in the circle
+        ([exact(0), exact(0)], True, True, 0),
+        ([exact(Fraction(1001, 1000)), exact(0)], False, False, 0),
+        ([root_of_unity(k, 5) for k in range(5)], False, True, 5),
+    ],
+)
+def test_roots_and_the_unit_circle(roots, schur, closed, on_circle):
+    p = poly.from_roots(roots)
+    assert poly.is_schur(p) is schur
+    assert poly.in_closed_disc(p) is closed
+    assert poly.unimodular_roots(p) == on_circle
+
+
+def test_approximate_roots_are_close():
+    p = poly.from_roots([exact(1), exact(-2), SQRT2])
+    found = sorted(x.real for x in poly.approximate_roots(p))
+    assert found == pytest.approx([-2, 1, 2**0.5])

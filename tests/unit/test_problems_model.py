@@ -1,0 +1,154 @@
+"""The problem record: what a user gives, what is derived, what is refused."""
+
+import mpmath
+import numpy as np
+import pytest
+
+from glmref.claims import UsageError
+from glmref.problems import Problem, problem
+
+
+def high(digits=40):
+    context = mpmath.MPContext()
+    context.dps = digits
+    return context
+
+
+def test_f_and_y0_suffice():
+    p = Problem(f=lambda t, y: -y, y0=[1, 2])
+    assert p.f(0.0, p.y0).tolist() == [-1, -2]
+    assert p.dimension == 2 and not p.separable and not p.second_order
+    assert p.expressions is None and p.jacobian is None and p.common == ()
+
+
+def test_expressions_bring_a_jacobian_and_every_precision():
+    p = Problem(f=("y[1]", "-k*y[0]"), y0=("1/3", 0), parameters={"k": "2/5"})
+    assert p.jacobian(0.0, p.y0).tolist() == [[0, 1], [-0.4, 0]]
+    assert p.jacobian_expressions == (("0", "1"), ("-k", "0"))
+    exact = p.on(high())
+    assert abs(3 * exact.y0[0] - 1) < 1e-39 and abs(15 * exact.f(0, exact.y0)[1] + 2) < 1e-38
+
+
+def test_force_gives_f_and_the_separable_parts():
+    p = Problem(force=("-sin(q[0])",), y0=(1, 2))
+    assert p.second_order and p.separable
+    assert p.expressions == ("y[1]", "-sin(y[0])")
+    assert p.dq_expressions == ("p[0]",) and p.dp_expressions == p.force_expressions
+    assert p.f(0.0, p.y0) == pytest.approx([2, -np.sin(1)])
+
+
+def test_parts_give_f():
+    p = Problem(dq=("p[0] + p[1]", "p[1]"), dp=("-q[0]", "-q[1]**3"), y0=(1, 2, 3, 4))
+    assert p.expressions == ("y[2] + y[3]", "y[3]", "-y[0]", "-y[1] ** 3")
+    assert p.f(0.0, p.y0).tolist() == [7, 4, -1, -8]
+
+
+def test_plain_functions_serve_as_parts_and_force():
+    p = Problem(dq=lambda p: 2 * p, dp=lambda q: -q, y0=(1, 2, 3, 4))
+    assert p.f(0.0, p.y0).tolist() == [6, 8, -1, -2]
+    q = Problem(force=lambda q: -q, y0=(1, 2, 3, 4))
+    assert q.f(0.0, q.y0).tolist() == [3, 4, -1, -2]
+    assert q.dq(q.y0[2:]).tolist() == [3, 4] and q.second_order
+
+
+def test_plain_functions_work_in_a_context_when_their_code_does():
+    p = Problem(f=lambda t, y: -y * y, y0=("1/3",)).on(high())
+    assert abs(9 * p.f(0, p.y0)[0] + 1) < 1e-39
+
+
+def test_plain_functions_of_doubles_say_so_in_a_context():
+    p = Problem(f=lambda t, y: np.sin(y), y0=(1,)).on(high())
+    with pytest.raises(UsageError, match="double precision only"):
+        p.f(0, p.y0)
+
+
+def test_conserved_functions_come_in_every_form():
+    p = Problem(
+        f=("y[1]", "-y[0]"),
+        y0=(3, 4),
+        hamiltonian="(y[0]**2 + y[1]**2)/2",
+        quadratic={"norm": np.eye(2)},
+        invariants={"plain": lambda y: y[0] ** 2 + y[1] ** 2},
+    )
+    assert p.hamiltonian(p.y0) == 12.5
+    assert p.quadratic["norm"](p.y0) == 25 == p.invariants["plain"](p.y0)
+    assert np.asarray(p.quadratic["norm"]).tolist() == [[1, 0], [0, 1]]
+
+
+def test_hamiltonian_takes_a_whole_trajectory_in_columns():
+    p = problem("kepler")
+    trajectory = np.array([p.y0, p.solution(1.0), p.solution(2.0)])
+    # H = -1/2 at each, a dozen roundings of terms up to 2.5
+    assert p.hamiltonian(trajectory.T) == pytest.approx([-0.5] * 3, abs=5e-15)
+
+
+def test_values_are_frozen():
+    p = problem("pendulum")
+    with pytest.raises(AttributeError):
+        p.name = "other"
+    with pytest.raises(ValueError, match="read-only"):
+        p.y0[0] = 1
+    with pytest.raises(TypeError):
+        p.parameters["q0"] = 1
+
+
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        ({"y0": (1, 2)}, "`f` is missing"),
+        ({"f": ("y[0]",), "y0": (1, 2)}, "`f` must have 2 entries, got 1"),
+        ({"f": ("y[1]",), "y0": (1,)}, "`f` uses component 1, but there are 1"),
+        ({"f": 3, "y0": (1,)}, "`f` must be a function or a tuple of expressions"),
+        ({"f": ("y[0]",), "y0": ()}, "at least one component"),
+        ({"f": ("y[0]",), "y0": 1}, "`y0` must be a vector"),
+        ({"f": ("y[0]",), "y0": "1"}, "`y0` must be a vector"),
+        ({"f": ("y[0]",), "y0": np.zeros((1, 1))}, "y0"),
+        ({"f": ("y[0]",), "y0": (float("nan"),)}, "`y0[0]` must be a finite number"),
+        ({"f": ("y[0]",), "y0": (None,)}, "`y0[0]` must be a finite number"),
+        ({"force": ("q[0]",), "y0": (1, 2, 3)}, "even number of components"),
+        ({"f": ("y[0]",), "y0": (1,), "quadratic": {"C": [[1, 2]]}}, "shape (1, 1)"),
+        ({"f": ("a*y[0]",), "y0": (1,)}, "unknown name 'a'"),
+        ({"f": ("y[0]",), "y0": (1,), "hamiltonian": 5}, "`hamiltonian` must be"),
+        ({"f": ("y[0]",), "y0": (1,), "t_span": (0, float("inf"))}, "two finite times"),
+        ({"f": ("y[0]",), "y0": (1,), "parameters": {"a": "x"}}, "`a` must be a finite number"),
+    ],
+)
+def test_what_does_not_fit_is_one_sentence(given, says):
+    with pytest.raises(UsageError) as error:
+        Problem(**given)
+    assert says in str(error.value) and "\n" not in str(error.value)
+
+
+def test_quadratic_form_must_be_symmetric():
+    with pytest.raises(UsageError, match="symmetric"):
+        Problem(f=("y[0]", "y[1]"), y0=(1, 2), quadratic={"C": [[1, 2], [3, 4]]})
+
+
+def test_no_closed_form_says_so():
+    with pytest.raises(UsageError, match="no solution in closed form"):
+        problem("henon-heiles").solution(1.0)
+
+
+def test_loops_compile_in_one_piece_with_any_compiler():
+    p = problem("toda", sites=4)
+    compiled = []
+    f_into = p.f.compiled(lambda body: compiled.append(body) or body)
+    out = np.empty(8)
+    f_into(0.0, p.y0, p.params, out)
+    assert len(compiled) == 2 and (out == p.f(0.0, p.y0)).all()
+    assert p.f_into is not None and p.force_into is not None and p.expressions is None
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "name", ["outer-solar-system", "pleiades", "fput", "toda", "nonseparable-chain"]
+)
+def test_numba_compiles_the_loops_as_they_stand(name):
+    numba = pytest.importorskip("numba")
+    p = problem(name)
+    out = np.empty(p.dimension)
+    p.f.compiled(numba.njit)(0.0, np.array(p.y0), p.params, out)
+    # the same operations in the same order, but for fused multiplication
+    assert out == pytest.approx(p.f(0.0, p.y0), rel=1e-13, abs=1e-15)
+    energy = p.hamiltonian.compiled(numba.njit)(np.array(p.y0), p.hamiltonian.params)
+    assert energy == pytest.approx(p.hamiltonian(p.y0), rel=1e-13)

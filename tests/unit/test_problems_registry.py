@@ -1,0 +1,68 @@
+"""Problems by name: glmref.problem and glmref.problems.names."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import glmref
+from glmref.claims import UsageError
+from glmref.problems import names, parameters_of, problem
+
+
+@pytest.mark.parametrize("name", names())
+def test_every_problem_is_built_and_evaluates(name):
+    p = problem(name)
+    assert p.name == name and p.source
+    with np.errstate(all="ignore"):
+        slope = p.f(p.t_span[0], p.y0)
+    if name != "fault-shape":
+        assert slope.shape == p.y0.shape and np.isfinite(slope).all()
+    assert p.t_span[0] < p.t_span[1] and all(x > 0 for x in p.scales.values())
+
+
+@pytest.mark.parametrize("name", names())
+def test_defaults_written_out_give_the_same_problem(name):
+    same = problem(name, **parameters_of(name))
+    assert (same.y0 == problem(name).y0).all()
+
+
+def test_public_face_resolves_problem():
+    assert glmref.problem("kepler", eccentricity=0.6).y0.tolist() == [0.4, 0, 0, 2]
+
+
+@pytest.mark.parametrize(
+    ("name", "given", "says"),
+    [
+        ("keppler", {}, "did you mean kepler"),
+        ("xyz", {}, "see glmref.problems.names()"),
+        (3, {}, "no problem named 3"),
+        ("kepler", {"excentricity": 0}, "its parameters are eccentricity"),
+        ("hires", {"k": 1}, "it has no parameters"),
+        ("kepler", {"eccentricity": 1}, "0 <= eccentricity < 1, got 1"),
+        ("kepler", {"eccentricity": -0.1}, "0 <= eccentricity < 1, got -0.1"),
+        ("kepler", {"eccentricity": "half"}, "`eccentricity` must be a finite number"),
+        ("harmonic-oscillator", {"frequency": 0}, "0 < frequency, got 0"),
+        ("fput", {"sites": 1.5}, "whole number from 1 to 1000000"),
+        ("fput", {"sites": 0}, "whole number"),
+        ("skew-quadratic", {"dimension": 1}, "whole number from 2 to 40"),
+        ("arenstorf", {"orbit": 3}, "whole number from 1 to 2"),
+        ("long-chain", {"sites": 5, "mode": 6}, "`mode` must be a whole number from 1 to 5"),
+        ("lotka-volterra", {"u0": 0}, "0 < u0, got 0"),
+        ("stiff-spring-pendulum", {"stretch": -1}, "-1 < stretch, got -1"),
+    ],
+)
+def test_wrong_requests_are_one_sentence(name, given, says):
+    with pytest.raises(UsageError) as error:
+        problem(name, **given)
+    assert says in str(error.value) and "\n" not in str(error.value)
+
+
+def test_building_a_problem_loads_neither_mpmath_nor_numba_nor_flint():
+    code = (
+        "import sys, glmref; p = glmref.problem('kepler'); p.f(0.0, p.y0); p.jacobian(0.0, p.y0);"
+        "print(sorted({'mpmath', 'numba', 'flint', 'scipy'} & set(sys.modules)))"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert run.stdout.strip() == "[]"

@@ -1,0 +1,199 @@
+"""Time-reversal symmetry: L and P found, and never concluded from B = L B P alone."""
+
+import time
+
+import pytest
+
+import glmref
+from glmref.exact import exact
+from glmref.families import (
+    adams_moulton,
+    bdf,
+    gauss,
+    linear_multistep,
+    lobatto_iiia,
+    lobatto_iiib,
+    lobatto_iiic,
+    one_leg,
+    one_leg_twin,
+    partitioned_runge_kutta,
+    radau_iia,
+    runge_kutta,
+    splitting,
+)
+from glmref.linalg import diagonal, identity, inverse, matmul
+from glmref.method import GLM
+from glmref.theory.symmetry import (
+    adjoint,
+    check_symmetry,
+    pair_symmetry,
+    symmetry,
+    symmetry_residual,
+)
+
+HALF, ROOT = exact(1) / 2, exact(3).sqrt() / 2
+BLOCK = ((HALF, ROOT), (ROOT, -HALF))
+
+
+def with_block(first, block, *last):
+    size = 3 + len(last)
+    rows = [[exact(0)] * size for _ in range(size)]
+    rows[0][0] = exact(first)
+    for i in range(2):
+        for j in range(2):
+            rows[1 + i][1 + j] = block[i][j]
+    for i, x in enumerate(last):
+        rows[3 + i][3 + i] = exact(x)
+    return tuple(map(tuple, rows))
+
+
+FLIP = ((exact(0), exact(1)), (exact(1), exact(0)))
+EXPECTED = {
+    "gsymplectic-n": identity(2),
+    "gsymplectic-p": identity(2),
+    "s4-symmetric": with_block(1, BLOCK),
+    "g6245-w3": with_block(1, BLOCK, -1),
+    "g6245": with_block(1, FLIP, -1),
+}
+
+
+@pytest.mark.parametrize("name", EXPECTED)
+def test_involution_of_the_literature_is_found(name):
+    m = glmref.load(name)
+    found = symmetry(m)
+    assert found.holds is True and found.residual == 0 and not found.reduced
+    assert found.P == tuple(range(m.s))[::-1]
+    assert all(
+        x == y
+        for r, s in zip(found.L, EXPECTED[name], strict=True)
+        for x, y in zip(r, s, strict=True)
+    )
+    assert check_symmetry(m, found.L, found.P).holds is True
+
+
+def test_thesis_3_8_passes_b_equals_l_b_p_and_is_not_symmetric():
+    m = glmref.load("thesis-3-8")
+    L_out = diagonal([exact(1), exact(-1), exact(-1)])
+    reversed_B = tuple(row[::-1] for row in m.B)
+    image = matmul(L_out, reversed_B)
+    assert all(x == y for r, s in zip(m.B, image, strict=True) for x, y in zip(r, s, strict=True))
+    found = symmetry(m)
+    assert found.holds is False and found.residual == 1.5
+    assert "entry (2, 2) of L L - I" in found.witness
+    assert "allow one matrix L only" in found.witness
+    # the only matrix the linear conditions allow is V^-1 L_out
+    only = matmul(inverse(m.V), L_out)
+    assert all(
+        x == y for r, s in zip(found.L, only, strict=True) for x, y in zip(r, s, strict=True)
+    )
+
+
+def test_all_conditions_but_l_squared_hold_for_thesis_3_8():
+    m = glmref.load("thesis-3-8")
+    found = symmetry(m)
+    failed = [
+        name for name, matrix in symmetry_residual(m, found.L, found.P)
+        if any(x != 0 for row in matrix for x in row)
+    ]  # fmt: skip
+    assert failed == ["L L - I", "L V^-1 L - V"]
+
+
+@pytest.mark.parametrize("s", range(1, 6))
+def test_gauss_and_lobatto_methods_are_symmetric(s):
+    assert symmetry(runge_kutta(*gauss(s))).holds is True
+    if s > 1:
+        assert symmetry(runge_kutta(*lobatto_iiia(s))).holds is True
+        assert symmetry(runge_kutta(*lobatto_iiib(s))).holds is True
+        assert symmetry(runge_kutta(*lobatto_iiic(s))).holds is False
+
+
+@pytest.mark.parametrize("method", [radau_iia(2), (((exact(0),),), (exact(1),))])
+def test_one_sided_methods_are_not_symmetric(method):
+    found = symmetry(runge_kutta(*method))
+    assert found.holds is False and found.L is None and "no exchange of stages" in found.witness
+
+
+def test_symmetric_one_leg_methods_are_symmetric():
+    for alpha, beta in (
+        (["-1", "0", "1"], ["0", "2", "0"]),
+        (["-1", "0", "1"], ["1/3", "4/3", "1/3"]),
+    ):
+        found = symmetry(one_leg(*one_leg_twin(alpha, beta)))
+        assert found.holds is True and found.L == ((0, 1), (1, 0))
+    assert symmetry(one_leg(*one_leg_twin(*bdf(2)))).holds is False
+
+
+def test_multistep_methods_with_superfluous_values_are_judged_without_them():
+    milne = symmetry(linear_multistep(["-1", "0", "1"], ["1/3", "4/3", "1/3"]))
+    assert milne.holds is True and milne.reduced
+    assert symmetry(linear_multistep(*adams_moulton(1))).holds is True
+    found = symmetry(linear_multistep(*adams_moulton(2)))
+    assert found.holds is False and "V is singular" in found.witness
+
+
+def test_stages_in_another_order_are_found():
+    m = glmref.load("g6245-w3").permute_stages([2, 0, 4, 1, 3])
+    found = symmetry(m)
+    assert found.holds is True and found.P == (0, 2, 1, 4, 3)
+
+
+def test_values_that_no_stage_sees_do_not_hide_symmetry():
+    m = GLM(A=[["1/2"]], U=[["1", "0"]], B=[["1"], ["0"]], V=[["1", "0"], ["0", "-1"]])
+    assert symmetry(m).holds is True
+
+
+def test_a_given_permutation_must_be_an_involution():
+    m = runge_kutta(*gauss(3))
+    assert check_symmetry(m, identity(1), (1, 2, 0)).holds is False
+
+
+def test_adjoint_twice_is_the_method():
+    m = glmref.load("thesis-3-8")
+    twice = adjoint(adjoint(m))
+    for letter in "AUBV":
+        for r, s in zip(getattr(m, letter), getattr(twice, letter), strict=True):
+            assert all(x == y for x, y in zip(r, s, strict=True))
+
+
+def test_adjoint_of_explicit_euler_is_implicit_euler():
+    m = adjoint(runge_kutta([["0"]], ["1"]))
+    assert (m.A, m.B) == (((1,),), ((1,),))
+
+
+def test_published_decimals_stay_open_near_an_involution():
+    found = symmetry(glmref.load("s3-w3"))
+    assert found.holds is None and found.residual < 1e-60 and found.P == (2, 1, 0)
+
+
+def test_wrong_digits_are_refuted_among_published_decimals():
+    m = glmref.load("s3-w3")
+    A = [list(row) for row in m.A]
+    A[1][0] = A[1][0] + exact(1) / 10**40
+    assert symmetry(m.bare(A=A)).holds is False
+
+
+def test_order_6_symmetry_is_decided_quickly():
+    m = glmref.load("g6245-w3")
+    began = time.perf_counter()
+    symmetry(m)
+    assert time.perf_counter() - began < 1  # 20 ms on a free machine
+
+
+def test_verlet_exchanges_sweeps_and_symplectic_euler_does_not():
+    for first, a, b in (("q", ["1/2", "1/2"], ["1"]), ("p", ["1"], ["1/2", "1/2"])):
+        found = pair_symmetry(splitting(a, b, first=first))
+        assert found.holds is True
+        assert found.P_P == tuple(range(len(a)))[::-1] and found.P_Q == tuple(range(len(b)))[::-1]
+    assert pair_symmetry(splitting(["1"], ["1"])).holds is False
+    assert pair_symmetry(splitting(["1/3", "2/3"], ["1"])).holds is False
+
+
+@pytest.mark.parametrize("s", [2, 3, 4])
+def test_lobatto_pairs_are_symmetric(s):
+    found = pair_symmetry(partitioned_runge_kutta(*lobatto_iiia(s), *lobatto_iiib(s)))
+    assert found.holds is True and found.P_P == found.P_Q
+
+
+def test_pair_of_n_has_identity_involutions():
+    found = pair_symmetry(glmref.load("gsymplectic-n-pair"))
+    assert found.holds is True and found.L[1][1] == 1 and found.L_hat[1][1] == 1
