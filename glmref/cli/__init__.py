@@ -17,6 +17,7 @@ from .. import __version__
 from ..claims import GlmrefError
 from .browsing import cite, list_, show
 from .checking import verify
+from .deriving import derive
 from .describing import analyze, errata
 from .output import BAD_INPUT, INTERNAL, INTERRUPTED, PIPE_CLOSED, complain, confess, open_streams
 
@@ -33,7 +34,7 @@ def group() -> None:
     """General linear methods, checked exactly."""
 
 
-for command in (verify, analyze, list_, show, cite, errata):
+for command in (verify, analyze, list_, show, cite, errata, derive):
     group.add_command(command)
 
 

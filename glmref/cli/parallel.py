@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
@@ -41,6 +41,9 @@ class Checked:
     error: str = ""
     internal: bool = False
     trace: str = ""
+
+
+Check = Callable[[str, Sequence[str]], Checked]
 
 
 def check(name: str, only: Sequence[str] = ()) -> Checked:
@@ -114,29 +117,31 @@ def _pool(processes: int) -> ProcessPoolExecutor:
     return ProcessPoolExecutor(processes, get_context("spawn"), _ignore_interrupts)
 
 
-def _in_processes(names: Sequence[str], only: Sequence[str], processes: int) -> Iterator[Checked]:
+def _in_processes(
+    names: Sequence[str], only: Sequence[str], processes: int, *, function: Check = check
+) -> Iterator[Checked]:
     """Check in processes. A file that kills its process costs its own result, no other."""
     waiting = list(names)
     while waiting:
         pool = _pool(processes)
         try:
             with _deaf_children():
-                results = pool.map(check, waiting, [only] * len(waiting))
+                results = pool.map(function, waiting, [only] * len(waiting))
             for checked in results:
                 waiting.pop(0)
                 yield checked
         except BrokenProcessPool:
             suspect = waiting.pop(0)
-            yield _alone(suspect, only)
+            yield _alone(suspect, only, function)
         finally:
             pool.shutdown(wait=False, cancel_futures=True)
 
 
-def _alone(name: str, only: Sequence[str]) -> Checked:
+def _alone(name: str, only: Sequence[str], function: Check) -> Checked:
     with _pool(1) as pool:
         try:
             with _deaf_children():
-                future = pool.submit(check, name, only)
+                future = pool.submit(function, name, only)
             return future.result()
         except BrokenProcessPool as error:
             return Checked(name, error=internal_sentence(error, name), internal=True)

@@ -108,26 +108,23 @@ class Wrong:
     values: np.ndarray
 
 
-def _variant(engine: Stepper, method: GLM | PartitionedGLM) -> Stepper:
+def _variant(engine: Stepper, method: GLM | PartitionedGLM, problem: Problem) -> Stepper:
     """Stepper of a changed method that evaluates f at the times of the right one."""
-    changed = stepper(method, _double(engine), digits=engine.arithmetic.digits)
+    changed = stepper(method, problem, digits=engine.arithmetic.digits)
     if isinstance(method, GLM):
         changed.c = engine.c
     return changed
 
 
-def _double(engine: Stepper) -> Problem:
-    problem: Problem = engine.problem
-    return replace(problem, context=None, y0=problem.initial)
-
-
 def wrong_steps(
-    engine: Stepper, method: GLM | PartitionedGLM, t: Any, values: np.ndarray, h: Any
-) -> Iterator[Wrong]:
+    engine: Stepper, method: GLM | PartitionedGLM, problem: Problem,
+    t: Any, values: np.ndarray, h: Any,
+) -> Iterator[Wrong]:  # fmt: skip
     """Carry out every bug that can happen in one step of this method; some may give the right end.
 
     Args:
-        engine: stepper of the right method on the problem. t, values, h: the step.
+        engine: stepper of the right method on the problem. problem: in double precision form.
+        t, values, h: the step.
     """
     right = engine.step(t, values, h).values
     if isinstance(method, PartitionedGLM):
@@ -139,7 +136,7 @@ def wrong_steps(
         if method.r > 1:
             yield Wrong("ValuesSwapped", right[[1, 0, *range(2, method.r)]])
     for flag, changed in variants:
-        yield Wrong(flag, _variant(engine, changed).step(t, values, h).values)
+        yield Wrong(flag, _variant(engine, changed, problem).step(t, values, h).values)
     if h < 0:
         yield Wrong("StepSignLost", engine.step(t, values, -h).values)
 
@@ -173,8 +170,9 @@ def _pair_variants(m: PartitionedGLM) -> Iterator[tuple[str, PartitionedGLM]]:
 
     yield "PartnerStale", replace(m, A=nothing(m.A), A_hat=nothing(m.A_hat))
     yield "PartnerNotUpdated", replace(m, B=nothing(m.B))
-    exchanged = {x: getattr(m, f"{x}_hat") for x in "AUBV"}
-    yield "UpdatesExchanged", replace(m, **exchanged, **{f"{x}_hat": getattr(m, x) for x in "AUBV"})
+    changed: dict[str, Any] = {x: getattr(m, f"{x}_hat") for x in "AUBV"}
+    changed |= {f"{x}_hat": getattr(m, x) for x in "AUBV"}
+    yield "UpdatesExchanged", replace(m, **changed, G=None, D_P=None, D_Q=None)
 
 
 def _wrong_times(engine: Stepper, t: Any, values: np.ndarray, h: Any) -> Iterator[Wrong]:
@@ -245,8 +243,9 @@ def _newton(engine: Stepper, rhs: Callable[..., Any], x: np.ndarray, with_: Any)
 
 
 def wrong_runs(
-    engine: Stepper, method: GLM | PartitionedGLM, t0: Any, values: np.ndarray, h: Any, steps: int
-) -> Iterator[Wrong]:
+    engine: Stepper, method: GLM | PartitionedGLM, problem: Problem,
+    t0: Any, values: np.ndarray, h: Any, steps: int,
+) -> Iterator[Wrong]:  # fmt: skip
     """Carry out the bugs of a run of several steps; ``values`` holds the solution (1, d)."""
 
     def run(
@@ -276,7 +275,7 @@ def wrong_runs(
         zeroed[1:] = 0 * zeroed[1:]
         yield Wrong("StartZeroed", solution(run(steps, start=zeroed)))
     dropped = tuple(row if k == 0 else (Exact(0),) * method.r for k, row in enumerate(method.V))
-    changed = _variant(engine, method.bare(V=dropped))
+    changed = _variant(engine, method.bare(V=dropped), problem)
     y = values
     for n in range(steps):
         y = changed.step(t0 + n * h, y, h).values

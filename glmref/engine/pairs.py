@@ -380,6 +380,7 @@ class PairBuilder(Builder):
                 text = linear([(1.0, a), *terms])
                 self.t.vec([f"@{name}{node} = {z} + ({text})"], self._halves()[side][0])
 
+        self._sizes(at_p, [bases[j][0] for j in at_q])
         w("last_change = 1e300", "stalls = 0", "rounds = 0")
         with w.block("while True:"):
             values(at_p, at_q, "Y")

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 __all__ = ["HELPERS", "INLINE_LIMIT", "StageWriter", "linear"]
 
+NOTHING = 2.0**-64  # change of a stage, relative to the state, that cannot matter: 1/2000 ulp
 ROUND_OFF = 2.0**-47  # change of a stage, relative to the state, that can be rounding
 NOISE = 2.0**-30  # the same after STALLS rounds without decrease: a right-hand side that cancels
 STALLS = 8
@@ -280,6 +281,7 @@ class StageWriter:
         give the same f again, so the last, confirming, evaluation is never made.
         """
         w = self.w
+        self._sizes(stages, [bases[i][0] for i in stages])
         w("last_change = 1e300", "stalls = 0", "rounds = 0")
         with w.block("while True:"):
             for part in self.shape.parts:
@@ -308,20 +310,28 @@ class StageWriter:
             with w.block(f"if rounds > {REFRESH_ROUNDS}:"):
                 w("slow = True")
 
+    def _sizes(self, stages: Sequence[int], z: Sequence[str]) -> None:
+        """What counts as rounding (``tight``, ``loose``) and as no change at all (``nothing``).
+
+        A change of components near zero that the others do not notice counts as none.
+        """
+        names = [x for x in dict.fromkeys(z) if x != "0.0"] + [f"@L{i}" for i in stages]
+        sizes = " + ".join(f"abs({x})" for x in names)
+        self.t.total("size", sizes if len(names) == 1 else f"({sizes})", self.watched)
+        self.w(f"nothing = {NOTHING!r}*size")
+
     def _compare(self, stages: Sequence[int]) -> None:
         """Leave the loop where Y is settled; else go on from the new Y."""
         w = self.w
         template = " + ".join(f"abs(@N{i} - @Y{i})" for i in stages)
         self.t.total("change", template if len(stages) == 1 else f"({template})", self.watched)
         # in the first round there is no Y to compare with
-        with w.block("if rounds > 0 and not (0.0 < change < last_change):"):
-            sizes = " + ".join(f"abs(@Y{i})" for i in stages)
-            self.t.total("scale", sizes if len(stages) == 1 else f"({sizes})", self.watched)
-            with w.block(f"if change <= {ROUND_OFF!r}*scale:"):
+        with w.block("if rounds > 0 and not (nothing < change < last_change):"):
+            with w.block(f"if change <= {ROUND_OFF!r}*size:"):
                 w("break")
             w("stalls += 1")
             with w.block(f"if stalls > {STALLS} or not (change < 1e300):"):
-                with w.block(f"if not (change <= {NOISE!r}*scale):"):
+                with w.block(f"if not (change <= {NOISE!r}*size):"):
                     w("outcome = 1 if rounds > 1 else 2")
                 w("break")
         with w.block(f"if rounds >= {ROUNDS}:"):
@@ -479,7 +489,7 @@ class StageWriter:
                 else:
                     self.w(f"{ref} = {ref} + {entry}")
         else:
-            entry = f"x[{place - low} + c]"
+            entry = f"x[{place - low} + component]"
             line = f"{entry} = {template}" if put else f"@{name} = @{name} + {entry}"
             self.t.vec([line], self.inner)
 
@@ -510,7 +520,7 @@ class StageWriter:
         for c in range(d) if isinstance(self.t, ScalarTarget) else ():
             w(f"x[{source + c}] = {self.t.ref(f'Y{i}', c)}")
         if not isinstance(self.t, ScalarTarget):
-            self.t.vec([f"x[{source} + c] = @Y{i}"])
+            self.t.vec([f"x[{source} + component] = @Y{i}"])
         self._time(i)
         time = "time" if any(part.timed for part in self.shape.parts) else "t0"
         if self.shape.uses_time is False:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from .chains import fput_force_into
+from .chains import fput_energy, fput_force_into
 from .formula import Formula
 from .kepler import kepler_flow
 from .loops import Loops
@@ -122,6 +122,7 @@ def long_chain(sites: object = 50_000, mode: object = 10_000) -> Problem:
         force=Loops(fput_force_into, (n,), (0, 0)),
         y0=start,
         t_span=(0.0, 10.0),
+        hamiltonian=Loops(fput_energy, (), (0, 0)),
         canonical=True,
         exact=Flow(_mode_flow, parameters),
         scales={"time": 1.0},

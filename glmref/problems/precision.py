@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
@@ -39,12 +40,12 @@ class Flow:
 
         context = mpmath.MPContext()
         digits = DOUBLE_DIGITS if self.context is None else self.context.dps + GUARD_DIGITS
-        time = context.mpf(t.numerator) / t.denominator if isinstance(t, Fraction) else t
         # a phase of size t costs log10(t) digits
-        context.dps = digits + max(0, int(context.log10(abs(context.mpf(time)) + 1)))
+        context.dps = digits + max(0, int(math.log10(abs(float(t)) + 1)))
+        time = to_number(t, context) if isinstance(t, Fraction) else context.mpf(t)
         numbers = {k: context.mpf(v) for k, v in self._parameters(context).items()}
         state = [context.mpf(x) for x in y0]
-        result = self.function(context.mpf(time), state, numbers, context)
+        result = self.function(time, state, numbers, context)
         if self.context is None:
             return np.array([float(x) for x in result])
         return np.array([self.context.mpf(x) for x in result], dtype=object)

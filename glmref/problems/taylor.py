@@ -289,7 +289,8 @@ def taylor_states(problem: Problem, times: Sequence[Any], *, digits: int = 30) -
             if abs(h) < SMALLEST_STEP and h != abs(end - t):
                 raise UsageError(f"the solution of {problem.name} ends near t = {ctx.nstr(t, 12)}")
             reached = end if h == abs(end - t) else t + (h if end > t else -h)
-            y = [ctx.polyval(c[::-1], reached - t) for c in columns]
+            powers = [(reached - t) ** k for k in range(engine.order + 1)]
+            y = [ctx.fdot(c, powers) for c in columns]
             t, steps = reached, steps + 1
             if steps > MAX_STEPS:
                 raise UsageError(f"{problem.name} takes over {MAX_STEPS} Taylor steps; too stiff")

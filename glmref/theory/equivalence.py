@@ -7,6 +7,9 @@ Public names::
     reduce(m) -> GLM                              is_reduced(m) -> bool
     unobservable_values(m) -> list[Vector]        reachable_values(m) -> list[Vector]
     merge_equal_stages(m) -> GLM                  drop_idle_stages(m) -> GLM
+
+and from :mod:`glmref.theory.complex_form`::
+
     complex_pairs(m) -> list[int]                 to_real(m, pairs=None) -> GLM
     rotation_pairs(m) -> list[int]                to_complex(m, pairs=None) -> GLM
 """
@@ -15,7 +18,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from itertools import islice, product
 
 from .. import linalg
@@ -24,6 +26,7 @@ from ..exact import Exact, Scalar
 from ..linalg import Matrix, Vector
 from ..method import GLM
 from .affine import independent_rows, solve_affine
+from .complex_form import complex_pairs, rotation_pairs, to_complex, to_real
 from .consistency import preconsistency_vector
 from .involutions import matchings
 
@@ -71,10 +74,35 @@ def _markov(m: GLM, count: int) -> list[Matrix]:
 
 
 def _transformations(m1: GLM, m2: GLM) -> list[Matrix]:
-    """Matrices T with T B1 = B2, U2 T = U1, T V1 = V2 T; stages already in the same order.
+    """Candidates T with T B1 = B2, U2 T = U1, T V1 = V2 T; stages already in the same order.
 
-    Where these leave T undetermined, some of the solutions, which may all be singular.
+    ``U2 V2^k T = U1 V1^k`` determines T where the stages see all values. Where they do not, some
+    solutions of all equations together, which may all be singular.
     """
+    left, right = m2.U, m1.U
+    layer2, layer1 = m2.U, m1.U
+    for _ in range(m1.r):
+        chosen = independent_rows(left, m1.r)
+        if len(chosen) == m1.r:
+            rows = tuple(left[i] for i in chosen)
+            T = linalg.solve(rows, tuple(right[i] for i in chosen))
+            return [T] if _transforms(m1, m2, T) else []
+        layer2, layer1 = linalg.matmul(layer2, m2.V), linalg.matmul(layer1, m1.V)
+        left, right = (*left, *layer2), (*right, *layer1)
+    return _all_transformations(m1, m2)
+
+
+def _transforms(m1: GLM, m2: GLM, T: Matrix) -> bool:
+    pairs = (
+        (linalg.matmul(m2.U, T), m1.U),
+        (linalg.matmul(T, m1.B), m2.B),
+        (linalg.matmul(T, m1.V), linalg.matmul(m2.V, T)),
+    )
+    return all(_equal(a, b) for first, second in pairs for a, b in zip(first, second, strict=True))
+
+
+def _all_transformations(m1: GLM, m2: GLM) -> list[Matrix]:
+    """Solutions of the linear equations for T, with small whole numbers as free parameters."""
     r, s = m1.r, m1.s
     equations: list[Vector] = []
     right: list[Scalar] = []
@@ -326,74 +354,3 @@ def is_reduced(m: GLM) -> bool:
     """Whether nothing can be removed: see :func:`reduce`."""
     smaller = reduce(m)
     return (smaller.s, smaller.r) == (m.s, m.r)
-
-
-def _gamma_blocks(r: int, pairs: Sequence[int], block: Matrix) -> Matrix:
-    blocks: list[Matrix] = []
-    k = 0
-    while k < r:
-        if k in pairs:
-            blocks.append(block)
-            k += 2
-        else:
-            blocks.append(((_ONE,),))
-            k += 1
-    return linalg.block_diagonal(*blocks)
-
-
-def _gamma() -> Matrix:
-    """[[1/2, i/2], [1/2, -i/2]]: a conjugate pair (x + i y)/2, (x - i y)/2 from real (x, y)."""
-    half = Exact(Fraction(1, 2))
-    i_half = Exact(-1).sqrt() * half
-    return ((half, i_half), (half, -i_half))
-
-
-def complex_pairs(m: GLM) -> list[int]:
-    """Places k (from 0) where values k and k + 1 are conjugate: rows of B, columns of U."""
-    found: list[int] = []
-    k = 0
-    while k + 1 < m.r:
-        column, other = ([row[j] for row in m.U] for j in (k, k + 1))
-        first = (*m.B[k], *column)
-        second = tuple(x.conjugate() for x in (*m.B[k + 1], *other))
-        if not all(x.is_real() for x in first) and _equal(first, second):
-            found.append(k)
-            k += 1
-        k += 1
-    return found
-
-
-def rotation_pairs(m: GLM) -> list[int]:
-    """Places k (from 0) where V has a block ``[[a, -b], [b, a]]``, b not zero, in k and k + 1."""
-    found: list[int] = []
-    for k in range(m.r - 1):
-        (a, b), (c, d) = m.V[k][k : k + 2], m.V[k + 1][k : k + 2]
-        if b.is_zero() is False and (b + c).is_zero() is True and (a - d).is_zero() is True:
-            found.append(k)
-    return found
-
-
-def to_real(m: GLM, pairs: Sequence[int] | None = None) -> GLM:
-    """Carry real and imaginary part instead of conjugate pairs: ``(A, U g, g^-1 B, g^-1 V g)``.
-
-    Args:
-        m: a method with conjugate pairs of values.
-        pairs: places of the first value of each pair, from 0; found when not given.
-
-    References: Khan (2018), equation (3.7).
-    """
-    places = complex_pairs(m) if pairs is None else pairs
-    return m.transform(linalg.inverse(_gamma_blocks(m.r, places, _gamma())))
-
-
-def to_complex(m: GLM, pairs: Sequence[int] | None = None) -> GLM:
-    """Undo :func:`to_real`: carry conjugate pairs, so that rotation blocks of V become diagonal.
-
-    Args:
-        m: a method. pairs: places of the first value of each pair, from 0; the rotation blocks of V
-            when not given.
-
-    References: Khan (2018), equation (3.7).
-    """
-    places = rotation_pairs(m) if pairs is None else pairs
-    return m.transform(_gamma_blocks(m.r, places, _gamma()))

@@ -72,7 +72,8 @@ def test_repeated_eigenvalue_has_a_growth_matrix():
     found = growth(m)
     (one,) = found.growths
     assert found.free is False and one.multiplicity == 1 and one.eigenvalue == 1
-    twice = GLM(A=m.A, U=[["1", "1", "0"], ["1", "0", "1"]], B=[["1/2", "1/2"], ["1", "0"], ["0", "1"]],
+    twice = GLM(A=m.A, U=[["1", "1", "0"], ["1", "0", "1"]],
+                B=[["1/2", "1/2"], ["1", "0"], ["0", "1"]],
                 V=[["1", "0", "0"], ["0", "-1", "0"], ["0", "0", "-1"]])  # fmt: skip
     (minus,) = growth(twice).growths
     assert minus.multiplicity == 2 and minus.mu is None and minus.matrix == ((-1, 0), (0, -1))
@@ -97,7 +98,7 @@ def test_pair_of_n_grows_like_n():
 
 
 def separable_pair(w, v):
-    """P_0 Q_0 P_1 with values carried in the parasitic place: mu_q ~ sum b w^2, mu_p ~ sum c v^2."""
+    """P_0 Q_0 P_1 with a second value carried: mu_q is sum b w^2, mu_p is sum c v^2, up to sign."""
     b, c = [exact(1) / 2, exact(1) / 2], [exact(1)]
     return PartitionedGLM(
         A=[[b[0] * (1 + v[0] * w[0]), 0]], U=[[1, -v[0]]],

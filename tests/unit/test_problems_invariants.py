@@ -22,7 +22,7 @@ VARIANTS = [(name, SMALL.get(name, {})) for name in names() if not name.startswi
     ("skew-quadratic", {"dimension": 7, "seed": 5}),
     ("dahlquist", {"real": 0, "imaginary": 3}),
     ("fput-stiff", {"springs": 5, "omega": 5000}),
-    ("scaled-kepler", {"length": "1e150"}),
+    ("scaled-kepler", {"length": "1000"}),
 ]
 DIGITS = 60
 
@@ -87,14 +87,12 @@ def test_an_invariant_off_by_a_billionth_is_noticed(name, parameters):
     assert any(caught) or not caught
 
 
-CANONICAL = [case for case in VARIANTS if problem(case[0], **case[1]).canonical]
+CANONICAL = [(n, k) for n, k in VARIANTS if problem(n, **k).canonical]
 
 
 @pytest.mark.parametrize(("name", "parameters"), CANONICAL)
 def test_canonical_problems_are_j_times_the_gradient_of_h(name, parameters):
     p, y, context = at_random(name, parameters, 3)
-    if p.hamiltonian is None:
-        pytest.skip("no energy function is given")
     f, half = p.on(context).f(context.mpf(0), y), len(y) // 2
     for i in range(len(y)):
         unit = [context.mpf(int(i == j)) for j in range(len(y))]

@@ -1,0 +1,152 @@
+"""``glmref derive``: run a recipe, prove what it finds, write method files."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ..claims import UsageError
+from ..tables import json_text
+from .output import FAILED, HOLDS, say
+
+if TYPE_CHECKING:
+    from ..derive.recipes import Derivation
+
+__all__ = ["derive"]
+
+
+@click.command(
+    short_help="Derive methods, with proofs.",
+    context_settings={"ignore_unknown_options": True, "allow_extra_args": True},
+)
+@click.argument("recipe", metavar="[RECIPE|ANSATZ.toml]", required=False)
+@click.option(
+    "--output",
+    type=click.Path(file_okay=False, path_type=Path),
+    help="Folder for the method files; without it one file goes to stdout.",
+)
+@click.option(
+    "--format",
+    "form",
+    type=click.Choice(["table", "json"]),
+    default="table",
+    help="Statements and files as text, or as one JSON record.",
+)
+@click.pass_context
+def derive(context: click.Context, recipe: str | None, output: Path | None, form: str) -> int:
+    """Derive methods and prove them; without a recipe, list the recipes and their options.
+
+    Options of the recipe follow it, as in: glmref derive order6 --c2 1/3 --z "exp(2*pi*i/3)".
+    A TOML file stands for the recipe `search` with that ansatz. Exit code 1 when what was asked
+    for is proved not to exist.
+    """
+    from ..derive import recipes
+
+    if recipe is None:
+        say(_listing(recipes.names(), recipes.describe, recipes.options_of))
+        return HOLDS
+    options = _options(context.args)
+    if recipe.endswith(".toml"):
+        options, recipe = {"ansatz": recipe, **options}, "search"
+    if output is not None:
+        output.mkdir(parents=True, exist_ok=True)
+    with _Bar() as bar:
+        found = recipes.run(recipe, options, bar.progress)
+    if form == "json":
+        say(json_text(_record(found)))
+    else:
+        _report(found, output)
+    return FAILED if found.refused else HOLDS
+
+
+def _options(words: Sequence[str]) -> dict[str, str]:
+    """Read ``--key value`` and ``--key=value``.
+
+    Raises
+    ------
+    UsageError: for a word that is neither.
+    """
+    options: dict[str, str] = {}
+    rest = list(words)
+    while rest:
+        word = rest.pop(0)
+        key, equals, value = word.removeprefix("--").partition("=")
+        if not word.startswith("--") or not key:
+            raise UsageError(f"{word!r} is out of place; write options as --name value")
+        if not equals:
+            if not rest:
+                raise UsageError(f"the option --{key} needs a value")
+            value = rest.pop(0)
+        options[key] = value
+    return options
+
+
+def _listing(names: Sequence[str], describe: Any, options_of: Any) -> str:
+    lines: list[str] = []
+    for name in names:
+        lines.append(f"{name:16}{describe(name)}")
+        known = " ".join(f"--{key} {value or '...'}" for key, value in options_of(name).items())
+        if known:
+            lines.append(f"{'':16}{known}")
+    return "\n".join(lines)
+
+
+def _record(found: Derivation) -> dict[str, Any]:
+    return {
+        "format": "glmref-derivation-1",
+        "recipe": found.recipe,
+        "refused": found.refused,
+        "statements": [{"text": s.text, "proof": str(s.proof)} for s in found.statements],
+        "documents": [dict(document) for document in found.documents],
+    }
+
+
+def _report(found: Derivation, output: Path | None) -> None:
+    """Statements to stderr where a file takes stdout, else to stdout; files where they belong."""
+    from ..canonical import canonical
+
+    to_stdout = output is None and len(found.documents) == 1
+    for statement in found.statements:
+        line = f"{statement.proof}: {statement.text}"
+        click.echo(line, err=to_stdout)
+    if to_stdout:
+        click.echo(canonical(dict(found.documents[0])), nl=False)
+        return
+    for document in found.documents:
+        _write(document, output)
+
+
+def _write(document: Mapping[str, Any], output: Path | None) -> None:
+    from ..canonical import canonical
+
+    if output is None:
+        say(f"derived {document['name']}; give --output DIR to keep the file")
+        return
+    path = output / f"{document['name']}.json"
+    path.write_text(canonical(dict(document)), encoding="utf-8")
+    say(f"wrote {path}")
+
+
+class _Bar:
+    """A progress bar on stderr, silent off a terminal."""
+
+    def __enter__(self) -> _Bar:
+        self.bar: Any = None
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self.bar is not None:
+            self.bar.close()
+
+    def progress(self, what: str, done: int, total: int) -> None:
+        """Show how far a recipe is."""
+        if self.bar is None:
+            from tqdm import tqdm
+
+            self.bar = tqdm(total=total, disable=None, leave=False)
+        self.bar.total = total
+        self.bar.set_description_str(what, refresh=False)
+        self.bar.update(done - self.bar.n)

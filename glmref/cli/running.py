@@ -1,0 +1,247 @@
+"""``glmref run``: carry out scenes, keep their records, show tables, pictures and answers."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ..claims import UsageError
+from ..tables import Style, columns, csv_text, json_text, one_line
+from .browsing import LISTS
+from .output import HOLDS, INTERNAL, say
+
+if TYPE_CHECKING:
+    from ..scenes import Plan, Scene
+
+__all__ = ["run"]
+
+_FAILURES = ("internal error", "not applicable")
+
+
+@click.command(short_help="Carry out scenes: error against run time.")
+@click.argument("names", nargs=-1, metavar="[SCENE|FILE]...")
+@click.option("--quick", is_flag=True, help="Fewer or shorter runs, as the scene says.")
+@click.option("--plan", "planned", is_flag=True, help="Say what would be done, and do nothing.")
+@click.option("--all", "every", is_flag=True, help="All shipped scenes.")
+@click.option("--list", "listed", is_flag=True, help="List the shipped scenes and their questions.")
+@click.option(
+    "--output",
+    type=click.Path(file_okay=False, path_type=Path),
+    default=Path("report"),
+    show_default=True,
+    help="Folder for records and pictures.",
+)
+@click.option(
+    "--format", "form", type=click.Choice(LISTS), default="table", help="What stdout gets."
+)
+def run(
+    names: tuple[str, ...],
+    quick: bool,
+    planned: bool,
+    every: bool,
+    listed: bool,
+    output: Path,
+    form: str,
+) -> int:
+    """Carry out scenes and answer their questions.
+
+    A SCENE is one of `glmref run --list`; a FILE is your own scene. Records are kept as lines of
+    JSON in the output folder, one file a scene: a run that was stopped, or killed, goes on where it
+    was. Delete the file to measure anew. Exit code 3 when a run ended in an error.
+    """
+    from .. import scenes as rooms
+
+    if listed:
+        _list(rooms, form)
+        return HOLDS
+    asked = [*dict.fromkeys(names), *(n for n in rooms.names() if every and n not in names)]
+    if not asked:
+        raise UsageError(f"name a scene, or --all; the scenes are {', '.join(rooms.names())}")
+    loaded = [rooms.load_scene(name, quick=quick) for name in asked]
+    plans = [rooms.plan(scene) for scene in loaded]
+    if planned:
+        _show_plans(plans, form)
+        return HOLDS
+    documents, bad = [], False
+    for number, plan in enumerate(plans):
+        document = _carry_out(plan, output, quick=quick)
+        bad |= any(record["outcome"] in _FAILURES for record in document["records"])
+        documents.append(document)
+        if form == "table":
+            say(("\n" if number else "") + _page(plan.scene, document, output))
+    if form == "json":
+        say(json_text(documents[0] if len(documents) == 1 else documents))
+    elif form == "csv":
+        _write_csv(plans, documents)
+    return INTERNAL if bad else HOLDS
+
+
+def _list(rooms: Any, form: str) -> None:
+    scenes = [rooms.load_scene(name) for name in rooms.names()]
+    cells = [[scene.name, scene.question] for scene in scenes]
+    if form == "json":
+        say(json_text([{"name": name, "question": question} for name, question in cells]))
+    elif form == "csv":
+        say(csv_text([("name", "question"), *cells]))
+    else:
+        say(columns(cells, style=Style.of(sys.stdout), head=("scene", "question")))
+
+
+def _show_plans(plans: Sequence[Plan], form: str) -> None:
+    documents = [plan.as_json() for plan in plans]
+    if form == "json":
+        say(json_text(documents[0] if len(documents) == 1 else documents))
+        return
+    if form == "csv":
+        keys = ("kind", "problem", "method", "peer", "h", "tolerance", "steps", "t_end")
+        tasks = [task for plan in plans for task in plan.tasks]
+        say(csv_text([keys, *([task.get(key) for key in keys] for task in tasks)]))
+        return
+    style = Style.of(sys.stdout)
+    for number, plan in enumerate(plans):
+        scene = plan.scene
+        grid = ", ".join(f"{h:.4g} ({n:,} steps)" for h, n in scene.grid)
+        lines = [
+            ("question", one_line(scene.question)),
+            ("problem", one_line(f"{scene.problem} {dict(scene.parameters) or ''}")),
+            ("methods", ", ".join(map(one_line, scene.methods))),
+            ("h", grid),
+            ("asked", ", ".join(scene.ask)),
+            ("recorded", "; ".join(plan.recorded)),
+            ("imported", ", ".join(plan.modules)),
+            ("tasks", f"{len(plan.tasks)}, at most {scene.budget:g} s each"),
+            ("evaluations", f"about {plan.evaluations:.2g}"),
+        ]
+        if plan.absent:
+            lines.append(("left out", f"{', '.join(plan.absent)}: not installed"))
+        say(("\n" if number else "") + style.paint(one_line(scene.name), "bold"))
+        say(columns(lines, style=style))
+
+
+def _carry_out(plan: Plan, output: Path, *, quick: bool) -> dict[str, Any]:
+    """Run what is missing, write the pictures, and return everything as one document."""
+    from .. import scenes as rooms
+    from ..experiments.records import RecordFile
+
+    scene = plan.scene
+    stem = scene.name + ("-quick" if quick else "")
+    store = RecordFile(output / f"{stem}.jsonl")
+    missing = len(list(store.missing(plan.tasks)))
+    with _Progress(missing, scene.name) as advance:
+        records = rooms.run(plan, store, advance=advance)
+    notices = [f"{package} is not installed; its runs are left out" for package in plan.absent]
+    notices += [text for record in records for text in record.get("notices", ())]
+    pictures: list[str] = []
+    if "picture" in scene.ask:
+        pictures, missed = _draw(rooms.charts(scene, records), output, stem)
+        notices += missed
+    notices = list(dict.fromkeys(notices))
+    for notice in notices:
+        complain_softly(notice)
+    return {
+        "format": "glmref-run-1",
+        "scene": scene.name,
+        "question": scene.question,
+        "answer": rooms.answer(scene, records),
+        "measured": missing,
+        "resumed": len(records) - missing,
+        "pictures": pictures,
+        "notices": notices,
+        "records": records,
+    }
+
+
+def complain_softly(notice: str) -> None:
+    """Write one line to stderr that is worth knowing and no error."""
+    click.echo(f"note: {one_line(notice)}", err=True)
+
+
+def _draw(charts: Sequence[Any], output: Path, stem: str) -> tuple[list[str], list[str]]:
+    """Write SVG files, and PNG files where matplotlib is there; return their names and notices."""
+    from ..chart import svg, write_png
+
+    names, notices = [], []
+    for chart in charts:
+        words = {"title": chart.title, "x_label": chart.x_label, "y_label": chart.y_label}
+        path = output / f"{stem}{chart.suffix}.svg"
+        path.write_text(svg(chart.series, **words), encoding="utf-8")
+        names.append(path.name)
+        notice = write_png(path.with_suffix(".png"), chart.series, **words)
+        if notice is None:
+            names.append(path.with_suffix(".png").name)
+        elif notice not in notices:
+            notices.append(notice)
+    return names, notices
+
+
+def _page(scene: Scene, document: Mapping[str, Any], output: Path) -> str:
+    """Return what a terminal shows of one scene."""
+    from .. import scenes as rooms
+    from ..chart import text
+
+    style = Style.of(sys.stdout)
+    records = document["records"]
+    table = rooms.rows(scene, records)
+    head = list(table[0]) if table else []
+    parts = [
+        style.paint(one_line(scene.title), "bold"),
+        one_line(scene.question),
+        "",
+        columns([list(row.values()) for row in table], style=style, head=head),
+    ]
+    failed = [r for r in records if r.get("message")]
+    parts += [""] if failed else []
+    parts += [f"{_who(r)}: {one_line(r['message'])}" for r in failed]
+    if "picture" in scene.ask:
+        chart = rooms.charts(scene, records)[0]
+        drawn = text(chart.series, x_label=chart.x_label, y_label=chart.y_label)
+        parts += ["", drawn, "", f"pictures in {output}: {', '.join(document['pictures'])}"]
+    parts += ["", style.paint("answer", "bold") + f"  {one_line(document['answer'])}"]
+    return "\n".join(parts)
+
+
+def _who(record: Mapping[str, Any]) -> str:
+    task = record["task"]
+    if task["kind"] == "peer":
+        return f"{task['peer']}, tol {task['tolerance']:g}"
+    return f"{task['method']}, h = {task['h']:.4g}"
+
+
+def _write_csv(plans: Sequence[Plan], documents: Sequence[Mapping[str, Any]]) -> None:
+    from .. import scenes as rooms
+
+    last: tuple[str, ...] = ()
+    for plan, document in zip(plans, documents, strict=True):
+        table = rooms.rows(plan.scene, document["records"], raw=True)
+        head = ("scene", *table[0]) if table else ()
+        lines = [[plan.scene.name, *row.values()] for row in table]
+        say(csv_text([*([head] if head != last else []), *lines]))
+        last = head
+
+
+class _Progress:
+    """A bar on stderr, on a terminal only; nothing elsewhere."""
+
+    def __init__(self, total: int, name: str) -> None:
+        self.bar: Any = None
+        if sys.stderr.isatty() and total:
+            from tqdm import tqdm
+
+            tqdm.monitor_interval = 0
+            self.bar = tqdm(total=total, desc=name, unit="run", leave=False, file=sys.stderr)
+
+    def __enter__(self) -> Any:
+        return self._advance
+
+    def _advance(self, task: Mapping[str, Any], record: Mapping[str, Any]) -> None:
+        if self.bar is not None:
+            self.bar.set_postfix_str(_who(record), refresh=False)
+            self.bar.update()
+
+    def __exit__(self, *exception: object) -> None:
+        if self.bar is not None:
+            self.bar.close()

@@ -1,0 +1,93 @@
+"""Numbers of the vector files: exact decimals in, decimals of a given length out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import Any
+
+from ..exact import Exact
+
+__all__ = ["decimal_text", "decimals", "exact_decimal", "fraction_of", "rounded_up"]
+
+
+def fraction_of(x: Any) -> Fraction:
+    """Exact value of an mpmath number, or of anything a Fraction takes."""
+    if isinstance(x, int | str | Fraction | float):
+        return Fraction(x)
+    sign, mantissa, exponent, _ = x._mpf_
+    value = Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
+    return -value if sign else value
+
+
+def decimal_text(x: Any, digits: int) -> str:
+    """Round to significant digits, ties to even, and write as a plain decimal or with an exponent.
+
+    >>> decimal_text(Fraction(2, 3), 5), decimal_text(Fraction(1, 8), 5), decimal_text(0, 5)
+    ('0.66667', '0.125', '0')
+    >>> decimal_text(Fraction(-1, 3 * 10**8), 4)
+    '-3.333e-9'
+    """
+    value = fraction_of(x)
+    if value == 0:
+        return "0"
+    size = abs(value)
+    exponent = len(str(size.numerator)) - len(str(size.denominator))
+    while Fraction(10) ** exponent > size:
+        exponent -= 1
+    while Fraction(10) ** (exponent + 1) <= size:
+        exponent += 1
+    mantissa = round(size / Fraction(10) ** (exponent - digits + 1))
+    if mantissa == 10**digits:
+        mantissa, exponent = mantissa // 10, exponent + 1
+    figures = str(mantissa)
+    sign = "-" if value < 0 else ""
+    if -6 <= exponent < digits:
+        if exponent < 0:
+            whole, part = "0", "0" * (-exponent - 1) + figures
+        else:
+            whole, part = figures[: exponent + 1], figures[exponent + 1 :]
+        part = part.rstrip("0")
+        return f"{sign}{whole}.{part}" if part else f"{sign}{whole}"
+    part = figures[1:].rstrip("0")
+    return f"{sign}{figures[0]}{'.' + part if part else ''}e{exponent}"
+
+
+def exact_decimal(x: Fraction) -> str:
+    """Write a fraction whose decimal ends, such as a dyadic one, in full."""
+    places = 0
+    while (x * 10**places).denominator != 1:
+        places += 1
+    text = decimal_text(x, max(1, len(str(abs((x * 10**places).numerator)))))
+    assert Fraction(text) == x
+    return text
+
+
+def decimals(array: Sequence[Any], digits: int) -> list[Any]:
+    """Write an array of any depth."""
+    return [
+        decimals(x, digits) if hasattr(x, "__len__") else decimal_text(x, digits) for x in array
+    ]
+
+
+def rounded_up(x: Any, digits: int = 2) -> str:
+    """Smallest decimal of so many digits that is not below a positive number."""
+    value = fraction_of(x)
+    if value == 0:
+        return "0"
+    text = decimal_text(value, digits)
+    while Fraction(text) < value:
+        first = Fraction(text)
+        step = Fraction(decimal_text(first, 1)) / 10**digits
+        text = decimal_text(first + step, digits)
+        if Fraction(text) == first:
+            text = decimal_text(first + 10 * step, digits)
+    return text
+
+
+def decimal_of(x: Any, digits: int) -> str:
+    """Decimal of a coefficient: an algebraic number or a ball."""
+    value = x.as_fraction() if isinstance(x, Exact) else None
+    if value is not None:
+        return decimal_text(value, digits)
+    return decimal_text(Fraction(x.ball().decimal_text(digits + 20)), digits)

@@ -1,0 +1,144 @@
+"""What of a scene's records goes into a table, and what into a picture."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ..chart import Series
+from .answers import duration, method_of
+from .model import Scene
+
+__all__ = ["Chart", "charts", "columns_of", "rows"]
+
+Record = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Chart:
+    """A picture to draw: its file's suffix, its words and its lines."""
+
+    suffix: str
+    title: str
+    x_label: str
+    y_label: str
+    series: tuple[Series, ...]
+
+
+def columns_of(scene: Scene) -> tuple[str, ...]:
+    """Columns of the table: those that the questions fill."""
+    found = ["method", "h", "steps", "outcome"]
+    if "state" in scene.ask:
+        found.append("state error")
+    if "energy" in scene.ask:
+        found.append("energy error")
+    if "invariants" in scene.ask:
+        found += ["invariants", "G-form"]
+    if "parasitic" in scene.ask:
+        found += ["lost at", "predicted", "largest rest"]
+    return (*found, "seconds", "q25", "q75", "evaluations", "iterations", "start")
+
+
+def rows(scene: Scene, records: Sequence[Record], *, raw: bool = False) -> list[dict[str, Any]]:
+    """One mapping per record, column -> cell.
+
+    Args:
+        raw: numbers as they are (``None`` where there is none), else short texts.
+    """
+    return [
+        {column: _cell(column, record, raw=raw) for column in columns_of(scene)}
+        for record in records
+    ]
+
+
+def _cell(column: str, record: Record, *, raw: bool) -> Any:
+    value = _value(column, record)
+    if raw or isinstance(value, str):
+        return value
+    if value is None:
+        return "-"
+    if column in ("seconds", "q25", "q75"):
+        return duration(value)
+    if isinstance(value, int):
+        return f"{value}"
+    return f"{value:.2e}" if column not in ("h", "lost at", "predicted") else f"{value:.6g}"
+
+
+def _value(column: str, record: Record) -> Any:
+    task, seconds = record["task"], record.get("seconds") or {}
+    if column == "method":
+        return method_of(record)
+    if column == "h":
+        return task["h"] if task["kind"] == "method" else f"tol {task['tolerance']:g}"
+    if column in ("seconds", "q25", "q75"):
+        return seconds.get("median" if column == "seconds" else column)
+    if column in ("invariants", "G-form"):
+        return _drift(record, form=column == "G-form")
+    keys = {
+        "state error": "state_error",
+        "energy error": "energy_error",
+        "lost at": "lost",
+        "largest rest": "largest",
+        "start": "start_evaluations",
+    }
+    return record.get(keys.get(column, column))
+
+
+def _drift(record: Record, *, form: bool) -> float | None:
+    values = [
+        one["largest"]
+        for one in record.get("drifts") or []
+        if one["quantity"].startswith("G-form") == form and one["largest"] is not None
+    ]
+    return max(values, default=None)
+
+
+def charts(scene: Scene, records: Sequence[Record]) -> list[Chart]:
+    """Pictures of a scene: error against run time and against evaluations, or size over time."""
+    groups: dict[str, list[Record]] = {}
+    for record in records:
+        groups.setdefault(method_of(record), []).append(record)
+    if "invariants" in scene.ask or "parasitic" in scene.ask:
+        parasitic = "parasitic" in scene.ask
+        what = "size of the values beyond the solution" if parasitic else "relative drift so far"
+        lines = [
+            Series(
+                name if len(group) == 1 else f"{name}, h = {record['task']['h']:.3g}",
+                tuple((t, v) for t, v in record.get("series") or []),
+            )
+            for name, group in groups.items()
+            for record in group
+        ]
+        return [Chart("", scene.title, "time", what, tuple(lines))]
+    error = scene.answer.error if f"{scene.answer.error}" in scene.ask else "energy"
+    label = f"relative error in the {error}"
+    return [
+        Chart("", scene.title, "seconds", label, _lines(groups, error, "seconds")),
+        Chart(
+            "-evaluations",
+            scene.title,
+            "right-hand-side evaluations",
+            label,
+            _lines(groups, error, "evaluations"),
+        ),
+    ]
+
+
+def _lines(groups: Mapping[str, Sequence[Record]], error: str, cost: str) -> tuple[Series, ...]:
+    lines = []
+    for name, group in groups.items():
+        points, notes = [], []
+        for record in group:
+            value, spent = record.get(f"{error}_error"), record.get(cost)
+            if cost == "seconds" and spent:
+                spent = spent["median"]
+            if value is None or spent is None or record["outcome"] != "completed":
+                continue
+            points.append((float(spent), float(value)))
+            notes.append(f"h = {record['h']:.4g}" if "h" in record else "")
+        order = sorted(range(len(points)), key=lambda k: points[k][0])
+        lines.append(
+            Series(name, tuple(points[k] for k in order), tuple(notes[k] for k in order))
+        )
+    return tuple(lines)

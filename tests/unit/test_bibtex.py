@@ -1,0 +1,107 @@
+"""bibtex.py: entries that BibTeX reads, each source once, the file by its hash."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from glmref.bibtex import entries, escape, file_entry, source_entry
+from glmref.catalogue import document, names, path_of
+from glmref.claims import DataError, UsageError
+
+
+def keys(texts: list[str]) -> list[str]:
+    return [match[1] for text in texts for match in re.finditer(r"^@\w+\{([^,]+),", text, re.M)]
+
+
+def balanced(text: str) -> bool:
+    """Whether the braces that TeX counts are balanced (escaped ones are not counted)."""
+    depth = 0
+    for brace in re.findall(r"(?<!\\)[{}]", text):
+        depth += 1 if brace == "{" else -1
+        if depth < 0:
+            return False
+    return depth == 0
+
+
+def test_the_entry_of_the_file_is_used_as_it_stands() -> None:
+    assert source_entry(document("gauss-2")) == document("gauss-2")["source"]["bibtex"].strip()
+
+
+def test_without_an_entry_one_is_made_of_the_citation() -> None:
+    method = {
+        "name": "it",
+        "source": {
+            "citation": "Nobody, N., 50% of A & B, Journal #1 (1987), 5_6",
+            "where": "eq. (3)",
+            "status": "derived",
+            "doi": "10.1000/a_b",
+        },
+    }
+    assert source_entry(method) == (
+        "@misc{it-source,\n"
+        r"  note = {Nobody, N., 50\% of A \& B, Journal \#1 (1987), 5\_6}," + "\n"
+        "  howpublished = {eq. (3)},\n"
+        "  year = {1987},\n"
+        "  doi = {10.1000/a_b},\n"
+        "}"
+    )
+
+
+def test_the_data_file_is_identified_by_its_hash() -> None:
+    entry = file_entry("gauss-2")
+    digest = hashlib.sha256(path_of("gauss-2").read_bytes()).hexdigest()
+    assert digest in entry
+    assert "data/methods/rk/gauss-2.json" in entry
+    assert "glmref-gauss-2" in entry
+
+
+def test_an_own_file_is_not_called_a_file_of_the_project(tmp_path: Path) -> None:
+    file = tmp_path / "mine_1.json"
+    file.write_text(json.dumps(document("rk4")))
+    entry = file_entry(file)
+    assert r"mine\_1.json" in entry
+    assert "The glmref authors" not in entry
+    assert str(tmp_path) not in entry
+
+
+def test_a_source_that_several_methods_share_stands_once() -> None:
+    found = keys(entries(["gauss-2", "gauss-3", "gauss-2"]))
+    assert found == ["butcher1964a", "glmref-gauss-2", "glmref-gauss-3"]
+
+
+def test_different_sources_with_one_key_get_two_keys(tmp_path: Path) -> None:
+    other = {**document("gauss-2"), "name": "mine"}
+    other["source"] = {**other["source"], "bibtex": "@misc{butcher1964a,\n  note = {other},\n}"}
+    file = tmp_path / "mine.json"
+    file.write_text(json.dumps(other))
+    found = keys(entries(["gauss-2", file]))
+    assert found == ["butcher1964a", "glmref-gauss-2", "butcher1964a-mine", "glmref-mine"]
+
+
+def test_every_shipped_entry_is_balanced_has_a_unique_key_and_some_author() -> None:
+    texts = entries(names("methods"))
+    assert all(balanced(text) for text in texts)
+    assert len(keys(texts)) == len(set(keys(texts))) == len(texts)
+    assert not balanced("@misc{a, note = {}")
+    assert len([x for x in keys(texts) if x.startswith("glmref-")]) == len(names("methods"))
+
+
+def test_tex_characters_are_escaped() -> None:
+    assert escape(r"a_b {c} 10% \x ~ ^ $ & #") == (
+        r"a\_b \{c\} 10\% \textbackslash{}x \textasciitilde{} \textasciicircum{} \$ \& \#"
+    )
+    assert escape("two\nlines") == "two lines"
+
+
+def test_what_is_no_method_is_not_cited(tmp_path: Path) -> None:
+    file = tmp_path / "no.json"
+    file.write_text("{}")
+    with pytest.raises(DataError):
+        entries([file])
+    with pytest.raises(UsageError):
+        entries(["nobody-1900"])

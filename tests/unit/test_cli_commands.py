@@ -1,0 +1,250 @@
+"""The commands: what they print, in each format, and the exit code that says how it went."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import pytest
+
+from glmref import __version__, verification
+from glmref.catalogue import document, names
+from glmref.claims import Finding, Verdict
+from glmref.cli import main
+
+
+class Run:
+    """Runs the command line in this process."""
+
+    def __init__(self, capsys: pytest.CaptureFixture[str]) -> None:
+        self.capsys = capsys
+
+    def __call__(self, *arguments: str) -> tuple[int, str, str]:
+        code = main(arguments)
+        captured = self.capsys.readouterr()
+        return code, captured.out, captured.err
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str]) -> Run:
+    return Run(capsys)
+
+
+@pytest.fixture
+def overclaimed(tmp_path: Path) -> str:
+    """A right method with a wrong claim."""
+    doc = document("rk4")
+    file = tmp_path / "mine.json"
+    file.write_text(json.dumps({**doc, "name": "mine", "claims": {"order": 5, "explicit": True}}))
+    return str(file)
+
+
+def test_version_and_help_name_the_program(run: Run) -> None:
+    assert run("--version") == (0, f"glmref {__version__}\n", "")
+    code, out, err = run("--help")
+    assert (code, err) == (0, "")
+    for command in ("verify", "analyze", "list", "show", "cite", "errata"):
+        assert f"\n  {command} " in out
+        assert run(command, "--help")[0] == 0
+
+
+def test_no_command_is_a_usage_error_that_shows_the_help(run: Run) -> None:
+    code, out, err = run()
+    assert (code, out) == (2, "")
+    assert "Usage: glmref" in err
+
+
+def test_verify_shows_each_claim_of_a_named_method_with_its_proof(run: Run) -> None:
+    code, out, err = run("verify", "gsymplectic-n")
+    assert (code, err) == (0, "")
+    claims = document("gsymplectic-n")["claims"]
+    for claim in claims:
+        assert f"  holds  exact     {claim} " in out
+    assert out.splitlines()[-1].endswith(
+        "0 fail, 0 open (%d exact, 0 enclosed, 0 measured)"
+        % (len(claims) + ("starting-order" not in claims))
+    )
+
+
+def test_verify_refutes_a_broken_file_and_says_by_what(run: Run) -> None:
+    code, out, _ = run("verify", "rkf45-3554")
+    assert code == 0
+    assert "refutes order  declared 5, found 1; tree [o] of order 2" in out
+
+
+def test_verify_fails_with_exit_1_where_a_claim_fails(run: Run, overclaimed: str) -> None:
+    code, out, err = run("verify", overclaimed)
+    assert (code, err) == (1, "")
+    assert "FAILS  exact     order     declared 5, found 4; tree " in out
+    assert "holds  exact     explicit  yes" in out
+    assert "1 hold, 1 fail, 0 open" in out
+
+
+def test_verify_json_has_the_shape_of_its_format(run: Run, overclaimed: str) -> None:
+    code, out, _ = run("verify", "euler", overclaimed, "--format", "json")
+    assert code == 1
+    record = json.loads(out)
+    assert list(record) == ["format", "findings", "summary"]
+    assert record["format"] == "glmref-findings-1"
+    verdicts = {(f["method"], f["claim"]): f["verdict"] for f in record["findings"]}
+    assert verdicts["euler", "order"] == "holds"
+    assert verdicts["mine", "order"] == "fails"
+    assert record["summary"]["fails"] == 1
+
+
+def test_verify_csv_and_junit_hold_the_same_findings(run: Run, overclaimed: str) -> None:
+    _, out, _ = run("verify", "euler", overclaimed, "--format", "csv")
+    rows = list(csv.DictReader(io.StringIO(out)))
+    _, out, _ = run("verify", "euler", overclaimed, "--format", "junit")
+    cases = list(ElementTree.fromstring(out).iter("testcase"))
+    assert [(r["method"], r["claim"]) for r in rows] == [
+        (c.get("classname"), c.get("name")) for c in cases
+    ]
+    assert [r["verdict"] for r in rows].count("fails") == 1
+    assert [len(c.findall("failure")) for c in cases].count(1) == 1
+
+
+def test_only_restricts_what_is_checked(run: Run, overclaimed: str) -> None:
+    _, out, _ = run(
+        "verify", "gsymplectic-n", "--only", "order", "--only", "growth", "--format", "json"
+    )
+    assert [f["claim"] for f in json.loads(out)["findings"]] == ["order", "growth"]
+    assert run("verify", overclaimed, "--only", "explicit")[0] == 0
+    assert run("verify", overclaimed, "--only", "order")[0] == 1
+    code, out, _ = run("verify", "rkf45-3554", "rk4", "--only", "order", "--format", "json")
+    assert [f["claim"] for f in json.loads(out)["findings"]] == ["refutes order", "order"]
+
+
+def test_a_name_given_twice_is_checked_once(run: Run) -> None:
+    _, once, _ = run("verify", "euler")
+    assert run("verify", "euler", "euler")[1] == once
+
+
+def found(verdict: Verdict) -> Finding:
+    return Finding("it", "order", 4, verdict, None, witness="no matter")
+
+
+@pytest.mark.parametrize(
+    ("verdicts", "code"),
+    [
+        ([Verdict.HOLDS], 0),
+        ([Verdict.HOLDS, Verdict.FAILS], 1),
+        ([Verdict.HOLDS, Verdict.OPEN], 3),
+        ([Verdict.OPEN, Verdict.FAILS], 1),
+    ],
+)
+def test_exit_code_follows_the_verdicts(
+    run: Run, monkeypatch: pytest.MonkeyPatch, verdicts: list[Verdict], code: int
+) -> None:
+    monkeypatch.setattr(
+        verification, "verify_file", lambda name, only: [found(v) for v in verdicts]
+    )
+    assert run("verify", "euler")[0] == code
+
+
+def test_bad_input_beside_a_failure_is_exit_2_and_keeps_the_failure(
+    run: Run, overclaimed: str
+) -> None:
+    code, out, err = run("verify", overclaimed, "no-such-method")
+    assert code == 2
+    assert "FAILS" in out
+    assert err.startswith("glmref: there is no method named")
+    code, out, _ = run("verify", "no-such-method", "euler", "--format", "junit")
+    assert code == 2
+    assert len(list(ElementTree.fromstring(out).iter("error"))) == 1
+
+
+def test_analyze_json_has_the_keys_of_its_format(run: Run) -> None:
+    code, out, err = run("analyze", "g4123", "--format", "json")
+    assert (code, err) == (0, "")
+    record: dict[str, Any] = json.loads(out)
+    expected = {
+        *("format", "method", "stages", "values", "preconsistent", "consistent", "zero_stable"),
+        *("order", "principal", "stage_order", "order_witness", "g_symplectic", "symmetric"),
+        *("growth", "parasitism_free", "proof"),
+    }
+    assert expected <= record.keys()
+    assert record["format"] == "glmref-analysis-1"
+    assert (record["order"], record["principal"]) == (4, "free")
+    assert record["order_identity"] == 2
+    assert record["g_symplectic"].keys() >= {"holds", "G", "D"}
+    assert record["symmetric"].keys() >= {"holds", "L", "P"}
+    assert all(g.keys() == {"eigenvalue", "mu"} for g in record["growth"])
+    assert record["proof"] == "exact"
+
+
+def test_analyze_table_and_csv_say_the_same(run: Run) -> None:
+    _, table, _ = run("analyze", "gsymplectic-n")
+    assert "\norder " in table
+    assert "growth mu at -1" in table
+    _, text, _ = run("analyze", "gsymplectic-n", "--format", "csv")
+    rows = dict(list(csv.reader(io.StringIO(text)))[1:])
+    assert json.loads(rows["order"]) == 4
+    assert json.loads(rows["symmetric"])["holds"] is True
+
+
+def test_analyze_leaves_with_3_where_something_is_not_decided(run: Run) -> None:
+    code, out, _ = run("analyze", "gauss-2-seven-digits", "--format", "json")
+    record = json.loads(out)
+    decided = [record["g_symplectic"]["holds"], record["symmetric"]["holds"]]
+    decided += [record[k] for k in ("preconsistent", "consistent", "zero_stable")]
+    decided += [record["parasitism_free"]]
+    assert code == (3 if None in decided else 0)
+    assert record["proof"] == "measured"
+
+
+def test_analyze_needs_no_true_claim(run: Run, overclaimed: str) -> None:
+    code, out, _ = run("analyze", overclaimed, "--format", "json")
+    assert code == 0
+    assert json.loads(out)["order"] == 4
+
+
+def test_list_shows_every_method_of_a_class_and_no_other(run: Run) -> None:
+    _, out, _ = run("list", "--format", "json")
+    rows = json.loads(out)["methods"]
+    assert [row["name"] for row in rows] == names("methods")
+    _, out, _ = run("list", "--class", "splitting", "--format", "csv")
+    rows = list(csv.DictReader(io.StringIO(out)))
+    assert {row["class"] for row in rows} == {"splitting"}
+    assert "stormer-verlet" in {row["name"] for row in rows}
+
+
+def test_list_broken_names_the_claim_that_fails(run: Run) -> None:
+    code, out, _ = run("list", "--broken")
+    assert code == 0
+    assert [line.split()[0] for line in out.splitlines()[2:]] == names("broken")
+    (line,) = (x for x in out.splitlines() if x.startswith("rkf45-3554 "))
+    assert line.split()[1:4] == ["rk", "order", "DigitsSwapped"]
+
+
+def test_show_writes_expressions_or_decimals(run: Run) -> None:
+    assert "1/4-sqrt(3)/6" in run("show", "gauss-2")[1]
+    code, out, _ = run("show", "gauss-2", "--decimal", "12")
+    assert code == 0
+    assert "-0.0386751345948" in out
+    assert "sqrt" not in out.split("\n\n")[1]
+
+
+def test_cite_writes_source_and_file_of_each(run: Run) -> None:
+    code, out, _ = run("cite", "gauss-2", "gauss-3")
+    assert code == 0
+    assert out.count("@article{butcher1964a,") == 1
+    assert out.count("SHA-256") == 2
+
+
+def test_errata_by_id_by_text_and_by_verdict(run: Run) -> None:
+    code, out, _ = run("errata", "1.1-euler-form")
+    assert code == 0
+    assert out.startswith("1.1-euler-form  right, exact\n")
+    assert len(out.splitlines()) < 12
+    _, out, _ = run("errata", "--verdict", "wrong", "--format", "json")
+    records = json.loads(out)["errata"]
+    assert {r["verdict"] for r in records} == {"wrong"}
+    _, out, _ = run("errata", "3.8", "--format", "csv")
+    assert len(list(csv.DictReader(io.StringIO(out)))) > 1
+    _, out, _ = run("errata", "--method", "thesis-3-8-printed")
+    assert "a_21 = -11/72" in out

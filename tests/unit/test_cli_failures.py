@@ -1,0 +1,213 @@
+"""What goes wrong around the commands ends in a sentence and an exit code, and loses no result."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+
+from glmref import verification
+from glmref.claims import Finding, Verdict
+from glmref.cli import main
+from glmref.cli.parallel import Checked, check, check_all
+
+COMMAND = [sys.executable, "-m", "glmref"]
+posix = pytest.mark.skipif(os.name != "posix", reason="uses POSIX signals and devices")
+
+
+def shell(script: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        ["sh", "-c", script.replace("glmref", " ".join(COMMAND))],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+        env={**os.environ, **environment},
+    )
+
+
+def broken(name: str, only: object) -> list[Finding]:
+    if name == "euler":
+        raise RuntimeError("the\nsky\x1b fell")
+    return [Finding(name, "order", 4, Verdict.HOLDS, 4)]
+
+
+def test_an_unexpected_exception_is_one_sentence_and_exit_3(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(verification, "verify_file", broken)
+    assert main(["verify", "rk4", "euler", "gauss-2", "--format", "json"]) == 3
+    out, err = capsys.readouterr()
+    assert [f["method"] for f in json.loads(out)["findings"]] == ["rk4", "gauss-2"]
+    assert err.count("\n") == 1
+    assert err.startswith("glmref: internal error while checking euler (RuntimeError: the sky")
+    assert "please report it" in err
+
+
+def test_debugging_shows_the_traceback_of_an_internal_error(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(verification, "verify_file", broken)
+    monkeypatch.setenv("GLMREF_DEBUG", "1")
+    assert main(["verify", "euler"]) == 3
+    assert "Traceback" in capsys.readouterr().err
+
+
+def test_an_exception_outside_any_file_is_one_sentence_too(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from glmref import catalogue
+
+    def fail(name: object) -> None:
+        raise ZeroDivisionError("of the program")
+
+    monkeypatch.setattr(catalogue, "load", fail)
+    assert main(["show", "rk4"]) == 3
+    err = capsys.readouterr().err
+    assert err.count("\n") == 1
+    assert "internal error (ZeroDivisionError: of the program)" in err
+    monkeypatch.setenv("GLMREF_DEBUG", "1")
+    assert main(["show", "rk4"]) == 3
+    assert "Traceback" in capsys.readouterr().err
+
+
+@posix
+def test_a_reader_that_goes_away_is_no_error() -> None:
+    done = shell("glmref list | head -n 1")
+    assert done.returncode == 0
+    assert done.stderr == ""
+    assert done.stdout.startswith("name")
+    status = shell("{ glmref list --format json; echo $? >&2; } | head -c 10").stderr
+    assert status.strip() in ("0", "141")
+
+
+@posix
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
+def test_a_full_disk_is_one_sentence() -> None:
+    done = shell("glmref list > /dev/full")
+    assert done.returncode == 3
+    assert done.stderr.count("\n") == 1
+    assert done.stderr.startswith("glmref: the system refused (No space left on device)")
+
+
+@posix
+def test_closed_streams_do_no_harm() -> None:
+    assert shell("glmref list >&-").returncode == 0
+    assert shell("glmref verify nothing 2>&-").returncode == 2
+
+
+def test_an_ascii_terminal_gets_ascii_rules_and_no_encoding_error() -> None:
+    done = shell("glmref show stormer-verlet", PYTHONIOENCODING="ascii", PYTHONUTF8="0")
+    assert done.returncode == 0
+    assert done.stdout.isascii()
+    assert " ---+--" in done.stdout
+
+
+@posix
+@pytest.mark.parametrize("form", ["json", "table"])
+def test_interruption_keeps_what_was_found_and_leaves_with_130(form: str) -> None:
+    process = subprocess.Popen(
+        [*COMMAND, "verify", "--format", form],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,  # so that the signal reaches the children, as Ctrl-C does
+    )
+    time.sleep(1.0)  # imports take some 0.3 s and the whole some 5 s
+    os.killpg(process.pid, signal.SIGINT)
+    out, err = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert err.count("\n") == 1
+    assert err.startswith("glmref: interrupted")
+    if form == "json" and "after" in err:
+        assert json.loads(out)["summary"]["fails"] == 0
+
+
+def test_no_progress_and_no_colour_off_a_terminal() -> None:
+    done = shell("glmref verify euler rk4 rk38 heun-2 heun-3 ab-1 ab-2 ab-3 am-1 am-2 bdf-1")
+    assert done.returncode == 0
+    assert done.stderr == ""
+    assert "\x1b" not in done.stdout
+
+
+@posix
+def test_a_terminal_gets_colour_and_progress_and_no_color_is_respected() -> None:
+    import pty
+
+    def seen(**environment: str) -> bytes:
+        parent, child = pty.openpty()
+        names = ["euler", "rk4", "rk38", "heun-2", "heun-3", "ab-1", "ab-2", "ab-3", "am-1"]
+        process = subprocess.Popen(
+            [*COMMAND, "verify", *names],
+            stdout=child,
+            stderr=child,
+            env={**os.environ, "TERM": "xterm", **environment},
+        )
+        os.close(child)
+        parts = []
+        while True:
+            try:
+                part = os.read(parent, 4096)
+            except OSError:  # how Linux ends a terminal
+                break
+            if not part:
+                break
+            parts.append(part)
+        assert process.wait(timeout=30) == 0
+        os.close(parent)
+        return b"".join(parts)
+
+    assert b"\x1b[32mholds" in seen(NO_COLOR="")
+    text = seen(NO_COLOR="1")
+    assert b"\x1b[32m" not in text
+    assert b"file/s" in text or b"/9 [" in text  # the bar
+
+
+def test_check_turns_every_outcome_into_a_record() -> None:
+    good, bad = check("euler"), check("no-such-method")
+    assert not good.error
+    assert good.findings
+    assert bad.error.startswith("there is no method named")
+    assert not bad.findings
+    assert not bad.internal
+
+
+def test_results_come_in_order_whether_in_one_process_or_in_several(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from glmref.cli import parallel
+
+    names = ["euler", "no-such-method", "rk4", "gauss-2", "ab-2", "rkf45-3554"]
+    alone = list(check_all(names, processes=1))
+    monkeypatch.setattr(parallel, "STARTUP", 0.0)  # processes pay at once
+    spread = list(check_all(names, processes=2))
+    assert [c.name for c in spread] == names
+    assert [c.error for c in spread] == [c.error for c in alone]
+    for x, y in zip(spread, alone, strict=True):
+        assert [f.as_json() for f in x.findings] == [f.as_json() for f in y.findings]
+
+
+def killed(name: str, only: Sequence[str] = ()) -> Checked:
+    if name == "rk4":
+        os.kill(os.getpid(), signal.SIGKILL)
+    return check(name)
+
+
+def test_a_file_that_kills_its_process_costs_only_its_own_result(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from glmref.cli import parallel
+
+    monkeypatch.setattr(parallel, "STARTUP", 0.0)
+    names = ["euler", "ab-2", "rk4", "gauss-2"]
+    results = list(parallel._in_processes(names, (), 2, function=killed))
+    assert [c.name for c in results] == names
+    assert [c.internal for c in results] == [False, False, True, False]
+    assert "internal error while checking rk4" in results[2].error

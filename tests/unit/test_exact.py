@@ -1,0 +1,134 @@
+"""exact.py: zero is decided, floats never enter, balls keep their radius."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import mpmath
+import pytest
+
+from glmref.claims import ExactnessError
+from glmref.exact import Ball, Exact, ball, exact, root_of_unity
+
+BETA = ((exact(330).sqrt() * 65274 - 347009) / 1265902).sqrt()  # of the order-6 method
+
+
+def test_sqrt_6_is_sqrt_2_times_sqrt_3_and_not_a_digit_away() -> None:
+    product = exact(2).sqrt() * exact(3).sqrt()
+    assert (product - exact(6).sqrt()).is_zero()
+    near = product - exact(6).sqrt() + Fraction(1, 10**200)
+    assert not near.is_zero()
+    assert near.sign() == 1
+
+
+def test_nested_root_satisfies_its_equation_exactly() -> None:
+    assert BETA * BETA * 1265902 - exact(330).sqrt() * 65274 + 347009 == 0
+    assert float(BETA) == pytest.approx(0.813986, abs=5e-7)
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 4, 5, 6, 7, 8, 9, 12, 16])
+def test_roots_of_unity_have_their_order(n: int) -> None:
+    z = root_of_unity(1, n)
+    assert z**n == 1
+    assert all(z**k != 1 for k in range(1, n))
+    assert z * z.conjugate() == 1
+    assert root_of_unity(-1, n) == z.conjugate()
+
+
+def test_reciprocals_of_sums_of_roots_stay_polynomial_and_exact() -> None:
+    x = exact(2).sqrt() + exact(3).sqrt() + exact(5).sqrt()
+    assert x * (1 / x) == 1
+    y = (1 / x) ** 3
+    assert y * x**3 == 1
+
+
+@pytest.mark.parametrize("value", [0.5, "1/2", True, None, 1j])
+def test_only_exact_values_become_exact_numbers(value: object) -> None:
+    with pytest.raises(ExactnessError, match="must be an integer, a Fraction"):
+        Exact(value)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("value", [0.5, "1", True, None])
+def test_a_float_never_mixes_with_exact_numbers(value: object) -> None:
+    with pytest.raises(TypeError):
+        exact(1) + value  # type: ignore[operator]
+    with pytest.raises(TypeError):
+        ball(1) * value  # type: ignore[operator]
+    assert exact(1) != value
+
+
+def test_division_by_an_exact_zero_is_an_error() -> None:
+    hidden = exact(2).sqrt() * exact(2).sqrt() - 2
+    for divide in (lambda: exact(1) / hidden, lambda: exact(1) / 0, lambda: 1 / hidden):
+        with pytest.raises(ZeroDivisionError):
+            divide()
+
+
+def test_equal_numbers_are_equal_however_written_and_have_no_hash() -> None:
+    assert (exact(1) + exact(5).sqrt()) / 2 == 2 / (exact(5).sqrt() - 1)
+    with pytest.raises(TypeError, match="unhashable"):
+        hash(exact(1))
+
+
+def test_complex_numbers_have_no_sign_and_no_float() -> None:
+    i = exact(-1).sqrt()
+    assert i * i == -1
+    assert not i.is_real()
+    assert (i * i).is_real()
+    with pytest.raises(ExactnessError, match="only a real number has a sign"):
+        i.sign()
+    with pytest.raises(ExactnessError, match="no float value"):
+        float(i)
+    assert complex(i) == 1j
+
+
+def test_purely_imaginary_and_rational_numbers_convert_to_balls() -> None:
+    for x, value in ((exact(-3).sqrt() * 2, 2j * 3**0.5), (exact(Fraction(1, 3)), 1 / 3)):
+        assert complex(x.ball()) == pytest.approx(value, rel=1e-15)
+        assert x.ball().contains(x)
+
+
+def test_as_fraction_notices_rational_results_of_irrational_arithmetic() -> None:
+    x = exact(2).sqrt()
+    assert (x * x / 3).as_fraction() == Fraction(2, 3)
+    assert x.as_fraction() is None
+
+
+def test_to_mpf_is_right_to_100_digits() -> None:
+    with mpmath.workdps(100):
+        assert (
+            abs(
+                BETA.to_mpf()
+                - mpmath.sqrt((65274 * mpmath.sqrt(330) - 347009) / mpmath.mpf(1265902))
+            )
+            < mpmath.mpf(10) ** -98
+        )
+
+
+def test_decimal_ball_reaches_one_unit_of_its_last_digit_and_no_further() -> None:
+    x = Ball.decimal("0.333", 3)
+    assert x.contains(Fraction(1, 3))
+    assert x.contains(Fraction(334, 1000))
+    assert not x.contains(Fraction(3341, 10000))
+
+
+def test_zero_of_a_ball_is_three_valued() -> None:
+    assert Ball.decimal("0.5", 3).is_zero() is False
+    assert Ball.decimal("0.000", 3).is_zero() is None
+    assert ball(0).is_zero() is True
+    with pytest.raises(ExactnessError, match="its sign is not known"):
+        Ball.decimal("0.000", 3).sign()
+
+
+def test_an_error_bound_is_never_lost_in_arithmetic() -> None:
+    x = Ball.decimal("0.500", 3)
+    assert (x - x).contains_zero()
+    assert (x - x).radius() >= 2e-3
+    assert (x / 3).radius() > 3e-4
+
+
+def test_sign_of_a_tiny_difference_is_found() -> None:
+    near = Fraction(10**200, 1)
+    x = (exact(near) ** 2 + 1).sqrt() - near  # about 5e-201
+    assert x.sign() == 1
+    assert (-x).sign() == -1

@@ -1,0 +1,185 @@
+"""expression.py: the grammar, its limits, and texts that parse back."""
+
+from __future__ import annotations
+
+import pickle
+from fractions import Fraction
+
+import pytest
+
+from glmref.claims import DataError, ExactnessError
+from glmref.exact import Ball, exact, root_of_unity
+from glmref.expression import MAX_LENGTH, MAX_RADICALS, Text, Weight, parse, to_text, weigh
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("7", 7),
+        ("-7", -7),
+        ("+-+7", -7),
+        ("1/2/2", Fraction(1, 4)),
+        ("1-2-3", -4),
+        ("1-(2-3)", 2),
+        ("2+3*4", 14),
+        ("-2*3", -6),
+        ("2*-3", -6),
+        (" ( 1 + 2 ) / 3\t", 1),
+        ("007", 7),
+        ("sqrt(9/4)", Fraction(3, 2)),
+        ("root(32,5)", 2),
+        ("i*i", -1),
+        ("exp(pi*i)", -1),
+        ("exp(2*pi*i/4)*exp(-2*pi*i/4)", 1),
+        ("sqrt(2)*sqrt(8)", 4),
+    ],
+)
+def test_expression_has_its_value(text: str, value: int | Fraction) -> None:
+    assert parse(text) == value
+
+
+def test_division_binds_as_tightly_as_multiplication_and_from_the_left() -> None:
+    assert parse("2/3*4") == Fraction(8, 3)
+    assert parse("2/3*4") != parse("2/(3*4)")
+
+
+def test_constants_are_used_and_are_not_known_elsewhere() -> None:
+    assert parse("c*c", constants={"c": exact(2).sqrt()}) == 2
+    with pytest.raises(DataError, match="the name 'c' is not known"):
+        parse("c*c")
+
+
+def test_pi_is_known_inside_exp_only() -> None:
+    assert parse("exp(2*pi*i/3)") == root_of_unity(1, 3)
+    with pytest.raises(DataError, match="'pi' is not known"):
+        parse("pi")
+    with pytest.raises(DataError, match="'c' is not known"):
+        parse("exp(c*pi*i)", constants={"c": exact(1)})
+
+
+def test_decimals_are_balls_where_digits_are_declared_and_errors_elsewhere() -> None:
+    value = parse("0.3333", digits=4)
+    assert isinstance(value, Ball)
+    assert value.contains(Fraction(1, 3))
+    assert not value.contains(Fraction(34, 100))
+    assert parse(".5", digits=1).contains(Fraction(1, 2))
+    assert parse("1/3", digits=4) == Fraction(1, 3)  # no decimal, no ball
+    with pytest.raises(DataError, match="write a fraction"):
+        parse("0.3333")
+
+
+@pytest.mark.parametrize(
+    ("text", "what"),
+    [
+        ("", "an empty string stands for no number"),
+        ("1 2", "'2' is out of place"),
+        ("(1", "')' is missing"),
+        ("1)", "')' is out of place"),
+        ("*1", "'*' is out of place"),
+        ("1+", "ends too early"),
+        ("sqrt 2", "'(' is missing"),
+        ("sqrt()", "')' is out of place"),
+        ("root(2)", "',' is missing"),
+        ("root(2,1)", "a whole number n from 2 to 12"),
+        ("root(2,13)", "a whole number n from 2 to 12"),
+        ("root(-1,3)", "a positive real x"),
+        ("root(i,3)", "a positive real x"),
+        ("1/0", "a division by zero"),
+        ("1/(sqrt(8)-2*sqrt(2))", "a division by zero"),
+        ("exp(1)", "a rational multiple of pi"),
+        ("exp(sqrt(2)*pi*i)", "a rational multiple of pi"),
+        ("exp(2*pi*i/31)", "denominator at most 30"),
+        ("2^3", "the character '^' is not allowed"),
+        ("1\u00a0", "the character '\\xa0' is not allowed"),
+        ("٣", "the character '٣' is not allowed"),
+        ("9" * 1001, "more than 1000 digits"),
+        ("(" * 41 + "1" + ")" * 41, "nested deeper than 40"),
+        ("-" * 41 + "1", "nested deeper than 40"),
+        ("sqrt(" * 5 + "2" + ")" * 5, "nested 5 deep"),
+        ("+".join(["sqrt(2)"] * (MAX_RADICALS + 1)), f"{MAX_RADICALS + 1} roots"),
+        ("1" * (MAX_LENGTH + 1), f"at most {MAX_LENGTH} are read"),
+    ],
+)
+def test_wrong_expression_is_refused_with_its_reason(text: str, what: str) -> None:
+    with pytest.raises(DataError) as caught:
+        parse(text)
+    assert what in str(caught.value)
+
+
+def test_what_is_just_inside_the_limits_is_read() -> None:
+    assert parse("(" * 40 + "1" + ")" * 40) == 1
+    assert parse("9" * 1000) == 10**1000 - 1
+    assert parse("+".join(["sqrt(2)"] * MAX_RADICALS)) == MAX_RADICALS * exact(2).sqrt()
+    assert parse("sqrt(" * 4 + "65536" + ")" * 4) == 2
+
+
+def test_unbounded_balls_are_refused() -> None:
+    for text in ("1/0.0", "sqrt(0.0)", "1/(0.5-0.5)"):
+        with pytest.raises(DataError, match="do not bound"):
+            parse(text, digits=1)
+
+
+def test_weights_count_what_constants_stand_for() -> None:
+    weights = {"c": weigh("sqrt(2)+1", {})}
+    assert weights["c"] == Weight(length=9, radicals=1, depth=1)
+    assert weigh("sqrt(c)*c", weights) == Weight(length=4 + 3 + 18, radicals=3, depth=2)
+    weights["d"] = weigh("sqrt(sqrt(c))", weights)
+    with pytest.raises(DataError, match="nested 5 deep when its constants are written out"):
+        weigh("sqrt(sqrt(d))", weights)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "0",
+        "-3/7",
+        "sqrt(2)",
+        "-sqrt(3)/2",
+        "(3-sqrt(3))/6",
+        "1-2/sqrt(3)",
+        "i",
+        "1/2+i*sqrt(3)/2",
+        "exp(2*pi*i/8)",
+        "sqrt((65274*sqrt(330)-347009)/1265902)",
+        "sqrt(2+sqrt(3))-sqrt(5)*sqrt(2+sqrt(3))",
+        "sqrt(2)*sqrt(3)+sqrt(5)/7",
+        "root(2,5)",
+        "1/(2-root(2,3))",
+    ],
+)
+def test_printed_number_parses_back_to_itself(text: str) -> None:
+    value = parse(text)
+    assert parse(to_text(value)) == value
+    assert parse(to_text(value)) != value + Fraction(1, 10**30)
+
+
+@pytest.mark.parametrize(
+    ("text", "printed"),
+    [
+        ("(-sqrt(3)+3)/6", "(3-sqrt(3))/6"),
+        ("-sqrt(3)/2", "-sqrt(3)/2"),
+        ("2/4", "1/2"),
+        ("sqrt(2)*2/4", "sqrt(2)/2"),
+        ("1-sqrt(2+sqrt(3))", "1-sqrt(sqrt(3)+2)"),
+    ],
+)
+def test_numbers_are_printed_the_way_one_writes_them(text: str, printed: str) -> None:
+    assert to_text(parse(text)) == printed
+
+
+def test_what_has_no_exact_text_is_an_error() -> None:
+    with pytest.raises(ExactnessError, match="a ball has no exact text"):
+        to_text(parse("0.5", digits=1))
+    with pytest.raises(ExactnessError, match="not written out"):
+        to_text(exact(10**5000))
+    with pytest.raises(ExactnessError, match="no square-root form"):
+        to_text(root_of_unity(1, 7).real)
+
+
+def test_a_text_keeps_its_value_here_and_travels_as_plain_text() -> None:
+    text = Text("1/2", exact(Fraction(1, 2)))
+    assert text == "1/2"
+    assert text.value == Fraction(1, 2)
+    copy = pickle.loads(pickle.dumps(text))
+    assert copy == "1/2"
+    assert type(copy) is str

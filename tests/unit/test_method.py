@@ -1,0 +1,185 @@
+"""method.py: shapes are checked, transformations are equivalences, rounding keeps its residue."""
+
+from __future__ import annotations
+
+from dataclasses import FrozenInstanceError
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import pytest
+
+from glmref import linalg
+from glmref.catalogue import load
+from glmref.claims import DataError, ExactnessError
+from glmref.exact import exact
+from glmref.method import GLM, PartitionedGLM, as_matrix, as_vector
+
+HALF: dict[str, Any] = {"A": [["1/2"]], "U": [["1"]], "B": [["1"]], "V": [["1"]]}
+
+
+def midpoint(**changes: Any) -> GLM:
+    return GLM(**{**HALF, **changes})
+
+
+def test_entries_may_be_strings_integers_fractions_or_numbers() -> None:
+    method = GLM(A=[[Fraction(1, 2)]], U=[[1]], B=[[exact(1)]], V=[["1"]])
+    assert method.A[0][0] == Fraction(1, 2)
+    assert (method.s, method.r) == (1, 1)
+
+
+@pytest.mark.parametrize("entry", [0.5, None, True, 1j, ["1"], b"1"])
+def test_other_entries_are_refused_by_place(entry: object) -> None:
+    with pytest.raises(DataError, match=r"`A\[1\]\[1\]` must be a string, an integer"):
+        midpoint(A=[[entry]])
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"A": [["1", "2"]]}, r"`A` must have shape \(s, s\) = \(1, 1\), got \(1, 2\)"),
+        ({"U": [["1"], ["1"]]}, r"`U` must have shape \(s, r\) = \(1, 1\), got \(2, 1\)"),
+        ({"B": [["1", "1"]]}, r"`B` must have shape \(r, s\)"),
+        ({"V": [["1", "1"]]}, r"`V` must have shape \(r, r\)"),
+        ({"G": [["1", "0"], ["0", "1"]]}, r"`G` must have shape \(r, r\)"),
+        ({"D": ["1", "1"]}, "`D` must have s = 1 entries, got 2"),
+        ({"A": []}, "`A` must be a list of rows"),
+        ({"A": "1/2"}, "`A` must be a list of rows"),
+        ({"A": [[]]}, "`A` must be rectangular"),
+        ({"A": ["1/2"]}, r"`A\[1\]` must be a list of entries"),
+        ({"A": [["1", "1"], ["1"]]}, "row 2 has 1 entries and row 1 has 2"),
+    ],
+)
+def test_wrong_shape_is_named(changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(DataError, match=message):
+        midpoint(**changes)
+
+
+def test_a_method_is_frozen() -> None:
+    with pytest.raises(FrozenInstanceError):
+        midpoint().A = ()  # type: ignore[misc]
+
+
+def test_which_stages_are_implicit() -> None:
+    g4123 = load("g4123")
+    assert isinstance(g4123, GLM)
+    assert g4123.is_diagonally_implicit
+    assert len(g4123.implicit_stages) == 1
+    assert not g4123.is_explicit
+    gauss, euler = load("gauss-2"), load("euler")
+    assert isinstance(gauss, GLM)
+    assert isinstance(euler, GLM)
+    assert gauss.implicit_stages == (1, 2)
+    assert not gauss.is_diagonally_implicit
+    assert euler.is_explicit
+
+
+def test_exact_real_and_decimal_methods_are_told_apart() -> None:
+    assert midpoint().is_exact
+    assert midpoint().is_real
+    assert not midpoint(B=[["i"]]).is_real
+    digits = load("gauss-2-seven-digits")
+    assert isinstance(digits, GLM)
+    assert not digits.is_exact
+    assert digits.is_real
+
+
+def test_transformation_there_and_back_is_the_identity() -> None:
+    method = load("gsymplectic-n")
+    assert isinstance(method, GLM)
+    T = as_matrix([["1", "sqrt(2)"], ["1", "-1"]], "T")
+    back = method.transform(T).transform(linalg.inverse(T))
+    for letter in "AUBVG":
+        for row, old in zip(getattr(back, letter), getattr(method, letter), strict=True):
+            assert all(x == y for x, y in zip(row, old, strict=True))
+    assert method.transform(T).claims == {}
+    assert method.transform(T).U[0][1] != method.U[0][1]
+
+
+def test_a_singular_transformation_is_an_error() -> None:
+    method = load("gsymplectic-n")
+    assert isinstance(method, GLM)
+    with pytest.raises(ExactnessError, match="cannot be inverted"):
+        method.transform([["1", "1"], ["1", "1"]])
+    with pytest.raises(DataError, match="`T` must have shape"):
+        method.transform([["1"]])
+
+
+def test_permutation_of_stages_moves_rows_and_columns_together() -> None:
+    method = load("rk4")
+    assert isinstance(method, GLM)
+    turned = method.permute_stages([3, 1, 2, 0])
+    assert turned.A[0][2] == method.A[3][2]
+    assert turned.B[0][0] == method.B[0][3]
+    assert not turned.is_diagonally_implicit
+    again = turned.permute_stages([3, 1, 2, 0])
+    assert all(
+        x == y for p, q in zip(again.A, method.A, strict=True) for x, y in zip(p, q, strict=True)
+    )
+    for wrong in ([0, 1, 2], [0, 0, 1, 2], [1, 2, 3, 4]):
+        with pytest.raises(DataError, match="must be a permutation of"):
+            method.permute_stages(wrong)
+
+
+def test_rounding_happens_once_and_its_residue_is_kept() -> None:
+    method = load("gauss-2")
+    assert isinstance(method, GLM)
+    rounded = method.to_float()
+    assert rounded.A.dtype == np.float64
+    for i in range(2):
+        for j in range(2):
+            error = method.A[i][j] - Fraction(float(rounded.A[i, j]))
+            # correctly rounded: at most half a unit of the last place, 2^-54 for numbers below 1/2
+            # and 2^-53 for those below 1
+            assert error.magnitude() <= 2.0**-53
+            assert float(error) == pytest.approx(rounded.A_residue[i, j], rel=1e-12, abs=1e-40)
+    assert rounded.A_residue[0, 1] != 0.0  # 1/4 - sqrt(3)/6 is no double
+    assert rounded.A_residue[0, 0] == 0.0  # 1/4 is
+
+
+def test_complex_methods_round_to_complex_arrays() -> None:
+    method = load("g6245-w3-complex")
+    assert isinstance(method, GLM)
+    assert method.to_float().V.dtype == np.complex128
+
+
+def pair(**changes: Any) -> PartitionedGLM:
+    hats = {f"{key}_hat": value for key, value in HALF.items()}
+    return PartitionedGLM(**{**HALF, **hats, **changes})
+
+
+def test_a_pair_counts_its_stages_and_values() -> None:
+    verlet = load("stormer-verlet")
+    assert isinstance(verlet, PartitionedGLM)
+    assert (verlet.n_Q, verlet.n_P, verlet.r, verlet.r_hat) == (2, 1, 1, 1)
+    assert verlet.separable
+    assert verlet.is_exact
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"A_hat": [["0", "1"]]}, r"`A_hat` must have shape \(n_P, n_Q\)"),
+        ({"U_hat": [["0", "1"]]}, r"`U_hat` must have shape \(n_P, r\^\)"),
+        ({"G": [["1", "0"]]}, r"`G` must have shape \(r, r\^\)"),
+        ({"D_P": ["1", "1"]}, "`D_P` must have 1 entries, got 2"),
+        (
+            {
+                "A": [["0"], ["1"]],
+                "U": [["1"], ["1"]],
+                "A_hat": [["1", "1"]],
+                "B_hat": [["1", "1"]],
+            },
+            "for separable systems: say `separable: true`",
+        ),
+    ],
+)
+def test_wrong_shape_of_a_pair_is_named(changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(DataError, match=message):
+        pair(**changes)
+
+
+def test_vectors_and_matrices_are_read_or_refused_by_name() -> None:
+    assert as_vector(["1", 2], "c") == (1, 2)
+    with pytest.raises(DataError, match="`c` must be a list of entries"):
+        as_vector("12", "c")

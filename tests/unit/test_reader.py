@@ -1,0 +1,133 @@
+"""reader.py: each class of document becomes the method it stands for."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from glmref.catalogue import document, load, names
+from glmref.claims import DataError
+from glmref.expression import Text
+from glmref.keys import BLOCKS, CLAIMS, PAIRS, SOURCE
+from glmref.method import GLM, PartitionedGLM
+from glmref.reader import load_document
+
+SOURCE_BLOCK = {"citation": "Nobody (1900)", "where": "p. 1", "status": "derived"}
+
+
+def doc(kind: str, **members: Any) -> dict[str, Any]:
+    head = {"format": "glmref-method-1", "name": "it", "class": kind}
+    return {**head, "claims": {"order": 1}, "source": SOURCE_BLOCK, **members}
+
+
+def glm(**members: Any) -> GLM:
+    method = load_document(doc(**members))
+    assert isinstance(method, GLM)
+    return method
+
+
+def equal(a: Any, b: Any) -> bool:
+    return all(x == y for p, q in zip(a, b, strict=True) for x, y in zip(p, q, strict=True))
+
+
+def test_runge_kutta_becomes_a_method_with_one_value() -> None:
+    method = glm(kind="rk", A=[["0", "0"], ["1/2", "0"]], b=["0", "1"])
+    assert (method.s, method.r) == (2, 1)
+    assert equal(method.B, ((0, 1),))
+    assert equal(method.U, ((1,), (1,)))
+
+
+def test_composition_is_that_of_its_base() -> None:
+    method = glm(kind="composition", base="gauss-1", gamma=["1/3", "2/3"])
+    by_hand = glm(kind="rk", A=[["1/6", "0"], ["1/3", "1/3"]], b=["1/3", "2/3"])
+    assert equal(method.A, by_hand.A)
+    assert equal(method.B, by_hand.B)
+
+
+def test_every_class_is_read_and_every_class_occurs_in_the_catalogue() -> None:
+    seen = {document(name)["class"] for name in names()}
+    assert seen <= BLOCKS.keys()
+    assert {"glm", "rk", "lmm", "one-leg", "composition", "splitting"} <= seen
+    assert {"partitioned-rk", "partitioned"} <= seen
+
+
+def test_every_shipped_file_loads_as_what_its_class_says() -> None:
+    for name in names():
+        method = load(name)
+        expected = PartitionedGLM if document(name)["class"] in PAIRS else GLM
+        assert isinstance(method, expected), name
+        assert method.name == name
+        assert method.document == document(name)
+
+
+def test_constants_may_use_those_above_them() -> None:
+    constants = {"a": "sqrt(2)", "b": "a*a"}
+    method = glm(kind="rk", constants=constants, A=[["b-2"]], b=["b/2"])
+    assert method.A[0][0] == 0
+    assert method.B[0][0] == 1
+    with pytest.raises(DataError, match="the name 'b' is not known"):
+        glm(kind="rk", constants={"a": "b", "b": "1"}, A=[["a"]], b=["1"])
+
+
+def test_g_may_be_given_by_its_diagonal() -> None:
+    blocks = {x: document("gsymplectic-n")[x] for x in "AUBV"}
+    method = glm(kind="glm", **blocks, G=["1", "-1/2"], D=["1/2", "1/2"])
+    assert method.G is not None
+    assert equal(method.G, ((1, 0), (0, method.G[1][1])))
+    assert method.D is not None
+    assert [x * 2 for x in method.D] == [1, 1]
+
+
+def test_claimed_expressions_keep_text_and_value() -> None:
+    claims = {"abscissae": ["c"], "order": 1, "explicit": False}
+    method = glm(kind="rk", constants={"c": "1/2"}, A=[["c"]], b=["1"], claims=claims)
+    (text,) = method.claims["abscissae"]
+    assert isinstance(text, Text)
+    assert text == "c"
+    assert (text.value * 2) == 1
+    assert method.claims["order"] == 1
+    assert method.claims["explicit"] is False
+
+
+def test_each_claim_is_refused_with_a_value_of_another_kind() -> None:
+    wrong = {int: True, bool: 1, list: "1", str: ["1"]}
+    for claim, kind in CLAIMS.items():
+        with pytest.raises(DataError, match=f"the claim '{claim}' must be"):
+            glm(kind="rk", A=[["0"]], b=["1"], claims={claim: wrong[kind]})
+
+
+def test_each_needed_key_is_asked_for_by_name() -> None:
+    for kind, base in (("glm", "gsymplectic-n"), ("rk", "rk4"), ("lmm", "ab-2")):
+        whole = document(base)
+        for key in ("name", "claims", "source", *(BLOCKS[kind] & {"A", "V", "b", "alpha"})):
+            with pytest.raises(DataError, match=f"the key '{key}' is missing"):
+                load_document({k: x for k, x in whole.items() if k != key})
+
+
+def test_a_real_tableau_with_a_complex_entry_must_say_so() -> None:
+    with pytest.raises(DataError, match=r"`A\[1\]\[1\]` is complex"):
+        glm(kind="rk", A=[["i/2"]], b=["1"])
+    assert not glm(kind="rk", A=[["i/2"]], b=["1"], field="complex").is_real
+    assert glm(kind="rk", A=[["i*i"]], b=["1"]).is_real
+
+
+def test_a_starting_method_is_read_with_its_order() -> None:
+    method = load("gsymplectic-n")
+    assert isinstance(method, GLM)
+    assert method.starting is not None
+    assert method.starting.claims["order"] == document("gsymplectic-n")["starting"]["order"]
+    assert method.starting.stages == len(document("gsymplectic-n")["starting"]["A"])
+
+
+def test_documents_of_python_values_are_checked_like_files() -> None:
+    for value in ({}, [], "x", None, 3):
+        with pytest.raises(DataError, match="document: "):
+            load_document(value)  # type: ignore[arg-type]
+    with pytest.raises(DataError, match=r"`A\[1\]\[1\]` must be a string"):
+        glm(kind="rk", A=[[0.5]], b=["1"])
+
+
+def test_every_key_of_every_source_is_one_the_format_has() -> None:
+    for name in names():
+        assert document(name)["source"].keys() <= SOURCE.keys()

@@ -1,0 +1,188 @@
+"""show.py and tableau_text.py: the tableau in a terminal is the tableau of the paper."""
+
+from __future__ import annotations
+
+import re
+from fractions import Fraction
+
+import pytest
+
+from glmref.catalogue import load, names
+from glmref.exact import exact
+from glmref.expression import parse
+from glmref.method import GLM
+from glmref.show import show
+from glmref.tableau_text import decimal_text, tableau
+from glmref.tables import Style
+
+UNICODE = Style(unicode=True, width=100)
+
+
+def body(name: str, style: Style = UNICODE, decimal: int | None = None) -> str:
+    """The tableau alone: the second paragraph."""
+    return show(load(name), style=style, decimal=decimal).split("\n\n")[1]
+
+
+def test_rk4_looks_like_the_tableau_of_the_textbooks() -> None:
+    assert body("rk4") == (
+        "    0 │   0    0    0    0\n"
+        "  1/2 │ 1/2    0    0    0\n"
+        "  1/2 │   0  1/2    0    0\n"
+        "    1 │   0    0    1    0\n"
+        " ─────┼───────────────────\n"
+        "      │ 1/6  1/3  1/3  1/6"
+    )
+
+
+def test_a_general_linear_method_is_partitioned_into_its_four_blocks() -> None:
+    lines = body("gsymplectic-n", Style()).splitlines()
+    assert [line.count("|") for line in lines] == [2, 2, 0, 2, 2]
+    assert lines[2].count("+") == 2
+    assert re.fullmatch(r" [-+]+", lines[2])
+    bars = [[m.start() for m in re.finditer(r"[|+]", x)] for x in lines if "sqrt" not in x]
+    assert len({tuple(b) for b in bars}) == 1  # rules and bars stand in the same columns
+    assert lines[0].split("|")[1].split() == ["(3-sqrt(3))/6", "0"]
+
+
+def test_decimals_stand_with_their_points_below_each_other() -> None:
+    lines = body("gsymplectic-n", decimal=5).splitlines()
+    assert lines[0] == "  0.21132 │ 0.21132   0       │ 1   0.15470"
+    assert lines[1] == "  0.78868 │ 0.57735   0.21132 │ 1  -0.15470"
+    assert lines[3] == "          │ 0.5       0.5     │ 1   0"
+
+
+def test_long_roots_are_named_and_written_out_below() -> None:
+    text = show(load("g6245"), style=Style(width=90))
+    assert "beta1  = sqrt((65274*sqrt(330)-347009)/1265902)" in text
+    tableau_lines = text.split("\n\n")[1].splitlines()
+    assert not [line for line in tableau_lines if "sqrt" in line]
+    assert max(map(len, tableau_lines)) <= 110
+
+
+def test_names_of_long_entries_never_clash_with_constants() -> None:
+    long = "1+sqrt(2)+sqrt(3)+sqrt(5)+sqrt(7)+sqrt(11)"
+    document = {
+        "format": "glmref-method-1",
+        "name": "it",
+        "class": "rk",
+        "constants": {"x1": "1/3", "unused": "7"},
+        "A": [["x1", long], ["0", long]],
+        "b": ["1/2", "1/2"],
+        "claims": {"order": 1},
+        "source": {"citation": "c", "where": "w", "status": "derived"},
+    }
+    from glmref.reader import load_document
+
+    text = show(load_document(document))
+    assert f"= {long}" in text
+    assert text.count(long) == 1
+    assert re.search(r"x1 +│?\|? *", text)
+    assert re.search(r"^  x1 +=  ?1/3$|^  x1 = 1/3$", text, re.MULTILINE)
+    assert "unused" not in text
+
+
+def test_a_pair_shows_both_methods() -> None:
+    text = show(load("gsymplectic-n-pair"), style=UNICODE)
+    assert "q:  Q = h A f(P) + U q" in text
+    assert "p:  P = h A^ k(Q) + U^ p" in text
+    assert text.count("┼") == 4
+    assert "D_P =" in text
+    assert "D_Q =" in text
+
+
+def test_a_splitting_shows_its_weights_in_turn() -> None:
+    text = show(load("stormer-verlet"), style=Style())
+    assert "updates in turn, p first" in text
+    assert "  a |   1\n  b | 1/2  1/2" in text
+
+
+def test_a_multistep_method_shows_alpha_and_beta() -> None:
+    text = show(load("ab-2"), style=Style())
+    assert re.search(r"alpha \| +0 +-1 +1\n +beta \| -1/2 +3/2 +0", text)
+
+
+def test_the_starting_method_stands_below_with_its_order() -> None:
+    text = show(load("gsymplectic-n"))
+    assert re.search(r"starting method .*order 3:  Y = h A f\(Y\) \+ y0", text)
+
+
+def test_title_source_status_and_misprint_are_shown() -> None:
+    text = show(load("thesis-3-8"))
+    assert text.startswith("thesis-3-8  ")
+    assert "(corrected)" in text
+    wrong = show(load("rk4-a44-one"))
+    assert "Wrong on purpose: " in wrong
+
+
+def test_published_digits_are_shown_in_place_and_said_to_be_rounded() -> None:
+    text = show(load("s5t-w3"))
+    assert "0.1077081816" in text
+    assert "Decimals are rounded to 10 digits; --decimal N shows more." in text
+    more = show(load("s5t-w3"), decimal=30)
+    assert re.search(r"0\.10770818161718\d{16}\b", more)
+
+
+def test_a_computed_method_without_a_file_is_shown_too() -> None:
+    method = GLM(A=[["0"]], U=[["1", "1/2"]], B=[["1"], ["0"]], V=[["1", "0"], ["0", "0"]])
+    text = show(method)
+    assert text.startswith("(unnamed)\nclass glm: 1 stage, 2 values, explicit")
+    assert "1  1/2" in text
+
+
+@pytest.mark.parametrize("decimal", [None, 4])
+def test_every_shipped_method_can_be_shown_and_its_rules_line_up(decimal: int | None) -> None:
+    for name in names():
+        text = show(load(name), decimal=decimal, style=UNICODE)
+        for part in text.split("\n\n"):
+            rules = [line for line in part.splitlines() if line.startswith(" ─")]
+            bars = [line for line in part.splitlines() if "│" in line]
+            places = {tuple(m.start() for m in re.finditer("[│┼]", x)) for x in (*rules, *bars)}
+            assert len(places) <= 1 or "starting" in part, name
+
+
+def test_every_exact_entry_shown_stands_for_the_entry_itself() -> None:
+    method = load("gauss-3")
+    assert isinstance(method, GLM)
+    rows = body("gauss-3").splitlines()[:3]
+    for row, shown in zip(method.A, rows, strict=True):
+        cells = shown.split("│")[1].split()
+        assert [parse(x) for x in cells] == list(row)
+
+
+def test_colour_marks_rules_only_where_it_is_wanted() -> None:
+    assert "\x1b[2m" in show(load("rk4"), style=Style(color=True))
+    assert "\x1b" not in show(load("rk4"), style=Style())
+
+
+@pytest.mark.parametrize(
+    ("x", "digits", "text"),
+    [
+        (Fraction(1, 4), 5, "0.25"),
+        (Fraction(1, 3), 5, "0.33333"),
+        (Fraction(2, 3), 1, "0.7"),
+        (Fraction(-7), 5, "-7"),
+        (Fraction(0), 5, "0"),
+        (Fraction(123456), 3, "123000"),
+        (Fraction(1, 10**20), 3, "1e-20"),
+        (Fraction(1, 8), 2, "0.12"),
+    ],
+)
+def test_rational_number_in_decimals(x: Fraction, digits: int, text: str) -> None:
+    assert decimal_text(exact(x), digits) == text
+
+
+def test_complex_numbers_show_both_parts() -> None:
+    assert decimal_text(parse("1/2-i*sqrt(3)/2"), 4) == "0.5-0.8660i"
+    assert decimal_text(parse("i/3"), 4) == "0.3333i"
+    assert decimal_text(parse("2*i"), 4) == "2i"
+
+
+def test_one_hundred_digits_are_right() -> None:
+    digits = decimal_text(exact(2).sqrt(), 100)
+    assert abs(Fraction(digits) ** 2 - 2) < Fraction(3, 10**99)
+    assert len(digits) == 101
+
+
+def test_blocks_of_strings_are_drawn_in_ascii_too() -> None:
+    lines = tableau([[[["c"]], [["a", "-1"]]], [[[""]], [["bb", "0"]]]], Style())
+    assert lines == ["  c |  a  -1", " ---+-------", "    | bb   0"]

@@ -1,0 +1,190 @@
+"""Linear stability decided exactly."""
+
+from fractions import Fraction
+
+import pytest
+
+import glmref
+from glmref.claims import UsageError
+from glmref.exact import exact
+from glmref.families import (
+    adams_bashforth,
+    adams_moulton,
+    bdf,
+    composition,
+    gauss,
+    linear_multistep,
+    lobatto_iiia,
+    lobatto_iiic,
+    one_leg,
+    one_leg_twin,
+    radau_iia,
+    runge_kutta,
+    splitting,
+)
+from glmref.method import GLM
+from glmref.theory import polynomials as poly
+from glmref.theory.stability import (
+    a_stability,
+    at_infinity,
+    is_a_stable,
+    is_l_stable,
+    oscillator,
+    stability_function,
+    stability_matrix,
+    stability_polynomial,
+)
+
+TR_BDF2 = runge_kutta(
+    [
+        ["0", "0", "0"],
+        ["1-sqrt(2)/2", "1-sqrt(2)/2", "0"],
+        ["sqrt(2)/4", "sqrt(2)/4", "1-sqrt(2)/2"],
+    ],
+    ["sqrt(2)/4", "sqrt(2)/4", "1-sqrt(2)/2"],
+)
+
+
+def sdirk(gamma):
+    return runge_kutta([[gamma, "0"], [f"1-2*{gamma}", gamma]], ["1/2", "1/2"])
+
+
+def test_stability_function_of_gauss_2_is_the_pade_approximation():
+    N, D = stability_function(runge_kutta(*gauss(2)))
+    assert N == (1, Fraction(1, 2), Fraction(1, 12))
+    assert D == (1, Fraction(-1, 2), Fraction(1, 12))
+
+
+def test_common_factor_of_a_stability_function_cancels():
+    # the first stage of the trapezoidal rule, doubled: a pole that is not there
+    m = runge_kutta([["0", "0", "0"], ["1/2", "1/2", "0"], ["0", "0", "1/3"]], ["1/2", "1/2", "0"])
+    assert stability_function(m) == ((1, Fraction(1, 2)), (1, Fraction(-1, 2)))
+
+
+def test_stability_polynomial_of_leapfrog():
+    P = stability_polynomial(linear_multistep(["-1", "0", "1"], ["0", "2", "0"]))
+    assert P == ((-1,), (0, -2), (1,))  # w^2 - 2 z w - 1
+
+
+@pytest.mark.parametrize("name", ["gsymplectic-n", "s4-symmetric", "g4123"])
+def test_stability_polynomial_is_the_determinant_at_any_point(name):
+    m = glmref.load(name)
+    z = Fraction(3, 7)
+    at_z = poly.trim([poly.evaluate(p, z) for p in stability_polynomial(m)])
+    characteristic = poly.characteristic_polynomial(stability_matrix(m, z))
+    assert poly.scale(1 / at_z[-1], at_z) == characteristic
+
+
+def test_both_ways_to_the_stability_polynomial_agree():
+    from glmref.theory.stability import _through_stages, _through_values
+
+    m = glmref.load("s4-symmetric")
+    assert _through_stages(m) == _through_values(m)
+
+
+@pytest.mark.parametrize("s", range(1, 6))
+def test_gauss_is_a_stable_and_not_l_stable(s):
+    m = runge_kutta(*gauss(s))
+    assert is_a_stable(m) is True and is_l_stable(m) is False
+
+
+@pytest.mark.parametrize(
+    "method", [radau_iia(1), radau_iia(2), radau_iia(3), lobatto_iiic(2), lobatto_iiic(4)]
+)
+def test_radau_iia_and_lobatto_iiic_are_l_stable(method):
+    assert is_l_stable(runge_kutta(*method)) is True
+
+
+def test_lobatto_iiia_is_a_stable():
+    assert is_a_stable(runge_kutta(*lobatto_iiia(4))) is True
+    assert is_l_stable(runge_kutta(*lobatto_iiia(4))) is False
+
+
+@pytest.mark.parametrize(("k", "expected"), [(1, True), (2, True), (3, False), (6, False)])
+def test_bdf_is_a_stable_up_to_order_2(k, expected):
+    m = linear_multistep(*bdf(k))
+    assert is_a_stable(m) is expected and is_l_stable(m) is expected
+    assert is_a_stable(one_leg(*one_leg_twin(*bdf(k)))) is expected
+
+
+@pytest.mark.parametrize(("k", "expected"), [(0, True), (1, True), (2, False), (3, False)])
+def test_adams_moulton_is_a_stable_up_to_order_2(k, expected):
+    assert is_a_stable(linear_multistep(*adams_moulton(k))) is expected
+
+
+@pytest.mark.parametrize(
+    "m",
+    [
+        runge_kutta([["0"]], ["1"]),
+        linear_multistep(*adams_bashforth(2)),
+        linear_multistep(["-1", "0", "1"], ["0", "2", "0"]),
+    ],
+)
+def test_explicit_methods_are_not_a_stable(m):
+    found = a_stability(m)
+    assert found.holds is False and "grows without bound" in found.witness
+
+
+def test_sdirk_methods_are_a_stable_for_one_of_the_two_order_3_coefficients():
+    # Norsett: A-stable for gamma = (3 + sqrt 3)/6, not for (3 - sqrt 3)/6
+    assert is_a_stable(sdirk("(3+sqrt(3))/6")) is True
+    found = a_stability(sdirk("(3-sqrt(3))/6"))
+    assert found.holds is False and "modulus 2.73205" in found.witness
+
+
+@pytest.mark.parametrize(("gamma", "expected"), [("1/4", True), ("249/1000", False), ("1", True)])
+def test_a_stability_limit_of_order_2_sdirk_is_sharp(gamma, expected):
+    # |R| <= 1 on the axis exactly for gamma >= 1/4 (Hairer and Wanner, IV.3)
+    assert is_a_stable(sdirk(gamma)) is expected
+
+
+def test_tr_bdf2_is_l_stable_although_its_first_stage_is_explicit():
+    far = at_infinity(TR_BDF2)
+    assert far.matrix is None and far.nilpotent is True and far.unbounded == 0
+    assert is_l_stable(TR_BDF2) is True
+
+
+def test_composition_with_a_negative_step_has_a_pole_on_the_left():
+    found = a_stability(composition(runge_kutta(*gauss(1)), ["2", "-3", "2"]))
+    assert found.holds is False and "pole" in found.witness
+
+
+def test_g_symplectic_method_with_definite_form_is_a_stable_and_with_indefinite_form_not():
+    assert is_a_stable(glmref.load("gsymplectic-p")) is True
+    found = a_stability(glmref.load("gsymplectic-n"))
+    assert found.holds is False and "z = 3 i" in found.witness
+
+
+def test_behaviour_at_infinity_of_the_midpoint_rule():
+    far = at_infinity(runge_kutta(*gauss(1)))
+    assert far.matrix == ((-1,),) and far.nilpotent is False
+
+
+def test_published_decimals_are_open_with_a_reason():
+    found = a_stability(glmref.load("s3-w3"))
+    assert found.holds is None and "published decimals" in found.witness
+
+
+def test_repeated_passenger_of_modulus_one_is_left_open():
+    m = GLM(A=[["1"]], U=[["1", "0", "0"]], B=[["1"], ["0"], ["0"]],
+            V=[["1", "0", "0"], ["0", "-1", "0"], ["0", "0", "-1"]])  # fmt: skip
+    found = a_stability(m)
+    assert found.holds is None and "z does not move" in found.witness
+
+
+def test_stability_function_is_for_one_step_methods():
+    with pytest.raises(UsageError, match="r = 2"):
+        stability_function(glmref.load("gsymplectic-n"))
+
+
+def test_oscillator_of_verlet_has_trace_2_minus_y_squared():
+    P = stability_polynomial(oscillator(splitting(["1/2", "1/2"], ["1"])))
+    assert P == ((1,), (-2, 0, 1), (1,))
+
+
+def test_oscillator_matches_the_step_by_hand():
+    m = oscillator(splitting(["1"], ["1"], first="q"))  # symplectic Euler
+    y = exact(Fraction(1, 3))
+    M = stability_matrix(m, y)
+    # q+ = q + y p, p+ = p - y q+
+    assert M == ((1, y), (-y, 1 - y * y))

@@ -1,0 +1,87 @@
+"""strict_json.py: what is no exact JSON is refused by place, quickly, without recursion."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import pytest
+
+from glmref.claims import DataError
+from glmref.strict_json import MAX_BYTES, MAX_NESTING, read_json, shown
+
+
+@pytest.fixture
+def reading(tmp_path: Path):
+    def read(content: str | bytes) -> object:
+        path = tmp_path / "file.json"
+        path.write_bytes(content.encode() if isinstance(content, str) else content)
+        return read_json(path)
+
+    return read
+
+
+def test_integers_strings_lists_and_objects_are_read(reading) -> None:
+    text = '{"a": [1, "0.5", true, null], "b": {"ü": -3}}'
+    assert reading(text) == {"a": [1, "0.5", True, None], "b": {"ü": -3}}
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("[0.25]", "the number 0.25 is a float; write an exact string such as '1/4'"),
+        ("[1e3]", "the number 1e3 is a float; write an exact string such as '1/4'"),
+        ("[NaN]", "NaN is not a number JSON allows"),
+        ("[-Infinity]", "-Infinity is not a number JSON allows"),
+        ('{"a": 1, "a": 1}', "the key 'a' stands twice"),
+        ('{"x": {"a": 1, "a": 2}}', "the key 'a' stands twice"),
+        ("[" + "9" * 21 + "]", "is too long; write it as a string"),
+        ("[1,]", "line 1, column 4 is not JSON"),
+        ("{\n\n  1}", "line 3, column 3 is not JSON"),
+        ("", "line 1, column 1 is not JSON"),
+        (b"\xff\xfe", "byte 0 is not UTF-8"),
+        (b"\xef\xbb\xbf{}", "begins with a byte order mark"),
+        ("[" * (MAX_NESTING + 1) + "]" * (MAX_NESTING + 1), "nested deeper than 40"),
+        ('{"a":' * (MAX_NESTING + 1) + "1" + "}" * (MAX_NESTING + 1), "nested deeper than 40"),
+    ],
+)
+def test_what_is_no_exact_json_is_refused(reading, content: str, message: str) -> None:
+    with pytest.raises(DataError) as caught:
+        reading(content)
+    assert str(caught.value).startswith("file.json: ")
+    assert message in str(caught.value)
+
+
+def test_brackets_inside_strings_are_not_nesting(reading) -> None:
+    text = "[" * 500
+    assert reading(f'["{text}", "\\"[[[[", "\\\\"]') == [text, '"[[[[', "\\"]
+    assert reading("[" * MAX_NESTING + "]" * MAX_NESTING)
+
+
+def test_numbers_inside_strings_are_not_numbers(reading) -> None:
+    assert reading('["0.25", "NaN"]') == ["0.25", "NaN"]
+
+
+@pytest.mark.parametrize("piece", ['\\"', "[", '{"', "\\", '"\\', '["'])
+def test_a_file_of_the_largest_size_is_refused_within_a_second(reading, piece: str) -> None:
+    content = (piece * MAX_BYTES)[: MAX_BYTES - 1]
+    started = time.perf_counter()
+    with pytest.raises(DataError):
+        reading(content)
+    assert time.perf_counter() - started < 1.0  # about 0.1 s; quadratic searches take minutes
+
+
+def test_a_file_above_the_largest_size_is_not_read(reading) -> None:
+    with pytest.raises(DataError, match=f"{MAX_BYTES + 1} bytes and at most {MAX_BYTES}"):
+        reading(b" " * (MAX_BYTES + 1))
+
+
+def test_a_missing_file_is_a_data_error(tmp_path: Path) -> None:
+    with pytest.raises(DataError, match=r"nothing.json: the file cannot be read \(No such file"):
+        read_json(tmp_path / "nothing.json")
+
+
+def test_values_are_shown_short() -> None:
+    assert shown({"a": None}) == '{"a": null}'
+    assert len(shown("x" * 1000)) == 60
+    assert "object" in shown(object())
