@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
 
-__all__ = ["Series", "decades", "place_labels", "svg", "text", "ticks", "write_png"]
+__all__ = ["Series", "decades", "place_labels", "svg", "text", "tick_texts", "ticks", "write_png"]
 
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#3b3b3b")
 DASHES = ("", "7 3", "2 3", "9 3 2 3", "14 4")
@@ -85,13 +85,17 @@ def ticks(low: float, high: float, *, most: int = 8) -> list[float]:
     return fine if len(fine) >= 2 else [low, high]
 
 
-def _tick_text(log: float) -> str:
-    """Return a tick's value: 1e-9, 0.01, 5, 2e+3 as a short plain number."""
-    value = 10**log
-    if 1e-3 <= value < 1e4:
-        return f"{value:.3g}"
-    mantissa, _, power = f"{value:.0e}".partition("e")
-    return f"{mantissa}e{int(power)}"
+def tick_texts(logs: Sequence[float]) -> list[str]:
+    """Return the values of ticks as short texts, all of one kind: 0.01, 1, 100 or 1e-9, 1, 1e3."""
+    plain = all(-2.01 < log < 3.5 for log in logs)
+    texts = []
+    for log in logs:
+        if plain:
+            texts.append(f"{10**log:.4g}")
+            continue
+        mantissa, _, power = f"{10**log:.0e}".partition("e")
+        texts.append(mantissa if not int(power) else f"{mantissa}e{int(power)}")
+    return texts
 
 
 def place_labels(wanted: Sequence[float], low: float, high: float) -> list[float]:
@@ -183,19 +187,21 @@ def svg(
 def _axes(frame: _Frame, x_label: str, y_label: str) -> list[str]:
     left, top, right, bottom = frame.left, frame.top, frame.right, frame.bottom
     parts = []
-    for log in ticks(*frame.x):
+    marks = ticks(*frame.x)
+    for log, label in zip(marks, tick_texts(marks), strict=True):
         x, _ = frame.at(log, frame.y[0])
         parts.append(
             f'<line x1="{x:.1f}" y1="{top}" x2="{x:.1f}" y2="{bottom}" stroke="#e3e3e3"/>'
             f'<text x="{x:.1f}" y="{bottom + 17}" text-anchor="middle" fill="#333">'
-            f"{_tick_text(log)}</text>"
+            f"{label}</text>"
         )
-    for log in ticks(*frame.y):
+    marks = ticks(*frame.y)
+    for log, label in zip(marks, tick_texts(marks), strict=True):
         _, y = frame.at(frame.x[0], log)
         parts.append(
             f'<line x1="{left}" y1="{y:.1f}" x2="{right:.1f}" y2="{y:.1f}" stroke="#e3e3e3"/>'
             f'<text x="{left - 7}" y="{y + 4:.1f}" text-anchor="end" fill="#333">'
-            f"{_tick_text(log)}</text>"
+            f"{label}</text>"
         )
     middle = (top + bottom) / 2
     parts += [
@@ -286,7 +292,11 @@ def text(
             column, row = round(u), round(v)
             taken = grid[row][column] not in (" ", letter)
             grid[row][column] = "*" if taken else letter
-    rows = {round(frame.at(0, log)[1]): _tick_text(log) for log in ticks(*frame.y, most=6)}
+    marks = ticks(*frame.y, most=6)
+    rows = {
+        round(frame.at(0, log)[1]): label
+        for log, label in zip(marks, tick_texts(marks), strict=True)
+    }
     margin = max(len(label) for label in rows.values())
     lines = [y_label]
     lines += [f"{rows.get(k, ''):>{margin}} |{''.join(row)}" for k, row in enumerate(grid)]
@@ -300,8 +310,8 @@ def text(
 def _tick_line(frame: _Frame, width: int) -> str:
     """Return the values along the x axis; one that would touch its neighbour is left out."""
     line = ""
-    for log in ticks(*frame.x):
-        label = _tick_text(log)
+    marks = ticks(*frame.x)
+    for log, label in zip(marks, tick_texts(marks), strict=True):
         column = max(0, min(width - len(label), round(frame.at(log, 0)[0]) - len(label) // 2))
         if column > len(line) or not line:
             line = line.ljust(column) + label

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from .claims import DataError, ExactnessError, Proof
 from .exact import Exact, Scalar
 from .expression import Text, parse, to_text
-from .facts import Facts, GLMFacts
+from .facts import Facts, GLMFacts, PairFacts
 
 if TYPE_CHECKING:
     from .theory.order import OrderResult
@@ -79,6 +79,15 @@ def _check_order_identity(facts: Facts, declared: object) -> Outcome:
 
 def _check_effective_order(facts: Facts, declared: object) -> Outcome:
     return _order(facts, declared, facts.order)
+
+
+def _check_nystrom_order(facts: PairFacts, declared: object) -> Outcome:
+    return _order(facts, declared, facts.nystrom_order)
+
+
+def _check_reducible(facts: PairFacts, declared: object) -> Outcome:
+    found = facts.reduction
+    return _compare(found.reducible, declared, 0.0, found.witness)
 
 
 def _check_stage_order(facts: Facts, declared: object) -> Outcome:
@@ -214,6 +223,7 @@ CHECKS: Mapping[str, Callable[[Any, object], Outcome]] = {
     "order": _check_order,
     "order-identity": _check_order_identity,
     "effective-order": _check_effective_order,
+    "nystrom-order": _check_nystrom_order,
     "stage-order": _check_stage_order,
     "starting-order": _check_starting_order,
     "finishing-order": _check_finishing_order,
@@ -225,6 +235,7 @@ CHECKS: Mapping[str, Callable[[Any, object], Outcome]] = {
     "g-symplectic": _check_g_symplectic,
     "symmetric": _check_symmetric,
     "parasitism-free": _check_parasitism_free,
+    "reducible": _check_reducible,
     "growth": _check_growth,
     "abscissae": _check_abscissae,
     "error-constant": _check_error_constant,

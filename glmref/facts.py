@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from .theory.order import OrderResult
     from .theory.pair_symplectic import PairSymplecticity
     from .theory.parasitism import PairParasitism, Parasitism
+    from .theory.reduction import Reduction
     from .theory.spectrum import Boundedness
     from .theory.symmetry import PairSymmetry, Symmetry
     from .theory.symplectic import GSymplecticity
@@ -244,6 +245,20 @@ class PairFacts(Facts):
         from .theory.pairs import pair_order_of
 
         return pair_order_of(self.method, principal="identity")
+
+    @cached_property
+    def nystrom_order(self) -> OrderResult:
+        """Order of both components on second-order systems, principal parts the identity."""
+        from .theory.nystrom import nystrom_order_of
+
+        return nystrom_order_of(self.method)
+
+    @cached_property
+    def reduction(self) -> Reduction:
+        """Which of the values carried are needed."""
+        from .theory.reduction import pair_reduction
+
+        return pair_reduction(self.method)
 
     @cached_property
     def g_symplecticity(self) -> PairSymplecticity:

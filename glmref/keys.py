@@ -49,11 +49,12 @@ BLOCKS: Mapping[str, frozenset[str]] = {
     "splitting": frozenset(["a", "b", "first"]),
     "partitioned-rk": frozenset(["A", "b", "A_hat", "b_hat"]),
     "partitioned": frozenset(["q", "p", "G", "D_P", "D_Q", "separable"]),
+    "pair-sweep": frozenset(["stages", "b", "w", "c", "v", "V", "V_hat", "G"]),
 }
 #: Classes that stand for a pair of methods.
-PAIRS = frozenset(["splitting", "partitioned-rk", "partitioned"])
+PAIRS = frozenset(["splitting", "partitioned-rk", "partitioned", "pair-sweep"])
 #: Keys a file may leave out; ``D`` is one for class ``glm`` only.
-OPTIONAL = frozenset(["G", "D", "D_P", "D_Q", "separable", "starting", "finishing"])
+OPTIONAL = frozenset(["G", "D", "D_P", "D_Q", "separable", "starting", "finishing", "w", "v"])
 #: Keys that are shown and not computed with, and what their values may be.
 TEXTS: Mapping[str, tuple[type, ...]] = {"$schema": (str,), "title": (str,), "notes": (str, list)}
 #: Keys of ``source``, and what their values may be.
@@ -71,6 +72,7 @@ CLAIMS: Mapping[str, type] = {
     "order": int,
     "order-identity": int,
     "effective-order": int,
+    "nystrom-order": int,
     "stage-order": int,
     "starting-order": int,
     "finishing-order": int,
@@ -82,20 +84,22 @@ CLAIMS: Mapping[str, type] = {
     "g-symplectic": bool,
     "symmetric": bool,
     "parasitism-free": bool,
+    "reducible": bool,
     "a-stable": bool,
     "l-stable": bool,
     "growth": list,
     "abscissae": list,
     "error-constant": str,
 }
+_OF_A_PAIR = frozenset(["nystrom-order", "reducible"])
 _OF_ONE_METHOD = frozenset(
     ["starting-order", "finishing-order", "a-stable", "l-stable", "abscissae", "error-constant"]
 )
 
 
 def without_meaning(kind: str) -> frozenset[str]:
-    """Claims that a class cannot make: those about one method, for a pair."""
-    return _OF_ONE_METHOD if kind in PAIRS else frozenset()
+    """Claims that a class cannot make: those about one method for a pair, and the other way."""
+    return _OF_ONE_METHOD if kind in PAIRS else _OF_A_PAIR
 
 
 def fault_of_texts(doc: Mapping[str, Any]) -> str:

@@ -7,7 +7,7 @@ its contract). Each problem is a :class:`~glmref.claims.DataError` of one senten
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -23,6 +23,7 @@ from .keys import (
     MAX_ORDER,
     MAX_SIZE,
     OPTIONAL,
+    PAIRS,
     RESERVED,
     fault_of_texts,
     without_meaning,
@@ -166,7 +167,9 @@ class _Reader:
                 )
         return result
 
-    def square(self, block: Mapping[str, Any], letters: str, where: str = "") -> dict[str, Matrix]:
+    def square(
+        self, block: Mapping[str, Any], letters: Iterable[str], where: str = ""
+    ) -> dict[str, Matrix]:
         """Read the named matrices of a block."""
         missing = [x for x in letters if x not in block]
         if missing:
@@ -217,6 +220,26 @@ class _Reader:
         D, blocks = self.vector(self.doc.get("D"), "D"), self.square(self.doc, "XVG")
         explicit = explicit_stages(self.doc.get("enclosure", {}), len(D))
         return self._one_step(build(D, **blocks, explicit=explicit))
+
+    def _pair_sweep(self) -> PartitionedGLM:
+        from .pair_sweep import build
+
+        rows = {x: self.matrix(self.doc[x], x) for x in ("w", "v") if x in self.doc}
+        blocks = self.square(self.doc, ("V", "V_hat"))
+        built = build(
+            self.vector(self.doc["b"], "b"),
+            self.vector(self.doc["c"], "c"),
+            **rows,
+            **blocks,
+            G=self._pair_form(),
+            stages=self._text("stages", pattern=r"[PQ]+"),
+        )
+        return self._pair(built)
+
+    def _pair_form(self) -> Matrix:
+        if "G" not in self.doc:
+            raise self.error("`G` is missing; give the form or its diagonal")
+        return self._forms(0)["G"]
 
     def _lmm(self) -> GLM:
         return self._one_step(families.linear_multistep(*self._alpha_beta()))
@@ -350,7 +373,8 @@ class _Reader:
                     f"the claim {key!r} is unknown; known are {', '.join(sorted(CLAIMS))}"
                 )
             if key in without_meaning(self.doc["class"]):
-                raise self.error(f"the claim {key!r} has no meaning for a pair; take it out")
+                kind = "a pair" if self.doc["class"] in PAIRS else "one method"
+                raise self.error(f"the claim {key!r} has no meaning for {kind}; take it out")
             if CLAIMS[key] is int:
                 self._whole_number(value, f"the claim {key!r}")
             elif not isinstance(value, CLAIMS[key]):

@@ -64,9 +64,14 @@ def is_enclosed(method: Method) -> bool:
     """
     if method.document is None or "enclosure" not in method.document:
         return False
-    from .derive.enclosure import prove
+    if isinstance(method, PartitionedGLM):
+        from .derive.pair_enclosure import prove_pair
 
-    prove(method.document)
+        prove_pair(method.document)
+    else:
+        from .derive.enclosure import prove
+
+        prove(method.document)
     return True
 
 

@@ -20,6 +20,7 @@ from .checking import verify
 from .deriving import derive
 from .describing import analyze, errata
 from .output import BAD_INPUT, INTERNAL, INTERRUPTED, PIPE_CLOSED, complain, confess, open_streams
+from .running import run
 
 __all__ = ["group", "main"]
 
@@ -34,7 +35,7 @@ def group() -> None:
     """General linear methods, checked exactly."""
 
 
-for command in (verify, analyze, list_, show, cite, errata, derive):
+for command in (verify, analyze, list_, show, cite, errata, derive, run):
     group.add_command(command)
 
 

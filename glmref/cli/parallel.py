@@ -81,7 +81,7 @@ def check_all(
     started = perf_counter()
     for done, name in enumerate(names):
         elapsed, left = perf_counter() - started, len(names) - done
-        pays = elapsed > STARTUP / 2 and elapsed / done * left > 2 * STARTUP
+        pays = done and elapsed > STARTUP / 2 and elapsed / done * left > 2 * STARTUP
         if processes > 1 and left > 2 and pays:
             yield from _in_processes(names[done:], only, min(processes, left))
             return

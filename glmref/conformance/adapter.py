@@ -45,8 +45,8 @@ SHIPPED: Mapping[str, str] = {
 }
 
 OPERATIONS = ("step", "stages", "start", "finish", "solve")
-#: Claims that an integrator outside the catalogue may make.
-CLAIMS = ("order", "symmetric", "symplectic")
+#: Claims that an integrator outside the catalogue may make; ``values`` says how many it carries.
+CLAIMS = ("order", "symmetric", "symplectic", "values")
 
 
 class AdapterError(GlmrefError):

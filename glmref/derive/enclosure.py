@@ -134,7 +134,7 @@ def krawczyk(
                 Outcome.NONE,
                 tuple(box),
                 contraction,
-                f"the image leaves the box in unknown {k + 1}",
+                f"the image misses the box in unknown {k + 1}",
             )
     for k, (x, y) in enumerate(zip(box, image, strict=True)):
         if not x.contains_interior(y):
@@ -200,8 +200,8 @@ def prove(document: Mapping[str, Any]) -> Enclosure:
     signs = system.signs()
     if signs is None or signs[0] != 1:
         raise DataError(
-            "`D` and `X` must be palindromic up to a sign for each row of X, with V and G to match: "
-            "only then do the even orders follow"
+            "`D` and `X` must be palindromic up to a sign for each row of X, with V and G to "
+            "match: only then do the even orders follow"
         )
     missing = [n for n in range(1, order, 2) if not covered(system, n)]
     if missing:
@@ -281,8 +281,8 @@ def _root(document: Mapping[str, Any], system: SweepSystem) -> Krawczyk:
 def _consequences(system: SweepSystem, order: int, series: Series) -> Mapping[str, str]:
     """Claims that follow, each with the sentence that says from what."""
     proves = {
-        "order": f"equations {', '.join(e.what for e in system.equations if e.kind == 'order')} and "
-        f"the theorems on moving the root and on symmetry",
+        "order": f"the equations {', '.join(e.text for e in system.equations)}, moving the root, "
+        "and symmetry",
         "g-symplectic": "holds for every value of the unknowns, V^T G V = G",
         "symmetric": "palindromic for every value of the unknowns",
         "preconsistent": "the first column of U is the first row of X, which is 1",

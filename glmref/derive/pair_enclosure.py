@@ -27,7 +27,7 @@ from ..claims import DataError, ExactnessError
 from ..exact import Ball, ball
 from ..expression import parse
 from .enclosure import WIDTH, Krawczyk, Outcome, krawczyk
-from .pair_series import PairNumbers, PairSeries
+from .pair_series import PairNumbers
 from .pair_system import PairSystem
 from .pair_trees import representatives
 
@@ -42,7 +42,7 @@ class PairEnclosure:
     ----------
         values: enclosing ball of every unknown, by name.
         contraction: see :class:`~glmref.derive.enclosure.Krawczyk`.
-        order: the order proved (a lower bound).
+        order: the order proved (a lower bound). nystrom_order: the same on second-order systems.
         identity: whether the first values are the solution itself, to that order.
         width: largest magnitude over all residuals up to the order and all growth parameters.
         proves: claim key -> sentence that says what proves it.
@@ -51,10 +51,10 @@ class PairEnclosure:
     values: Mapping[str, Ball]
     contraction: float
     order: int
+    nystrom_order: int
     identity: bool
     width: float
     proves: Mapping[str, str]
-    series: PairSeries = field(repr=False)
     numbers: PairNumbers = field(repr=False)
 
 
@@ -70,45 +70,52 @@ def prove_pair(document: Mapping[str, Any]) -> PairEnclosure:
         ExactnessError: when the interval test does not find exactly one root near the digits.
     """
     system = PairSystem(document)
-    claims = document["claims"]
-    order = claims.get("order", claims.get("order-identity", 0))
     signs = system.signs()
     if signs is None:
         raise DataError(
             "`b`, `c`, `w`, `v` and `stages` must be palindromic, `w` and `v` up to a sign for "
             "each row, with V, V_hat and G to match: only then do the even orders follow"
         )
-    for n in range(1, order, 2):
-        if not system.covered(n):
-            trees = ", ".join(map(str, representatives(n)))
-            raise DataError(
-                f"the equations of the file do not give the conditions of order {n}; those of "
-                f"{trees} would"
-            )
+    wanted = ((system.claimed, False), (system.claimed_nystrom, True))
+    for order, nystrom in wanted:
+        for n in range(1, order, 2):
+            if not system.covered(n, nystrom=nystrom):
+                trees = ", ".join(map(str, representatives(n, nystrom=nystrom)))
+                raise DataError(
+                    f"the equations of the file do not give the conditions of order {n}; those of "
+                    f"{trees} would"
+                )
     root = _root(document, system)
     numbers, principal = system.read(dict(zip(system.unknowns, root.box, strict=True)))
     for name, weights in zip(system.names, (numbers.b, numbers.c), strict=True):
         for i, x in enumerate(weights):
             if ball(x).is_zero() is not False:
                 raise ExactnessError(f"`{name}[{i + 1}]` may be zero")
-    series = system.series(numbers, principal, order)
+    all_series = [
+        system.series(numbers, principal, order, nystrom=nystrom)
+        for order, nystrom in wanted
+        if order
+    ]
     growths = [system.growth(e.half, e.eigenvalue, numbers) for e in system.equations if e.half]
-    small = [ball(x) for x in (*series.residual.values(), *growths)]
+    residuals = [x for series in all_series for x in series.residual.values()]
+    small = [ball(x) for x in (*residuals, *growths)]
     width = max(x.magnitude() for x in small)
     if not all(x.contains_zero() for x in small) or not width < WIDTH:
         raise ExactnessError(
             f"a redundant condition is not enclosed: the largest residual is {width:.3g}, and it "
             f"must be a ball around zero below {WIDTH}"
         )
-    identity = system.identity_through(order - 1)
+    identity = all(
+        system.identity_through(order - 1, nystrom=nystrom) for order, nystrom in wanted if order
+    )
     return PairEnclosure(
         values=dict(zip(system.unknowns, root.box, strict=True)),
         contraction=root.contraction,
-        order=order,
+        order=system.claimed,
+        nystrom_order=max(system.claimed, system.claimed_nystrom),
         identity=identity,
         width=width,
         proves=_consequences(system, identity),
-        series=series,
         numbers=numbers,
     )
 
@@ -146,6 +153,7 @@ def _consequences(system: PairSystem, identity: bool) -> Mapping[str, str]:
     order = f"equations {equations} and the theorems on moving the root and on symmetry"
     proves = {
         "order": order,
+        "nystrom-order": order,
         "g-symplectic": "holds for every value of the unknowns, V^T G V^ = G",
         "symmetric": "palindromic for every value of the unknowns",
         "explicit": "the stages have an order",

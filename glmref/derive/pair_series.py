@@ -49,8 +49,8 @@ from typing import Any
 from .. import linalg
 from ..exact import Exact
 from ..linalg import Matrix
-from ..theory.trees import SEPARABLE, Tree, pruned, trees
-from .pair_trees import free_tree, moves
+from ..theory.trees import Tree, pruned
+from .pair_trees import free_tree, listed, moves
 
 __all__ = ["PairNumbers", "PairSeries", "pair_series"]
 
@@ -107,6 +107,7 @@ def pair_series(
     principal: Mapping[Tree, Any] | None = None,
     *,
     identity: bool = False,
+    nystrom: bool = False,
     wanted: Sequence[Tree] | None = None,
 ) -> PairSeries:
     """Compute the starting series and the residuals R tree by tree.
@@ -116,6 +117,7 @@ def pair_series(
         order: residuals are computed for trees up to this order.
         principal: zeta_1 at one version of even free trees; zero at those that are missing.
         identity: whether every principal part is zero, whatever theorem 2 would give.
+        nystrom: whether only the trees that count on second-order systems are taken.
         wanted: residuals of these trees only at the orders where none below them is needed.
     """
     halves = {colour: _Half(pair, colour) for colour in "fk"}
@@ -126,12 +128,12 @@ def pair_series(
     zero = Exact(0)
     for n in range(1, order + 1):
         last = n == order
-        level = trees(n, SEPARABLE)
+        level = listed(n, nystrom=nystrom)
         if last and wanted is not None:
             level = tuple(t for t in wanted if t.order == n)
         first: Mapping[Tree, Any] = {}
         if not last and not identity and n % 2 == 0:
-            first = _principal_parts(n, given, zeta, pair.G)
+            first = _principal_parts(level, given, zeta, pair.G)
         for t in level:
             half = halves[t.colour]
             slopes = _slopes(t, stages, len(half.weights))
@@ -186,11 +188,14 @@ def _swept(
 
 
 def _principal_parts(
-    order: int, given: Mapping[Tree, Any], zeta: Mapping[Tree, tuple[Any, ...]], G: Matrix
+    level: Sequence[Tree],
+    given: Mapping[Tree, Any],
+    zeta: Mapping[Tree, tuple[Any, ...]],
+    G: Matrix,
 ) -> dict[Tree, Any]:
     """zeta_1 at the trees of an even order: Q = 0 along every move of the root."""
     found: dict[Tree, Any] = {}
-    for t in trees(order, SEPARABLE):
+    for t in level:
         if t in found:
             continue
         versions = free_tree(t)

@@ -24,10 +24,17 @@ from ..expression import parse
 from ..linalg import Matrix
 from ..method import as_matrix
 from ..pair_sweep import columns, stage_word
-from ..theory.trees import Tree, parse_tree, trees_up_to
-from ..theory.trees import SEPARABLE
+from ..theory.trees import SEPARABLE, Tree, parse_tree, trees_up_to
 from .pair_series import PairNumbers, PairSeries, pair_series
-from .pair_trees import SPLITTING, VERLET_F, VERLET_K, representatives, spans
+from .pair_trees import (
+    SPLITTING,
+    VERLET_F,
+    VERLET_K,
+    free_tree,
+    listed,
+    representatives,
+    spans,
+)
 from .system import Affine
 
 __all__ = ["PairEquation", "PairSystem"]
@@ -95,6 +102,9 @@ class PairSystem:
         self.unknowns = tuple(document.get("unknowns", {}))
         self.equations = tuple(PairEquation.read(x) for x in block.get("equations", ()))
         self.principal = {parse_tree(t): x for t, x in block.get("xi", {}).items()}
+        claims = document.get("claims", {})
+        self.claimed = max((claims.get(x, 0) for x in ("order", "order-identity")), default=0)
+        self.claimed_nystrom = claims.get("nystrom-order", 0)
         one = ((Exact(1),),)
         if self.is_splitting:
             self.V, self.V_hat, self.G = one, one, one
@@ -130,6 +140,11 @@ class PairSystem:
             raise DataError("`V` and `V_hat` must preserve `G`: V^T G V^ = G")
 
     @property
+    def nystrom(self) -> bool:
+        """Whether the equations are those of second-order systems: more is claimed for these."""
+        return self.claimed_nystrom > self.claimed
+
+    @property
     def order(self) -> int:
         """Order up to which series are needed by the equations."""
         return max((e.tree.order + (e.kind == "start") for e in self.equations if e.tree), default=1)
@@ -156,7 +171,8 @@ class PairSystem:
         self, numbers: PairNumbers, principal: Mapping[Tree, Any], order: int, **more: Any
     ) -> PairSeries:
         """Starting series and residuals; principal parts zero where the equations prove it."""
-        identity = self.identity_through(order - 1)
+        more.setdefault("nystrom", self.nystrom)
+        identity = self.identity_through(order - 1, nystrom=more["nystrom"])
         return pair_series(numbers, order, principal, identity=identity, **more)
 
     def residuals(self, values: Sequence[Any]) -> list[Any]:
@@ -247,7 +263,7 @@ class PairSystem:
             return None
         return signs[0], signs[1]
 
-    def identity_through(self, order: int) -> bool:
+    def identity_through(self, order: int, *, nystrom: bool = False) -> bool:
         """Whether all principal parts of order <= ``order`` are zero by the equations ``start``.
 
         By theorem 2 of :mod:`.pair_series` they are where ``zeta_k(t) G_kl zeta^_l(u) = 0`` for all
@@ -271,7 +287,7 @@ class PairSystem:
             off = any(not involution[k][j].is_zero() for j in range(len(involution)) if j != k)
             return not off and involution[k][k] == (-1) ** (t.order + 1)
 
-        by_order = trees_up_to(order - 1, SEPARABLE) if order > 1 else ()
+        by_order = [t for n in range(1, order) for t in listed(n, nystrom=nystrom)]
         for t in (t for t in by_order if t.colour == "f"):
             for u in (u for u in by_order if u.colour == "k" and t.order + u.order <= order):
                 for k in range(1, len(self.G)):
@@ -300,18 +316,21 @@ class PairSystem:
                 return kind
         return SPLITTING
 
-    def covered(self, order: int) -> bool:
-        """Whether the equations give all conditions of an odd order, by the theorems."""
+    def covered(self, order: int, *, nystrom: bool = False) -> bool:
+        """Whether the equations give all conditions of an odd order, by the theorems.
+
+        Args:
+            nystrom: whether only those of second-order systems are meant.
+        """
         given = {e.tree for e in self.equations if e.kind == "order" and e.tree}
         if order == 1:
             given |= {parse_tree(x) for x, s in zip("fk", (self._affine.b, self._affine.c), strict=True)
                       if (sum(s[1:], Affine.of(s[0])) - 1).is_identically_zero()}  # fmt: skip
         kind = self.kind_of_flow()
         if kind is not None:
-            return spans(order, given, kind)
-        from .pair_trees import free_tree
-
-        return all(not given.isdisjoint(free_tree(t)) for t in representatives(order))
+            return spans(order, given, kind, nystrom=nystrom)
+        needed = representatives(order, nystrom=nystrom)
+        return all(not given.isdisjoint(free_tree(t)) for t in needed)
 
 
 def _palindromic(row: Sequence[Any]) -> int | None:

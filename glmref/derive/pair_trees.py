@@ -8,6 +8,11 @@ always joins a vertex f and a vertex k.
   colour. There are 2, 1, 2, 3, 6, 10, 22 free trees of orders 1 to 7.
 * :func:`spans`: whether the conditions of some trees imply those of all trees of an order, for
   methods that are products of flows.
+* :func:`second_order`: the trees that count on second-order systems (f linear), in every version.
+  A vertex f then has at most two neighbours. A version whose root f has two children has no
+  elementary differential, but it stands between two versions that have one, and the theorems of
+  :mod:`.pair_series` hold on this set: it is closed under cutting, and residuals of such versions
+  vanish with those of their neighbours. There are 2, 1, 2, 2, 4, 5, 10 free trees of this kind.
 
 The rule behind :func:`spans`
 -----------------------------
@@ -30,6 +35,7 @@ from functools import cache
 from itertools import product
 from types import MappingProxyType
 
+from ..theory.nystrom import is_nystrom
 from ..theory.trees import SEPARABLE, Tree, tree, trees
 
 __all__ = [
@@ -39,8 +45,10 @@ __all__ = [
     "attach",
     "free_tree",
     "lie_basis",
+    "listed",
     "moves",
     "representatives",
+    "second_order",
     "spans",
     "words",
 ]
@@ -82,9 +90,22 @@ def free_tree(version: Tree) -> tuple[Tree, ...]:
 
 
 @cache
-def representatives(order: int) -> tuple[Tree, ...]:
+def second_order(t: Tree) -> bool:
+    """Whether every vertex f of the free tree has at most two neighbours."""
+    allowed = 2 if t.colour == "f" else t.order
+    return len(t.children) <= allowed and all(map(is_nystrom, t.children))
+
+
+@cache
+def listed(order: int, *, nystrom: bool = False) -> tuple[Tree, ...]:
+    """All trees of an order, or those that count on second-order systems."""
+    return tuple(t for t in trees(order, SEPARABLE) if not nystrom or second_order(t))
+
+
+@cache
+def representatives(order: int, *, nystrom: bool = False) -> tuple[Tree, ...]:
     """One rooted tree for each free tree of an order."""
-    return tuple(dict.fromkeys(free_tree(t)[0] for t in trees(order, SEPARABLE)))
+    return tuple(dict.fromkeys(free_tree(t)[0] for t in listed(order, nystrom=nystrom)))
 
 
 @cache
@@ -205,7 +226,9 @@ def lie_basis(order: int, kind: str) -> tuple[Element, ...]:
 
 
 @cache
-def images(order: int, kind: str) -> Mapping[Tree, tuple[Fraction, ...]]:
+def images(
+    order: int, kind: str, *, nystrom: bool = False
+) -> Mapping[Tree, tuple[Fraction, ...]]:
     """Residual of each representative for each element of :func:`lie_basis`."""
     return MappingProxyType(
         {
@@ -213,18 +236,19 @@ def images(order: int, kind: str) -> Mapping[Tree, tuple[Fraction, ...]]:
                 sum((count * l.get(word, 0) for word, count in words(t).items()), Fraction(0))
                 for l in lie_basis(order, kind)
             )
-            for t in representatives(order)
+            for t in representatives(order, nystrom=nystrom)
         }
     )
 
 
-def spans(order: int, given: Collection[Tree], kind: str) -> bool:
+def spans(order: int, given: Collection[Tree], kind: str, *, nystrom: bool = False) -> bool:
     """Whether the conditions of ``given`` trees imply those of all trees of an order.
 
     Args:
         given: rooted trees, of any order. kind: see :func:`lie_basis`.
+        nystrom: whether only the trees that count on second-order systems are meant.
     """
-    table = images(order, kind)
+    table = images(order, kind, nystrom=nystrom)
     chosen = [row for t, row in table.items() if not set(free_tree(t)).isdisjoint(given)]
     return _rank(chosen) == _rank(list(table.values()))
 

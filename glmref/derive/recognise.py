@@ -66,20 +66,22 @@ def minimal_polynomial(
 ) -> list[int] | None:
     """Integer polynomial (constant last) that the digits satisfy, ``None`` where PSLQ finds none.
 
-    A relation of degree d with coefficients of c digits is found by chance once (d + 1) c exceeds
-    the digits; with the limits given here that cannot happen for degree * 9 < ``digits``.
+    A relation of degree d with coefficients of c digits is found by chance once (d + 1) c comes
+    near the digits used; the search stops 12 digits before that.
     """
     import mpmath
 
     with mpmath.workdps(digits):
+        x = value.to_mpf()
+        tolerance = mpmath.mpf(10) ** -(digits - 8)
         for d in range(1, degree + 1):
-            if (d + 1) * len(str(height)) > digits + 10:
+            if (d + 1) * len(str(height)) > digits - 12:
                 return None
-            found = mpmath.findpoly(
-                value.to_mpf(), d, maxcoeff=height, tol=mpmath.mpf(10) ** -(digits - 8)
-            )
-            if found is not None:
-                return [int(x) for x in found]
+            powers = [x**k for k in range(d + 1)]
+            found = mpmath.pslq(powers, maxcoeff=height, maxsteps=10_000, tol=tolerance)
+            if found is not None and found[d] != 0:
+                sign = 1 if found[d] > 0 else -1
+                return [sign * int(c) for c in reversed(found)]
     return None
 
 

@@ -104,8 +104,8 @@ def evaluate(residuals: Residuals, points: np.ndarray) -> tuple[np.ndarray, np.n
         columns.append(Batch(column))
     with np.errstate(all="ignore"):
         found = [np.broadcast_to(_array(x), (starts, n)) for x in residuals(columns)]
-    stacked = np.stack(found, axis=1)
-    return stacked[:, :, 0].real.copy(), stacked.imag / STEP
+    stacked = np.stack(found, axis=1).astype(complex)
+    return np.real(stacked[:, :, 0]).copy(), np.imag(stacked) / STEP
 
 
 def levenberg_marquardt(

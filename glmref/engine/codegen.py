@@ -100,7 +100,7 @@ def kernel_source(form: StepForm, shape: Shape, options: Options) -> KernelSourc
         f'"""Generated kernel: {form.kind} form, {form.s} stages, {form.r} values, '
         f'd = {shape.dimension}."""\n\n'
     )
-    return KernelSource(title + head + writer.text, target.work_size, form.r, form.s, kind)
+    return KernelSource(title + head + writer.text, target.work_size, form.r, form.memory_rows, kind)
 
 
 def header(shape: Shape, kind: str, *, newton: bool) -> str:
@@ -256,7 +256,7 @@ class Builder(StageWriter):
         """Vectors that last from call to call, in their order at the head of ``x``."""
         letters = "ye" if self.options.compensated else "y"
         names = [f"{letter}{k}" for letter in letters for k in range(self.form.r)]
-        return names + [f"L{i}" for i in range(self.form.s)]
+        return names + [f"L{i}" for i in range(self.form.memory_rows)]
 
     def _record(self) -> None:
         for k in range(self.form.r) if self.options.history else range(1):

@@ -89,9 +89,14 @@ class PairForm:
         return sum(len(block.stages) for block in self.blocks if block.implicit)
 
     @property
+    def memory_rows(self) -> int:
+        """Number of increments kept from step to step."""
+        return len(self.memory_weights)
+
+    @property
     def memory_weights(self) -> Row:
-        """Weights of the increments kept from step to step: those of the Q stages."""
-        return self.Q.weights
+        """Weights of the increments kept from step to step, of Q and then of P stages."""
+        return self.Q.weights + self.P.weights if self.implicit_stages else ()
 
     def into(self, values: np.ndarray) -> np.ndarray:
         """Values of the method, q in the left half of the columns, in the basis of this form."""
@@ -237,7 +242,7 @@ def pair_source(form: PairForm, shape: Shape, options: Options) -> KernelSource:
     title = f'"""Generated kernel: pair, {form.kind} form, {form.P.n} P and {form.Q.n} Q stages."""'
     head = header(shape, kind, newton=False)
     text, rows = title + "\n\n" + head + writer.text, max(form.r, form.r_hat)
-    return KernelSource(text, target.work_size, rows, form.Q.n, kind)
+    return KernelSource(text, target.work_size, rows, form.memory_rows, kind)
 
 
 class PairBuilder(Builder):
@@ -268,7 +273,7 @@ class PairBuilder(Builder):
     def _state(self) -> list[str]:
         letters = "ye" if self.options.compensated else "y"
         names = [f"{letter}{k}" for letter in letters for k in range(self._rows())]
-        return names + [f"L{i}" for i in range(self.form.Q.n)]
+        return names + [f"L{i}" for i in range(self.form.memory_rows)]
 
     def _scaled_weights(self) -> None:
         for half, shift in ((self.form.Q, 0), (self.form.P, self.form.Q.n)):

@@ -435,16 +435,18 @@ class StageWriter:
 
     def _newton_update(self, stages: Sequence[int]) -> None:
         """L += (I - factor J)^-1 (h w f - L)."""
-        low, high = self.inner
-        n = self.unknowns
         if not self.inline_newton:
             self._factored_update(stages)
             return
         (i,) = stages
-        self.w(*(
-            f"r{a} = hw{i}*{self.t.ref(f'F{i}', low + a)} - {self.t.ref(f'L{i}', low + a)}"
-            for a in range(n)
-        ))  # fmt: skip
+        self._newton_increments(i, ["new"] * self.unknowns)
+
+    def _newton_increments(self, i: int, accepted: Sequence[str]) -> None:
+        """Inline solve; ``accepted[k]`` is assigned to entry k, with its new value in ``new``."""
+        low, n = self.inner[0], self.unknowns
+        for a in range(n):
+            slope, known = self.t.ref(f"F{i}", low + a), self.t.ref(f"L{i}", low + a)
+            self.w(f"r{a} = hw{i}*{slope} - {known}")
         if n == 1:
             solved = ["r0"]
         elif n == 2:
@@ -453,7 +455,7 @@ class StageWriter:
             solved = [" + ".join(f"k{k}{a}*r{k}" for k in range(3)) for a in range(3)]
         for a, text in enumerate(solved):
             name = self.t.ref(f"L{i}", low + a)
-            self.w(f"{name} = {name} + inverse*({text})")
+            self.w(f"known = {name}", f"new = known + inverse*({text})", f"{name} = {accepted[a]}")
 
     def _matrix_names(self, stages: Sequence[int]) -> tuple[str, int]:
         """Name of the factored matrix of a block and its size; equal couplings share one."""

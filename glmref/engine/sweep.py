@@ -98,9 +98,14 @@ class StepForm:
         return np.array(self.from_form) @ x
 
     @property
+    def memory_rows(self) -> int:
+        """Number of increments kept from step to step."""
+        return len(self.memory_weights)
+
+    @property
     def memory_weights(self) -> Row:
         """Weights w of the increments L that the predictor keeps, stage by stage."""
-        return self.weights
+        return self.weights if self.implicit_stages else ()
 
     @property
     def implicit_stages(self) -> int:

@@ -38,7 +38,9 @@ class Drift:
 
     Attributes
     ----------
-        quantity: its name: ``"energy"``, ``"momentum"``, ``"G-form momentum"``.
+        quantity: its name, as the problem gives it.
+        kind: ``"hamiltonian"``, ``"quadratic"`` or ``"invariant"`` of the solution, or ``"form"``:
+            the G-form, of a quadratic invariant, of all values.
         start: the value at the first sample.
         scale: what deviations are measured against: |start|, or the size of its largest term.
         largest: largest deviation over the samples, relative to ``scale``.
@@ -48,6 +50,7 @@ class Drift:
     """
 
     quantity: str
+    kind: str
     start: float
     scale: float
     largest: float
@@ -59,8 +62,8 @@ class Drift:
         """Return the record in JSON's types."""
         from .records import finite
 
-        numbers = {k: finite(getattr(self, k)) for k in self.__slots__ if k != "quantity"}
-        return {"quantity": self.quantity, **numbers}
+        numbers = {k: finite(getattr(self, k)) for k in self.__slots__ if k not in ("quantity", "kind")}
+        return {"quantity": self.quantity, "kind": self.kind, **numbers}
 
 
 def along(function: Callable[[Any], Any], y: np.ndarray) -> np.ndarray:
@@ -143,12 +146,17 @@ def _joined(rows: list[Solution], steps: int) -> Solution:
 
 
 def drift(
-    quantity: str, t: np.ndarray, values: np.ndarray, *, scale: float | None = None
+    quantity: str,
+    t: np.ndarray,
+    values: np.ndarray,
+    *,
+    kind: str = "invariant",
+    scale: float | None = None,
 ) -> Drift:
     """Summarize a conserved quantity sampled at times t.
 
     Args:
-        quantity: its name.
+        quantity, kind: what it is, see :class:`Drift`.
         t: (m,) times. values: (m,) samples, the first of which is the reference.
         scale: unit of the deviations; by default |values[0]|, or 1 where that is zero.
     """
@@ -164,6 +172,7 @@ def drift(
         slope = float(elapsed @ deviation) / square if square else math.nan
     return Drift(
         quantity=quantity,
+        kind=kind,
         start=start,
         scale=unit,
         largest=float(np.max(np.abs(deviation))),
@@ -239,11 +248,11 @@ def watch(
     if not len(t):
         return found
     if energy and problem.hamiltonian is not None:
-        found.append(drift("energy", t, along(problem.hamiltonian, y)))
+        found.append(drift("energy", t, along(problem.hamiltonian, y), kind="hamiltonian"))
     if quadratic:
         for name, form in problem.quadratic.items():
             scale = float(np.abs(y[0]) @ np.abs(form.matrix) @ np.abs(y[0]))
-            found.append(drift(name, t, along(form, y), scale=scale))
+            found.append(drift(name, t, along(form, y), kind="quadratic", scale=scale))
     if invariants:
         for name, function in problem.invariants.items():
             found.append(drift(name, t, along(function, y)))
@@ -254,5 +263,5 @@ def watch(
         for name, form in problem.quadratic.items():
             values = g_form(history, G, form.matrix)
             scale = _g_scale(history[0], G, form.matrix)
-            found.append(drift(f"G-form {name}", t, values, scale=scale))
+            found.append(drift(name, t, values, kind="form", scale=scale))
     return found

@@ -8,7 +8,7 @@ Only what is asked is computed: no energy and no samples for it, no reference fo
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from functools import lru_cache
 from time import perf_counter
@@ -25,7 +25,15 @@ from .longtime import along
 from .measure import Timing
 from .records import finite
 
-__all__ = ["Reference", "Work", "measure", "reference_state", "state_error"]
+__all__ = [
+    "Deadline",
+    "Reference",
+    "Work",
+    "check_interruption",
+    "measure",
+    "reference_state",
+    "state_error",
+]
 
 #: Samples over which the largest energy error is taken.
 SAMPLES = 64
@@ -136,13 +144,14 @@ def measure(
         raise UsageError(f"`ask` knows 'state' and 'energy', got {sorted(unknown)[0]!r}")
     if "energy" in ask and problem.hamiltonian is None:
         raise UsageError(f"{problem.name} has no Hamiltonian; do not ask for the energy")
-    options: dict[str, Any] = {"h": h, "engine": engine, "start": start}
+    begin = _started(problem, method, h, start)
+    options: dict[str, Any] = {"h": h, "engine": engine, "start": lambda *_: begin.values}
     options |= {"t_end": t_end} if steps is None else {"steps": steps}
     if "energy" in ask:
         end = float(problem.t_span[1] if t_end is None else t_end)
         whole = steps if steps is not None else round((end - float(problem.t_span[0])) / h)
         options["every"] = max(1, abs(whole) // SAMPLES)
-    solution, timing, start_seconds = _timed(problem, method, options, repeats, budget)
+    solution, timing = _timed(problem, method, options, repeats, budget)
     last = float(solution.t[-1]) if len(solution.t) else float(problem.t_span[0])
     record: dict[str, Any] = {}
     if solution.completed and "state" in ask:
@@ -163,8 +172,10 @@ def measure(
         evaluations=solution.evaluations,
         velocity_evaluations=solution.velocity_evaluations,
         iterations=solution.iterations,
-        start_evaluations=solution.start_evaluations + solution.finish_evaluations,
-        start_seconds=start_seconds,
+        start_evaluations=begin.evaluations
+        + solution.start_evaluations
+        + solution.finish_evaluations,
+        start_seconds=begin.seconds,
         build_seconds=solution.build_seconds,
         kernel=solution.kernel,
         notices=solution.notices,
@@ -172,35 +183,77 @@ def measure(
     )
 
 
-def deadline(budget: float) -> Callable[[], bool]:
-    """Return a function that says whether ``budget`` seconds have passed since now."""
-    end = perf_counter() + budget
-    return lambda: perf_counter() > end
+class Deadline:
+    """Says when ``budget`` seconds have passed since it was first asked.
+
+    A run asks for the first time after its first steps, so that neither compilation nor the start
+    are charged.
+
+    Attributes
+    ----------
+        passed: whether the answer has been yes; a run that was cancelled without it was cancelled
+            by the user.
+    """
+
+    def __init__(self, budget: float) -> None:
+        self.budget = budget
+        self.passed = False
+        self._end: float | None = None
+
+    def __call__(self) -> bool:
+        """Whether the time is over."""
+        now = perf_counter()
+        if self._end is None:
+            self._end = now + self.budget
+        self.passed = now >= self._end
+        return self.passed
+
+
+def check_interruption(solution: Solution, deadline: Deadline) -> None:
+    """Raise KeyboardInterrupt where a run was cancelled and not by its deadline."""
+    if solution.outcome is Outcome.CANCELLED and not deadline.passed:
+        raise KeyboardInterrupt
+
+
+@dataclass(frozen=True, eq=False)
+class _Started:
+    """Starting values, computed once for all repetitions, and what they cost."""
+
+    values: np.ndarray
+    evaluations: int
+    seconds: float
+
+
+def _started(problem: Problem, method: Any, h: float, start: Any) -> _Started:
+    """Compute the starting values in double precision."""
+    from ..engine.reference import stepper
+    from ..engine.start import starting_values
+
+    engine = stepper(method, problem)
+    begun = perf_counter()
+    with np.errstate(all="ignore"):
+        y0 = np.array(problem.y0, dtype=float)
+        found = starting_values(engine, start, t=float(problem.t_span[0]), y0=y0, h=float(h))
+    return _Started(found.values, found.evaluations, perf_counter() - begun)
 
 
 def _timed(
     problem: Problem, method: Any, options: dict[str, Any], repeats: int, budget: float
-) -> tuple[Solution, Timing, float]:
-    """Run up to ``repeats`` times; the steps alone are timed, and the first start apart."""
+) -> tuple[Solution, Timing]:
+    """Run up to ``repeats`` times, while the budget lasts; the steps alone are timed."""
     begun = perf_counter()
     seconds: list[float] = []
     first: Solution | None = None
-    build_seconds = start_seconds = 0.0
     while first is None or (
         first.completed and len(seconds) < repeats and perf_counter() - begun < budget
     ):
-        before = perf_counter()
-        solution = solve(problem, method, cancel=deadline(budget), **options)
-        around = perf_counter() - before - solution.seconds - solution.build_seconds
+        deadline = Deadline(budget)
+        solution = solve(problem, method, cancel=deadline, **options)
+        check_interruption(solution, deadline)
         if first is None or solution.completed:
             seconds.append(solution.seconds)
-        if first is None:
-            first, build_seconds, start_seconds = solution, solution.build_seconds, around
-        # the first run also loads modules: the start costs what it costs once they are there
-        start_seconds = min(start_seconds, max(around, 0.0))
-    assert first is not None
-    object.__setattr__(first, "build_seconds", build_seconds)
-    return first, Timing.of(seconds), start_seconds
+        first = first or solution
+    return first, Timing.of(seconds)
 
 
 def _energy_error(problem: Problem, solution: Solution) -> float:

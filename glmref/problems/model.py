@@ -19,7 +19,7 @@ from .reference import Reference, references_of
 __all__ = ["Problem"]
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class Problem:
     """An initial value problem y' = f(t, y), y(t0) = y0; only ``f`` and ``y0`` are required.
 
@@ -45,9 +45,10 @@ class Problem:
         invariants: name -> ``I(y)``, other conserved functions.
         observables: name -> ``O(y)``, functions worth watching that are not conserved exactly.
         canonical: whether f = J grad H in the coordinates y = (q, p).
-        exact: ``exact(t, y0)`` -> (d,), the flow in closed form, t measured from t0.
+        exact: ``exact(t, y0)`` -> (d,), in closed form: the solution at t that starts at t_span[0].
         scales: typical sizes: ``"time"``, ``"length"``, and ``"period"`` where periodic.
         context: the mpmath context of :meth:`on`, ``None`` in double precision.
+        initial: y0 as it was given.
 
     Raises
     ------
@@ -71,8 +72,8 @@ class Problem:
     canonical: bool = False
     exact: Any = None
     scales: Mapping[str, float] = field(default_factory=dict)
-    context: Any = field(default=None, repr=False)
-    initial: Any = field(default=None, repr=False)
+    context: Any = None
+    initial: Any = None
 
     _VECTORS: ClassVar = {"f": ("t", "y"), "dq": ("p",), "dp": ("q",), "force": ("q",)}
 
@@ -154,6 +155,10 @@ class Problem:
         start, end = self.t_span
         if not (np.isfinite(start) and np.isfinite(end)):
             raise UsageError(f"`t_span` must be two finite times, got {self.t_span}")
+
+    def __repr__(self) -> str:
+        given = "".join(f", {key}={value}" for key, value in self.parameters.items())
+        return f"<Problem {self.name}{given}, dimension {self.dimension}>"
 
     @property
     def dimension(self) -> int:

@@ -154,14 +154,15 @@ def _lost(scene: Scene, records: Sequence[Record]) -> str:
 
 
 def _kept_drift(record: Record) -> float | None:
-    """Largest drift of the G-forms, or of the quadratic invariants where there is no G-form."""
+    """Largest drift of the G-forms; where there are none, of the next best conserved quantities."""
     drifts = record.get("drifts") or []
-    forms = [one for one in drifts if one["quantity"].startswith("G-form")]
-    own = [one for one in drifts if one["quantity"] != "energy"]
-    values = [one["largest"] for one in (forms or own or drifts)]
-    if not values or any(value is None for value in values):
+    for kind in ("form", "quadratic", "invariant", "hamiltonian"):
+        values = [one["largest"] for one in drifts if one["kind"] == kind]
+        if values:
+            break
+    else:
         return None
-    return max(values)
+    return None if None in values else max(values)
 
 
 def _conserved(scene: Scene, records: Sequence[Record]) -> str:

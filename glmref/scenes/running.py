@@ -91,18 +91,16 @@ def _method(task: Mapping[str, Any]) -> dict[str, Any]:
         budget=task["budget"],
         start=task["start"],
     )
-    return _spent(work.as_json(), work.seconds.median, task)
+    return _spent(work.as_json(), task)
 
 
 def _parameters(task: Mapping[str, Any]) -> dict[str, Any]:
     return dict(task["parameters"])
 
 
-def _spent(record: dict[str, Any], seconds: float, task: Mapping[str, Any]) -> dict[str, Any]:
-    """Name a run that was cancelled: by its budget, or by the user, who is obeyed."""
+def _spent(record: dict[str, Any], task: Mapping[str, Any]) -> dict[str, Any]:
+    """Name a run that its budget ended."""
     if record["outcome"] == "cancelled":
-        if seconds < 0.5 * task["budget"]:
-            raise KeyboardInterrupt
         record["outcome"] = BUDGET_SPENT
         record["message"] = (
             f"stopped after {task['budget']:g} s at step {record['steps']} of {task['steps']}; "
@@ -118,15 +116,22 @@ def _long(task: Mapping[str, Any], method: Any, subject: Any) -> dict[str, Any]:
     from ..experiments.longtime import follow, watch
     from ..experiments.measure import Timing
     from ..experiments.parasitic import loss, solution_direction
-    from ..experiments.work_precision import deadline, reference_state, state_error
+    from ..experiments.work_precision import (
+        Deadline,
+        check_interruption,
+        reference_state,
+        state_error,
+    )
 
     u = solution_direction(method)
     parasitic = "parasitic" in task["ask"]
     stop = (lambda part: loss(subject, part, u).time is not None) if parasitic else None
+    deadline = Deadline(task["budget"])
     solution = follow(
         subject, method, h=task["h"], steps=task["steps"], start=task["start"],
-        cancel=deadline(task["budget"]), lost=stop,
+        cancel=deadline, lost=stop,
     )  # fmt: skip
+    check_interruption(solution, deadline)
     record: dict[str, Any] = {
         "method": method.name,
         "problem": subject.name,
@@ -158,7 +163,7 @@ def _long(task: Mapping[str, Any], method: Any, subject: Any) -> dict[str, Any]:
         record["reference"], record["reference_error"] = reference.kind, reference.error
     if parasitic:
         record |= _parasitic(task, method, subject, solution, u)
-    return _spent(record, solution.seconds, task)
+    return _spent(record, task)
 
 
 def _form(method: Any) -> Any:

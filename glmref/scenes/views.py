@@ -89,7 +89,7 @@ def _drift(record: Record, *, form: bool) -> float | None:
     values = [
         one["largest"]
         for one in record.get("drifts") or []
-        if one["quantity"].startswith("G-form") == form and one["largest"] is not None
+        if (one["kind"] == "form") == form and one["largest"] is not None
     ]
     return max(values, default=None)
 

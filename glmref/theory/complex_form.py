@@ -1,4 +1,4 @@
-"""Real and complex form of a method that carries conjugate pairs of values: the gamma transformation.
+"""Real and complex form of a method that carries conjugate pairs: the gamma transformation.
 
 With ``gamma = [[1/2, i/2], [1/2, -i/2]]`` on each pair, (A, U, B, V) becomes
 (A, U gamma, gamma^-1 B, gamma^-1 V gamma) and G becomes gamma^* G gamma.

@@ -90,13 +90,13 @@ def periodicity(
     References: Lambert and Watson, J. Inst. Maths Applics 18 (1976) 189, for multistep methods;
     D'Ambrosio and Hairer, J. Sci. Comput. 60 (2014) 627, for parasitic eigenvalues.
     """
-    q = list(axis_polynomial(m))
-    while q and not q[0]:
-        q = q[1:]
     if isinstance(m, GLM) and m.is_exact and _is_definite(m):
         return Periodicity(
             None, True, Fraction(FARTHEST), "M(iy) is unitary in the definite form G"
         )
+    q = list(axis_polynomial(m))
+    while q and not q[0]:
+        q = q[1:]
     if not conserving:
         mirrored = _mirrored(q)
         if mirrored is False:

@@ -104,10 +104,35 @@ def stability_matrix(m: GLM, z: Scalar | int | Fraction) -> Matrix:
 def stability_polynomial(m: GLM) -> Bivariate:
     """``P(w, z) = det(w I - M(z)) det(I - z A)``: coefficients of 1, w, .., w^r, polynomials in z.
 
-    Few stages: ``P = det(w I - V) det(I - z (A + U (w I - V)^-1 B))`` at r + 1 points w. Many
-    stages: M(z) at s + 1 points z. Interpolation is exact.
+    One-step methods with triangular A: stage by stage, without any division. Else, few stages:
+    ``P = det(w I - V) det(I - z (A + U (w I - V)^-1 B))`` at r + 1 points w; many stages: M(z) at
+    s + 1 points z. Interpolation is exact.
     """
+    if m.r == 1 and m.is_diagonally_implicit:
+        return _stage_by_stage(m)
     return _through_stages(m) if m.s <= max(6, m.r) else _through_values(m)
+
+
+def _stage_by_stage(m: GLM) -> Bivariate:
+    """``w D - N`` of a one-step method: each stage is N_k / D_k, D_k the product of its poles."""
+    factors = [poly.trim((_ONE, -m.A[k][k])) for k in range(m.s)]
+    numerators: list[Polynomial] = []
+    for k in range(m.s + 1):  # the last row is the output, which has no pole of its own
+        weights = m.A[k][:k] if k < m.s else m.B[0]
+        total: Polynomial = ()
+        for x, factor, numerator in zip(weights, factors, numerators, strict=False):
+            # Horner's rule over the stages: what is there gets the pole of the next stage
+            total = poly.mul(total, factor)
+            if x.is_zero() is not True:
+                total = poly.add(total, poly.scale(x, numerator))
+        start: Polynomial = (m.U[k][0] if k < m.s else m.V[0][0],)
+        for factor in factors[:k]:
+            start = poly.mul(start, factor)
+        numerators.append(poly.add(poly.trim(start), poly.mul((_ZERO, _ONE), total)))
+    denominator: Polynomial = (_ONE,)
+    for factor in factors:
+        denominator = poly.mul(denominator, factor)
+    return poly.scale(-1, numerators[-1]), denominator
 
 
 def _through_stages(m: GLM) -> Bivariate:
@@ -179,9 +204,14 @@ def _without_content(m: GLM, P: Bivariate) -> Bivariate:
         return P if len(content) == 1 else _divided(P, content)
     for i in m.implicit_stages:
         a = m.A[i - 1][i - 1]
-        if all(poly.evaluate(p, 1 / a).is_zero() is True for p in P):
+        if all(_vanishes_at_inverse(p, a) for p in P):
             P = _divided(P, (_ONE, -a))
     return P
+
+
+def _vanishes_at_inverse(p: Polynomial, a: Scalar) -> bool:
+    """Whether p(1/a) = 0, without the division."""
+    return poly.evaluate(tuple(reversed(p)), a).is_zero() is True
 
 
 def on_imaginary_axis(P: Bivariate) -> Bivariate:
@@ -192,20 +222,24 @@ def on_imaginary_axis(P: Bivariate) -> Bivariate:
 
 def at_infinity(m: GLM) -> AtInfinity:
     """Limits of the eigenvalues of M(z) as z grows without bound, in any direction."""
-    return _at_infinity(m, stability_polynomial(m))
-
-
-def _at_infinity(m: GLM, P: Bivariate) -> AtInfinity:
-    degree = max(len(p) for p in P)
-    leading = poly.trim([p[degree - 1] if len(p) == degree else _ZERO for p in P])
+    leading, unbounded = _leading_part(stability_polynomial(m))
     try:
         feed = linalg.matmul(m.B, linalg.solve(m.A, m.U))
         matrix: Matrix | None = linalg.sub(m.V, feed)
     except ExactnessError:
         matrix = None
-    unbounded = m.r + 1 - len(leading)
-    nilpotent = unbounded == 0 and all(x.is_zero() is True for x in leading[:-1])
-    return AtInfinity(leading, unbounded, matrix, nilpotent)
+    return AtInfinity(leading, unbounded, matrix, _only_zeros(leading, unbounded))
+
+
+def _leading_part(P: Bivariate) -> tuple[Polynomial, int]:
+    """Coefficient of the highest power of z, a polynomial in w, and how many w are unbounded."""
+    degree = max(len(p) for p in P)
+    leading = poly.trim([p[degree - 1] if len(p) == degree else _ZERO for p in P])
+    return leading, len(P) - len(leading)
+
+
+def _only_zeros(leading: Polynomial, unbounded: int) -> bool:
+    return unbounded == 0 and all(x.is_zero() is True for x in leading[:-1])
 
 
 def a_stability(m: GLM) -> Decision:
@@ -236,16 +270,15 @@ def a_stability(m: GLM) -> Decision:
 
 
 def _quick_refusal(m: GLM, P: Bivariate) -> Decision | None:
-    far = _at_infinity(m, P)
-    if far.unbounded:
+    leading, unbounded = _leading_part(P)
+    if unbounded:
         return Decision(False, "an eigenvalue of M(z) grows without bound as z goes to infinity")
-    if not poly.in_closed_disc(far.polynomial):
-        return Decision(False, _escape(far.polynomial, "as z goes to infinity"))
+    if not poly.in_closed_disc(leading):
+        return Decision(False, _escape(leading, "as z goes to infinity"))
     if m.is_diagonally_implicit:
         for i in m.implicit_stages:
             a = m.A[i - 1][i - 1]
-            moves = any(poly.evaluate(p, 1 / a).is_zero() is not True for p in P)
-            if moves and a.real.sign() < 0:
+            if a.real.sign() < 0 and not all(_vanishes_at_inverse(p, a) for p in P):
                 return Decision(False, f"M(z) has the pole z = {1 / float(a.real):.6g}")
     axis = on_imaginary_axis(P)
     for y in SAMPLES:
@@ -339,8 +372,7 @@ def l_stability(m: GLM) -> Decision:
     """
     if not m.is_exact:
         return Decision(None, "published decimals: L-stability is decided for exact methods only")
-    far = at_infinity(m)
-    if not far.nilpotent:
+    if not _only_zeros(*_leading_part(stability_polynomial(m))):
         return Decision(False, "the eigenvalues of M(z) do not all tend to 0 as z goes to infinity")
     return a_stability(m)
 

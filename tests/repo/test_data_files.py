@@ -22,12 +22,12 @@ FOLDERS = {
     "rk": {"rk", "composition"},
     "lmm": {"lmm", "one-leg"},
     "glm": {"glm", "sweep"},
-    "partitioned": {"splitting", "partitioned-rk", "partitioned"},
+    "partitioned": {"splitting", "partitioned-rk", "partitioned", "pair-sweep"},
 }
 FUNCTIONS = {"sqrt", "root", "exp", "pi", "i"}
 COEFFICIENTS = {
     *("A", "U", "B", "V", "X", "b", "alpha", "beta", "a", "gamma", "A_hat", "b_hat", "q", "p"),
-    *("G", "D", "D_P", "D_Q", "constants", "unknowns"),
+    *("c", "v", "w", "V_hat", "G", "D", "D_P", "D_Q", "constants", "unknowns"),
 }
 
 

@@ -82,6 +82,10 @@ def test_hamiltonian_takes_a_whole_trajectory_in_columns():
     assert p.hamiltonian(trajectory.T) == pytest.approx([-0.5] * 3, abs=5e-15)
 
 
+def test_repr_is_one_line():
+    assert repr(problem("kepler")) == "<Problem kepler, eccentricity=3/5, dimension 4>"
+
+
 def test_values_are_frozen():
     p = problem("pendulum")
     with pytest.raises(AttributeError):

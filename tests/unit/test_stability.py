@@ -75,11 +75,13 @@ def test_stability_polynomial_is_the_determinant_at_any_point(name):
     assert poly.scale(1 / at_z[-1], at_z) == characteristic
 
 
-def test_both_ways_to_the_stability_polynomial_agree():
-    from glmref.theory.stability import _through_stages, _through_values
+def test_all_ways_to_the_stability_polynomial_agree():
+    from glmref.theory.stability import _stage_by_stage, _through_stages, _through_values
 
     m = glmref.load("s4-symmetric")
     assert _through_stages(m) == _through_values(m)
+    m = composition(sdirk("(3+sqrt(3))/6"), ["1/3", "2/5"])
+    assert _through_stages(m) == _through_values(m) == _stage_by_stage(m)
 
 
 @pytest.mark.parametrize("s", range(1, 6))

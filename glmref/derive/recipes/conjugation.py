@@ -75,7 +75,8 @@ ROUGH: Mapping[str, Rough] = {
                 "0.2671263770832644",
                 "0.0004780592168402113",
             ],
-            "the four-parameter family with gamma antisymmetric, at alpha1 = -0.104, beta1 = 1.372, beta2 = 0.87, beta3 = -0.493",
+            "four-parameter family, gamma antisymmetric, at alpha1 = -0.104, beta1 = 1.372, "
+            "beta2 = 0.87, beta3 = -0.493",
         ),
         _family(
             Ansatz(
@@ -97,7 +98,8 @@ ROUGH: Mapping[str, Rough] = {
                 "0.2032578208136973",
                 "-0.004433354764813192",
             ],
-            "three-parameter family with stages 1, 3 and 5 explicit, at alpha2 = -0.039, beta1 = -0.24, gamma1 = 0.609",
+            "three-parameter family with stages 1, 3 and 5 explicit, at alpha2 = -0.039, "
+            "beta1 = -0.24, gamma1 = 0.609",
         ),
         _family(
             Ansatz(
@@ -119,7 +121,8 @@ ROUGH: Mapping[str, Rough] = {
                 "-0.1536361458943255",
                 "0.00268268886209347",
             ],
-            "three-parameter family with only stage 3 implicit, at b3 = 2.554, beta1 = -0.739, gamma1 = -0.692",
+            "three-parameter family with only stage 3 implicit, at b3 = 2.554, "
+            "beta1 = -0.739, gamma1 = -0.692",
         ),
         _family(
             Ansatz(
@@ -141,7 +144,8 @@ ROUGH: Mapping[str, Rough] = {
                 "0.7602539466171926",
                 "0.001909418686861397",
             ],
-            "three-parameter family with only stage 3 implicit, at b3 = 0.786, beta1 = 0.484, beta2 = 0.811",
+            "three-parameter family with only stage 3 implicit, at b3 = 0.786, "
+            "beta1 = 0.484, beta2 = 0.811",
         ),
         _family(
             Ansatz(

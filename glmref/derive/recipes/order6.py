@@ -225,7 +225,8 @@ def _source(c2: Fraction, z_text: str) -> dict[str, Any]:
         where = "section 3.4, in the real form (3.7), with c2 = 1/3"
         return thesis_source(where, "corrected", _ERRATA)
     return derived_source(
-        f"the construction of Khan (2018), section 3.4, with c2 = {c2}, its equations solved exactly"
+        f"the construction of Khan (2018), section 3.4, with c2 = {c2}, its equations solved "
+        "exactly"
     )
 
 

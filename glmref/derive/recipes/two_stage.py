@@ -38,8 +38,8 @@ __all__ = ["OPTIONS", "condition", "derive"]
 
 OPTIONS: Mapping[str, str] = {}
 
-#: At least the degree of R([oo]) in each of b1, x1, x2: eta(o) has degree 1 in b1 and 2 in each x; it
-#: is squared and multiplied by a weight, and zeta_1([o]) has no higher degree.
+#: At least the degree of R([oo]) in each of b1, x1, x2: eta(o) has degree 1 in b1 and 2 in each x;
+#: it is squared and multiplied by a weight, and zeta_1([o]) has no higher degree.
 DEGREE = 5
 _V = linalg.diagonal([Exact(1), Exact(-1)])
 

@@ -32,13 +32,14 @@ SOLUTIONS: Mapping[str, tuple[str, str, str]] = {
     "C": ("1.44778256239930", "-2.14403531630539", "0.00152886228424922"),
 }
 _SOURCE: Mapping[str, Any] = {
-    "citation": "Yoshida, H., Construction of higher order symplectic integrators, Physics Letters "
-    "A 150 (1990), 262-268",
+    "citation": "Yoshida, H., Construction of higher order symplectic integrators, Physics "
+    "Letters A 150 (1990), 262-268",
     "doi": "10.1016/0375-9601(90)90092-3",
     "status": "regenerated",
-    "bibtex": "@article{yoshida1990,\n  author = {Yoshida, H.},\n  title = {{Construction of higher "
-    "order symplectic integrators}},\n  journal = {Physics Letters A},\n  volume = {150},\n  "
-    "pages = {262--268},\n  year = {1990},\n  doi = {10.1016/0375-9601(90)90092-3},\n}",
+    "bibtex": "@article{yoshida1990,\n  author = {Yoshida, H.},\n  title = {{Construction of "
+    "higher order symplectic integrators}},\n  journal = {Physics Letters A},\n  "
+    "volume = {150},\n  pages = {262--268},\n  year = {1990},\n  "
+    "doi = {10.1016/0375-9601(90)90092-3},\n}",
 }
 
 

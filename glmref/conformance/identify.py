@@ -1,0 +1,307 @@
+"""Name what was read: the method of the catalogue it equals, closed forms, the analysis.
+
+Public names::
+
+    identify(subject, method=None) -> list[Probe]      read and name the methods of an adapter
+    matches(reading) -> list[Match]                    methods of the catalogue with its numbers
+    as_method(reading) -> (method, recognised)         exact where every number has a closed form
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+from math import isqrt, sqrt
+from typing import Any
+
+import numpy as np
+
+from ..catalogue import load, names
+from ..claims import DataError, ExactnessError, UsageError
+from ..exact import Ball
+from ..expression import parse
+from ..method import GLM, PartitionedGLM
+from .adapter import Subject
+from .probe import Reading, _needed, read
+
+__all__ = ["FORMAT", "Match", "Probe", "as_method", "identify", "matches"]
+
+FORMAT = "glmref-probe-1"
+
+#: Two methods are the same when their coefficients, in one order of the stages, differ by less.
+SAME = 1e-10
+#: Digits after the point that a number read from doubles is given where it has no closed form.
+DIGITS = 13
+_DENOMINATOR, _ROOTS = 20_000, (2, 3, 5, 6, 7, 10, 15, 21, 30, 35)
+
+
+@dataclass(frozen=True)
+class Match:
+    """A method of the catalogue with the coefficients that were read.
+
+    Attributes
+    ----------
+        name: its name. difference: largest difference of A and of U V^k B, k < r.
+        same_basis: whether U, B and V agree as well, without a change of values.
+    """
+
+    name: str
+    difference: float
+    same_basis: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Probe:
+    """Everything that is known of one integrator.
+
+    Attributes
+    ----------
+        method: what the adapter calls it.
+        reading: the coefficients, or ``None`` where they could not be read.
+        matches: methods of the catalogue it equals, nearest first.
+        recognised: whether every coefficient has a short closed form; then ``analysis`` is exact
+            for these forms.
+        analysis: the record of :func:`glmref.analyze`, or ``None``.
+        notes: what could not be seen, and why.
+    """
+
+    method: str
+    reading: Reading | None
+    matches: tuple[Match, ...] = ()
+    recognised: bool = False
+    analysis: Any = None
+    notes: tuple[str, ...] = ()
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the record as JSON-ready values."""
+        row: dict[str, Any] = {"method": self.method, "read": self.reading is not None}
+        if self.reading is not None:
+            for letter in "AUBV":
+                row[letter] = getattr(self.reading, letter).tolist()
+            if self.reading.hat is not None:
+                hats = zip("AUBV", self.reading.hat, strict=True)
+                row |= {f"{letter}_hat": matrix.tolist() for letter, matrix in hats}
+            c = self.reading.c
+            row |= {
+                "c": None if c is None else c.tolist(),
+                "evaluations": self.reading.evaluations,
+                "unexplained": self.reading.unexplained,
+            }
+        row["matches"] = [
+            {"name": m.name, "difference": m.difference, "same_basis": m.same_basis}
+            for m in self.matches
+        ]
+        row["recognised"] = self.recognised
+        row["analysis"] = None if self.analysis is None else self.analysis.as_json()
+        row["notes"] = list(self.notes)
+        return row
+
+
+def identify(subject: Subject, method: str | None = None) -> list[Probe]:
+    """Read the methods of an adapter and say what they are.
+
+    Args:
+        method: one of its methods; all by default.
+
+    Raises
+    ------
+        UsageError: when the adapter has no such method.
+    """
+    if method is not None and method not in subject.methods:
+        raise UsageError(f"{subject.name} has no method {method!r}, only {', '.join(subject.methods)}")
+    return [_identify(subject, name) for name in ([method] if method else subject.methods)]
+
+
+def values_carried(subject: Subject, method: str) -> int:
+    """Number of values r: that of the data file, or what the adapter says, or one."""
+    claims = subject.methods[method]
+    if claims:
+        return int(claims.get("values", 1))
+    known = load(method)
+    return max(known.r, known.r_hat) if isinstance(known, PartitionedGLM) else known.r
+
+
+def _identify(subject: Subject, name: str) -> Probe:
+    try:
+        reading = read(subject, name, values_carried(subject, name))
+    except UsageError as error:
+        return Probe(name, None, notes=(str(error),))
+    found = tuple(matches(reading))
+    notes = list(reading.notes)
+    if found:
+        return Probe(
+            name, reading, found, True, _analysis(load(found[0].name), notes), tuple(notes)
+        )
+    method, recognised = as_method(reading, name)
+    analysis = _analysis(method, notes)
+    return Probe(name, reading, (), recognised, analysis, tuple(notes))
+
+
+def _analysis(method: GLM | PartitionedGLM, notes: list[str]) -> Any:
+    from ..analysis import analyze
+
+    try:
+        return analyze(method)
+    except (ExactnessError, DataError) as error:
+        notes.append(f"the coefficients could not be analyzed: {error}")
+        return None
+
+
+# --- closed forms -------------------------------------------------------------------------------
+
+
+def recognised(x: float) -> str | None:
+    """Closed form of a number: a fraction, or p + q sqrt(n) with small p and q.
+
+    A double near 1 leaves 1e-16; the forms tried number some 1e9, so that a chance hit within the
+    4e-16 allowed happens once in a million numbers. It is a guess and is called so.
+    """
+    near = Fraction(x).limit_denominator(_DENOMINATOR)
+    if abs(float(near) - x) <= 4e-16 * max(1.0, abs(x)):
+        return str(near)
+    for n in _ROOTS:
+        root = sqrt(n)
+        for denominator in (*range(1, 13), 15, 18, 20, 24, 30, 36, 48, 60):
+            for numerator in range(-12, 13):
+                rest = x - numerator / denominator * root
+                p = Fraction(rest).limit_denominator(60)
+                if numerator and abs(float(p) - rest) <= 4e-16 * max(1.0, abs(x)):
+                    return _surd(p, Fraction(numerator, denominator), n)
+    return None
+
+
+def _surd(p: Fraction, q: Fraction, n: int) -> str:
+    assert isqrt(n) ** 2 != n
+    term = f"{'-' if q < 0 else '+'}{abs(q)}*sqrt({n})"
+    return term.lstrip("+") if p == 0 else f"{p}{term}"
+
+
+def as_method(reading: Reading, name: str = "read") -> tuple[GLM | PartitionedGLM, bool]:
+    """Make a method of what was read.
+
+    Numbers with a closed form become exact, the others balls of :data:`DIGITS` digits.
+
+    Returns
+    -------
+        The method, and whether every number has a closed form.
+    """
+    complete = True
+
+    def entry(x: float) -> Any:
+        nonlocal complete
+        text = recognised(float(x))
+        if text is not None:
+            return parse(text)
+        complete = False
+        return Ball.decimal(f"{x:.20f}", DIGITS)
+
+    def matrix(values: np.ndarray) -> Any:
+        return tuple(tuple(entry(x) for x in row) for row in values)
+
+    blocks = {letter: matrix(getattr(reading, letter)) for letter in "AUBV"}
+    if reading.hat is None:
+        return GLM(**blocks, name=name), complete
+    hats = zip("AUBV", reading.hat, strict=True)
+    blocks |= {f"{letter}_hat": matrix(values) for letter, values in hats}
+    return PartitionedGLM(**blocks, name=name, separable=True), complete
+
+
+# --- the catalogue ------------------------------------------------------------------------------
+
+
+def matches(reading: Reading) -> list[Match]:
+    """Methods of the catalogue that are this one up to the order of stages and a change of values.
+
+    A change of values ``T y`` leaves A and ``U V^k B`` alone; both are compared to :data:`SAME`.
+    Stages on which nothing depends are not compared: they cannot be seen.
+    """
+    found = []
+    for name in names("methods"):
+        other = _arrays(name)
+        if other is None or (len(other) == 8) != (reading.hat is not None):
+            continue
+        match = _match_pair(reading, name, other) if len(other) == 8 else _match(reading, name, other)
+        if match is not None:
+            found.append(match)
+    return sorted(found, key=lambda m: (not m.same_basis, m.difference, m.name))
+
+
+@cache
+def _arrays(name: str) -> tuple[np.ndarray, ...] | None:
+    """Coefficients of a method as doubles, without stages on which nothing depends."""
+    method = load(name)
+
+    def doubles(matrix: Any) -> np.ndarray:
+        return np.array([[complex(x) for x in row] for row in matrix])
+
+    if isinstance(method, PartitionedGLM):
+        blocks = [doubles(getattr(method, x + y)) for y in ("", "_hat") for x in "AUBV"]
+        return tuple(x.real for x in blocks)
+    A, U, B, V = (doubles(getattr(method, x)) for x in "AUBV")
+    if any(np.abs(x.imag).max() > 0 for x in (A, U, B, V)):
+        return None
+    A, U, B, V = A.real, U.real, B.real, V.real
+    kept = _needed(A, B)
+    return A[np.ix_(kept, kept)], U[kept], B[:, kept], V
+
+
+def _markov(U: np.ndarray, V: np.ndarray, B: np.ndarray, count: int) -> list[np.ndarray]:
+    result, left = [], U
+    for _ in range(count):
+        result.append(left @ B)
+        left = left @ V
+    return result
+
+
+def _match(reading: Reading, name: str, other: Sequence[np.ndarray]) -> Match | None:
+    A, U, B, V = other
+    if A.shape != reading.A.shape or V.shape != reading.V.shape:
+        return None
+    r = len(V)
+    mine = [reading.A, *_markov(reading.U, reading.V, reading.B, r + 1)]
+    theirs = [A, *_markov(U, V, B, r + 1)]
+    for order in _orders(mine, theirs):
+        gap = max(
+            np.abs(x - y[np.ix_(order, order)]).max(initial=0.0)
+            for x, y in zip(mine, theirs, strict=True)
+        )
+        if gap < SAME:
+            parts = ((reading.U, U[order]), (reading.B, B[:, order]), (reading.V, V))
+            same = all(np.abs(x - y).max(initial=0.0) < SAME for x, y in parts)
+            return Match(name, float(gap), same)
+    return None
+
+
+def _orders(
+    mine: Sequence[np.ndarray], theirs: Sequence[np.ndarray]
+) -> Iterator[list[int]]:
+    """Orders of the other method's stages to try: the one given, then that of equal row sums."""
+    size = len(mine[0])
+    yield list(range(size))
+    left, right = _signatures(mine), _signatures(theirs)
+    order: list[int] = []
+    for row in left:
+        free = [j for j in range(size) if j not in order]
+        order.append(min(free, key=lambda j: float(np.abs(row - right[j]).max())))
+    yield order
+
+
+def _signatures(matrices: Sequence[np.ndarray]) -> np.ndarray:
+    """Numbers of each stage that do not depend on the order of the others."""
+    ones = np.ones(len(matrices[0]))
+    columns = [np.diag(x) for x in matrices]
+    columns += [x @ ones for x in matrices]
+    columns += [x @ (x @ ones) for x in matrices]
+    columns += [ones @ x for x in matrices]
+    return np.stack(columns, axis=1)
+
+
+def _match_pair(reading: Reading, name: str, other: Sequence[np.ndarray]) -> Match | None:
+    assert reading.hat is not None
+    mine = (reading.A, reading.U, reading.B, reading.V, *reading.hat)
+    if any(x.shape != y.shape for x, y in zip(mine, other, strict=True)):
+        return None
+    gap = max(np.abs(x - y).max(initial=0.0) for x, y in zip(mine, other, strict=True))
+    return Match(name, float(gap), True) if gap < SAME else None

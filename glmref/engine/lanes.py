@@ -1,0 +1,266 @@
+"""Generated source for ensembles: a block of lanes, one trajectory each, stepped side by side.
+
+Every statement stands inside ``for l in range(lanes)`` over contiguous rows of the work array, so
+that the compiler turns the loop into SIMD instructions. The lanes of a block iterate until all of
+them are settled; a lane that is settled keeps its values, so that each trajectory has the bits it
+would have alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+from ..claims import UsageError
+from .codegen import Builder, Options
+from .emit import LaneTarget, Writer
+from .pairs import PairBuilder, PairForm
+from .shape import Shape
+from .stages import NOISE, ROUND_OFF, ROUNDS, STALLS
+from .sweep import StepForm
+
+__all__ = ["LANE_SIGNATURE", "LaneSource", "lane_source"]
+
+LANE_ARGUMENTS = "x, par, t0, h, first, last, lanes"
+LANE_SIGNATURE = "void(float64[::1], float64[::1], float64, float64, int64, int64, int64)"
+
+
+class LaneSource:
+    """A generated kernel for a block of lanes.
+
+    Attributes
+    ----------
+        text: module source; defines ``kernel``.
+        rows: name -> first row of the work array (of ``width`` entries each).
+        work_size: length of the work array.
+        width: lanes in a block.
+    """
+
+    def __init__(self, text: str, target: LaneTarget) -> None:
+        self.text, self.width = text, target.width
+        self.work_size = target.work_size
+        self.rows = {name: place // target.width for name, place in target.places.items()}
+
+
+def lane_source(
+    form: StepForm | PairForm, shape: Shape, options: Options, width: int
+) -> LaneSource:
+    """Generate the module for blocks of ``width`` lanes.
+
+    Raises
+    ------
+        UsageError: for a right-hand side that is not given as expressions.
+    """
+    if shape.loops:
+        raise UsageError("lanes need a right-hand side given as expressions")
+    writer = Writer()
+    target = LaneTarget(shape, writer, width)
+    kind: Any = _LanePairBuilder if isinstance(form, PairForm) else _LaneBuilder
+    kind(form, shape, options, target).kernel()
+    head = "from math import atan2, cos, exp, log, sin, sqrt, tan\n\n"
+    return LaneSource(f'"""Generated kernel: {width} lanes."""\n\n{head}{writer.text}', target)
+
+
+class _LaneKernel(Builder):
+    """The control flow of a block of lanes around the statements of a step."""
+
+    t: LaneTarget
+    inside = False
+
+    def _open(self) -> None:
+        """From here on statements are in the loop over lanes."""
+        if not self.inside:
+            self.w("for l in range(lanes):")
+            self.w.depth += 1
+            self.inside = True
+
+    def _close(self) -> None:
+        if self.inside:
+            self.w.depth -= 1
+            self.inside = False
+
+    @contextmanager
+    def _lanes(self) -> Iterator[None]:
+        self._open()
+        yield
+        self._close()
+
+    def kernel(self) -> None:
+        """Write the function ``kernel``."""
+        w = self.w
+        # the head of the work array: values, errors, predictor, then one status per lane
+        for name in self._state():
+            self.t.reserve(name, self.t.d * self.t.width)
+        for name in ("status", "rounds", "done"):
+            self.t.lane(name)
+        w("", "@compiled_with_signature")
+        with w.block(f"def kernel({LANE_ARGUMENTS}):"):
+            self.t.parameters()
+            self._scaled_weights()
+            w("n = first")
+            with w.block("while n < last:"):
+                if self.shape.uses_time:
+                    w("start = t0 + n*h")
+                self._open()
+                self._begin()
+                self._blocks()
+                self._commit()
+                self._close()
+                w("n += 1")
+
+    def _count(self, stages: int, rounds: str = "", extra: int = 0) -> None:
+        """Rounds are counted per lane in the loop itself; explicit stages are known."""
+
+    def _finite(self, total: str) -> None:
+        status, done = self.t.lane("status"), self.t.lane("done")
+        # both sides of a choice are loaded first, so that it becomes a select, not a branch
+        self.w(
+            f"before = {status}",
+            f"good = (before == 0.0) & (abs({total}) < 1e300)",
+            "after = 2.0 if (before == 0.0) & (not good) else before",
+            f"{status} = after",
+            f"{done} = {done} + (1.0 if good else 0.0)",
+        )
+
+    def _accept(self, part: tuple[int, int], rows: int) -> None:
+        pairs = [(f"@y{k}", f"@w{k}") for k in range(rows)]
+        if self.options.compensated:
+            pairs += [(f"@e{k}", f"@u{k}") for k in range(rows)]
+        self._choose(pairs, "good", part)
+
+    def _choose(
+        self, pairs: Sequence[tuple[str, str]], condition: str, part: tuple[int, int]
+    ) -> None:
+        """old = new where the condition holds, as a select."""
+        for old, new in pairs:
+            lines = [f"kept = {old}", f"taken = {new}"]
+            self.t.vec([*lines, f"{old} = taken if {condition} else kept"], part)
+
+    # --- rounds of a stage solver ---------------------------------------------------------------
+
+    def _start_rounds(self) -> None:
+        """Per lane: whether it still moves, its last change, its stalls, its bounds."""
+        lane = self.t.lane
+        self.w(
+            f"{lane('size')} = size",
+            f"{lane('nothing')} = nothing",
+            f"{lane('last')} = 1e300",
+            f"{lane('stalls')} = 0.0",
+            f"{lane('active')} = 1.0 if {lane('status')} == 0.0 else 0.0",
+            f"{lane('rounds')} = {lane('rounds')} + {lane('active')}",
+        )
+
+    def _judge_lanes(self, stages: Sequence[int]) -> None:
+        """The change of each lane, and whether it goes on; see StageWriter._compare."""
+        w, lane = self.w, self.t.lane
+        template = " + ".join(f"abs(@N{i} - @Y{i})" for i in stages)
+        self.t.total("change", template if len(stages) == 1 else f"({template})", self.watched)
+        size, stalls, status = lane("size"), lane("stalls"), lane("status")
+        active = lane("active")
+        w(
+            f"before = {status}",
+            f"moving = ({lane('nothing')} < change) & (change < {lane('last')})",
+            f"settled = change <= {ROUND_OFF!r}*{size}",
+            f"stalled = {stalls} + (0.0 if moving else 1.0)",
+            f"lost = (not moving) & (not settled) & "
+            f"((stalled > {float(STALLS)!r}) | (not (change < 1e300)))",
+            f"bad = ({active} != 0.0) & lost & (not (change <= {NOISE!r}*{size}))",
+            f"{status} = failure if bad else before",
+            f"go = ({active} != 0.0) & (moving | ((not settled) & (not lost)))",
+            f"{stalls} = stalled",
+            f"{lane('last')} = change",
+            f"{active} = 1.0 if go else 0.0",
+            f"{lane('rounds')} = {lane('rounds')} + {active}",
+            "alive += 1 if go else 0",
+        )
+
+    def _loop_head(self) -> None:
+        self.w("alive = 0", "round_number += 1", "failure = 1.0 if round_number > 1 else 2.0")
+
+    def _loop_exit(self) -> None:
+        w = self.w
+        with w.block("if alive == 0:"):
+            w("break")
+        with w.block(f"if round_number > {ROUNDS}:"):
+            status, active = self.t.lane("status"), self.t.lane("active")
+            with w.block("for l in range(lanes):"):
+                w(f"{status} = 1.0 if {active} != 0.0 else {status}")
+            w("break")
+
+
+class _LaneBuilder(_LaneKernel):
+    """Lanes of one method."""
+
+    def _declare(self) -> None:
+        """Nothing to declare: everything lives in the work array."""
+
+    @property
+    def inline_newton(self) -> bool:
+        return self.options.solver == "newton"
+
+    def _round_before(self, stages: Sequence[int], bases: dict, name: str) -> None:
+        """The parts before the counted one, and the counted one's stage values in ``name``."""
+        for part in self.shape.parts:
+            here = (part.source, part.source_stop)
+            if part is self.shape.counted:
+                self._stage_values(stages, bases, here, name)
+            else:
+                self._stage_values(stages, bases, here)
+                self._evaluate(part, stages)
+                outer = (part.start, part.stop)
+                self.t.vec([f"@L{i} = hw{i}*@F{i}" for i in stages], outer)
+
+    def _solve(self, stages: tuple[int, ...], bases: dict) -> None:
+        w, lane = self.w, self.t.lane
+        newton = self.options.solver == "newton"
+        self._sizes(stages, [bases[i][0] for i in stages])
+        self._start_rounds()
+        self._round_before(stages, bases, "Y")
+        if newton:
+            self._inline_matrix(stages[0])
+            w(*(f"{lane(name)} = {name}" for name in self._newton_names()))
+        self._evaluate(self.shape.counted, stages)
+        self._update_lanes(stages, masked=False)
+        self._close()
+        w("round_number = 0")
+        with w.block("while True:"):
+            self._loop_head()
+            with self._lanes():
+                # q parts of L are formed again from the settled p parts: nothing to mask
+                self._round_before(stages, bases, "N")
+                self._judge_lanes(stages)
+            self._loop_exit()
+            with self._lanes():
+                w(f"go = {lane('active')} != 0.0")
+                self._choose([(f"@Y{i}", f"@N{i}") for i in stages], "go", self.watched)
+                if newton:
+                    w(*(f"{name} = {lane(name)}" for name in self._newton_names()))
+                self._evaluate(self.shape.counted, stages)
+                self._update_lanes(stages, masked=True)
+        self._open()
+
+    def _update_lanes(self, stages: Sequence[int], *, masked: bool) -> None:
+        if self.options.solver == "newton":
+            text = "new if go else known" if masked else "new"
+            self._newton_increments(stages[0], [text] * self.unknowns)
+        elif masked:
+            self._choose([(f"@L{i}", f"hw{i}*@F{i}") for i in stages], "go", self.inner)
+        else:
+            self.t.vec([f"@L{i} = hw{i}*@F{i}" for i in stages], self.inner)
+
+
+class _LanePairBuilder(_LaneKernel, PairBuilder):
+    """Lanes of an explicit pair."""
+
+    def _declare(self) -> None:
+        """Nothing to declare: everything lives in the work array."""
+
+    def _evaluations_of_explicit_stages(self) -> None:
+        """Known from the form."""
+
+    def _begin(self) -> None:
+        if self.form.implicit_stages:
+            raise UsageError("lanes need a pair whose stages are explicit")
+        PairBuilder._begin(self)
+

@@ -1,0 +1,19 @@
+"""Exact numbers: a thin wrapper over python-flint; the only package that imports it.
+
+Two number types share one set of operations, so that the theory is written once:
+
+* :class:`Exact`, an algebraic number (real or complex). Zero is decidable; there is no tolerance.
+* :class:`Ball`, a complex interval of :data:`BALL_BITS` bits, for published decimals and for
+  enclosures. ``is_zero`` is ``False`` when zero is excluded and ``None`` when it is not.
+
+Mixing the two gives a ball. A Python int or Fraction mixes with both; a float never does.
+Reading and writing the text form is the business of :mod:`glmref.expression`.
+"""
+
+from .ball import Ball, ball
+from .field import BALL_BITS
+from .number import Exact, exact, root_of_unity
+
+__all__ = ["BALL_BITS", "Ball", "Exact", "Scalar", "ball", "exact", "root_of_unity"]
+
+Scalar = Exact | Ball

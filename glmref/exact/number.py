@@ -1,0 +1,279 @@
+"""Algebraic numbers with decidable zero."""
+
+from __future__ import annotations
+
+import operator
+import re
+from fractions import Fraction
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import flint
+
+from ..claims import ExactnessError
+from .field import (
+    BALL_BITS,
+    FIELD,
+    MAX_BITS,
+    MINIMAL,
+    RATIONAL_TEXT,
+    TERM,
+    Arithmetic,
+    as_fmpq,
+    enclose,
+)
+
+if TYPE_CHECKING:
+    from .ball import Ball
+
+__all__ = ["Exact", "exact", "root_of_unity"]
+
+
+class Exact(Arithmetic):
+    """An algebraic number with decidable zero.
+
+    Args:
+        value: an int, a Fraction, or (internally) an element of flint's algebraic field.
+
+    Raises
+    ------
+        ExactnessError: for a float or any other type whose value is not exact.
+    """
+
+    __slots__ = ("_gr", "_q")
+    _q: flint.fmpq | None
+    _gr: Any
+
+    def __init__(self, value: int | Fraction | flint.fmpq | Exact = 0) -> None:
+        if isinstance(value, Exact):
+            self._q, self._gr = value._q, value._gr
+        elif isinstance(value, bool) or not isinstance(value, int | Fraction | flint.fmpq):
+            raise ExactnessError(
+                f"an exact number must be an integer, a Fraction or an expression string, "
+                f"got {value!r} of type {type(value).__name__}"
+            )
+        else:
+            self._q = as_fmpq(value)
+            self._gr = None
+
+    @classmethod
+    def _wrap(cls, element: Any) -> Exact:
+        """Wrap a field element; whether it is rational is found only when asked: `_settle`."""
+        self = cls.__new__(cls)
+        self._q, self._gr = None, element
+        return self
+
+    def _settle(self) -> None:
+        """Notice a rational value. It costs a printing, ten operations: never in arithmetic."""
+        if self._q is None:
+            match = RATIONAL_TEXT.search(repr(self._gr))
+            if match is not None:
+                numerator, _, denominator = (match[1] or match[2]).partition("/")
+                self._q = flint.fmpq(int(numerator), int(denominator or 1))
+
+    @property
+    def _element(self) -> Any:
+        if self._gr is None:
+            self._gr = FIELD(self._q)
+        return self._gr
+
+    def _binary(self, other: object, operation: Any) -> Any:
+        if not isinstance(other, Exact):
+            if isinstance(other, bool) or not isinstance(other, int | Fraction):
+                return NotImplemented
+            other = Exact(other)
+        if self._q is not None and other._q is not None:
+            result = Exact.__new__(Exact)
+            result._q, result._gr = operation(self._q, other._q), None
+            return result
+        try:
+            return Exact._wrap(operation(self._element, other._element))
+        except AssertionError:  # flint's way to say that there is no quotient
+            raise ZeroDivisionError("division by an exact zero") from None
+
+    def __truediv__(self, other: object) -> Any:
+        if isinstance(other, Exact) and other._q is None:
+            return self * other._reciprocal()
+        return self._binary(other, operator.truediv)
+
+    def __rtruediv__(self, other: object) -> Any:
+        if isinstance(other, int | Fraction) and not isinstance(other, bool):
+            return Exact(other) * self._reciprocal()
+        return NotImplemented
+
+    def _reciprocal(self) -> Exact:
+        """1/x as a polynomial in the roots, never a fraction of two.
+
+        flint does not clear roots from denominators of fields with several of them; such fractions
+        grow until zero cannot be decided. From the minimal polynomial p of x,
+        ``1/x = -(p(x) - p(0)) / (x p(0))``.
+
+        Raises
+        ------
+            ZeroDivisionError: for zero.
+        """
+        plain = Exact(1)._binary(self, operator.truediv)
+        if not re.search("[a-z]", repr(plain._element).partition(" where ")[0].partition("/")[2]):
+            return plain
+        try:
+            text = repr(MINIMAL(self._element)).partition(" of ")[2]
+        except AssertionError:  # the degree is beyond what flint converts
+            return plain
+        coefficients: dict[int, int] = {}
+        for term in TERM.finditer(text):
+            if term[0]:
+                degree = int(term["n"] or 1) if term["a"] else 0
+                coefficients[degree] = int(term["sign"] + (term["c"] or "1"))
+        if 0 not in coefficients:  # a printed form that is not understood
+            return plain
+        value = Exact(0)
+        for degree in range(max(coefficients), 0, -1):
+            value = value * self + coefficients.get(degree, 0)
+        return value * Fraction(-1, coefficients[0])
+
+    def is_zero(self) -> bool:
+        """Decide whether this number is zero, exactly.
+
+        Raises
+        ------
+            ExactnessError: when flint cannot decide (never seen for the degrees met here).
+        """
+        if self._q is not None:
+            return self._q == 0
+        answer = self._gr.is_zero()
+        if answer is None:
+            raise ExactnessError(f"flint could not decide whether {self!r} is zero")
+        return bool(answer)
+
+    def __eq__(self, other: object) -> bool:
+        if isinstance(other, Exact | int | Fraction) and not isinstance(other, bool):
+            return (self - other).is_zero()
+        return NotImplemented
+
+    __hash__ = None  # type: ignore[assignment]  # equal numbers may have unequal representations
+
+    def __bool__(self) -> bool:
+        return not self.is_zero()
+
+    @property
+    def real(self) -> Exact:
+        """Real part."""
+        if self._q is not None:
+            return self
+        # flint's own Re() is a new generator of the field, on which zero may stay undecided
+        element = self._element
+        return Exact._wrap((element + element.conjugate()) / 2)
+
+    @property
+    def imag(self) -> Exact:
+        """Imaginary part."""
+        if self._q is not None:
+            return Exact(0)
+        element = self._element
+        return Exact._wrap((element - element.conjugate()) / (2 * FIELD(-1).sqrt()))
+
+    def conjugate(self) -> Exact:
+        """Complex conjugate."""
+        return self if self._q is not None else Exact._wrap(self._element.conjugate())
+
+    def is_real(self) -> bool:
+        """Decide whether the imaginary part is zero."""
+        return self._q is not None or self.imag.is_zero()
+
+    def sqrt(self) -> Exact:
+        """Principal square root."""
+        return Exact._wrap(self._element.sqrt())
+
+    def root(self, degree: int) -> Exact:
+        """Positive root of a positive number."""
+        return Exact._wrap(self._element ** flint.fmpq(1, degree))
+
+    def as_fraction(self) -> Fraction | None:
+        """Return the value as a Fraction, or ``None`` when it is irrational."""
+        self._settle()
+        if self._q is None:
+            return None
+        return Fraction(int(self._q.p), int(self._q.q))
+
+    def sign(self) -> int:
+        """Return -1, 0 or 1.
+
+        Raises
+        ------
+            ExactnessError: for a number that is not real.
+        """
+        if self.is_zero():
+            return 0
+        if not self.is_real():
+            raise ExactnessError(f"only a real number has a sign, got {self!r}")
+        bits = 64
+        while bits <= MAX_BITS:
+            part = enclose(self._element, bits).real
+            if part > 0:
+                return 1
+            if part < 0:
+                return -1
+            bits *= 2
+        raise ExactnessError(f"the sign of {self!r} needs more than {MAX_BITS} bits")
+
+    def ball(self, bits: int = BALL_BITS) -> Ball:
+        """Return a ball that contains this number, of relative width about ``2**-bits``."""
+        from .ball import Ball  # the two types know each other
+
+        if self._q is not None and bits == BALL_BITS:
+            return Ball._wrap(flint.acb(self._q))
+        enclosed = enclose(self._element, bits)
+        if not enclosed.imag.is_zero() and self.is_real():  # a real number written with roots of unity
+            enclosed = flint.acb(enclosed.real)
+        return Ball._wrap(enclosed)
+
+    def to_mpf(self) -> Any:
+        """Return the mpmath number nearest in its current working precision."""
+        return self.ball().to_mpf()
+
+    def __complex__(self) -> complex:
+        return complex(self.ball())
+
+    def __float__(self) -> float:
+        if not self.is_real():
+            raise ExactnessError(f"a complex number has no float value: {self!r}")
+        return float(self.ball())
+
+    def magnitude(self) -> float:
+        """Absolute value as a float, for residuals and reports."""
+        return abs(complex(self))
+
+    def description(self) -> str:
+        """Return flint's own text: a value and the field it lives in."""
+        return repr(self._element)
+
+    def __repr__(self) -> str:
+        return f"Exact({self._q})" if self._q is not None else f"Exact<{self.description()}>"
+
+
+def exact(value: int | Fraction | Exact) -> Exact:
+    """Turn an int or a Fraction into an :class:`Exact`; pass an Exact through."""
+    return value if isinstance(value, Exact) else Exact(value)
+
+
+@lru_cache(maxsize=256)
+def root_of_unity(numerator: int, denominator: int) -> Exact:
+    """Return exp(2 pi i numerator / denominator).
+
+    Denominators 1, 2, 3, 4, 6, 8 and 12 come in square roots, so that they share a field with the
+    tableaux they are used with; others as a power of -1.
+    """
+    turn = Fraction(numerator, denominator) % 1
+    half, i = Exact(Fraction(1, 2)), Exact(-1).sqrt()
+    first = {
+        1: Exact(1),
+        2: Exact(-1),
+        3: (i * Exact(3).sqrt() - 1) * half,
+        4: i,
+        6: (i * Exact(3).sqrt() + 1) * half,
+        8: (i + 1) * Exact(2).sqrt() * half,
+        12: (i + Exact(3).sqrt()) * half,
+    }.get(turn.denominator)
+    if first is not None:
+        return first**turn.numerator
+    return Exact._wrap(FIELD(-1) ** flint.fmpq(2 * turn.numerator, turn.denominator))

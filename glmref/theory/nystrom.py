@@ -1,0 +1,105 @@
+"""Order of a pair on second-order systems q' = M^-1 p, p' = k(q): fewer trees count.
+
+Where f is linear its second derivative is zero, and with it the elementary differential of every
+tree in which a vertex f has two children or more. What is left is a set of trees that contains,
+with a tree, all its subtrees and all trees left when branches are cut off: the conditions of these
+trees are a system of their own, in which the others do not occur. A pair whose first values are the
+solution itself has order p on such systems when the residuals of these trees vanish through p.
+
+Symplectic Runge-Kutta-Nyström methods in the form of splittings of p^2/2 + V(q) are the case r = 1.
+
+Public names::
+
+    is_nystrom(tree) -> bool                  nystrom_trees(order) -> tuple of trees
+    nystrom_order_of(pair, *, max_order=9) -> OrderResult
+
+References
+----------
+    Hairer, Lubich, Wanner, "Geometric Numerical Integration" (2006), sections II.2.3 and III.2.3;
+    Blanes and Moan, J. Comput. Appl. Math. 142 (2002), 313-330.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+from ..claims import ExactnessError, Proof
+from ..exact import Ball, Scalar
+from ..method import PartitionedGLM
+from .blocks import NotPreconsistent, as_scalar, make_block
+from .conditions import Conditions
+from .order import OrderResult
+from .series import is_zero
+from .trees import SEPARABLE, Tree, trees
+
+__all__ = ["is_nystrom", "nystrom_order_of", "nystrom_trees"]
+
+
+@cache
+def is_nystrom(t: Tree) -> bool:
+    """Whether no vertex f of the tree has two children or more."""
+    if t.colour == "f" and len(t.children) > 1:
+        return False
+    return all(map(is_nystrom, t.children))
+
+
+def nystrom_trees(order: int) -> tuple[Tree, ...]:
+    """Trees of an order with alternating colours that count where f is linear."""
+    return tuple(t for t in trees(order, SEPARABLE) if is_nystrom(t))
+
+
+def nystrom_order_of(pair: PartitionedGLM, *, max_order: int = 9) -> OrderResult:
+    """Decide the order of a pair on systems q' = M^-1 p, p' = k(q).
+
+    The first values are taken as the solution itself (no finishing method).
+
+    Returns
+    -------
+        As :func:`~glmref.theory.order.order_of`, without the starting series; order 0 where the
+        pair is not preconsistent or the two halves share their stages.
+    """
+    blocks = {}
+    entries = {
+        "f": (pair.A, pair.U, pair.B, pair.V),
+        "k": (pair.A_hat, pair.U_hat, pair.B_hat, pair.V_hat),
+    }
+    enclosed = any(isinstance(x, Ball) for m in entries.values() for e in m for r in e for x in r)
+    proof = Proof.ENCLOSED if enclosed else Proof.EXACT
+    if not pair.separable:
+        return OrderResult(0, "identity", proof=proof, reason="the stages are shared")
+    try:
+        blocks = {colour: make_block(*m) for colour, m in entries.items()}
+    except (NotPreconsistent, ExactnessError) as reason:
+        return OrderResult(0, "identity", proof=proof, reason=f"not preconsistent: {reason}")
+    conditions = Conditions(blocks, SEPARABLE, "identity")
+    largest, undecided = 0.0, []
+    for n in range(1, max_order + 1):
+        level = {t: _one(x) for t, x in conditions.advance().items() if is_nystrom(t)}
+        failing = next((t for t, x in level.items() if is_zero(x) is False), None)
+        if failing is not None:
+            return OrderResult(
+                n - 1,
+                "identity",
+                failing_tree=failing,
+                residual=level[failing],
+                residuals=level,
+                proof=proof,
+                largest_residual=largest,
+                undecided=tuple(undecided),
+                multiplicity=max(len(b.N) for b in blocks.values()),
+            )
+        undecided += [t for t, x in level.items() if is_zero(x) is None]
+        largest = max([largest, *(x.magnitude() for x in level.values() if is_zero(x) is None)])
+    return OrderResult(
+        max_order,
+        "identity",
+        proof=proof,
+        largest_residual=largest,
+        undecided=tuple(undecided),
+        at_least=True,
+    )
+
+
+def _one(residual: tuple[object, ...]) -> Scalar:
+    """The residual of a tree as one number: the first entry that is not certainly zero."""
+    return as_scalar(next((x for x in residual if is_zero(x) is not True), 0))

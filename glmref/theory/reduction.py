@@ -1,0 +1,96 @@
+"""Whether a pair carries values it could do without: reachable and observable values.
+
+The half for q is a linear machine with the inputs f(P), the state q (r values) and the outputs Q.
+Values outside the span of u and of the columns of B, V B, V^2 B, .. are zero for ever once the
+start leaves them zero (*never reached*); values in the common kernel of U, U V, U V^2, .. never
+enter a stage (*never seen*). A machine all of whose values are reached and seen is minimal, and
+minimal machines with the same answers have equally many values (Kalman 1963). So a pair in which
+every value is reached and seen is not a partitioned Runge-Kutta method in disguise, however many
+stages that may have; one that is carries one value of each component.
+
+Public names::
+
+    pair_reduction(pair) -> Reduction          is_reducible(pair) -> bool | None
+
+References
+----------
+    Kalman, "Mathematical description of linear dynamical systems", J. SIAM Control 1 (1963),
+    152-192; Butcher, "Numerical Methods for Ordinary Differential Equations" (2016), section 503.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .. import linalg
+from ..linalg import Matrix
+from ..method import PartitionedGLM
+from .blocks import kernel
+from .consistency import Blocks, halves, preconsistency_vector
+
+__all__ = ["Reduction", "is_reducible", "pair_reduction"]
+
+
+@dataclass(frozen=True)
+class Reduction:
+    """Which values of a pair are needed.
+
+    Attributes
+    ----------
+        reducible: whether some value is never reached or never seen; ``None`` where balls leave
+            the ranks open.
+        reached, seen: dimensions for q and for p.
+        witness: one sentence naming what can be left out, or ``""``.
+    """
+
+    reducible: bool | None
+    reached: tuple[int, int]
+    seen: tuple[int, int]
+    witness: str = ""
+
+
+def _reached(m: Blocks) -> Matrix:
+    """Rows that span the values a run can reach from the solution."""
+    u = preconsistency_vector(m)
+    layer = linalg.transpose(m.B)
+    rows = layer if u is None else (u, *layer)
+    back = linalg.transpose(m.V)
+    for _ in range(len(m.V) - 1):
+        layer = linalg.matmul(layer, back)
+        rows = (*rows, *layer)
+    return rows
+
+
+def _seen(m: Blocks) -> Matrix:
+    """Rows U, U V, U V^2, ..: what the stages see of the values."""
+    layer = rows = m.U
+    for _ in range(len(m.V) - 1):
+        layer = linalg.matmul(layer, m.V)
+        rows = (*rows, *layer)
+    return rows
+
+
+def pair_reduction(pair: PartitionedGLM) -> Reduction:
+    """Count the values that are reached and seen, in both halves."""
+    reached, seen, faults, certain = [], [], [], True
+    for name, half in zip(("q", "p"), halves(pair), strict=True):
+        r = len(half.V)
+        for what, rows, found in (
+            ("reached", _reached(half), reached),
+            ("seen by a stage", _seen(half), seen),
+        ):
+            missing, sure = kernel(rows)
+            found.append(r - len(missing))
+            if missing:
+                faults.append(f"{found[-1]} of the {r} values of {name} are ever {what}")
+                certain = certain and sure
+    reducible = bool(faults) if certain else None
+    return Reduction(
+        reducible, (reached[0], reached[1]), (seen[0], seen[1]), "only " + "; ".join(faults)
+        if faults else "",
+    )  # fmt: skip
+
+
+def is_reducible(pair: PartitionedGLM) -> bool | None:
+    """Whether fewer values would do; ``None`` where balls leave it open."""
+    return pair_reduction(pair).reducible

@@ -1,0 +1,184 @@
+"""Trees up to stage order, and the theorems on which conditions follow."""
+
+from __future__ import annotations
+
+import random
+from fractions import Fraction
+
+import pytest
+
+from glmref import linalg
+from glmref.claims import DataError
+from glmref.derive.classes import (
+    attach,
+    classes,
+    follows,
+    free_trees,
+    moves,
+    pairs,
+    plan,
+    reduce_tree,
+    representatives,
+)
+from glmref.derive.equations import Blocks, Series, starting_series
+from glmref.exact import Exact
+from glmref.linalg import Matrix
+from glmref.sweep_form import sweep_blocks
+from glmref.theory.trees import Tree, parse_tree, pruned, trees
+
+
+def test_numbers_of_conditions_are_those_of_the_table() -> None:
+    table = {1: [1, 1, 3, 11], 2: [1, 0, 1, 3], 3: [1, 0, 1, 1], 4: [1, 0, 0, 1]}
+    for q, counts in table.items():
+        assert [len(representatives(n, q)) for n in (1, 3, 5, 7)] == counts
+
+
+def test_at_stage_order_1_each_free_tree_needs_one_condition() -> None:
+    for n in (3, 5, 7):
+        assert len(representatives(n, 1)) == len(free_trees(n))
+        chosen = [versions[-1] for versions in free_trees(n)]  # any version will do
+        assert follows(n, 1, chosen)
+        assert not follows(n, 1, chosen[1:])
+
+
+def test_free_principal_parts_belong_to_free_trees_that_are_not_superfluous() -> None:
+    for n, superfluous in ((2, 1), (4, 1), (6, 2)):
+        assert len(plan(n, 1).free) == len(free_trees(n)) - superfluous
+        assert not plan(n, 1).leftover
+
+
+def test_at_stage_order_3_one_tree_of_order_7_is_enough() -> None:
+    assert follows(7, 3, [parse_tree("[oooooo]")])
+    assert not follows(7, 3, [])
+    assert not follows(7, 2, [parse_tree("[oooooo]")])
+
+
+@pytest.mark.parametrize(
+    ("text", "q", "reduced", "factor"),
+    [
+        ("[o[o]]", 1, "[o[o]]", Fraction(1)),
+        ("[o[o]]", 2, "[ooo]", Fraction(1, 2)),
+        ("[o]", 2, "[o]", Fraction(1)),  # the root itself is kept
+        ("[[[o]]]", 2, "[[oo]]", Fraction(1, 2)),
+        ("[[[o]]]", 3, "[ooo]", Fraction(1, 6)),
+        ("[[o][oo]]", 3, "[ooooo]", Fraction(1, 6)),
+    ],
+)
+def test_classes_and_factors(text: str, q: int, reduced: str, factor: Fraction) -> None:
+    assert reduce_tree(parse_tree(text), q) == (parse_tree(reduced), factor)
+
+
+def test_every_tree_is_its_own_class_at_stage_order_1() -> None:
+    for n in range(1, 7):
+        assert classes(n, 1) == trees(n)
+
+
+def test_a_principal_part_that_follows_cannot_be_given() -> None:
+    with pytest.raises(DataError, match="not free"):
+        plan(4, 1, (parse_tree("[o[o]]"),))  # superfluous: half of a square
+    with pytest.raises(DataError, match="not free"):
+        plan(4, 2, (parse_tree("[ooo]"),))
+
+
+# The theorems on random methods, exactly.
+
+_HALF = Fraction(1, 2)
+_ROTATION: Matrix = tuple(
+    tuple(Exact(x) for x in row)
+    for row in ((1, 0, 0, 0), (0, 0, -1, 0), (0, 1, 0, 0), (0, 0, 0, -1))
+)
+_G = linalg.diagonal([Exact(1), Exact(-1), Exact(-1), Exact(1)])
+
+
+def random_method(seed: int, *, symmetric: bool) -> Blocks:
+    """A consistent G-symplectic method with four stages and rational entries."""
+    numbers = random.Random(seed)
+
+    def number() -> Fraction:
+        return Fraction(numbers.randint(-6, 6) or 1, 6)
+
+    b = [number(), number()]
+    D = [b[0], _HALF - b[0], _HALF - b[0], b[0]]
+    if not symmetric:
+        D = [b[0], b[1], number(), Fraction(0)]
+        D[3] = 1 - sum(D)
+    rows = [[Fraction(1)] * 4]
+    for parity in (-1, 1, 1):
+        u, v = number(), number()
+        rows.append([u, v, parity * v, parity * u] if symmetric else [u, v, number(), number()])
+    X = tuple(tuple(Exact(x) for x in row) for row in rows)
+    weights = [Exact(x) for x in D]
+    A, U, B = sweep_blocks(weights, X, _ROTATION, _G)
+    return Blocks(A, U, B, _ROTATION, _G)
+
+
+def form(series: Series, t: Tree, u: Tree) -> Exact:
+    """Q(t, u)."""
+    value = linalg.dot(series.zeta[t], linalg.matvec(_G, series.zeta[u]))
+    return value - series.zeta[attach(t, u)][0] - series.zeta[attach(u, t)][0]
+
+
+def test_moving_the_root_changes_the_sign_of_the_residual() -> None:
+    # Order 3 of a method of order 1: R(t*u) + R(u*t) = (E Q)(t, u) - Q(t, u), with Q(o, o) = 0.
+    for seed in range(6):
+        blocks = random_method(seed, symmetric=False)
+        residual = starting_series(blocks, 3).residual
+        assert residual[parse_tree("o")].is_zero()
+        assert residual[parse_tree("[o]")].is_zero()  # superfluous
+        total = residual[parse_tree("[oo]")] + residual[parse_tree("[[o]]")]
+        assert total.is_zero()
+        assert not residual[parse_tree("[oo]")].is_zero()
+
+
+def test_zeta_1_makes_every_pair_defect_zero() -> None:
+    for seed in range(3):
+        series = starting_series(random_method(seed, symmetric=True), 6)
+        for n in (2, 4):
+            for t, u in pairs(n, 1):
+                assert form(series, t, u).is_zero()
+
+
+def test_identity_of_order_5_holds_with_its_lower_terms() -> None:
+    # A symmetric method of order 2: lower residuals do not vanish, so only the pairs whose lower
+    # terms do are compared; at order 3 all are.
+    for seed in range(4):
+        residual = starting_series(random_method(seed, symmetric=True), 4).residual
+        for t, u in pairs(3, 1):
+            assert (residual[attach(t, u)] + residual[attach(u, t)]).is_zero()
+        assert residual[parse_tree("[o]")].is_zero()
+
+
+def test_without_g_symplecticity_the_conditions_are_independent() -> None:
+    # The near miss: one entry of A changed, and moving the root no longer helps.
+    blocks = random_method(1, symmetric=False)
+    first = (blocks.A[1][0] + 1, *blocks.A[1][1:])
+    broken = Blocks((blocks.A[0], first, *blocks.A[2:]), blocks.U, blocks.B, blocks.V, blocks.G)
+    residual = starting_series(broken, 3).residual
+    assert not residual[parse_tree("[o]")].is_zero()
+    assert not (residual[parse_tree("[oo]")] + residual[parse_tree("[[o]]")]).is_zero()
+
+
+def test_neighbouring_roots_are_mutual() -> None:
+    for n in range(2, 7):
+        for version in trees(n):
+            for t, u, other in moves(version):
+                assert attach(t, u) is version
+                assert any(back is version for _, _, back in moves(other))
+
+
+def test_cutting_respects_the_relations_of_stage_order() -> None:
+    # [o] - oo/2 goes to itself: what makes the reduction legitimate.
+    for q, low, leaves, factor in ((2, "[o]", "oo", _HALF), (3, "[oo]", "ooo", Fraction(1, 3))):
+        left, right = parse_tree(f"[o{low}]"), parse_tree(f"[o{leaves}]")
+        total: dict[Tree, Fraction] = {}
+        for grown, sign in ((left, Fraction(1)), (right, -factor)):
+            for kept, ways in pruned(grown).items():
+                reduced, times = reduce_tree(kept, q)
+                size = grown.order - kept.order
+                weight = sign * times * Fraction(ways, _factorial(size))
+                total[reduced] = total.get(reduced, Fraction(0)) + weight
+        assert all(x == 0 for x in total.values())
+
+
+def _factorial(n: int) -> int:
+    return 1 if n < 2 else n * _factorial(n - 1)

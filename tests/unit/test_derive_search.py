@@ -1,0 +1,171 @@
+"""Search and Newton: reproducible, resumable, and honest about where they stop."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from glmref.claims import DataError, UsageError
+from glmref.derive.ansatz import Ansatz, Value
+from glmref.derive.newton import ConvergenceError, polish
+from glmref.derive.parameters import RankError, fix_parameters, pivots
+from glmref.derive.search import evaluate, levenberg_marquardt, search
+from glmref.derive.system import SweepSystem
+from glmref.exact import Exact, ball
+from glmref.theory.jet import Jet, jets
+
+S3 = Ansatz("x", 3, 6, stage_order=2)
+
+
+def test_complex_step_gives_the_jacobian_of_the_jets() -> None:
+    system = SweepSystem(S3.document())
+    point = [0.4, 0.3, -0.2, 0.7, 0.5, -0.6]
+    values, jacobian = evaluate(system.residuals, np.array([point, [2 * x for x in point]]))
+    exactly = system.residuals(jets([ball(Fraction(x)) for x in point]))
+    # Round-off of some hundred operations on numbers of size 1.
+    assert np.allclose(values[0], [float(x.value) for x in exactly], atol=1e-14)
+    expected = [[float(y) for y in x.gradient] for x in exactly]
+    assert np.allclose(jacobian[0], expected, rtol=1e-12, atol=1e-13)
+
+
+def test_starts_do_not_influence_each_other() -> None:
+    system = SweepSystem(S3.document())
+
+    def draw(generator: np.random.Generator) -> np.ndarray:
+        return generator.normal(size=len(system.unknowns))
+
+    one = list(search(system.residuals, draw, seed=3, starts=6, iterations=20))
+    two = list(search(system.residuals, draw, seed=3, starts=4, first=2, iterations=20, batch=3))
+    assert [x.number for x in two] == [2, 3, 4, 5]
+    for a, b in zip(one[2:], two, strict=True):
+        assert np.allclose(a.point, b.point, rtol=1e-6)
+
+
+def test_levenberg_marquardt_stops_at_a_least_squares_point_without_a_root() -> None:
+    points, sizes = levenberg_marquardt(
+        lambda v: [v[0] * v[0] + 1, v[1] - 2], np.array([[0.5, 0.0]])
+    )
+    assert abs(points[0][0]) < 1e-3
+    assert sizes[0] == pytest.approx(1.0, abs=1e-5)
+
+
+def test_newton_reaches_120_digits() -> None:
+    root = polish(lambda v: [v[0] * v[0] - 2], [ball(Fraction("1.4"))])
+    assert (root[0] * root[0] - 2).magnitude() < 1e-119
+
+
+def test_newton_says_when_there_is_no_root_or_a_double_one() -> None:
+    with pytest.raises(ConvergenceError):
+        polish(lambda v: [v[0] * v[0] + 1], [ball(Fraction("0.3"))])
+    with pytest.raises(ConvergenceError, match=r"multiple|singular"):
+        polish(lambda v: [v[0] * v[0]], [ball(Fraction("0.3"))], digits=130)
+
+
+def test_free_parameters_are_fixed_rationally() -> None:
+    system = SweepSystem(S3.document())
+
+    def draw(generator: np.random.Generator) -> np.ndarray:
+        return generator.normal(size=len(system.unknowns)) * 0.7
+
+    ends = search(system.residuals, draw, seed=1, starts=32)
+    found = next(x for x in ends if x.residual < 1e-12)
+    square, point = fix_parameters(S3, found.point)
+    assert len(square.fixed) == 1
+    assert all(Fraction(x).denominator <= 1000 for x in square.fixed.values())
+    smaller = SweepSystem(square.document())
+    assert len(smaller.unknowns) == len(smaller.equations)
+    assert len(point) == len(smaller.unknowns)
+
+
+def test_dependent_equations_are_named() -> None:
+    with pytest.raises(RankError, match="rank 1"):
+        pivots(np.array([[1.0, 2.0, 3.0], [2.0, 4.0, 6.0]]))
+    assert pivots(np.array([[1.0, 0.0, 5.0], [0.0, 1.0, 0.0]]), first=[0]) == [2]
+
+
+def test_ansatz_counts_unknowns_and_equations() -> None:
+    # ORDER6 families: three stages leave one parameter, three explicit ones none.
+    for ansatz, left in (
+        (S3, 1),
+        (Ansatz("x", 3, 6, stage_order=2, explicit=(1,)), 0),
+        (Ansatz("x", 5, 6), 5),
+        (Ansatz("x", 5, 6, (Value("i"), Value("-1", 1, -1))), 4),
+        (Ansatz("x", 5, 8, stage_order=2), 2),
+        (Ansatz("x", 5, 8, stage_order=2, explicit=(1, 2)), 0),
+        (Ansatz("x", 5, 8, stage_order=3), 1),
+    ):
+        system = SweepSystem(ansatz.document())
+        assert len(system.unknowns) - len(system.equations) == left
+
+
+def test_ansatz_refuses_what_cannot_be() -> None:
+    with pytest.raises(UsageError, match="`order`"):
+        Ansatz("x", 3, 5)
+    with pytest.raises(UsageError, match="unit circle"):
+        Ansatz("x", 3, 6, (Value("2"),))
+    with pytest.raises(UsageError, match="`fixed` names 'b9'"):
+        Ansatz("x", 3, 6, fixed={"b9": "1"}).document()
+
+
+def test_ansatz_files_are_checked(tmp_path: Path) -> None:
+    path = tmp_path / "a.toml"
+    for text, match in (
+        ("stages = 3", "not complete"),
+        ('name = "x"\nstages = 3\ncolour = 1', "'colour' is unknown"),
+        ("name = [", "cannot be read"),
+    ):
+        path.write_text(text, encoding="utf-8")
+        with pytest.raises(DataError, match=match):
+            Ansatz.from_toml(path)
+
+
+def test_palindromic_signs_are_decided_for_all_values() -> None:
+    document = S3.document()
+    assert SweepSystem(document).signs() == (1, -1, 1, 1)
+    document["X"][2][0] = "beta1+b1-b1"
+    assert SweepSystem(document).signs() == (1, -1, 1, 1)
+    document["X"][2][0] = "beta2"
+    assert SweepSystem(document).signs() is None
+
+
+def test_products_of_unknowns_in_x_are_refused() -> None:
+    document = S3.document()
+    document["X"][2][0] = "beta1*gamma1"
+    with pytest.raises(DataError, match="affine"):
+        SweepSystem(document).signs()
+
+
+def test_unknown_equations_are_refused() -> None:
+    document = S3.document()
+    for text in ("magic 1", "abscissa 1", "order [oo] = 1", "explicit 9", "growth 2"):
+        document["enclosure"]["equations"] = [text]
+        with pytest.raises(DataError):
+            SweepSystem(document).residuals([Exact(Fraction(k, 7)) for k in range(1, 7)])
+
+
+def test_v_that_does_not_preserve_g_is_refused() -> None:
+    document = S3.document()
+    document["V"][1][2] = "1"
+    with pytest.raises(DataError, match="V\\^T G V = G"):
+        SweepSystem(document)
+
+
+def test_jets_follow_the_rules_of_differentiation() -> None:
+    x, y = jets([Exact(3), Exact(4)])
+    values = {
+        "sum": (x + y * 2 - 1, [1, 2]),
+        "product": (x * y, [4, 3]),
+        "quotient": (x / y, [Fraction(1, 4), Fraction(-3, 16)]),
+        "reciprocal": (1 / x, [Fraction(-1, 9), 0]),
+        "difference": (Fraction(1, 2) - y, [0, -1]),
+        "root": ((x * x + y * y).sqrt(), [Fraction(3, 5), Fraction(4, 5)]),
+    }
+    for name, (jet, gradient) in values.items():
+        assert isinstance(jet, Jet)
+        assert all(a == b for a, b in zip(jet.gradient, gradient, strict=True)), name
+    assert (x - x).is_zero() is True
+    assert (x - 3).is_zero() is None
+    assert x.is_zero() is False
