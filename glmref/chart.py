@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
 
@@ -162,10 +163,13 @@ def svg(
     margin = 30 + _CHARACTER * longest
     height = max(height, round(110 + _SPACING * len(shown)))
     width = max(width, round(70 + margin + 420))
-    parts = [
+    head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" '
         f'height="{height}" role="img" aria-label={quoteattr(title)} '
-        f'font-family="Helvetica, Arial, sans-serif" font-size="12">',
+        f'font-family="Helvetica, Arial, sans-serif" font-size="12">'
+    )
+    parts = [
+        head,
         f"<title>{escape(title)}</title>",
         f'<rect width="{width}" height="{height}" fill="#ffffff"/>',
         f'<text x="70" y="24" font-size="14" font-weight="bold" fill="#111">{escape(title)}</text>',
@@ -203,14 +207,14 @@ def _axes(frame: _Frame, x_label: str, y_label: str) -> list[str]:
             f'<text x="{left - 7}" y="{y + 4:.1f}" text-anchor="end" fill="#333">'
             f"{label}</text>"
         )
-    middle = (top + bottom) / 2
+    middle, center = (top + bottom) / 2, (left + right) / 2
+    box = f'x="{left}" y="{top}" width="{right - left:.1f}" height="{bottom - top}"'
+    turned = f'transform="translate(16 {middle:.1f}) rotate(-90)"'
+    words = 'text-anchor="middle" fill="#111"'
     parts += [
-        f'<rect x="{left}" y="{top}" width="{right - left:.1f}" height="{bottom - top}" '
-        f'fill="none" stroke="#555"/>',
-        f'<text x="{(left + right) / 2:.1f}" y="{bottom + 36}" text-anchor="middle" fill="#111">'
-        f"{escape(x_label)}</text>",
-        f'<text transform="translate(16 {middle:.1f}) rotate(-90)" text-anchor="middle" '
-        f'fill="#111">{escape(y_label)}</text>',
+        f'<rect {box} fill="none" stroke="#555"/>',
+        f'<text x="{center:.1f}" y="{bottom + 36}" {words}>{escape(x_label)}</text>',
+        f"<text {turned} {words}>{escape(y_label)}</text>",
     ]
     return parts
 
@@ -332,12 +336,12 @@ def write_png(
 ) -> str | None:
     """Write the chart as PNG through matplotlib; return a notice where that is not installed."""
     try:
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
+        agg = import_module("matplotlib.backends.backend_agg")
+        figures = import_module("matplotlib.figure")
     except ImportError:
         return "no PNG: matplotlib is not installed; pip install 'glmref[plots]'"
-    figure = Figure(figsize=(8.2, 4.8), dpi=120, layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = figures.Figure(figsize=(8.2, 4.8), dpi=120, layout="constrained")
+    agg.FigureCanvasAgg(figure)
     axes = figure.add_subplot()
     for number, one in enumerate(one for one in series if one.drawn):
         x, y, _ = zip(*one.drawn, strict=True)

@@ -12,7 +12,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from .catalogue import data_root
+from .data_files import data_root
 from .claims import DataError, UsageError
 from .strict_json import read_json, shown
 

@@ -6,15 +6,15 @@ its contract). Each problem is a :class:`~glmref.claims.DataError` of one senten
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
 from . import families
 from .claims import DataError, ExactnessError
-from .exact import Scalar
-from .expression import Text, Weight, parse, weigh
+from .data_files import document, names
+from .entries import Entries
+from .expression import Text
 from .keys import (
     BLOCKS,
     CLAIMS,
@@ -24,7 +24,6 @@ from .keys import (
     MAX_SIZE,
     OPTIONAL,
     PAIRS,
-    RESERVED,
     fault_of_texts,
     without_meaning,
 )
@@ -49,17 +48,8 @@ def load_document(doc: Mapping[str, Any], *, where: str = "document") -> GLM | P
     return _Reader(doc, where).method()
 
 
-class _Reader:
+class _Reader(Entries):
     """Checks one document and builds its method."""
-
-    def __init__(self, doc: Mapping[str, Any], where: str) -> None:
-        self.doc, self.where = doc, where
-        self.constants: dict[str, Scalar] = {}
-        self.weights: dict[str, Weight] = {}
-        self.digits: int | None = None
-
-    def error(self, what: str) -> DataError:
-        return DataError(f"{self.where}: {what}")
 
     def method(self) -> GLM | PartitionedGLM:
         if not isinstance(self.doc, Mapping):
@@ -69,15 +59,15 @@ class _Reader:
                 f"`format` must be {FORMAT!r}, got {shown(self.doc.get('format'))}; "
                 f"this version reads only that format"
             )
-        kind = self._text("class")
+        kind = self.text("class")
         if kind not in BLOCKS:
             raise self.error(f"`class` must be one of {', '.join(BLOCKS)}, got {kind!r}")
         self._check_keys(kind)
-        self._text("name", pattern=r"[a-z0-9][a-z0-9.-]{0,99}")
+        self.text("name", pattern=r"[a-z0-9][a-z0-9.-]{0,99}")
         fault = fault_of_texts(self.doc)
         if fault:
             raise self.error(fault)
-        self._read_constants()
+        self.read_constants()
         build: Callable[[], GLM | PartitionedGLM] = getattr(self, "_" + kind.replace("-", "_"))
         try:
             built = build()
@@ -101,80 +91,6 @@ class _Reader:
         for key in ("name", "claims", "source", *sorted(BLOCKS[kind] - OPTIONAL)):
             if key not in self.doc:
                 raise self.error(f"the key {key!r} is missing; a file of class {kind!r} needs it")
-
-    def _text(self, key: str, pattern: str = "") -> str:
-        value = self.doc.get(key)
-        if not isinstance(value, str) or (pattern and not re.fullmatch(pattern, value)):
-            kind = f"a string matching {pattern}" if pattern else "a string"
-            raise self.error(f"`{key}` must be {kind}, got {shown(value)}")
-        return value
-
-    def _read_constants(self) -> None:
-        digits = self.doc.get("digits")
-        if digits is not None and (isinstance(digits, bool) or not isinstance(digits, int)):
-            raise self.error(f"`digits` must be a whole number, got {shown(digits)}")
-        if digits is not None and not 1 <= digits <= 150:
-            raise self.error(f"`digits` must lie between 1 and 150, got {digits}")
-        self.digits = digits
-        for key in ("unknowns", "constants"):
-            block = self.doc.get(key, {})
-            if not isinstance(block, dict):
-                raise self.error(f"`{key}` must be an object of names and expressions")
-            for name, text in block.items():
-                if not re.fullmatch(r"[A-Za-z_][A-Za-z_0-9]*", name) or name in RESERVED:
-                    raise self.error(
-                        f"`{key}` has the name {shown(name)}, which cannot be used; take letters, "
-                        f"digits and _, but none of {', '.join(sorted(RESERVED))}"
-                    )
-                if name in self.constants:
-                    raise self.error(f"the constant {name!r} stands twice; keep one of them")
-                value = self.scalar(text, f"{key}.{name}")
-                self.weights[name] = weigh(text, self.weights)
-                self.constants[name] = value
-
-    def scalar(self, text: object, where: str) -> Scalar:
-        """Read one entry."""
-        if not isinstance(text, str):
-            raise self.error(
-                f"`{where}` must be a string such as '1/2', got {shown(text)}; quote the number"
-            )
-        try:
-            weigh(text, self.weights)
-            return parse(text, constants=self.constants, digits=self.digits)
-        except (DataError, ExactnessError) as error:
-            raise self.error(f"`{where}`: {error}") from None
-
-    def vector(self, values: object, where: str) -> Vector:
-        """Read a list of entries."""
-        if not isinstance(values, list) or not values:
-            raise self.error(f"`{where}` must be a list of strings, got {shown(values)}")
-        if len(values) > MAX_SIZE:
-            raise self.error(f"`{where}` has {len(values)} entries and at most {MAX_SIZE} are read")
-        return tuple(self.scalar(x, f"{where}[{i + 1}]") for i, x in enumerate(values))
-
-    def matrix(self, rows: object, where: str) -> Matrix:
-        """Read a list of rows of equal length."""
-        if not isinstance(rows, list) or not rows:
-            raise self.error(f"`{where}` must be a list of rows, got {shown(rows)}")
-        if len(rows) > MAX_SIZE:
-            raise self.error(f"`{where}` has {len(rows)} rows and at most {MAX_SIZE} are read")
-        result = tuple(self.vector(row, f"{where}[{i + 1}]") for i, row in enumerate(rows))
-        for i, row in enumerate(result):
-            if len(row) != len(result[0]):
-                raise self.error(
-                    f"`{where}` is ragged: row {i + 1} has {len(row)} entries and row 1 has "
-                    f"{len(result[0])}"
-                )
-        return result
-
-    def square(
-        self, block: Mapping[str, Any], letters: Iterable[str], where: str = ""
-    ) -> dict[str, Matrix]:
-        """Read the named matrices of a block."""
-        missing = [x for x in letters if x not in block]
-        if missing:
-            raise self.error(f"`{where}{missing[0]}` is missing; give all of {', '.join(letters)}")
-        return {x: self.matrix(block[x], where + x) for x in letters}
 
     def _forms(self, r: int) -> dict[str, Any]:
         """Read the optional G and D. G may be given by its diagonal."""
@@ -232,7 +148,7 @@ class _Reader:
             **rows,
             **blocks,
             G=self._pair_form(),
-            stages=self._text("stages", pattern=r"[PQ]+"),
+            stages=self.text("stages", pattern=r"[PQ]+"),
         )
         return self._pair(built)
 
@@ -258,9 +174,7 @@ class _Reader:
         return alpha, beta
 
     def _composition(self) -> GLM:
-        from .catalogue import document, names
-
-        name = self._text("base")
+        name = self.text("base")
         if name not in names("methods"):  # never a path: a file stands for itself
             raise self.error(f"`base` must be the name of a shipped method, got {shown(name)}")
         base = document(name)
@@ -271,7 +185,7 @@ class _Reader:
         return self._one_step(families.composition(built, self.vector(self.doc["gamma"], "gamma")))
 
     def _splitting(self) -> PartitionedGLM:
-        first = self._text("first", pattern="q|p")
+        first = self.text("first", pattern="q|p")
         built = families.splitting(
             self.vector(self.doc["a"], "a"), self.vector(self.doc["b"], "b"), first=first
         )

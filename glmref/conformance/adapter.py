@@ -72,10 +72,11 @@ class Adapter(Protocol):
     Attributes
     ----------
         methods: names of ``glmref list`` (or paths of method files) this integrator claims to be;
-            or a mapping ``name -> {"order": p, "symmetric": bool, "symplectic": bool}`` for one
-            that the catalogue lacks: then only these claims are measured.
+            or a mapping ``name -> {"order": p, "symmetric": True, "symplectic": True}`` for one that
+            the catalogue lacks: then only these claims, if made, are measured.
         epsilon: unit round-off of the arithmetic; 2**-53 by default.
-        tolerance: relative error with which stage equations are solved; 1e-14 by default.
+        tolerance: relative error with which stage equations are solved, or a mapping from methods
+            to it; 1e-14 by default.
         problems: names of the only problems it can do; all by default.
         starts: ``"file"`` (the default) when ``solve`` starts as the method's data say, ``"own"``
             when it makes its own starting values, so that only the end of a run can be judged.
@@ -183,7 +184,9 @@ class Subject:
             raise UsageError(f"{name} must have a method `step` or `solve`; it has neither")
         self.methods = _methods(adapter, name)
         self.epsilon = self._number("epsilon", 2.0**-53)
-        self.tolerance = self._number("tolerance", 1e-14)
+        self._tolerance = getattr(adapter, "tolerance", 1e-14)
+        for key in self.methods:
+            self.tolerance(key)
         self.starts = getattr(adapter, "starts", "file")
         if self.starts not in ("file", "own"):
             raise UsageError(f"`starts` of {name} must be 'file' or 'own', got {self.starts!r}")
@@ -191,10 +194,18 @@ class Subject:
         self.problems = None if problems is None else tuple(problems)
 
     def _number(self, key: str, default: float) -> float:
-        value = getattr(self.adapter, key, default)
-        if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value < 0.1:
-            raise UsageError(f"`{key}` of {self.name} must be a small number, got {value!r}")
-        return float(value)
+        return _small(getattr(self.adapter, key, default), key, self.name)
+
+    def tolerance(self, method: str) -> float:
+        """Relative error with which the adapter solves the stage equations of a method."""
+        value = self._tolerance
+        if isinstance(value, Mapping):
+            value = value.get(method, 1e-14)
+        return _small(value, "tolerance", self.name)
+
+    def unit(self, method: str) -> float:
+        """Relative error of one operation: rounding, and what is left of the stage equations."""
+        return self.epsilon + self.tolerance(method)
 
     def close(self) -> None:
         """End what the adapter has running."""
@@ -266,6 +277,12 @@ class Subject:
             raise AdapterError(f"{operation}: {error}") from None
         except Exception as error:
             raise AdapterError(f"{operation} raised {_said(error)}") from error
+
+
+def _small(value: Any, key: str, name: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value < 0.1:
+        raise UsageError(f"`{key}` of {name} must be a small number, got {value!r}")
+    return float(value)
 
 
 def _array(answer: Any, shape: tuple[int, ...] | None, operation: str) -> np.ndarray:

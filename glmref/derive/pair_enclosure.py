@@ -133,6 +133,12 @@ def _root(document: Mapping[str, Any], system: PairSystem) -> Krawczyk:
         )
     texts = [document["unknowns"][name] for name in system.unknowns]
     published = [ball(parse(x, digits=digits)) for x in texts]
+    for e, x in zip(system.equations, system.residuals(published), strict=True):
+        if ball(x).is_zero() is False:  # cheaper than the test below, which would say so too
+            raise ExactnessError(
+                f"{document.get('name', 'the file')}: the equation {e.text!r} is not satisfied "
+                f"within the published digits"
+            )
     result = krawczyk(system.residuals, published, radius)
     if result.outcome is not Outcome.UNIQUE:
         raise ExactnessError(

@@ -20,8 +20,10 @@ from dataclasses import dataclass
 from ..problems.formula import Formula
 from .emit import ArrayTarget, ScalarTarget, Target, Writer
 from .shape import Shape, inlined, jacobian_block, parameter_names, used_parameters
-from .stages import HELPERS, StageWriter, linear
-from .sweep import Row, StepForm
+from .newton import HELPERS
+from .stages import StageWriter
+from .sweep import StepForm
+from .values import Values, linear
 
 __all__ = ["SIGNATURE", "Builder", "KernelSource", "Options", "kernel_source"]
 
@@ -220,8 +222,6 @@ class Builder(StageWriter):
             self.w("slow = False")
         for block in self.form.blocks:
             self._block(block.stages, block.implicit)
-            if self.form.running:
-                self._update(block.stages)
         if self.factored_newton:
             with self.w.block("if slow:"):
                 self.w(f"x[{self.t.reserve('fresh', 1)}] = 0.0")
@@ -274,116 +274,23 @@ class Builder(StageWriter):
     # --- values ---------------------------------------------------------------------------------
 
     def _begin(self) -> None:
-        """x = V y for a running form; remember what the predictor needs."""
-        self.u_known = set()
-        if self.form.running:
-            self.t.vec(self._moved(self.form.V, "w", "u"))
+        """Start a step: the values that stages read, and what the predictor needs."""
+        self.values.begin()
         copies = [f"@K{j} = @L{j}" for j in self._remembered()]
         if copies:
             self.t.vec(copies, self.inner)
 
-    def _moved(self, V: tuple[Row, ...], value: str, rest: str) -> list[str]:
-        """Statements for value{k} = V y and, compensated, rest{k} = V e and what V y rounds away."""
-        lines = []
-        for k, row in enumerate(V):
-            terms = [(x, f"@y{j}") for j, x in enumerate(row) if x]
-            errors = [(x, f"@e{j}") for j, x in enumerate(row) if x]
-            integral = all(abs(x) == 1.0 for x, _ in terms)
-            if not self.options.compensated or not integral or len(terms) < 2:
-                lines.append(f"@{value}{k} = {linear(terms)}")
-                if self.options.compensated:
-                    lines.append(f"@{rest}{k} = {linear(errors)}")
-            else:
-                lines += self._two_sums(f"@{value}{k}", f"@{rest}{k}", terms, linear(errors))
-            if self.options.compensated:
-                self.u_known.add(k)
-        return lines
-
-    @staticmethod
-    def _two_sums(
-        value: str, rest: str, terms: list[tuple[float, str]], error: str
-    ) -> list[str]:
-        """Add the terms one by one, each rounding error going to ``rest`` (Knuth's TwoSum)."""
-        lines = [f"held = {linear(terms[:1])}", f"lost = {error}"]
-        for factor, name in terms[1:]:
-            lines += [
-                f"more = {linear([(factor, name)])}",
-                "both = held + more",
-                "part = both - held",
-                "lost = lost + ((held - (both - part)) + (more - part))",
-                "held = both",
-            ]
-        return [*lines, f"{value} = held", f"{rest} = lost"]
-
-    def _add(self, updates: list[tuple[int, str]]) -> list[str]:
-        """Statements u{k} += increments, the first one being an assignment."""
-        lines = []
-        for k, increments in updates:
-            if increments == "0.0":
-                continue
-            if k not in self.u_known:
-                lines.append(f"@u{k} = {increments}")
-            elif increments.startswith("-"):
-                lines.append(f"@u{k} = @u{k} - {increments[1:]}")
-            else:
-                lines.append(f"@u{k} = @u{k} + {increments}")
-            self.u_known.add(k)
-        return lines
-
-    def _update(self, stages: tuple[int, ...]) -> None:
-        """Running forms: add R L to the values as soon as L is known."""
-        for i in stages:
-            updates = [(k, linear([(self.form.R[k][i], f"@L{i}")])) for k in range(self.form.r)]
-            self.t.vec(self._add(updates))
-
     def _commit(self) -> None:
         """New values, their rounding errors, and the check that they are numbers."""
-        form = self.form
-        if not form.running:
-            self._standard_update(self.all, form.V, form.R, form.R_residue, 0)
-        self._sums(self.all, form.r)
-        total = " + ".join(f"@w{k}" for k in range(form.r))
-        self.t.total("check", f"({total})" if form.r > 1 else total)
+        self.values.finish([f"@L{i}" for i in range(self.form.s)])
+        self.values.check("check")
         self._finite("check")
-        self._accept(self.all, form.r)
-
-    def _standard_update(
-        self, part: tuple[int, int], V: tuple[Row, ...], R: tuple[Row, ...],
-        residue: tuple[Row, ...], shift: int,
-    ) -> None:  # fmt: skip
-        """w = V y and u = V e + R L, the residue of R first."""
-        lines = self._moved(V, "w", "u")
-        updates = []
-        for k, row in enumerate(R):
-            terms = [(x, f"@L{i + shift}") for i, x in enumerate(row)]
-            if self.options.compensated:
-                terms = [(x, f"@L{i + shift}") for i, x in enumerate(residue[k])] + terms
-            text = linear(terms)
-            updates.append((k, text if text == "0.0" else f"({text})"))
-        self.t.vec(lines + self._add(updates), part)
-
-    def _sums(self, part: tuple[int, int], rows: int) -> None:
-        """w = w + u, and in u what that rounds away."""
-        lines = []
-        for k in range(rows):
-            if k not in self.u_known:
-                continue
-            lines.append(f"new = @w{k} + @u{k}")
-            if self.options.compensated:
-                # Fast2Sum: where |u| > |w| the error kept is itself rounded, which is below the
-                # round-off of one step; TwoSum would lengthen the chain from step to step
-                lines.append(f"@u{k} = @u{k} - (new - @w{k})")
-            lines.append(f"@w{k} = new")
-        if lines:
-            self.t.vec(lines, part)
+        self._accept(self.values)
 
     def _finite(self, total: str) -> None:
         with self.w.block(f"if not (abs({total}) < 1e300):"):
             self.w("outcome = 2", "break")
 
-    def _accept(self, part: tuple[int, int], rows: int) -> None:
+    def _accept(self, values: Values) -> None:
         """The step is good: its values become the state."""
-        lines = [f"@y{k} = @w{k}" for k in range(rows)]
-        if self.options.compensated:
-            lines += [f"@e{k} = @u{k}" for k in range(rows)]
-        self.t.vec(lines, part)
+        self.t.vec([f"{old} = {new}" for old, new in values.pairs()], values.part)

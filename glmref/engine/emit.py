@@ -243,8 +243,12 @@ class LaneTarget(Target):
     def __init__(self, shape: Shape, writer: Writer, width: int) -> None:
         super().__init__(shape, writer)
         self.width = width
+        #: Vectors, and components of them, that live and die within one pass over the lanes.
+        self.local: dict[str, range] = {}
 
     def ref(self, name: str, c: int) -> str:
+        if name.startswith("F") or c in self.local.get(name, ()):
+            return f"{name}_{c}"
         return f"x[{self.reserve(name, self.d * self.width) + c * self.width} + l]"
 
     def lane(self, name: str) -> str:

@@ -27,7 +27,7 @@ from .codegen import SIGNATURE, KernelSource, Options, kernel_source
 from .outcome import KERNEL_OUTCOMES, Outcome
 from .pairs import PairForm, pair_form, pair_source
 from .shape import Shape, jacobian_block, shape_of
-from .stages import INLINE_LIMIT
+from .newton import INLINE_LIMIT
 from .sweep import StepForm, step_form
 
 __all__ = ["ARITHMETIC", "SOLVERS", "Kernel", "State", "choose_solver", "contraction", "prepare"]

@@ -19,6 +19,7 @@ from .pairs import PairBuilder, PairForm
 from .shape import Shape
 from .stages import NOISE, ROUND_OFF, ROUNDS, STALLS
 from .sweep import StepForm
+from .values import Values
 
 __all__ = ["LANE_SIGNATURE", "LaneSource", "lane_source"]
 
@@ -123,11 +124,8 @@ class _LaneKernel(Builder):
             f"{done} = {done} + (1.0 if good else 0.0)",
         )
 
-    def _accept(self, part: tuple[int, int], rows: int) -> None:
-        pairs = [(f"@y{k}", f"@w{k}") for k in range(rows)]
-        if self.options.compensated:
-            pairs += [(f"@e{k}", f"@u{k}") for k in range(rows)]
-        self._choose(pairs, "good", part)
+    def _accept(self, values: Values) -> None:
+        self._choose(values.pairs(), "good", values.part)
 
     def _choose(
         self, pairs: Sequence[tuple[str, str]], condition: str, part: tuple[int, int]
@@ -211,8 +209,15 @@ class _LaneBuilder(_LaneKernel):
                 outer = (part.start, part.stop)
                 self.t.vec([f"@L{i} = hw{i}*@F{i}" for i in stages], outer)
 
+    def _explicit(self, i: int, base: tuple[str, str]) -> None:
+        self.t.local[f"Y{i}"] = range(*self.all)
+        super()._explicit(i, base)
+
     def _solve(self, stages: tuple[int, ...], bases: dict) -> None:
         w, lane = self.w, self.t.lane
+        if self.shape.halved:
+            # P is used at once; Q is compared in the next round
+            self.t.local |= {f"Y{i}": range(*self.inner) for i in stages}
         newton = self.options.solver == "newton"
         self._sizes(stages, [bases[i][0] for i in stages])
         self._start_rounds()
@@ -258,6 +263,10 @@ class _LanePairBuilder(_LaneKernel, PairBuilder):
 
     def _evaluations_of_explicit_stages(self) -> None:
         """Known from the form."""
+
+    def _node(self, node: int, done: Sequence[int]) -> None:
+        self.t.local[f"Y{node}"] = range(*self.all)
+        super()._node(node, done)
 
     def _begin(self) -> None:
         if self.form.implicit_stages:

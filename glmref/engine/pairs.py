@@ -28,9 +28,9 @@ from .codegen import Builder, KernelSource, Options, choose_kind, header
 from .emit import ArrayTarget, ScalarTarget, Target, Writer
 from .reference import pair_blocks
 from .shape import Shape
-from .stages import linear
 from .sweep import Row, all_vanish, float_rows, floats, integral_basis, large, vanishes
 from .tableau import StageBlock, as_balls, preconsistency
+from .values import Values, linear
 
 __all__ = ["PairForm", "pair_form", "pair_source"]
 
@@ -254,12 +254,16 @@ class PairBuilder(Builder):
 
     form: PairForm  # type: ignore[assignment]
 
-    def _halves(self) -> tuple[tuple[tuple[int, int], Half, tuple[Row, ...], tuple[bool, ...]], ...]:
-        """(columns of the values, half that updates them, V, large) for q and for p."""
-        m, d = self.shape.half, self.shape.dimension
-        return (
-            ((0, m), self.form.P, self.form.V, self.form.large),
-            ((m, d), self.form.Q, self.form.V_hat, self.form.large_hat),
+    def __init__(
+        self, form: PairForm, shape: Shape, options: Options, target: Target
+    ) -> None:
+        super().__init__(form, shape, options, target)  # type: ignore[arg-type]
+        m, d = shape.half, shape.dimension
+        kinds = {"running": form.running, "compensated": options.compensated}
+        P, Q = form.P, form.Q
+        self.sides = (
+            Values(target, form.V, P.R, P.R_residue, form.large, (0, m), **kinds),
+            Values(target, form.V_hat, Q.R, Q.R_residue, form.large_hat, (m, d), **kinds),
         )
 
     def _rows(self) -> int:
@@ -288,13 +292,8 @@ class PairBuilder(Builder):
                 self._output(k, terms, (low, high))
 
     def _begin(self) -> None:
-        self.known: list[set[int]] = [set(), set()]
-        if self.form.running:
-            for side, (part, _, V, _) in enumerate(self._halves()):
-                self.u_known = self.known[side]
-                self.t.vec(self._moved(V, "w", "u"), part)
-        if self.form.implicit_stages:
-            self.w("last_change = 1e300")
+        for values in self.sides:
+            values.begin()
 
     def _blocks(self) -> None:
         done: list[int] = []
@@ -314,49 +313,29 @@ class PairBuilder(Builder):
     def _base_of(self, node: int, done: Sequence[int]) -> tuple[str, str]:
         """z and a of a stage from values and from increments already known."""
         half, i, side = self._side(node)
-        part, _, _, big = self._halves()[side]
-        value, n = ("w" if self.form.running else "y"), self.form.Q.n
-        first, rest = [], []
-        for k, factor in enumerate(half.U[i]):
-            if big[k]:
-                first.append((factor, f"@{value}{k}"))
-                if self.form.running and k in self.known[side]:
-                    rest.append((factor, f"@u{k}"))
-                elif not self.form.running and self.options.compensated:
-                    rest.append((factor, f"@e{k}"))
-            elif self.form.running and k in self.known[side]:
-                rest.append((factor, f"(@w{k} + @u{k})"))
-            else:
-                rest.append((factor, f"@{value}{k}"))
+        big, small = self.sides[side].read(half.U[i])
         if not self.form.running:
             # a Q stage reads increments of P stages, and the other way round
+            n = self.form.Q.n
             others = [j for j in done if (j < n) != (node < n)]
-            rest += [(half.M[i][j if j < n else j - n], f"@L{j}") for j in others]
-        return linear(first), linear(rest)
+            small += [(half.M[i][j if j < n else j - n], f"@L{j}") for j in others]
+        return self._named(node, big, small, self.sides[side].part)
 
     def _node(self, node: int, done: Sequence[int]) -> None:
         """One explicit stage: its value, its function, its increment."""
-        _, _, side = self._side(node)
-        part = self._halves()[side][0]
+        _, i, side = self._side(node)
         z, a = self._base_of(node, done)
-        self.t.vec([f"@Y{node} = {z}" if a == "0.0" else f"@Y{node} = {z} + ({a})"], part)
+        text = z if a == "0.0" else f"{z} + {a}"
+        self.t.vec([f"@Y{node} = {text}"], self.sides[side].part)
         self._call(node)
         if self.form.running:
-            self._add_increment(node)
+            self.sides[1 - side].add(i, f"@L{node}")
 
     def _call(self, node: int) -> None:
         """L of a stage from its value Y."""
         _, _, side = self._side(node)
-        function = self.shape.parts[1 - side]
-        self.t.call(function, f"Y{node}", f"F{node}", f"s{node}")
-        other = self._halves()[1 - side][0]
-        self.t.vec([f"@L{node} = hw{node}*@F{node}"], other)
-
-    def _add_increment(self, node: int) -> None:
-        half, i, side = self._side(node)
-        self.u_known = self.known[1 - side]
-        updates = [(k, linear([(row[i], f"@L{node}")])) for k, row in enumerate(half.R)]
-        self.t.vec(self._add(updates), self._halves()[1 - side][0])
+        self.t.call(self.shape.parts[1 - side], f"Y{node}", f"F{node}", f"s{node}")
+        self.t.vec([f"@L{node} = hw{node}*@F{node}"], self.sides[1 - side].part)
 
     def _evaluations_of_explicit_stages(self) -> None:
         n = self.form.Q.n
@@ -370,20 +349,15 @@ class PairBuilder(Builder):
         """Stages that depend on each other: rounds P -> dq -> Q -> dp until Q is settled."""
         w, n = self.w, self.form.Q.n
         at_q, at_p = [j for j in nodes if j < n], [j for j in nodes if j >= n]
-        bases: dict[int, tuple[str, str]] = {}
-        for node in nodes:
-            part = self._halves()[self._side(node)[2]][0]
-            z, a = self._base_of(node, done)
-            self.t.vec([f"@z{node} = {z}", f"@a{node} = {a}"], part)
-            bases[node] = (f"@z{node}", f"@a{node}")
+        bases = {node: self._base_of(node, done) for node in nodes}
 
         def values(group: Sequence[int], others: Sequence[int], name: str) -> None:
             for node in group:
                 half, i, side = self._side(node)
                 z, a = bases[node]
                 terms = [(half.M[i][j if j < n else j - n], f"@L{j}") for j in others]
-                text = linear([(1.0, a), *terms])
-                self.t.vec([f"@{name}{node} = {z} + ({text})"], self._halves()[side][0])
+                text = linear(terms if a == "0.0" else [(1.0, a), *terms])
+                self.t.vec([f"@{name}{node} = {z} + ({text})"], self.sides[side].part)
 
         self._sizes(at_p, [bases[j][0] for j in at_q])
         w("last_change = 1e300", "stalls = 0", "rounds = 0")
@@ -402,17 +376,11 @@ class PairBuilder(Builder):
             w("break")
 
     def _commit(self) -> None:
-        for side, (part, half, V, _) in enumerate(self._halves()):
-            rows = len(V)
-            self.u_known = self.known[side]
-            if not self.form.running:
-                shift = 0 if half is self.form.Q else self.form.Q.n
-                self._standard_update(part, V, half.R, half.R_residue, shift)
-            self._sums(part, rows)
-        for side, (part, _, V, _) in enumerate(self._halves()):
-            template = " + ".join(f"@w{k}" for k in range(len(V)))
-            name = "check" if side == 0 else "more_check"
-            self.t.total(name, f"({template})" if len(V) > 1 else template, part)
-        self._finite("check + more_check")
-        for part, _, V, _ in self._halves():
-            self._accept(part, len(V))
+        n = self.form.Q.n
+        names = ([f"@L{n + i}" for i in range(self.form.P.n)], [f"@L{j}" for j in range(n)])
+        for values, increments, check in zip(self.sides, names, ("check_q", "check_p"), strict=True):
+            values.finish(increments)
+            values.check(check)
+        self._finite("check_q + check_p")
+        for values in self.sides:
+            self._accept(values)

@@ -71,9 +71,10 @@ def starting_values(
         return _from_method(start, engine, t, y0, h)
     if isinstance(start, tuple) and len(start) == 2 and isinstance(start[0], StartingMethod):
         return _from_pair(start, engine, t, y0, h)
-    if start == "zero":
+    if isinstance(start, str) and start == "zero":
         return Start(zero_start(engine, y0), 0, "zero")
-    if start == "enhanced" or (isinstance(start, tuple) and start[:1] == ("enhanced",)):
+    named = start[:1] if isinstance(start, tuple) else (start,) if isinstance(start, str) else ()
+    if named == ("enhanced",):
         passes = start[1] if isinstance(start, tuple) else _passes(method)
         values, evaluations = enhanced_start(engine, t, y0, h, passes)
         return Start(values, evaluations, f"enhanced, {passes} passes")

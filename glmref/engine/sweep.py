@@ -363,7 +363,7 @@ def _nudge(
     """
     r = range(len(G))
     snapped = [_snap(x) for x in row]
-    image = [_dot(g, snapped) for g in G]
+    image = [_snap(sum((x * y for x, y in zip(row, g, strict=True)), exact(0))) for g in G]
     omega, units = [], []
     for k in r:
         coupled = [m for m in r if m != k and G[k][m]]
@@ -371,9 +371,14 @@ def _nudge(
         sizes = [abs(snapped[m]) for m in (k, *coupled)]
         sizes += [2 * abs(image[m]) for m in (k, *coupled) if coupled]
         unit = Fraction(math.ulp(float(max(sizes))))
-        fixed = snapped[k].denominator <= 4
-        omega.append(snapped[k] if fixed else round(snapped[k] / unit) * unit)
+        # what is a short fraction stays, and so do the zeros of omega^T G
+        fixed = snapped[k].denominator <= 4 or not all(image[m] for m in (k, *coupled))
+        short = snapped[k].denominator <= 4
+        omega.append(snapped[k] if short else round(snapped[k] / unit) * unit)
         units.append(Fraction(0) if fixed else unit)
+    for k in r:
+        if not image[k] and omega[k]:
+            omega[k] -= _dot(G[k], omega) / G[k][k]
     free = sorted((k for k in r if units[k]), key=lambda k: units[k])[: len(_REACH)]
     if free:
         half = _norm(G, omega) / 2

@@ -223,7 +223,7 @@ class Exact(Arithmetic):
         if self._q is not None and bits == BALL_BITS:
             return Ball._wrap(flint.acb(self._q))
         enclosed = enclose(self._element, bits)
-        if not enclosed.imag.is_zero() and self.is_real():  # a real number written with roots of unity
+        if not enclosed.imag.is_zero() and self.is_real():  # written with roots of unity
             enclosed = flint.acb(enclosed.real)
         return Ball._wrap(enclosed)
 

@@ -19,6 +19,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any
 
 from ..engine.reference import stepper
@@ -137,9 +138,9 @@ def _extrapolate(orders: Sequence[float]) -> tuple[float, bool]:
     tried: with the first removed, with both removed, with the second alone removed. The one whose
     last two members agree best counts.
     """
-    first = [2 * b - a for a, b in zip(orders, orders[1:], strict=False)]
-    both = [(4 * b - a) / 3 for a, b in zip(first, first[1:], strict=False)]
-    second = [(4 * b - a) / 3 for a, b in zip(orders, orders[1:], strict=False)]
+    first = [2 * b - a for a, b in pairwise(orders)]
+    both = [(4 * b - a) / 3 for a, b in pairwise(first)]
+    second = [(4 * b - a) / 3 for a, b in pairwise(orders)]
     best, gap = first[-1], math.inf
     for sequence in (first, both, second):
         if len(sequence) > 1 and abs(sequence[-1] - sequence[-2]) < gap:
@@ -274,7 +275,7 @@ def isochronous(a: str = "1/4", b: str = "1/3") -> Problem:
     """
     from ..problems.formula import Formula
 
-    parameters = {"a": a, "b": b}
+    parameters = {"a": Fraction(a), "b": Fraction(b)}
     return Problem(
         name="isochronous",
         source="Harmonic oscillator in the coordinates y1 = z1 + a z2^2, y2 = z2 + b y1^2",
@@ -290,7 +291,7 @@ def isochronous(a: str = "1/4", b: str = "1/3") -> Problem:
         ),
         y0=("1/2", "3/10"),
         t_span=(0.0, 2 * math.pi),
-        exact=Flow(_isochronous_flow, {"a": Fraction(a), "b": Fraction(b)}),
+        exact=Flow(_isochronous_flow, parameters),
         scales={"period": 2 * math.pi, "time": 1.0},
     )
 

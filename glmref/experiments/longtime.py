@@ -62,7 +62,9 @@ class Drift:
         """Return the record in JSON's types."""
         from .records import finite
 
-        numbers = {k: finite(getattr(self, k)) for k in self.__slots__ if k not in ("quantity", "kind")}
+        numbers = {
+            k: finite(getattr(self, k)) for k in self.__slots__ if k not in ("quantity", "kind")
+        }
         return {"quantity": self.quantity, "kind": self.kind, **numbers}
 
 
@@ -134,9 +136,7 @@ def _joined(rows: list[Solution], steps: int) -> Solution:
         rows[-1],
         t=np.concatenate([part.t for part in keep]),
         y=np.concatenate([p.y if k == 0 else p.y[1:] for k, p in enumerate(rows)]),
-        history=np.concatenate(
-            [np.asarray(p.history)[min(k, 1) :] for k, p in enumerate(rows)]
-        ),
+        history=np.concatenate([np.asarray(p.history)[min(k, 1) :] for k, p in enumerate(rows)]),
         steps=steps,
         start_evaluations=rows[0].start_evaluations,
         build_seconds=rows[0].build_seconds,

@@ -1,9 +1,9 @@
 """Parasitic growth: the rate measured, the rate that mu f' gives, and when a run is lost.
 
 To each eigenvalue zeta != 1, |zeta| = 1, of V belongs a parasitic component phi. By theory it
-follows ``phi' = mu f'(y) phi`` to leading order in h. Here it is *measured*: the method is run twice
-from starting values that differ by a small amount along the eigenvector of zeta, and the difference,
-read off by the left eigenvector and turned back by ``zeta^-n``, is phi.
+follows ``phi' = mu f'(y) phi`` to leading order in h. Here it is *measured*: the method is run
+twice from starting values that differ by a small amount along the eigenvector of zeta, and the
+difference, read off by the left eigenvector and turned back by ``zeta^-n``, is phi.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ __all__ = [
     "start_amplitude",
 ]
 
-#: A run counts as lost when the values beyond ``u y_1`` reach this part of the first solution value.
+#: A run is lost when the values beyond ``u y_1`` reach this part of the first solution value.
 LOST = 1 / 3
 #: Size of the perturbation that makes a parasitic component visible: its square is what linear
 #: growth neglects, its inverse times 2e-16 is the round-off; both stay far below one per cent.
@@ -172,7 +172,7 @@ def _measured_propagator(
 def predicted_propagator(
     mu: complex, problem: Problem, *, time: float, steps: int | None = None
 ) -> np.ndarray:
-    """Solve ``Phi' = mu f'(y) Phi``, ``Phi(0) = I``, along the solution y; return Phi(time), (d, d).
+    """Solve ``Phi' = mu f'(y) Phi``, ``Phi(0) = I``, along the solution y; return Phi(time).
 
     Args:
         mu: growth parameter.
@@ -191,7 +191,7 @@ def predicted_propagator(
 def _propagators(
     mu: complex, problem: Problem, *, time: float, pieces: int, steps: int | None = None
 ) -> list[np.ndarray]:
-    """Propagators to the ends of equal pieces of an interval, by the classical Runge-Kutta method."""
+    """Propagators to the ends of equal pieces of an interval, by the classical fourth order."""
     if problem.jacobian is None:
         raise UsageError(f"{problem.name} gives no Jacobian; mu f' cannot be formed")
     if steps is None:

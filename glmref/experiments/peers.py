@@ -158,8 +158,9 @@ def _rebound(problem: Problem, tolerance: float, times: np.ndarray, method: str)
             place = dict(zip("xyz", y0[:half][axes], strict=False))
             speed = dict(zip(("vx", "vy", "vz"), y0[half:][axes], strict=False))
             simulation.add(m=mass, **place, **speed)
-        old = getattr(simulation, "ri_ias15", None)
-        (simulation.integrator if old is None else old).epsilon = tolerance
+        # version 4 keeps the settings of IAS15 apart, version 5 with the integrator itself
+        settings: Any = getattr(simulation, "ri_ias15", None) or simulation.integrator
+        settings.epsilon = tolerance
         rows = []
         for t in times - float(problem.t_span[0]):
             simulation.integrate(float(t))

@@ -15,7 +15,7 @@ import numpy as np
 from ..claims import UsageError
 from ..engine.reference import PairStepper, Stepper
 from ..engine.tableau import preconsistency
-from ..linalg import Matrix
+from ..linalg import Matrix, identity
 
 __all__ = ["Underlying"]
 
@@ -49,7 +49,7 @@ def _half(engine: Stepper, U: Matrix, V: Matrix, columns: slice) -> _Half:
     if exact_u is None:
         raise UsageError("the method is not pre-consistent: no u has V u = u and U u = 1")
     u = arithmetic.array((exact_u,))[0]
-    one = arithmetic.array(tuple(tuple(int(i == j) for j in range(r)) for i in range(r)))
+    one = arithmetic.array(identity(r))
     # the first value is the solution wherever it holds y at all
     row = next(k for k in range(r) if exact_u[k].is_zero() is not True)
     e = one[row] / u[row]

@@ -105,7 +105,9 @@ def _fastest(scene: Scene, records: Sequence[Record]) -> str:
     parts += [f"{name} {_times(times[name] / best)}" for name in ranked[1:3]]
     carried = next((name for name in ranked if _carries_several(records, name)), None)
     if carried is not None and carried not in ranked[:3]:
-        parts.append(f"the first method with several values, {carried}, {_times(times[carried] / best)}")
+        parts.append(
+            f"the first method with several values, {carried}, {_times(times[carried] / best)}"
+        )
     sentence = f"{what}: {', '.join(parts)}"
     return sentence + (f"; not reached by {_listed(missed)}" if missed else "")
 

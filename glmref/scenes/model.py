@@ -37,7 +37,7 @@ class Answer:
     ----------
         kind: one of :data:`ANSWERS`.
         error: for ``"fastest"``, which error is judged: ``"state"`` or ``"energy"``.
-        at: for ``"fastest"``, the error to reach; for ``"conserved"``, the drift that counts as kept.
+        at: for ``"fastest"`` the error to reach, for ``"conserved"`` the drift that counts as kept.
     """
 
     kind: str

@@ -73,7 +73,8 @@ def plan(scene: Scene) -> Plan:
         for h, steps in scene.grid:
             tasks.append(_task(scene, name, fingerprint, h, steps))
             evaluations += steps * _per_step(method) * _runs(scene)
-    modules, absent = list(ALWAYS), []
+    modules: list[str] = list(ALWAYS)
+    absent: list[str] = []
     if scene.peers:
         from ..experiments.peers import package_of
 

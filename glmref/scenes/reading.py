@@ -62,7 +62,9 @@ def _path_of(text: str) -> Path:
         return path
     if path.suffix == ".toml" or path.parent != Path():
         what = "is a folder" if path.is_dir() else "does not exist"
-        raise UsageError(f"the file {text!r} {what}; give a scene file or one of {', '.join(shipped)}")
+        raise UsageError(
+            f"the file {text!r} {what}; give a scene file or one of {', '.join(shipped)}"
+        )
     near = get_close_matches(text, shipped, n=3)
     hint = f"did you mean {' or '.join(near)}?" if near else f"the scenes are {', '.join(shipped)}"
     raise UsageError(f"there is no scene named {text!r}; {hint}")
@@ -105,7 +107,9 @@ class _Reader:
         self.path = path
         try:
             if path.stat().st_size > MAX_BYTES:
-                raise DataError(f"{path.name}: the file is larger than {MAX_BYTES} bytes; shorten it")
+                raise DataError(
+                    f"{path.name}: the file is larger than {MAX_BYTES} bytes; shorten it"
+                )
             text = path.read_text(encoding="utf-8")
         except OSError as error:
             raise DataError(f"{path.name}: the file cannot be read ({error.strerror})") from None
@@ -116,9 +120,13 @@ class _Reader:
         try:
             self.document: dict[str, Any] = tomllib.loads(text)
         except tomllib.TOMLDecodeError as error:
-            raise DataError(f"{path.name}: not TOML: {str(error)[:1].lower()}{str(error)[1:]}") from None
+            raise DataError(
+                f"{path.name}: not TOML: {str(error)[:1].lower()}{str(error)[1:]}"
+            ) from None
         except RecursionError:
-            raise DataError(f"{path.name}: brackets are nested too deep; flatten the file") from None
+            raise DataError(
+                f"{path.name}: brackets are nested too deep; flatten the file"
+            ) from None
         self.lines = _lines(text)
 
     def fail(self, where: tuple[str, ...], sentence: str) -> DataError:
@@ -200,7 +208,8 @@ class _Reader:
             )
         if not _NAME.fullmatch(given["name"]):
             raise self.fail(
-                ("name",), f"`name` must be lower-case words with hyphens, got {shown(given['name'])}"
+                ("name",),
+                f"`name` must be lower-case words with hyphens, got {shown(given['name'])}",
             )
         overrides = given.get("quick", {})
         if not isinstance(overrides, dict):
@@ -278,7 +287,9 @@ class _Reader:
         try:
             return build(table["name"], **parameters), parameters
         except UsageError as error:
-            bad = next((k for k in parameters if f"{k!r}" in str(error) or f"`{k}`" in str(error)), "")
+            bad = next(
+                (k for k in parameters if f"{k!r}" in str(error) or f"`{k}`" in str(error)), ""
+            )
             raise self.fail(("problem", bad or "name"), str(error)) from None
 
     def _answerable(self, problem: Any, ask: tuple[str, ...], where: tuple[str, ...]) -> None:

@@ -174,7 +174,9 @@ def _form(method: Any) -> Any:
         return None
     if hasattr(method, "A_hat"):
         return None
-    return np.array([[complex(x) if not x.is_real() else float(x) for x in row] for row in method.G])
+    return np.array(
+        [[complex(x) if not x.is_real() else float(x) for x in row] for row in method.G]
+    )
 
 
 def _parasitic(

@@ -138,7 +138,5 @@ def _lines(groups: Mapping[str, Sequence[Record]], error: str, cost: str) -> tup
             points.append((float(spent), float(value)))
             notes.append(f"h = {record['h']:.4g}" if "h" in record else "")
         order = sorted(range(len(points)), key=lambda k: points[k][0])
-        lines.append(
-            Series(name, tuple(points[k] for k in order), tuple(notes[k] for k in order))
-        )
+        lines.append(Series(name, tuple(points[k] for k in order), tuple(notes[k] for k in order)))
     return tuple(lines)

@@ -1,4 +1,4 @@
-"""exact.py: zero is decided, floats never enter, balls keep their radius."""
+"""Exact numbers: zero is decided, floats never enter, balls keep their radius."""
 
 from __future__ import annotations
 

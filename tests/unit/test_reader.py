@@ -9,7 +9,7 @@ import pytest
 from glmref.catalogue import document, load, names
 from glmref.claims import DataError
 from glmref.expression import Text
-from glmref.keys import BLOCKS, CLAIMS, PAIRS, SOURCE
+from glmref.keys import BLOCKS, CLAIMS, PAIRS, SOURCE, without_meaning
 from glmref.method import GLM, PartitionedGLM
 from glmref.reader import load_document
 
@@ -93,8 +93,19 @@ def test_claimed_expressions_keep_text_and_value() -> None:
 def test_each_claim_is_refused_with_a_value_of_another_kind() -> None:
     wrong = {int: True, bool: 1, list: "1", str: ["1"]}
     for claim, kind in CLAIMS.items():
+        base = "stormer-verlet" if claim in without_meaning("rk") else "rk4"
         with pytest.raises(DataError, match=f"the claim '{claim}' must be"):
-            glm(kind="rk", A=[["0"]], b=["1"], claims={claim: wrong[kind]})
+            load_document({**document(base), "claims": {claim: wrong[kind]}})
+
+
+def test_claims_of_one_method_and_of_a_pair_are_refused_for_the_other() -> None:
+    for base, kind, right in (("rk4", "rk", 0), ("stormer-verlet", "splitting", 1)):
+        assert without_meaning(kind)
+        for claim in without_meaning(kind):
+            values = {int: 1, bool: True, list: ["1"], str: "1"}
+            with pytest.raises(DataError, match="has no meaning for"):
+                load_document({**document(base), "claims": {claim: values[CLAIMS[claim]]}})
+        assert not without_meaning(kind) & without_meaning(("splitting", "rk")[right])
 
 
 def test_each_needed_key_is_asked_for_by_name() -> None:

@@ -1,0 +1,146 @@
+"""Give a wrong result the name of its defect.
+
+Three ways, the surest first: the result is one that a usual bug gives (the vectors hold these); the
+coefficients, read out of the integrator, differ from the method's at named entries; the size of the
+error speaks for a kind of arithmetic. What none of them explains is reported as a plain difference.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..claims import GlmrefError
+from .adapter import AdapterError, NotOffered, Subject
+from .probe import Reading, read
+from .traps import NOTES
+from .vectors import Case, Vectors, array
+
+__all__ = ["coefficient_differences", "known_bug", "name_defect", "single_precision"]
+
+_SHOWN = 3
+
+
+def known_bug(found: np.ndarray, case: Case, tolerance: float) -> str:
+    """Name the bug whose stored result this is, or ``""``."""
+    for flag, wrong in case.wrong:
+        if wrong.shape == found.shape and np.abs(wrong - found).max() <= 100 * tolerance:
+            return f"it is the result of this bug: {NOTES[flag][0]} ({flag})"
+    return ""
+
+
+def single_precision(found: np.ndarray) -> str:
+    """Whether every number is a single precision number, or ``""``."""
+    values = found[np.abs(found) > 0]
+    if values.size and np.all(values.astype(np.float32).astype(float) == values):
+        return "every number is a single precision number: the arithmetic is not double"
+    return ""
+
+
+def name_defect(
+    subject: Subject, vectors: Vectors, case: Case, found: np.ndarray, tolerance: float
+) -> str:
+    """Return a sentence on why a step or a run is wrong, or ``""`` where nothing explains it."""
+    said = known_bug(found, case, tolerance) or single_precision(found)
+    if said or case.kind not in ("step", "trajectory"):
+        return said
+    for other, result, allowed in _trap_results(subject, vectors, case):
+        said = known_bug(result, other, allowed)
+        if said:
+            return f"on {other.problem.name} {said}"
+    return coefficient_differences(subject, vectors)
+
+
+def _trap_results(
+    subject: Subject, vectors: Vectors, case: Case
+) -> Iterator[tuple[Case, np.ndarray, float]]:
+    """Results on the other traps of the method."""
+    if "step" not in subject.offers:
+        return
+    for other in vectors.cases:
+        if other is case or other.kind != "step" or not other.wrong or other.claim != "step":
+            continue
+        try:
+            result = subject.step(
+                vectors.name, other.problem.problem, other.number("t"), other.input,
+                other.number("h"),
+            )  # fmt: skip
+        except (AdapterError, NotOffered):
+            continue
+        allowed = (subject.epsilon + subject.tolerance(vectors.name)) * other.number("rounding")
+        yield other, result, allowed
+
+
+def coefficient_differences(subject: Subject, vectors: Vectors) -> str:
+    """Read the coefficients and say which entries differ, or ``""``."""
+    if "values" not in vectors.document:
+        return ""
+    try:
+        reading = read(subject, vectors.name, int(vectors.document["values"]))
+    except GlmrefError:
+        return ""
+    wanted = _wanted(vectors)
+    if any(getattr(reading, letter).shape != matrix.shape for letter, matrix in wanted):
+        return (
+            f"the step has {len(reading.A)} stages that matter and the method "
+            f"{len(wanted[0][1])}"
+        )
+    entries = [
+        (abs(a - b), f"{letter}[{i + 1}][{j + 1}] is {a:.10g} and must be {b:.10g}")
+        for letter, matrix in wanted
+        for i, row in enumerate(matrix)
+        for j, b in enumerate(row)
+        for a in [getattr(reading, letter)[i, j]]
+        if abs(a - b) > 1e-9
+    ]
+    if not entries:
+        return reading.notes[0] if reading.notes else ""
+    more = f", and {len(entries) - _SHOWN} more" if len(entries) > _SHOWN else ""
+    return "its coefficients differ: " + ", ".join(text for _, text in entries[:_SHOWN]) + more
+
+
+def _wanted(vectors: Vectors) -> list[tuple[str, np.ndarray]]:
+    """Coefficients of the method, without stages on which nothing depends."""
+    from .probe import _needed
+
+    blocks: Any = vectors.coefficients
+    blocks = blocks.get("q", blocks)
+    A, U, B, V = (array(blocks[x]) for x in "AUBV")
+    if "q" in vectors.coefficients:
+        return [("A", A), ("U", U), ("B", B), ("V", V)]
+    kept = _needed(A, B)
+    return [("A", A[np.ix_(kept, kept)]), ("U", U[kept]), ("B", B[:, kept]), ("V", V)]
+
+
+def stage_order(found: np.ndarray, expected: np.ndarray, tolerance: float) -> str:
+    """Say that the stages are right but in another order, or ``""``."""
+    order: list[int] = []
+    for row in expected:
+        near = [j for j, x in enumerate(found) if np.abs(x - row).max() <= tolerance]
+        near = [j for j in near if j not in order]
+        if not near:
+            return ""
+        order.append(near[0])
+    if order == list(range(len(order))):
+        return ""
+    places = ", ".join(str(j + 1) for j in order)
+    return f"the stages are right but come in another order: they belong at {places} (StagesReordered)"
+
+
+def residual_of_stages(
+    vectors: Vectors, case: Case, stages: Sequence[np.ndarray]
+) -> float:
+    """Largest defect of ``Y = h A f(Y) + U y`` at stage values of an adapter; of a GLM."""
+    c = vectors.coefficients
+    A, U, t, h = array(c["A"]), array(c["U"]), case.number("t"), case.number("h")
+    times = t + array(c["c"]) * h
+    f = case.problem.problem.f
+    slopes = np.array([f(s, y) for s, y in zip(times, stages[0], strict=True)])
+    return float(np.abs(h * A @ slopes + U @ case.input - stages[0]).max())
+
+
+def reading_note(reading: Reading) -> str:
+    """First remark of a reading, or ``""``."""
+    return reading.notes[0] if reading.notes else ""

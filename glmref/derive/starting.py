@@ -1,0 +1,248 @@
+"""Starting and finishing methods with reversal symmetry, and the proof that their digits stand for one.
+
+An explicit Runge-Kutta-like start has *parity* when its stages are y0 and pairs that are
+exchanged by h -> -h: with the permutation sigma of the pairs, ``A_(sigma i)(sigma j) = -A_ij``
+and ``B_(k)(sigma j) = -(L B)_kj``. Then S(-h) = L S(h), as for the starting series of a symmetric
+method, so that in eigenvectors of L each value has conditions at the even trees or at the odd
+ones only: 25 or 12 of the 37 up to order 6. The first value needs the even trees below the order
+only, because the principal part is free at the order itself. A finish with parity, b_(sigma j) =
+-b_j, undoes an even series by an even one: 25 conditions.
+
+In a file the decimals of ``starting`` (and of ``finishing``) are the unknowns, as many as
+conditions; the other entries are rational. :func:`prove_starting` checks the parity for all
+values of the unknowns, and the conditions by the interval test; the starting series of the method
+is a parameter, given by balls, and the test holds for every value in them.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from typing import Any
+
+from .. import linalg
+from ..claims import DataError, ExactnessError
+from ..exact import Ball, Exact, ball
+from ..expression import parse
+from ..linalg import Matrix
+from ..theory.trees import Tree, trees
+from .enclosure import Enclosure, Krawczyk, Outcome, krawczyk
+from .system import Affine, SweepSystem
+
+__all__ = ["StartingSystem", "prove_finishing", "prove_starting", "weights"]
+
+#: Decimals of a start that are unknowns: entries with fewer places are exact.
+_DECIMAL = re.compile(r"\d+\.\d{20,}")
+RADIUS = Fraction(1, 10**60)
+
+
+def weights(
+    A: Matrix,
+    rows: Matrix,
+    order: int,
+    base: Mapping[Tree, Any] | None = None,
+) -> list[Mapping[Tree, Any]]:
+    """Series of ``y_k = S + h sum rows_kj f(Y_j)``, ``Y_i = S + h sum A_ij f(Y_j)``, without the S itself.
+
+    Args:
+        A: (m, m) strictly lower triangular. rows: (k, m). order: last order.
+        base: series of S, where it is not the identity.
+
+    Returns
+    -------
+        For each row the map tree -> coefficient.
+    """
+    eta: dict[Tree, tuple[Any, ...]] = {}
+    found: list[dict[Tree, Any]] = [{} for _ in rows]
+    for n in range(1, order + 1):
+        for t in trees(n):
+            derivative: tuple[Any, ...] = (Exact(1),) * len(A)
+            for child in t.children:
+                derivative = tuple(x * y for x, y in zip(derivative, eta[child], strict=True))
+            for k, row in enumerate(rows):
+                found[k][t] = linalg.dot(row, derivative)
+            if n < order:
+                stages = linalg.matvec(A, derivative)
+                shift = base[t] if base is not None else Exact(0)
+                eta[t] = tuple(x + shift for x in stages)
+    return list(found)
+
+
+class StartingSystem:
+    """The decimals of a start or finish as unknowns.
+
+    Attributes
+    ----------
+        unknowns: their values as text, without sign, in order of appearance.
+    """
+
+    def __init__(self, entries: Sequence[Sequence[str]]) -> None:
+        self.entries = entries
+        seen = (x for row in entries for text in row for x in _DECIMAL.findall(text))
+        self.unknowns: tuple[str, ...] = tuple(dict.fromkeys(seen))
+        self._names = {x: f"x{k}" for k, x in enumerate(self.unknowns)}
+
+    def read(self, values: Sequence[Any]) -> Matrix:
+        """Evaluate the entries at values of the unknowns."""
+        constants = dict(zip(self._names.values(), values, strict=True))
+        return tuple(
+            tuple(
+                parse(_DECIMAL.sub(lambda m: self._names[m[0]], text), constants=constants)
+                for text in row
+            )
+            for row in self.entries
+        )
+
+    def affine(self) -> list[list[Affine]]:
+        """The entries as affine expressions in the unknowns."""
+        values = [Affine.unknown(x) for x in self._names.values()]
+        return [[Affine.of(x) for x in row] for row in self.read(values)]
+
+    def published(self, digits: int) -> list[Ball]:
+        """The balls that the digits stand for."""
+        return [ball(parse(x, digits=digits)) for x in self.unknowns]
+
+
+def _pairing(size: int) -> list[int]:
+    """Stage 0 is y0; the others come in pairs (1, 2), (3, 4), ..
+
+    Raises
+    ------
+        DataError: for an even number of stages.
+    """
+    if size % 2 == 0:
+        raise DataError(f"a start with parity has an odd number of stages, got {size}")
+    return [0] + [k + 1 if k % 2 else k - 1 for k in range(1, size)]
+
+
+def _check_parity(system: StartingSystem, size: int, images: Sequence[Sequence[Affine]]) -> None:
+    """Check A and the images of the other rows for all values of the unknowns.
+
+    Raises
+    ------
+        DataError: naming the entry.
+    """
+    swap, entries = _pairing(size), system.affine()
+    for i in range(len(entries)):
+        mirrored = entries[swap[i]] if i < size else images[i - size]
+        for j in range(size):
+            if not (entries[i][swap[j]] + mirrored[j]).is_identically_zero():
+                raise DataError(
+                    f"the start has no parity: row {i + 1}, column {swap[j] + 1}, and its mirror image"
+                )
+            if i < size and j >= i and not entries[i][j].is_identically_zero():
+                raise DataError(f"the start is not explicit in row {i + 1}, column {j + 1}")
+
+
+def functionals(L: Matrix) -> list[tuple[tuple[Any, ...], int]]:
+    """Rows f with f L = +-f, the first being e_1, with the sign."""
+    found: list[tuple[tuple[Any, ...], int]] = []
+    for sign in (1, -1):
+        shifted = linalg.sub(linalg.transpose(L), linalg.scale(sign, linalg.identity(len(L))))
+        found += [(row, sign) for row in linalg.nullspace(shifted)]
+    first = [x for x in found if not x[0][0].is_zero()]
+    if len(found) != len(L) or len(first) != 1 or any(not y.is_zero() for y in first[0][0][1:]):
+        raise DataError("the involution L of the method does not keep the first value apart")
+    return first + [x for x in found if x is not first[0]]
+
+
+def _signed_trees(sign: int, order: int) -> list[Tree]:
+    return [t for n in range(1, order + 1) if (n % 2 == 0) == (sign > 0) for t in trees(n)]
+
+
+def starting_conditions(
+    B_series: Sequence[Mapping[Tree, Any]],
+    zeta: Mapping[Tree, Sequence[Any]],
+    L: Matrix,
+    order: int,
+) -> list[Any]:
+    """Start minus starting series, in eigenvectors of L, at the trees that parity leaves."""
+    result = []
+    for k, (row, sign) in enumerate(functionals(L)):
+        for t in _signed_trees(sign, order - 1 if k == 0 else order):
+            terms = [s[t] - x for s, x in zip(B_series, zeta[t], strict=True)]
+            result.append(linalg.dot(row, terms))
+    return result
+
+
+def involution(document: Mapping[str, Any]) -> Matrix:
+    """L = V^-1 E of a file of class ``"sweep"``."""
+    system = SweepSystem(document)
+    signs = system.signs()
+    if signs is None:
+        raise DataError("only a symmetric method has a start with parity")
+    E = linalg.diagonal([Exact(x) for x in signs])
+    return linalg.matmul(linalg.inverse(system.V), E)
+
+
+def prove_starting(document: Mapping[str, Any], enclosure: Enclosure) -> Krawczyk:
+    """Prove that an exact start lies within the digits of the file's starting method.
+
+    Args:
+        document: of class ``"sweep"`` with ``"starting"``.
+        enclosure: what :func:`glmref.derive.enclosure.prove` returned for it.
+
+    Raises
+    ------
+        DataError: when the start has not the form described above.
+        ExactnessError: when the interval test does not succeed.
+    """
+    block, L = document["starting"], involution(document)
+    size, order = len(block["A"]), enclosure.order
+    system = StartingSystem([*block["A"], *block["B"]])
+    if [parse(x) for x in block["u"]] != [Exact(int(k == 0)) for k in range(len(L))]:
+        raise DataError("`starting.u` must be 1, 0, .., 0")
+    B = system.affine()[size:]
+    images = [
+        [sum((b[j] * x for b, x in zip(B[1:], row[1:], strict=True)), B[0][j] * row[0])
+         for j in range(size)]
+        for row in L
+    ]  # fmt: skip
+    _check_parity(system, size, images)
+
+    def conditions(values: Sequence[Any]) -> list[Any]:
+        matrix = system.read(values)
+        found = weights(matrix[:size], matrix[size:], order)
+        return starting_conditions(found, enclosure.series.zeta, L, order)
+
+    return _test(system, conditions, document, "starting")
+
+
+def prove_finishing(document: Mapping[str, Any], start: Krawczyk, order: int) -> Krawczyk:
+    """Prove that an exact finish lies within the digits: it undoes the first value of the start.
+
+    Raises
+    ------
+        DataError: when the finish has not the form described above.
+        ExactnessError: when the interval test does not succeed.
+    """
+    opening, block = document["starting"], document["finishing"]
+    before = StartingSystem([*opening["A"], *opening["B"]])
+    matrix, m = before.read(start.box), len(opening["A"])
+    base = weights(matrix[:m], matrix[m : m + 1], order)[0]
+    size = len(block["A"])
+    system = StartingSystem([*block["A"], block["b"]])
+    _check_parity(system, size, [system.affine()[size]])
+
+    def conditions(values: Sequence[Any]) -> list[Any]:
+        entries = system.read(values)
+        found = weights(entries[:size], entries[size:], order, base)[0]
+        return [found[t] + base[t] for t in _signed_trees(1, order)]
+
+    return _test(system, conditions, document, "finishing")
+
+
+def _test(
+    system: StartingSystem, conditions: Any, document: Mapping[str, Any], key: str
+) -> Krawczyk:
+    published = system.published(document.get("digits", 75))
+    result = krawczyk(conditions, published, RADIUS)
+    if result.outcome is not Outcome.UNIQUE:
+        raise ExactnessError(
+            f"`{key}`: the interval test gives {result.outcome!s} near the digits ({result.witness})"
+        )
+    for x, y in zip(published, result.box, strict=True):
+        if not x.contains(y):
+            raise ExactnessError(f"`{key}`: the exact method lies outside the digits")
+    return result

@@ -1,0 +1,177 @@
+"""Generated source for the values carried: x = V y, the increments of a step, the new values.
+
+A value is kept as y + e, e what rounding took from it (compensated summation). Within a step it is
+x + u, u holding e and the increments so far, so that increments are added to each other before
+they meet the value. Rows of V that are a signed unit vector cost nothing: they rename. Sums of
+several values lose no bits to rounding either (Knuth's TwoSum).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from .emit import Target
+from .sweep import Row
+
+__all__ = ["Values", "linear"]
+
+Term = tuple[float, str]
+
+
+def linear(terms: Sequence[Term]) -> str:
+    """Source of a linear combination: zeros dropped, ones not multiplied."""
+    text = ""
+    for factor, name in terms:
+        if factor == 0.0:
+            continue
+        sign = "-" if factor < 0 else "+"
+        body = name if abs(factor) == 1.0 else f"{abs(factor)!r}*{name}"
+        if not text:
+            text = body if sign == "+" else f"-{body}"
+        else:
+            text += f" {sign} {body}"
+    return text or "0.0"
+
+
+class Values:
+    """The values of one side of a method within the step that is being written.
+
+    Args:
+        target: where statements go.
+        V: (r, r). R: (r, n), the update coefficients. residue: (r, n), what their rounding lost.
+        large: which values are multiples of the solution.
+        part: components of the state that these values are.
+        running: whether increments are added as they come, to V y.
+        compensated: whether rounding errors are kept.
+    """
+
+    def __init__(
+        self, target: Target, V: tuple[Row, ...], R: tuple[Row, ...], residue: tuple[Row, ...],
+        large: Sequence[bool], part: tuple[int, int], *, running: bool, compensated: bool,
+    ) -> None:  # fmt: skip
+        self.t, self.V, self.R, self.residue = target, V, R, residue
+        self.large, self.part = large, part
+        self.running, self.compensated = running, compensated
+        self.x: list[Term] = []
+        self.u: list[Term | None] = []
+        self.grown: set[int] = set()
+
+    @property
+    def r(self) -> int:
+        """Number of values."""
+        return len(self.V)
+
+    def begin(self) -> None:
+        """Values that the stages read: V y, or y itself where increments are added at the end."""
+        self.grown.clear()
+        if self.running:
+            self._shift()
+            return
+        self.x = [(1.0, f"@y{k}") for k in range(self.r)]
+        self.u = [(1.0, f"@e{k}") if self.compensated else None for k in range(self.r)]
+
+    def _shift(self) -> None:
+        """x = V y and u = V e."""
+        self.x, self.u, lines = [], [], []
+        for k, row in enumerate(self.V):
+            terms = [(factor, f"@y{j}") for j, factor in enumerate(row) if factor]
+            errors = [(factor, f"@e{j}") for j, factor in enumerate(row) if factor]
+            if len(terms) == 1 and abs(terms[0][0]) == 1.0:
+                self.x.append(terms[0])
+                self.u.append(errors[0] if self.compensated else None)
+                continue
+            self.x.append((1.0, f"@x{k}"))
+            self.u.append((1.0, f"@u{k}") if self.compensated else None)
+            if self.compensated and all(abs(factor) == 1.0 for factor, _ in terms) and terms:
+                lines += _two_sums(f"@x{k}", f"@u{k}", terms, linear(errors))
+                continue
+            lines.append(f"@x{k} = {linear(terms)}")
+            if self.compensated:
+                lines.append(f"@u{k} = {linear(errors)}")
+        if lines:
+            self.t.vec(lines, self.part)
+
+    def read(self, factors: Row) -> tuple[list[Term], list[Term]]:
+        """Terms of ``factors . values`` for a stage: multiples of the solution, and small terms."""
+        big: list[Term] = []
+        small: list[Term] = []
+        for k, factor in enumerate(factors):
+            sign, name = self.x[k]
+            rest = self.u[k]
+            if self.large[k]:
+                big.append((factor * sign, name))
+                if rest is not None:
+                    small.append((factor * rest[0], rest[1]))
+            elif rest is None or k not in self.grown:
+                # e of a small value is below the rounding of the sum it enters
+                small.append((factor * sign, name))
+            else:
+                small.append((factor, f"({linear([self.x[k], rest])})"))
+        return big, small
+
+    def add(self, column: int, name: str) -> None:
+        """Running forms: u += R L as soon as L is known."""
+        lines = []
+        for k, row in enumerate(self.R):
+            if not row[column]:
+                continue
+            rest = self.u[k]
+            terms = [(row[column], name)]
+            lines.append(f"@u{k} = {linear(terms if rest is None else [rest, *terms])}")
+            self.u[k] = (1.0, f"@u{k}")
+            self.grown.add(k)
+        if lines:
+            self.t.vec(lines, self.part)
+
+    def finish(self, names: Sequence[str]) -> None:
+        """New values in n{k} and, compensated, their rounding errors in r{k}."""
+        if not self.running:
+            self._shift()
+        lines = []
+        for k, row in enumerate(self.R):
+            rest = self.u[k]
+            if not self.running:
+                terms = list(zip(row, names, strict=True))
+                if self.compensated:
+                    terms = list(zip(self.residue[k], names, strict=True)) + terms
+                increments = linear(terms)
+                if increments != "0.0":
+                    kept = "" if rest is None else f"{linear([rest])} + "
+                    lines.append(f"@u{k} = {kept}({increments})")
+                    rest = (1.0, f"@u{k}")
+            sign, value = self.x[k]
+            if rest is None:
+                lines.append(f"@n{k} = {linear([self.x[k]])}")
+                continue
+            lines.append(f"@n{k} = {linear([self.x[k], rest])}")
+            if self.compensated:
+                # Fast2Sum: where |u| > |x| the error kept is itself rounded, which is below the
+                # round-off of one step; TwoSum would lengthen the chain from step to step
+                lines.append(f"@r{k} = {linear([rest])} - ({linear([(1.0, f'@n{k}'), (-sign, value)])})")
+        self.t.vec(lines, self.part)
+
+    def check(self, name: str) -> None:
+        """Assign to ``name`` a sum that is a number only if every new value is."""
+        total = " + ".join(f"@n{k}" for k in range(self.r))
+        self.t.total(name, f"({total})" if self.r > 1 else total, self.part)
+
+    def pairs(self) -> list[tuple[str, str]]:
+        """What becomes what when the step is good."""
+        pairs = [(f"@y{k}", f"@n{k}") for k in range(self.r)]
+        if self.compensated:
+            pairs += [(f"@e{k}", f"@r{k}") for k in range(self.r)]
+        return pairs
+
+
+def _two_sums(value: str, rest: str, terms: list[Term], error: str) -> list[str]:
+    """Add the terms one by one, each rounding error going to ``rest`` (Knuth's TwoSum)."""
+    lines = [f"held = {linear(terms[:1])}", f"lost = {error}"]
+    for term in terms[1:]:
+        lines += [
+            f"more = {linear([term])}",
+            "both = held + more",
+            "share = both - held",
+            "lost = lost + ((held - (both - share)) + (more - share))",
+            "held = both",
+        ]
+    return [*lines, f"{value} = held", f"{rest} = lost"]
