@@ -42,10 +42,12 @@ KEY_ORDER: tuple[str, ...] = (
     *("alpha", "beta", "a", "A", "U", "B", "V", "V_hat", "b", "w", "c", "v"),
     *("omega", "gamma", "q", "p", "A_hat", "b_hat"),
     *("u", "G", "D", "X", "D_P", "D_Q", "enclosure", "starting", "finishing", "claims"),
-    *("order", "order-identity", "effective-order", "nystrom-order", "stage-order", "starting-order"),
+    *("order", "order-identity", "effective-order", "nystrom-order", "stage-order"),
+    *("starting-order",),
     *("error-constant", "abscissae"),
     *("preconsistent", "consistent", "zero-stable", "explicit", "symplectic", "g-symplectic"),
-    *("symmetric", "parasitism-free", "reducible", "growth", "a-stable", "l-stable", "claim", "flag", "why"),
+    *("symmetric", "parasitism-free", "reducible", "growth", "a-stable", "l-stable"),
+    *("claim", "flag", "why"),
     *("source", "citation", "doi", "where", "status", "errata", "bibtex"),
 )
 #: Objects whose keys keep the order they are given in.

@@ -94,8 +94,9 @@ def tick_texts(logs: Sequence[float]) -> list[str]:
         if plain:
             texts.append(f"{10**log:.4g}")
             continue
-        mantissa, _, power = f"{10**log:.0e}".partition("e")
-        texts.append(mantissa if not int(power) else f"{mantissa}e{int(power)}")
+        power = math.floor(log + 1e-9)
+        mantissa = f"{10 ** (log - power):.2g}"
+        texts.append(f"{mantissa}e{power}" if power else mantissa)
     return texts
 
 

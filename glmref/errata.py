@@ -12,8 +12,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from .data_files import data_root
 from .claims import DataError, UsageError
+from .data_files import data_root
 from .strict_json import read_json, shown
 
 __all__ = ["FORMAT", "PROOFS", "VERDICTS", "Erratum", "erratum", "find_errata", "load_errata"]

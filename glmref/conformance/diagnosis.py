@@ -14,7 +14,8 @@ import numpy as np
 
 from ..claims import GlmrefError
 from .adapter import AdapterError, NotOffered, Subject
-from .probe import Reading, read
+from .identify import matches
+from .probe import read
 from .traps import NOTES
 from .vectors import Case, Vectors, array
 
@@ -39,11 +40,25 @@ def single_precision(found: np.ndarray) -> str:
     return ""
 
 
+def constant_factor(found: np.ndarray, right: np.ndarray, h: float) -> str:
+    """Say that the values 2 to r are all the same multiple of the right ones, or ``""``."""
+    if found.shape != right.shape or len(right) < 2 or not np.all(right[1:]):
+        return ""
+    ratios = (found[1:] / right[1:]).ravel()
+    if np.ptp(ratios) > 1e-9 * abs(ratios[0]) or abs(ratios[0] - 1) < 1e-6 or not ratios[0]:
+        return ""
+    names = {h: "h", 1 / h: "1/h", -1.0: "the wrong sign"}
+    name = next((text for x, text in names.items() if abs(ratios[0] / x - 1) < 1e-9), "")
+    return f"values 2 to r are {ratios[0]:.6g} times the right ones" + (f" ({name})" if name else "")
+
+
 def name_defect(
     subject: Subject, vectors: Vectors, case: Case, found: np.ndarray, tolerance: float
 ) -> str:
     """Return a sentence on why a step or a run is wrong, or ``""`` where nothing explains it."""
     said = known_bug(found, case, tolerance) or single_precision(found)
+    if not said and case.kind in ("step", "start"):
+        said = constant_factor(found, case["output"], case.number("h"))
     if said or case.kind not in ("step", "trajectory"):
         return said
     for other, result, allowed in _trap_results(subject, vectors, case):
@@ -81,24 +96,39 @@ def coefficient_differences(subject: Subject, vectors: Vectors) -> str:
         reading = read(subject, vectors.name, int(vectors.document["values"]))
     except GlmrefError:
         return ""
+    known = [match.name for match in matches(reading)]
+    if known and vectors.name not in known:
+        return f"its coefficients are those of {known[0]}"
     wanted = _wanted(vectors)
     if any(getattr(reading, letter).shape != matrix.shape for letter, matrix in wanted):
-        return (
-            f"the step has {len(reading.A)} stages that matter and the method "
-            f"{len(wanted[0][1])}"
+        more = len(reading.A) - len(wanted[0][1])
+        said = (
+            f"the result depends on f at {len(reading.A)} points and the method has "
+            f"{len(wanted[0][1])} stages"
         )
+        iterated = more > 0 and bool(getattr(vectors.method, "implicit_stages", True))
+        return f"{said}: its stage equations are iterated and not solved" if iterated else said
     entries = [
-        (abs(a - b), f"{letter}[{i + 1}][{j + 1}] is {a:.10g} and must be {b:.10g}")
+        (abs(a - b), f"{letter}[{i + 1}][{j + 1}] is {a:.10g} and must be {b:.10g}{_digits(a, b)}")
         for letter, matrix in wanted
         for i, row in enumerate(matrix)
         for j, b in enumerate(row)
         for a in [getattr(reading, letter)[i, j]]
-        if abs(a - b) > 1e-9
+        if abs(a - b) > 1e-12
     ]
     if not entries:
         return reading.notes[0] if reading.notes else ""
-    more = f", and {len(entries) - _SHOWN} more" if len(entries) > _SHOWN else ""
-    return "its coefficients differ: " + ", ".join(text for _, text in entries[:_SHOWN]) + more
+    more = len(entries) - _SHOWN
+    rest = f", and {more} more" if more > 0 else ""
+    return "its coefficients differ: " + ", ".join(text for _, text in entries[:_SHOWN]) + rest
+
+
+def _digits(found: float, right: float) -> str:
+    """Remark that a number is the right one with few digits, or ``""``."""
+    for digits in range(3, 13):
+        if found == round(right, digits) and found != right:
+            return f" ({digits} digits only)"
+    return ""
 
 
 def _wanted(vectors: Vectors) -> list[tuple[str, np.ndarray]]:
@@ -139,8 +169,3 @@ def residual_of_stages(
     f = case.problem.problem.f
     slopes = np.array([f(s, y) for s, y in zip(times, stages[0], strict=True)])
     return float(np.abs(h * A @ slopes + U @ case.input - stages[0]).max())
-
-
-def reading_note(reading: Reading) -> str:
-    """First remark of a reading, or ``""``."""
-    return reading.notes[0] if reading.notes else ""

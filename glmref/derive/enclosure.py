@@ -16,6 +16,7 @@ and
 5. *Parasitism-free*: the growth parameter of every eigenvalue of V but 1 is an equation of the
    file.
 6. *Explicit stages*: their diagonal entry is an equation of the file.
+7. *Start and finish*: :mod:`glmref.derive.starting`.
 
 Redundant to all this, every one of the residuals up to the order is a ball around zero, of width
 below :data:`WIDTH`, over the enclosure of the root.
@@ -30,7 +31,7 @@ References
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from fractions import Fraction
 from typing import Any
@@ -226,7 +227,7 @@ def prove(document: Mapping[str, Any]) -> Enclosure:
             f"a redundant condition is not enclosed: the largest residual is {width:.3g}, "
             f"and it must be a ball around zero below {WIDTH}"
         )
-    return Enclosure(
+    record = Enclosure(
         values=values,
         radius=_radius(document),
         contraction=root.contraction,
@@ -239,6 +240,13 @@ def prove(document: Mapping[str, Any]) -> Enclosure:
         series=series,
         blocks=blocks,
     )
+    if "starting" not in document:
+        return record
+    from .starting import Target, prove_blocks
+
+    sentence = "an exact tableau lies within the digits, by the interval test on its conditions"
+    more = dict.fromkeys(prove_blocks(document, Target.of(document, record)), sentence)
+    return replace(record, proves={**record.proves, **more})
 
 
 def _radius(document: Mapping[str, Any]) -> Fraction:

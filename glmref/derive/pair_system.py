@@ -147,7 +147,9 @@ class PairSystem:
     @property
     def order(self) -> int:
         """Order up to which series are needed by the equations."""
-        return max((e.tree.order + (e.kind == "start") for e in self.equations if e.tree), default=1)
+        return max(
+            (e.tree.order + (e.kind == "start") for e in self.equations if e.tree), default=1
+        )
 
     def read(self, values: Mapping[str, Any]) -> tuple[PairNumbers, dict[Tree, Any]]:
         """Evaluate b, X, c, Y and the free principal parts at given values of the unknowns."""
@@ -312,7 +314,10 @@ class PairSystem:
                 continue
             steps = [Exact(0), *inner, Exact(0)]
             sums = [Affine.of(x) + y for x, y in zip(steps, steps[1:], strict=False)]
-            if all((2 * Affine.of(x) - y).is_identically_zero() for x, y in zip(outer, sums, strict=True)):
+            if all(
+                (2 * Affine.of(x) - y).is_identically_zero()
+                for x, y in zip(outer, sums, strict=True)
+            ):
                 return kind
         return SPLITTING
 

@@ -204,7 +204,9 @@ def _standard(word: tuple[int, ...], letters: Sequence[Element]) -> Element:
     """Bracket a Lyndon word by its longest proper Lyndon suffix."""
     if len(word) == 1:
         return letters[word[0]]
-    cut = next(i for i in range(1, len(word)) if all(word[i:] < word[j:] for j in range(i + 1, len(word))))
+    cut = next(
+        i for i in range(1, len(word)) if all(word[i:] < word[j:] for j in range(i + 1, len(word)))
+    )
     return bracket(_standard(word[:cut], letters), _standard(word[cut:], letters))
 
 
@@ -226,9 +228,7 @@ def lie_basis(order: int, kind: str) -> tuple[Element, ...]:
 
 
 @cache
-def images(
-    order: int, kind: str, *, nystrom: bool = False
-) -> Mapping[Tree, tuple[Fraction, ...]]:
+def images(order: int, kind: str, *, nystrom: bool = False) -> Mapping[Tree, tuple[Fraction, ...]]:
     """Residual of each representative for each element of :func:`lie_basis`."""
     return MappingProxyType(
         {

@@ -42,7 +42,12 @@ if TYPE_CHECKING:
 __all__ = ["PairAnsatz", "complete_pair", "fix_parameters", "search_pairs"]
 
 #: Values of zeta that are asked to vanish, by number: none, one of them, or both.
-STARTS = {"": (), "q": ("start f[k] 2",), "p": ("start k[f] 2",), "qp": ("start f[k] 2", "start k[f] 2")}
+STARTS = {
+    "": (),
+    "q": ("start f[k] 2",),
+    "p": ("start k[f] 2",),
+    "qp": ("start f[k] 2", "start k[f] 2"),
+}
 
 
 @dataclass(frozen=True)
@@ -117,7 +122,9 @@ class PairAnsatz:
             if free:
                 constants[free[-1]] = _remainder(free[-1], rows[name])
         signs = [["1", "0"], ["0", "-1"]]
-        claims = {"order": 4, "nystrom-order": self.order} if self.nystrom else {"order": self.order}
+        claims = (
+            {"order": 4, "nystrom-order": self.order} if self.nystrom else {"order": self.order}
+        )
         return {
             "format": "glmref-method-1",
             "name": self.name,
@@ -187,6 +194,7 @@ def complete_pair(
     *,
     source: Mapping[str, Any],
     claims: Mapping[str, Any] | None = None,
+    notes: Sequence[str] = (),
 ) -> tuple[dict[str, Any], PairEnclosure]:
     """Polish, prove and complete one pair.
 
@@ -194,6 +202,7 @@ def complete_pair(
         ansatz: with as many unknowns as equations.
         start: about ten digits of each unknown, in the order of the document.
         source: the source record. claims: claims besides the usual ones, or instead of them.
+        notes: sentences for the reader of the file.
 
     Raises
     ------
@@ -220,6 +229,8 @@ def complete_pair(
         **(claims or {}),
     }
     document["source"] = dict(source)
+    if notes:
+        document["notes"] = list(notes)
     return document, enclosure
 
 

@@ -1,4 +1,4 @@
-"""Starting and finishing methods with reversal symmetry, and the proof that their digits stand for one.
+"""Starting and finishing methods with parity, and the proof that their digits stand for one.
 
 An explicit Runge-Kutta-like start has *parity* when its stages are y0 and pairs that are
 exchanged by h -> -h: with the permutation sigma of the pairs, ``A_(sigma i)(sigma j) = -A_ij``
@@ -17,7 +17,8 @@ is a parameter, given by balls, and the test holds for every value in them.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
@@ -30,7 +31,21 @@ from ..theory.trees import Tree, trees
 from .enclosure import Enclosure, Krawczyk, Outcome, krawczyk
 from .system import Affine, SweepSystem
 
-__all__ = ["StartingSystem", "prove_finishing", "prove_starting", "weights"]
+__all__ = [
+    "StartingSystem",
+    "Target",
+    "finishing_function",
+    "finishing_system",
+    "first_value",
+    "prove_blocks",
+    "prove_finishing",
+    "prove_starting",
+    "starting_function",
+    "starting_system",
+    "weights",
+]
+
+Conditions = Callable[[Sequence[Any]], list[Any]]
 
 #: Decimals of a start that are unknowns: entries with fewer places are exact.
 _DECIMAL = re.compile(r"\d+\.\d{20,}")
@@ -42,12 +57,16 @@ def weights(
     rows: Matrix,
     order: int,
     base: Mapping[Tree, Any] | None = None,
+    *,
+    parity: bool = False,
 ) -> list[Mapping[Tree, Any]]:
-    """Series of ``y_k = S + h sum rows_kj f(Y_j)``, ``Y_i = S + h sum A_ij f(Y_j)``, without the S itself.
+    """Series of ``h sum rows_kj f(Y_j)`` with ``Y_i = S + h sum A_ij f(Y_j)``.
 
     Args:
         A: (m, m) strictly lower triangular. rows: (k, m). order: last order.
         base: series of S, where it is not the identity.
+        parity: whether A and the base are known to have parity: the series of every second stage
+            is then that of its partner at -h.
 
     Returns
     -------
@@ -55,6 +74,7 @@ def weights(
     """
     eta: dict[Tree, tuple[Any, ...]] = {}
     found: list[dict[Tree, Any]] = [{} for _ in rows]
+    computed = [i for i in range(len(A)) if not parity or i == 0 or i % 2]
     for n in range(1, order + 1):
         for t in trees(n):
             derivative: tuple[Any, ...] = (Exact(1),) * len(A)
@@ -63,9 +83,13 @@ def weights(
             for k, row in enumerate(rows):
                 found[k][t] = linalg.dot(row, derivative)
             if n < order:
-                stages = linalg.matvec(A, derivative)
                 shift = base[t] if base is not None else Exact(0)
-                eta[t] = tuple(x + shift for x in stages)
+                stages: dict[int, Any] = {}
+                for i in computed:
+                    stages[i] = linalg.dot(A[i], derivative) + shift
+                    if parity and i:
+                        stages[i + 1] = stages[i] if n % 2 == 0 else -stages[i]
+                eta[t] = tuple(stages[i] for i in range(len(A)))
     return list(found)
 
 
@@ -129,7 +153,7 @@ def _check_parity(system: StartingSystem, size: int, images: Sequence[Sequence[A
         for j in range(size):
             if not (entries[i][swap[j]] + mirrored[j]).is_identically_zero():
                 raise DataError(
-                    f"the start has no parity: row {i + 1}, column {swap[j] + 1}, and its mirror image"
+                    f"no parity: row {i + 1}, column {swap[j] + 1} and its mirror image differ"
                 )
             if i < size and j >= i and not entries[i][j].is_identically_zero():
                 raise DataError(f"the start is not explicit in row {i + 1}, column {j + 1}")
@@ -176,21 +200,52 @@ def involution(document: Mapping[str, Any]) -> Matrix:
     return linalg.matmul(linalg.inverse(system.V), E)
 
 
-def prove_starting(document: Mapping[str, Any], enclosure: Enclosure) -> Krawczyk:
-    """Prove that an exact start lies within the digits of the file's starting method.
+@dataclass(frozen=True)
+class Target:
+    """What a start is to agree with.
 
-    Args:
-        document: of class ``"sweep"`` with ``"starting"``.
-        enclosure: what :func:`glmref.derive.enclosure.prove` returned for it.
+    Attributes
+    ----------
+        zeta: starting series of the method through ``order``, exact or balls.
+        L: involution of the values, first row and column 1, 0, .., 0. order: of the method.
+    """
+
+    zeta: Mapping[Tree, Sequence[Any]]
+    L: Matrix
+    order: int
+
+    @classmethod
+    def of(cls, document: Mapping[str, Any], enclosure: Enclosure) -> Target:
+        """The target of a file of class ``"sweep"``, from its enclosure."""
+        return cls(enclosure.series.zeta, involution(document), enclosure.order)
+
+
+def starting_system(block: Mapping[str, Any]) -> StartingSystem:
+    """The unknowns of a block ``"starting"``."""
+    return StartingSystem([*block["A"], *block["B"]])
+
+
+def starting_function(block: Mapping[str, Any], target: Target) -> Conditions:
+    """The conditions of a start as a function of its unknowns."""
+    system, size = starting_system(block), len(block["A"])
+
+    def conditions(values: Sequence[Any]) -> list[Any]:
+        matrix = system.read(values)
+        found = weights(matrix[:size], matrix[size:], target.order, parity=True)
+        return starting_conditions(found, target.zeta, target.L, target.order)
+
+    return conditions
+
+
+def prove_starting(block: Mapping[str, Any], target: Target, *, digits: int = 75) -> Krawczyk:
+    """Prove that an exact start lies within the digits of a block ``"starting"``.
 
     Raises
     ------
         DataError: when the start has not the form described above.
         ExactnessError: when the interval test does not succeed.
     """
-    block, L = document["starting"], involution(document)
-    size, order = len(block["A"]), enclosure.order
-    system = StartingSystem([*block["A"], *block["B"]])
+    size, L, system = len(block["A"]), target.L, starting_system(block)
     if [parse(x) for x in block["u"]] != [Exact(int(k == 0)) for k in range(len(L))]:
         raise DataError("`starting.u` must be 1, 0, .., 0")
     B = system.affine()[size:]
@@ -200,47 +255,83 @@ def prove_starting(document: Mapping[str, Any], enclosure: Enclosure) -> Krawczy
         for row in L
     ]  # fmt: skip
     _check_parity(system, size, images)
+    return _test(system, starting_function(block, target), digits, "starting")
+
+
+def finishing_system(block: Mapping[str, Any]) -> StartingSystem:
+    """The unknowns of a block ``"finishing"``."""
+    return StartingSystem([*block["A"], block["b"]])
+
+
+def finishing_function(
+    block: Mapping[str, Any], base: Mapping[Tree, Any], order: int
+) -> Conditions:
+    """The conditions of a finish: with ``base``, the first value of the start, it gives y back."""
+    system, size = finishing_system(block), len(block["A"])
 
     def conditions(values: Sequence[Any]) -> list[Any]:
-        matrix = system.read(values)
-        found = weights(matrix[:size], matrix[size:], order)
-        return starting_conditions(found, enclosure.series.zeta, L, order)
+        entries = system.read(values)
+        found = weights(entries[:size], entries[size:], order, base, parity=True)[0]
+        return [found[t] + base[t] for t in _signed_trees(1, order)]
 
-    return _test(system, conditions, document, "starting")
+    return conditions
 
 
-def prove_finishing(document: Mapping[str, Any], start: Krawczyk, order: int) -> Krawczyk:
-    """Prove that an exact finish lies within the digits: it undoes the first value of the start.
+def first_value(block: Mapping[str, Any], values: Sequence[Any], order: int) -> Mapping[Tree, Any]:
+    """Series of the first value of a start, at values of its unknowns."""
+    matrix, size = starting_system(block).read(values), len(block["A"])
+    return weights(matrix[:size], matrix[size : size + 1], order)[0]
+
+
+def prove_finishing(
+    block: Mapping[str, Any], base: Mapping[Tree, Any], order: int, *, digits: int = 75
+) -> Krawczyk:
+    """Prove that an exact finish lies within the digits of a block ``"finishing"``.
+
+    Args:
+        block: the finish. base: :func:`first_value` of the start, in balls. order: of the method.
+        digits: of the file.
 
     Raises
     ------
         DataError: when the finish has not the form described above.
         ExactnessError: when the interval test does not succeed.
     """
-    opening, block = document["starting"], document["finishing"]
-    before = StartingSystem([*opening["A"], *opening["B"]])
-    matrix, m = before.read(start.box), len(opening["A"])
-    base = weights(matrix[:m], matrix[m : m + 1], order)[0]
-    size = len(block["A"])
-    system = StartingSystem([*block["A"], block["b"]])
-    _check_parity(system, size, [system.affine()[size]])
-
-    def conditions(values: Sequence[Any]) -> list[Any]:
-        entries = system.read(values)
-        found = weights(entries[:size], entries[size:], order, base)[0]
-        return [found[t] + base[t] for t in _signed_trees(1, order)]
-
-    return _test(system, conditions, document, "finishing")
+    system = finishing_system(block)
+    _check_parity(system, len(block["A"]), [system.affine()[len(block["A"])]])
+    return _test(system, finishing_function(block, base, order), digits, "finishing")
 
 
-def _test(
-    system: StartingSystem, conditions: Any, document: Mapping[str, Any], key: str
-) -> Krawczyk:
-    published = system.published(document.get("digits", 75))
+def prove_blocks(document: Mapping[str, Any], target: Target) -> list[str]:
+    """Prove the start and the finish of a document; name the claims that follow.
+
+    Blocks without long decimals are exact and are left to exact arithmetic.
+
+    Raises
+    ------
+        DataError, ExactnessError: see :func:`prove_starting` and :func:`prove_finishing`.
+    """
+    opening = document.get("starting")
+    if opening is None or not starting_system(opening).unknowns:
+        return []
+    digits = document.get("digits", 75)
+    start = prove_starting(opening, target, digits=digits)
+    claims = ["starting-order"]
+    closing = document.get("finishing")
+    if closing is not None and finishing_system(closing).unknowns:
+        base = first_value(opening, start.box, target.order)
+        prove_finishing(closing, base, target.order, digits=digits)
+        claims.append("finishing-order")
+    return claims
+
+
+def _test(system: StartingSystem, conditions: Conditions, digits: int, key: str) -> Krawczyk:
+    published = system.published(digits)
     result = krawczyk(conditions, published, RADIUS)
     if result.outcome is not Outcome.UNIQUE:
         raise ExactnessError(
-            f"`{key}`: the interval test gives {result.outcome!s} near the digits ({result.witness})"
+            f"`{key}`: the interval test gives {result.outcome!s} near the digits "
+            f"({result.witness})"
         )
     for x, y in zip(published, result.box, strict=True):
         if not x.contains(y):

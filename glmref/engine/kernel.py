@@ -200,15 +200,19 @@ def prepare(
     options = Options(
         compensated=arithmetic != "naive", history=history, interpreted=interpreted
     )
-    coefficients: StepForm | PairForm
-    if isinstance(method, PartitionedGLM):
-        coefficients = _cached_pair_form(method, wanted)
-        shape = shape_of(problem, split=True)
-    else:
-        coefficients = _cached_form(method, wanted)
-        shape = shape_of(problem)
+    coefficients, shape = choose_form(method, problem, wanted)
+    if isinstance(coefficients, StepForm):
         options = replace(options, solver=choose_solver(coefficients, shape, problem, h, solver))
     return _assembled(coefficients, shape, options, begin)
+
+
+def choose_form(
+    method: GLM | PartitionedGLM, problem: Problem, form: str
+) -> tuple[StepForm | PairForm, Shape]:
+    """Coefficients in the form asked for, and the shape of the problem."""
+    if isinstance(method, PartitionedGLM):
+        return _cached_pair_form(method, form), shape_of(problem, split=True)
+    return _cached_form(method, form), shape_of(problem)
 
 
 def _assembled(

@@ -25,7 +25,7 @@ _WHOLE = 1e-9  # how far (t_end - t0) / h may be from an integer, per step
 
 
 @dataclass(frozen=True)
-class _Plan:
+class Plan:
     """Which steps are taken and which are kept.
 
     Attributes
@@ -90,13 +90,13 @@ def solve(
     ------
         UsageError: one sentence on an argument that does not fit.
     """
-    problem, method = _resolved(problem, method)
+    problem, method = resolved(problem, method)
     if engine not in ENGINES:
         raise UsageError(f"`engine` must be one of {', '.join(ENGINES)}, got {engine!r}")
     if digits is not None and (engine != "reference" or digits < 1):
         raise UsageError("`digits` must be positive and goes with engine='reference' only")
-    h = _step_size(h)
-    plan = _plan(problem, h, t_end, steps, every, times, step_limit)
+    h = step_size(h)
+    plan = plan_of(problem, h, t_end, steps, every, times, step_limit)
     from .reference import stepper
     from .start import problem_start, starting_values
 
@@ -115,7 +115,7 @@ def solve(
         return run.solution()
 
 
-def _resolved(problem: Any, method: Any) -> tuple[Problem, GLM | PartitionedGLM]:
+def resolved(problem: Any, method: Any) -> tuple[Problem, GLM | PartitionedGLM]:
     if isinstance(problem, str):
         from ..problems import problem as by_name
 
@@ -133,7 +133,7 @@ def _resolved(problem: Any, method: Any) -> tuple[Problem, GLM | PartitionedGLM]
     return problem, method
 
 
-def _step_size(h: Any) -> float:
+def step_size(h: Any) -> float:
     try:
         value = float(h)
     except (TypeError, ValueError):
@@ -151,9 +151,9 @@ def _whole(x: float, what: str, h: float) -> int:
     return n
 
 
-def _plan(
+def plan_of(
     problem: Problem, h: float, t_end: Any, steps: Any, every: Any, times: Any, limit: Any
-) -> _Plan:
+) -> Plan:
     """Check what is asked for and turn it into step numbers."""
     t0 = float(problem.t_span[0])
     for name, value, least in (("steps", steps, 0), ("every", every, 0), ("step_limit", limit, 0)):
@@ -186,14 +186,14 @@ def _plan(
             rows = (*rows, total)
     elif limited:
         rows = tuple(n for n in rows if n < total) + (total,)
-    return _Plan(total, int(every), rows, limited)
+    return Plan(total, int(every), rows, limited)
 
 
 class _Run:
     """One run: the rows kept so far and how it ends."""
 
     def __init__(
-        self, problem: Problem, method: GLM | PartitionedGLM, h: float, plan: _Plan,
+        self, problem: Problem, method: GLM | PartitionedGLM, h: float, plan: Plan,
         reference: Stepper, values: np.ndarray, history: bool,
         cancel: Callable[[], bool] | None, progress: Callable[[int, int], None] | None,
     ) -> None:  # fmt: skip

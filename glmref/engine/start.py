@@ -75,7 +75,7 @@ def starting_values(
         return Start(zero_start(engine, y0), 0, "zero")
     named = start[:1] if isinstance(start, tuple) else (start,) if isinstance(start, str) else ()
     if named == ("enhanced",):
-        passes = start[1] if isinstance(start, tuple) else _passes(method)
+        passes = start[1] if isinstance(start, tuple) else default_passes(method)
         values, evaluations = enhanced_start(engine, t, y0, h, passes)
         return Start(values, evaluations, f"enhanced, {passes} passes")
     if callable(start):
@@ -93,7 +93,7 @@ def _own_start(method: GLM | PartitionedGLM) -> Any:
     return None
 
 
-def _passes(method: GLM | PartitionedGLM) -> int:
+def default_passes(method: GLM | PartitionedGLM) -> int:
     order = method.claims.get("order", DEFAULT_PASSES)
     return min(MOST_PASSES, order) if isinstance(order, int) else DEFAULT_PASSES
 
@@ -155,7 +155,7 @@ def _complex_like(engine: Stepper) -> np.ndarray | None:
     return None if isinstance(engine, PairStepper) else engine.V
 
 
-def _corrector(engine: Stepper) -> Callable[[np.ndarray], np.ndarray]:
+def corrector(engine: Stepper) -> Callable[[np.ndarray], np.ndarray]:
     """Return the map from a defect (r, d) to the correction of the values 2..r."""
     parts = []
     for columns, U, V in _halves(engine):
@@ -199,7 +199,7 @@ def enhanced_start(
     """
     if not isinstance(passes, int) or not 0 <= passes <= MOST_PASSES:
         raise UsageError(f"the enhanced start takes 0 to {MOST_PASSES} passes, got {passes!r}")
-    correct = _corrector(engine)
+    correct = corrector(engine)
     evaluations = 0
 
     def start(k: int, time: Any, y: np.ndarray) -> np.ndarray:

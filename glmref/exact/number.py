@@ -69,7 +69,8 @@ class Exact(Arithmetic):
             match = RATIONAL_TEXT.search(repr(self._gr))
             if match is not None:
                 numerator, _, denominator = (match[1] or match[2]).partition("/")
-                self._q = flint.fmpq(int(numerator), int(denominator or 1))
+                # flint reads the digits: int() refuses more than 4300 of them
+                self._q = flint.fmpq(flint.fmpz(numerator), flint.fmpz(denominator or "1"))
 
     @property
     def _element(self) -> Any:

@@ -100,14 +100,19 @@ class RecordFile:
         return (task for task in tasks if self.find(task) is None)
 
     def append(self, task: Mapping[str, Any], measured: Mapping[str, Any]) -> dict[str, Any]:
-        """Add one record and make sure that it is on the disk before returning it."""
+        """Add one record and make sure that it is on the disk before returning it.
+
+        Raises
+        ------
+            ValueError: for NaN or an infinity, which JSON lacks; nothing is written then.
+        """
         record = {"format": FORMAT, "key": key_of(task), "task": dict(task), **measured}
-        self.records.append(record)
-        self._by_key[record["key"]] = record
+        line = json.dumps(record, allow_nan=False, separators=(",", ":")) + "\n"
         if self.path is not None:
-            line = json.dumps(record, allow_nan=False, separators=(",", ":")) + "\n"
             with self.path.open("a", encoding="utf-8") as stream:
                 stream.write(line)
                 stream.flush()
                 os.fsync(stream.fileno())
+        self.records.append(record)
+        self._by_key[record["key"]] = record
         return record

@@ -6,6 +6,7 @@ precision one, so that each iteration still gains about ten digits.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
@@ -68,13 +69,13 @@ class _Collocation:
         for i in range(stages):
             for j in range(stages):
                 powers[i, j] = self.c[i] ** j
-        inverse = np.array((powers**-1).tolist(), dtype=object).reshape(stages, stages)
+        inverse = np.array(list(powers**-1), dtype=object).reshape(stages, stages)
         integrals = np.array(
             [[c ** (j + 1) / (j + 1) for j in range(stages)] for c in self.c], dtype=object
         )
         self.A = integrals @ inverse
         # coefficient of the highest Legendre polynomial in the interpolant of the slopes
-        leading = ctx.binomial(2 * stages - 2, stages - 1)
+        leading = math.comb(2 * stages - 2, stages - 1)
         self.highest = inverse[-1] / leading
         self.A_double = self.A.astype(float)
         ctx.dps = digits + GUARD_DIGITS

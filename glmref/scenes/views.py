@@ -137,6 +137,6 @@ def _lines(groups: Mapping[str, Sequence[Record]], error: str, cost: str) -> tup
                 continue
             points.append((float(spent), float(value)))
             notes.append(f"h = {record['h']:.4g}" if "h" in record else "")
-        order = sorted(range(len(points)), key=lambda k: points[k][0])
-        lines.append(Series(name, tuple(points[k] for k in order), tuple(notes[k] for k in order)))
+        # joined in the order of the step sizes: sorted by a time that is noisy, lines would cross
+        lines.append(Series(name, tuple(points), tuple(notes)))
     return tuple(lines)

@@ -24,8 +24,7 @@ pytestmark = pytest.mark.slow
 
 NOT_COEFFICIENTS = {"format", "name", "title", "class", "field", "claims", "source", "notes"}
 NOT_COEFFICIENTS |= {"digits", "enclosure", "base", "first", "separable", "$schema"}
-#: The last published digits of a decimal are below what a measured identity can see: a method whose
-#: digits are proved by enclosure is checked in full by its proof, so only leading digits count here.
+#: Claims that are cheap to check come first: most changes break one of them.
 CHEAP_FIRST = ("abscissae", "preconsistent", "consistent", "starting-order", "order")
 
 

@@ -59,7 +59,7 @@ ROOMS: dict[str, str] = {
     "experiments": "catalogue claims engine linalg method problems",
     "scenes": "__init__ catalogue chart claims engine experiments method problems strict_json",
     "conformance": "analysis catalogue claims engine exact expression facts linalg method problems "
-    "strict_json",
+    "strict_json tables",
     # what people see
     "tableau_text": "exact tables",
     "show": "checks exact facts linalg method tableau_text tables theory",
@@ -83,10 +83,10 @@ OUTSIDE: dict[str, str] = {
     "click": "cli",
     "flint": "exact",
     "llvmlite": "engine",
-    "matplotlib": "chart",
     "mpmath": "conformance derive engine exact problems",
     "numba": "engine",
     "numpy": "conformance derive engine experiments method problems rounding scenes",
+    "pytest": "conformance",
     "scipy": "conformance",
     "tqdm": "cli",
 }

@@ -92,6 +92,8 @@ def test_as_fraction_notices_rational_results_of_irrational_arithmetic() -> None
     x = exact(2).sqrt()
     assert (x * x / 3).as_fraction() == Fraction(2, 3)
     assert x.as_fraction() is None
+    large = x * 10**3000  # its square has more digits than Python turns into an int from text
+    assert (large * large).as_fraction() == 2 * 10**6000
 
 
 def test_to_mpf_is_right_to_100_digits() -> None:

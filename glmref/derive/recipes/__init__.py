@@ -27,6 +27,7 @@ _MODULES: Mapping[str, str] = {
     "conjugation6": "conjugation",
     "order8": "order8",
     "yoshida6": "yoshida",
+    "pairs": "pairs",
     "search": "searching",
 }
 

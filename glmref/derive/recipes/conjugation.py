@@ -17,7 +17,7 @@ from .solved import Rough, finish
 
 __all__ = ["OPTIONS", "ROUGH", "derive"]
 
-OPTIONS: Mapping[str, str] = {"name": "all"}
+OPTIONS: Mapping[str, str] = {"name": "all", "start": "yes"}
 
 _W3, _I = Value("exp(2*pi*i/3)"), Value("i")
 _EVEN, _ODD = Value("-1", 1, 1), Value("-1", 1, -1)
@@ -281,7 +281,7 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
     documents, statements = [], list[Statement]()
     for k, each in enumerate(chosen):
         progress(each, k, len(chosen))
-        document, _, proved = finish(ROUGH[each])
+        document, _, proved = finish(ROUGH[each], start=options["start"] == "yes")
         documents.append(document)
         statements += proved
     progress("done", len(chosen), len(chosen))

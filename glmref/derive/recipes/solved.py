@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from importlib.resources import files
 from typing import Any
 
 from ...claims import Proof
@@ -12,11 +14,13 @@ from ...exact import ball
 from ..ansatz import Ansatz
 from ..enclosure import Enclosure, prove
 from ..newton import polish
+from ..parity_start import complete, finishing_block, starting_block
+from ..starting import Target
 from ..system import SweepSystem
-from ..write import fill
+from ..write import DIGITS, fill
 from .record import Statement, derived_source
 
-__all__ = ["Rough", "finish"]
+__all__ = ["Rough", "finish", "rough_starts", "with_start"]
 
 
 @dataclass(frozen=True)
@@ -35,8 +39,42 @@ class Rough:
     claims: Mapping[str, Any] = field(default_factory=dict)
 
 
-def finish(rough: Rough) -> tuple[dict[str, Any], Enclosure, list[Statement]]:
-    """Polish, prove and complete one method.
+def rough_starts() -> Mapping[str, Any]:
+    """Parameters of starts and finishes, by method: rationals, and roughly those to be solved."""
+    text = files(__package__).joinpath("starts.json").read_text(encoding="utf-8")
+    return json.loads(text)
+
+
+def with_start(document: Mapping[str, Any], target: Target, parity: int) -> dict[str, Any]:
+    """Add the start and the finish that are on record for the method of a document.
+
+    Args:
+        document: without them. target: of its method.
+        parity: of the fourth value: +1 when its row of X is symmetric.
+    """
+    record = rough_starts()[document["name"]]
+    opening, closing = complete(
+        starting_block(
+            record["start"]["pairs"],
+            record["start"]["values"],
+            root="i" if document["V"][1][1] == "0" else "w3",
+            free="finish" in record,
+            last_even=parity < 0,
+        ),
+        finishing_block(**record["finish"]) if "finish" in record else None,
+        target,
+    )
+    blocks = (
+        {"starting": opening} if closing is None else {"starting": opening, "finishing": closing}
+    )
+    claims = {**document["claims"], "starting-order": target.order}
+    return {**document, **blocks, "digits": DIGITS, "claims": claims}
+
+
+def finish(
+    rough: Rough, *, start: bool = True
+) -> tuple[dict[str, Any], Enclosure, list[Statement]]:
+    """Polish, prove and complete one method, with start and finish where they are on record.
 
     Raises
     ------
@@ -61,7 +99,17 @@ def finish(rough: Rough) -> tuple[dict[str, Any], Enclosure, list[Statement]]:
         "growth": ["0"] * (r - 1),
     }
     document["source"] = derived_source(rough.where)
-    return document, enclosure, [_statement(document, enclosure)]
+    statements = [_statement(document, enclosure)]
+    if start and document["name"] in rough_starts():
+        target = Target.of(document, enclosure)
+        document = with_start(document, target, enclosure.signs[3])
+        stages = [len(document[x]["A"]) for x in ("starting", "finishing")]
+        text = (
+            f"{document['name']}: explicit start of {stages[0]} stages and finish of {stages[1]} "
+            f"exact within the digits on all trees of order {enclosure.order} or less"
+        )
+        statements.append(Statement(text, Proof.ENCLOSED))
+    return document, enclosure, statements
 
 
 def _statement(document: Mapping[str, Any], enclosure: Enclosure) -> Statement:

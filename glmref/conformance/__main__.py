@@ -1,0 +1,95 @@
+"""``python -m glmref.conformance ADAPTER``: the suite without pytest.
+
+Exit codes are pytest's: 0 every check holds, 1 one fails, 4 the adapter or an option is bad.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
+
+from ..claims import Finding, GlmrefError, Verdict
+
+HOLDS, FAILED, BAD_ADAPTER = 0, 1, 4
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the checks of one adapter and write what was found."""
+    parser = argparse.ArgumentParser(
+        prog="python -m glmref.conformance", description="Check an integrator against glmref."
+    )
+    parser.add_argument("adapter", help="package.module:Name, cmd:program, or a shipped adapter")
+    parser.add_argument("--known-failures", metavar="FILE", help="lines `id: reason`")
+    parser.add_argument("--format", choices=("table", "json", "csv", "junit"), default="table")
+    parser.add_argument("--list", action="store_true", help="write the ids and stop")
+    asked = parser.parse_args(arguments)
+    try:
+        return _run(asked)
+    except GlmrefError as error:
+        sys.stderr.write(f"glmref.conformance: {' '.join(str(error).split())}\n")
+        return BAD_ADAPTER
+
+
+def _run(asked: argparse.Namespace) -> int:
+    from .adapter import Subject, load_adapter
+    from .checks import Suite
+    from .known import read_known_failures
+
+    subject = Subject(load_adapter(asked.adapter), f"the adapter {asked.adapter!r}")
+    try:
+        suite = Suite(subject)
+        ids = [check.id for check in suite.checks]
+        if asked.list:
+            sys.stdout.write("".join(f"{name}\n" for name in ids))
+            return HOLDS
+        known = {}
+        if asked.known_failures:
+            known = read_known_failures(asked.known_failures, ids)
+        found = [_judged(finding, known) for finding in suite.findings()]
+    finally:
+        subject.close()
+    _write(found, asked.format)
+    return FAILED if any(x.verdict is Verdict.FAILS for x in found) else HOLDS
+
+
+def _judged(finding: Finding, known: dict[str, str]) -> Finding:
+    """Take known failures into account, strictly: one that does not fail is a failure."""
+    reason = known.get(finding.claim)
+    if reason is None:
+        return finding
+    if finding.verdict is Verdict.FAILS:
+        witness = f"known failure ({reason}): {finding.witness}"
+        return replace(finding, verdict=Verdict.OPEN, witness=witness)
+    if finding.verdict is Verdict.HOLDS:
+        witness = f"listed as a known failure ({reason}), but it holds: take it off the list"
+        return replace(finding, verdict=Verdict.FAILS, witness=witness)
+    return finding
+
+
+def _write(found: list[Finding], form: str) -> None:
+    from .. import tables
+
+    if form == "json":
+        text = tables.findings_json(found)
+    elif form == "csv":
+        text = tables.findings_csv(found)
+    elif form == "junit":
+        text = tables.findings_junit(found)
+    else:
+        style = tables.Style.of(sys.stdout)
+        parts = []
+        for method in dict.fromkeys(finding.method for finding in found):
+            mine = [x for x in found if x.method == method]
+            wrong = [x for x in mine if x.verdict is not Verdict.HOLDS]
+            parts.append(f"{style.paint(method, 'bold')}: {len(mine) - len(wrong)} of {len(mine)} hold")
+            parts += [f"  {str(x.verdict).upper()}  {x.claim}: {tables.one_line(x.witness)}" for x in wrong]
+        counts = {str(v): sum(x.verdict is v for x in found) for v in Verdict}
+        parts.append(", ".join(f"{n} {word}" for word, n in counts.items()))
+        text = "\n".join(parts)
+    sys.stdout.write(text + "\n")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,50 @@
+"""Known failures: a file of check ids, each with the reason why it fails.
+
+One line each, ``id: reason``; blank lines and lines that begin with ``#`` are skipped::
+
+    order8/dop853/pendulum: the step size control cannot be switched off
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from ..claims import UsageError
+
+__all__ = ["read_known_failures"]
+
+
+def read_known_failures(path: str | Path, ids: Iterable[str]) -> dict[str, str]:
+    """Read the file; return id -> reason.
+
+    Args:
+        ids: the ids of the checks there are.
+
+    Raises
+    ------
+        UsageError: for a file that cannot be read, a line without a reason, an id given twice, or
+            an id that no check has.
+    """
+    from difflib import get_close_matches
+
+    known, ids = {}, list(ids)
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise UsageError(f"the known failures {str(path)!r} cannot be read ({error})") from None
+    for number, line in enumerate(text.splitlines(), start=1):
+        if not line.strip() or line.lstrip().startswith("#"):
+            continue
+        name, _, reason = (part.strip() for part in line.partition(":"))
+        where = f"{path}, line {number}"
+        if not reason:
+            raise UsageError(f"{where}: {name!r} needs a reason; write `id: reason`")
+        if name in known:
+            raise UsageError(f"{where}: {name!r} stands twice")
+        if name not in ids:
+            near = get_close_matches(name, ids, n=1)
+            hint = f"; the nearest is {near[0]}" if near else ""
+            raise UsageError(f"{where}: no check has the id {name!r}{hint}")
+        known[name] = reason
+    return known

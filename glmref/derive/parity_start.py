@@ -1,0 +1,182 @@
+"""Build a start or finish with parity from its parameters, and polish it.
+
+Stages: Y0 = y0, then pairs ``Y+-_i = y0 +- h (a_i f(Y0) + sum_j (p_ij f(Y+-_j) + q_ij
+f(Y-+_j)))``, j < i. An even value weighs ``v_i (f(Y+_i) - f(Y-_i))``, an odd one ``u_0 f(Y0) +
+u_i (f(Y+_i) + f(Y-_i))``.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from typing import Any
+
+from ..exact import Ball, ball
+from .newton import polish
+from .starting import (
+    StartingSystem,
+    Target,
+    finishing_function,
+    finishing_system,
+    first_value,
+    prove_finishing,
+    prove_starting,
+    starting_function,
+    starting_system,
+)
+from .write import DIGITS, decimal
+
+__all__ = ["complete", "finishing_block", "starting_block"]
+
+_NUMBER = re.compile(r"(?P<sign>-?)(?P<size>.+)")
+
+
+def _text(value: str) -> str:
+    """A rational as it is; a rough decimal with all its places, to be recognised as an unknown."""
+    if "." not in value and "e" not in value:
+        return value
+    return decimal(ball(Fraction(value)))
+
+
+def _minus(text: str) -> str:
+    if text == "0":
+        return text
+    return text[1:] if text.startswith("-") else f"-{text}"
+
+
+def _sum(*terms: tuple[str, str]) -> str:
+    """Text of a sum of products (number, factor), with zeros left out."""
+    result = ""
+    for number, factor in terms:
+        if number == "0":
+            continue
+        term = f"{number}{factor}"
+        result += term if not result or term.startswith("-") else f"+{term}"
+    return result or "0"
+
+
+class _Parameters:
+    """The numbers of a start in the order a, p, q, then the weights of each value."""
+
+    def __init__(self, pairs: int, values: Sequence[str]) -> None:
+        self.pairs, self._values = pairs, [_text(x) for x in values]
+        self._place = 0
+
+    def take(self, count: int) -> list[str]:
+        """The next numbers."""
+        found = self._values[self._place : self._place + count]
+        self._place += count
+        return found
+
+    def stages(self) -> list[list[str]]:
+        """A, row by row."""
+        n = self.pairs
+        a = self.take(n)
+        p, q = self.take(n * (n - 1) // 2), self.take(n * (n - 1) // 2)
+        size = 2 * n + 1
+        rows = [["0"] * size]
+        for i in range(n):
+            first = i * (i - 1) // 2
+            plus, minus = [a[i]], [_minus(a[i])]
+            for j in range(i):
+                x, y = p[first + j], q[first + j]
+                plus += [x, y]
+                minus += [_minus(y), _minus(x)]
+            rows += [row + ["0"] * (size - len(row)) for row in (plus, minus)]
+        return rows
+
+    def even(self) -> list[tuple[str, str]]:
+        """Weights (on f(Y+), on f(Y-)) of an even value, with f(Y0) in front."""
+        return [("0", "0"), *((x, _minus(x)) for x in self.take(self.pairs))]
+
+    def odd(self) -> list[tuple[str, str]]:
+        """Weights of an odd value."""
+        pairs, (first,) = self.take(self.pairs), self.take(1)
+        return [(first, first), *((x, x) for x in pairs)]
+
+
+def _flat(weights: Sequence[tuple[str, str]]) -> list[str]:
+    return [weights[0][0], *(x for pair in weights[1:] for x in pair)]
+
+
+def starting_block(
+    pairs: int, values: Sequence[str], *, root: str, free: bool, last_even: bool
+) -> dict[str, Any]:
+    """Tableau of a start for four values with V = diag(1, z, conj z, -1), from its parameters.
+
+    Args:
+        pairs: n; there are 2 n + 1 stages.
+        values: a, p, q and the weights, rationals or rough decimals.
+        root: ``"w3"`` or ``"i"``: L exchanges y_2 and y_3 as z asks, and with e even, o odd
+            ``y_2 = sqrt(3) e + o, y_3 = e - sqrt(3) o`` or ``y_2 = e + o, y_3 = e - o``.
+        free: whether the first value needs weights (a principal start that is no identity).
+        last_even: whether the fourth value is even.
+    """
+    parameters = _Parameters(pairs, values)
+    A = parameters.stages()
+    first = _flat(parameters.even()) if free else ["0"] * len(A)
+    e, o = _flat(parameters.even()), _flat(parameters.odd())
+    last = _flat(parameters.even() if last_even else parameters.odd())
+    factor = "*sqrt(3)" if root == "w3" else ""
+    second = [_sum((x, factor), (y, "")) for x, y in zip(e, o, strict=True)]
+    third = [_sum((x, ""), (_minus(y), factor)) for x, y in zip(e, o, strict=True)]
+    return {
+        "name": f"explicit start of {len(A)} stages, symmetric under reversal of h",
+        "kind": "runge-kutta",
+        "A": A,
+        "B": [first, second, third, last],
+        "u": ["1", "0", "0", "0"],
+    }
+
+
+def finishing_block(pairs: int, values: Sequence[str]) -> dict[str, Any]:
+    """Tableau of a finish from its parameters a, p, q, v."""
+    parameters = _Parameters(pairs, values)
+    A = parameters.stages()
+    return {
+        "name": f"explicit finish of {len(A)} stages, symmetric under reversal of h",
+        "kind": "runge-kutta",
+        "A": A,
+        "b": _flat(parameters.even()),
+    }
+
+
+def _substitute(rows: Any, system: StartingSystem, found: Sequence[Ball]) -> Any:
+    """Rows with their rough decimals replaced; a sign that has changed is carried along."""
+    new = {old: decimal(x) for old, x in zip(system.unknowns, found, strict=True)}
+    if any(x.startswith("-") for x in new.values()):
+        raise ValueError("a parameter changed its sign while it was polished")
+
+    def replaced(text: str) -> str:
+        return re.sub(r"\d+\.\d{20,}", lambda m: new[m[0]], text)
+
+    return [replaced(x) if isinstance(x, str) else [replaced(y) for y in x] for x in rows]
+
+
+def complete(
+    start: Mapping[str, Any], finish: Mapping[str, Any] | None, target: Target
+) -> tuple[dict[str, Any], dict[str, Any] | None]:
+    """Polish a start and a finish to :data:`~glmref.derive.write.DIGITS` digits and prove them.
+
+    Raises
+    ------
+        ConvergenceError, ExactnessError: when a rough tableau leads to no exact one.
+    """
+    system = starting_system(start)
+    found = polish(starting_function(start, target), system.published(DIGITS), digits=90)
+    opening = {**start, "order": target.order}
+    opening["A"] = _substitute(start["A"], system, found)
+    opening["B"] = _substitute(start["B"], system, found)
+    proved = prove_starting(opening, target)
+    if finish is None:
+        return opening, None
+    base = first_value(opening, proved.box, target.order)
+    ending = finishing_system(finish)
+    function = finishing_function(finish, base, target.order)
+    found = polish(function, ending.published(DIGITS), digits=90)
+    closing = {**finish, "order": target.order}
+    closing["A"] = _substitute(finish["A"], ending, found)
+    closing["b"] = _substitute(finish["b"], ending, found)
+    prove_finishing(closing, base, target.order)
+    return opening, closing

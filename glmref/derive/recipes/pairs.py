@@ -1,0 +1,149 @@
+"""Explicit symmetric G-symplectic pairs for separable systems: the shipped ones, or a search.
+
+Options: ``name`` one shipped pair (all of them by default); or ``n``, ``order``, ``nystrom``,
+``starts`` of an ansatz with ``seed`` and ``tries`` for a search, ``wanted`` how many to complete.
+
+The shipped pairs come from such searches. Each is kept here as an ansatz whose free parameters are
+fixed rationally and a dozen digits of the other unknowns; the recipe polishes them to 75 digits and
+proves what their files claim.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from ...claims import GlmrefError, Proof, UsageError
+from ..pair_enclosure import PairEnclosure
+from ..pairs import PairAnsatz, complete_pair, fix_parameters, search_pairs
+from .record import Derivation, Progress, Statement
+from .shipped_pairs import SHIPPED, Shipped
+
+__all__ = ["OPTIONS", "derive"]
+
+OPTIONS: Mapping[str, str] = {
+    "name": "",
+    "n": "",
+    "order": "6",
+    "nystrom": "no",
+    "starts": "qp",
+    "seed": "1",
+    "tries": "64",
+    "wanted": "1",
+}
+
+#: Largest residual in double precision of an end that is taken for a solution.
+SOLVED = 1e-10
+#: Larger coefficients lose digits: such a solution is passed over.
+LARGEST = 10.0
+
+
+def source(where: str) -> dict[str, Any]:
+    """The source record of a pair that this recipe found."""
+    return {
+        "citation": "glmref, derived by `glmref derive pairs` from the conditions of docs/pairs.md",
+        "where": where,
+        "status": "derived",
+    }
+
+
+def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
+    """Complete and prove the shipped pairs, or search for others.
+
+    Raises
+    ------
+        UsageError: for an option that cannot be read or a name that is not shipped.
+    """
+    if options["n"]:
+        return _search(options, progress)
+    if options["name"] and options["name"] not in SHIPPED:
+        raise UsageError(f"`name` must be one of {', '.join(SHIPPED)}, got {options['name']!r}")
+    names = [options["name"]] if options["name"] else list(SHIPPED)
+    documents, statements = [], []
+    for k, name in enumerate(names):
+        progress(name, k, len(names))
+        document, enclosure = complete(SHIPPED[name])
+        documents.append(document)
+        statements.append(_statement(document, enclosure))
+    progress("done", len(names), len(names))
+    return Derivation("pairs", documents, statements)
+
+
+def complete(shipped: Shipped) -> tuple[dict[str, Any], PairEnclosure]:
+    """Document and proof of a shipped pair."""
+    return complete_pair(
+        shipped.ansatz,
+        shipped.start.split(),
+        source=source(f"recipe pairs, name = {shipped.ansatz.name}"),
+        claims=shipped.claims,
+        notes=shipped.notes,
+    )
+
+
+def _statement(document: Mapping[str, Any], enclosure: PairEnclosure) -> Statement:
+    order = f"order {enclosure.order}"
+    if enclosure.nystrom_order > enclosure.order:
+        order += f", and {enclosure.nystrom_order} on second-order systems"
+    text = (
+        f"{document['name']}: exactly one solution within 1e-60 of the digits (contraction "
+        f"{enclosure.contraction:.1e}); {order}, G-symplectic, symmetric, explicit and "
+        f"parasitism-free there; redundant conditions enclosed to {enclosure.width:.1e}"
+    )
+    return Statement(text, Proof.ENCLOSED)
+
+
+@dataclass(frozen=True)
+class _Wanted:
+    seed: int
+    tries: int
+    wanted: int
+
+
+def _read(options: Mapping[str, str]) -> tuple[PairAnsatz, _Wanted]:
+    try:
+        n, order, *rest = (int(options[x]) for x in ("n", "order", "seed", "tries", "wanted"))
+    except ValueError as error:
+        raise UsageError(
+            f"`n`, `order`, `seed`, `tries` and `wanted` must be whole numbers ({error})"
+        ) from None
+    if options["nystrom"] not in ("yes", "no"):
+        raise UsageError(f"`nystrom` must be yes or no, got {options['nystrom']!r}")
+    nystrom = options["nystrom"] == "yes"
+    name = f"pair-{'rkn-' if nystrom else ''}{order}-{n}-found"
+    title = f"Explicit pair of order {order} with {n} evaluations"
+    ansatz = PairAnsatz(name, n, order, nystrom=nystrom, starts=options["starts"], title=title)
+    return ansatz, _Wanted(*rest)
+
+
+def _search(options: Mapping[str, str], progress: Progress) -> Derivation:
+    ansatz, wanted = _read(options)
+    documents, statements = [], list[Statement]()
+    best, count = float("inf"), 0
+    for found in search_pairs(
+        ansatz,
+        seed=wanted.seed,
+        starts=wanted.tries,
+        progress=lambda done, total: progress("starts", done, total),
+    ):
+        best, count = min(best, found.residual), count + 1
+        usable = found.residual < SOLVED and max(map(abs, found.point)) < LARGEST
+        if not usable or len(documents) >= wanted.wanted:
+            continue
+        try:
+            square, point = fix_parameters(ansatz, found.point)
+            if wanted.wanted > 1:
+                square = replace(square, name=f"{ansatz.name}-{found.number}")
+            document, enclosure = complete_pair(
+                square,
+                [repr(x) for x in point],
+                source=source(f"search, seed {wanted.seed}, start {found.number}"),
+            )
+        except GlmrefError as error:
+            statements.append(Statement(f"start {found.number}: {error}", Proof.MEASURED))
+            continue
+        documents.append(document)
+        statements.append(_statement(document, enclosure))
+    text = f"{count} starts, smallest residual {best:.3g}, {len(documents)} pairs completed"
+    statements.append(Statement(text, Proof.MEASURED))
+    return Derivation("pairs", documents, statements)

@@ -1,0 +1,176 @@
+"""``glmref run``: tables and formats, files it leaves, and a run that is killed goes on."""
+
+import csv
+import io
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from glmref.cli import main
+
+ROOT = Path(__file__).resolve().parents[2]
+
+SCENE = """\
+format = "glmref-scene-1"
+name = "tiny"
+title = "A tiny scene"
+question = "Does it work?"
+methods = ["heun-2", "rk4"]
+steps = [20, 40]
+t_end = "2*pi"
+ask = ["state", "picture"]
+repeats = 1
+
+[problem]
+name = "harmonic-oscillator"
+
+[answer]
+kind = "fastest"
+at = 1e-2
+"""
+
+
+@pytest.fixture
+def scene(tmp_path):
+    path = tmp_path / "tiny.toml"
+    path.write_text(SCENE, encoding="utf-8")
+    return path
+
+
+def test_a_run_prints_table_picture_and_answer_and_leaves_records(scene, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert main(["run", str(scene), "--output", str(out)]) == 0
+    printed = capsys.readouterr().out
+    for word in ("A tiny scene", "heun-2", "state error", "a heun-2   b rk4", "answer  relative"):
+        assert word in printed
+    assert len((out / "tiny.jsonl").read_text("utf-8").splitlines()) == 4
+    assert (out / "tiny.svg").read_text("utf-8").startswith("<svg")
+    assert (out / "tiny-evaluations.svg").exists()
+
+
+def test_json_is_one_document_with_the_records(scene, tmp_path, capsys):
+    assert main(["run", str(scene), "--output", str(tmp_path), "--format", "json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["format"] == "glmref-run-1"
+    assert (document["measured"], document["resumed"]) == (4, 0)
+    assert len(document["records"]) == 4
+    assert main(["run", str(scene), "--output", str(tmp_path), "--format", "json"]) == 0
+    again = json.loads(capsys.readouterr().out)
+    assert (again["measured"], again["resumed"]) == (0, 4)
+    assert again["records"] == document["records"]
+
+
+def test_csv_has_a_row_for_each_record(scene, tmp_path, capsys):
+    assert main(["run", str(scene), "--output", str(tmp_path), "--format", "csv"]) == 0
+    table = list(csv.DictReader(io.StringIO(capsys.readouterr().out)))
+    assert [row["method"] for row in table] == ["heun-2", "heun-2", "rk4", "rk4"]
+    assert float(table[-1]["state error"]) < 1e-4
+
+
+def test_the_plan_runs_nothing_and_writes_nothing(scene, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert main(["run", str(scene), "--plan", "--output", str(out)]) == 0
+    printed = capsys.readouterr().out
+    for word in ("question", "imported", "flint, numpy, mpmath, numba", "about 3.6e+02"):
+        assert word in printed
+    assert not out.exists()
+    assert main(["run", str(scene), "--plan", "--format", "json"]) == 0
+    assert len(json.loads(capsys.readouterr().out)["tasks"]) == 4
+
+
+def test_shipped_scenes_are_listed_with_their_questions(capsys):
+    assert main(["run", "--list"]) == 0
+    assert "parasitism" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ([], "name a scene, or --all"),
+        (["pendulun"], "did you mean pendulum"),
+        (["none.toml"], "does not exist"),
+    ],
+)
+def test_bad_requests_end_with_code_2_and_one_sentence(arguments, said, capsys):
+    assert main(["run", *arguments]) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert said in captured.err and captured.err.count("\n") == 1
+
+
+def test_a_failing_method_makes_code_3_and_no_traceback(scene, tmp_path, capsys):
+    scene.write_text(
+        SCENE.replace('"heun-2"', '"stormer-verlet"').replace("harmonic-oscillator", "rigid-body"),
+        encoding="utf-8",
+    )
+    assert main(["run", str(scene), "--output", str(tmp_path)]) == 3
+    captured = capsys.readouterr()
+    assert "not applicable" in captured.out and "rk4" in captured.out
+    assert "Traceback" not in captured.err
+
+
+def test_an_output_that_is_a_file_is_refused(scene, capsys):
+    assert main(["run", str(scene), "--output", str(scene)]) == 2
+    assert capsys.readouterr().err.count("\n") >= 1
+
+
+def glmref(*arguments, **options):
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    command = [sys.executable, "-m", "glmref", *map(str, arguments)]
+    return subprocess.Popen(command, env=environment, cwd=ROOT, **options)
+
+
+def test_a_run_that_is_killed_keeps_its_records_and_the_rerun_does_the_rest(scene, tmp_path):
+    counts = [2_000_000 + k for k in range(12)]
+    scene.write_text(
+        SCENE.replace("[20, 40]", str(counts)).replace('"heun-2", ', ""), encoding="utf-8"
+    )
+    out = tmp_path / "out"
+    path = out / "tiny.jsonl"
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    process = glmref("run", scene, "--output", out, **quiet)
+    deadline = time.monotonic() + 120
+    while not (path.exists() and path.read_bytes().count(b"\n") >= 3):
+        assert process.poll() is None and time.monotonic() < deadline
+        time.sleep(0.005)
+    process.send_signal(signal.SIGKILL)
+    assert process.wait() == -signal.SIGKILL
+    kept = path.read_bytes()
+    whole = kept[: kept.rfind(b"\n") + 1]
+    assert 3 <= whole.count(b"\n") < 12
+    again = glmref("run", scene, "--output", out, "--format", "json", stdout=subprocess.PIPE)
+    document = json.loads(again.communicate(timeout=120)[0])
+    assert again.returncode == 0
+    assert document["resumed"] == whole.count(b"\n")
+    assert document["measured"] == 12 - document["resumed"]
+    assert [record["task"]["steps"] for record in document["records"]] == counts
+    assert path.read_bytes().startswith(whole)  # nothing that was there was measured again
+
+
+LOADED = """
+import json, sys
+before = set(sys.modules)
+from glmref.scenes import load_scene, plan, run
+scene = load_scene(sys.argv[1])
+todo = plan(scene)
+run(todo)
+outside = {"flint", "numpy", "mpmath", "numba", "matplotlib", "scipy", "heyoka", "jax", "rebound",
+           "nodepy", "click", "tqdm", "pytest", "jsonschema", "pandas", "IPython"}
+print(json.dumps([sorted(todo.modules), sorted(outside & {m.partition(".")[0] for m in sys.modules})]))
+"""
+
+
+def test_what_is_imported_is_what_the_plan_says(scene):
+    scene.write_text(SCENE.replace(', "picture"', ""), encoding="utf-8")
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    found = subprocess.run(
+        [sys.executable, "-c", LOADED, str(scene)], env=environment, capture_output=True, check=True
+    )
+    said, loaded = json.loads(found.stdout)
+    assert said == loaded

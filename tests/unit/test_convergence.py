@@ -1,0 +1,196 @@
+"""The order meter itself: exact on made-up sequences, honest on irregular ones, blind to nothing."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from mpmath import mp, mpf
+
+from glmref.catalogue import load
+from glmref.engine.reference import stepper
+from glmref.experiments.convergence import (
+    effective_order,
+    isochronous,
+    isochronous_separable,
+    method_order,
+    observed_order,
+    parasitic_order,
+)
+from glmref.experiments.underlying import Underlying
+from glmref.problems import problem
+
+
+def run_of(*terms):
+    """n -> sum of c h^p with h = 1/n, at 60 digits, in two components."""
+
+    def run(n):
+        with mp.workdps(60):
+            h = mpf(1) / n
+            value = sum(mpf(c) * h ** mpf(p) for c, p in terms)
+            return [1 + value, 2 - 3 * value]
+
+    return run
+
+
+@given(st.integers(1, 12), st.floats(-2, 2), st.floats(-2, 2))
+def test_an_integer_order_is_found_to_a_hundredth(p, a, b):
+    found = observed_order(run_of((1, p), (a, p + 1), (b, p + 2)))
+    if found.settled:
+        # two extrapolated values agree to 0.01; the rest is of the same size
+        assert abs(found.order - p) < 0.03
+
+
+def test_a_symmetric_error_needs_few_doublings():
+    found = observed_order(run_of((1, 4), (0.5, 6)))
+    assert found.settled
+    assert abs(found.order - 4) < 0.002
+    assert found.steps[-1] <= 96
+
+
+def test_an_order_that_is_no_integer_is_reported_as_it_is():
+    assert abs(observed_order(run_of((1, 2.5))).order - 2.5) < 1e-6
+
+
+def test_a_target_is_compared_with_directly():
+    found = observed_order(run_of((1, 3)), target=[mpf(1), mpf(2)])
+    assert len(found.sizes) == len(found.steps)
+    assert abs(found.order - 3) < 1e-6
+
+
+def test_differences_do_not_see_a_wrong_limit_and_a_target_does():
+    shifted = run_of((1, 3), (1, 0))
+    assert abs(observed_order(shifted).order - 3) < 1e-6
+    assert abs(observed_order(shifted, target=[mpf(1), mpf(2)]).order) < 0.01
+
+
+def test_a_sequence_without_order_does_not_settle():
+    found = observed_order(lambda n: [math.sin(n * n)], most=200)
+    assert not found.settled
+
+
+def test_a_sequence_that_does_not_change_has_no_order():
+    found = observed_order(lambda n: [1.0])
+    assert math.isnan(found.order)
+    assert not found.settled
+
+
+def test_the_window_stops_when_it_is_settled():
+    calls = []
+    run = run_of((1, 4), (0.1, 5))
+
+    def counted(n):
+        calls.append(n)
+        return run(n)
+
+    observed_order(counted)
+    assert calls == [6, 12, 24, 48, 96]
+
+
+def test_the_record_is_plain_json():
+    found = observed_order(lambda n: [1.0]).as_json()
+    assert found["order"] is None and found["settled"] is False
+
+
+@pytest.mark.parametrize("build", [isochronous, isochronous_separable])
+def test_every_solution_of_an_isochronous_problem_has_period_two_pi(build):
+    from glmref.engine.solve import solve
+
+    subject = build()
+    for scale in (0.5, 1.0):
+        start = [float(x) * scale if build is isochronous else float(x) for x in subject.y0]
+        copy = type(subject)(
+            **{k: getattr(subject, k) for k in ("f", "force", "parameters") if getattr(subject, k)
+               is not None and not (k == "f" and subject.force is not None)},
+            y0=start,
+        )  # fmt: skip
+        end = solve(
+            copy, load("gauss-4"), h=2 * math.pi / 200, steps=200, engine="reference"
+        ).y[-1]
+        assert max(abs(end - start)) < 1e-12
+
+
+def test_the_flow_of_the_isochronous_problem_solves_it():
+    subject = isochronous()
+    d = 1e-6
+    for t in (0.0, 1.0, 2.5):
+        slope = (subject.solution(t + d) - subject.solution(t - d)) / (2 * d)
+        # central differences: d^2 y'''/6 and rounding 1e-16/d
+        assert max(abs(slope - subject.f(t, subject.solution(t)))) < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("name", "order"), [("euler", 1), ("rk4", 4), ("gauss-2", 4), ("ab-2", 2), ("bdf-3", 3)]
+)
+def test_well_known_orders(name, order):
+    found = method_order(load(name), isochronous(), expected=order)
+    assert found.settled
+    assert abs(found.order - order) < 0.05
+
+
+def test_an_expectation_that_is_wrong_does_not_change_the_result():
+    for expected in (2, 3, 5):
+        found = method_order(load("rk4"), isochronous(), expected=expected)
+        assert abs(found.order - 4) < 0.05
+
+
+def test_the_effective_order_exceeds_the_order_where_theory_says_so():
+    method = load("butcher-effective-5")
+    assert abs(method_order(method, isochronous(), expected=5).order - 4) < 0.05
+    assert abs(effective_order(method, expected=5).order - 5) < 0.05
+
+
+def test_the_effective_order_of_a_method_without_such_luck_is_its_order():
+    assert abs(effective_order(load("rk4"), expected=4).order - 4) < 0.05
+
+
+def test_the_effective_order_of_a_pair_is_measured_on_a_separable_problem():
+    assert abs(effective_order(load("symplectic-euler-a"), expected=2).order - 2) < 0.05
+
+
+def zero_start(engine, t, y0, h):
+    return Underlying(engine).lifted(y0)
+
+
+def own_start(engine, t, y0, h):
+    from glmref.engine.start import starting_values
+
+    return starting_values(engine, None, t=t, y0=y0, h=h).values
+
+
+@pytest.mark.parametrize(("start", "order"), [(zero_start, 2), (own_start, 4)])
+def test_the_parasitic_part_of_n_falls_with_the_order_of_its_start(start, order):
+    # y_2 starts at h^2 from zero; the explicit start is exact through h^3
+    method = load("gsymplectic-n")
+    found = parasitic_order(method, problem("pendulum"), start, expected=4)
+    assert abs(found.order - order) < 0.1
+
+
+def test_the_starting_map_gains_an_order_with_every_pass():
+    engine = stepper(load("gsymplectic-n"), problem("pendulum"), digits=40)
+    underlying, context = Underlying(engine), engine.arithmetic.context
+    y0, h = engine.problem.y0, context.mpf(1) / 20
+
+    def error(order, h):
+        best = underlying.start(0, y0, h, order=7)
+        return max(abs(x) for x in (underlying.start(0, y0, h, order=order) - best).ravel())
+
+    for order in (1, 2, 3):
+        slope = math.log2(float(error(order, h) / error(order, h / 2)))
+        assert slope > order + 0.7
+
+
+def test_the_starting_map_is_invariant_under_a_step():
+    engine = stepper(load("ark-4"), isochronous(), digits=40)
+    underlying, context = Underlying(engine), engine.arithmetic.context
+    h = context.mpf(1) / 1000
+    start = underlying.start(0, engine.problem.y0, h, order=6)
+    rest = underlying.parasitic(0, underlying.run(0, start, h, 1), h, order=6)
+    assert max(abs(x) for x in rest.ravel()) < 1e-18
+
+
+def test_the_first_value_of_a_start_is_the_solution():
+    engine = stepper(load("ab-3"), isochronous(), digits=30)
+    underlying = Underlying(engine)
+    start = underlying.start(0, engine.problem.y0, engine.arithmetic.context.mpf("0.01"), order=4)
+    assert max(abs(x) for x in underlying.solution(start) - engine.problem.y0) < 1e-28

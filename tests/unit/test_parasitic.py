@@ -1,0 +1,159 @@
+"""Parasitic modes, propagators and losses on cases that can be done by hand."""
+
+import math
+
+import numpy as np
+import pytest
+from mpmath import ellipk, sin
+
+from glmref.catalogue import load
+from glmref.claims import UsageError
+from glmref.experiments.longtime import follow
+from glmref.experiments.parasitic import (
+    LOST,
+    growth,
+    loss,
+    modes,
+    parasitic_size,
+    period_of,
+    predicted_loss,
+    predicted_propagator,
+    solution_direction,
+    start_amplitude,
+)
+from glmref.problems import Problem, problem
+
+
+def test_n_has_one_mode_with_the_growth_parameter_of_its_file():
+    (mode,) = modes(load("gsymplectic-n"))
+    assert mode.zeta == pytest.approx(-1)
+    assert mode.mu == pytest.approx(1 - 2 / math.sqrt(3), abs=1e-14)
+    assert mode.left @ mode.right == pytest.approx(1)
+
+
+def test_modes_come_by_increasing_argument():
+    arguments = [np.angle(mode.zeta) % (2 * math.pi) for mode in modes(load("g6245"))]
+    assert arguments == pytest.approx([math.pi / 2, math.pi, 3 * math.pi / 2])
+
+
+def test_a_one_step_method_and_an_adams_method_have_none():
+    assert modes(load("rk4")) == []
+    assert modes(load("ab-3")) == []
+
+
+def test_growth_of_a_method_without_modes_is_refused():
+    with pytest.raises(UsageError, match="no parasitic mode"):
+        growth(load("rk4"), problem("pendulum"), h=0.1, time=1.0)
+
+
+def test_the_predicted_propagator_of_a_linear_problem_is_an_exponential():
+    subject = problem("harmonic-oscillator")
+    found = predicted_propagator(0.5, subject, time=2.0)
+    # exp(mu t J) is a rotation by mu t = 1; the classical method errs by 800 h^5 / 120
+    expected = [[math.cos(1), math.sin(1)], [-math.sin(1), math.cos(1)]]
+    assert np.max(np.abs(found - expected)) < 1e-11
+
+
+def test_a_complex_parameter_gives_a_complex_propagator():
+    found = predicted_propagator(1j, problem("harmonic-oscillator"), time=1.0)
+    assert found[0, 0] == pytest.approx(math.cosh(1), abs=1e-9)
+    assert np.iscomplexobj(found)
+
+
+def test_a_problem_without_jacobian_is_refused():
+    plain = Problem(f=lambda t, y: -y, y0=(1.0,))
+    with pytest.raises(UsageError, match="no Jacobian"):
+        predicted_propagator(1.0, plain, time=1.0)
+
+
+def test_leapfrog_grows_as_its_parameter_says():
+    # y' = -y: mu = -1, so the parasitic part grows like exp(t)
+    decay = Problem(f=("-y[0]",), y0=(1,))
+    found = growth(load("leapfrog"), decay, h=0.01, time=2.0)
+    assert found.mu == pytest.approx(-1)
+    assert found.rate == pytest.approx(1.0, rel=1e-4)
+    assert found.predicted_rate == pytest.approx(1.0, rel=1e-9)
+
+
+def test_the_period_of_the_pendulum_is_found():
+    expected = float(4 * ellipk(sin(1.15) ** 2))
+    # classical method at 1/200 of the time unit: error about 1e-10 per unit
+    assert period_of(problem("pendulum", q0="23/10")) == pytest.approx(expected, abs=1e-7)
+
+
+def test_a_stated_period_is_taken_and_none_is_invented():
+    assert period_of(problem("kepler")) == pytest.approx(2 * math.pi)
+    assert period_of(problem("henon-heiles")) is None
+    assert period_of(Problem(f=("1", "1"), y0=(1, 0)), most=5.0) is None
+
+
+def test_the_solution_is_the_first_value_or_repeated_in_past_values():
+    assert solution_direction(load("g6245")).tolist() == [1, 0, 0, 0]
+    assert solution_direction(load("leapfrog")).tolist() == [1, 1]
+    assert solution_direction(load("stormer-verlet")).tolist() == [1]
+
+
+def test_a_start_from_zero_leaves_what_the_starting_map_has():
+    subject, method = problem("pendulum", q0="23/10"), load("gsymplectic-n")
+    (mode,) = modes(method)
+    left = start_amplitude(method, subject, h=0.1, mode=mode, start="zero")
+    # y_2 = -(sqrt 3/12) h^2 y'' + ..., y'' = (-sin q, 0) at the start
+    assert left[0] == pytest.approx(math.sqrt(3) / 12 * 0.01 * -math.sin(2.3), rel=0.01)
+    own = start_amplitude(method, subject, h=0.1, mode=mode)
+    assert np.linalg.norm(own) < 1e-2 * np.linalg.norm(left)
+
+
+def run(name, steps, **options):
+    subject = problem("pendulum", q0="23/10")
+    method = load(name)
+    found = follow(subject, method, h=0.1, steps=steps, engine="interpreted", **options)
+    return subject, method, found, solution_direction(method)
+
+
+def test_a_run_of_p_is_lost_to_its_parasitic_part():
+    subject, _, found, u = run("gsymplectic-p", 200)
+    told = loss(subject, found, u)
+    assert told.reason == "parasitic"
+    assert 13 < told.time < 15
+    assert told.largest > LOST
+
+
+def test_a_good_run_is_not_lost():
+    subject, _, found, u = run("g6245", 200)
+    told = loss(subject, found, u)
+    assert (told.time, told.reason) == (None, "")
+    assert told.largest < 1e-4
+
+
+def test_an_energy_error_of_the_size_of_the_energy_is_a_loss():
+    subject = problem("harmonic-oscillator")
+    found = follow(subject, load("euler"), h=0.5, steps=100, engine="interpreted")
+    told = loss(subject, found, solution_direction(load("euler")))
+    assert told.reason == "energy"
+
+
+def test_a_run_that_ends_early_is_lost_for_the_reason_it_gives():
+    explode = Problem(f=("y[0]*y[0]",), y0=(1,))
+    found = follow(explode, load("rk4"), h=0.5, steps=100, engine="reference")
+    told = loss(explode, found, np.ones(1))
+    assert told.reason == "not finite"
+
+
+def test_the_parasitic_size_needs_all_values():
+    from glmref.engine.solve import solve
+
+    found = solve(problem("pendulum"), "rk4", h=0.1, steps=2, engine="reference")
+    with pytest.raises(UsageError, match="history=True"):
+        parasitic_size(found, np.ones(1))
+
+
+def test_no_loss_is_predicted_without_growth():
+    subject = problem("pendulum", q0="23/10")
+    period = period_of(subject)
+    assert predicted_loss(load("s4-symmetric"), subject, h=0.1, t_end=500, period=period) is None
+
+
+def test_no_loss_is_predicted_beyond_the_end():
+    subject = problem("pendulum", q0="23/10")
+    period = period_of(subject)
+    assert predicted_loss(load("gsymplectic-p"), subject, h=0.1, t_end=9, period=period) is None

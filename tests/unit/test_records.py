@@ -1,0 +1,96 @@
+"""Records survive: keys depend on content, torn lines are dropped, others are refused."""
+
+import json
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from glmref.claims import DataError
+from glmref.experiments.records import FORMAT, RecordFile, finite, key_of, read_records
+
+TASKS = [{"method": "a", "h": h} for h in (0.1, 0.2, 0.3)]
+
+
+def test_a_key_depends_on_content_not_on_order():
+    assert key_of({"a": 1, "b": [2.5]}) == key_of({"b": [2.5], "a": 1})
+    assert key_of({"a": 1, "b": [2.5]}) != key_of({"a": 1, "b": [2.50000001]})
+    assert len(key_of({})) == 16
+
+
+@given(st.dictionaries(st.text(), st.floats(allow_nan=False, allow_infinity=False) | st.integers()))
+def test_a_key_survives_a_round_trip_through_json(task):
+    assert key_of(json.loads(json.dumps(task))) == key_of(task)
+
+
+def test_a_task_with_nan_is_refused():
+    with pytest.raises(ValueError):
+        key_of({"h": math.nan})
+
+
+def test_nan_and_infinities_become_none():
+    assert [finite(x) for x in (1.5, math.nan, math.inf, -math.inf, None)] == [1.5] + [None] * 4
+
+
+def test_what_was_appended_is_read_back_and_not_missing(tmp_path):
+    path = tmp_path / "folder" / "records.jsonl"
+    store = RecordFile(path)
+    for task in TASKS[:2]:
+        store.append(task, {"outcome": "completed"})
+    again = RecordFile(path)
+    assert [r["task"] for r in again.records] == TASKS[:2]
+    assert list(again.missing(TASKS)) == TASKS[2:]
+    assert again.find(TASKS[0])["outcome"] == "completed"
+    assert again.find(TASKS[2]) is None
+
+
+def test_a_record_is_on_the_disk_when_append_returns(tmp_path):
+    path = tmp_path / "records.jsonl"
+    RecordFile(path).append(TASKS[0], {"outcome": "completed"})
+    assert path.read_text(encoding="utf-8").endswith("}\n")
+    assert len(read_records(path)) == 1
+
+
+@pytest.mark.parametrize("cut", [1, 10, 60])
+def test_a_torn_last_line_costs_that_record_only(tmp_path, cut):
+    path = tmp_path / "records.jsonl"
+    store = RecordFile(path)
+    for task in TASKS:
+        store.append(task, {"outcome": "completed"})
+    content = path.read_bytes()
+    path.write_bytes(content[:-cut])
+    again = RecordFile(path)
+    # a cut of one byte takes the newline only, but the line is torn all the same
+    assert list(again.missing(TASKS)) == TASKS[2:]
+    again.append(TASKS[2], {"outcome": "completed"})
+    assert len(read_records(path)) == 3
+
+
+def test_a_torn_line_in_the_middle_is_refused_with_its_number(tmp_path):
+    path = tmp_path / "records.jsonl"
+    path.write_text('{"format": "' + FORMAT + '"}\n{"broken\n{}\n', encoding="utf-8")
+    with pytest.raises(DataError, match="line 2"):
+        read_records(path)
+
+
+def test_a_file_of_another_kind_is_refused(tmp_path):
+    path = tmp_path / "records.jsonl"
+    path.write_text('{"something": "else"}\n', encoding="utf-8")
+    with pytest.raises(DataError, match="line 1 is not a record of format"):
+        read_records(path)
+
+
+def test_without_a_path_records_stay_in_memory():
+    store = RecordFile(None)
+    store.append(TASKS[0], {"outcome": "completed"})
+    assert store.find(TASKS[0]) is not None
+
+
+def test_a_record_that_json_cannot_hold_is_refused_and_not_written(tmp_path):
+    path = tmp_path / "records.jsonl"
+    store = RecordFile(path)
+    with pytest.raises(ValueError):
+        store.append(TASKS[0], {"error": math.inf})
+    assert store.find(TASKS[0]) is None
+    assert read_records(path) == []

@@ -1,0 +1,425 @@
+"""Scenes: read strictly with line numbers, planned before they run, answered from their records."""
+
+import json
+import tomllib
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from glmref.catalogue import data_root
+from glmref.claims import DataError, GlmrefError, UsageError
+from glmref.experiments.records import RecordFile
+from glmref.scenes import answer, charts, load_scene, names, plan, rows, run
+from glmref.scenes.answers import duration, seconds_at
+
+SMALL = """\
+format = "glmref-scene-1"
+name = "small"
+title = "A small scene"
+question = "Does it work?"
+methods = ["rk4", "heun-2"]
+steps = [20, 40]
+t_end = "2*pi"
+ask = ["state", "energy", "picture"]
+repeats = 1
+
+[problem]
+name = "harmonic-oscillator"
+frequency = "1"
+
+[answer]
+kind = "fastest"
+at = 1e-2
+
+[quick]
+steps = [10]
+"""
+
+
+def write(folder, text=SMALL, name="small.toml"):
+    path = Path(folder) / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def line_of(text, start):
+    return next(k for k, line in enumerate(text.splitlines(), 1) if line.startswith(start))
+
+
+# --- reading --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", names())
+def test_every_shipped_scene_is_read_in_both_forms(name):
+    full, quick = load_scene(name), load_scene(name, quick=True)
+    assert full.name == quick.name == name
+    assert full.question.endswith("?")
+    longest = max(n for _, n in full.grid)
+    assert quick == full or max(n for _, n in quick.grid) <= longest
+
+
+@pytest.mark.parametrize("name", names())
+def test_every_shipped_scene_keeps_the_schema(name):
+    jsonschema = pytest.importorskip("jsonschema")
+    folder = data_root()
+    schema = json.loads((folder / "schema" / "glmref-scene-1.schema.json").read_text("utf-8"))
+    document = tomllib.loads((folder / "scenes" / f"{name}.toml").read_text("utf-8"))
+    jsonschema.Draft202012Validator(schema).validate(document)
+
+
+def test_the_first_scenes_are_there():
+    assert {
+        "oscillator", "pendulum", "kepler", "henon-heiles", "outer-solar-system", "parasitism",
+        "rigid-body",
+    } <= set(names())  # fmt: skip
+
+
+def test_a_file_is_read_with_expressions_and_quick_overrides(tmp_path):
+    path = write(tmp_path)
+    scene = load_scene(path)
+    assert scene.t_end == pytest.approx(6.283185307179586, abs=1e-15)
+    assert scene.grid[0] == (scene.t_end / 20, 20)
+    assert load_scene(path, quick=True).steps == (10,)
+    assert scene.parameters == {"frequency": "1"}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "at", "message"),
+    [
+        ('format = "glmref-scene-1"', 'format = "other"', "format", "must be 'glmref-scene-1'"),
+        ('name = "small"', 'name = "Small Scene"', "name", "lower-case words"),
+        ("question =", "qestion =", "qestion", "did you mean 'question'"),
+        ('"heun-2"', '"heun-22"', "methods", "did you mean heun-2"),
+        ('"heun-2"', '"rk4"', "methods", 'holds "rk4" twice'),
+        ('"heun-2"', "3", "methods", "a method must be a text"),
+        ("steps = [20, 40]", "steps = [20, 0.5]", "steps", "whole number from 1"),
+        ("steps = [20, 40]", "steps = []", "steps", "a list with entries"),
+        ("steps = [20, 40]", "h = [0.1]", "h", "does not divide t_end"),
+        ("steps = [20, 40]\n", "", "", "give `h` or `steps`, one of them; the scene has neither"),
+        ("repeats = 1", "repeats = 1\nh = [1]", "h", "the scene has both"),
+        ('t_end = "2*pi"', 't_end = "2*tau"', "t_end", "a positive number or an expression"),
+        ('t_end = "2*pi"', "t_end = -1", "t_end", "a positive number"),
+        ('t_end = "2*pi"', 't_end = "1/0"', "t_end", "a positive number"),
+        ('"state", "energy"', '"stat", "energy"', "ask", "did you mean 'state'"),
+        ('["state", "energy", "picture"]', '["picture"]', "kind", "needs 'state' in `ask`"),
+        ("repeats = 1", "repeats = true", "repeats", "whole number"),
+        ("repeats = 1", "budget = 0", "budget", "positive number"),
+        ('"harmonic-oscillator"', '"harmonic-oscilator"', "name", "did you mean harmonic"),
+        ('frequency = "1"', 'frequency = "0"', "frequency", "frequency"),
+        ('frequency = "1"', "speed = 1", "speed", "no parameter 'speed'"),
+        ('frequency = "1"', "frequency = [1]", "frequency", "a number or a text"),
+        ('kind = "fastest"', 'kind = "slowest"', "kind", "must be one of 'fastest'"),
+        ('kind = "fastest"', 'kind = "lost"', "kind", "needs 'parasitic' in `ask`"),
+        ("at = 1e-2", "at = 0", "at", "positive number"),
+        ("at = 1e-2", 'erorr = "state"', "erorr", "did you mean 'error'"),
+        ("steps = [10]", "steps = [true]", "steps", "whole number"),
+        ("steps = [10]", "title = 3", "title", "there is no key 'title' here"),
+        ("repeats = 1", 'peers = ["scipy-rk45"]', "peers", "peers need `tolerances`"),
+        ("repeats = 1", 'peers = ["matlab"]\ntolerances = [1e-6]', "peers", "must be one of"),
+        ("repeats = 1", 'start = "cold"', "start", "must be one of 'zero'"),
+    ],
+)
+def test_an_error_names_its_line_and_the_remedy(tmp_path, old, new, at, message):
+    assert old in SMALL
+    head, tail = SMALL.rsplit(old, 1) if old == "steps = [10]" else SMALL.split(old, 1)
+    text = head + new + tail
+    with pytest.raises(DataError) as error:
+        load_scene(write(tmp_path, text))
+    said = str(error.value)
+    assert said.startswith("small.toml: line ")
+    assert message in said
+    line = text.splitlines()[int(said.split("line ")[1].split(":")[0]) - 1]
+    assert at in line
+    assert "\n" not in said
+
+
+def test_an_error_of_toml_names_its_line(tmp_path):
+    with pytest.raises(DataError, match=r"small.toml: not TOML: .*line 5"):
+        load_scene(write(tmp_path, SMALL.replace('["rk4", "heun-2"]', '["rk4" "heun-2"]')))
+
+
+def test_lines_are_found_below_strings_and_lists_of_several_lines(tmp_path):
+    text = SMALL.replace(
+        'question = "Does it work?"', 'question = """\nh = [1]\n[quick]\nDoes it work?"""'
+    ).replace('["rk4", "heun-2"]', '[\n  "rk4", # ]\n  "heun-2",\n]')
+    with pytest.raises(DataError, match=f"line {line_of(text, 'repeats')}:"):
+        load_scene(write(tmp_path, text.replace("repeats = 1", "repeats = 0")))
+
+
+def test_unknown_names_and_missing_files_are_usage_errors(tmp_path):
+    with pytest.raises(UsageError, match="did you mean kepler"):
+        load_scene("keppler")
+    with pytest.raises(UsageError, match="does not exist"):
+        load_scene(str(tmp_path / "none.toml"))
+    with pytest.raises(UsageError, match="is a folder"):
+        load_scene(str(tmp_path))
+
+
+def test_a_file_that_is_no_text_is_refused(tmp_path):
+    path = tmp_path / "bad.toml"
+    path.write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(DataError, match="not UTF-8"):
+        load_scene(path)
+
+
+@settings(deadline=None)
+@given(st.text(max_size=300))
+def test_any_text_is_a_scene_or_one_sentence(tmp_path_factory, text):
+    path = tmp_path_factory.mktemp("scene") / "any.toml"
+    path.write_text(text, encoding="utf-8", errors="replace")
+    with pytest.raises(GlmrefError) as error:
+        load_scene(path)
+    assert "any.toml" in str(error.value)
+
+
+@settings(deadline=None)
+@given(st.data())
+def test_any_value_in_any_place_is_accepted_or_named(tmp_path_factory, data):
+    lines = SMALL.splitlines()
+    keys = [k for k, line in enumerate(lines) if "=" in line]
+    k = data.draw(st.sampled_from(keys))
+    value = data.draw(
+        st.sampled_from(["[]", "{}", "nan", "inf", "-1", "0", "1e400", '""', "true", "[[1]]",
+                         "1979-05-27", '"9**9**9"', '"1e999"', "99999999999999999999"])
+    )  # fmt: skip
+    lines[k] = f"{lines[k].partition('=')[0]}= {value}"
+    path = tmp_path_factory.mktemp("scene") / "any.toml"
+    path.write_text("\n".join(lines), encoding="utf-8")
+    try:
+        load_scene(path)
+    except GlmrefError as error:
+        assert "any.toml" in str(error)
+
+
+def test_classes_and_properties_name_methods(tmp_path):
+    text = SMALL.replace('methods = ["rk4", "heun-2"]', 'classes = ["composition"]')
+    assert set(load_scene(write(tmp_path, text)).methods) >= {"yoshida-4", "suzuki-4"}
+    text = SMALL.replace('methods = ["rk4", "heun-2"]', 'classes = ["parasitism-free"]')
+    assert "g6245" in load_scene(write(tmp_path, text)).methods
+
+
+def test_a_method_file_may_lie_beside_the_scene(tmp_path):
+    shipped = data_root() / "methods" / "rk" / "rk4.json"
+    (tmp_path / "mine.json").write_text(
+        shipped.read_text("utf-8").replace('"rk4"', '"mine"'), encoding="utf-8"
+    )
+    scene = load_scene(write(tmp_path, SMALL.replace('"heun-2"', '"mine.json"')))
+    assert scene.methods[1].endswith("mine.json")
+    records = run(scene)
+    assert [r["outcome"] for r in records] == ["completed"] * 4
+    # the same tableau under another name does the same to the last bit
+    assert records[0]["state_error"] == records[2]["state_error"]
+
+
+# --- plans ----------------------------------------------------------------------------------------
+
+
+def test_a_plan_counts_evaluations_of_explicit_methods_exactly(tmp_path):
+    todo = plan(load_scene(write(tmp_path)))
+    assert todo.evaluations == (4 + 2) * (20 + 40)
+    assert len(todo.tasks) == 4
+
+
+def test_the_estimate_for_implicit_methods_is_right_to_a_factor_of_three(tmp_path):
+    text = SMALL.replace('["rk4", "heun-2"]', '["gauss-2", "gsymplectic-n"]')
+    scene = load_scene(write(tmp_path, text))
+    spent = sum(record["evaluations"] for record in run(scene))
+    assert spent / 3 < plan(scene).evaluations < 3 * spent
+
+
+def test_a_plan_names_what_is_recorded_and_nothing_else(tmp_path):
+    recorded = plan(load_scene(write(tmp_path))).recorded
+    assert any("last state" in text for text in recorded)
+    less = SMALL.replace('"state", "energy"', '"state"')
+    assert not any("Hamiltonian" in t for t in plan(load_scene(write(tmp_path, less))).recorded)
+
+
+def test_tasks_differ_by_everything_that_can_change_a_result(tmp_path):
+    from glmref.experiments.records import key_of
+
+    base = {key_of(task) for task in plan(load_scene(write(tmp_path))).tasks}
+    assert len(base) == 4
+    for old, new in (('frequency = "1"', 'frequency = "2"'), ("2*pi", "3*pi"), ("[20, 40]", "[21]"),
+                     ('"energy", ', ""), ("repeats = 1", 'start = "zero"')):  # fmt: skip
+        other = {key_of(t) for t in plan(load_scene(write(tmp_path, SMALL.replace(old, new)))).tasks}
+        assert not base & other, new
+
+
+def test_a_picture_changes_no_task(tmp_path):
+    with_picture = plan(load_scene(write(tmp_path))).tasks
+    without = plan(load_scene(write(tmp_path, SMALL.replace(', "picture"', "")))).tasks
+    assert with_picture == without
+
+
+def test_a_plan_is_plain_json(tmp_path):
+    document = json.loads(json.dumps(plan(load_scene(write(tmp_path))).as_json(), allow_nan=False))
+    assert document["format"] == "glmref-plan-1"
+
+
+# --- running --------------------------------------------------------------------------------------
+
+
+def test_a_scene_runs_and_a_second_run_measures_nothing(tmp_path):
+    scene = load_scene(write(tmp_path))
+    path = tmp_path / "small.jsonl"
+    seen = []
+    first = run(scene, RecordFile(path), advance=lambda task, record: seen.append(record))
+    assert len(first) == len(seen) == 4
+    content = path.read_bytes()
+    again = run(scene, RecordFile(path), advance=lambda task, record: seen.append(record))
+    assert (again, len(seen), path.read_bytes()) == (first, 4, content)
+
+
+def test_one_more_step_size_measures_only_that(tmp_path):
+    path = tmp_path / "small.jsonl"
+    run(load_scene(write(tmp_path)), RecordFile(path))
+    seen = []
+    more = load_scene(write(tmp_path, SMALL.replace("[20, 40]", "[20, 40, 80]")))
+    records = run(more, RecordFile(path), advance=lambda task, record: seen.append(task["steps"]))
+    assert seen == [80, 80]
+    assert len(records) == 6
+
+
+def test_a_method_that_cannot_is_a_record(tmp_path):
+    text = SMALL.replace('"harmonic-oscillator"\nfrequency = "1"', '"rigid-body"')
+    text = text.replace('"heun-2"', '"stormer-verlet"').replace('"state", "energy"', '"state"')
+    records = run(load_scene(write(tmp_path, text)))
+    outcomes = [record["outcome"] for record in records]
+    assert outcomes == ["completed", "completed", "not applicable", "not applicable"]
+    assert "separable" in records[2]["message"]
+
+
+def test_a_run_over_its_budget_is_a_record(tmp_path):
+    text = SMALL.replace("[20, 40]", "[1000000000]").replace("repeats = 1", "budget = 0.05")
+    text = text.replace('"rk4", ', "").replace('"energy", ', "")
+    (record,) = run(load_scene(write(tmp_path, text)))
+    assert record["outcome"] == "budget spent"
+    assert "raise `budget`" in record["message"]
+    assert 0 < record["steps"] < 10**9
+
+
+def test_an_error_nobody_expected_is_a_record(tmp_path, monkeypatch):
+    import glmref.experiments.work_precision as room
+
+    def broken(*args, **options):
+        raise ZeroDivisionError("by design")
+
+    monkeypatch.setattr(room, "measure", broken)
+    records = run(load_scene(write(tmp_path)))
+    assert {record["outcome"] for record in records} == {"internal error"}
+    assert records[0]["message"] == "ZeroDivisionError: by design"
+
+
+def test_an_interruption_is_obeyed(tmp_path, monkeypatch):
+    import glmref.experiments.work_precision as room
+
+    def interrupted(*args, **options):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(room, "measure", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        run(load_scene(write(tmp_path)))
+
+
+def test_peers_that_are_not_installed_are_left_out_by_name(tmp_path, monkeypatch):
+    import glmref.scenes.planning as planning
+
+    monkeypatch.setattr(planning, "find_spec", lambda name: None)
+    text = SMALL.replace("repeats = 1", 'peers = ["scipy-rk45"]\ntolerances = [1e-6]')
+    todo = plan(load_scene(write(tmp_path, text)))
+    assert todo.absent == ("scipy",)
+    assert {task["kind"] for task in todo.tasks} == {"method"}
+
+
+def test_a_peer_runs_beside_the_methods(tmp_path):
+    pytest.importorskip("scipy")
+    text = SMALL.replace("repeats = 1", 'peers = ["scipy-rk45"]\ntolerances = [1e-6]')
+    records = run(load_scene(write(tmp_path, text)))
+    assert records[-1]["outcome"] == "completed"
+    assert records[-1]["state_error"] < 1e-4
+
+
+# --- answers and views ----------------------------------------------------------------------------
+
+
+def made(method, h, **fields):
+    seconds = fields.pop("seconds", 1.0)
+    return {
+        "task": {"kind": "method", "method": method, "file": None, "h": h},
+        "method": method, "h": h, "outcome": "completed",
+        "seconds": {"median": seconds, "q25": seconds, "q75": seconds, "repeats": 1},
+        **fields,
+    }  # fmt: skip
+
+
+def test_seconds_are_interpolated_between_errors():
+    group = [made("rk4", 1, state_error=1e-4, seconds=1.0), made("rk4", 2, state_error=1e-8, seconds=4.0)]
+    assert seconds_at(group, "state", 1e-6) == pytest.approx(2.0)
+    assert seconds_at(group, "state", 1e-8) == pytest.approx(4.0)
+    assert seconds_at(group, "state", 1e-3) == pytest.approx(1.0)
+    assert seconds_at(group, "state", 1e-9) is None
+    assert seconds_at([made("rk4", 1)], "state", 1.0) is None
+
+
+def test_the_fastest_is_named_with_the_factors_of_the_others(tmp_path):
+    scene = load_scene(write(tmp_path))
+    records = [
+        made("rk4", 1, state_error=1e-3, seconds=2e-3),
+        made("heun-2", 1, state_error=1e-3, seconds=5e-3),
+        made("euler", 1, state_error=1.0, seconds=1e-3),
+    ]
+    assert answer(scene, records) == (
+        "relative error 0.01 in the state: rk4 needs 2 ms, heun-2 2.5 times that; "
+        "not reached by euler"
+    )
+    assert "no method reached" in answer(scene, records[2:])
+
+
+def test_losses_and_predictions_are_told(tmp_path):
+    scene = load_scene("parasitism")
+    records = [
+        made("gsymplectic-p", 0.1, lost=13.8, predicted=13.7473, steps=1000),
+        made("g6245", 0.1, lost=None, steps=1_000_000),
+    ]
+    assert answer(scene, records) == (
+        "lost: gsymplectic-p at t = 13.8 (mu f' says 13.75); "
+        "bounded to t = 100000 (1,000,000 steps): g6245"
+    )
+
+
+def test_kept_and_lost_invariants_are_told():
+    scene = load_scene("rigid-body")
+    drifts = [{"quantity": "energy", "kind": "quadratic", "largest": 1e-3}]
+    forms = [*drifts, {"quantity": "energy", "kind": "form", "largest": 2e-15}]
+    records = [made("rk4", 0.1, drifts=drifts, steps=10), made("g6245", 0.1, drifts=forms, steps=10)]
+    assert answer(scene, records) == (
+        "kept to 2.0e-15 over 10 steps: g6245; not kept: rk4 (1.0e-03)"
+    )
+
+
+@pytest.mark.parametrize("name", names())
+def test_no_record_at_all_gives_an_answer_in_one_line(name):
+    assert "\n" not in answer(load_scene(name), [])
+
+
+def test_durations_have_their_unit():
+    assert [duration(x) for x in (2.5, 1.5e-3, 7e-6, 3e-8)] == ["2.5 s", "1.5 ms", "7 us", "30 ns"]
+
+
+def test_tables_have_a_row_for_each_record_and_only_asked_columns(tmp_path):
+    scene = load_scene(write(tmp_path))
+    table = rows(scene, run(scene))
+    assert len(table) == 4
+    assert "state error" in table[0] and "lost at" not in table[0]
+    raw = rows(scene, run(scene), raw=True)
+    assert isinstance(raw[0]["state error"], float)
+
+
+def test_charts_show_error_against_time_and_against_evaluations(tmp_path):
+    scene = load_scene(write(tmp_path))
+    time, evaluations = charts(scene, run(scene))
+    assert (time.x_label, evaluations.suffix) == ("seconds", "-evaluations")
+    assert [len(line.points) for line in evaluations.series] == [2, 2]
+    assert evaluations.series[0].points[0][0] == 80

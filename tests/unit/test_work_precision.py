@@ -1,0 +1,136 @@
+"""Work-precision records: what is asked is there, what is not asked is not, all of it is JSON."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from glmref.catalogue import load
+from glmref.claims import UsageError
+from glmref.experiments.work_precision import (
+    Deadline,
+    Reference,
+    check_interruption,
+    measure,
+    reference_state,
+    state_error,
+)
+from glmref.problems import Problem, problem
+
+FAST = {"engine": "interpreted", "repeats": 2}
+
+
+def test_a_record_holds_errors_costs_and_outcome():
+    found = measure(problem("harmonic-oscillator"), load("rk4"), h=0.1, steps=100, **FAST)
+    assert (found.method, found.problem, found.steps) == ("rk4", "harmonic-oscillator", 100)
+    assert found.outcome == "completed" and found.completed
+    assert found.evaluations == 400
+    assert found.seconds.repeats == 2 and 0 < found.seconds.q25 <= found.seconds.q75
+    assert (found.reference, found.reference_error) == ("exact", 2.0**-52)
+
+
+def test_the_state_error_of_rk4_on_the_oscillator_is_what_the_formula_says():
+    found = measure(problem("harmonic-oscillator"), load("rk4"), h=0.1, steps=100, **FAST)
+    # R(ih) = exp(ih)(1 + (ih)^5/120 + ...): a relative error of t h^4/120, and dissipation h^6/144
+    assert found.state_error == pytest.approx(10 * 0.1**4 / 120, rel=0.02)
+    assert found.energy_error == pytest.approx(10 * 0.1**5 / 72, rel=0.02)
+
+
+def test_what_is_not_asked_is_not_there():
+    subject = problem("harmonic-oscillator")
+    bare = measure(subject, load("rk4"), h=0.1, steps=10, ask=(), **FAST)
+    assert bare.state_error is bare.energy_error is bare.reference is None
+    energy = measure(subject, load("rk4"), h=0.1, steps=10, ask=("energy",), **FAST)
+    assert energy.state_error is None and energy.energy_error > 0
+
+
+def test_a_question_less_costs_no_evaluation_more():
+    subject = problem("pendulum")
+    costs = [
+        measure(subject, load("gauss-2"), h=0.1, steps=50, ask=ask, **FAST).evaluations
+        for ask in (("state", "energy"), ("energy",), ())
+    ]
+    assert costs[0] >= costs[1] >= costs[2]
+
+
+@pytest.mark.parametrize(
+    ("ask", "message"), [(("speed",), "got 'speed'"), (("energy",), "has no Hamiltonian")]
+)
+def test_questions_without_answer_are_refused(ask, message):
+    plain = Problem(f=("-y[0]",), y0=(1,))
+    with pytest.raises(UsageError, match=message):
+        measure(plain, load("rk4"), h=0.1, steps=10, ask=ask, **FAST)
+
+
+def test_a_run_that_fails_is_a_record_with_its_sentence():
+    explode = Problem(f=("y[0]*y[0]",), y0=(1,), exact=lambda t, y0: y0)
+    found = measure(explode, load("rk4"), h=0.5, steps=200, ask=("state",), engine="reference")
+    assert found.outcome == "not finite"
+    assert found.state_error is None
+    assert "not finite in step" in found.message
+
+
+def test_records_are_strict_json():
+    explode = Problem(f=("y[0]*y[0]",), y0=(1,))
+    for subject in (explode, problem("pendulum")):
+        found = measure(subject, load("rk4"), h=0.5, steps=50, ask=(), engine="reference")
+        assert json.loads(json.dumps(found.as_json(), allow_nan=False))["method"] == "rk4"
+
+
+def test_the_start_is_computed_once_and_its_cost_is_recorded():
+    found = measure(problem("pendulum"), load("gsymplectic-n"), h=0.1, steps=10, ask=(), **FAST)
+    # three evaluations of the explicit start, one for the predictor
+    assert found.start_evaluations == 4
+    assert 0 < found.start_seconds < 1
+
+
+def test_a_stored_reference_is_found_by_its_time():
+    found = reference_state(problem("henon-heiles"), 10.0)
+    assert found.kind == "stored"
+    assert found.state[0] == pytest.approx(-0.014151561495647998, rel=1e-15)
+
+
+def test_a_computed_reference_says_how_good_it_is():
+    stored = reference_state(problem("henon-heiles"), 10.0)
+    subject = problem("henon-heiles")
+    computed = reference_state(subject, 10.5)
+    assert computed.kind == "computed"
+    assert computed.error < 1e-12
+    assert reference_state(subject, 10.5) is computed
+    assert np.linalg.norm(computed.state - stored.state) < 1
+
+
+def test_a_state_error_is_relative_and_euclidean():
+    reference = Reference(np.array([3.0, 4.0]), 0.0, "exact")
+    assert state_error(np.array([3.0, 4.5]), reference) == pytest.approx(0.1)
+    assert state_error(np.array([0.5]), Reference(np.zeros(1), 0.0, "exact")) == 0.5
+
+
+def test_a_deadline_starts_when_it_is_first_asked():
+    deadline = Deadline(1e9)
+    assert not deadline() and not deadline.passed
+    spent = Deadline(0.0)
+    assert spent() and spent.passed
+
+
+def test_a_run_over_its_budget_is_cancelled_and_keeps_what_it_has():
+    found = measure(
+        problem("pendulum"), load("gauss-3"), h=1e-3, steps=10**8, ask=(), budget=0.05,
+        engine="interpreted",
+    )  # fmt: skip
+    assert found.outcome == "cancelled"
+    assert 0 < found.steps < 10**8
+    assert math.isclose(found.t_end, found.steps * 1e-3, rel_tol=1e-9)
+
+
+def test_a_run_cancelled_by_nobody_else_was_cancelled_by_the_user():
+    from glmref.engine.outcome import Outcome
+    from glmref.engine.solve import solve
+
+    found = solve(
+        problem("pendulum"), "rk4", h=1e-3, steps=10**7, engine="interpreted", cancel=lambda: True
+    )
+    assert found.outcome is Outcome.CANCELLED
+    with pytest.raises(KeyboardInterrupt):
+        check_interruption(found, Deadline(1.0))
