@@ -20,6 +20,7 @@ from .checking import verify
 from .deriving import derive
 from .describing import analyze, errata
 from .output import BAD_INPUT, INTERNAL, INTERRUPTED, PIPE_CLOSED, complain, confess, open_streams
+from .probing import probe
 from .running import run
 
 __all__ = ["group", "main"]
@@ -35,7 +36,7 @@ def group() -> None:
     """General linear methods, checked exactly."""
 
 
-for command in (verify, analyze, list_, show, cite, errata, derive, run):
+for command in (verify, analyze, list_, show, cite, errata, derive, run, probe):
     group.add_command(command)
 
 

@@ -19,7 +19,7 @@ from .probe import read
 from .traps import NOTES
 from .vectors import Case, Vectors, array
 
-__all__ = ["coefficient_differences", "known_bug", "name_defect", "single_precision"]
+__all__ = ["coefficient_differences", "known_bug", "name_defect", "residual_of_stages", "stage_order"]
 
 _SHOWN = 3
 
@@ -32,12 +32,29 @@ def known_bug(found: np.ndarray, case: Case, tolerance: float) -> str:
     return ""
 
 
-def single_precision(found: np.ndarray) -> str:
-    """Whether every number is a single precision number, or ``""``."""
-    values = found[np.abs(found) > 0]
-    if values.size and np.all(values.astype(np.float32).astype(float) == values):
+def single_precision(found: np.ndarray, right: np.ndarray) -> str:
+    """Say that the numbers are the right ones in single precision, or ``""``."""
+    if found.shape != right.shape or np.array_equal(right, _single(right)):
+        return ""
+    near = np.abs(found - right).max() < 1e-5 * np.abs(right).max()
+    if near and np.array_equal(found, _single(found)):
         return "every number is a single precision number: the arithmetic is not double"
     return ""
+
+
+def _single(values: np.ndarray) -> np.ndarray:
+    return values.astype(np.float32).astype(float)
+
+
+def unmoved(found: np.ndarray, case: Case) -> str:
+    """Say that a component comes out of a step as it went in, or ``""``."""
+    given, right = case.input, case["output"]
+    still = [
+        k + 1
+        for k in range(found.shape[1])
+        if found[0, k] == given[0, k] and right[0, k] != given[0, k]
+    ]
+    return f"component {still[0]} comes out as it went in" if still else ""
 
 
 def constant_factor(found: np.ndarray, right: np.ndarray, h: float) -> str:
@@ -56,7 +73,7 @@ def name_defect(
     subject: Subject, vectors: Vectors, case: Case, found: np.ndarray, tolerance: float
 ) -> str:
     """Return a sentence on why a step or a run is wrong, or ``""`` where nothing explains it."""
-    said = known_bug(found, case, tolerance) or single_precision(found)
+    said = known_bug(found, case, tolerance) or single_precision(found, _right(case))
     if not said and case.kind in ("step", "start"):
         said = constant_factor(found, case["output"], case.number("h"))
     if said or case.kind not in ("step", "trajectory"):
@@ -65,7 +82,12 @@ def name_defect(
         said = known_bug(result, other, allowed)
         if said:
             return f"on {other.problem.name} {said}"
-    return coefficient_differences(subject, vectors)
+    said = unmoved(found, case) if case.kind == "step" else ""
+    return said or coefficient_differences(subject, vectors)
+
+
+def _right(case: Case) -> np.ndarray:
+    return case["solution"][-1:] if case.kind == "trajectory" else case["output"]
 
 
 def _trap_results(

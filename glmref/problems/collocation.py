@@ -69,7 +69,8 @@ class _Collocation:
         for i in range(stages):
             for j in range(stages):
                 powers[i, j] = self.c[i] ** j
-        inverse = np.array(list(powers**-1), dtype=object).reshape(stages, stages)
+        inverted: Any = powers**-1
+        inverse = np.array(list(inverted), dtype=object).reshape(stages, stages)
         integrals = np.array(
             [[c ** (j + 1) / (j + 1) for j in range(stages)] for c in self.c], dtype=object
         )

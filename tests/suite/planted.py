@@ -105,7 +105,7 @@ class LastStageFirst(Base):
         engine.A = np.diag(np.diag(engine.A))
 
 
-@planted("stages", "another order", methods=("gauss-3",))
+@planted("stages", "another order", "StagesReordered", methods=("gauss-3",))
 class StagesListedBackwards(Base):
     def stages(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
         return super().stages(method, problem, t, y, h)[::-1]
@@ -138,7 +138,7 @@ class PastValuesSwapped(Base):
         return super().step(method, problem, t, y, h)[::-1]
 
 
-@planted("step", "component 2", methods=("rk4",))
+@planted("step", "component 2 comes out as it went in", methods=("rk4",))
 class LastComponentForgotten(Base):
     without = ("stages",)
 

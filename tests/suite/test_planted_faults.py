@@ -9,6 +9,7 @@ from glmref.claims import Verdict
 from glmref.conformance.adapter import Subject
 from glmref.conformance.adapters.reference import Adapter as Reference
 from glmref.conformance.checks import Suite
+from glmref.conformance.traps import NOTES
 
 
 @pytest.mark.parametrize("name", sorted(PLANTED))
@@ -20,6 +21,8 @@ def test_a_planted_fault_is_caught_under_its_claim_and_named(name: str) -> None:
     assert {claim for claim, _ in failing} == {fault.claim}, failing
     messages = " | ".join(text for _, text in failing)
     assert all(word in messages for word in fault.words), messages
+    assert {flag for flag in NOTES if f"({flag})" in messages} <= set(fault.words), messages
+    assert ("single precision" in messages) == (name == "SinglePrecision"), messages
 
 
 def test_there_are_at_least_20_planted_faults_over_every_claim_they_can_break() -> None:

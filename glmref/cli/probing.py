@@ -1,0 +1,90 @@
+"""``glmref probe``: what method is this code really?"""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ..tables import Style, columns, json_text, one_line, shown_value
+from .output import HOLDS, INTERNAL, say
+
+if TYPE_CHECKING:
+    from ..conformance.identify import Probe
+
+__all__ = ["probe"]
+
+
+@click.command(short_help="What method is this code really?")
+@click.argument("adapter", metavar="ADAPTER")
+@click.option("--method", metavar="NAME", help="This one of the adapter's methods only.")
+@click.option(
+    "--format", "form", type=click.Choice(["table", "json"]), default="table",
+    help="What stdout gets.",
+)  # fmt: skip
+def probe(adapter: str, method: str | None, form: str) -> int:
+    """Read the coefficients out of a running integrator, name the method, and analyze it.
+
+    ADAPTER is package.module:Name, cmd:program, or a shipped adapter such as scipy. Exit code 3
+    when something could not be seen; it is then said what.
+    """
+    from ..conformance.adapter import Subject, load_adapter
+    from ..conformance.identify import FORMAT, identify
+
+    subject = Subject(load_adapter(adapter), f"the adapter {adapter!r}")
+    try:
+        found = identify(subject, method)
+    finally:
+        subject.close()
+    if form == "json":
+        say(json_text({"format": FORMAT, "probes": [x.as_json() for x in found]}))
+    else:
+        style = Style.of(sys.stdout)
+        say("\n\n".join(_page(x, style) for x in found))
+    return INTERNAL if any(x.reading is None or x.notes for x in found) else HOLDS
+
+
+def _page(found: Probe, style: Style) -> str:
+    """Return one method as lines of name and value."""
+    rows: list[tuple[str, str]] = []
+    reading = found.reading
+    if found.matches:
+        names = ", ".join(m.name for m in found.matches)
+        rows.append(("is", f"{names} (to {max(m.difference for m in found.matches):.2g})"))
+        if not found.matches[0].same_basis:
+            rows.append(("", "after a change of the values that are carried"))
+    elif reading is not None:
+        rows.append(("is", "no method of the catalogue"))
+    if reading is not None:
+        blocks = {letter: getattr(reading, letter) for letter in "AUBV"}
+        if reading.hat is not None:
+            blocks |= {f"{x}^": matrix for x, matrix in zip("AUBV", reading.hat, strict=True)}
+        elif len(reading.V) == 1:
+            blocks = {"A": reading.A, "b": reading.B}
+        for name, matrix in blocks.items():
+            for i, row in enumerate(matrix):
+                rows.append((name if i == 0 else "", "  ".join(f"{x:.15g}" for x in row)))
+        if reading.c is not None:
+            rows.append(("c", "  ".join(f"{x:.15g}" for x in reading.c)))
+        rows.append(("calls of f", str(reading.evaluations)))
+        rows.append(("unexplained", f"{reading.unexplained:.2g} of a nonlinear step"))
+    rows += _analysis(found)
+    rows += [("not seen" if i == 0 else "", one_line(x)) for i, x in enumerate(found.notes)]
+    return "\n".join([style.paint(one_line(found.method), "bold"), columns(rows, style=style)])
+
+
+def _analysis(found: Probe) -> list[tuple[str, str]]:
+    if found.analysis is None:
+        return []
+    record: dict[str, Any] = found.analysis.as_json()
+    basis = "of the method it is" if found.matches else "of the closed forms of its numbers"
+    if not (found.matches or found.recognised):
+        basis = "of its numbers with the digits that were read"
+    return [
+        ("order", f"{record['order']}; {record['order_witness']}"),
+        ("G-symplectic", shown_value(record["g_symplectic"]["holds"])),
+        ("symmetric", shown_value(record["symmetric"]["holds"])),
+        ("parasitism free", shown_value(record["parasitism_free"])),
+        ("proof", f"{record['proof']}, {basis}"),
+    ]
