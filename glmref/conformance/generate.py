@@ -12,6 +12,7 @@ import json
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -99,7 +100,8 @@ class _Maker:
     def _form(self) -> Matrix | None:
         try:
             found = self.facts.g_symplecticity
-            return found.G if found.holds else None
+            one_step: Matrix = ((Exact(1),),)
+            return None if not found.holds else one_step if self.r == 1 else found.G
         except GlmrefError:
             return None
 
@@ -426,7 +428,7 @@ class _Maker:
             "t_end": str(_ORDER_TIME),
             "y0": list(task.y0),
             "order": order,
-            "exact": exact_end,
+            "exact": list(exact_end),
             "rows": rows,
             "bound": "1e-40",
             "flags": [],
@@ -566,6 +568,7 @@ def _apart(a: Sequence[Sequence[str]], b: Sequence[Sequence[str]], tolerance: Fr
     )
 
 
+@cache
 def _pendulum_end(task: TestProblem) -> list[str]:
     """Solution of the pendulum at the end of the order runs.
 
@@ -604,8 +607,8 @@ def _write(value: Any, margin: str) -> str:
 
 
 def checksums(folder: Path) -> str:
-    """Return the text of SHA256SUMS for a folder of vectors."""
-    paths = sorted(x for x in folder.iterdir() if x.is_file() and x.name != "SHA256SUMS")
+    """Return the text of SHA256SUMS for the JSON files of a folder."""
+    paths = sorted(folder.glob("*.json"))
     return "".join(
         f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.name}\n" for path in paths
     )

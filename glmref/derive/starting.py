@@ -27,6 +27,7 @@ from ..claims import DataError, ExactnessError
 from ..exact import Ball, Exact, ball
 from ..expression import parse
 from ..linalg import Matrix
+from ..method import GLM
 from ..theory.trees import Tree, trees
 from .enclosure import Enclosure, Krawczyk, Outcome, krawczyk
 from .system import Affine, SweepSystem
@@ -42,6 +43,7 @@ __all__ = [
     "prove_starting",
     "starting_function",
     "starting_system",
+    "target_of",
     "weights",
 ]
 
@@ -181,12 +183,18 @@ def starting_conditions(
     L: Matrix,
     order: int,
 ) -> list[Any]:
-    """Start minus starting series, in eigenvectors of L, at the trees that parity leaves."""
+    """Start minus starting series, in eigenvectors of L, at the trees that parity leaves.
+
+    Conditions of the first value that hold for all unknowns (a start from y0 itself where the
+    principal part is the identity) are left out.
+    """
     result = []
     for k, (row, sign) in enumerate(functionals(L)):
         for t in _signed_trees(sign, order - 1 if k == 0 else order):
             terms = [s[t] - x for s, x in zip(B_series, zeta[t], strict=True)]
-            result.append(linalg.dot(row, terms))
+            value = linalg.dot(row, terms)
+            if k > 0 or value.is_zero() is not True:
+                result.append(value)
     return result
 
 
@@ -218,6 +226,23 @@ class Target:
     def of(cls, document: Mapping[str, Any], enclosure: Enclosure) -> Target:
         """The target of a file of class ``"sweep"``, from its enclosure."""
         return cls(enclosure.series.zeta, involution(document), enclosure.order)
+
+
+def target_of(method: GLM) -> Target:
+    """The target of an exact symmetric method whose first value is the solution itself.
+
+    Raises
+    ------
+        DataError: when the method is not symmetric.
+    """
+    from ..theory.order import order_of
+    from ..theory.symmetry import symmetry
+
+    found, L = order_of(method, principal="identity"), symmetry(method).L
+    if L is None or found.eta is None:
+        raise DataError("only a symmetric method has a start with parity")
+    series = {t: [ball(x) for x in found.eta[t]] for t in found.eta}
+    return Target(series, L, found.order)
 
 
 def starting_system(block: Mapping[str, Any]) -> StartingSystem:

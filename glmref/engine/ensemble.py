@@ -146,9 +146,8 @@ def _starts(
                 f"{values.shape}"
             )
         return values, 0
-    zero = np.stack([zero_start(engine, row) for row in y0])
     if start == "zero":
-        return zero, 0
+        return zero_start(engine, y0), 0
     if start != "enhanced":
         raise UsageError(f"`start` must be enhanced, zero or values (N, r, d), got {start!r}")
     correct, passes, cost = corrector(engine), default_passes(method), 0
@@ -156,17 +155,11 @@ def _starts(
     def enhanced(k: int, y: np.ndarray) -> np.ndarray:
         nonlocal cost
         if k == 0:
-            return np.stack([zero_start(engine, row) for row in y])
+            return zero_start(engine, y)
         values = enhanced(k - 1, y)
         after, spent = runner.one_step(values)
         cost += spent
-        defect = after - enhanced(k - 1, after[:, 0])
-        # the corrector works on (r, columns): lay the trajectories side by side
-        moved = defect.transpose(1, 0, 2)
-        if isinstance(method, PartitionedGLM):
-            return values + np.stack([correct(x) for x in defect])
-        change = correct(moved.reshape(moved.shape[0], -1)).reshape(moved.shape)
-        return values + change.transpose(1, 0, 2)
+        return values + correct(after - enhanced(k - 1, after[:, 0]))
 
     return enhanced(passes, y0), cost
 
@@ -329,7 +322,7 @@ class _Lanes(_Runner):
         head = (rows["done"] + 1) * w
         self.heads = np.zeros((blocks, rows["done"] + 1, w))
         padded = np.concatenate([values, np.repeat(values[-1:], blocks * w - n, axis=0)])
-        inner = np.stack([self.form.into(x) for x in padded])
+        inner = self.form.into(padded)
         slopes = _slopes(self.problem, self.t0, padded[:, 0])
         for k in range(inner.shape[1]):
             self._put(f"y{k}", inner[:, k])
@@ -372,7 +365,7 @@ class _Lanes(_Runner):
         d = self.shape.dimension
         rows = max(self.form.r, getattr(self.form, "r_hat", 0))
         inner = np.stack([self._get(f"y{k}", d) for k in range(rows)], axis=1)
-        values = np.stack([self.form.back(x) for x in inner])
+        values = self.form.back(inner)
         status, steps = self._get("status", 1)[:, 0], self._get("done", 1)[:, 0]
         explicit, per_round = self._costs()
         rounds = float(self._get("rounds", 1).sum())

@@ -28,7 +28,7 @@ from .codegen import Builder, KernelSource, Options, choose_kind, header
 from .emit import ArrayTarget, ScalarTarget, Target, Writer
 from .reference import pair_blocks
 from .shape import Shape
-from .sweep import Row, all_vanish, float_rows, floats, integral_basis, large, vanishes
+from .sweep import Row, all_vanish, changed_basis, float_rows, floats, integral_basis, large, vanishes
 from .tableau import StageBlock, as_balls, preconsistency
 from .values import Values, linear
 
@@ -107,9 +107,10 @@ class PairForm:
         return self._moved(x, self.from_form)
 
     def _moved(self, values: np.ndarray, bases: Sequence[tuple[Row, ...]]) -> np.ndarray:
-        m, out = values.shape[1] // 2, np.zeros_like(values)
-        out[: self.r, :m] = np.array(bases[0]) @ values[: self.r, :m]
-        out[: self.r_hat, m:] = np.array(bases[1]) @ values[: self.r_hat, m:]
+        m, out = values.shape[-1] // 2, np.zeros_like(values, dtype=float)
+        for basis, columns in zip(bases, (slice(0, m), slice(m, None)), strict=True):
+            rows = len(basis)
+            out[..., :rows, columns] = changed_basis(basis, values[..., :rows, columns])
         return out
 
 

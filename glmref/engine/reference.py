@@ -99,7 +99,7 @@ class Arithmetic:
         return problem if self.context is None else problem.on(self.context)
 
     def solve(self, matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-        """Solve a linear system, by elimination with partial pivoting."""
+        """Solve a linear system for (n,) or (n, m), by elimination with partial pivoting."""
         if self.context is None:
             return np.linalg.solve(matrix, right)
         a, b = matrix.copy(), right.copy()
@@ -114,7 +114,9 @@ class Arithmetic:
                 a[i, k:] = a[i, k:] - factor * a[k, k:]
                 b[i] = b[i] - factor * b[k]
         for k in reversed(range(n)):
-            b[k] = (b[k] - a[k, k + 1 :].dot(b[k + 1 :])) / a[k, k]
+            for j in range(k + 1, n):
+                b[k] = b[k] - a[k, j] * b[j]
+            b[k] = b[k] / a[k, k]
         return b
 
 

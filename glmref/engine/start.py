@@ -138,16 +138,24 @@ def _halves(engine: Stepper) -> list[tuple[slice, Matrix, Matrix]]:
 
 
 def zero_start(engine: Stepper, y0: np.ndarray) -> np.ndarray:
-    """Return u y0: (y0, 0, ..., 0) where the first value is the solution and the others small."""
-    values = engine.arithmetic.zeros(engine.shape, _complex_like(engine))
+    """Return u y0: (y0, 0, ..., 0) where the first value is the solution and the others small.
+
+    Args:
+        y0: (d,), or (N, d) for N starts at once.
+
+    Returns
+    -------
+        (r, d) or (N, r, d).
+    """
+    y0 = np.asarray(y0)
+    shape = (*y0.shape[:-1], *engine.shape)
+    values = engine.arithmetic.zeros(shape, _complex_like(engine))
     for columns, U, V in _halves(engine):
         u = preconsistency(U, V)
-        if u is None:
-            values[0, columns] = y0[columns]
-        else:
-            rounded = engine.arithmetic.array((u,))[0]
-            rounded = np.array([0 * x if abs(x) < 1e-40 else x for x in rounded])
-            values[: len(u), columns] = np.outer(rounded, y0[columns])
+        factors = [1] if u is None else engine.arithmetic.array((u,))[0]
+        for k, factor in enumerate(factors):
+            if abs(factor) > 1e-40:
+                values[..., k, columns] = factor * y0[..., columns]
     return values
 
 
@@ -156,7 +164,7 @@ def _complex_like(engine: Stepper) -> np.ndarray | None:
 
 
 def corrector(engine: Stepper) -> Callable[[np.ndarray], np.ndarray]:
-    """Return the map from a defect (r, d) to the correction of the values 2..r."""
+    """Return the map from a defect (..., r, d) to the correction of the values 2..r."""
     parts = []
     for columns, U, V in _halves(engine):
         u = preconsistency(U, V)
@@ -177,9 +185,10 @@ def corrector(engine: Stepper) -> Callable[[np.ndarray], np.ndarray]:
         change = 0 * defect
         for columns, n, matrix in parts:
             if n > 1:
-                right = defect[1:n, columns]
-                solved = [engine.arithmetic.solve(matrix, right[:, c]) for c in range(right.shape[1])]
-                change[1:n, columns] = np.stack(solved, axis=1)
+                right = np.moveaxis(defect[..., 1:n, columns], -2, 0)
+                flat = right.reshape(n - 1, -1)
+                solved = engine.arithmetic.solve(matrix, flat).reshape(right.shape)
+                change[..., 1:n, columns] = np.moveaxis(solved, 0, -2)
         return change
 
     return correct

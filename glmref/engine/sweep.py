@@ -90,12 +90,12 @@ class StepForm:
     G: tuple[Row, ...] | None = None
 
     def into(self, values: np.ndarray) -> np.ndarray:
-        """(r, d) values of the method in the basis of this form."""
-        return np.array(self.to_form) @ values
+        """(..., r, d) values of the method in the basis of this form."""
+        return changed_basis(self.to_form, values)
 
     def back(self, x: np.ndarray) -> np.ndarray:
-        """(r, d) values of this form in the basis of the method."""
-        return np.array(self.from_form) @ x
+        """(..., r, d) values of this form in the basis of the method."""
+        return changed_basis(self.from_form, x)
 
     @property
     def memory_rows(self) -> int:
@@ -111,6 +111,16 @@ class StepForm:
     def implicit_stages(self) -> int:
         """Number of stages that need an equation solved."""
         return sum(len(block.stages) for block in self.blocks if block.implicit)
+
+
+def changed_basis(matrix: tuple[Row, ...], values: np.ndarray) -> np.ndarray:
+    """``matrix @ values`` over the last two axes, term by term: the same bits for any leading shape."""
+    out = np.zeros_like(values, dtype=float)
+    for k, row in enumerate(matrix):
+        for j, factor in enumerate(row):
+            if factor:
+                out[..., k, :] += factor * values[..., j, :]
+    return out
 
 
 def step_form(method: GLM, form: str = "auto") -> StepForm:

@@ -52,7 +52,7 @@ class Mode:
     Attributes
     ----------
         zeta: eigenvalue, |zeta| = 1.
-        right, left: (r,) eigenvectors with ``left right = 1``.
+        right: (r,) eigenvector whose largest entry is 1. left: (r,), with ``left right = 1``.
         mu: growth parameter ``zeta^-1 left B U right``, from the rounded tableau.
     """
 
@@ -69,16 +69,19 @@ def modes(method: GLM) -> list[Mode]:
     parasitic equation and is left out.
     """
     rounded = method.to_float()
-    values, right = np.linalg.eig(rounded.V)
-    # eigenvectors of a simple eigenvalue are well conditioned here: V is power-bounded, r <= 10
-    left = np.linalg.pinv(right)
+    values = np.linalg.eigvals(rounded.V)
     found = []
-    for k, zeta in enumerate(values):
+    for zeta in values:
         alone = sum(abs(zeta - other) < 1e-6 for other in values) == 1
         if not alone or abs(abs(zeta) - 1) > 1e-9 or abs(zeta - 1) < 1e-9:
             continue
-        mu = left[k] @ rounded.B @ rounded.U @ right[:, k] / zeta
-        found.append(Mode(complex(zeta), right[:, k], left[k], complex(mu)))
+        # V may be defective elsewhere (past values make Jordan blocks at 0): null vectors are not
+        u, _, vh = np.linalg.svd(rounded.V - zeta * np.eye(method.r))
+        right, left = vh[-1].conj(), u[:, -1].conj()
+        right = right / right[np.argmax(np.abs(right))]
+        left = left / (left @ right)
+        mu = left @ rounded.B @ rounded.U @ right / zeta
+        found.append(Mode(complex(zeta), right, left, complex(mu)))
     return sorted(found, key=lambda mode: np.angle(mode.zeta) % (2 * math.pi))
 
 

@@ -114,10 +114,12 @@ class _Collocation:
         return z, self.ctx.inf
 
     def _scale(self, y: np.ndarray, z: np.ndarray) -> np.ndarray:
-        """Typical size of each component over the step; one where a component is zero."""
+        """Typical size of each component over the step, however small beside the largest."""
         sizes = [max(abs(x) for x in (y[i], *(y + z)[:, i])) for i in range(len(y))]
         largest = max(sizes) or self.ctx.mpf(1)
-        return np.array([x or largest for x in sizes], dtype=object)
+        # a component that is zero but for rounding has no size of its own
+        least = largest * self.ctx.mpf(10) ** -self.digits
+        return np.array([max(x, least) for x in sizes], dtype=object)
 
     def _inverse(
         self, t: Any, y: np.ndarray, z: np.ndarray, h: Any, scale: np.ndarray

@@ -117,14 +117,12 @@ BOUNDS = {"thesis-3-8": 2e-6, "s4-symmetric": 2e-6, "g6245": 1e-9, "g6245-w3": 1
 
 
 @pytest.mark.parametrize("name", FREE)
-@pytest.mark.parametrize(
-    "steps", [20_000, pytest.param(1_000_000, marks=pytest.mark.slow)], ids=["t-2000", "1e6-steps"]
-)
-def test_parasitism_free_methods_stay_bounded(name, steps):
-    found, told = follow_pendulum(name, steps)
-    assert (found.completed, found.steps, told.time) == (True, steps, None)
+def test_parasitism_free_methods_stay_bounded_over_a_million_steps(name):
+    found, told = follow_pendulum(name, 1_000_000)
+    assert (found.completed, found.steps, told.time) == (True, 1_000_000, None)
     assert told.largest < 3e-3
     (energy,) = watch(PENDULUM, found)
     assert energy.largest < BOUNDS[name]
+    # the running samples reach back to t = 2000 and beyond: bounded there, and no growth since
     assert abs(energy.exponent) < 0.1
     assert math.isfinite(energy.slope)

@@ -1,7 +1,9 @@
 """Order 6 with stage order 2 and the identity start: any c2, any z on the unit circle, exactly.
 
 The construction of Khan (2018), section 3.4, with its equations solved as they stand (tableau,
-forms and the test of admissibility: :mod:`glmref.derive.recipes.order6_family`).
+forms and the test of admissibility: :mod:`glmref.derive.recipes.order6_family`). With ``start``
+an explicit start of 17 stages is solved for and added, where rough parameters are on record: c2 =
+1/3 and 3/10.
 """
 
 from __future__ import annotations
@@ -13,13 +15,14 @@ from typing import Any
 from ...claims import ExactnessError, Proof, UsageError
 from ...exact import Exact
 from ...expression import parse
+from ...method import GLM
 from ..recognise import exact_text
 from .order6_family import Family, Forms, family, solve_forms
 from .record import Derivation, Progress, Statement, derived_source, thesis_source
 
 __all__ = ["OPTIONS", "derive"]
 
-OPTIONS: Mapping[str, str] = {"c2": "1/3", "z": "exp(2*pi*i/3)"}
+OPTIONS: Mapping[str, str] = {"c2": "1/3", "z": "exp(2*pi*i/3)", "start": "no"}
 
 _W3 = "exp(2*pi*i/3)"
 
@@ -41,9 +44,35 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
         return _refusal(member, candidates)
     document = _document(member, forms, options["z"].replace(" ", ""), z)
     progress("proof", 2, 3)
-    statement = _prove(document)
+    statements = [_prove(document)]
+    if options["start"] == "yes":
+        document, more = _started(document)
+        statements.append(more)
     progress("done", 3, 3)
-    return Derivation("order6", [document], [statement])
+    return Derivation("order6", [document], statements)
+
+
+def _started(document: Mapping[str, Any]) -> tuple[dict[str, Any], Statement]:
+    """Add the explicit start on record.
+
+    Raises
+    ------
+        UsageError: when none is on record for this method.
+    """
+    from ...reader import load_document
+    from ..starting import target_of
+    from .solved import rough_starts, with_start
+
+    if document["name"] not in rough_starts():
+        raise UsageError(f"no start is on record for {document['name']}: derive without `start`")
+    method = load_document(document, where=document["name"])
+    assert isinstance(method, GLM)
+    result = with_start(document, target_of(method), 1)
+    text = (
+        f"{document['name']}: explicit start of {len(result['starting']['A'])} stages exact within "
+        "the digits on all trees of order 6 or less"
+    )
+    return result, Statement(text, Proof.ENCLOSED)
 
 
 def _fraction(text: str) -> Fraction:
