@@ -67,7 +67,9 @@ def analyze(method: GLM | PartitionedGLM) -> Analysis:
     Args:
         method: a GLM or a pair, from a file or made by hand.
     """
-    facts = facts_of(method)
+    from .verification import proven_claims
+
+    facts = facts_of(method, proven=proven_claims(method))
     return _analyze_pair(facts) if isinstance(facts, PairFacts) else _analyze_glm(facts)
 
 

@@ -39,15 +39,15 @@ class Outcome:
     witness: str = ""
 
 
-#: Largest residual at which an identity over balls counts as holding, by kind of proof: a ball
-#: around zero is the enclosure of a true zero where the file proves its digits, and a measurement
-#: to within the width of the digits where it does not.
-CLOSED = {Proof.ENCLOSED: 1e-50, Proof.MEASURED: 1e-12}
+#: Largest residual at which an identity over balls counts as holding: it vanishes to within the
+#: width of the published digits. That is a measurement; it is the proof of a true zero only for
+#: the claims that the enclosure of the file proves (:meth:`.facts.Facts.proof_of`).
+CLOSED = 1e-12
 
 
 def _decision(facts: Facts, holds: bool | None, residual: float) -> bool | None:
     """Close what balls leave open where the identities vanish to within the published digits."""
-    if holds is None and residual <= CLOSED.get(facts.proof, 0.0):
+    if holds is None and facts.proof is not Proof.EXACT and residual <= CLOSED:
         return True
     return holds
 
@@ -66,6 +66,8 @@ def _order(facts: Facts, declared: object, result: OrderResult) -> Outcome:
         holds = None
     if not result.decided and result.order != declared:
         holds = None
+    if result.at_least:  # nothing fails as far as trees are compared
+        holds = None if int(declared) >= result.order else False  # type: ignore[call-overload]
     return Outcome(holds, value, residual, result.witness)
 
 
@@ -92,21 +94,20 @@ def _check_reducible(facts: PairFacts, declared: object) -> Outcome:
 
 def _check_stage_order(facts: Facts, declared: object) -> Outcome:
     result = facts.classical_order
-    return _compare_number(result.stage_order, declared)
-
-
-def _compare_number(found: int, declared: object) -> Outcome:
-    return Outcome(found == declared, found, witness=f"found {found}")
+    found = result.stage_order
+    # over balls a stage condition counts as holding to within the width of the digits
+    open_ = facts.proof is not Proof.EXACT and result.largest_residual > CLOSED
+    return Outcome(None if open_ else found == declared, found, witness=f"found {found}")
 
 
 def _check_starting_order(facts: GLMFacts, declared: object) -> Outcome:
     found, witness = facts.starting_order
-    return Outcome(found >= int(declared), found, witness=witness)  # type: ignore[call-overload]
+    return Outcome(found == declared, found, witness=witness)
 
 
 def _check_finishing_order(facts: GLMFacts, declared: object) -> Outcome:
     found, witness = facts.finishing_order
-    return Outcome(found >= int(declared), found, witness=witness)  # type: ignore[call-overload]
+    return Outcome(found == declared, found, witness=witness)
 
 
 def _check_consistent(facts: Facts, declared: object, *, which: str = "consistent") -> Outcome:

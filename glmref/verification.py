@@ -8,12 +8,13 @@ from typing import Any
 
 from .catalogue import document, path_of
 from .checks import CHECKS, FOR_ONE_METHOD, Outcome
-from .claims import DataError, ExactnessError, Finding, Verdict
+from .claims import DataError, ExactnessError, Finding, Proof, Verdict
+from .exact import Exact
 from .facts import Facts, PairFacts, facts_of
-from .method import GLM, PartitionedGLM
+from .method import GLM, FinishingMethod, PartitionedGLM, StartingMethod
 from .reader import load_document
 
-__all__ = ["claims_of", "is_enclosed", "verify", "verify_file"]
+__all__ = ["claims_of", "proven_claims", "verify", "verify_file"]
 
 Method = GLM | PartitionedGLM
 
@@ -41,7 +42,7 @@ def verify(method: Method, *, only: Collection[str] = ()) -> list[Finding]:
     asked = {key: x for key, x in claims_of(method).items() if not only or key in only}
     if not asked:
         return []
-    facts = facts_of(method, enclosed=is_enclosed(method))
+    facts = facts_of(method, proven=proven_claims(method))
     return [_check(facts, claim, declared) for claim, declared in asked.items()]
 
 
@@ -55,24 +56,26 @@ def claims_of(method: Method) -> Mapping[str, Any]:
     return claims
 
 
-def is_enclosed(method: Method) -> bool:
+def proven_claims(method: Method) -> Collection[str] | None:
     """Prove, from the file alone, that a true method lies within the published digits.
+
+    Returns
+    -------
+        The claims that hold for that true method, ``None`` for a file without an enclosure.
 
     Raises
     ------
         DataError, ExactnessError: when the file says so and it cannot be proved.
     """
     if method.document is None or "enclosure" not in method.document:
-        return False
+        return None
     if isinstance(method, PartitionedGLM):
         from .derive.pair_enclosure import prove_pair
 
-        prove_pair(method.document)
-    else:
-        from .derive.enclosure import prove
+        return prove_pair(method.document).proves
+    from .derive.enclosure import prove
 
-        prove(method.document)
-    return True
+    return prove(method.document).proves
 
 
 def _check(facts: Facts, claim: str, declared: object) -> Finding:
@@ -91,10 +94,23 @@ def _check(facts: Facts, claim: str, declared: object) -> Finding:
         declared=declared,
         verdict=verdict,
         value=outcome.value,
-        proof=facts.proof,
+        proof=_proof(facts, claim),
         residual=outcome.residual,
         witness=outcome.witness,
     )
+
+
+def _proof(facts: Facts, claim: str) -> Proof:
+    """Kind of proof of one claim; a start given by decimals is not as exact as the method."""
+    block = getattr(facts.method, claim.removesuffix("-order"), None)
+    if facts.proof is not Proof.EXACT or not isinstance(block, StartingMethod | FinishingMethod):
+        return facts.proof_of(claim)
+    rows = [*block.A, *([block.b] if isinstance(block, FinishingMethod) else block.B)]
+    if all(isinstance(x, Exact) for row in rows for x in row):
+        return Proof.EXACT
+    from .derive.starting import start_is_enclosed
+
+    return Proof.ENCLOSED if start_is_enclosed(facts.method) else Proof.MEASURED
 
 
 def verify_file(name: str | Path, *, only: Collection[str] = ()) -> list[Finding]:

@@ -49,7 +49,7 @@ METHODS = (
     *("symplectic-euler-a", "stormer-verlet", "forest-ruth-4", "lobatto-iiia-iiib-3"),
 )
 DIGITS, SHOWN, WRONG_SHOWN = 60, 40, 17
-_TRAP_DIGITS, _START_SHOWN = 30, 20
+_TRAP_DIGITS, _START_SHOWN = 25, 20
 #: A wrong result is kept when it is off by this many rounding errors of double precision.
 _VISIBLE = 10**6
 #: Sums may be taken in another order, and a fused operation rounds once instead of twice.

@@ -35,6 +35,16 @@ SAME = 1e-10
 #: Digits after the point that a number read from doubles is given where it has no closed form.
 DIGITS = 13
 _DENOMINATOR, _ROOTS = 20_000, (2, 3, 5, 6, 7, 10, 15, 21, 30, 35)
+#: Closed forms p + q sqrt(n): denominators of p and q, and the factors q that are tried.
+_LARGEST_PART = 60
+_FACTORS = np.array(
+    [
+        sign * a / b
+        for b in (*range(1, 13), 15, 18, 20, 24, 30, 36, 48, 60)
+        for a in range(1, 13)
+        for sign in (1, -1)
+    ]
+)
 
 
 @dataclass(frozen=True)
@@ -153,22 +163,24 @@ def _analysis(method: GLM | PartitionedGLM, notes: list[str]) -> Any:
 
 
 def recognised(x: float) -> str | None:
-    """Closed form of a number: a fraction, or p + q sqrt(n) with small p and q.
+    """Closed form of a number: a fraction, or p + q sqrt(n) with small p and q, or ``None``.
 
-    A double near 1 leaves 1e-16; the forms tried number some 1e9, so that a chance hit within the
-    4e-16 allowed happens once in a million numbers. It is a guess and is called so.
+    The forms tried have some 1e8 values in the unit interval and a hit must be within 4e-16, so
+    that chance makes one in a million numbers look like a closed form. It is a guess, and is called
+    so.
     """
+    allowed = 4e-16 * max(1.0, abs(x))
     near = Fraction(x).limit_denominator(_DENOMINATOR)
-    if abs(float(near) - x) <= 4e-16 * max(1.0, abs(x)):
+    if abs(float(near) - x) <= allowed:
         return str(near)
+    wholes = np.arange(1, _LARGEST_PART + 1)
     for n in _ROOTS:
-        root = sqrt(n)
-        for denominator in (*range(1, 13), 15, 18, 20, 24, 30, 36, 48, 60):
-            for numerator in range(-12, 13):
-                rest = x - numerator / denominator * root
-                p = Fraction(rest).limit_denominator(60)
-                if numerator and abs(float(p) - rest) <= 4e-16 * max(1.0, abs(x)):
-                    return _surd(p, Fraction(numerator, denominator), n)
+        rests = x - _FACTORS[:, None] * sqrt(n)
+        gaps = np.abs(rests - np.round(rests * wholes) / wholes)
+        for row, column in np.argwhere(gaps <= allowed):
+            q = Fraction(_FACTORS[row]).limit_denominator(_LARGEST_PART)
+            p = Fraction(round(rests[row, 0] * wholes[column]), int(wholes[column]))
+            return _surd(p, q, n)
     return None
 
 

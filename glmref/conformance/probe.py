@@ -201,7 +201,7 @@ def _read_glm(box: Box, watch: _Watch, r: int, t: float, slope: float) -> Readin
         notes.append(f"{second.strangers} calls of f at points that the first reading did not show")
     if not kept:
         notes.append("the result does not depend on f")
-    c = (np.array(second.times) - t)[kept]
+    c = _clean((np.array(second.times) - t)[kept])
     reading = Reading(
         _clean(A[np.ix_(kept, kept)]), _clean(U[kept]), _clean(B[:, kept]), _clean(V), c,
         second.calls, tags, 0.0,

@@ -72,7 +72,7 @@ def _starts_at_order_two(system: SweepSystem) -> bool:
     L = linalg.matmul(linalg.inverse(system.V), E)
     shifted = linalg.add(L, linalg.identity(system.r))
     basis = linalg.nullspace(tuple(row[1:] for row in shifted))
-    starts = [system.index(e) for e in system.equations if e.kind == "start"]
+    starts = [system.index(e) for e in system.equations if e.kind == "start" and e.what.isdigit()]
     return len(basis) == 1 and any(k > 0 and not basis[0][k - 1].is_zero() for k in starts)
 
 

@@ -1,4 +1,4 @@
-"""From a document of a symmetric pair to its square system of equations.
+"""From a document of a pair to its square system of equations.
 
 Read are the classes ``pair-sweep`` and ``splitting`` (the case r = r^ = 1). The file names its
 unknowns and its equations:
@@ -140,6 +140,11 @@ class PairSystem:
             raise DataError("`V` and `V_hat` must preserve `G`: V^T G V^ = G")
 
     @property
+    def is_one_step(self) -> bool:
+        """Whether one value of q and one of p is carried."""
+        return len(self.V) == len(self.V_hat) == 1
+
+    @property
     def nystrom(self) -> bool:
         """Whether the equations are those of second-order systems: more is claimed for these."""
         return self.claimed_nystrom > self.claimed
@@ -272,7 +277,7 @@ class PairSystem:
         k, l > 1 and |t| + |u| <= order. By symmetry zeta_k vanishes at odd trees where L keeps
         value k, and at even trees where L changes its sign; elsewhere an equation must say so.
         """
-        if len(self.V) == 1 or len(self.V_hat) == 1 or order < 2:
+        if self.is_one_step or order < 2:
             return True
         signs = self.signs()
         if signs is None or self.principal:
@@ -302,7 +307,7 @@ class PairSystem:
 
     def kind_of_flow(self) -> str | None:
         """Which Lie algebra the logarithm lies in (see :mod:`.pair_trees`); ``None`` for r > 1."""
-        if len(self.V) > 1 or len(self.V_hat) > 1:
+        if not self.is_one_step:
             return None
         letters = "".join(letter for letter, _ in self.word)
         p = self._affine

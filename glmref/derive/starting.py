@@ -41,6 +41,7 @@ __all__ = [
     "prove_blocks",
     "prove_finishing",
     "prove_starting",
+    "start_is_enclosed",
     "starting_function",
     "starting_system",
     "target_of",
@@ -348,6 +349,16 @@ def prove_blocks(document: Mapping[str, Any], target: Target) -> list[str]:
         prove_finishing(closing, base, target.order, digits=digits)
         claims.append("finishing-order")
     return claims
+
+
+def start_is_enclosed(method: GLM) -> bool:
+    """Whether the decimal start (and finish) of a file with exact coefficients can be proved."""
+    if method.document is None:
+        return False
+    try:
+        return bool(prove_blocks(method.document, target_of(method)))
+    except (DataError, ExactnessError):
+        return False
 
 
 def _test(system: StartingSystem, conditions: Conditions, digits: int, key: str) -> Krawczyk:

@@ -10,6 +10,8 @@ are
     defect I [oo]       eta_I([oo]) - eta_I(o)^3 / 3 = 0: with the former, stage order 3
     abscissa I = Q      eta_I(o) = Q
     start K             zeta_K(o) = 0: value K starts as O(h^2)
+    start K [o]         zeta_K([o]) = 0
+    identity T          zeta_1(T) = 0: no conjugation at the even tree T
 """
 
 from __future__ import annotations
@@ -29,12 +31,14 @@ from ..linalg import Matrix
 from ..method import as_matrix
 from ..sweep_form import explicit_stages, sweep_blocks
 from ..theory.trees import Tree, parse_tree, single, tree
+from .classes import reduce_tree
 from .equations import Blocks, Series, starting_series
 
 __all__ = ["Affine", "Equation", "SweepSystem"]
 
 _EQUATION = re.compile(
-    r"(?P<kind>order|growth|explicit|defect|abscissa|start) (?P<what>[^=]+?)(?: = (?P<value>.+))?"
+    r"(?P<kind>order|growth|explicit|defect|abscissa|start|identity) "
+    r"(?P<what>[^=]+?)(?: = (?P<value>.+))?"
 )
 
 
@@ -129,7 +133,7 @@ class Equation:
         if match is None or (match["value"] is not None) != (match["kind"] == "abscissa"):
             raise DataError(
                 f"the equation {text!r} is unknown; write 'order [oo]', 'growth -1', "
-                f"'explicit 1', 'defect 1', 'start 2' or 'abscissa 1 = 1/3'"
+                f"'explicit 1', 'defect 1', 'start 2', 'identity [o]' or 'abscissa 1 = 1/3'"
             )
         return cls(text, match["kind"], match["what"], match["value"] or "0")
 
@@ -199,9 +203,10 @@ class SweepSystem:
     @property
     def order(self) -> int:
         """Order up to which series are needed by the equations."""
-        trees = [parse_tree(e.what) for e in self.equations if e.kind == "order"]
-        defects = [defect_tree(e).order + 1 for e in self.equations if e.kind == "defect"]
-        return max([t.order for t in trees] + defects, default=2)
+        orders = [parse_tree(e.what).order for e in self.equations if e.kind == "order"]
+        inner = [parse_tree(e.what).order + 1 for e in self.equations if e.kind == "identity"]
+        inner += [defect_tree(e).order + 1 for e in self.equations if e.kind == "defect"]
+        return max(orders + inner, default=2)
 
     @cached_property
     def stage_order(self) -> int:
@@ -253,7 +258,8 @@ class SweepSystem:
         """Left minus right side of every equation, in the order of the file."""
         D, X, principal = self.read(dict(zip(self.unknowns, values, strict=True)))
         blocks = self.blocks(D, X)
-        wanted = [parse_tree(e.what) for e in self.equations if e.kind == "order"]
+        named = (parse_tree(e.what) for e in self.equations if e.kind == "order")
+        wanted = [reduce_tree(t, self.stage_order)[0] for t in named]
         series = starting_series(
             blocks, self.order, principal, stage_order=self.stage_order, wanted=wanted
         )
@@ -263,14 +269,18 @@ class SweepSystem:
         self, equation: Equation, D: Sequence[Any], X: Matrix, blocks: Blocks, series: Series
     ) -> Any:
         if equation.kind == "order":
-            return series.residual[parse_tree(equation.what)]
+            reduced, factor = reduce_tree(parse_tree(equation.what), self.stage_order)
+            return series.residual[reduced] * factor
+        if equation.kind == "identity":
+            reduced, factor = reduce_tree(parse_tree(equation.what), self.stage_order)
+            return series.zeta[reduced][0] * factor
         if equation.kind == "growth":
             return self.growth(equation.what, D, X)
         i = self.index(equation)
         if equation.kind == "explicit":
             return blocks.A[i][i]
         if equation.kind == "start":
-            return series.zeta[single()][i]
+            return series.zeta[parse_tree(f"{equation.what} o".split()[1])][i]
         abscissa = series.eta[single()][i]
         if equation.kind == "abscissa":
             return abscissa - parse(equation.value)

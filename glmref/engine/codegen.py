@@ -19,10 +19,10 @@ from dataclasses import dataclass
 
 from ..problems.formula import Formula
 from .emit import ArrayTarget, ScalarTarget, Target, Writer
-from .shape import Shape, inlined, jacobian_block, parameter_names, used_parameters
+from .forms import StepForm
 from .newton import HELPERS
+from .shape import Shape, inlined, jacobian_block, parameter_names, used_parameters
 from .stages import StageWriter
-from .sweep import StepForm
 from .values import Values, linear
 
 __all__ = ["SIGNATURE", "Builder", "KernelSource", "Options", "kernel_source"]
@@ -102,7 +102,9 @@ def kernel_source(form: StepForm, shape: Shape, options: Options) -> KernelSourc
         f'"""Generated kernel: {form.kind} form, {form.s} stages, {form.r} values, '
         f'd = {shape.dimension}."""\n\n'
     )
-    return KernelSource(title + head + writer.text, target.work_size, form.r, form.memory_rows, kind)
+    return KernelSource(
+        title + head + writer.text, target.work_size, form.r, form.memory_rows, kind
+    )
 
 
 def header(shape: Shape, kind: str, *, newton: bool) -> str:
@@ -228,7 +230,7 @@ class Builder(StageWriter):
 
     @contextmanager
     def _guard(self) -> Iterator[None]:
-        """In the interpreter an overflow or a division by zero ends the run; machine code has inf."""
+        """In the interpreter overflow or division by zero ends the run, as inf does elsewhere."""
         if not self.options.interpreted:
             yield
             return

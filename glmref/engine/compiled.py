@@ -77,7 +77,9 @@ def cache_folder() -> Path:
     named = os.environ.get(CACHE_VARIABLE)
     if named:
         if not _writable(Path(named)):
-            raise UsageError(f"${CACHE_VARIABLE} = {named!r} cannot be written; name another folder")
+            raise UsageError(
+                f"${CACHE_VARIABLE} = {named!r} cannot be written; name another folder"
+            )
         return Path(named)
     home = Path.home()
     if sys.platform == "darwin":
@@ -118,7 +120,9 @@ def build(source: str, signature: str, functions: Mapping[str, Callable[..., Any
     try:
         module = _load(source, signature)
     except ImportError as error:
-        return interpret(source, {}, f"numba cannot be imported ({error}); the kernel is interpreted")
+        return interpret(
+            source, {}, f"numba cannot be imported ({error}); the kernel is interpreted"
+        )
     return Built(module.kernel, "numba", Path(str(module.__file__)))
 
 
@@ -170,7 +174,9 @@ def _build_around(
         text = _NUMBA_HEAD.format(cache=False, signature=signature) + source
         exec(compile(text, "<glmref kernel>", "exec"), namespace)
     except (NumbaError, TypeError, AttributeError, NotImplementedError) as error:
-        reason = next((line for line in str(error).splitlines() if line.strip()), type(error).__name__)
+        reason = next(
+            (line for line in str(error).splitlines() if line.strip()), type(error).__name__
+        )
         called = ", ".join(getattr(f, "__name__", repr(f)) for f in functions.values())
         return interpret(
             source,
@@ -181,9 +187,7 @@ def _build_around(
     return Built(namespace["kernel"], "numba")
 
 
-def interpret(
-    source: str, functions: Mapping[str, Callable[..., Any]], notice: str = ""
-) -> Built:
+def interpret(source: str, functions: Mapping[str, Callable[..., Any]], notice: str = "") -> Built:
     """Run the source in the interpreter."""
     import numpy as np
 

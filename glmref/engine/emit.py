@@ -35,6 +35,7 @@ class Writer:
         self.depth = 0
 
     def __call__(self, *lines: str) -> None:
+        """Write lines at the current depth."""
         self.lines += ["    " * self.depth + line if line else "" for line in lines]
 
     @contextmanager
@@ -137,17 +138,21 @@ class ScalarTarget(Target):
     """Components are local variables."""
 
     def ref(self, name: str, c: int) -> str:
+        """See :class:`Target`."""
         return f"{name}_{c}"
 
     def vec(self, lines: Sequence[str], part: tuple[int, int] | None = None) -> None:
+        """See :class:`Target`."""
         for c in range(*(part or (0, self.d))):
             self.w(*(self.substitute(line, c) for line in lines))
 
     def total(self, name: str, template: str, part: tuple[int, int] | None = None) -> None:
+        """See :class:`Target`."""
         terms = [self.substitute(template, c) for c in range(*(part or (0, self.d)))]
         self.w(f"{name} = {tree_sum(terms)}")
 
     def call(self, part: Part, source: str, out: str, tag: str) -> None:
+        """See :class:`Target`."""
         if part.identity:
             self.identity(part, source, out)
         elif part.formula is not None:
@@ -160,11 +165,13 @@ class ScalarTarget(Target):
                 self.w(f"{self.ref(out, c)} = found[{c - part.start}]")
 
     def load(self, names: Sequence[str]) -> None:
+        """See :class:`Target`."""
         for name in names:
             place = self.reserve(name, self.d)
             self.w(*(f"{self.ref(name, c)} = x[{place + c}]" for c in range(self.d)))
 
     def store(self, names: Sequence[str]) -> None:
+        """See :class:`Target`."""
         for name in names:
             place = self.reserve(name, self.d)
             self.w(*(f"x[{place + c}] = {self.ref(name, c)}" for c in range(self.d)))
@@ -178,6 +185,7 @@ class ArrayTarget(Target):
         return self.reserve(name, self.d)
 
     def ref(self, name: str, c: int) -> str:
+        """See :class:`Target`."""
         return f"x[{self.offset(name) + c}]"
 
     @contextmanager
@@ -191,12 +199,14 @@ class ArrayTarget(Target):
             self.w(f"{c} += 1")
 
     def vec(self, lines: Sequence[str], part: tuple[int, int] | None = None) -> None:
+        """See :class:`Target`."""
         with self.loop(*(part or (0, self.d))) as c:
             for line in lines:
                 text = _REFERENCE.sub(lambda m: f"x[{self.offset(m[1])} + {c}]", line)
                 self.w(_COUNTER.sub(c, text))
 
     def total(self, name: str, template: str, part: tuple[int, int] | None = None) -> None:
+        """See :class:`Target`."""
         low, high = part or (0, self.d)
         self.loops += 1
         sums = [f"sum{self.loops}{letter}" for letter in "abcd"]
@@ -214,6 +224,7 @@ class ArrayTarget(Target):
         self.w(f"{name} = {tree_sum([*sums, *rest])}")
 
     def call(self, part: Part, source: str, out: str, tag: str) -> None:
+        """See :class:`Target`."""
         low, high = self.offset(out) + part.start, self.offset(out) + part.stop
         start = self.offset(source)
         where = f"x[{start + part.source}:{start + part.source_stop}]"
@@ -231,6 +242,7 @@ class ArrayTarget(Target):
         self.w(f"{name}({time}{where}, {values}, x[{low}:{high}])")
 
     def load(self, names: Sequence[str]) -> None:
+        """See :class:`Target`."""
         for name in names:
             self.offset(name)
 
@@ -247,6 +259,7 @@ class LaneTarget(Target):
         self.local: dict[str, range] = {}
 
     def ref(self, name: str, c: int) -> str:
+        """See :class:`Target`."""
         if name.startswith("F") or c in self.local.get(name, ()):
             return f"{name}_{c}"
         return f"x[{self.reserve(name, self.d * self.width) + c * self.width} + l]"
@@ -256,14 +269,17 @@ class LaneTarget(Target):
         return f"x[{self.reserve(name, self.width)} + l]"
 
     def vec(self, lines: Sequence[str], part: tuple[int, int] | None = None) -> None:
+        """See :class:`Target`."""
         for c in range(*(part or (0, self.d))):
             self.w(*(self.substitute(line, c) for line in lines))
 
     def total(self, name: str, template: str, part: tuple[int, int] | None = None) -> None:
+        """See :class:`Target`."""
         terms = [self.substitute(template, c) for c in range(*(part or (0, self.d)))]
         self.w(f"{name} = {tree_sum(terms)}")
 
     def call(self, part: Part, source: str, out: str, tag: str) -> None:
+        """See :class:`Target`."""
         if part.identity:
             self.identity(part, source, out)
         else:

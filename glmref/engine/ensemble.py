@@ -22,6 +22,7 @@ from ..method import GLM, PartitionedGLM, StartingMethod
 from ..problems.model import Problem
 from . import compiled
 from .codegen import SCALAR_LIMIT
+from .forms import StepForm
 from .kernel import Kernel, choose_form, prepare
 from .lanes import LANE_SIGNATURE, LaneSource, lane_source
 from .newton import INLINE_LIMIT
@@ -392,6 +393,7 @@ def prepare_options(runner: _Lanes, arithmetic: str, solver: str) -> Any:
     form, shape = runner.form, runner.shape
     if isinstance(runner.method, PartitionedGLM):
         return options
+    assert isinstance(form, StepForm)
     chosen = choose_solver(form, shape, runner.problem, runner.h, solver)
     unknowns = shape.half if shape.halved else shape.dimension
     single = all(len(b.stages) == 1 for b in form.blocks if b.implicit)

@@ -24,11 +24,12 @@ from ..problems.formula import Formula
 from ..problems.model import Problem
 from . import compiled
 from .codegen import SIGNATURE, KernelSource, Options, kernel_source
+from .forms import StepForm
+from .newton import INLINE_LIMIT
 from .outcome import KERNEL_OUTCOMES, Outcome
 from .pairs import PairForm, pair_form, pair_source
 from .shape import Shape, jacobian_block, shape_of
-from .newton import INLINE_LIMIT
-from .sweep import StepForm, step_form
+from .sweep import step_form
 
 __all__ = ["ARITHMETIC", "SOLVERS", "Kernel", "State", "choose_solver", "contraction", "prepare"]
 
@@ -112,7 +113,11 @@ class Kernel:
             slope: (d,) right-hand side at the start, the predictor's first guess.
             h: step size.
         """
-        work, d, rows = np.zeros(self.source.work_size), self.shape.dimension, self.source.value_rows
+        work, d, rows = (
+            np.zeros(self.source.work_size),
+            self.shape.dimension,
+            self.source.value_rows,
+        )
         below = (2 if self.options.compensated else 1) * rows
         y = work[: rows * d].reshape(rows, d)
         memory = work[below * d : (below + self.source.memory_rows) * d].reshape(-1, d)
@@ -197,9 +202,7 @@ def prepare(
     if solver not in SOLVERS:
         raise UsageError(f"`solver` must be one of {', '.join(SOLVERS)}, got {solver!r}")
     wanted = form if form != "auto" else ("auto" if arithmetic == "strict" else "standard")
-    options = Options(
-        compensated=arithmetic != "naive", history=history, interpreted=interpreted
-    )
+    options = Options(compensated=arithmetic != "naive", history=history, interpreted=interpreted)
     coefficients, shape = choose_form(method, problem, wanted)
     if isinstance(coefficients, StepForm):
         options = replace(options, solver=choose_solver(coefficients, shape, problem, h, solver))
@@ -215,9 +218,7 @@ def choose_form(
     return _cached_form(method, form), shape_of(problem)
 
 
-def _assembled(
-    form: StepForm | PairForm, shape: Shape, options: Options, begin: float
-) -> Kernel:
+def _assembled(form: StepForm | PairForm, shape: Shape, options: Options, begin: float) -> Kernel:
     source = _source_of(form, shape, options)
     functions = {part.role: part.function for part in shape.parts if part.function is not None}
     if options.interpreted:

@@ -15,10 +15,10 @@ from typing import Any
 from ..claims import UsageError
 from .codegen import Builder, Options
 from .emit import LaneTarget, Writer
+from .forms import StepForm
 from .pairs import PairBuilder, PairForm
 from .shape import Shape
 from .stages import NOISE, ROUND_OFF, ROUNDS, STALLS
-from .sweep import StepForm
 from .values import Values
 
 __all__ = ["LANE_SIGNATURE", "LaneSource", "lane_source"]
@@ -272,4 +272,3 @@ class _LanePairBuilder(_LaneKernel, PairBuilder):
         if self.form.implicit_stages:
             raise UsageError("lanes need a pair whose stages are explicit")
         PairBuilder._begin(self)
-

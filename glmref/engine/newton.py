@@ -13,8 +13,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from .emit import ScalarTarget, Target, Writer
+from .forms import StepForm
 from .shape import Shape, inlined, jacobian_block, parameter_names
-from .sweep import StepForm
 
 if TYPE_CHECKING:
     from .codegen import Options
@@ -25,7 +25,7 @@ INLINE_LIMIT = 3
 REFRESH_ROUNDS = 5
 
 #: Dense elimination with partial pivoting, in the form numba and the interpreter both take.
-HELPERS = '''
+HELPERS = """
 @compiled
 def factor(a, pivots):
     n = len(pivots)
@@ -66,7 +66,7 @@ def eliminate(a, pivots, b):
         for j in range(i + 1, n):
             total -= a[i, j] * b[j]
         b[i] = total / a[i, i]
-'''
+"""
 
 
 class NewtonWriter:
@@ -231,7 +231,6 @@ class NewtonWriter:
         return f"x[{a}:{a + size * size}].reshape(({size}, {size}))", f"x[{p}:{p + size}]"
 
     def _factored_update(self, stages: Sequence[int]) -> None:
-        low, high = self.inner
         name, size = self._matrix_names(stages)
         start = self.t.reserve("residual", self._largest_block() * self.unknowns)
         for k, i in enumerate(stages):

@@ -26,9 +26,10 @@ from ..method import PartitionedGLM
 from ..rounding import split_float
 from .codegen import Builder, KernelSource, Options, choose_kind, header
 from .emit import ArrayTarget, ScalarTarget, Target, Writer
+from .forms import Row, all_vanish, changed_basis, float_rows, floats, large, vanishes
 from .reference import pair_blocks
 from .shape import Shape
-from .sweep import Row, all_vanish, changed_basis, float_rows, floats, integral_basis, large, vanishes
+from .sweep import integral_basis
 from .tableau import StageBlock, as_balls, preconsistency
 from .values import Values, linear
 
@@ -247,7 +248,7 @@ def pair_source(form: PairForm, shape: Shape, options: Options) -> KernelSource:
 
 
 class PairBuilder(Builder):
-    """Writes one kernel for a pair; vectors y{k} hold q_k in their left and p_k in their right half.
+    """Writes one kernel for a pair; y{k} holds q_k in its left and p_k in its right half.
 
     Stage vectors are numbered by node: Q_j is j, P_i is n_Q + i. L of a Q stage lives in the right
     half (it updates p), L of a P stage in the left.
@@ -255,9 +256,7 @@ class PairBuilder(Builder):
 
     form: PairForm  # type: ignore[assignment]
 
-    def __init__(
-        self, form: PairForm, shape: Shape, options: Options, target: Target
-    ) -> None:
+    def __init__(self, form: PairForm, shape: Shape, options: Options, target: Target) -> None:
         super().__init__(form, shape, options, target)  # type: ignore[arg-type]
         m, d = shape.half, shape.dimension
         kinds = {"running": form.running, "compensated": options.compensated}
@@ -272,7 +271,9 @@ class PairBuilder(Builder):
 
     def _declare(self) -> None:
         if isinstance(self.t, ScalarTarget):
-            at_q = [j for b in self.form.blocks if b.implicit for j in b.stages if j < self.form.Q.n]
+            at_q = [
+                j for b in self.form.blocks if b.implicit for j in b.stages if j < self.form.Q.n
+            ]
             self.w(*(f"{self.t.ref(f'Y{j}', c)} = 0.0" for j in at_q for c in range(*self.watched)))
 
     def _state(self) -> list[str]:
@@ -379,7 +380,9 @@ class PairBuilder(Builder):
     def _commit(self) -> None:
         n = self.form.Q.n
         names = ([f"@L{n + i}" for i in range(self.form.P.n)], [f"@L{j}" for j in range(n)])
-        for values, increments, check in zip(self.sides, names, ("check_q", "check_p"), strict=True):
+        for values, increments, check in zip(
+            self.sides, names, ("check_q", "check_p"), strict=True
+        ):
             values.finish(increments)
             values.check(check)
         self._finite("check_q + check_p")

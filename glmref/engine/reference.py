@@ -14,19 +14,17 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import mpmath
 import numpy as np
 
 from ..claims import UsageError
+from ..exact import exact
 from ..linalg import Matrix
 from ..method import GLM, FinishingMethod, PartitionedGLM, StartingMethod
 from ..problems.model import Problem
+from .arithmetic import Arithmetic, StageSolver, size
 from .tableau import StageBlock, dependency_blocks, method_abscissae
 
 __all__ = ["Step", "Stepper", "apply_finish", "apply_start", "stepper"]
-
-_ROUNDS = 200  # fixed-point rounds before Newton takes over, Newton rounds before giving up
-_STALLS = 3  # rounds without decrease that end an iteration which is not yet at round-off
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,162 +49,6 @@ class Step:
     converged: bool
 
 
-class Arithmetic:
-    """Double precision, or an mpmath context of its own with the digits asked for."""
-
-    def __init__(self, digits: int | None) -> None:
-        self.digits = digits
-        self.context: Any = None
-        if digits is not None:
-            self.context = mpmath.MPContext()
-            self.context.dps = digits
-
-    @property
-    def epsilon(self) -> Any:
-        """Distance from 1 to the next number."""
-        return 2.0**-52 if self.context is None else self.context.eps
-
-    def number(self, x: Any) -> Any:
-        """Round a scalar of a tableau (or a real number) once."""
-        if self.context is None:
-            return complex(x) if hasattr(x, "is_real") and not x.is_real() else float(x)
-        if not hasattr(x, "to_mpf"):
-            return self.context.mpf(x)
-        with mpmath.workdps(self.context.dps + 5):
-            return self.context.convert(x.to_mpf())
-
-    def array(self, matrix: Matrix) -> np.ndarray:
-        """Round a matrix entry by entry."""
-        rows = [[self.number(x) for x in row] for row in matrix]
-        if self.context is None:
-            return np.array(rows)
-        out = np.empty((len(rows), len(rows[0]) if rows else 0), dtype=object)
-        for i, row in enumerate(rows):
-            out[i, :] = row
-        return out
-
-    def zeros(self, shape: tuple[int, ...], like: np.ndarray | None = None) -> np.ndarray:
-        """Zeros of the number type (complex where ``like`` is)."""
-        if self.context is None:
-            complex_ = like is not None and np.iscomplexobj(like)
-            return np.zeros(shape, dtype=complex if complex_ else float)
-        out = np.empty(shape, dtype=object)
-        out[...] = self.context.mpf(0)
-        return out
-
-    def localised(self, problem: Problem) -> Problem:
-        """Return the problem in this arithmetic."""
-        return problem if self.context is None else problem.on(self.context)
-
-    def solve(self, matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-        """Solve a linear system for (n,) or (n, m), by elimination with partial pivoting."""
-        if self.context is None:
-            return np.linalg.solve(matrix, right)
-        a, b = matrix.copy(), right.copy()
-        n = len(b)
-        for k in range(n):
-            p = max(range(k, n), key=lambda i: abs(a[i, k]))
-            if a[p, k] == 0:
-                raise np.linalg.LinAlgError("singular matrix")
-            a[[k, p]], b[[k, p]] = a[[p, k]], b[[p, k]]
-            for i in range(k + 1, n):
-                factor = a[i, k] / a[k, k]
-                a[i, k:] = a[i, k:] - factor * a[k, k:]
-                b[i] = b[i] - factor * b[k]
-        for k in reversed(range(n)):
-            for j in range(k + 1, n):
-                b[k] = b[k] - a[k, j] * b[j]
-            b[k] = b[k] / a[k, k]
-        return b
-
-
-def _size(x: np.ndarray) -> Any:
-    return max((abs(v) for v in x.ravel()), default=0)
-
-
-def _finite(x: Any) -> bool:
-    return bool(x == x and abs(x) != float("inf"))
-
-
-class StageSolver:
-    """Solves x = F(x), x the slopes of one block, to round-off."""
-
-    def __init__(self, arithmetic: Arithmetic) -> None:
-        self.arithmetic = arithmetic
-        self.iterations = 0
-        self.converged = True
-
-    def __call__(
-        self, function: Callable[[np.ndarray], np.ndarray], x: np.ndarray, scale: Any
-    ) -> np.ndarray:
-        """Iterate from x. A change below a few units of ``scale`` counts as round-off.
-
-        Fixed point first; where that does not contract, Newton with a difference quotient matrix.
-        """
-        settled, result = self._settle(function, x, scale)
-        if settled:
-            return result
-        settled, result = self._settle(self._newton(function, x), x, scale)
-        self.converged &= settled
-        return result
-
-    def _settle(
-        self, update: Callable[[np.ndarray], np.ndarray], x: np.ndarray, scale: Any
-    ) -> tuple[bool, np.ndarray]:
-        """Apply ``update`` until the change is zero, or is round-off and no longer decreases."""
-        round_off = 64 * self.arithmetic.epsilon * scale
-        last, stalls = None, 0
-        for _ in range(_ROUNDS):
-            try:
-                new = update(x)
-            except (ArithmeticError, ValueError, np.linalg.LinAlgError):
-                return False, x
-            self.iterations += 1
-            change = _size(new - x)
-            x = new
-            if not _finite(change):
-                return False, x
-            if change == 0:
-                return True, x
-            if last is not None and change >= last:
-                if change <= round_off:
-                    return True, x
-                stalls += 1
-                if stalls > _STALLS:
-                    return False, x
-            last = change
-        return False, x
-
-    def _newton(
-        self, function: Callable[[np.ndarray], np.ndarray], x: np.ndarray
-    ) -> Callable[[np.ndarray], np.ndarray]:
-        """Return the simplified Newton update, its matrix by differences at the first guess."""
-        matrix: list[np.ndarray] = []
-
-        def residual(x: np.ndarray) -> np.ndarray:
-            return (x - function(x)).ravel()
-
-        def update(x: np.ndarray) -> np.ndarray:
-            defect = residual(x)
-            if not matrix:
-                matrix.append(self._differences(residual, x, defect))
-            return x - self.arithmetic.solve(matrix[0], defect).reshape(x.shape)
-
-        return update
-
-    def _differences(
-        self, residual: Callable[[np.ndarray], np.ndarray], x: np.ndarray, at: np.ndarray
-    ) -> np.ndarray:
-        flat = x.ravel()
-        columns = []
-        for k in range(len(flat)):
-            step = self.arithmetic.epsilon ** 0.5 * (abs(flat[k]) + 1)
-            moved = flat.copy()
-            moved[k] = moved[k] + step
-            columns.append((residual(moved.reshape(x.shape)) - at) / step)
-        return np.stack(columns, axis=1)
-
-
 class Stepper:
     """Steps one method on one problem; keeps the coefficients in the arithmetic asked for.
 
@@ -227,9 +69,7 @@ class Stepper:
         self.A, self.U = number(method.A), number(method.U)
         self.B, self.V = number(method.B), number(method.V)
         self.c = self.arithmetic.array((method_abscissae(method),))[0]
-        self.blocks = dependency_blocks(
-            method.s, lambda i, j: method.A[i][j].is_zero() is not True
-        )
+        self.blocks = dependency_blocks(method.s, lambda i, j: method.A[i][j].is_zero() is not True)
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -273,7 +113,7 @@ class Stepper:
                 return np.stack([evaluate(i, y[k]) for k, i in enumerate(index)])
 
             guess = np.stack([evaluate(i, base[k]) for k, i in enumerate(index)])
-            scale = _size(guess) + _size(base) / abs(h) if h else _size(guess)
+            scale = size(guess) + size(base) / abs(h) if h else size(guess)
             slopes[index] = solver(rhs, guess, scale)
         new = h * self.B.dot(slopes) + self.V.dot(values)
         return Step(new, stages, slopes, evaluations, 0, solver.iterations, solver.converged)
@@ -353,7 +193,7 @@ class PairStepper(Stepper):
             nodes = list(block.stages)
             refresh(nodes)
             if block.implicit:
-                self._solve(solver, nodes, f, k, refresh, _size(values) / abs(h) if h else 0)
+                self._solve(solver, nodes, f, k, refresh, size(values) / abs(h) if h else 0)
         new = self.arithmetic.zeros(self.shape, values)
         new[: pair.r, :m] = h * self.B.dot(f) + self.V.dot(q)
         new[: pair.r_hat, m:] = h * self.B_hat.dot(k) + self.V_hat.dot(p)
@@ -361,7 +201,7 @@ class PairStepper(Stepper):
             np.stack([stage_q(i) for i in range(pair.n_Q)]),
             np.stack([stage_p(i) for i in range(pair.n_P)]),
         )
-        return Step(new, stages, (f, k), *counts, solver.iterations, solver.converged)
+        return Step(new, stages, (f, k), counts[0], counts[1], solver.iterations, solver.converged)
 
     def _solve(
         self, solver: StageSolver, nodes: list[int], f: np.ndarray, k: np.ndarray,
@@ -377,7 +217,7 @@ class PairStepper(Stepper):
             refresh(nodes)
             return np.concatenate([f[in_f], k[in_k]])
 
-        x = solver(rhs, np.concatenate([f[in_f], k[in_k]]), scale + _size(f) + _size(k))
+        x = solver(rhs, np.concatenate([f[in_f], k[in_k]]), scale + size(f) + size(k))
         f[in_f], k[in_k] = x[: len(in_f)], x[len(in_f) :]
 
 
@@ -434,7 +274,8 @@ def _runge_kutta_slopes(
     """Slopes f(Y) of Y = y + h A f(Y), and the number of evaluations."""
     if not A:
         return engine.arithmetic.zeros((0, len(y))), 0
-    method = GLM(A=A, U=[[1]] * len(A), B=[[0] * len(A)], V=[[1]])
+    one, zero = exact(1), exact(0)
+    method = GLM(A=A, U=((one,),) * len(A), B=((zero,) * len(A),), V=((one,),))
     inner = Stepper.__new__(Stepper)
     inner.arithmetic, inner.problem = engine.arithmetic, engine.problem
     inner._tableau(method)

@@ -146,15 +146,16 @@ def shape_of(problem: Problem, *, split: bool | None = None) -> Shape:
         )
     else:
         parts = (_part("full", 0, d, 0, d, problem.f),)
-    jacobian = problem.jacobian
+    jacobian: Any = problem.jacobian
     known = jacobian.formula if isinstance(jacobian, Jacobian) else jacobian
     formulas = [*(part.formula for part in parts), known if isinstance(known, Formula) else None]
     parameters = {k: float(v) for f in formulas if f for k, v in f.parameters.items()}
     values = [*parameters.values(), *problem.params]
-    body = _source(jacobian.body) if isinstance(jacobian, Loops) else ""
+    loop = isinstance(jacobian, Loops)
+    body, name = (_source(jacobian.body), jacobian.body.__name__) if loop else ("", "")
     return Shape(
         d, halved, parts, known if isinstance(known, Formula) else None, tuple(parameters),
-        np.array(values, dtype=float), body, jacobian.body.__name__ if body else "",
+        np.array(values, dtype=float), body, name,
     )  # fmt: skip
 
 
@@ -214,9 +215,7 @@ def _source(body: Callable[..., Any]) -> str:
 class _Inline(ast.NodeTransformer):
     """Rewrites one expression: components, names of common subexpressions, integer powers."""
 
-    def __init__(
-        self, component: Callable[[int], str], names: dict[str, str], prefix: str
-    ) -> None:
+    def __init__(self, component: Callable[[int], str], names: dict[str, str], prefix: str) -> None:
         self.component, self.names, self.prefix = component, names, prefix
         self.hoisted: list[tuple[str, str]] = []
         self.count = 0

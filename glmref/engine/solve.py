@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -164,7 +165,7 @@ def plan_of(
         if every or steps is not None or t_end is not None:
             raise UsageError("give `times`, or `every` with `t_end` or `steps`, not both")
         marks = [_whole((float(t) - t0) / h, f"t = {float(t)!r}", h) for t in times]
-        if not marks or any(b <= a for a, b in zip(marks, marks[1:], strict=False)):
+        if not marks or any(b <= a for a, b in pairwise(marks)):
             raise UsageError("`times` must be a nonempty list in the direction of h")
         total, rows = marks[-1], tuple(marks)
     else:
@@ -179,13 +180,14 @@ def plan_of(
             total = int(steps)
         rows = (total,)
     limited = limit is not None and limit < total
-    total = min(total, limit) if limited else total
+    if limited:
+        total = int(limit)
     if every:
         rows = range(0, total + 1, every)
         if total % every:
             rows = (*rows, total)
     elif limited:
-        rows = tuple(n for n in rows if n < total) + (total,)
+        rows = (*(n for n in rows if n < total), total)
     return Plan(total, int(every), rows, limited)
 
 
@@ -335,10 +337,10 @@ class _Run:
 
     def solution(self) -> Solution:
         """Finish the rows and put everything together."""
-        if self.outcome is not Outcome.COMPLETED and not self.plan.every:
-            # only the end was asked for: the last good step is the end that there is
-            if not self.kept or self.kept[-1][0] != self.done:
-                self._keep(self.done, self.values)
+        # where only the end was asked for, the last good step is the end that there is
+        short = self.outcome is not Outcome.COMPLETED and not self.plan.every
+        if short and (not self.kept or self.kept[-1][0] != self.done):
+            self._keep(self.done, self.values)
         if self.plan.limited and self.outcome is Outcome.COMPLETED:
             self.outcome = Outcome.STEP_LIMIT
         t0 = self.reference.arithmetic.number(self.problem.t_span[0])

@@ -1,16 +1,10 @@
 """Generated source for the stages of one step: bases, predictor, fixed point, Newton.
 
-Stage i is Y = z + (a + M L) with L = h w f(Y): z holds multiples of the solution, a the small terms,
-added first so that their low digits survive. On a separable problem the unknown is the p part of L
-and one round is P -> q'(P) -> Q -> p'(Q).
+Stage i is Y = z + (a + M L) with L = h w f(Y): z holds multiples of the solution, a the small
+terms, added first so that their low digits survive. On a separable problem the unknown is the p
+part of L and one round is P -> q'(P) -> Q -> p'(Q).
 
-Which solver (:data:`.codegen.Options.solver`):
-
-* *fixed point*: L <- h w f(Y(L));
-* *newton*, one stage at a time and at most :data:`INLINE_LIMIT` unknowns: the matrix is written out
-  and evaluated afresh at the predicted stage;
-* *newton*, otherwise: the matrix of a block is factored once for all stages with an equal diagonal
-  and kept from step to step until a solve needs more than :data:`REFRESH_ROUNDS` rounds.
+Newton's method is in :mod:`.newton`.
 """
 
 from __future__ import annotations
@@ -20,9 +14,9 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from .emit import Target
+from .forms import StepForm
 from .newton import REFRESH_ROUNDS, NewtonWriter
 from .shape import Part, Shape
-from .sweep import StepForm
 from .tableau import lagrange_weights
 from .values import Term, Values, linear
 
@@ -161,7 +155,9 @@ class StageWriter(NewtonWriter):
             if block.implicit:
                 for i in block.stages:
                     old = [j for j, now, _ in self._prediction(i, block.stages) if not now]
-                    late = [j for j in old if flat.index(j) < flat.index(i) or len(block.stages) > 1]
+                    late = [
+                        j for j in old if flat.index(j) < flat.index(i) or len(block.stages) > 1
+                    ]
                     needed.update(late)
         return sorted(needed)
 

@@ -81,7 +81,9 @@ def starting_values(
     if callable(start):
         return Start(_checked(start(engine.problem, h), engine), 0, "given")
     if isinstance(start, str):
-        raise UsageError(f"`start` must be enhanced, zero, a starting method or values, got {start!r}")
+        raise UsageError(
+            f"`start` must be enhanced, zero, a starting method or values, got {start!r}"
+        )
     return Start(_checked(start, engine), 0, "given")
 
 
@@ -101,7 +103,9 @@ def default_passes(method: GLM | PartitionedGLM) -> int:
 def _checked(values: Any, engine: Stepper) -> np.ndarray:
     array = np.array(values, dtype=object if engine.arithmetic.context else None)
     if array.shape != engine.shape:
-        raise UsageError(f"starting values must have shape (r, d) = {engine.shape}, got {array.shape}")
+        raise UsageError(
+            f"starting values must have shape (r, d) = {engine.shape}, got {array.shape}"
+        )
     if engine.arithmetic.context is None and not np.isfinite(array).all():
         raise UsageError("starting values must be finite")
     return array

@@ -1,24 +1,17 @@
-"""Tableaux in the form a kernel steps in: the sweep, the mu-form, or A, U, B, V as given.
+"""The sweep form of G-symplectic methods, rounded so that it stays exactly G-symplectic.
 
-All three are one :class:`StepForm`. With L_i = h w_i f(Y_i) a step is
+For lower triangular A with G and D, w = D, R = B D^-1, U = R^T G, and M only on the diagonal,
+because each L_i is added to x = V y before the next stage is formed (:mod:`.forms`). Each update
+changes <x, x>_G by exactly 2 <Y_i, L_i>, whatever R was rounded to, if
 
-    Y_i = sum_k U_ik x_k + sum_j M_ij L_j        x = V y (running) or x = y (not running)
-    y+  = V y + R L
+    U = R^T G      2 M_ii = R_i^T G R_i      V^T G V = G
 
-*Sweep* (lower triangular A, G-symplectic): w = D, R = B D^-1, U = R^T G, and M only on the diagonal,
-because each L_i is added to x before the next stage is formed. Each update changes <x, x>_G by
-exactly 2 <Y_i, L_i> whatever R was rounded to, if U = R^T G and 2 M_ii = R_i^T G R_i hold for the
-rounded numbers: :func:`_nudge` picks roundings for which they do.
-
-*Mu-form* (symplectic Runge-Kutta): w = b, M_ij = a_ij / b_j with M_ij + M_ji = 1 in floating point.
-
-References: Hairer, McLachlan, Razakarivony, "Achieving Brouwer's law with implicit Runge-Kutta
-methods", BIT 48 (2008), for the mu-form and the compensation of rounded coefficients.
+hold for the rounded numbers. So V is put into an integral basis where it has one, and
+:func:`_nudge` picks roundings of R for which the first two hold to about 1e-20.
 """
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -27,14 +20,26 @@ from fractions import Fraction
 import numpy as np
 
 from .. import linalg
-from ..claims import ExactnessError, UsageError
+from ..claims import UsageError
 from ..exact import Scalar, ball, exact
 from ..linalg import Matrix
 from ..method import GLM
-from ..rounding import split_float
-from .tableau import StageBlock, as_balls, method_abscissae, preconsistency, stage_blocks
+from .forms import (
+    CLOSE,
+    StepForm,
+    all_vanish,
+    consistent_weights,
+    float_rows,
+    floats,
+    is_symplectic_rk,
+    large,
+    mu_form,
+    standard_form,
+    vanishes,
+)
+from .tableau import StageBlock, as_balls, method_abscissae, preconsistency
 
-__all__ = ["FORMS", "StepForm", "is_symplectic_rk", "step_form"]
+__all__ = ["FORMS", "integral_basis", "step_form"]
 
 FORMS = ("sweep", "mu", "standard")
 
@@ -45,82 +50,6 @@ _REACH = {1: 500, 2: 150, 3: 30}
 _TILTS = (Fraction(0), Fraction(3, 7), Fraction(-2, 5), Fraction(5, 4))
 _SMALL_DEFECT = Fraction(1, 2**66)
 _GOOD_ENOUGH = 2.0**-68
-
-#: A number this close to an integer or to zero counts as one in the float engine.
-_CLOSE = 1e-40
-
-Row = tuple[float, ...]
-
-
-@dataclass(frozen=True)
-class StepForm:
-    """Double precision coefficients of one step, ready for code generation.
-
-    Attributes
-    ----------
-        kind: ``"sweep"``, ``"mu"`` or ``"standard"``.
-        s, r: numbers of stages and values.
-        running: whether the updates R L are added to x as the stages go (sweep).
-        U: (s, r). M: (s, s). R: (r, s). V: (r, r). weights: (s,), the w of the module docstring.
-        R_residue: (r, s), exact minus rounded update coefficients (zero in the structural forms).
-        c: (s,) abscissae.
-        blocks: stages in the order of computation.
-        large: values that are multiples of y (u_k != 0); the others are O(h).
-        to_form, from_form: (r, r), change of basis: x = to_form @ y and back.
-        exact_V: whether V is integral, so that V^T G V = G holds without rounding.
-        G: (r, r) form that a running form conserves, in its basis, or ``None``.
-    """
-
-    kind: str
-    s: int
-    r: int
-    running: bool
-    U: tuple[Row, ...]
-    M: tuple[Row, ...]
-    R: tuple[Row, ...]
-    V: tuple[Row, ...]
-    weights: Row
-    R_residue: tuple[Row, ...]
-    c: Row
-    blocks: tuple[StageBlock, ...]
-    large: tuple[bool, ...]
-    to_form: tuple[Row, ...]
-    from_form: tuple[Row, ...]
-    exact_V: bool
-    G: tuple[Row, ...] | None = None
-
-    def into(self, values: np.ndarray) -> np.ndarray:
-        """(..., r, d) values of the method in the basis of this form."""
-        return changed_basis(self.to_form, values)
-
-    def back(self, x: np.ndarray) -> np.ndarray:
-        """(..., r, d) values of this form in the basis of the method."""
-        return changed_basis(self.from_form, x)
-
-    @property
-    def memory_rows(self) -> int:
-        """Number of increments kept from step to step."""
-        return len(self.memory_weights)
-
-    @property
-    def memory_weights(self) -> Row:
-        """Weights w of the increments L that the predictor keeps, stage by stage."""
-        return self.weights if self.implicit_stages else ()
-
-    @property
-    def implicit_stages(self) -> int:
-        """Number of stages that need an equation solved."""
-        return sum(len(block.stages) for block in self.blocks if block.implicit)
-
-
-def changed_basis(matrix: tuple[Row, ...], values: np.ndarray) -> np.ndarray:
-    """``matrix @ values`` over the last two axes, term by term: the same bits for any leading shape."""
-    out = np.zeros_like(values, dtype=float)
-    for k, row in enumerate(matrix):
-        for j, factor in enumerate(row):
-            if factor:
-                out[..., k, :] += factor * values[..., j, :]
-    return out
 
 
 def step_form(method: GLM, form: str = "auto") -> StepForm:
@@ -149,22 +78,13 @@ def step_form(method: GLM, form: str = "auto") -> StepForm:
             raise UsageError(f"{method.name or 'the method'} has no sweep form: {reason}")
     if form in ("auto", "mu"):
         if is_symplectic_rk(method):
-            return _mu(method)
+            return mu_form(method)
         if form == "mu":
             raise UsageError(
                 f"{method.name or 'the method'} has no mu-form: it is not a symplectic "
                 f"Runge-Kutta method with nonzero weights"
             )
-    return _standard(method)
-
-
-def vanishes(x: Scalar) -> bool:
-    """Whether nothing speaks against zero: exact zero, or a ball around it."""
-    return x.is_zero() is not False
-
-
-def all_vanish(matrix: Matrix) -> bool:
-    return all(vanishes(x) for row in matrix for x in row)
+    return standard_form(method)
 
 
 def _quadratic_form(method: GLM) -> tuple[Matrix, Sequence[Scalar]] | None:
@@ -207,25 +127,12 @@ def _sweep_obstacle(method: GLM) -> str:
     return f"{failed[0]} does not hold" if failed else ""
 
 
-def is_symplectic_rk(method: GLM) -> bool:
-    """Whether the method is Runge-Kutta with b_i a_ij + b_j a_ji = b_i b_j and nonzero weights."""
-    if method.r != 1:
-        return False
-    A, U, B, V = (as_balls(x) for x in (method.A, method.U, method.B, method.V))
-    b = B[0]
-    ones = [V[0][0] - 1, *(row[0] - 1 for row in U)]
-    if any(vanishes(x) for x in b) or not all(vanishes(x) for x in ones):
-        return False
-    s = range(method.s)
-    return all(vanishes(b[i] * A[i][j] + b[j] * A[j][i] - b[i] * b[j]) for i in s for j in s)
-
-
 # --- the basis in which V is integral -----------------------------------------------------------
 
 
 def _near_integer(x: Scalar) -> int | None:
     nearest = round(float(x))
-    return nearest if (x - nearest).magnitude() < _CLOSE else None
+    return nearest if (x - nearest).magnitude() < CLOSE else None
 
 
 def _components(*patterns: Matrix) -> list[list[int]]:
@@ -234,7 +141,7 @@ def _components(*patterns: Matrix) -> list[list[int]]:
     label = list(range(r))
     for p in patterns:
         for i, j, x in linalg.entries(p):
-            if x.magnitude() > _CLOSE:
+            if x.magnitude() > CLOSE:
                 old, new = max(label[i], label[j]), min(label[i], label[j])
                 label = [new if k == old else k for k in label]
     return [[i for i in range(r) if label[i] == k] for k in sorted(set(label))]
@@ -257,13 +164,13 @@ def _block_basis(V: Matrix, G: Matrix, index: list[int], tilt: Fraction) -> Matr
         turned = linalg.matvec(v, p)
         columns: Matrix = tuple(zip(p, turned, strict=True))
     elif integral:
-        scale = next((x for row in g for x in row if x.magnitude() > _CLOSE), exact(1))
+        scale = next((x for row in g for x in row if x.magnitude() > CLOSE), exact(1))
         columns = linalg.identity(size)
     else:
         return linalg.identity(size)
-    if scale.magnitude() < _CLOSE:
+    if scale.magnitude() < CLOSE:
         return linalg.identity(size)
-    if (scale * scale - 1).magnitude() < _CLOSE:
+    if (scale * scale - 1).magnitude() < CLOSE:
         return columns
     return linalg.scale(1 / ball(scale if float(scale) > 0 else -scale).sqrt(), columns)
 
@@ -332,7 +239,7 @@ def _sweep(method: GLM) -> StepForm:
         M=tuple(tuple(x.half[i] if i == j else 0.0 for j in range(s)) for i in range(s)),
         R=tuple(tuple(float(w[k]) for w in x.omega) for k in range(r)),
         V=tuple(tuple(float(e) for e in row) for row in x.V),
-        weights=_consistent_weights([float(d) for d in D], [float(w[0]) for w in x.omega]),
+        weights=consistent_weights([float(d) for d in D], [float(w[0]) for w in x.omega]),
         R_residue=((0.0,) * s,) * r,
         c=floats(method_abscissae(method)),
         blocks=tuple(StageBlock((i,), x.half[i] != 0.0) for i in range(s)),
@@ -344,7 +251,7 @@ def _sweep(method: GLM) -> StepForm:
 
 
 def _snapped(matrix: Matrix) -> tuple[tuple[Fraction, ...], ...]:
-    """Multiples of 1/4 where the entry is one (to :data:`_CLOSE`), else the nearest double."""
+    """Multiples of 1/4 where the entry is one (to :data:`CLOSE`), else the nearest double."""
     return tuple(tuple(_snap(x) for x in row) for row in matrix)
 
 
@@ -419,76 +326,3 @@ def _best_shift(
     cost = np.maximum(distance, _GOOD_ENOUGH) + _GOOD_ENOUGH * 1e-6 * size
     place = np.unravel_index(np.argmin(cost), cost.shape)
     return tuple(int(axis[i]) for i in place)
-
-
-def _consistent_weights(weights: list[float], first: list[float]) -> Row:
-    """Change the last bits of the weights so that they sum to 1 exactly (no drift in the phase).
-
-    Only where the first value receives each L_i once, so that the sum is the length of the step.
-    """
-    if any(x != 1.0 for x in first):
-        return tuple(weights)
-    excess = sum((Fraction(w) for w in weights), Fraction(0)) - 1
-    if not excess or abs(excess) > Fraction(1, 2**48):
-        return tuple(weights)
-    single = [i for i, w in enumerate(weights) if weights.count(w) == 1]
-    for i in (*single, *range(len(weights))):
-        adjusted = Fraction(weights[i]) - excess
-        if Fraction(float(adjusted)) == adjusted:
-            return tuple(float(adjusted) if j == i else w for j, w in enumerate(weights))
-    return tuple(weights)
-
-
-# --- the other two ------------------------------------------------------------------------------
-
-
-def _mu(method: GLM) -> StepForm:
-    s = method.s
-    A, b = as_balls(method.A), as_balls(method.B)[0]
-    M = [[0.5 if i == j else 0.0 for j in range(s)] for i in range(s)]
-    for i in range(s):
-        for j in range(i):
-            value = float(A[i][j] / b[j])
-            # a grid coarse enough for both value and 1 - value
-            unit = math.ulp(max(abs(value), abs(1 - value), 0.5))
-            M[i][j] = round(value / unit) * unit
-            M[j][i] = 1.0 - M[i][j]
-    rounded = _consistent_weights([float(x) for x in b], [1.0] * s)
-    blocks = stage_blocks(tuple(tuple(exact(int(x != 0)) for x in row) for row in M))
-    return StepForm(
-        kind="mu", s=s, r=1, running=False, U=((1.0,),) * s,
-        M=tuple(tuple(row) for row in M), R=((1.0,) * s,), V=((1.0,),), weights=rounded,
-        R_residue=((0.0,) * s,), c=floats(method_abscissae(method)), blocks=blocks,
-        large=(True,), to_form=((1.0,),), from_form=((1.0,),), exact_V=True, G=((1.0,),),
-    )  # fmt: skip
-
-
-def _standard(method: GLM) -> StepForm:
-    s, r = method.s, method.r
-    identity = float_rows(linalg.identity(r))
-    pairs = [[split_float(x) for x in row] for row in method.B]
-    V = float_rows(method.V)
-    return StepForm(
-        kind="standard", s=s, r=r, running=False, U=float_rows(method.U),
-        M=float_rows(method.A), R=tuple(tuple(x for x, _ in row) for row in pairs), V=V,
-        weights=(1.0,) * s, R_residue=tuple(tuple(x for _, x in row) for row in pairs),
-        c=floats(method_abscissae(method)), blocks=stage_blocks(method.A),
-        large=large(preconsistency(method.U, method.V), r),
-        to_form=identity, from_form=identity,
-        exact_V=all(x == int(x) for row in V for x in row),
-    )  # fmt: skip
-
-
-def large(u: Sequence[Scalar] | None, r: int) -> tuple[bool, ...]:
-    if u is None:
-        return (True,) * r
-    return tuple(x.magnitude() > _CLOSE for x in u)
-
-
-def float_rows(matrix: Matrix) -> tuple[Row, ...]:
-    return tuple(floats(row) for row in matrix)
-
-
-def floats(row: Sequence[Scalar]) -> Row:
-    """Round; what is zero to :data:`_CLOSE` is zero."""
-    return tuple(0.0 if x.magnitude() < _CLOSE else float(x) for x in row)

@@ -1,4 +1,4 @@
-"""What an integrator reads off a tableau besides its four blocks: u, abscissae, order of the stages.
+"""What an integrator reads off a tableau besides its blocks: u, abscissae, order of the stages.
 
 Everything is computed from exact coefficients in ball arithmetic of several hundred bits, so that a
 reference run at any precision and a compiled kernel start from the same numbers.
@@ -43,9 +43,7 @@ class StageBlock:
 
 def as_balls(matrix: Matrix) -> Matrix:
     """Enclose every entry; exact zeros stay exact, so that patterns survive."""
-    return tuple(
-        tuple(exact(0) if x.is_zero() is True else ball(x) for x in row) for row in matrix
-    )
+    return tuple(tuple(exact(0) if x.is_zero() is True else ball(x) for x in row) for row in matrix)
 
 
 def dependency_blocks(size: int, needs: Callable[[int, int], bool]) -> tuple[StageBlock, ...]:

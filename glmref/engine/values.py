@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from .emit import Target
-from .sweep import Row
+from .forms import Row
 
 __all__ = ["Values", "linear"]
 
@@ -147,7 +147,9 @@ class Values:
             if self.compensated:
                 # Fast2Sum: where |u| > |x| the error kept is itself rounded, which is below the
                 # round-off of one step; TwoSum would lengthen the chain from step to step
-                lines.append(f"@r{k} = {linear([rest])} - ({linear([(1.0, f'@n{k}'), (-sign, value)])})")
+                lines.append(
+                    f"@r{k} = {linear([rest])} - ({linear([(1.0, f'@n{k}'), (-sign, value)])})"
+                )
         self.t.vec(lines, self.part)
 
     def check(self, name: str) -> None:

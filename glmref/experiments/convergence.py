@@ -134,15 +134,15 @@ def observed_order(
 def _extrapolate(orders: Sequence[float]) -> tuple[float, bool]:
     """Remove the leading errors of the orders; return the result and whether it is settled.
 
-    Halving h divides an error of order h by 2 and one of order h^2 by 4, so three sequences are
-    tried: with the first removed, with both removed, with the second alone removed. The one whose
-    last two members agree best counts.
+    Halving h divides an error of order h by 2 and one of order h^2 by 4, so four sequences are
+    tried: as measured, with the first removed, with both removed, with the second alone removed.
+    The one whose last two members agree best counts.
     """
     first = [2 * b - a for a, b in pairwise(orders)]
     both = [(4 * b - a) / 3 for a, b in pairwise(first)]
     second = [(4 * b - a) / 3 for a, b in pairwise(orders)]
     best, gap = first[-1], math.inf
-    for sequence in (first, both, second):
+    for sequence in (orders, first, both, second):
         if len(sequence) > 1 and abs(sequence[-1] - sequence[-2]) < gap:
             best, gap = sequence[-1], abs(sequence[-1] - sequence[-2])
     falls = len(orders) > 2 and abs(orders[-1] - orders[-2]) < abs(orders[-2] - orders[-3])
@@ -162,12 +162,15 @@ def _log2_ratio(coarse: Any, fine: Any) -> float:
     return math.log2(float(coarse / fine))
 
 
-def _digits(order: int) -> int:
-    """Digits that keep differences at the finest step, about ``1e-3 h^(p + 1)``, above round-off.
+def _digits(order: int, finest: float) -> int:
+    """Digits that keep differences at the finest usual step above round-off.
 
-    The finest step is near 1e-4; a ratio is wanted to four digits.
+    Args:
+        order: order expected.
+        finest: step size at which a run usually settles; differences are about ``finest^(p + 1)``
+            there, times a constant that may be small, and a ratio is wanted to four digits.
     """
-    return 16 + 4 * (order + 1)
+    return 12 + math.ceil((order + 1) * -math.log10(finest))
 
 
 def method_order(
@@ -211,7 +214,8 @@ def _run(
     method: GLM | PartitionedGLM, problem: Problem, expected: int, t_end: float | Fraction | None
 ) -> Callable[[int], Sequence[Any]]:
     """Return n -> solution after n steps; ``t_end = None`` is one period 2 pi."""
-    engine = stepper(method, problem, digits=_digits(expected))
+    finest = 0.03 if t_end is None else float(t_end) / 100
+    engine = stepper(method, problem, digits=_digits(expected, finest))
     underlying = Underlying(engine)
     context = engine.arithmetic.context
     if t_end is None:
@@ -251,7 +255,7 @@ def parasitic_order(
         t_end: length of the interval.
         most: the largest number of steps.
     """
-    engine = stepper(method, problem, digits=_digits(expected + 2))
+    engine = stepper(method, problem, digits=_digits(expected + 2, float(t_end) / 100))
     underlying = Underlying(engine)
     context = engine.arithmetic.context
     zero, y0 = context.mpf(0), engine.problem.y0

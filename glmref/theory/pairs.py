@@ -2,7 +2,7 @@
 
 Public names::
 
-    pair_order_of(pair, *, max_order=8, principal="free") -> OrderResult
+    pair_order_of(pair, *, max_order=10, principal="free") -> OrderResult
     pair_residuals(pair, order, *, principal="identity") -> dict[Tree, Scalar]
 
 For ``q' = f(q, p)``, ``p' = k(q, p)`` a tree with root ``f`` belongs to q, one with root ``k`` to
@@ -47,7 +47,7 @@ def _parts(pair: PartitionedGLM) -> tuple[list[tuple[str, tuple[Any, Any, Any, A
 
 
 def pair_order_of(
-    pair: PartitionedGLM, *, max_order: int = 8, principal: Principal = "free"
+    pair: PartitionedGLM, *, max_order: int = 10, principal: Principal = "free"
 ) -> OrderResult:
     """Decide the order of a pair, over all trees its systems have.
 

@@ -169,7 +169,8 @@ def test_conjugation_methods_are_reproduced_bit_for_bit(name: str) -> None:
 
 def assert_reproduced(recipe: str, name: str) -> None:
     """The recipe gives the shipped file, apart from its start and finish."""
-    derived = dict(recipes.run(recipe, {"name": name}).documents[0])
+    options = {"name": name, "start": "no"} if recipe == "conjugation6" else {"name": name}
+    derived = dict(recipes.run(recipe, options).documents[0])
     shipped = document(name)
     for key in ("starting", "finishing"):
         if key in shipped:
@@ -193,6 +194,24 @@ def test_the_order_8_method_with_three_stages_is_reproduced_bit_for_bit() -> Non
 @pytest.mark.parametrize("name", [x for x in order8.ROUGH if x != "order8-s3-w3-i"])
 def test_other_order_8_methods_are_reproduced_bit_for_bit(name: str) -> None:
     assert_reproduced("order8", name)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["s5i1-w3", "t115a-i"])
+def test_starts_and_finishes_are_reproduced_bit_for_bit(name: str) -> None:
+    derived = recipes.run("conjugation6", {"name": name}).documents[0]
+    assert canonical(derived) == text_of(name)
+
+
+@pytest.mark.slow
+def test_the_start_of_the_exact_method_is_reproduced_bit_for_bit() -> None:
+    derived = recipes.run("order6", {"c2": "3/10", "start": "yes"}).documents[0]
+    assert canonical(derived) == text_of("c2-3-10-w3")
+
+
+def test_a_start_that_is_not_on_record_is_refused() -> None:
+    with pytest.raises(UsageError, match="no start is on record"):
+        recipes.run("order6", {"c2": "2/5", "start": "yes"})
 
 
 def test_yoshida_composition_is_reproduced_bit_for_bit() -> None:

@@ -77,8 +77,8 @@ def test_regenerated_digits_are_all_right():
 
 
 def test_digits_that_do_not_agree_are_not_written():
-    # y2 of Kaps's problem at t = 50 is 2e-22; with 8 digits asked it keeps its own, y1 as well
-    (entry,) = solution_entries(problem("kaps", epsilon=1), ["5"], digits=8, stages=5)
+    (entry,) = solution_entries(problem("kaps", epsilon=1), ["1"], digits=6, stages=4)
     context = mpmath.MPContext()
-    for text, exact in zip(entry["state"], (context.exp(-10), context.exp(-5)), strict=True):
-        assert abs(context.mpf(text) / exact - 1) < 1e-7
+    for text, exact in zip(entry["state"], (context.exp(-2), context.exp(-1)), strict=True):
+        digits = len(text.lstrip("-0.").replace(".", ""))
+        assert digits < 16 and abs(context.mpf(text) / exact - 1) < 2 * 10.0 ** (1 - digits)

@@ -41,7 +41,7 @@ class Rough:
 
 def rough_starts() -> Mapping[str, Any]:
     """Parameters of starts and finishes, by method: rationals, and roughly those to be solved."""
-    text = files(__package__).joinpath("starts.json").read_text(encoding="utf-8")
+    text = files("glmref.derive.recipes").joinpath("starts.json").read_text(encoding="utf-8")
     return json.loads(text)
 
 
@@ -81,8 +81,8 @@ def finish(
         ConvergenceError, ExactnessError: when the start leads to no root, or the proof fails.
     """
     document = rough.ansatz.document()
-    start = [ball(Fraction(x)) for x in rough.start]
-    document = fill(document, polish(SweepSystem(document).residuals, start))
+    point = [ball(Fraction(x)) for x in rough.start]
+    document = fill(document, polish(SweepSystem(document).residuals, point))
     enclosure = prove(document)
     r = len(document["V"])
     document["claims"] = {

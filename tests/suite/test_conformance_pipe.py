@@ -1,0 +1,133 @@
+"""Programs as adapters: JSON lines over a pipe, in both directions."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from glmref.claims import UsageError, Verdict
+from glmref.conformance.adapter import Subject, load_adapter
+from glmref.conformance.checks import Suite
+
+SERVER = '''
+import json, sys
+
+def ask(question):
+    print(json.dumps(question), flush=True)
+    return json.loads(sys.stdin.readline())["values"]
+
+def add(*terms):
+    return [sum(c * v[k] for c, v in terms) for k in range(len(terms[0][1]))]
+
+for line in sys.stdin:
+    asked = json.loads(line)
+    if asked["ask"] == "describe":
+        print(json.dumps(DESCRIBE), flush=True)
+        continue
+    BODY
+    print(json.dumps(answer), flush=True)
+'''
+
+EULER = """
+    n, h, y = asked["columns"] // 2, asked["h"], asked["values"]
+    q, p = y[:n], y[n:]
+    p = add((1, p), (h, ask({"ask": "dp", "q": q})))
+    q = add((1, q), (h, ask({"ask": "dq", "p": p})))
+    answer = {"values": q + p}
+"""
+GAUSS = """
+    a = [[1 / 4, 1 / 4 - 3**0.5 / 6], [1 / 4 + 3**0.5 / 6, 1 / 4]]
+    t, h, y = asked["t"], asked["h"], asked["values"]
+    Y = [y, y]
+    for _ in range(60):
+        F = [ask({"ask": "f", "t": t + sum(a[i]) * h, "y": Y[i]}) for i in range(2)]
+        Y = [add((1, y), (h * a[i][0], F[0]), (h * a[i][1], F[1])) for i in range(2)]
+    end = add((1, y), (h / 2, F[0]), (h / 2, F[1]))
+    answer = {"values": end if asked["ask"] == "step" else Y[0] + Y[1]}
+"""
+
+
+def program(folder: Path, describe: dict[str, Any], body: str) -> str:
+    path = folder / "server.py"
+    text = SERVER.replace("DESCRIBE", repr(describe)).replace("    BODY\n", body)
+    path.write_text(text, encoding="utf-8")
+    return f"cmd:{shlex.quote(sys.executable)} {shlex.quote(str(path))}"
+
+
+@pytest.mark.parametrize(
+    ("method", "offers", "body"),
+    [("symplectic-euler-a", ["step"], EULER), ("gauss-2", ["step", "stages"], GAUSS)],
+)
+def test_a_program_that_is_right_passes(tmp_path: Path, method: str, offers: list[str], body: str):
+    describe = {"methods": [method], "offers": offers}
+    subject = Subject(load_adapter(program(tmp_path, describe, body)))
+    try:
+        findings = Suite(subject).findings()
+    finally:
+        subject.close()
+    assert len(findings) >= 12
+    assert [x for x in findings if x.verdict is not Verdict.HOLDS] == []
+
+
+@pytest.mark.parametrize(
+    ("body", "words"),
+    [
+        ("    answer = {'error': 'out of memory'}\n", "out of memory"),
+        ("    answer = {'values': [1.0]}\n", "2 numbers were expected"),
+        ("    answer = {'value': [1.0]}\n", "must have 'values'"),
+        ("    answer = [1.0]\n", "is not a JSON object"),
+        ("    print('hello', flush=True); continue\n", "is not JSON"),
+        ("    sys.exit(3)\n", "exit code 3"),
+        ("    ask({'ask': 'hamiltonian'}); answer = {}\n", "may ask f, jacobian, dq or dp"),
+        ("    ask({'ask': 'f', 'y': [1.0]}); answer = {}\n", "cannot be served"),
+    ],
+)
+def test_a_program_that_misbehaves_fails_with_a_sentence(tmp_path: Path, body: str, words: str):
+    subject = Subject(
+        load_adapter(program(tmp_path, {"methods": ["rk4"], "offers": ["step"]}, body))
+    )
+    try:
+        suite = Suite(subject)
+        (first,) = [x for x in suite.checks if x.id == "answer/rk4/linear"]
+        finding = suite.finding(first)
+    finally:
+        subject.close()
+    assert finding.verdict is Verdict.FAILS and words in finding.witness
+
+
+def test_what_a_program_cannot_do_is_not_judged(tmp_path: Path) -> None:
+    body = (
+        "    if asked['ask'] == 'stages':\n        answer = {'cannot': 'no stages'}\n"
+        "    else:\n" + "".join(f"    {x}\n" for x in GAUSS.splitlines())
+    )
+    describe = {"methods": ["gauss-2"], "offers": ["step", "stages"]}
+    subject = Subject(load_adapter(program(tmp_path, describe, body)))
+    try:
+        found = {x.claim: x for x in Suite(subject).findings()}
+    finally:
+        subject.close()
+    assert found["stages/gauss-2/cubic"].verdict is Verdict.OPEN
+    assert found["step/gauss-2/cubic"].verdict is Verdict.HOLDS
+
+
+@pytest.mark.parametrize(
+    ("describe", "words"),
+    [
+        ({"offers": ["step"]}, "must have 'methods'"),
+        ({"methods": ["rk4"]}, "must have 'offers'"),
+        ({"methods": ["rk4"], "offers": ["fly"]}, "got 'fly'"),
+    ],
+)
+def test_a_program_that_does_not_say_what_it_is_is_a_bad_adapter(tmp_path: Path, describe, words):
+    with pytest.raises(UsageError, match=words):
+        load_adapter(program(tmp_path, describe, "    answer = {}\n"))
+
+
+def test_a_program_that_is_silent_is_given_up(tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.setattr("glmref.conformance.pipe.PATIENCE", 0.2)
+    with pytest.raises(UsageError, match=r"did not answer within 0\.2 seconds"):
+        load_adapter(f"cmd:{shlex.quote(sys.executable)} -c 'import sys; sys.stdin.read()'")

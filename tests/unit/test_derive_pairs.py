@@ -1,0 +1,90 @@
+"""From an ansatz to a proved pair: equations, free parameters, recipes and the search."""
+
+import pytest
+
+from glmref.catalogue import document
+from glmref.claims import UsageError
+from glmref.derive import recipes
+from glmref.derive.pair_system import PairSystem
+from glmref.derive.pairs import PairAnsatz, complete_pair, fix_parameters, search_pairs
+from glmref.derive.recipes.shipped_pairs import SHIPPED
+
+SOURCE = {"citation": "a test", "where": "here", "status": "derived"}
+
+
+def test_an_ansatz_says_its_stages_rows_and_equations():
+    doc = PairAnsatz("x", 4, 4).document()
+    assert doc["stages"] == "PQPQPQPQP"
+    assert doc["b"] == ["b1", "b2", "b3", "b2", "b1"]
+    assert doc["w"] == [["w1", "w2", "0", "-w2", "-w1"]]
+    assert doc["v"] == [["v1", "v2", "-v2", "-v1"]]
+    assert doc["constants"] == {"b3": "1-2*b1-2*b2", "c2": "(1-2*c1)/2"}
+    assert doc["enclosure"]["equations"][:2] == ["order f[kk]", "order f[k[f]]"]
+    assert PairAnsatz("x", 3, 4, outer="Q").stages == "QPQPQ"
+
+
+@pytest.mark.parametrize(
+    ("order", "nystrom", "equations"),
+    [(4, False, 4), (6, False, 10), (6, True, 8), (8, False, 32), (8, True, 18)],
+)
+def test_the_number_of_equations(order, nystrom, equations):
+    # one for each free tree of orders 3, 5, .. and two growth parameters
+    assert len(PairAnsatz("x", 9, order, nystrom=nystrom).equations()) == equations
+
+
+def test_palindromes_hold_for_all_values_of_the_unknowns():
+    for ansatz in (PairAnsatz("x", 5, 6), PairAnsatz("x", 4, 4, outer="Q", g=-1)):
+        assert PairSystem(ansatz.document()).signs() == ((1, -1), (1, -1))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"n": 1}, "`n` must lie between"),
+        ({"order": 5}, "`order` must be"),
+        ({"outer": "R"}, "`outer` must be one of"),
+        ({"g": 2}, "`g` must be one of"),
+        ({"starts": "z"}, "`starts` must be one of"),
+    ],
+)
+def test_an_ansatz_out_of_range_is_refused(arguments, message):
+    with pytest.raises(UsageError, match=message):
+        PairAnsatz(**{"name": "x", "n": 4, "order": 4, **arguments})
+    with pytest.raises(UsageError, match="`fixed` names 'z1'"):
+        PairAnsatz("x", 4, 4, fixed={"z1": "1"}).document()
+
+
+def test_a_search_is_reproducible_and_ends_in_a_proved_pair():
+    ansatz = PairAnsatz("found", 4, 4)
+    first, second = (list(search_pairs(ansatz, seed=3, starts=16)) for _ in range(2))
+    assert first == second
+    found = next(x for x in first if x.residual < 1e-10)
+    square, start = fix_parameters(ansatz, found.point)
+    assert len(square.fixed) == 3  # 7 unknowns, 4 equations
+    doc, proof = complete_pair(square, [repr(x) for x in start], source=SOURCE)
+    assert (proof.order, proof.identity) == (4, True)
+    assert doc["claims"]["reducible"] is False
+
+
+def test_the_recipe_reproduces_a_shipped_pair():
+    derivation = recipes.run("pairs", {"name": "pair-6-7"})
+    assert [dict(x) for x in derivation.documents] == [document("pair-6-7")]
+    assert "order 6" in derivation.statements[0].text
+
+
+@pytest.mark.slow
+def test_the_recipe_reproduces_every_shipped_pair():
+    derivation = recipes.run("pairs")
+    assert {x["name"]: dict(x) for x in derivation.documents} == {
+        name: document(name) for name in SHIPPED
+    }
+
+
+def test_the_search_of_the_recipe_completes_a_pair_or_says_how_near_it_came():
+    options = {"n": "4", "order": "4", "starts": "", "seed": "3", "tries": "16"}
+    derivation = recipes.run("pairs", options)
+    assert len(derivation.documents) == 1
+    assert "16 starts" in derivation.statements[-1].text
+    for wrong in ({"n": "x"}, {"n": "4", "nystrom": "maybe"}, {"name": "pair-5-5"}):
+        with pytest.raises(UsageError):
+            recipes.run("pairs", wrong)

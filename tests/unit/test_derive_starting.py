@@ -1,0 +1,158 @@
+"""Starts and finishes with parity: their form is checked, their digits are proved."""
+
+from __future__ import annotations
+
+import copy
+from fractions import Fraction
+from typing import Any
+
+import pytest
+
+from glmref.catalogue import document, load
+from glmref.claims import DataError, ExactnessError
+from glmref.derive.enclosure import Enclosure, Outcome, prove
+from glmref.derive.parity_start import finishing_block, starting_block
+from glmref.derive.recipes.solved import rough_starts
+from glmref.derive.starting import (
+    StartingSystem,
+    Target,
+    first_value,
+    prove_finishing,
+    prove_starting,
+    starting_system,
+    weights,
+)
+from glmref.exact import Exact
+from glmref.method import GLM, as_matrix
+from glmref.theory.series import elementary_weights
+from glmref.theory.trees import trees
+
+NAME = "t115-i"
+
+
+def without_start(name: str) -> dict[str, Any]:
+    doc = copy.deepcopy(document(name))
+    del doc["starting"], doc["finishing"]
+    return doc
+
+
+@pytest.fixture(scope="module")
+def target() -> Target:
+    doc = without_start(NAME)
+    return Target.of(doc, prove(doc))
+
+
+def test_weights_are_the_elementary_weights() -> None:
+    A = as_matrix([["0", "0", "0"], ["1/3", "0", "0"], ["-1/2", "1/5", "0"]], "A")
+    rows = as_matrix([["1", "2", "3"], ["0", "-1", "1/2"]], "B")
+    found = weights(A, rows, 5)
+    expected = elementary_weights(A, rows, 5, u=(0, 0))
+    for n in range(1, 6):
+        for t in trees(n):
+            assert [x[t] for x in found] == list(expected[t])
+
+
+def test_parity_halves_the_work_and_changes_nothing() -> None:
+    block = starting_block(
+        2, ["1/2", "1", "1/3", "1/4", *("1/5", "1/6"), *("1/7", "1/8", "1/9"), *("1", "2", "3")],
+        root="i", free=False, last_even=False,
+    )  # fmt: skip
+    A, B = as_matrix(block["A"], "A"), as_matrix(block["B"], "B")
+    plain, short = weights(A, B, 6), weights(A, B, 6, parity=True)
+    for n in range(1, 7):
+        for t in trees(n):
+            assert [x[t] for x in plain] == [x[t] for x in short]
+    # y_2 + y_3 is even and y_2 - y_3 odd for z = i; y_4 is odd.
+    for n in range(1, 7):
+        for t in trees(n):
+            even, odd = plain[1][t] + plain[2][t], plain[1][t] - plain[2][t]
+            assert (odd if n % 2 == 0 else even).is_zero()
+            assert n % 2 == 1 or plain[3][t].is_zero()
+
+
+def test_a_shipped_start_and_finish_are_proved(target: Target) -> None:
+    doc = document(NAME)
+    start = prove_starting(doc["starting"], target)
+    assert start.outcome is Outcome.UNIQUE
+    assert len(start.box) == 54  # 5 + 25 conditions at even trees, 12 + 12 at odd ones
+    assert start.contraction < 1e-40
+    base = first_value(doc["starting"], start.box, 6)
+    finish = prove_finishing(doc["finishing"], base, 6)
+    assert len(finish.box) == 25
+
+
+def test_a_start_for_another_method_is_refused(target: Target) -> None:
+    other = document("s5i1-i")["starting"]
+    with pytest.raises(ExactnessError, match="interval test"):
+        prove_starting(other, target)
+
+
+def test_a_changed_rational_entry_is_refused(target: Target) -> None:
+    block = copy.deepcopy(document(NAME)["starting"])
+    for i, row in enumerate(block["A"]):
+        for j, text in enumerate(row):
+            if "/" in text:
+                mirror = (i + 1 if i % 2 else i - 1), (j and (j + 1 if j % 2 else j - 1))
+                value = Fraction(text) + Fraction(1, 1000)
+                block["A"][i][j], block["A"][mirror[0]][mirror[1]] = str(value), str(-value)
+                with pytest.raises(ExactnessError):
+                    prove_starting(block, target)
+                return
+    raise AssertionError("no rational entry found")
+
+
+def test_a_start_without_parity_is_refused(target: Target) -> None:
+    block = copy.deepcopy(document(NAME)["starting"])
+    block["A"][1][0] = "1/2"
+    with pytest.raises(DataError, match="no parity"):
+        prove_starting(block, target)
+
+
+def test_an_implicit_start_is_refused(target: Target) -> None:
+    block = copy.deepcopy(document(NAME)["starting"])
+    block["A"][1][1], block["A"][2][2] = "1/2", "-1/2"
+    with pytest.raises(DataError, match="not explicit"):
+        prove_starting(block, target)
+
+
+def test_a_start_from_another_multiple_of_y0_is_refused(target: Target) -> None:
+    block = {**document(NAME)["starting"], "u": ["1", "1", "0", "0"]}
+    with pytest.raises(DataError, match=r"`starting\.u`"):
+        prove_starting(block, target)
+
+
+def test_an_even_number_of_stages_is_refused() -> None:
+    block = {"A": [["0", "0"], ["1/2", "0"]], "b": ["0", "1"]}
+    with pytest.raises(DataError, match="odd number"):
+        prove_finishing(block, {}, 6)
+
+
+def test_decimals_are_unknowns_and_rationals_are_not() -> None:
+    long = "0." + "12345" * 15
+    system = StartingSystem([["1/2", f"-{long}"], [f"{long}*sqrt(3)+1/4", "0.5"[:1]]])
+    assert system.unknowns == (long,)
+    assert system.read([Exact(2)])[1][0] == Exact(3).sqrt() * 2 + Fraction(1, 4)
+
+
+def test_every_conjugation_method_has_a_start_and_a_finish_on_record() -> None:
+    for name, record in rough_starts().items():
+        assert record["start"]["pairs"] <= 10
+        method = load(name)
+        assert isinstance(method, GLM)
+        if "finish" in record:
+            assert method.starting is not None and method.finishing is not None
+            assert method.starting.stages == 2 * record["start"]["pairs"] + 1
+            assert method.finishing.stages == 2 * record["finish"]["pairs"] + 1
+
+
+def test_a_finish_block_has_the_form_it_needs() -> None:
+    block = finishing_block(1, ["1/2", "1/3"])
+    assert block["A"] == [["0", "0", "0"], ["1/2", "0", "0"], ["-1/2", "0", "0"]]
+    assert block["b"] == ["0", "1/3", "-1/3"]
+    assert not starting_system({"A": block["A"], "B": [block["b"]]}).unknowns
+
+
+def test_enclosure_records_name_the_start() -> None:
+    record = prove(document(NAME))
+    assert isinstance(record, Enclosure)
+    assert {"starting-order", "finishing-order"} <= set(record.proves)
