@@ -176,5 +176,11 @@ def build(
     X, Y = columns(w, len(b)), columns(v, len(c))
     blocks = pair_sweep_blocks(b, X, c, Y, V=V, V_hat=V_hat, G=G, word=word)
     return PartitionedGLM(
-        **blocks, V=V, V_hat=V_hat, G=G, D_P=tuple(b), D_Q=tuple(c), separable=True
+        **blocks,  # pyright: ignore[reportArgumentType]
+        V=V,
+        V_hat=V_hat,
+        G=G,
+        D_P=tuple(b),
+        D_Q=tuple(c),
+        separable=True,
     )

@@ -1,4 +1,4 @@
-"""``glmref probe``: what method is this code really?"""
+"""``glmref probe``: the method a code really is, named."""
 
 from __future__ import annotations
 

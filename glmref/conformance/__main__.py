@@ -83,8 +83,13 @@ def _write(found: list[Finding], form: str) -> None:
         for method in dict.fromkeys(finding.method for finding in found):
             mine = [x for x in found if x.method == method]
             wrong = [x for x in mine if x.verdict is not Verdict.HOLDS]
-            parts.append(f"{style.paint(method, 'bold')}: {len(mine) - len(wrong)} of {len(mine)} hold")
-            parts += [f"  {str(x.verdict).upper()}  {x.claim}: {tables.one_line(x.witness)}" for x in wrong]
+            parts.append(
+                f"{style.paint(method, 'bold')}: {len(mine) - len(wrong)} of {len(mine)} hold"
+            )
+            parts += [
+                f"  {str(x.verdict).upper()}  {x.claim}: {tables.one_line(x.witness)}"
+                for x in wrong
+            ]
         counts = {str(v): sum(x.verdict is v for x in found) for v in Verdict}
         parts.append(", ".join(f"{n} {word}" for word, n in counts.items()))
         text = "\n".join(parts)

@@ -174,15 +174,15 @@ def _compared(subject: Subject, vectors: Vectors) -> Iterator[Check]:
         yield from (check(x, "stages", judge.stages) for x in steps if x.claim == "step")
     if "step" in offered:
         yield from (check(x, x.claim, judge.step) for x in steps)
-        yield from (
-            check(x, "conserved", judge.conserved) for x in steps if "conserved" in x.data
-        )
+        yield from (check(x, "conserved", judge.conserved) for x in steps if "conserved" in x.data)
     for kind in ("start", "finish"):
         if kind in offered:
             yield from (check(x, kind, getattr(judge, kind)) for x in cases if x.kind == kind)
     if "solve" in offered or "step" in offered:
         if subject.starts == "file" or int(vectors.document["values"]) == 1:
-            yield from (check(x, "trajectory", judge.trajectory) for x in cases if x.kind == "trajectory")
+            yield from (
+                check(x, "trajectory", judge.trajectory) for x in cases if x.kind == "trajectory"
+            )
         orders = [x for x in cases if x.kind == "order"]
         yield from (check(x, x.claim, judge.order) for x in orders)
 
@@ -239,7 +239,9 @@ class _Judge:
             self.name, case.problem.problem, case.number("t"), case.input, case.number("h"), shape
         )
         allowed = self._allowed(case)
-        for part, right, letter in zip(found, expected, ("Y", "P") if not self.pair else ("Q", "P"), strict=False):
+        for part, right, letter in zip(
+            found, expected, ("Y", "P") if not self.pair else ("Q", "P"), strict=False
+        ):
             gap = float(np.abs(part - right).max())
             if gap <= allowed:
                 continue
@@ -484,7 +486,9 @@ class _Measure:
         return _order_judgement(steps, errors, right, self.subject, self.name)
 
     def _step(self, y: np.ndarray, h: float) -> np.ndarray:
-        return self.subject.step(self.name, self.task.problem, float(self.task.t0), y[None, :], h)[0]
+        return self.subject.step(self.name, self.task.problem, float(self.task.t0), y[None, :], h)[
+            0
+        ]
 
     def symmetric(self) -> Judgement:
         """A step and one back with -h return to the beginning."""
@@ -510,7 +514,9 @@ class _Measure:
             ends = [self._step(y + m * unit, self.size) for m in (1, -1, 2, -2)]
             columns.append((8 * (ends[0] - ends[1]) - (ends[2] - ends[3])) / (12 * width))
         M, half = np.stack(columns, axis=1), d // 2
-        J = np.block([[np.zeros((half, half)), np.eye(half)], [-np.eye(half), np.zeros((half, half))]])
+        J = np.block(
+            [[np.zeros((half, half)), np.eye(half)], [-np.eye(half), np.zeros((half, half))]]
+        )
         gap = float(np.abs(M.T @ J @ M - J).max())
         allowed = 1e-9 + self.subject.unit(self.name) * 1e3 / width
         said = f"M^T J M differs from J by {gap:.2g}, M the derivative of a step of {self.size}"
@@ -562,9 +568,7 @@ def _order_judgement(
     """
     shown = ", ".join(f"{e:.3g} at {n} steps" for n, e in zip(steps, errors, strict=True))
     usable = [(n, e) for n, e in zip(steps, errors, strict=True) if e > _floor(subject, name, n)]
-    slopes = [
-        log2(a / b) for (n, a), (m, b) in zip(usable, usable[1:], strict=False) if m == 2 * n
-    ]
+    slopes = [log2(a / b) for (n, a), (m, b) in zip(usable, usable[1:], strict=False) if m == 2 * n]
     if not slopes:
         return Judgement(None, f"not judged: too few errors above rounding ({shown})")
     slope, found = slopes[-1], round(slopes[-1])

@@ -19,7 +19,13 @@ from .probe import read
 from .traps import NOTES
 from .vectors import Case, Vectors, array
 
-__all__ = ["coefficient_differences", "known_bug", "name_defect", "residual_of_stages", "stage_order"]
+__all__ = [
+    "coefficient_differences",
+    "known_bug",
+    "name_defect",
+    "residual_of_stages",
+    "stage_order",
+]
 
 _SHOWN = 3
 
@@ -66,7 +72,9 @@ def constant_factor(found: np.ndarray, right: np.ndarray, h: float) -> str:
         return ""
     names = {h: "h", 1 / h: "1/h", -1.0: "the wrong sign"}
     name = next((text for x, text in names.items() if abs(ratios[0] / x - 1) < 1e-9), "")
-    return f"values 2 to r are {ratios[0]:.6g} times the right ones" + (f" ({name})" if name else "")
+    return f"values 2 to r are {ratios[0]:.6g} times the right ones" + (
+        f" ({name})" if name else ""
+    )
 
 
 def name_defect(
@@ -178,12 +186,12 @@ def stage_order(found: np.ndarray, expected: np.ndarray, tolerance: float) -> st
     if order == list(range(len(order))):
         return ""
     places = ", ".join(str(j + 1) for j in order)
-    return f"the stages are right but come in another order: they belong at {places} (StagesReordered)"
+    return (
+        f"the stages are right but come in another order: they belong at {places} (StagesReordered)"
+    )
 
 
-def residual_of_stages(
-    vectors: Vectors, case: Case, stages: Sequence[np.ndarray]
-) -> float:
+def residual_of_stages(vectors: Vectors, case: Case, stages: Sequence[np.ndarray]) -> float:
     """Largest defect of ``Y = h A f(Y) + U y`` at stage values of an adapter; of a GLM."""
     c = vectors.coefficients
     A, U, t, h = array(c["A"]), array(c["U"]), case.number("t"), case.number("h")

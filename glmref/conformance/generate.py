@@ -245,7 +245,9 @@ class _Maker:
         values, context = self._numbers(engine, given), engine.arithmetic.context
         t, h = context.mpf(case["t"]), context.mpf(case["h"])
         found = wrong_steps(engine, self.method, task.problem, t, values, h)
-        wanted = {"abscissae": ("Abscissae",), "backward": ("StepSign",)}.get(case["id"].split("/")[0])
+        wanted = {"abscissae": ("Abscissae",), "backward": ("StepSign",)}.get(
+            case["id"].split("/")[0]
+        )
         _add_wrong(case, (x for x in found if wanted is None or x.flag.startswith(wanted)))
 
     def _reversed(self, task: TestProblem) -> dict[str, Any]:
@@ -442,7 +444,9 @@ class _Maker:
 
     def _solution(self, engine: Stepper, values: np.ndarray, t: Any, h: Any) -> np.ndarray:
         finishing = getattr(self.method, "finishing", None)
-        return values[0] if finishing is None else apply_finish(finishing, engine, t, values[0], h)[0]
+        return (
+            values[0] if finishing is None else apply_finish(finishing, engine, t, values[0], h)[0]
+        )
 
 
 class _Run:
@@ -583,7 +587,10 @@ def _pendulum_end(task: TestProblem) -> list[str]:
     end = known.on(context).solution(context.mpf(_ORDER_TIME))
     (other,) = taylor_states(task.problem, [_ORDER_TIME], digits=SHOWN + 10)
     shown, again = decimals(end, SHOWN), decimals(other, SHOWN)
-    if any(abs(Fraction(a) - Fraction(b)) > Fraction(1, 10**SHOWN) for a, b in zip(shown, again, strict=True)):
+    if any(
+        abs(Fraction(a) - Fraction(b)) > Fraction(1, 10**SHOWN)
+        for a, b in zip(shown, again, strict=True)
+    ):
         raise DataError(f"two ways to the end of the pendulum differ: {shown} and {again}")
     return shown
 

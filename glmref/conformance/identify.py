@@ -120,7 +120,9 @@ def identify(subject: Subject, method: str | None = None) -> list[Probe]:
         UsageError: when the adapter has no such method.
     """
     if method is not None and method not in subject.methods:
-        raise UsageError(f"{subject.name} has no method {method!r}, only {', '.join(subject.methods)}")
+        raise UsageError(
+            f"{subject.name} has no method {method!r}, only {', '.join(subject.methods)}"
+        )
     return [_identify(subject, name) for name in ([method] if method else subject.methods)]
 
 
@@ -234,7 +236,9 @@ def matches(reading: Reading) -> list[Match]:
         other = _arrays(name)
         if other is None or (len(other) == 8) != (reading.hat is not None):
             continue
-        match = _match_pair(reading, name, other) if len(other) == 8 else _match(reading, name, other)
+        match = (
+            _match_pair(reading, name, other) if len(other) == 8 else _match(reading, name, other)
+        )
         if match is not None:
             found.append(match)
     return sorted(found, key=lambda m: (not m.same_basis, m.difference, m.name))
@@ -286,9 +290,7 @@ def _match(reading: Reading, name: str, other: Sequence[np.ndarray]) -> Match | 
     return None
 
 
-def _orders(
-    mine: Sequence[np.ndarray], theirs: Sequence[np.ndarray]
-) -> Iterator[list[int]]:
+def _orders(mine: Sequence[np.ndarray], theirs: Sequence[np.ndarray]) -> Iterator[list[int]]:
     """Orders of the other method's stages to try: the one given, then that of equal row sums."""
     size = len(mine[0])
     yield list(range(size))

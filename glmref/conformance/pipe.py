@@ -231,13 +231,17 @@ def _served(question: dict[str, Any], problem: Any) -> list[float]:
     except (KeyError, TypeError, ValueError) as error:
         raise PipeError(f"the program's question {kind!r} cannot be served ({error})") from None
     # JSON has no infinities; a program that leaves the domain hears null
-    return [x if math.isfinite(x) else None for x in np.asarray(found, dtype=float).ravel().tolist()]  # type: ignore[list-item]
+    return [
+        x if math.isfinite(x) else None for x in np.asarray(found, dtype=float).ravel().tolist()
+    ]  # type: ignore[list-item]
 
 
 def _shaped(answer: Any, shape: tuple[int, ...]) -> np.ndarray:
     found = np.array(answer, dtype=float).ravel()
     if found.size != math.prod(shape):
-        raise PipeError(f"{math.prod(shape)} numbers were expected, shape {shape}; got {found.size}")
+        raise PipeError(
+            f"{math.prod(shape)} numbers were expected, shape {shape}; got {found.size}"
+        )
     return found.reshape(shape)
 
 

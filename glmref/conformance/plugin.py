@@ -94,9 +94,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
         return
     session = metafunc.config.stash.get(_SUITE, None)
     checks = () if session is None else session.suite.checks
-    metafunc.parametrize(
-        "glmref_check", [_parameter(session, check) for check in checks]
-    )
+    metafunc.parametrize("glmref_check", [_parameter(session, check) for check in checks])
 
 
 def _parameter(session: Session, check: Check) -> Any:

@@ -16,7 +16,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
@@ -127,7 +126,9 @@ class _Watch:
 
 def _markers(r: int) -> np.ndarray:
     """Generic values (r, 3) of the markers, the same on every machine; dyadic."""
-    rows = [[(37 * k + 23 * i + 11 * k * i) % 64 / 64 + 0.25 for i in range(_MARKERS)] for k in range(r)]
+    rows = [
+        [(37 * k + 23 * i + 11 * k * i) % 64 / 64 + 0.25 for i in range(_MARKERS)] for k in range(r)
+    ]
     return np.array(rows)
 
 
@@ -237,7 +238,9 @@ def _watched(box: Box, watch: _Watch, r: int, tags: int, t: float, slope: float)
 
 def _needed(A: np.ndarray, *outputs: np.ndarray) -> list[int]:
     """Stages on which the result depends, directly or through others."""
-    kept = {j for out in outputs for j in range(out.shape[1]) if np.abs(out[:, j]).max() > _NEGLIGIBLE}
+    kept = {
+        j for out in outputs for j in range(out.shape[1]) if np.abs(out[:, j]).max() > _NEGLIGIBLE
+    }
     waiting = list(kept)
     while waiting:
         i = waiting.pop()
@@ -276,7 +279,11 @@ def _noted(reading: Reading, gap: float, notes: list[str]) -> Reading:
 def _test_field(t: float, y: np.ndarray) -> np.ndarray:
     """A right-hand side that is nonlinear, coupled and depends on time; the Lipschitz constant < 2."""
     return np.array(
-        [np.sin(y[1]) + 0.5 * t, -np.sin(y[0]) + 0.25 * y[2] * y[1], 0.5 * np.cos(y[0] + t) - 0.25 * y[2]]
+        [
+            np.sin(y[1]) + 0.5 * t,
+            -np.sin(y[0]) + 0.25 * y[2] * y[1],
+            0.5 * np.cos(y[0] + t) - 0.25 * y[2],
+        ]
     )
 
 

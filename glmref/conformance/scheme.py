@@ -72,9 +72,7 @@ class Scheme:
             Stage(2, _terms(u), _terms(a), "dq", zero)
             for a, u in zip(method.A_hat, method.U_hat, strict=True)
         )
-        rows_q = tuple(
-            (_terms(v), _terms(b, n_q)) for v, b in zip(method.V, method.B, strict=True)
-        )
+        rows_q = tuple((_terms(v), _terms(b, n_q)) for v, b in zip(method.V, method.B, strict=True))
         rows_p = tuple(
             (_terms(v), _terms(b)) for v, b in zip(method.V_hat, method.B_hat, strict=True)
         )
@@ -124,7 +122,9 @@ class Scheme:
             low, high = _columns(part, size)
             sums: list[Any] = [None] * (high - low)
             for k, x in rows:
-                sums = [_plus(s, number(x) * v) for s, v in zip(sums, values[k][low:high], strict=True)]
+                sums = [
+                    _plus(s, number(x) * v) for s, v in zip(sums, values[k][low:high], strict=True)
+                ]
             for j, x in of:
                 sums = [_plus(s, h * number(x) * v) for s, v in zip(sums, slopes[j], strict=True)]
             return [number(0) if s is None else s for s in sums]

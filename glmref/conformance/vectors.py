@@ -195,7 +195,5 @@ def vectors_of(name: str) -> Vectors:
 
         document = document_of(method, name)
     known = problems()
-    cases = tuple(
-        Case(x["id"], x["kind"], known[x["problem"]], x) for x in document["cases"]
-    )
+    cases = tuple(Case(x["id"], x["kind"], known[x["problem"]], x) for x in document["cases"])
     return Vectors(name, method, document, cases)

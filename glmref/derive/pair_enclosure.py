@@ -156,9 +156,7 @@ def _root(document: Mapping[str, Any], system: PairSystem) -> Krawczyk:
     return result
 
 
-def _consequences(
-    system: PairSystem, identity: bool, symmetric: bool
-) -> Mapping[str, str]:
+def _consequences(system: PairSystem, identity: bool, symmetric: bool) -> Mapping[str, str]:
     """Claims that follow, each with the sentence that says from what."""
     equations = ", ".join(str(e.tree) for e in system.equations if e.kind == "order")
     order = f"equations {equations} and the theorems on moving the root and on symmetry"

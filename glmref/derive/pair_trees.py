@@ -34,6 +34,7 @@ from fractions import Fraction
 from functools import cache
 from itertools import product
 from types import MappingProxyType
+from typing import Any
 
 from ..theory.nystrom import is_nystrom
 from ..theory.trees import SEPARABLE, Tree, tree, trees
@@ -228,7 +229,7 @@ def lie_basis(order: int, kind: str) -> tuple[Element, ...]:
 
 
 @cache
-def images(order: int, kind: str, *, nystrom: bool = False) -> Mapping[Tree, tuple[Fraction, ...]]:
+def images(order: int, kind: str, *, nystrom: bool = False) -> Mapping[Tree, tuple[Any, ...]]:
     """Residual of each representative for each element of :func:`lie_basis`."""
     return MappingProxyType(
         {

@@ -181,7 +181,7 @@ def plan_of(
         rows = (total,)
     limited = limit is not None and limit < total
     if limited:
-        total = int(limit)
+        total = int(limit)  # pyright: ignore[reportArgumentType]
     if every:
         rows = range(0, total + 1, every)
         if total % every:

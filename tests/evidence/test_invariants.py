@@ -77,7 +77,9 @@ def bound(method, steps=STEPS):
     rounded tableau misses the identities by 2^-53 of its entries. Both are linear in the number of
     steps at worst; the random part grows like its square root only.
     """
-    entries = [abs(complex(x)) for m in (method.A, method.U, method.B, method.V) for r in m for x in r]
+    entries = [
+        abs(complex(x)) for m in (method.A, method.U, method.B, method.V) for r in m for x in r
+    ]
     products = (method.s + method.r) ** 2
     return steps * 2.0**-53 * products * max(1.0, max(entries)) ** 2
 

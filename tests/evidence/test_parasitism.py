@@ -61,9 +61,9 @@ def test_a_wrong_growth_parameter_does_not_pass():
     found = growth(load("gsymplectic-p"), PENDULUM, h=PERIOD / 200, time=PERIOD)
     (other,) = (float(parse(text)) for text in load("gsymplectic-n").claims["growth"])
     assert abs(other) < 0.1 * abs(found.mu)
-    assert found.rate > 10 * growth(
-        load("gsymplectic-n"), PENDULUM, h=PERIOD / 200, time=PERIOD
-    ).rate
+    assert (
+        found.rate > 10 * growth(load("gsymplectic-n"), PENDULUM, h=PERIOD / 200, time=PERIOD).rate
+    )
 
 
 @pytest.mark.parametrize("name", FREE)
@@ -82,7 +82,11 @@ def follow_pendulum(name, steps):
     method = load(name)
     u = solution_direction(method)
     found = follow(
-        PENDULUM, method, h=0.1, steps=steps, lost=lambda part: loss(PENDULUM, part, u).time is not None
+        PENDULUM,
+        method,
+        h=0.1,
+        steps=steps,
+        lost=lambda part: loss(PENDULUM, part, u).time is not None,
     )
     return found, loss(PENDULUM, found, u)
 

@@ -11,7 +11,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-
 from glmref.catalogue import document, load, names
 from glmref.claims import GlmrefError, Verdict
 from glmref.reader import load_document

@@ -28,7 +28,7 @@ from .exactly import (
 )
 from .thesis import B6, C6, ZETA3, gamma_matrix, order6, real_form, sweep
 
-I = exact(-1).sqrt()  # noqa: E741 - the letter of the literature
+I = exact(-1).sqrt()
 G6 = linalg.diagonal(vector(["1", "-1/2", "-1/2", "1"]))
 Parts = tuple[Vector, Vector, Vector, Vector]
 

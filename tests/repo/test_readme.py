@@ -90,3 +90,10 @@ def test_the_two_set_up_commands_are_those_ci_runs() -> None:
     assert "-m pytest" in ci
     assert "glmref" in ci and "verify" in ci
     assert "pip install -e '.[test]'" in README
+
+
+if __name__ == "__main__":  # write the computed table into README.md
+    start, end = "<!-- table: verified -->\n", "<!-- end of table -->"
+    before, _, rest = README.partition(start)
+    text = before + start + verified_table() + "\n" + end + rest.partition(end)[2]
+    (ROOT / "README.md").write_text(text, encoding="utf-8")

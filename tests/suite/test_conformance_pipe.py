@@ -13,7 +13,7 @@ from glmref.claims import UsageError, Verdict
 from glmref.conformance.adapter import Subject, load_adapter
 from glmref.conformance.checks import Suite
 
-SERVER = '''
+SERVER = """
 import json, sys
 
 def ask(question):
@@ -30,7 +30,7 @@ for line in sys.stdin:
         continue
     BODY
     print(json.dumps(answer), flush=True)
-'''
+"""
 
 EULER = """
     n, h, y = asked["columns"] // 2, asked["h"], asked["values"]

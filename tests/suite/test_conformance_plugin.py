@@ -17,7 +17,7 @@ import glmref
 # the runs below happen in this process, and numpy cannot be loaded a second time
 import glmref.conformance.checks
 import glmref.conformance.generate
-import glmref.conformance.pipe  # noqa: F401
+import glmref.conformance.pipe
 from glmref.catalogue import data_root
 
 pytest_plugins = ["pytester"]
@@ -148,7 +148,10 @@ def test_known_failures_are_strict_and_need_a_reason(here) -> None:
     unmatched = known("abscissae/rk4/force: gone\n")
     assert unmatched.ret == 4
     unmatched.stderr.fnmatch_lines(["*no check has the id*the nearest is abscissae/rk4/forced*"])
-    for text, words in (("step/rk4/cubic\n", "needs a reason"), ("step/rk4/cubic: a\n" * 2, "twice")):
+    for text, words in (
+        ("step/rk4/cubic\n", "needs a reason"),
+        ("step/rk4/cubic: a\n" * 2, "twice"),
+    ):
         bad = known(text)
         assert bad.ret == 4 and words in bad.stderr.str()
 

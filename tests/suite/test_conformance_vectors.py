@@ -139,7 +139,9 @@ def proved(name: str, case: dict) -> bool:
     guesses = [[ball(Fraction(x)) for x in row] for row in stage_rows(case)]
     # the file shows the stages to 40 digits; a box of 1e-36 around them is mapped into itself
     h, t = Fraction(case["h"]), Fraction(case["t"])
-    stages, output = enclosed_step(scheme, field, t, given, h, refined(scheme, field, t, given, h, guesses))
+    stages, output = enclosed_step(
+        scheme, field, t, given, h, refined(scheme, field, t, given, h, guesses)
+    )
     bound = float(Fraction(case["bound"]))
     return all(
         (x - Fraction(text)).magnitude() <= bound
@@ -149,7 +151,9 @@ def proved(name: str, case: dict) -> bool:
     )
 
 
-def refined(scheme: Scheme, field: object, t: Fraction, given: list, h: Fraction, guesses: list) -> list:
+def refined(
+    scheme: Scheme, field: object, t: Fraction, given: list, h: Fraction, guesses: list
+) -> list:
     """Improve stages of 40 digits to 60 by iterating on midpoints."""
     for _ in range(40):
 
@@ -170,7 +174,10 @@ def test_steps_are_proved_again_from_the_file_and_a_changed_digit_is_refuted(nam
     text = case["output"][0][-1]
     for at in (3, len(text) // 2, len(text) - 1):
         digit = str((int(text[at]) + 5) % 10)
-        output = [[*case["output"][0][:-1], text[:at] + digit + text[at + 1 :]], *case["output"][1:]]
+        output = [
+            [*case["output"][0][:-1], text[:at] + digit + text[at + 1 :]],
+            *case["output"][1:],
+        ]
         assert not proved(name, {**case, "output": output}), at
 
 

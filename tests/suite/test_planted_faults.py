@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import pytest
-from .planted import PLANTED, Foreign
 
 from glmref.claims import Verdict
 from glmref.conformance.adapter import Subject
 from glmref.conformance.adapters.reference import Adapter as Reference
 from glmref.conformance.checks import Suite
 from glmref.conformance.traps import NOTES
+
+from .planted import PLANTED, Foreign
 
 
 @pytest.mark.parametrize("name", sorted(PLANTED))
@@ -36,7 +37,9 @@ def test_there_are_at_least_20_planted_faults_over_every_claim_they_can_break() 
 
 def test_the_integrators_that_were_spoiled_are_right_unspoiled() -> None:
     methods = {m for fault in PLANTED.values() for m in fault.planted_methods} - {"mine"}
-    assert all(f.verdict is Verdict.HOLDS for f in Suite(Subject(Reference(sorted(methods)))).findings())
+    assert all(
+        f.verdict is Verdict.HOLDS for f in Suite(Subject(Reference(sorted(methods)))).findings()
+    )
 
     class Honest(Foreign):
         methods = {"mine": {"order": 4}}  # noqa: RUF012

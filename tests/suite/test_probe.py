@@ -52,7 +52,9 @@ def test_coefficients_come_out_of_a_black_box_to_1e_10_and_the_method_by_name(
     if isinstance(known, PartitionedGLM):
         hats = [doubles(getattr(known, f"{x}_hat")) for x in "AUBV"]
         assert probe.reading.hat is not None
-        assert all(np.abs(x - y).max() < 1e-10 for x, y in zip(probe.reading.hat, hats, strict=True))
+        assert all(
+            np.abs(x - y).max() < 1e-10 for x, y in zip(probe.reading.hat, hats, strict=True)
+        )
     assert name in [match.name for match in probe.matches]
     assert probe.analysis.order == known.claims["order"]
 

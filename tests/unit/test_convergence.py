@@ -104,9 +104,7 @@ def test_every_solution_of_an_isochronous_problem_has_period_two_pi(build):
                is not None and not (k == "f" and subject.force is not None)},
             y0=start,
         )  # fmt: skip
-        end = solve(
-            copy, load("gauss-4"), h=2 * math.pi / 200, steps=200, engine="reference"
-        ).y[-1]
+        end = solve(copy, load("gauss-4"), h=2 * math.pi / 200, steps=200, engine="reference").y[-1]
         assert max(abs(end - start)) < 1e-12
 
 

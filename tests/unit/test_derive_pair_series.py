@@ -4,7 +4,7 @@ from fractions import Fraction
 
 import pytest
 
-from glmref.catalogue import document, load
+from glmref.catalogue import document
 from glmref.claims import DataError
 from glmref.derive.pair_series import pair_series
 from glmref.derive.pair_system import PairEquation, PairSystem

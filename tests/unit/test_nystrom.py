@@ -19,7 +19,8 @@ def test_there_are_as_many_trees_as_nystrom_series_have():
     # Hairer, Norsett, Wanner (1993), section II.14: conditions for y' at orders 1, 2, ..
     counts = [1, 1, 2, 3, 6, 10, 20]
     by_root = {
-        root: [sum(t.colour == root for t in nystrom_trees(n)) for n in range(1, 8)] for root in "kf"
+        root: [sum(t.colour == root for t in nystrom_trees(n)) for n in range(1, 8)]
+        for root in "kf"
     }
     assert by_root["k"] == counts
     assert by_root["f"] == [1, *counts[:-1]]  # f has one child at most

@@ -51,9 +51,7 @@ def test_the_identities_hold_for_all_numbers(b, w, c, v):
 def test_the_identities_hold_with_three_values_and_any_order_of_stages(b, w, c, v):
     turn = as_matrix([["1", "0", "0"], ["0", "0", "-1"], ["0", "1", "0"]], "V")
     form = linalg.identity(3)
-    p = build(
-        b, c, w=(w[:3], w[3:]), v=(v[:2], v[2:]), V=turn, V_hat=turn, G=form, stages="PPQQP"
-    )
+    p = build(b, c, w=(w[:3], w[3:]), v=(v[:2], v[2:]), V=turn, V_hat=turn, G=form, stages="PPQQP")
     assert defects(p) == []
 
 

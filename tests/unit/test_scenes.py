@@ -243,7 +243,9 @@ def test_tasks_differ_by_everything_that_can_change_a_result(tmp_path):
     assert len(base) == 4
     for old, new in (('frequency = "1"', 'frequency = "2"'), ("2*pi", "3*pi"), ("[20, 40]", "[21]"),
                      ('"energy", ', ""), ("repeats = 1", 'start = "zero"')):  # fmt: skip
-        other = {key_of(t) for t in plan(load_scene(write(tmp_path, SMALL.replace(old, new)))).tasks}
+        other = {
+            key_of(t) for t in plan(load_scene(write(tmp_path, SMALL.replace(old, new)))).tasks
+        }
         assert not base & other, new
 
 
@@ -355,7 +357,10 @@ def made(method, h, **fields):
 
 
 def test_seconds_are_interpolated_between_errors():
-    group = [made("rk4", 1, state_error=1e-4, seconds=1.0), made("rk4", 2, state_error=1e-8, seconds=4.0)]
+    group = [
+        made("rk4", 1, state_error=1e-4, seconds=1.0),
+        made("rk4", 2, state_error=1e-8, seconds=4.0),
+    ]
     assert seconds_at(group, "state", 1e-6) == pytest.approx(2.0)
     assert seconds_at(group, "state", 1e-8) == pytest.approx(4.0)
     assert seconds_at(group, "state", 1e-3) == pytest.approx(1.0)
@@ -393,7 +398,10 @@ def test_kept_and_lost_invariants_are_told():
     scene = load_scene("rigid-body")
     drifts = [{"quantity": "energy", "kind": "quadratic", "largest": 1e-3}]
     forms = [*drifts, {"quantity": "energy", "kind": "form", "largest": 2e-15}]
-    records = [made("rk4", 0.1, drifts=drifts, steps=10), made("g6245", 0.1, drifts=forms, steps=10)]
+    records = [
+        made("rk4", 0.1, drifts=drifts, steps=10),
+        made("g6245", 0.1, drifts=forms, steps=10),
+    ]
     assert answer(scene, records) == (
         "kept to 2.0e-15 over 10 steps: g6245; not kept: rk4 (1.0e-03)"
     )

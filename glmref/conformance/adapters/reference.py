@@ -65,9 +65,7 @@ class Adapter:
             return y0[None, :]
         return apply_start(starting, engine, t, y0, h)[0]
 
-    def finish(
-        self, method: str, problem: Any, t: float, y: np.ndarray, h: float
-    ) -> np.ndarray:
+    def finish(self, method: str, problem: Any, t: float, y: np.ndarray, h: float) -> np.ndarray:
         """Solution that belongs to the values."""
         engine = self._engine(method, problem)
         first = y.reshape(engine.shape)[0]
