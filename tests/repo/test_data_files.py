@@ -19,7 +19,7 @@ FILES = METHODS + BROKEN
 REFRESH = "run `python -m glmref.canonical data`"
 
 FOLDERS = {
-    "rk": {"rk", "composition"},
+    "rk": {"rk", "composition", "sweep"},  # one value: a composition in sweep form
     "lmm": {"lmm", "one-leg"},
     "glm": {"glm", "sweep"},
     "partitioned": {"splitting", "partitioned-rk", "partitioned", "pair-sweep"},

@@ -51,8 +51,8 @@ ROOMS: dict[str, str] = {
     "verification",
     "facts": "claims exact linalg method theory",
     "checks": "claims exact expression facts theory",
-    "analysis": "checks claims exact facts linalg method",
-    "verification": "catalogue checks claims derive facts method reader",
+    "verification": "catalogue checks claims derive exact facts method reader",
+    "analysis": "checks claims exact facts linalg method verification",
     # numbers
     "problems": "catalogue claims strict_json",
     "engine": "catalogue claims exact linalg method problems rounding",
@@ -64,7 +64,8 @@ ROOMS: dict[str, str] = {
     "tableau_text": "exact tables",
     "show": "checks exact facts linalg method tableau_text tables theory",
     "bibtex": "__init__ catalogue reader tables",
-    "cli": "__init__ analysis bibtex canonical catalogue chart claims derive errata experiments "
+    "cli": "__init__ analysis bibtex canonical catalogue chart claims conformance derive errata "
+    "experiments "
     "keys scenes show tables verification",
     "__main__": "cli",
     "__init__": "analysis catalogue claims engine method problems verification",
