@@ -66,11 +66,17 @@ def run(
     if planned:
         _show_plans(plans, form)
         return HOLDS
-    documents, bad = [], False
+    documents: list[dict[str, Any]] = []
+    told: set[str] = set()
+    bad = False
     for number, plan in enumerate(plans):
         document = _carry_out(plan, output, quick=quick)
         bad |= any(record["outcome"] in _FAILURES for record in document["records"])
         documents.append(document)
+        for notice in document["notices"]:
+            if notice not in told:
+                _note(notice)
+        told |= set(document["notices"])
         if form == "table":
             say(("\n" if number else "") + _page(plan.scene, document, output))
     if form == "json":
@@ -139,9 +145,6 @@ def _carry_out(plan: Plan, output: Path, *, quick: bool) -> dict[str, Any]:
     if "picture" in scene.ask:
         pictures, missed = _draw(rooms.charts(scene, records), output, stem)
         notices += missed
-    notices = list(dict.fromkeys(notices))
-    for notice in notices:
-        complain_softly(notice)
     return {
         "format": "glmref-run-1",
         "scene": scene.name,
@@ -150,13 +153,13 @@ def _carry_out(plan: Plan, output: Path, *, quick: bool) -> dict[str, Any]:
         "measured": missing,
         "resumed": len(records) - missing,
         "pictures": pictures,
-        "notices": notices,
+        "notices": list(dict.fromkeys(notices)),
         "records": records,
     }
 
 
-def complain_softly(notice: str) -> None:
-    """Write one line to stderr that is worth knowing and no error."""
+def _note(notice: str) -> None:
+    """Write one line to stderr: worth knowing, no error."""
     click.echo(f"note: {one_line(notice)}", err=True)
 
 

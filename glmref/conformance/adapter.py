@@ -72,8 +72,8 @@ class Adapter(Protocol):
     Attributes
     ----------
         methods: names of ``glmref list`` (or paths of method files) this integrator claims to be;
-            or a mapping ``name -> {"order": p, "symmetric": True, "symplectic": True}`` for one that
-            the catalogue lacks: then only these claims, if made, are measured.
+            or a mapping ``name -> {"order": p, "symmetric": True, "symplectic": True}`` for one the
+            catalogue lacks: then only these claims, if made, are measured.
         epsilon: unit round-off of the arithmetic; 2**-53 by default.
         tolerance: relative error with which stage equations are solved, or a mapping from methods
             to it; 1e-14 by default.

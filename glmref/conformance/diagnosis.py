@@ -18,6 +18,7 @@ from .identify import matches
 from .probe import read
 from .traps import NOTES
 from .vectors import Case, Vectors, array
+from .watch import needed
 
 __all__ = [
     "coefficient_differences",
@@ -163,14 +164,12 @@ def _digits(found: float, right: float) -> str:
 
 def _wanted(vectors: Vectors) -> list[tuple[str, np.ndarray]]:
     """Coefficients of the method, without stages on which nothing depends."""
-    from .probe import _needed
-
     blocks: Any = vectors.coefficients
     blocks = blocks.get("q", blocks)
     A, U, B, V = (array(blocks[x]) for x in "AUBV")
     if "q" in vectors.coefficients:
         return [("A", A), ("U", U), ("B", B), ("V", V)]
-    kept = _needed(A, B)
+    kept = needed(A, B)
     return [("A", A[np.ix_(kept, kept)]), ("U", U[kept]), ("B", B[:, kept]), ("V", V)]
 
 

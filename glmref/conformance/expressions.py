@@ -58,9 +58,10 @@ def evaluate(
             index = node.slice
             if node.value.id in names and isinstance(index, ast.Constant):
                 return names[node.value.id][index.value]
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and len(node.args) == 1:
-            if node.func.id in functions:
-                return functions[node.func.id](value(node.args[0]))
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+            function = functions.get(node.func.id)
+            if function is not None and len(node.args) == 1:
+                return function(value(node.args[0]))
         raise DataError(f"the expression {ast.unparse(node)!r} is not arithmetic in {list(names)}")
 
     return [value(ast.parse(text, mode="eval").body) for text in texts]

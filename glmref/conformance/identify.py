@@ -24,7 +24,8 @@ from ..exact import Ball
 from ..expression import parse
 from ..method import GLM, PartitionedGLM
 from .adapter import Subject
-from .probe import Reading, _needed, read
+from .probe import Reading, read
+from .watch import needed
 
 __all__ = ["FORMAT", "Match", "Probe", "as_method", "identify", "matches"]
 
@@ -180,8 +181,8 @@ def recognised(x: float) -> str | None:
         rests = x - _FACTORS[:, None] * sqrt(n)
         gaps = np.abs(rests - np.round(rests * wholes) / wholes)
         for row, column in np.argwhere(gaps <= allowed):
-            q = Fraction(_FACTORS[row]).limit_denominator(_LARGEST_PART)
-            p = Fraction(round(rests[row, 0] * wholes[column]), int(wholes[column]))
+            q = Fraction(float(_FACTORS[row])).limit_denominator(_LARGEST_PART)
+            p = Fraction(round(float(rests[row, 0] * wholes[column])), int(wholes[column]))
             return _surd(p, q, n)
     return None
 
@@ -231,7 +232,7 @@ def matches(reading: Reading) -> list[Match]:
     A change of values ``T y`` leaves A and ``U V^k B`` alone; both are compared to :data:`SAME`.
     Stages on which nothing depends are not compared: they cannot be seen.
     """
-    found = []
+    found: list[Match] = []
     for name in names("methods"):
         other = _arrays(name)
         if other is None or (len(other) == 8) != (reading.hat is not None):
@@ -249,17 +250,17 @@ def _arrays(name: str) -> tuple[np.ndarray, ...] | None:
     """Coefficients of a method as doubles, without stages on which nothing depends."""
     method = load(name)
 
-    def doubles(matrix: Any) -> np.ndarray:
+    def doubles(matrix: Any) -> Any:
         return np.array([[complex(x) for x in row] for row in matrix])
 
     if isinstance(method, PartitionedGLM):
         blocks = [doubles(getattr(method, x + y)) for y in ("", "_hat") for x in "AUBV"]
         return tuple(x.real for x in blocks)
-    A, U, B, V = (doubles(getattr(method, x)) for x in "AUBV")
-    if any(np.abs(x.imag).max() > 0 for x in (A, U, B, V)):
+    blocks = [doubles(getattr(method, x)) for x in "AUBV"]
+    if any(np.abs(x.imag).max() > 0 for x in blocks):
         return None
-    A, U, B, V = A.real, U.real, B.real, V.real
-    kept = _needed(A, B)
+    A, U, B, V = (x.real for x in blocks)
+    kept = needed(A, B)
     return A[np.ix_(kept, kept)], U[kept], B[:, kept], V
 
 

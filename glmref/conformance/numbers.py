@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -63,7 +62,7 @@ def exact_decimal(x: Fraction) -> str:
     return text
 
 
-def decimals(array: Sequence[Any], digits: int) -> list[Any]:
+def decimals(array: Any, digits: int) -> list[Any]:
     """Write an array of any depth."""
     return [
         decimals(x, digits) if hasattr(x, "__len__") else decimal_text(x, digits) for x in array

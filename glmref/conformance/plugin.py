@@ -93,8 +93,8 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     if "glmref_check" not in metafunc.fixturenames:
         return
     session = metafunc.config.stash.get(_SUITE, None)
-    checks = () if session is None else session.suite.checks
-    metafunc.parametrize("glmref_check", [_parameter(session, check) for check in checks])
+    asked = [] if session is None else [_parameter(session, x) for x in session.suite.checks]
+    metafunc.parametrize("glmref_check", asked)
 
 
 def _parameter(session: Session, check: Check) -> Any:

@@ -22,7 +22,7 @@ __all__ = ["Field", "Scheme", "ball_field", "enclosed_step", "error_bound", "err
 
 #: slope of a stage: ``field(kind, time, stage vector)``, kind one of "f", "dq", "dp"
 Field = Callable[[str, Any, Sequence[Any]], list[Any]]
-Rows = list[list[Any]]
+Rows = Sequence[Sequence[Any]]
 Terms = tuple[tuple[int, Scalar], ...]
 
 
@@ -101,7 +101,7 @@ class Scheme:
 
     def step(
         self, field: Field, t: Any, values: Rows, h: Any, number: Callable[[Any], Any],
-        solve: Callable[..., None],
+        solve: Callable[..., Rows],
     ) -> tuple[Rows, Rows]:  # fmt: skip
         """Take one step.
 
@@ -115,8 +115,8 @@ class Scheme:
             Stage vectors, and the rows after the step.
         """
         size = len(values[0])
-        stages: Rows = [[] for _ in self.stages]
-        slopes: Rows = [[] for _ in self.stages]
+        stages: list[Sequence[Any]] = [[] for _ in self.stages]
+        slopes: list[Sequence[Any]] = [[] for _ in self.stages]
 
         def total(part: int, rows: Terms, of: Terms) -> list[Any]:
             low, high = _columns(part, size)
@@ -129,7 +129,7 @@ class Scheme:
                 sums = [_plus(s, h * number(x) * v) for s, v in zip(sums, slopes[j], strict=True)]
             return [number(0) if s is None else s for s in sums]
 
-        def evaluate_at(i: int, where: list[Any]) -> None:
+        def evaluate_at(i: int, where: Sequence[Any]) -> None:
             stage = self.stages[i]
             stages[i] = where
             slopes[i] = field(stage.kind, t + number(stage.c) * h, where)
@@ -153,7 +153,7 @@ class Scheme:
                 stage = self.stages[index[0]]
                 evaluate_at(index[0], total(stage.part, stage.rows, stage.slopes))
         count = max(len(rows) for _, rows in self.outputs)
-        out: Rows = [[] for _ in range(count)]
+        out: list[list[Any]] = [[] for _ in range(count)]
         for part, rows in self.outputs:
             for k in range(count):
                 low, high = _columns(part, size)

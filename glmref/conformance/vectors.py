@@ -77,7 +77,12 @@ def problems() -> Mapping[str, TestProblem]:
         halves = {k: tuple(entry[k]) for k in ("f", "dq", "dp") if k in entry}
         t0 = float(entry["t0"])
         problem = Problem(
-            name=entry["name"], y0=tuple(entry["y0"]), t_span=(t0, t0 + 1.0), **halves
+            name=entry["name"],
+            y0=tuple(entry["y0"]),
+            t_span=(t0, t0 + 1.0),
+            f=halves["f"],
+            dq=halves.get("dq"),
+            dp=halves.get("dp"),
         )
         found[entry["name"]] = TestProblem(
             entry["name"], halves, entry["t0"], entry["y0"], entry.get("quadratic"), problem

@@ -27,7 +27,7 @@ from .starting import (
 )
 from .write import DIGITS, decimal
 
-__all__ = ["complete", "finishing_block", "starting_block"]
+__all__ = ["add_terms", "complete", "finishing_block", "negated", "starting_block"]
 
 _NUMBER = re.compile(r"(?P<sign>-?)(?P<size>.+)")
 
@@ -39,7 +39,8 @@ def _text(value: str) -> str:
     return decimal(ball(Fraction(value)))
 
 
-def _minus(text: str) -> str:
+def negated(text: str) -> str:
+    """Text of the negative of one number."""
     if text == "0":
         return text
     return text[1:] if text.startswith("-") else f"-{text}"
@@ -52,6 +53,21 @@ def _sum(*terms: tuple[str, str]) -> str:
         if number == "0":
             continue
         term = f"{number}{factor}"
+        result += term if not result or term.startswith("-") else f"+{term}"
+    return result or "0"
+
+
+def add_terms(terms: Sequence[tuple[str, str]]) -> str:
+    """Text of a sum of decimals times exact factors, with zeros and factors 1 left out."""
+    result = ""
+    for number, factor in terms:
+        if number == "0":
+            continue
+        if any(x in factor[1:] for x in "+-"):
+            factor = f"({factor})"
+        elif factor.startswith("-"):
+            number, factor = negated(number), factor[1:]
+        term = number if factor == "1" else f"{number}*{factor}"
         result += term if not result or term.startswith("-") else f"+{term}"
     return result or "0"
 
@@ -78,17 +94,17 @@ class _Parameters:
         rows = [["0"] * size]
         for i in range(n):
             first = i * (i - 1) // 2
-            plus, minus = [a[i]], [_minus(a[i])]
+            plus, minus = [a[i]], [negated(a[i])]
             for j in range(i):
                 x, y = p[first + j], q[first + j]
                 plus += [x, y]
-                minus += [_minus(y), _minus(x)]
+                minus += [negated(y), negated(x)]
             rows += [row + ["0"] * (size - len(row)) for row in (plus, minus)]
         return rows
 
     def even(self) -> list[tuple[str, str]]:
         """Weights (on f(Y+), on f(Y-)) of an even value, with f(Y0) in front."""
-        return [("0", "0"), *((x, _minus(x)) for x in self.take(self.pairs))]
+        return [("0", "0"), *((x, negated(x)) for x in self.take(self.pairs))]
 
     def odd(self) -> list[tuple[str, str]]:
         """Weights of an odd value."""
@@ -120,7 +136,7 @@ def starting_block(
     last = _flat(parameters.even() if last_even else parameters.odd())
     factor = "*sqrt(3)" if root == "w3" else ""
     second = [_sum((x, factor), (y, "")) for x, y in zip(e, o, strict=True)]
-    third = [_sum((x, ""), (_minus(y), factor)) for x, y in zip(e, o, strict=True)]
+    third = [_sum((x, ""), (negated(y), factor)) for x, y in zip(e, o, strict=True)]
     return {
         "name": f"explicit start of {len(A)} stages, symmetric under reversal of h",
         "kind": "runge-kutta",

@@ -1,6 +1,6 @@
 """Starting and finishing methods with parity, and the proof that their digits stand for one.
 
-An explicit Runge-Kutta-like start has *parity* when its stages are y0 and pairs that are
+A Runge-Kutta-like start has *parity* when its stages are y0 and pairs that are
 exchanged by h -> -h: with the permutation sigma of the pairs, ``A_(sigma i)(sigma j) = -A_ij``
 and ``B_(k)(sigma j) = -(L B)_kj``. Then S(-h) = L S(h), as for the starting series of a symmetric
 method, so that in eigenvectors of L each value has conditions at the even trees or at the odd
@@ -28,9 +28,11 @@ from ..exact import Ball, Exact, ball
 from ..expression import parse
 from ..linalg import Matrix
 from ..method import GLM
-from ..theory.trees import Tree, trees
+from ..theory.trees import Tree
+from .classes import classes
 from .enclosure import Enclosure, Krawczyk, Outcome, krawczyk
 from .system import Affine, SweepSystem
+from .tableau_series import stage_order, weights
 
 __all__ = [
     "StartingSystem",
@@ -45,7 +47,6 @@ __all__ = [
     "starting_function",
     "starting_system",
     "target_of",
-    "weights",
 ]
 
 Conditions = Callable[[Sequence[Any]], list[Any]]
@@ -53,47 +54,6 @@ Conditions = Callable[[Sequence[Any]], list[Any]]
 #: Decimals of a start that are unknowns: entries with fewer places are exact.
 _DECIMAL = re.compile(r"\d+\.\d{20,}")
 RADIUS = Fraction(1, 10**60)
-
-
-def weights(
-    A: Matrix,
-    rows: Matrix,
-    order: int,
-    base: Mapping[Tree, Any] | None = None,
-    *,
-    parity: bool = False,
-) -> list[Mapping[Tree, Any]]:
-    """Series of ``h sum rows_kj f(Y_j)`` with ``Y_i = S + h sum A_ij f(Y_j)``.
-
-    Args:
-        A: (m, m) strictly lower triangular. rows: (k, m). order: last order.
-        base: series of S, where it is not the identity.
-        parity: whether A and the base are known to have parity: the series of every second stage
-            is then that of its partner at -h.
-
-    Returns
-    -------
-        For each row the map tree -> coefficient.
-    """
-    eta: dict[Tree, tuple[Any, ...]] = {}
-    found: list[dict[Tree, Any]] = [{} for _ in rows]
-    computed = [i for i in range(len(A)) if not parity or i == 0 or i % 2]
-    for n in range(1, order + 1):
-        for t in trees(n):
-            derivative: tuple[Any, ...] = (Exact(1),) * len(A)
-            for child in t.children:
-                derivative = tuple(x * y for x, y in zip(derivative, eta[child], strict=True))
-            for k, row in enumerate(rows):
-                found[k][t] = linalg.dot(row, derivative)
-            if n < order:
-                shift = base[t] if base is not None else Exact(0)
-                stages: dict[int, Any] = {}
-                for i in computed:
-                    stages[i] = linalg.dot(A[i], derivative) + shift
-                    if parity and i:
-                        stages[i + 1] = stages[i] if n % 2 == 0 else -stages[i]
-                eta[t] = tuple(stages[i] for i in range(len(A)))
-    return list(found)
 
 
 class StartingSystem:
@@ -158,8 +118,6 @@ def _check_parity(system: StartingSystem, size: int, images: Sequence[Sequence[A
                 raise DataError(
                     f"no parity: row {i + 1}, column {swap[j] + 1} and its mirror image differ"
                 )
-            if i < size and j >= i and not entries[i][j].is_identically_zero():
-                raise DataError(f"the start is not explicit in row {i + 1}, column {j + 1}")
 
 
 def functionals(L: Matrix) -> list[tuple[tuple[Any, ...], int]]:
@@ -174,8 +132,8 @@ def functionals(L: Matrix) -> list[tuple[tuple[Any, ...], int]]:
     return first + [x for x in found if x is not first[0]]
 
 
-def _signed_trees(sign: int, order: int) -> list[Tree]:
-    return [t for n in range(1, order + 1) if (n % 2 == 0) == (sign > 0) for t in trees(n)]
+def _signed_trees(sign: int, order: int, q: int = 1) -> list[Tree]:
+    return [t for n in range(1, order + 1) if (n % 2 == 0) == (sign > 0) for t in classes(n, q)]
 
 
 def starting_conditions(
@@ -183,6 +141,7 @@ def starting_conditions(
     zeta: Mapping[Tree, Sequence[Any]],
     L: Matrix,
     order: int,
+    q: int,
 ) -> list[Any]:
     """Start minus starting series, in eigenvectors of L, at the trees that parity leaves.
 
@@ -191,7 +150,7 @@ def starting_conditions(
     """
     result = []
     for k, (row, sign) in enumerate(functionals(L)):
-        for t in _signed_trees(sign, order - 1 if k == 0 else order):
+        for t in _signed_trees(sign, order - 1 if k == 0 else order, q):
             terms = [s[t] - x for s, x in zip(B_series, zeta[t], strict=True)]
             value = linalg.dot(row, terms)
             if k > 0 or value.is_zero() is not True:
@@ -217,16 +176,19 @@ class Target:
     ----------
         zeta: starting series of the method through ``order``, exact or balls.
         L: involution of the values, first row and column 1, 0, .., 0. order: of the method.
+        stage_order: of the method: zeta respects it.
     """
 
     zeta: Mapping[Tree, Sequence[Any]]
     L: Matrix
     order: int
+    stage_order: int = 1
 
     @classmethod
     def of(cls, document: Mapping[str, Any], enclosure: Enclosure) -> Target:
         """The target of a file of class ``"sweep"``, from its enclosure."""
-        return cls(enclosure.series.zeta, involution(document), enclosure.order)
+        q = SweepSystem(document).stage_order
+        return cls(enclosure.series.zeta, involution(document), enclosure.order, q)
 
 
 def target_of(method: GLM) -> Target:
@@ -252,13 +214,20 @@ def starting_system(block: Mapping[str, Any]) -> StartingSystem:
 
 
 def starting_function(block: Mapping[str, Any], target: Target) -> Conditions:
-    """The conditions of a start as a function of its unknowns."""
+    """The conditions of a start as a function of its unknowns.
+
+    Where A holds no unknowns and has a stage order, the conditions at classes of trees are
+    enough.
+    """
     system, size = starting_system(block), len(block["A"])
+    q = 1
+    if not StartingSystem(block["A"]).unknowns:
+        q = stage_order(StartingSystem(block["A"]).read([]), most=target.stage_order)
 
     def conditions(values: Sequence[Any]) -> list[Any]:
         matrix = system.read(values)
-        found = weights(matrix[:size], matrix[size:], target.order, parity=True)
-        return starting_conditions(found, target.zeta, target.L, target.order)
+        found = weights(matrix[:size], matrix[size:], target.order, parity=True, q=q)
+        return starting_conditions(found, target.zeta, target.L, target.order, q)
 
     return conditions
 
@@ -340,11 +309,15 @@ def prove_blocks(document: Mapping[str, Any], target: Target) -> list[str]:
     opening = document.get("starting")
     if opening is None or not starting_system(opening).unknowns:
         return []
+    from .inverse_finish import is_inverse
+
     digits = document.get("digits", 75)
     start = prove_starting(opening, target, digits=digits)
     claims = ["starting-order"]
     closing = document.get("finishing")
-    if closing is not None and finishing_system(closing).unknowns:
+    if closing is not None and is_inverse(opening, closing):
+        claims.append("finishing-order")
+    elif closing is not None and finishing_system(closing).unknowns:
         base = first_value(opening, start.box, target.order)
         prove_finishing(closing, base, target.order, digits=digits)
         claims.append("finishing-order")

@@ -25,18 +25,17 @@ from .shape import Shape, inlined, jacobian_block, parameter_names, used_paramet
 from .stages import StageWriter
 from .values import Values, linear
 
-__all__ = ["SIGNATURE", "Builder", "KernelSource", "Options", "kernel_source"]
+__all__ = ["ARGUMENTS", "Builder", "KernelSource", "Options", "kernel_source"]
 
 #: Arguments of every generated kernel, in order; see :mod:`.compiled` for their types.
-ARGUMENTS = "x, par, t0, h, first, last, every, out, row, tally"
-SIGNATURE = (
-    "int64(float64[::1], float64[::1], float64, float64, int64, int64, int64, "
-    "float64[:, :, ::1], int64, int64[::1])"
-)
+ARGUMENTS = {
+    "x": "d*", "par": "d*", "t0": "d", "h": "d", "first": "i", "last": "i", "mark": "i",
+    "every": "i", "out": "d*", "row": "i", "tally": "i*",
+}  # fmt: skip
 
 #: Systems up to this dimension live in local variables, larger ones in arrays.
 SCALAR_LIMIT = 12
-SCALAR_STAGE_LIMIT = 72  # and at most this many stage components
+SCALAR_STAGE_LIMIT = 256  # and at most this many stage components
 
 
 @dataclass(frozen=True)
@@ -71,6 +70,7 @@ class KernelSource:
             step: ``value_rows`` rows of d values y, as many rounding errors e (if compensated),
             and ``memory_rows`` rows L that the predictor starts from.
         target: ``"scalar"`` or ``"array"``.
+        side_by_side: stages of the largest block that is solved together.
     """
 
     text: str
@@ -78,6 +78,7 @@ class KernelSource:
     value_rows: int
     memory_rows: int
     target: str
+    side_by_side: int = 1
 
 
 def choose_kind(stages: int, shape: Shape, options: Options) -> str:
@@ -102,8 +103,9 @@ def kernel_source(form: StepForm, shape: Shape, options: Options) -> KernelSourc
         f'"""Generated kernel: {form.kind} form, {form.s} stages, {form.r} values, '
         f'd = {shape.dimension}."""\n\n'
     )
+    widest = max((len(block.stages) for block in form.blocks), default=1)
     return KernelSource(
-        title + head + writer.text, target.work_size, form.r, form.memory_rows, kind
+        title + head + writer.text, target.work_size, form.r, len(form.memory), kind, widest
     )
 
 
@@ -136,17 +138,18 @@ def _formula_body(w: Writer, shape: Shape, formula: Formula, entry: Callable[[in
 
 def _jacobian_function(w: Writer, shape: Shape) -> None:
     """``jacobian_into(time, v, par, out, scratch)`` from a formula, a loop body or differences."""
-    d, first = shape.dimension, len(shape.parameters)
+    d, first, size = shape.dimension, len(shape.parameters), len(shape.values)
     if shape.jacobian_body:
         w("", "@compiled", *shape.jacobian_body.splitlines(), "")
     w("", "@compiled")
     with w.block("def jacobian_into(time, v, par, out, scratch):"):
-        w("out[:] = 0.0")
+        with w.block(f"for i in range({d}):"), w.block(f"for j in range({d}):"):
+            w("out[i, j] = 0.0")
         if shape.jacobian is not None:
             formula = jacobian_block(shape, range(d), range(d))
             _formula_body(w, shape, formula, lambda c: f"out[{c // d}, {c % d}]")
         elif shape.jacobian_body:
-            w(f"{shape.jacobian_name}(time, v, par[{first}:], out)")
+            w(f"{shape.jacobian_name}(time, v, par[{first}:{size}], out)")
         else:
             _differences(w, shape)
     w("")
@@ -174,7 +177,7 @@ def _differences(w: Writer, shape: Shape) -> None:
                 with w.block(f"for c in range({count}):"):
                     w("scratch[place + c] = found[c]")
             elif part.body:
-                values = f"par[{first}:]"
+                values = f"par[{first}:{len(shape.values)}]"
                 w(f"{part.body_name}({time}{where}, {values}, scratch[place:place + {count}])")
             else:
                 w(f"{part.role}({time}{where}, par, scratch[place:place + {count}])")
@@ -193,16 +196,16 @@ class Builder(StageWriter):
         """Write the function ``kernel``."""
         w = self.w
         w("", "@compiled_with_signature")
-        with w.block(f"def kernel({ARGUMENTS}):"):
+        with w.block(f"def kernel({', '.join(ARGUMENTS)}):"):
             self.t.parameters()
             if self.shape.loops:
-                w(f"constants = par[{len(self.shape.parameters)}:]")
+                size = len(self.shape.values)
+                w(f"constants = par[{len(self.shape.parameters)}:{size}]")
             self._scaled_weights()
             self.t.load(self._state())
             self._declare()
             w("n = first", "evaluations = 0", "velocities = 0", "iterations = 0")
             w("factorisations = 0", "outcome = 0")
-            w("mark = (first // every + 1) * every if every > 0 else -1")
             with w.block("while n < last:"), self._guard():
                 if self.shape.uses_time:
                     w("start = t0 + n*h")
@@ -258,7 +261,11 @@ class Builder(StageWriter):
         """Vectors that last from call to call, in their order at the head of ``x``."""
         letters = "ye" if self.options.compensated else "y"
         names = [f"{letter}{k}" for letter in letters for k in range(self.form.r)]
-        return names + [f"L{i}" for i in range(self.form.memory_rows)]
+        return names + [name for name, _ in self.form.memory]
+
+    def _rows(self) -> int:
+        """Rows of values in the state."""
+        return self.form.r
 
     def _record(self) -> None:
         for k in range(self.form.r) if self.options.history else range(1):
@@ -266,12 +273,15 @@ class Builder(StageWriter):
             self._output(k, terms, self.all)
 
     def _output(self, k: int, terms: list[tuple[float, str]], part: tuple[int, int]) -> None:
-        """Write value k to the current row of ``out``."""
+        """Write value k to the current row of ``out``, an array (rows, values, d) laid flat."""
+        d = self.shape.dimension
+        size = d * (self._rows() if self.options.history else 1)
         if isinstance(self.t, ScalarTarget):
             for c in range(*part):
-                self.w(f"out[row, {k}, {c}] = {self.t.substitute(linear(terms), c)}")
+                place = f"out[row*{size} + {k * d + c}]"
+                self.w(f"{place} = {self.t.substitute(linear(terms), c)}")
         else:
-            self.t.vec([f"out[row, {k}, component] = {linear(terms)}"], part)
+            self.t.vec([f"out[row*{size} + {k * d} + component] = {linear(terms)}"], part)
 
     # --- values ---------------------------------------------------------------------------------
 

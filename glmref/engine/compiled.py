@@ -1,8 +1,9 @@
-"""Turn generated source into a callable: through numba with a cache on disk, or as plain Python.
+"""Turn generated source into a callable: machine code with a cache on disk, or plain Python.
 
+Plain kernels go through :mod:`.native`; kernels that call functions on arrays go through numba.
 numba caches what it compiled beside the source file it came from, so the generated module is
-written to a folder of its own, under a name that is a hash of the source, of the versions of numba
-and llvmlite, and of the processor. A second process finds both and compiles nothing.
+written to a folder of its own, under a name that is a hash of the source, of the versions of the
+compilers, and of the processor. A second process finds it and compiles nothing.
 """
 
 from __future__ import annotations
@@ -21,11 +22,15 @@ from types import ModuleType
 from typing import Any
 
 from ..claims import UsageError
+from . import native
 
 __all__ = ["Built", "build", "cache_folder", "interpret"]
 
 #: Variable that names the cache folder; by default the platform's user cache.
 CACHE_VARIABLE = "GLMREF_CACHE"
+
+#: What the kinds of :data:`.native.KINDS` are called in a numba signature.
+_NUMBA_TYPES = {"d*": "float64[::1]", "i*": "int64[::1]", "d": "float64", "i": "int64"}
 
 _NUMBA_HEAD = """\
 import numba
@@ -54,7 +59,7 @@ class Built:
     Attributes
     ----------
         kernel: the function, with the arguments of :mod:`.codegen`.
-        engine: ``"numba"`` or ``"python"``.
+        engine: ``"native"`` (llvmlite), ``"numba"`` or ``"python"``.
         path: the generated module, or ``None`` where it was not written.
         notice: why the interpreter runs it, or ``""``.
     """
@@ -106,17 +111,30 @@ def _writable(folder: Path) -> bool:
     return os.access(folder, os.W_OK)
 
 
-def build(source: str, signature: str, functions: Mapping[str, Callable[..., Any]]) -> Built:
-    """Compile a module with numba; where numba cannot, interpret it and say so.
+def build(
+    source: str,
+    arguments: Mapping[str, str],
+    functions: Mapping[str, Callable[..., Any]] | None = None,
+    *,
+    pack: bool = False,
+) -> Built:
+    """Compile a module: by the translator, by numba, or not at all.
 
     Args:
         source: module text that defines ``kernel``.
-        signature: numba signature of ``kernel``.
+        arguments: names and kinds of its arguments (:data:`.native.KINDS`).
         functions: Python callables the source calls by name; with any, nothing is cached on disk
             because their code is not part of the source.
+        pack: see :func:`.native.compile_kernel`.
     """
+    types = ", ".join(_NUMBA_TYPES[kind] for kind in arguments.values())
+    signature = f"int64({types})"
     if functions:
         return _build_around(source, signature, functions)
+    try:
+        return _native(source, tuple(arguments.items()), pack)
+    except (ImportError, native.Unsupported):
+        pass
     try:
         module = _load(source, signature)
     except ImportError as error:
@@ -124,6 +142,18 @@ def build(source: str, signature: str, functions: Mapping[str, Callable[..., Any
             source, {}, f"numba cannot be imported ({error}); the kernel is interpreted"
         )
     return Built(module.kernel, "numba", Path(str(module.__file__)))
+
+
+@lru_cache(maxsize=256)
+def _native(source: str, arguments: tuple[tuple[str, str], ...], pack: bool) -> Built:
+    import llvmlite
+
+    key = "\n".join(
+        (source, str(pack), llvmlite.__version__, native.target_name(), platform.machine())
+    )
+    path = cache_folder() / f"glmref_kernel_{hashlib.sha256(key.encode()).hexdigest()[:24]}.o"
+    kernel = native.compile_kernel(source, dict(arguments), path, pack=pack)
+    return Built(kernel, "native", path)
 
 
 @lru_cache(maxsize=256)

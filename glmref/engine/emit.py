@@ -238,7 +238,8 @@ class ArrayTarget(Target):
             with self.loop(0, part.stop - part.start) as c:
                 self.w(f"x[{low} + {c}] = found[{c}]")
             return
-        name, values = (part.body_name, "constants") if part.body else (part.role, "par")
+        values = "constants" if part.body else f"par[0:{len(self.shape.values)}]"
+        name = part.body_name or part.role
         self.w(f"{name}({time}{where}, {values}, x[{low}:{high}])")
 
     def load(self, names: Sequence[str]) -> None:

@@ -61,6 +61,7 @@ class StepForm:
         running: whether the updates R L are added to x as the stages go (sweep).
         U: (s, r). M: (s, s). R: (r, s). V: (r, r). weights: (s,), the w of the module docstring.
         R_residue: (r, s), exact minus rounded update coefficients (zero in the structural forms).
+        M_residue: (s,), what rounding took from M_ii (sweep; below 1e-20 it is left out).
         c: (s,) abscissae.
         blocks: stages in the order of computation.
         large: values that are multiples of y (u_k != 0); the others are O(h).
@@ -86,6 +87,7 @@ class StepForm:
     from_form: tuple[Row, ...]
     exact_V: bool
     G: tuple[Row, ...] | None = None
+    M_residue: Row = ()
 
     def into(self, values: np.ndarray) -> np.ndarray:
         """(..., r, d) values of the method in the basis of this form."""
@@ -96,14 +98,11 @@ class StepForm:
         return changed_basis(self.from_form, x)
 
     @property
-    def memory_rows(self) -> int:
-        """Number of increments kept from step to step."""
-        return len(self.memory_weights)
-
-    @property
-    def memory_weights(self) -> Row:
-        """Weights w of the increments L that the predictor keeps, stage by stage."""
-        return self.weights if self.implicit_stages else ()
+    def memory(self) -> tuple[tuple[str, float | None], ...]:
+        """What the predictor keeps from step to step: names of increments L and their weights."""
+        if not self.implicit_stages:
+            return ()
+        return tuple((f"L{i}", weight) for i, weight in enumerate(self.weights))
 
     @property
     def implicit_stages(self) -> int:

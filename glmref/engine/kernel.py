@@ -23,11 +23,12 @@ from ..method import GLM, PartitionedGLM
 from ..problems.formula import Formula
 from ..problems.model import Problem
 from . import compiled
-from .codegen import SIGNATURE, KernelSource, Options, kernel_source
+from .codegen import ARGUMENTS, KernelSource, Options, kernel_source
 from .forms import StepForm
 from .newton import INLINE_LIMIT
 from .outcome import KERNEL_OUTCOMES, Outcome
-from .pairs import PairForm, pair_form, pair_source
+from .pair_forms import PairForm, pair_form
+from .pairs import pair_source
 from .shape import Shape, jacobian_block, shape_of
 from .sweep import step_form
 
@@ -38,6 +39,9 @@ SOLVERS = ("auto", "fixed-point", "newton")
 
 POOR = 0.25  # a fixed point that contracts less than this per round is slow
 _DIFFERENCES_UP_TO = 64  # dimension up to which a missing Jacobian is differenced for the estimate
+
+#: Stages solved together from which on their operations are worth packing into vectors.
+PACKED_STAGES = 3
 
 #: Rough latencies in units of one addition, for comparing solvers.
 _LATENCY = {ast.Add: 1, ast.Sub: 1, ast.Mult: 1, ast.Div: 4, ast.Pow: 10, ast.USub: 0}
@@ -122,8 +126,8 @@ class Kernel:
         y = work[: rows * d].reshape(rows, d)
         memory = work[below * d : (below + self.source.memory_rows) * d].reshape(-1, d)
         y[:] = self.form.into(values)
-        for row, weight in zip(memory, self.form.memory_weights, strict=True):
-            row[:] = h * weight * slope
+        for row, (_, weight) in zip(memory, self.form.memory, strict=True):
+            row[:] = slope if weight is None else h * weight * slope
         return State(work, y, memory)
 
     def resumed(self, other: State) -> State:
@@ -156,14 +160,15 @@ class Kernel:
         -------
             The outcome and the seconds spent stepping.
         """
-        chunk, seconds = _FIRST_CHUNK, 0.0
+        chunk, seconds, flat = _FIRST_CHUNK, 0.0, out.reshape(-1)
         if self.built.engine == "python":
             chunk = 8
         while state.step < last:
             until = min(last, state.step + chunk)
             begin = time.perf_counter()
+            mark = (state.step // every + 1) * every if every else -1
             code = self.built.kernel(
-                state.work, self.shape.values, t0, h, state.step, until, every, out,
+                state.work, self.shape.values, t0, h, state.step, until, mark, every, flat,
                 int(state.tally[5]), state.tally,
             )  # fmt: skip
             spent = time.perf_counter() - begin
@@ -224,7 +229,8 @@ def _assembled(form: StepForm | PairForm, shape: Shape, options: Options, begin:
     if options.interpreted:
         built = compiled.interpret(source.text, functions)
     else:
-        built = compiled.build(source.text, SIGNATURE, functions)
+        pack = source.side_by_side >= PACKED_STAGES or source.target == "array"
+        built = compiled.build(source.text, ARGUMENTS, functions, pack=pack)
         if built.engine == "python":
             options = replace(options, interpreted=True)
             source = _source_of(form, shape, options)

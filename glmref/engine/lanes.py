@@ -16,15 +16,17 @@ from ..claims import UsageError
 from .codegen import Builder, Options
 from .emit import LaneTarget, Writer
 from .forms import StepForm
-from .pairs import PairBuilder, PairForm
+from .pair_forms import PairForm
+from .pairs import PairBuilder
 from .shape import Shape
 from .stages import NOISE, ROUND_OFF, ROUNDS, STALLS
 from .values import Values
 
-__all__ = ["LANE_SIGNATURE", "LaneSource", "lane_source"]
+__all__ = ["LANE_ARGUMENTS", "LaneSource", "lane_source"]
 
-LANE_ARGUMENTS = "x, par, t0, h, first, last, lanes"
-LANE_SIGNATURE = "void(float64[::1], float64[::1], float64, float64, int64, int64, int64)"
+LANE_ARGUMENTS = {
+    "x": "d*", "par": "d*", "t0": "d", "h": "d", "first": "i", "last": "i", "lanes": "i",
+}  # fmt: skip
 
 
 class LaneSource:
@@ -96,7 +98,7 @@ class _LaneKernel(Builder):
         for name in ("status", "rounds", "done"):
             self.t.lane(name)
         w("", "@compiled_with_signature")
-        with w.block(f"def kernel({LANE_ARGUMENTS}):"):
+        with w.block(f"def kernel({', '.join(LANE_ARGUMENTS)}):"):
             self.t.parameters()
             self._scaled_weights()
             w("n = first")
@@ -109,6 +111,7 @@ class _LaneKernel(Builder):
                 self._commit()
                 self._close()
                 w("n += 1")
+            w("return 0")
 
     def _count(self, stages: int, rounds: str = "", extra: int = 0) -> None:
         """Rounds are counted per lane in the loop itself; explicit stages are known."""
@@ -161,11 +164,11 @@ class _LaneKernel(Builder):
             f"moving = ({lane('nothing')} < change) & (change < {lane('last')})",
             f"settled = change <= {ROUND_OFF!r}*{size}",
             f"stalled = {stalls} + (0.0 if moving else 1.0)",
-            f"lost = (not moving) & (not settled) & "
+            f"given_up = (not moving) & (not settled) & "
             f"((stalled > {float(STALLS)!r}) | (not (change < 1e300)))",
-            f"bad = ({active} != 0.0) & lost & (not (change <= {NOISE!r}*{size}))",
+            f"bad = ({active} != 0.0) & given_up & (not (change <= {NOISE!r}*{size}))",
             f"{status} = failure if bad else before",
-            f"go = ({active} != 0.0) & (moving | ((not settled) & (not lost)))",
+            f"go = ({active} != 0.0) & (moving | ((not settled) & (not given_up)))",
             f"{stalls} = stalled",
             f"{lane('last')} = change",
             f"{active} = 1.0 if go else 0.0",

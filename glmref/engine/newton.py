@@ -24,7 +24,9 @@ __all__ = ["HELPERS", "INLINE_LIMIT", "REFRESH_ROUNDS", "NewtonWriter"]
 INLINE_LIMIT = 3
 REFRESH_ROUNDS = 5
 
-#: Dense elimination with partial pivoting, in the form numba and the interpreter both take.
+#: Dense elimination with partial pivoting on the transposed matrix: a[j, i] is entry (i, j), so
+#: that every inner loop runs along memory and no sum has to be reordered to be fast. The diagonal
+#: holds reciprocals.
 HELPERS = """
 @compiled
 def factor(a, pivots):
@@ -32,20 +34,22 @@ def factor(a, pivots):
     for k in range(n):
         p = k
         for i in range(k + 1, n):
-            if abs(a[i, k]) > abs(a[p, k]):
+            if abs(a[k, i]) > abs(a[k, p]):
                 p = i
         pivots[k] = p
         if p != k:
             for j in range(n):
-                held = a[k, j]
-                a[k, j] = a[p, j]
-                a[p, j] = held
+                held = a[j, k]
+                a[j, k] = a[j, p]
+                a[j, p] = held
+        a[k, k] = 1.0 / a[k, k]
         for i in range(k + 1, n):
-            ratio = a[i, k] / a[k, k]
-            a[i, k] = ratio
+            a[k, i] = a[k, i] * a[k, k]
+        for j in range(k + 1, n):
+            ratio = a[j, k]
             if ratio != 0.0:
-                for j in range(k + 1, n):
-                    a[i, j] -= ratio * a[k, j]
+                for i in range(k + 1, n):
+                    a[j, i] -= a[k, i] * ratio
 
 
 @compiled
@@ -56,16 +60,15 @@ def eliminate(a, pivots, b):
         held = b[k]
         b[k] = b[p]
         b[p] = held
-    for i in range(1, n):
-        total = b[i]
-        for j in range(i):
-            total -= a[i, j] * b[j]
-        b[i] = total
-    for i in range(n - 1, -1, -1):
-        total = b[i]
-        for j in range(i + 1, n):
-            total -= a[i, j] * b[j]
-        b[i] = total / a[i, i]
+    for j in range(n):
+        known = b[j]
+        for i in range(j + 1, n):
+            b[i] -= a[j, i] * known
+    for j in range(n - 1, -1, -1):
+        known = b[j] * a[j, j]
+        b[j] = known
+        for i in range(j):
+            b[i] -= a[j, i] * known
 """
 
 
@@ -125,6 +128,7 @@ class NewtonWriter:
     def _inline_matrix(self, i: int) -> None:
         """Entries m{row}{column} of I - factor J at the predicted stage, and 1 / determinant."""
         n = self.unknowns
+        self._time(i)
         factor, power = self._coupling((i,))[0][0]
         entries = self._reduced_entries(i)
         self.w(f"theta = {factor!r}*({power})")
@@ -289,7 +293,7 @@ class NewtonWriter:
         if self.shape.uses_time is False:
             time = "t0"
         w(
-            f"jacobian_into({time}, x[{source}:{source + d}], par, "
+            f"jacobian_into({time}, x[{source}:{source + d}], par[0:{len(self.shape.values)}], "
             f"x[{place}:{place + d * d}].reshape(({d}, {d})), x[{slopes}:{slopes + 2 * d}])"
         )
         if self.shape.jacobian is None and not self.shape.jacobian_body:
@@ -317,7 +321,7 @@ class NewtonWriter:
             for i in range(len(stages)):
                 for j in range(len(stages)):
                     factor, power = coupling[i][j]
-                    place = f"x[{start} + ({i * n} + a)*{size} + {j * n} + b]"
+                    place = f"x[{start} + ({j * n} + b)*{size} + {i * n} + a]"
                     one = "one - " if i == j else "-"
                     w(f"{place} = {one}{factor!r}*({power})*entry")
         matrix, pivots = self._view(name, size)

@@ -180,8 +180,8 @@ def plan_of(
             total = int(steps)
         rows = (total,)
     limited = limit is not None and limit < total
-    if limited:
-        total = int(limit)  # pyright: ignore[reportArgumentType]
+    if limit is not None and limited:
+        total = int(limit)
     if every:
         rows = range(0, total + 1, every)
         if total % every:
@@ -272,7 +272,7 @@ class _Run:
         self._adopt(kernel)
         t0 = float(self.problem.t_span[0])
         slope = np.asarray(self.problem.f(t0, self.problem.y0), dtype=float)
-        if kernel.form.implicit_stages:
+        if kernel.form.memory:
             self.start_evaluations += 1
         state = kernel.state(self.start, slope, self.h)
         if self.plan.rows and self.plan.rows[0] == 0:

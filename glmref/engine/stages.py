@@ -85,6 +85,18 @@ class StageWriter(NewtonWriter):
             self.t.vec(lines, part)
         return names[0], names[1]
 
+    def _with_residue(self, i: int, z: str, a: str) -> tuple[str, str]:
+        """Add what rounding took from M_ii, times the first guess of L_i, to the small terms.
+
+        Sub-round-off, but of one sign at every step: left out, it is a linear drift.
+        """
+        lost = self.form.M_residue[i] if self.form.M_residue else 0.0
+        if not lost:
+            return z, a
+        terms = [(lost, f"@L{i}")]
+        self.t.vec([f"@a{i} = {linear(terms if a == '0.0' else [(1.0, a), *terms])}"])
+        return z, f"@a{i}"
+
     def _stage_values(
         self, stages: Sequence[int], bases: Bases, part: tuple[int, int], name: str = "Y"
     ) -> None:
@@ -181,6 +193,9 @@ class StageWriter(NewtonWriter):
         bases = {i: self._base(i, done) for i in stages}
         if implicit:
             self._predict(stages)
+        if self.form.memory:
+            bases = {i: self._with_residue(i, *bases[i]) for i in stages}
+        if implicit:
             self._solve(stages, bases)
         else:
             self._explicit(stages[0], bases[stages[0]])

@@ -200,7 +200,12 @@ class _Rounded:
     G: tuple[tuple[Fraction, ...], ...]
     omega: list[list[Fraction]]
     half: list[float]
-    defect: Fraction
+    residue: list[Fraction]
+
+    @property
+    def defect(self) -> Fraction:
+        """Largest difference between a half norm and the double that stands for it."""
+        return max(abs(x) for x in self.residue)
 
 
 def _rounded(method: GLM, G0: Matrix, D: Sequence[Scalar], tilt: Fraction) -> _Rounded:
@@ -210,15 +215,15 @@ def _rounded(method: GLM, G0: Matrix, D: Sequence[Scalar], tilt: Fraction) -> _R
     V = _snapped(linalg.matmul(to_form, V0, back))
     G = _snapped(linalg.matmul(linalg.transpose(back), G0, back))
     B = linalg.matmul(to_form, as_balls(method.B))
-    omega, half, defect = [], [], Fraction(0)
+    omega, half, residue = [], [], []
     for i in range(method.s):
         explicit = method.A[i][i].is_zero() is True
         row = _nudge([row[i] / D[i] for row in B], G, explicit)
         exact_half = _norm(G, row) / 2
         half.append(0.0 if explicit else float(exact_half))
         omega.append(row)
-        defect = max(defect, abs(exact_half - Fraction(half[-1])))
-    return _Rounded(back, to_form, V, G, omega, half, defect)
+        residue.append(exact_half - Fraction(half[-1]))
+    return _Rounded(back, to_form, V, G, omega, half, residue)
 
 
 def _sweep(method: GLM) -> StepForm:
@@ -247,6 +252,7 @@ def _sweep(method: GLM) -> StepForm:
         to_form=float_rows(x.to_form), from_form=float_rows(x.back),
         exact_V=all(e.denominator == 1 for row in x.V for e in row),
         G=tuple(tuple(float(e) for e in row) for row in x.G),
+        M_residue=tuple(float(e) if abs(e) > _SMALL_DEFECT else 0.0 for e in x.residue),
     )  # fmt: skip
 
 

@@ -18,7 +18,7 @@ __all__ = ["Plan", "plan"]
 #: Evaluations of one stage of an equation that has to be solved, about: predictor and rounds.
 ROUNDS = 6
 #: Packages that every scene needs: exact coefficients, arrays, starts and closed forms, kernels.
-ALWAYS = ("flint", "numpy", "mpmath", "numba")
+ALWAYS = ("flint", "numpy", "mpmath", "llvmlite")
 #: What a record holds, whatever is asked.
 RECORDED = ("outcome", "steps", "seconds with quartiles", "evaluations", "iterations", "start")
 
@@ -65,6 +65,9 @@ def plan(scene: Scene) -> Plan:
     ------
         DataError: for a method file that cannot be read.
     """
+    from ..engine.shape import shape_of
+    from ..problems import problem
+
     tasks: list[Mapping[str, Any]] = []
     evaluations = 0
     for name in scene.methods:
@@ -75,6 +78,8 @@ def plan(scene: Scene) -> Plan:
             evaluations += steps * _per_step(method) * _runs(scene)
     modules: list[str] = list(ALWAYS)
     absent: list[str] = []
+    if shape_of(problem(scene.problem, **scene.parameters)).opaque:
+        modules.append("numba")  # a right-hand side in Python is compiled by numba alone
     if scene.peers:
         from ..experiments.peers import package_of
 

@@ -82,12 +82,17 @@ BACKWARDS = {
 #: Packages that are not part of Python, and the rooms that import them.
 OUTSIDE: dict[str, str] = {
     "click": "cli",
+    "diffrax": "conformance",
     "flint": "exact",
+    "heyoka": "conformance",
+    "jax": "conformance",
     "llvmlite": "engine",
     "mpmath": "conformance derive engine exact problems",
+    "nodepy": "conformance",
     "numba": "engine",
     "numpy": "conformance derive engine experiments method problems rounding scenes",
     "pytest": "conformance",
+    "rebound": "conformance",
     "scipy": "conformance",
     "tqdm": "cli",
 }

@@ -1,4 +1,4 @@
-"""The vectors: made again byte for byte, proved again from the files alone, and true to the contract."""
+"""The vectors: made again byte for byte, proved again from the files, true to the contract."""
 
 from __future__ import annotations
 

@@ -2,6 +2,7 @@
 
 import math
 import xml.etree.ElementTree as ElementTree
+from itertools import pairwise
 
 import pytest
 from hypothesis import given
@@ -63,7 +64,7 @@ def test_names_never_overlap_and_stay_inside():
         float(e.get("y")) for e in root.iter(f"{SVG}text") if (e.text or "").startswith("method-")
     )
     assert len(rows) == 30
-    assert all(b - a >= 14.9 for a, b in zip(rows, rows[1:], strict=False))
+    assert all(b - a >= 14.9 for a, b in pairwise(rows))
     assert 0 < rows[0] and rows[-1] < height
 
 
@@ -80,7 +81,7 @@ def test_labels_are_apart_and_keep_their_order(wanted):
     placed = place_labels(wanted, 46.0, 400.0)
     order = sorted(range(len(wanted)), key=lambda k: wanted[k])
     rows = [placed[k] for k in order]
-    assert all(b - a >= 15.0 - 1e-9 for a, b in zip(rows, rows[1:], strict=False))
+    assert all(b - a >= 15.0 - 1e-9 for a, b in pairwise(rows))
     assert rows[0] >= 46.0 - 1e-9
 
 

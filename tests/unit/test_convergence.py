@@ -1,4 +1,4 @@
-"""The order meter itself: exact on made-up sequences, honest on irregular ones, blind to nothing."""
+"""The order meter itself: exact on made-up sequences, honest on irregular ones."""
 
 import math
 

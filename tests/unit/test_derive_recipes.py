@@ -169,8 +169,7 @@ def test_conjugation_methods_are_reproduced_bit_for_bit(name: str) -> None:
 
 def assert_reproduced(recipe: str, name: str) -> None:
     """The recipe gives the shipped file, apart from its start and finish."""
-    options = {"name": name, "start": "no"} if recipe == "conjugation6" else {"name": name}
-    derived = dict(recipes.run(recipe, options).documents[0])
+    derived = dict(recipes.run(recipe, {"name": name, "start": "no"}).documents[0])
     shipped = document(name)
     for key in ("starting", "finishing"):
         if key in shipped:
@@ -197,9 +196,17 @@ def test_other_order_8_methods_are_reproduced_bit_for_bit(name: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["s5i1-w3", "t115a-i"])
-def test_starts_and_finishes_are_reproduced_bit_for_bit(name: str) -> None:
-    derived = recipes.run("conjugation6", {"name": name}).documents[0]
+@pytest.mark.parametrize(
+    ("recipe", "name"),
+    [
+        ("conjugation6", "s5i1-w3"),
+        ("conjugation6", "t115a-i"),
+        ("order8", "order8-s3-w3-i"),
+        ("order8", "order8-s5i1-w3"),
+    ],
+)
+def test_starts_and_finishes_are_reproduced_bit_for_bit(recipe: str, name: str) -> None:
+    derived = recipes.run(recipe, {"name": name}).documents[0]
     assert canonical(derived) == text_of(name)
 
 

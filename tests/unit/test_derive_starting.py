@@ -8,9 +8,12 @@ from typing import Any
 
 import pytest
 
+from glmref.canonical import canonical
 from glmref.catalogue import document, load
 from glmref.claims import DataError, ExactnessError
 from glmref.derive.enclosure import Enclosure, Outcome, prove
+from glmref.derive.inverse_finish import inverse_block, is_inverse
+from glmref.derive.linear_start import collocation, linear_start, tableau
 from glmref.derive.parity_start import finishing_block, starting_block
 from glmref.derive.recipes.solved import rough_starts
 from glmref.derive.starting import (
@@ -20,8 +23,8 @@ from glmref.derive.starting import (
     prove_finishing,
     prove_starting,
     starting_system,
-    weights,
 )
+from glmref.derive.tableau_series import stage_order, weights
 from glmref.exact import Exact
 from glmref.method import GLM, as_matrix
 from glmref.theory.series import elementary_weights
@@ -108,13 +111,6 @@ def test_a_start_without_parity_is_refused(target: Target) -> None:
         prove_starting(block, target)
 
 
-def test_an_implicit_start_is_refused(target: Target) -> None:
-    block = copy.deepcopy(document(NAME)["starting"])
-    block["A"][1][1], block["A"][2][2] = "1/2", "-1/2"
-    with pytest.raises(DataError, match="not explicit"):
-        prove_starting(block, target)
-
-
 def test_a_start_from_another_multiple_of_y0_is_refused(target: Target) -> None:
     block = {**document(NAME)["starting"], "u": ["1", "1", "0", "0"]}
     with pytest.raises(DataError, match=r"`starting\.u`"):
@@ -134,15 +130,63 @@ def test_decimals_are_unknowns_and_rationals_are_not() -> None:
     assert system.read([Exact(2)])[1][0] == Exact(3).sqrt() * 2 + Fraction(1, 4)
 
 
-def test_every_conjugation_method_has_a_start_and_a_finish_on_record() -> None:
+def test_every_conjugation_method_has_a_start_and_a_finish() -> None:
     for name, record in rough_starts().items():
-        assert record["start"]["pairs"] <= 10
+        if "linear" in record or "finish" not in record:
+            continue
         method = load(name)
         assert isinstance(method, GLM)
-        if "finish" in record:
-            assert method.starting is not None and method.finishing is not None
-            assert method.starting.stages == 2 * record["start"]["pairs"] + 1
-            assert method.finishing.stages == 2 * record["finish"]["pairs"] + 1
+        assert method.starting is not None and method.finishing is not None
+        assert method.starting.stages == 2 * record["start"]["pairs"] + 1 <= 21
+        assert method.finishing.stages == 2 * record["finish"]["pairs"] + 1 <= 15
+
+
+def test_collocation_integrates_polynomials() -> None:
+    nodes = [Fraction(0), Fraction(1, 2), Fraction(1)]
+    rows = collocation(nodes)
+    for k in range(3):
+        for row, c in zip(rows, nodes, strict=True):
+            assert sum(a * x**k for a, x in zip(row, nodes, strict=True)) == c ** (k + 1) / (k + 1)
+
+
+@pytest.mark.parametrize("moments", [2, 3])
+def test_rational_tableaux_have_parity_and_their_stage_order(moments: int) -> None:
+    rows = tableau([{"c": "3/5", "3": "1/4"}, {"c": "-1/3", "7": "1/2", "4": "2"}], moments=moments)
+    A = tuple(tuple(Exact(x) for x in row) for row in rows)
+    assert stage_order(A, most=5) == moments
+    swap = [0] + [k + 1 if k % 2 else k - 1 for k in range(1, len(A))]
+    for i in range(len(A)):
+        for j in range(len(A)):
+            assert A[swap[i]][swap[j]] == -A[i][j]
+
+
+def test_the_inverse_finish_is_recognised_and_a_changed_one_is_not() -> None:
+    doc = document("order8-s3-w3-i")
+    opening, closing = doc["starting"], copy.deepcopy(doc["finishing"])
+    assert is_inverse(opening, closing)
+    assert canonical({**inverse_block(opening), "order": 8}) == canonical(closing)
+    closing["A"][0][0] += "+1/1000"
+    assert not is_inverse(opening, closing)
+
+
+def test_the_start_of_order_8_is_proved_at_classes_of_trees() -> None:
+    doc = document("order8-s3-w3-i")
+    bare = {k: v for k, v in doc.items() if k not in ("starting", "finishing")}
+    target = Target.of(bare, prove(bare))
+    start = prove_starting(doc["starting"], target)
+    assert target.stage_order == 3
+    assert len(start.box) == 6 + 2 * 22 + 3 * 12  # y_1, two even values, three odd ones
+    changed = copy.deepcopy(doc["starting"])
+    changed["A"][8][3], changed["A"][7][4] = "1/7", "-1/7"
+    with pytest.raises((DataError, ExactnessError)):
+        prove_starting(changed, target)
+
+
+def test_too_few_stages_are_reported() -> None:
+    doc = document("order8-s3-w3-i")
+    bare = {k: v for k, v in doc.items() if k not in ("starting", "finishing")}
+    with pytest.raises(ExactnessError, match="add pairs"):
+        linear_start([{"c": "1/2"}], Target.of(bare, prove(bare)), first=4)
 
 
 def test_a_finish_block_has_the_form_it_needs() -> None:

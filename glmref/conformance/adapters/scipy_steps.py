@@ -5,6 +5,7 @@ asked for pass. Radau's Newton iteration is measured in units of the same tolera
 strict, so its own bound is divided by it.
 """
 
+# pyright: reportMissingImports=false
 from __future__ import annotations
 
 from typing import Any

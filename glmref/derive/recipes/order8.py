@@ -4,7 +4,8 @@ Stage order 2 or 3 makes nearly all conditions follow from others (:mod:`glmref.
 of the 200 trees up to order 8 there remain [oooo] of order 5 and three trees of order 7 at stage
 order 2, or one at stage order 3. With the stage-order equations s = 5, r = 4 leaves two free
 parameters, or none when only the middle stage is implicit; s = 3 needs two complex pairs (r = 6).
-``name`` picks one method, all are derived without.
+``name`` picks one method, all are derived without; ``start`` says whether start and finish are
+derived too (45 or 95 stages, seven of them coupled, and an exact inverse for the first value).
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from .solved import Rough, finish
 
 __all__ = ["OPTIONS", "ROUGH", "derive"]
 
-OPTIONS: Mapping[str, str] = {"name": "all"}
+OPTIONS: Mapping[str, str] = {"name": "all", "start": "yes"}
 
 _W3, _I, _EVEN = Value("exp(2*pi*i/3)"), Value("i"), Value("-1", 1, 1)
 
@@ -129,7 +130,7 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
     documents, statements = [], list[Statement]()
     for k, each in enumerate(chosen):
         progress(each, k, len(chosen))
-        document, _, proved = finish(ROUGH[each])
+        document, _, proved = finish(ROUGH[each], start=options["start"] == "yes")
         documents.append(document)
         statements += proved
     progress("done", len(chosen), len(chosen))

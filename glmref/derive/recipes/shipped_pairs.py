@@ -32,6 +32,7 @@ class Shipped:
 
 _FOUR = "Explicit G-symplectic pair of order 4 with {} force evaluations, for separable systems"
 _SIX = "Explicit G-symplectic pair of order 6 with {} force evaluations, for separable systems"
+_SECOND = "Explicit G-symplectic pair of order 6 on second-order systems, with {} force evaluations"
 
 SHIPPED: Mapping[str, Shipped] = {
     "pair-4-4": Shipped(
@@ -80,5 +81,47 @@ SHIPPED: Mapping[str, Shipped] = {
         ),
         "0.251090885793 0.280911879666 0.0405045113845 0.487998301098 0.813267657402 "
         "0.169709559807 1.12828447308 -0.0758723903025 0.240865316 0.160207480514 -0.34319691946",
+    ),
+    "pair-6-9": Shipped(
+        PairAnsatz(
+            "pair-6-9", 9, 6, starts="qp", title=_SIX.format("nine"),
+            fixed={
+                "w3": "-129/80", "w4": "5441/5000", "c1": "-1819/10000", "v1": "1359/625",
+                "v2": "469/500",
+            },
+        ),
+        "0.0757193856936 0.251825760571 -0.185860742049 0.077352974819 0.364507765322 "
+        "-1.1150122129 0.493851284673 0.224118607845 0.23928932166 0.21803099273 0.438660650759 "
+        "1.68193872504",
+    ),
+    "pair-rkn-6-7": Shipped(
+        PairAnsatz(
+            "pair-rkn-6-7", 7, 6, nystrom=True, starts="qp", title=_SECOND.format("seven"),
+            fixed={"w2": "-1173/2000", "v1": "-2033/2000", "v3": "-31873/10000"},
+        ),
+        "0.107524488537 0.296161720794 -0.195122598954 0.228451188528 -0.753234059311 "
+        "0.105096380199 0.191318017222 0.188787478906 -0.0381604250752 1.00316298141",
+    ),
+    "pair-rkn-6-8": Shipped(
+        PairAnsatz(
+            "pair-rkn-6-8", 8, 6, nystrom=True, starts="qp", title=_SECOND.format("eight"),
+            fixed={
+                "b2": "-281/5000", "w1": "2829/5000", "w2": "-19823/5000", "w3": "17691/10000",
+                "v4": "46437/10000",
+            },
+        ),
+        "0.0895678753103 0.0738889027341 0.326332230343 -1.38217771271 0.16751937091 "
+        "0.0580985558446 0.281253913208 -0.371189801837 0.606468118501 0.607311244804",
+    ),
+    "pair-rkn-6-9": Shipped(
+        PairAnsatz(
+            "pair-rkn-6-9", 9, 6, nystrom=True, starts="qp", title=_SECOND.format("nine"),
+            fixed={
+                "w1": "1097/10000", "w2": "69/2500", "w4": "-61/2000", "v1": "-12479/10000",
+                "v2": "-6291/5000", "v3": "6147/10000", "v4": "-891/10000",
+            },
+        ),
+        "0.0522853628305 0.223630152208 -0.0479338055328 0.0557564260999 0.244001812969 "
+        "0.096224518726 0.122946940736 -0.160892421494 0.161303775508 0.288990674911",
     ),
 }  # fmt: skip

@@ -6,6 +6,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cache
 from importlib.resources import files
 from typing import Any
 
@@ -13,6 +14,7 @@ from ...claims import Proof
 from ...exact import ball
 from ..ansatz import Ansatz
 from ..enclosure import Enclosure, prove
+from ..linear_start import linear_start
 from ..newton import polish
 from ..parity_start import complete, finishing_block, starting_block
 from ..starting import Target
@@ -41,6 +43,11 @@ class Rough:
 
 def rough_starts() -> Mapping[str, Any]:
     """Parameters of starts and finishes, by method: rationals, and roughly those to be solved."""
+    return _starts()["methods"]
+
+
+@cache
+def _starts() -> Mapping[str, Any]:
     text = files("glmref.derive.recipes").joinpath("starts.json").read_text(encoding="utf-8")
     return json.loads(text)
 
@@ -53,6 +60,13 @@ def with_start(document: Mapping[str, Any], target: Target, parity: int) -> dict
         parity: of the fourth value: +1 when its row of X is symmetric.
     """
     record = rough_starts()[document["name"]]
+    claims = {**document["claims"], "starting-order": target.order}
+    if "linear" in record:
+        linear = record["linear"]
+        pairs = _starts()["pairs"][str(linear["moments"])]
+        opening, closing = linear_start(pairs, target, **linear)
+        blocks = {"starting": opening, "finishing": closing}
+        return {**document, **blocks, "digits": DIGITS, "claims": claims}
     opening, closing = complete(
         starting_block(
             record["start"]["pairs"],
@@ -67,7 +81,6 @@ def with_start(document: Mapping[str, Any], target: Target, parity: int) -> dict
     blocks = (
         {"starting": opening} if closing is None else {"starting": opening, "finishing": closing}
     )
-    claims = {**document["claims"], "starting-order": target.order}
     return {**document, **blocks, "digits": DIGITS, "claims": claims}
 
 
@@ -105,7 +118,7 @@ def finish(
         document = with_start(document, target, enclosure.signs[3])
         stages = [len(document[x]["A"]) for x in ("starting", "finishing")]
         text = (
-            f"{document['name']}: explicit start of {stages[0]} stages and finish of {stages[1]} "
+            f"{document['name']}: start of {stages[0]} stages and finish of {stages[1]} "
             f"exact within the digits on all trees of order {enclosure.order} or less"
         )
         statements.append(Statement(text, Proof.ENCLOSED))

@@ -1,0 +1,173 @@
+"""A method on the bench: its engines at several precisions, its inputs, its coefficients."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from ..claims import GlmrefError
+from ..engine.reference import Stepper, apply_finish, apply_start, stepper
+from ..engine.start import enhanced_start
+from ..engine.tableau import method_abscissae, preconsistency
+from ..exact import Exact
+from ..facts import facts_of
+from ..linalg import Matrix
+from ..method import GLM, PartitionedGLM
+from .numbers import decimal_of, decimals, rounded_up
+from .scheme import Scheme, error_bound, error_field
+from .traps import reversal
+from .vectors import TestProblem
+
+__all__ = ["DIGITS", "SAFETY", "SHOWN", "TRAP_DIGITS", "Bench"]
+
+#: Digits of the computation, of the numbers shown, and of the computation of wrong results.
+DIGITS, SHOWN, TRAP_DIGITS = 60, 40, 25
+#: Sums may be taken in another order, and a fused operation rounds once instead of twice.
+SAFETY = 4
+#: Digits of starting values that are given.
+_START_SHOWN = 20
+_STEP_SIZE = {"kepler": "0.0625"}
+
+
+class Bench:
+    """One method, ready to step any problem.
+
+    Attributes
+    ----------
+        pair: whether it is a partitioned pair. r: number of values. scheme: the step as sums.
+        L: involution of a symmetric method. G: form of a conserving one; both ``None`` where not.
+    """
+
+    def __init__(self, method: GLM | PartitionedGLM, name: str) -> None:
+        self.method, self.name = method, name
+        self.pair = isinstance(method, PartitionedGLM)
+        self.r = max(method.r, method.r_hat) if isinstance(method, PartitionedGLM) else method.r
+        self.scheme = Scheme.of(method)
+        self.facts = facts_of(method)
+        self.L = self._involution()
+        self.G = self._form()
+        self.engines: dict[tuple[str, int], Stepper] = {}
+
+    def _form(self) -> Matrix | None:
+        try:
+            found = self.facts.g_symplecticity
+            one_step: Matrix = ((Exact(1),),)
+            return None if not found.holds else one_step if self.r == 1 else found.G
+        except GlmrefError:
+            return None
+
+    def _involution(self) -> Matrix | None:
+        try:
+            return reversal(self.method)
+        except GlmrefError:
+            return None
+
+    def coefficients(self) -> dict[str, Any]:
+        """Every coefficient as a decimal, so that nobody has to read expressions."""
+
+        def shown(matrix: Matrix) -> list[list[str]]:
+            return [[decimal_of(x, SHOWN) for x in row] for row in matrix]
+
+        m = self.method
+        found: dict[str, Any] = {}
+        if isinstance(m, PartitionedGLM):
+            for part, hat in (("q", ""), ("p", "_hat")):
+                found[part] = {x: shown(getattr(m, x + hat)) for x in "AUBV"}
+            return found
+        found |= {x: shown(getattr(m, x)) for x in "AUBV"}
+        found["c"] = shown((method_abscissae(m),))[0]
+        if self.G is not None:
+            found["G"] = shown(self.G)
+        if self.L is not None:
+            found["L"] = shown(self.L)
+        if m.starting is not None:
+            start = m.starting
+            found["starting"] = {
+                "A": shown(start.A), "B": shown(start.B), "u": shown((start.u,))[0]
+            }  # fmt: skip
+        if m.finishing is not None:
+            found["finishing"] = {"A": shown(m.finishing.A), "b": shown((m.finishing.b,))[0]}
+        return found
+
+    # --- cases ----------------------------------------------------------------------------------
+
+    def size(self, task: TestProblem) -> Fraction:
+        """Step size of a problem's cases."""
+        return Fraction(_STEP_SIZE.get(task.name, "0.125"))
+
+    def engine(self, task: TestProblem, digits: int = DIGITS) -> Stepper:
+        """Stepper of the method on a problem."""
+        key = (task.name, digits)
+        if key not in self.engines:
+            self.engines[key] = stepper(self.method, task.problem, digits=digits)
+        return self.engines[key]
+
+    def values(self, task: TestProblem) -> list[list[Fraction]]:
+        """Values that hide nothing: no component is zero, none is what a start would give."""
+        y0 = [Fraction(x) for x in task.y0]
+        u = [1] * self.r
+        if isinstance(self.method, GLM) and self.r > 1:
+            found = preconsistency(self.method.U, self.method.V)
+            u = [round(float(x)) for x in found or ()]
+        return [
+            [u[k] * y + (Fraction((7 * k + 5 * i) % 11 - 5, 64) + Fraction(1, 128)) * (k > 0)
+             for i, y in enumerate(y0)]
+            for k in range(self.r)
+        ]  # fmt: skip
+
+    def numbers(self, engine: Stepper, rows: Sequence[Sequence[Fraction]]) -> np.ndarray:
+        """Rows of fractions in the arithmetic of an engine."""
+        context = engine.arithmetic.context
+        out = engine.arithmetic.zeros((len(rows), len(rows[0])))
+        for k, row in enumerate(rows):
+            out[k, :] = [context.mpf(x.numerator) / x.denominator for x in row]
+        return out
+
+    def rounding(
+        self, scheme: Scheme, task: TestProblem, t: Any, values: Any, h: Any, stages: Any
+    ) -> str:
+        """Largest error, in units of the round-off, that rounding makes in stages and output."""
+        context = self.engine(task).arithmetic.context
+        field = error_field(task.expressions, context)
+        rows = error_bound(scheme, field, t, list(values), h, stages, context)
+        return rounded_up(SAFETY * max(x.error for part in rows for row in part for x in row))
+
+    def begin(
+        self, task: TestProblem, h: Fraction, digits: int
+    ) -> tuple[Stepper, np.ndarray, list[list[str]] | None]:
+        """Engine, starting values, and these as decimals where the method has no start."""
+        engine = self.engine(task, digits)
+        context = engine.arithmetic.context
+        y0, t = np.array(engine.problem.y0), context.mpf(task.t0)
+        size = context.mpf(h.numerator) / h.denominator
+        if self.pair or self.r == 1:
+            return engine, y0[None, :], None
+        assert isinstance(self.method, GLM)
+        if self.method.starting is not None:
+            return engine, apply_start(self.method.starting, engine, t, y0, size)[0], None
+        coarse = self.engine(task, TRAP_DIGITS)
+        # an error O(h^p) at the start leaves the order p of the run, as for the starts of the data
+        passes = max(1, min(5, self.facts.order.order - 1))
+        first = np.array(coarse.problem.y0)
+        small = coarse.arithmetic.context
+        values, _ = enhanced_start(
+            coarse, small.mpf(task.t0), first, small.mpf(h.numerator) / h.denominator, passes
+        )
+        shown = decimals(values, _START_SHOWN)
+        return engine, np.array([[context.mpf(x) for x in row] for row in shown]), shown
+
+    def shown_order(self) -> int:
+        """Order that a run shows: with the start and finish of the data where they are there."""
+        started = getattr(self.method, "starting", None) is not None
+        facts = self.facts
+        return facts.classical_order.order if started else facts.order_identity.order
+
+    def solution(self, engine: Stepper, values: np.ndarray, t: Any, h: Any) -> np.ndarray:
+        """Solution (d,) that belongs to the values, finished where the method has a finish."""
+        finishing = getattr(self.method, "finishing", None)
+        return (
+            values[0] if finishing is None else apply_finish(finishing, engine, t, values[0], h)[0]
+        )

@@ -1,0 +1,259 @@
+"""Compare the answers of an adapter for one method of the catalogue with its vectors."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..method import PartitionedGLM
+from .adapter import AdapterError, NotOffered, Subject
+from .diagnosis import known_bug, name_defect, residual_of_stages, stage_order
+from .judgement import Judgement, errors_of, order_judgement
+from .vectors import Case, TestProblem, Vectors, array
+
+__all__ = ["Comparison"]
+
+
+class Comparison:
+    """Compares the answers of an adapter for one method with its vectors."""
+
+    def __init__(self, subject: Subject, vectors: Vectors) -> None:
+        self.subject, self.vectors, self.name = subject, vectors, vectors.name
+        self.pair = isinstance(vectors.method, PartitionedGLM)
+
+    def _allowed(self, case: Case) -> float:
+        unit = self.subject.unit(self.name)
+        return unit * case.number("rounding") + case.number("bound")
+
+    def _step(self, case: Case) -> np.ndarray:
+        return self.subject.step(
+            self.name, case.problem.problem, case.number("t"), case.input, case.number("h")
+        )
+
+    def answer(self, case: Case) -> Judgement:
+        """A step returns finite numbers of the right shape, and leaves its input alone."""
+        given = case.input
+        argument = given[0] if len(given) == 1 else given
+        kept = argument.copy()
+        self._step(case)
+        self.subject._call(
+            "step", self.name, case.problem.problem, case.number("t"), argument, case.number("h")
+        )
+        if not np.array_equal(argument, kept):
+            return Judgement(False, "step changes the array it is given; it must work on a copy")
+        return Judgement(True)
+
+    def repeatable(self, case: Case) -> Judgement:
+        """The same input gives the same output, whatever was asked between."""
+        problem, t, h = case.problem.problem, case.number("t"), case.number("h")
+        first = self._step(case)
+        self.subject.step(self.name, problem, t + 1, case.input + 0.125, h / 2)
+        return _same(first, self._step(case), self._allowed(case), "step")
+
+    def repeatable_run(self, case: Case) -> Judgement:
+        """Two equal runs with another one between them give the same."""
+        first = self.run(case)
+        self.subject.solve(
+            self.name, case.problem.problem, case.number("h") / 2, 2, self._given(case)
+        )
+        return _same(first, self.run(case), self._allowed(case), "solve")
+
+    def stages(self, case: Case) -> Judgement:
+        """Stage values agree with the vectors."""
+        expected = case.stages
+        shape: Any = tuple(x.shape for x in expected)
+        found = self.subject.stages(
+            self.name, case.problem.problem, case.number("t"), case.input, case.number("h"), shape
+        )
+        allowed = self._allowed(case)
+        for part, right, letter in zip(
+            found, expected, ("Y", "P") if not self.pair else ("Q", "P"), strict=False
+        ):
+            gap = float(np.abs(part - right).max())
+            if gap <= allowed:
+                continue
+            said = stage_order(part, right, allowed) or self._stage_defect(case, found)
+            i, k = np.unravel_index(np.abs(part - right).argmax(), part.shape)
+            where = f"component {k + 1} of stage {letter}_{i + 1}"
+            return Judgement(False, _sentence(where, part[i, k], right[i, k], allowed, said), gap)
+        return Judgement(True)
+
+    def _stage_defect(self, case: Case, found: Sequence[np.ndarray]) -> str:
+        """Name what is wrong with stage values: unsolved equations, or a known bug of the step."""
+        said = ""
+        if "step" in self.subject.offers:
+            try:
+                end = self._step(case)
+                said = name_defect(self.subject, self.vectors, case, end, self._allowed(case))
+            except (AdapterError, NotOffered):
+                said = ""
+        if said:
+            return said
+        if not self.pair:
+            residual = residual_of_stages(self.vectors, case, found)
+            if residual > self._allowed(case):
+                return f"the stage equations are left with a residual of {residual:.2g}"
+        return ""
+
+    def step(self, case: Case) -> Judgement:
+        """Values after one step agree with the vector."""
+        return self._agree(case, self._step(case), case["output"], "value")
+
+    def conserved(self, case: Case) -> Judgement:
+        """The quadratic form stays what it is through ten steps.
+
+        Values of size m carry relative errors of some (u + v) rounding each step, and the form is
+        quadratic in them: its change is below ``10 * 2 |G| |C| m`` times that.
+        """
+        assert case.problem.quadratic is not None
+        blocks = self.vectors.coefficients
+        G = array(blocks["G"]) if "G" in blocks else np.ones((1, 1))
+        C, values, h = array(case.problem.quadratic), case.input, case.number("h")
+        before, largest = _form(G, C, values), np.abs(values).max()
+        for n in range(10):
+            values = self.subject.step(
+                self.name, case.problem.problem, case.number("t") + n * h, values, h
+            )
+            largest = max(largest, np.abs(values).max())
+        weight = 20 * np.abs(G).sum() * np.abs(C).sum() * largest
+        allowed = weight * self._allowed(case)
+        gap = abs(_form(G, C, values) - before)
+        if gap <= allowed:
+            return Judgement(True, residual=gap)
+        return Judgement(
+            False,
+            f"the form sum G_ij y_i^T C y_j is {before:.15g} and changes by {gap:.2g} in ten "
+            f"steps; rounding explains {allowed:.2g}: the method conserves it, the code does not",
+            gap,
+        )
+
+    def start(self, case: Case) -> Judgement:
+        """Starting values agree with the vector."""
+        expected = case["output"]
+        found = self.subject.start(
+            self.name, case.problem.problem, case.number("h"), expected.shape
+        )
+        return self._agree(case, found, expected, "starting value")
+
+    def finish(self, case: Case) -> Judgement:
+        """The finished solution agrees with the vector."""
+        t, h = case.number("t"), case.number("h")
+        found = self.subject.finish(self.name, case.problem.problem, t, case.input, h)
+        return self._agree(case, found[None, :], case["output"], "finished solution")
+
+    def _agree(self, case: Case, found: np.ndarray, right: np.ndarray, what: str) -> Judgement:
+        allowed = self._allowed(case)
+        gap = float(np.abs(found - right).max())
+        if gap <= allowed:
+            return Judgement(True, residual=gap)
+        k, i = np.unravel_index(np.abs(found - right).argmax(), found.shape)
+        said = name_defect(self.subject, self.vectors, case, found, allowed)
+        where = f"component {i + 1} of {what} {k + 1}"
+        return Judgement(False, _sentence(where, found[k, i], right[k, i], allowed, said), gap)
+
+    # --- runs -----------------------------------------------------------------------------------
+
+    def _given(self, row: Case | Mapping[str, Any]) -> np.ndarray | None:
+        data = row.data if isinstance(row, Case) else row
+        return array(data["input"]) if "input" in data else None
+
+    def run(self, case: Case) -> np.ndarray:
+        """Solution at every step, or at the end only."""
+        return self._solution(
+            case.problem, case.number("h"), int(case.data["steps"]), self._given(case)
+        )
+
+    def _solution(
+        self, task: TestProblem, h: float, steps: int, given: np.ndarray | None
+    ) -> np.ndarray:
+        subject, problem = self.subject, task.problem
+        if "solve" in subject.offers:
+            return subject.solve(self.name, problem, h, steps, given)
+        values, t0 = self._started(task, h, given), float(task.t0)
+        rows = [self._finished(task, t0, values, h)]
+        for n in range(steps):
+            values = subject.step(self.name, problem, t0 + n * h, values, h)
+            rows.append(self._finished(task, t0 + (n + 1) * h, values, h))
+        return np.array(rows)
+
+    def _started(self, task: TestProblem, h: float, given: np.ndarray | None) -> np.ndarray:
+        """Starting values: given, the adapter's, or ours where it has none."""
+        if given is not None:
+            return given
+        r = int(self.vectors.document["values"])
+        y0 = array(task.y0)
+        if r == 1:
+            return y0[None, :]
+        if "start" in self.subject.offers:
+            return self.subject.start(self.name, task.problem, h, (r, len(y0)))
+        return _ours(self.name).start(self.name, task.problem, h)
+
+    def _finished(self, task: TestProblem, t: float, values: np.ndarray, h: float) -> np.ndarray:
+        if getattr(self.vectors.method, "finishing", None) is None:
+            return values[0]
+        if "finish" in self.subject.offers:
+            return self.subject.finish(self.name, task.problem, t, values, h)
+        return _ours(self.name).finish(self.name, task.problem, t, values, h)
+
+    def trajectory(self, case: Case) -> Judgement:
+        """The solution agrees with the vector at every step that is shown."""
+        found, right = self.run(case), case["solution"]
+        right = right if len(found) > 1 else right[-1:]
+        allowed = self._allowed(case)
+        gaps = np.abs(found - right).max(axis=1)
+        if gaps.max() <= allowed:
+            return Judgement(True, residual=float(gaps.max()))
+        said = known_bug(found[-1:], case, allowed)
+        n = int(np.argmax(gaps > allowed))
+        said = said or name_defect(self.subject, self.vectors, case, found[-1:], allowed)
+        i = int(np.abs(found[n] - right[n]).argmax())
+        step = n if len(found) > 1 else int(case.data["steps"])
+        where = f"component {i + 1} of the solution after {step} steps"
+        message = _sentence(where, found[n, i], right[n, i], allowed, said)
+        return Judgement(False, message, float(gaps.max()))
+
+    def order(self, case: Case) -> Judgement:
+        """The error falls with the order of the method."""
+        right, end = int(case.data["order"]), float(case.data["t_end"])
+        own = self.subject.starts == "own" and "solve" in self.subject.offers
+        given = {int(row["steps"]): None if own else self._given(row) for row in case.data["rows"]}
+
+        def run(steps: int) -> np.ndarray:
+            h = (end - case.number("t")) / steps
+            return self._solution(case.problem, h, steps, given[steps])[-1]
+
+        steps, errors = errors_of(run, list(given), case["exact"])
+        return order_judgement(steps, errors, right, self.subject, self.name)
+
+
+def _ours(name: str) -> Any:
+    """Our own start and finish, for adapters that have none."""
+    from .adapters.reference import Adapter
+
+    return Adapter((name,))
+
+
+def _form(G: np.ndarray, C: np.ndarray, values: np.ndarray) -> float:
+    return float(np.einsum("ij,ia,ab,jb->", G, values, C, values))
+
+
+def _same(first: np.ndarray, again: np.ndarray, allowed: float, what: str) -> Judgement:
+    gap = float(np.abs(first - again).max())
+    if gap <= allowed:
+        return Judgement(True, residual=gap)
+    return Judgement(
+        False,
+        f"the same {what} gives another result ({gap:.2g} apart) after a different one was taken: "
+        f"the integrator keeps something from call to call",
+        gap,
+    )
+
+
+def _sentence(where: str, found: float, right: float, allowed: float, said: str) -> str:
+    text = (
+        f"{where} is {found:.17g} and must be {right:.17g} "
+        f"(off by {abs(found - right):.2g}, rounding explains {allowed:.2g})"
+    )
+    return f"{text}; {said}" if said else text

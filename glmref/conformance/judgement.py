@@ -1,0 +1,86 @@
+"""Verdicts: how an answer is judged, and how an order is read off errors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from math import log2
+
+import numpy as np
+
+from .adapter import AdapterError, Subject
+
+__all__ = ["Judgement", "errors_of", "floor_of", "order_judgement"]
+
+
+@dataclass(frozen=True, slots=True)
+class Judgement:
+    """Outcome of one check.
+
+    Attributes
+    ----------
+        holds: ``None`` where it was not judged.
+        message: what is wrong, or why it was not judged.
+        residual: size of the deviation. declared, value: for claims with a value.
+    """
+
+    holds: bool | None
+    message: str = ""
+    residual: float = 0.0
+    declared: object = True
+    value: object = None
+
+
+def errors_of(
+    run: Callable[[int], np.ndarray], counts: Sequence[int], exact: np.ndarray,
+    enough: Callable[[int, float], bool] = lambda n, e: False,
+) -> tuple[list[int], list[float]]:  # fmt: skip
+    """Errors at the end of runs; the coarsest runs may fail, the others must not."""
+    steps: list[int] = []
+    errors: list[float] = []
+    for n in counts:
+        try:
+            error = float(np.abs(run(n) - exact).max())
+        except AdapterError:
+            if steps or n == counts[-1]:
+                raise
+            continue
+        steps.append(n)
+        errors.append(error)
+        if enough(n, error):
+            break
+    return steps, errors
+
+
+def floor_of(subject: Subject, name: str, steps: int) -> float:
+    """Error of a run from which its slope can be read: rounding changes it by a quarter at most.
+
+    A step carries some 30 roundings, and what is left of the stage equations; slopes are then right
+    within ``log2(5/4) < 1/3``.
+    """
+    return 4 * steps * (30 * subject.epsilon + subject.tolerance(name))
+
+
+def order_judgement(
+    steps: Sequence[int], errors: Sequence[float], right: int, subject: Subject, name: str
+) -> Judgement:
+    """Decide an order from errors at halved step sizes.
+
+    The error is ``C h^p (1 + O(h))``, so the slopes ``log2(e(h) / e(h/2))`` tend to an integer. Of
+    the last two, the larger decides, since the very last may feel rounding: not below p - 1/3 the
+    claim holds. It is refuted only from below, and only by slopes that have settled (1/4): the
+    error of a good method falls faster than its order for long, where the constant of the leading
+    term is small. That the order is not higher is a fact of the coefficients, not of a run.
+    """
+    shown = ", ".join(f"{e:.3g} at {n} steps" for n, e in zip(steps, errors, strict=True))
+    usable = [(n, e) for n, e in zip(steps, errors, strict=True) if e > floor_of(subject, name, n)]
+    slopes = [log2(a / b) for (n, a), (m, b) in pairwise(usable) if m == 2 * n]
+    if not slopes:
+        return Judgement(None, f"not judged: too few errors above rounding ({shown})")
+    slope = max(slopes[-2:])
+    if slope >= right - 1 / 3:
+        return Judgement(True, residual=max(0.0, right - slope), declared=right, value=right)
+    steady = len(slopes) > 1 and abs(slopes[-1] - slopes[-2]) <= 1 / 4
+    message = f"the error falls like h^{slope:.2f}, not h^{right} ({shown})"
+    return Judgement(False if steady else None, message, right - slope, right, round(slope))

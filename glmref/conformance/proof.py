@@ -1,0 +1,81 @@
+"""What a printed number is worth: its proved distance from the truth, and from wrong results."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from fractions import Fraction
+from typing import Any
+
+from ..claims import DataError
+from ..exact import Exact, ball
+from ..linalg import Matrix
+from .numbers import decimals, rounded_up
+from .traps import Wrong
+
+__all__ = ["add_wrong", "bound_of", "conserved_form", "distance"]
+
+_WRONG_SHOWN = 17
+#: A wrong result is kept when it is off by this many rounding errors of double precision.
+_VISIBLE = 10**6
+
+
+def distance(enclosed: Iterable[Any], printed: Iterable[str]) -> Fraction:
+    """Proved bound of the distance between the true numbers and the printed ones."""
+    return max(
+        Fraction((ball(x) - Fraction(text)).magnitude())
+        for x, text in zip(enclosed, printed, strict=True)
+    )
+
+
+def bound_of(enclosed: Any, printed: Any) -> str:
+    """Bound of a case: the largest distance of its numbers, rounded up to one digit."""
+    gap = max(
+        distance(row, texts)
+        for part, shown in zip(enclosed, printed, strict=True)
+        for row, texts in zip(part, shown, strict=True)
+    )
+    if gap > Fraction(1, 10**30):
+        raise DataError(f"mpmath and the enclosure differ by {float(gap):g}")
+    return rounded_up(gap, 1)
+
+
+def conserved_form(
+    G: Matrix, C: Sequence[Sequence[Fraction]], rows: Sequence[Sequence[Fraction]]
+) -> Any:
+    """Enclose ``sum G_ij y_i^T C y_j``."""
+    total: Any = Exact(0)
+    for g_row, left in zip(G, rows, strict=True):
+        for g, right in zip(g_row, rows, strict=True):
+            value = sum(
+                (a * c * b for a, c_row in zip(left, C, strict=True)
+                 for c, b in zip(c_row, right, strict=True)),
+                Fraction(0),
+            )  # fmt: skip
+            total = total + g.ball() * value
+    return total
+
+
+def add_wrong(
+    case: dict[str, Any], found: Iterable[Wrong], right: Sequence[Sequence[str]] | None = None
+) -> None:
+    """Keep the wrong results that can be told from the right one and from each other."""
+    shown_right: Any = case["output"] if right is None else right
+    tolerance = _VISIBLE * Fraction(case["rounding"]) / 2**53
+    kept: list[dict[str, Any]] = []
+    for wrong in found:
+        shown = decimals(wrong.values, _WRONG_SHOWN)
+        if all(
+            _apart(shown, other, tolerance) for other in (shown_right, *(x["output"] for x in kept))
+        ):
+            kept.append({"flag": wrong.flag, "output": shown})
+    if kept:
+        case["wrong"] = kept
+        case["flags"] = list(dict.fromkeys(x["flag"] for x in kept))
+
+
+def _apart(a: Sequence[Sequence[str]], b: Sequence[Sequence[str]], tolerance: Fraction) -> bool:
+    return any(
+        abs(Fraction(x) - Fraction(y)) > tolerance
+        for row, other in zip(a, b, strict=True)
+        for x, y in zip(row, other, strict=True)
+    )

@@ -1,0 +1,187 @@
+"""Cases of runs: trajectories, and errors against the exact solution at several step sizes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from functools import cache
+from typing import Any
+
+import mpmath
+import numpy as np
+
+from ..claims import DataError
+from ..engine.reference import Stepper
+from ..exact import ball
+from .bench import DIGITS, SAFETY, SHOWN, TRAP_DIGITS, Bench
+from .numbers import decimal_text, decimals, exact_decimal, fraction_of, rounded_up
+from .proof import add_wrong, distance
+from .scheme import Scheme, ball_field, enclosed_step, error_bound, error_field
+from .traps import wrong_runs
+from .vectors import TestProblem
+
+__all__ = ["RunCases"]
+
+_RUN_STEPS, _ORDER_STEPS, _ORDER_TIME = 8, (4, 8, 16, 32), 2
+
+
+class RunCases:
+    """Makes the cases of runs of the method on a bench."""
+
+    def __init__(self, bench: Bench) -> None:
+        self.bench, self.method, self.name = bench, bench.method, bench.name
+
+    def trajectory(self, task: TestProblem) -> dict[str, Any]:
+        """Eight steps from y0, or from starting values that are given."""
+        h = self.bench.size(task)
+        engine, values, given = self.bench.begin(task, h, DIGITS)
+        run = _Run(self.bench, task, engine, values, given, h)
+        for _ in range(_RUN_STEPS):
+            run.advance()
+        case = {
+            "id": f"trajectory/{self.name}/{task.name}",
+            "kind": "trajectory",
+            "problem": task.name,
+            "t": task.t0,
+            "h": exact_decimal(h),
+            "steps": _RUN_STEPS,
+            "y0": list(task.y0),
+            **({} if given is None else {"input": given}),
+            "solution": run.shown,
+            "output": decimals(run.values, SHOWN),
+            "bound": rounded_up(run.distance, 1),
+            "rounding": rounded_up(SAFETY * run.error),
+            "flags": [],
+        }
+        coarse, values, _ = self.bench.begin(task, h, TRAP_DIGITS)
+        context = coarse.arithmetic.context
+        t0, size = context.mpf(task.t0), context.mpf(h.numerator) / h.denominator
+        if task.name != "kepler":
+            found = wrong_runs(coarse, self.method, task.problem, t0, values, size, _RUN_STEPS)
+            if task.name == "forced":
+                found = (x for x in found if x.flag == "TimeNotAdvanced")
+            add_wrong(case, found, right=run.shown[-1:])
+        return case
+
+    def order(self, task: TestProblem) -> dict[str, Any]:
+        """Errors at t = 2 for steps 1/2 to 1/16, against the exact solution."""
+        exact_end = _pendulum_end(task)
+        rows = []
+        for steps in _ORDER_STEPS:
+            h = Fraction(_ORDER_TIME, steps)
+            engine, values, given = self.bench.begin(task, h, TRAP_DIGITS)
+            context = engine.arithmetic.context
+            size = context.mpf(h.numerator) / h.denominator
+            for n in range(steps):
+                values = engine.step(n * size, values, size).values
+            y = self.bench.solution(engine, values, context.mpf(_ORDER_TIME), size)
+            error = max(abs(a - context.mpf(b)) for a, b in zip(y, exact_end, strict=True))
+            rows.append(
+                {
+                    "steps": steps,
+                    **({} if given is None else {"input": given}),
+                    "error": decimal_text(error, 6),
+                }
+            )
+        order = self.bench.shown_order()
+        return {
+            "id": f"order{order}/{self.name}/{task.name}",
+            "kind": "order",
+            "problem": task.name,
+            "t": task.t0,
+            "t_end": str(_ORDER_TIME),
+            "y0": list(task.y0),
+            "order": order,
+            "exact": list(exact_end),
+            "rows": rows,
+            "bound": "1e-40",
+            "flags": [],
+        }
+
+
+class _Run:
+    """A run in mpmath, followed by balls and by error bounds."""
+
+    def __init__(
+        self, bench: Bench, task: TestProblem, engine: Stepper, values: np.ndarray,
+        given: list[list[str]] | None, h: Fraction,
+    ) -> None:  # fmt: skip
+        self.bench, self.task, self.engine, self.values, self.h = bench, task, engine, values, h
+        self.context = engine.arithmetic.context
+        self.size = self.context.mpf(h.numerator) / h.denominator
+        self.n = 0
+        self.balls_field = ball_field(task.expressions)
+        self.errors_field = error_field(task.expressions, self.context)
+        rows = [list(task.y0)] if given is None else given
+        self.balls: list[list[Any]] = [[ball(Fraction(x)) for x in row] for row in rows]
+        self.errors: list[list[Any]] = self._numbers(rows)
+        starting = getattr(bench.method, "starting", None)
+        if given is None and starting is not None:
+            scheme = Scheme.of_start(starting)
+            self.balls, self.errors = self._both(scheme, self.balls, self.errors, [])
+        self.shown: list[list[str]] = []
+        self.distance, self.error = Fraction(0), self.context.mpf(0)
+        self._show()
+
+    def _numbers(self, rows: Sequence[Sequence[str]]) -> list[list[Any]]:
+        return [[self.context.mpf(x) for x in row] for row in rows]
+
+    def _both(self, scheme: Scheme, balls: Any, errors: Any, stages: Any) -> tuple[Any, Any]:
+        t = Fraction(self.task.t0) + self.n * self.h
+        time = self.context.mpf(self.task.t0) + self.n * self.size
+        guesses = [[ball(fraction_of(x)) for x in row] for row in stages] or [
+            [] for _ in scheme.stages
+        ]
+        _, new = enclosed_step(scheme, self.balls_field, t, balls, self.h, guesses)
+        _, bounds = error_bound(
+            scheme, self.errors_field, time, errors, self.size, stages, self.context
+        )
+        return new, bounds
+
+    def advance(self) -> None:
+        """Take one step and show the solution after it."""
+        time = self.context.mpf(self.task.t0) + self.n * self.size
+        taken = self.engine.step(time, self.values, self.size)
+        stages = [row for part in taken.stages for row in part] if self.bench.pair else taken.stages
+        self.balls, self.errors = self._both(self.bench.scheme, self.balls, self.errors, stages)
+        self.values, self.n = taken.values, self.n + 1
+        self._show()
+
+    def _show(self) -> None:
+        """Print the solution (finished), and measure how far it is from the enclosure."""
+        first, errors = self.balls[:1], self.errors[:1]
+        finishing = getattr(self.bench.method, "finishing", None)
+        if finishing is not None:
+            first, errors = self._both(Scheme.of_finish(finishing), first, errors, [])
+        time = self.context.mpf(self.task.t0) + self.n * self.size
+        solution = self.bench.solution(self.engine, self.values, time, self.size)
+        self.shown.append(decimals(solution, SHOWN))
+        rows = [(first[0], self.shown[-1])]
+        rows += list(zip(self.balls, decimals(self.values, SHOWN), strict=True))
+        for enclosed, printed in rows:
+            self.distance = max(self.distance, distance(enclosed, printed))
+        parts = [x for row in (*errors, *self.errors) for x in row]
+        self.error = max([self.error, *(x.error for x in parts if hasattr(x, "error"))])
+
+
+@cache
+def _pendulum_end(task: TestProblem) -> list[str]:
+    """Solution of the pendulum at the end of the order runs.
+
+    By Jacobi's elliptic functions, confirmed by a Taylor series of another module.
+    """
+    from ..problems import problem
+    from ..problems.taylor import taylor_states
+
+    known = problem("pendulum", q0=task.y0[0], p0=task.y0[1])
+    context = mpmath.MPContext()
+    context.dps = DIGITS
+    end = known.on(context).solution(context.mpf(_ORDER_TIME))
+    (other,) = taylor_states(task.problem, [_ORDER_TIME], digits=SHOWN + 10)
+    shown, again = decimals(end, SHOWN), decimals(other, SHOWN)
+    if any(
+        abs(Fraction(a) - Fraction(b)) > Fraction(1, 10**SHOWN)
+        for a, b in zip(shown, again, strict=True)
+    ):
+        raise DataError(f"two ways to the end of the pendulum differ: {shown} and {again}")
+    return shown

@@ -1,0 +1,217 @@
+"""What every reading of an integrator shares: markers, units, tags, and the watch on the calls."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ..claims import UsageError
+from ..problems import Problem
+from .adapter import AdapterError
+
+__all__ = [
+    "MARKERS",
+    "Box",
+    "Reading",
+    "Watch",
+    "best",
+    "chain",
+    "clean",
+    "largest_step",
+    "needed",
+    "noted",
+    "slope_at",
+    "values_of",
+]
+
+#: A stage of order q at abscissa 1 and the result of order p agree in q markers: 8 are enough up
+#: to stage order 7.
+MARKERS, _MOST = 8, 200
+#: Points nearer than this are one stage, such as those of a difference quotient; an argument is
+#: read only from a call this near, since iterates that have settled differ by round-off only.
+_SAME, _SETTLED = 1e-7, 1e-13
+#: Slopes of the tags. A solver may take fright at tags that change as fast as the markers, and may
+#: not solve for those that hardly change: these are tried in turn.
+_TAG_SLOPES = (1.0, 2.0**-10, 2.0**-20)
+#: Step sizes of the nonlinear step, tried in turn: a solver may give up at the larger ones.
+_TEST_STEPS = (0.25, 0.0625, 0.015625)
+#: Relative difference of a step from its prediction that counts as none.
+_EXPLAINED = 1e-10
+#: Coefficients below this are zero when it is decided which stages matter.
+_NEGLIGIBLE = 1e-12
+
+#: ``box(problem, t, values (r, d), h)`` -> values (r, d)
+Box = Callable[[Problem, float, np.ndarray, float], np.ndarray]
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """What was read from one integrator.
+
+    Attributes
+    ----------
+        A, U, B, V: the coefficients; stages in the order of their first evaluation. Of a pair, the
+            blocks of q; then ``hat`` holds those of p.
+        c: abscissae ``(t_called - t) / h`` at which f was evaluated, ``None`` for a pair.
+        evaluations: calls of the right-hand side in one step of the last reading.
+        points: different points at which it was called; those that nothing depends on (iterates,
+            error estimates) are no stages.
+        unexplained: relative difference between a step on a nonlinear problem and what the
+            coefficients make of it.
+        notes: what could not be seen.
+    """
+
+    A: np.ndarray
+    U: np.ndarray
+    B: np.ndarray
+    V: np.ndarray
+    c: np.ndarray | None
+    evaluations: int
+    points: int
+    unexplained: float
+    hat: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray] | None = None
+    notes: tuple[str, ...] = ()
+
+    @property
+    def explicit(self) -> bool:
+        """Whether the stages, as ordered, need earlier ones only."""
+        return bool(np.all(np.abs(np.triu(self.A)) < _NEGLIGIBLE))
+
+
+@dataclass
+class Watch:
+    """Points at which one function was called, and the last argument seen at each."""
+
+    points: list[np.ndarray] = field(default_factory=list)
+    arguments: list[np.ndarray] = field(default_factory=list)
+    times: list[float] = field(default_factory=list)
+    calls: int = 0
+    frozen: bool = False
+    strangers: int = 0
+
+    def place(self, marker: np.ndarray) -> int:
+        """Number of the point with these markers; a new one while the list is open, else -1."""
+        scale = 1 + np.abs(marker).max()
+        for j, other in enumerate(self.points):
+            if np.abs(marker - other).max() < _SAME * scale:
+                return j
+        if self.frozen:
+            self.strangers += 1
+            return -1
+        if len(self.points) >= _MOST:
+            raise UsageError(
+                f"f is called at more than {_MOST} points in one step: the stage equations are "
+                f"iterated too long, or the step size is not kept"
+            )
+        self.points.append(marker.copy())
+        return len(self.points) - 1
+
+    def see(self, t: float, y: np.ndarray, marker: np.ndarray) -> int:
+        """Note a call; return the point's number."""
+        self.calls += 1
+        j = self.place(marker)
+        if j >= 0:
+            while len(self.arguments) <= j:
+                self.arguments.append(y.copy())
+                self.times.append(t)
+            if np.abs(marker - self.points[j]).max() < _SETTLED * (1 + np.abs(marker).max()):
+                self.arguments[j], self.times[j] = y.copy(), t
+        return j
+
+    def again(self) -> Watch:
+        """The same points, for a second reading."""
+        return Watch(points=self.points, frozen=True)
+
+
+def _markers(r: int) -> np.ndarray:
+    """Generic values (r, 8) of the markers, the same on every machine; dyadic."""
+    rows = [
+        [(37 * k + 23 * i + 11 * k * i) % 64 / 64 + 0.25 for i in range(MARKERS)] for k in range(r)
+    ]
+    return np.array(rows)
+
+
+def values_of(r: int, tags: int) -> np.ndarray:
+    """Values (r, d) of markers, units and tags."""
+    return np.hstack([_markers(r), np.eye(r), np.zeros((r, tags))])
+
+
+def slope_at(marker: np.ndarray, tag: int, r: int, tags: int, slope: float) -> np.ndarray:
+    """Slope at a stage: of the markers, of the units (none), of the tags (its own)."""
+    out = np.zeros(MARKERS + r + tags)
+    out[0], out[1:MARKERS] = 1.0, marker[:-1]
+    if 0 <= tag < tags:
+        out[MARKERS + r + tag] = slope
+    return out
+
+
+def chain(size: int) -> np.ndarray:
+    """Jacobian of the right-hand side: the markers drive each other, nothing else does."""
+    jacobian = np.zeros((size, size))
+    for k in range(1, MARKERS):
+        jacobian[k, k - 1] = 1.0
+    return jacobian
+
+
+def best(attempt: Callable[[float], Reading]) -> Reading:
+    """Read with tags of several slopes until a step is explained; else keep the best reading."""
+    readings, errors = [], []
+    for slope in _TAG_SLOPES:
+        try:
+            readings.append(attempt(slope))
+        except (AdapterError, UsageError) as error:
+            errors.append(error)
+            continue
+        if readings[-1].unexplained < _EXPLAINED:
+            return readings[-1]
+    if not readings:
+        raise errors[0]
+    return min(readings, key=lambda reading: reading.unexplained)
+
+
+def largest_step(difference: Callable[[float], float]) -> float:
+    """Difference at the largest step size that is taken; infinite where none is."""
+    for h in _TEST_STEPS:
+        try:
+            return difference(h)
+        except AdapterError:
+            continue
+    return float("inf")
+
+
+def needed(A: np.ndarray, *outputs: np.ndarray) -> list[int]:
+    """Return the stages on which the result depends, directly or through others."""
+    kept = {
+        j for out in outputs for j in range(out.shape[1]) if np.abs(out[:, j]).max() > _NEGLIGIBLE
+    }
+    waiting = list(kept)
+    while waiting:
+        i = waiting.pop()
+        for j in range(A.shape[1]):
+            if j not in kept and abs(A[i, j]) > _NEGLIGIBLE:
+                kept.add(j)
+                waiting.append(j)
+    return sorted(kept)
+
+
+def clean(matrix: np.ndarray) -> np.ndarray:
+    """Make what is round-off of zero zero."""
+    return np.where(np.abs(matrix) < 1e-15, 0.0, matrix)
+
+
+def noted(reading: Reading, gap: float, notes: list[str]) -> Reading:
+    """Complete a reading with what a nonlinear step showed of it."""
+    if gap == float("inf"):
+        notes.append("no step on a nonlinear problem was taken, so that nothing was confirmed")
+    elif gap > _EXPLAINED:
+        notes.append(
+            f"a step on a nonlinear problem differs by {gap:.2g} (relative) from what these "
+            f"coefficients give: the integrator does something more, or solves its stages badly"
+        )
+    if reading.c is not None and len(reading.c):
+        sums = reading.A.sum(axis=1)
+        if len(reading.V) == 1 and np.abs(sums - reading.c).max() > 1e-10:
+            notes.append("f is evaluated at times other than t + c_i h with c = A 1")
+    return replace(reading, unexplained=gap, notes=tuple(notes))

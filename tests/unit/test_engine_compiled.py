@@ -1,0 +1,112 @@
+"""The cache on disk, numba for a user's functions, and the interpreter when nothing else works."""
+
+import math
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from glmref import Problem, UsageError, load, problem, solve
+from glmref.engine import compiled
+from glmref.engine.kernel import prepare
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.setenv(compiled.CACHE_VARIABLE, str(tmp_path / "cache"))
+    compiled._native.cache_clear()
+    compiled._load.cache_clear()
+    yield tmp_path / "cache"
+    compiled._native.cache_clear()
+    compiled._load.cache_clear()
+
+
+def test_a_kernel_is_written_once_and_found_again(folder):
+    first = prepare(load("rk4"), problem("pendulum"), h=0.1)
+    files = sorted(folder.iterdir())
+    assert len(files) == 1
+    assert first.built.path == files[0]
+    assert first.built.engine == "native"
+    stamp = files[0].stat().st_mtime_ns
+    compiled._native.cache_clear()
+    again = prepare(load("rk4"), problem("pendulum"), h=0.2)
+    assert sorted(folder.iterdir()) == files
+    assert files[0].stat().st_mtime_ns == stamp
+    assert again.built.path == first.built.path
+    prepare(load("gauss-2"), problem("pendulum"), h=0.1)
+    assert len(list(folder.iterdir())) == 2
+
+
+def test_the_folder_can_be_named_and_must_be_writable(folder, monkeypatch, tmp_path):
+    assert compiled.cache_folder() == folder
+    blocked = tmp_path / "file"
+    blocked.write_text("")
+    monkeypatch.setenv(compiled.CACHE_VARIABLE, str(blocked / "below"))
+    with pytest.raises(UsageError, match="cannot be written"):
+        compiled.cache_folder()
+
+
+def test_the_default_folder_is_the_platform_s_user_cache(monkeypatch, tmp_path):
+    monkeypatch.delenv(compiled.CACHE_VARIABLE, raising=False)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setattr(sys, "platform", "linux")
+    assert compiled.cache_folder() == tmp_path / "glmref" / "kernels"
+
+
+def test_a_function_that_numba_cannot_compile_is_interpreted_with_a_notice(folder):
+    table = {"g": 1.0}
+
+    def f(t, y):
+        return [y[1], -table["g"] * math.sin(y[0])]
+
+    plain = Problem(f=f, y0=(1.2, 0.0), name="opaque")
+    run = solve(plain, "gauss-2", h=0.1, steps=20)
+    assert run.kernel.startswith("python")
+    assert any("numba cannot compile f" in notice for notice in run.notices)
+    exact = solve(Problem(f=("y[1]", "-sin(y[0])"), y0=(1.2, 0.0)), "gauss-2", h=0.1, steps=20)
+    np.testing.assert_array_equal(run.y, exact.y)
+    assert not any(path.suffix == ".py" for path in folder.iterdir())
+
+
+@pytest.mark.slow
+def test_a_function_that_numba_can_compile_is_compiled():
+    def f(t, y):
+        return (y[1], -math.sin(y[0]))
+
+    plain = Problem(f=f, y0=(1.2, 0.0), name="callable")
+    run = solve(plain, "gauss-2", h=0.1, steps=20)
+    assert run.kernel.startswith("numba")
+    assert not run.notices
+    exact = solve(Problem(f=("y[1]", "-sin(y[0])"), y0=(1.2, 0.0)), "gauss-2", h=0.1, steps=20)
+    np.testing.assert_array_equal(run.y, exact.y)
+
+
+@pytest.mark.slow
+def test_numba_compiles_the_same_source_to_the_same_bits(folder, monkeypatch):
+    native = solve("kepler", "s4-symmetric", h=0.05, steps=200)
+    compiled._native.cache_clear()
+
+    def refuse(*_, **__):
+        raise compiled.native.Unsupported("as if")
+
+    monkeypatch.setattr(compiled.native, "compile_kernel", refuse)
+    other = solve("kepler", "s4-symmetric", h=0.05, steps=200)
+    assert other.kernel.startswith("numba")
+    np.testing.assert_array_equal(native.values, other.values)
+
+
+def test_arithmetic_errors_in_the_interpreter_end_the_run_by_name():
+    crash = Problem(f=("1/(y[0] - 1)",), y0=(1.0,), name="crash")
+    run = solve(crash, "rk4", h=0.1, steps=3, engine="interpreted")
+    assert run.outcome == "not finite"
+    assert solve(crash, "rk4", h=0.1, steps=3).outcome == "not finite"
+
+
+def test_solving_in_machine_code_loads_no_numba():
+    code = (
+        "import sys, glmref; run = glmref.solve('kepler', 'g6245', h=0.1, steps=5); "
+        "assert run.completed; assert 'numba' not in sys.modules; print(run.kernel)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.startswith("native")

@@ -1,0 +1,151 @@
+"""The reference engine against its definition: the equations a step must satisfy, and formulas."""
+
+import mpmath
+import numpy as np
+import pytest
+
+import glmref
+from glmref import GLM, Problem, UsageError, load, problem
+from glmref.engine.reference import stepper
+from glmref.engine.tableau import abscissae, dependency_blocks, lagrange_weights, preconsistency
+
+METHODS = ["rk4", "gauss-2", "gauss-3", "gsymplectic-n", "g6245", "lobatto-iiia-3", "ab-3", "bdf-2"]
+
+
+def residual(engine, t, values, h, step):
+    """Largest violation of Y = h A F + U y and y+ = h B F + V y, F = f(Y)."""
+    F = step.slopes
+    again = [engine.slope(t + c * h, Y) for c, Y in zip(engine.c, step.stages, strict=True)]
+    stages = step.stages - (h * engine.A.dot(F) + engine.U.dot(values))
+    outputs = step.values - (h * engine.B.dot(F) + engine.V.dot(values))
+    parts = [stages, outputs, h * (F - np.stack(again))]
+    return max(abs(x) for part in parts for x in part.ravel())
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_a_step_satisfies_the_equations_that_define_it(name):
+    engine = stepper(load(name), problem("double-pendulum"))
+    values = engine.values()
+    values[1:] = 0.01
+    step = engine.step(0.0, values, 0.05)
+    assert step.converged
+    # stages are settled to a few units of round-off of |y| ~ 1.5
+    assert residual(engine, 0.0, values, 0.05, step) < 2e-15
+
+
+@pytest.mark.parametrize("name", ["gauss-2", "g6245", "rk4"])
+def test_a_step_in_fifty_digits_satisfies_its_equations_to_fifty_digits(name):
+    engine = stepper(load(name), problem("kepler"), digits=50)
+    h = engine.arithmetic.number("0.05")
+    step = engine.step(engine.arithmetic.number(0), engine.values(), h)
+    assert step.converged
+    assert residual(engine, 0, engine.values(), h, step) < mpmath.mpf(10) ** -47
+
+
+def test_rk4_is_the_formula_everybody_knows():
+    pendulum = problem("pendulum")
+    engine = stepper(load("rk4"), pendulum)
+    y, h, f = np.array(pendulum.y0), 0.1, lambda y: np.asarray(pendulum.f(0.0, y))
+    k1 = f(y)
+    k2 = f(y + h / 2 * k1)
+    k3 = f(y + h / 2 * k2)
+    k4 = f(y + h * k3)
+    expected = y + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+    step = engine.step(0.0, engine.values(), h)
+    assert np.abs(step.values[0] - expected).max() < 1e-15
+    assert step.evaluations == 4
+    assert step.iterations == 0
+
+
+def test_stages_are_evaluated_at_their_abscissae():
+    # y' = 5 t^4 is integrated exactly by order 5 and more, only if t + c_i h is right
+    quintic = Problem(f=("5*t**4",), y0=(0.0,))
+    for name, exact in (("gauss-3", True), ("rk4", False), ("g6245", True)):
+        engine = stepper(load(name), quintic)
+        step = engine.step(1.0, engine.values(), 0.5)
+        error = abs(float(step.values[0, 0]) - (1.5**5 - 1))
+        assert (error < 1e-14) == exact, name
+
+
+def test_a_stiff_stage_is_solved_by_newton():
+    stiff = Problem(f=("-1000000*(y[0] - cos(t)) - sin(t)",), y0=(1.0,))
+    engine = stepper(load("radau-iia-2"), stiff)
+    step = engine.step(0.0, engine.values(), 0.5)
+    assert step.converged
+    assert abs(step.values[0, 0] - np.cos(0.5)) < 1e-6
+
+
+def test_a_stage_equation_without_solution_is_reported():
+    # Y = 1 + Y^2 + 10 has no real root
+    hopeless = Problem(f=("y[0]*y[0] + 10",), y0=(1.0,))
+    step = stepper(load("implicit-midpoint"), hopeless).step(0.0, np.array([[1.0]]), 1.0)
+    assert not step.converged
+
+
+def test_the_complex_form_of_a_method_steps_like_its_real_form():
+    pendulum = problem("pendulum")
+    real, other = stepper(load("g6245-w3"), pendulum), stepper(load("g6245-w3-complex"), pendulum)
+    y, z = real.values(), other.values()
+    for _ in range(5):
+        y = real.step(0.0, y, 0.1).values
+        z = other.step(0.0, z, 0.1).values
+    assert np.abs(y[0] - z[0]).max() < 4e-15
+
+
+def test_stormer_verlet_is_kick_drift_kick():
+    hh = problem("henon-heiles")
+    q, p, h = np.array(hh.y0[:2]), np.array(hh.y0[2:]), 0.1
+    half = p + h / 2 * hh.force(q)
+    new_q = q + h * half
+    new_p = half + h / 2 * hh.force(new_q)
+    step = stepper(load("stormer-verlet"), hh).step(0.0, np.array([hh.y0]), h)
+    assert np.abs(step.values[0] - np.concatenate([new_q, new_p])).max() < 2e-16
+    assert (step.evaluations, step.velocity_evaluations) == (2, 1)
+
+
+def test_a_pair_on_a_problem_that_is_not_separable_couples_q_and_p_in_each_stage():
+    # symplectic Euler A on H = p^2 (1 + q^2)/2: p+ = p - h p+^2 q, q+ = q + h p+ (1 + q^2)
+    general = Problem(f=("y[1]*(1 + y[0]*y[0])", "-y[1]*y[1]*y[0]"), y0=(0.5, 0.25))
+    pair = load("gsymplectic-n-pair")
+    step = stepper(pair, general).step(0.0, np.array([[0.5, 0.25], [0.0, 0.0]]), 0.1)
+    assert step.converged
+    one = stepper(load("gsymplectic-n"), general)
+    same = one.step(0.0, np.array([[0.5, 0.25], [0.0, 0.0]]), 0.1)
+    # the pair (N, N) with equal stages is N itself
+    assert np.abs(step.values - same.values).max() < 1e-15
+
+
+def test_a_pair_for_separable_problems_refuses_another():
+    with pytest.raises(UsageError, match="separable"):
+        stepper(load("stormer-verlet"), problem("double-pendulum"))
+
+
+def test_abscissae_follow_from_consistency():
+    n = load("gsymplectic-n")
+    c = [float(x) for x in abscissae(n.A, n.U, n.B, n.V)]
+    root = 3**0.5
+    assert c == pytest.approx([(3 - root) / 6, (3 + root) / 6], abs=2e-16)
+    u = preconsistency(n.U, n.V)
+    assert u is not None
+    assert [float(x) for x in u] == [1.0, 0.0]
+
+
+def test_preconsistency_refuses_a_method_that_has_none():
+    broken = GLM(A=[["0"]], U=[["1"]], B=[["1"]], V=[["2"]])
+    assert preconsistency(broken.U, broken.V) is None
+
+
+def test_stages_are_ordered_by_what_they_need():
+    edges = {(0, 2), (1, 0), (2, 2), (3, 4), (4, 3), (4, 0)}
+    blocks = dependency_blocks(5, lambda i, j: (i, j) in edges)
+    assert [(b.stages, b.implicit) for b in blocks] == [
+        ((2,), True), ((0,), False), ((1,), False), ((3, 4), True)
+    ]  # fmt: skip
+
+
+def test_lagrange_weights_carry_a_polynomial_of_full_degree():
+    nodes = [glmref.engine.tableau.Fraction(k, 3) for k in (-2, 0, 1)]
+    weights = lagrange_weights(nodes, glmref.engine.tableau.Fraction(2))
+    for power in range(3):
+        assert sum(w * x**power for w, x in zip(weights, nodes, strict=True)) == 2**power
+    assert sum(w * x**3 for w, x in zip(weights, nodes, strict=True)) != 8

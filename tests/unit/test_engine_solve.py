@@ -1,0 +1,337 @@
+"""solve(): what is asked for, what comes back, and every way to end."""
+
+import math
+import threading
+import tracemalloc
+
+import numpy as np
+import pytest
+
+from glmref import GLM, Problem, UsageError, load, problem, solve
+from glmref.engine.kernel import prepare
+from glmref.engine.outcome import Outcome
+
+REST = Problem(f=("0*y[0]", "0*y[1]"), y0=("1/3", "-2/7"), name="rest")
+GROWTH = Problem(f=("y[0]*y[0]",), y0=(1.0,), name="growth")  # y = 1/(1 - t)
+
+
+def test_the_end_alone_by_default_and_rows_where_asked():
+    end = solve("pendulum", "gauss-2", h=0.1, steps=7)
+    assert end.y.shape == (1, 2)
+    assert end.t.tolist() == pytest.approx([0.7])
+    rows = solve("pendulum", "gauss-2", h=0.1, steps=7, every=3)
+    assert rows.t == pytest.approx([0.0, 0.3, 0.6, 0.7])
+    np.testing.assert_array_equal(rows.y[-1], end.y[-1])
+    np.testing.assert_array_equal(rows.y[0], problem("pendulum").y0)
+    chosen = solve("pendulum", "gauss-2", h=0.1, times=[0.2, 0.5, 0.7])
+    assert chosen.t == pytest.approx([0.2, 0.5, 0.7])
+    np.testing.assert_array_equal(chosen.y[-1], end.y[-1])
+
+
+def test_the_reference_engine_keeps_the_same_rows():
+    for options in ({"steps": 7, "every": 3}, {"times": [0.2, 0.5]}, {"t_end": 0.4}):
+        fast = solve("pendulum", "rk4", h=0.1, **options)
+        slow = solve("pendulum", "rk4", h=0.1, engine="reference", **options)
+        np.testing.assert_array_equal(fast.t, slow.t)
+        assert np.abs(fast.y - slow.y).max() < 4e-15
+
+
+def test_history_keeps_every_value_carried():
+    run = solve("pendulum", "g6245", h=0.1, steps=4, every=2, history=True)
+    assert run.history.shape == (3, 4, 2)
+    np.testing.assert_array_equal(run.history[-1], run.values)
+    np.testing.assert_array_equal(run.history[:, 0], run.y)
+
+
+def test_time_runs_backwards_with_negative_h():
+    forth = solve("pendulum", "gauss-3", h=0.1, steps=50)
+    start = Problem(force=problem("pendulum").force, y0=tuple(forth.y[-1]), t_span=(5.0, 0.0))
+    back = solve(start, "gauss-3", h=-0.1, t_end=0.0)
+    assert back.t[-1] == pytest.approx(0.0)
+    # 100 steps, each a few units of round-off of |y| < 3
+    assert np.abs(back.y[-1] - problem("pendulum").y0).max() < 1e-13
+
+
+@pytest.mark.parametrize("engine", ["compiled", "reference", "interpreted"])
+@pytest.mark.parametrize("name", ["g6245", "g6245-w3", "gsymplectic-n", "leapfrog", "gauss-3"])
+def test_without_a_right_hand_side_the_step_is_exactly_V(name, engine):
+    method = load(name)
+    n = 300 if engine == "compiled" else 12
+    values = np.arange(1.0, 1 + 2 * method.r).reshape(method.r, 2) / 8
+    run = solve(REST, method, h=0.5, steps=n, start=values, engine=engine)
+    V = np.array([[float(x) for x in row] for row in method.V])
+    expected = values
+    for _ in range(n):
+        expected = V @ expected
+    size = np.abs(values).max()
+    np.testing.assert_array_equal(run.values[0], expected[0])
+    if (np.round(V) != V).any() and engine == "reference":
+        # a rotation by 120 degrees is not a floating point matrix: round-off of n products
+        assert np.abs(run.values - expected).max() < 1e-15 * n * size
+    elif (np.round(V) != V).any():
+        # in its integral basis it is: after 300 turns everything is back, up to the two changes
+        # of basis, however many turns there were
+        assert n % 3 == 0
+        assert np.abs(run.values - values).max() <= 8 * 2.0**-53 * size
+    else:
+        # exact, up to the two changes of scale of a sweep
+        scaled = name == "gsymplectic-n" and engine != "reference"
+        assert np.abs(run.values - expected).max() <= (2 * 2.0**-53 * size if scaled else 0.0)
+
+
+def test_a_right_hand_side_that_is_not_a_number_is_named_and_the_good_part_kept():
+    # sqrt of a negative number from t = 0.5 on
+    falling = Problem(f=("-sqrt(1 - 2*t)",), y0=(1.0,), name="falling")
+    for engine in ("compiled", "reference", "interpreted"):
+        for method in ("rk4", "gauss-2"):
+            run = solve(falling, method, h=0.0625, steps=20, every=1, engine=engine)
+            assert run.outcome is Outcome.NOT_FINITE, (engine, method)
+            assert run.steps == len(run.t) - 1 == 8 if method == "gauss-2" else run.steps in (7, 8)
+            assert np.isfinite(run.y).all()
+            assert "not finite" in run.message
+            assert not run.completed
+
+
+def test_growth_without_bound_ends_in_a_named_outcome():
+    run = solve(GROWTH, "rk4", h=0.1, steps=10_000)
+    assert run.outcome is Outcome.NOT_FINITE
+    assert np.isfinite(run.y).all()
+    assert run.y.shape == (1, 1)
+    assert 10 <= run.steps < 40
+
+
+def test_a_stage_equation_without_solution_is_named():
+    # the implicit midpoint rule beyond t = 1 - h/4 asks for the root of a negative number
+    for engine in ("compiled", "reference", "interpreted"):
+        run = solve(GROWTH, "implicit-midpoint", h=0.25, steps=100, every=1, engine=engine)
+        assert run.outcome is Outcome.STAGE_SOLVE_FAILED, (engine, run.message)
+        assert 2 <= run.steps <= 4
+        assert np.isfinite(run.y).all()
+        assert "smaller h" in run.message
+
+
+def test_a_fixed_point_that_does_not_contract_gives_way_to_newton():
+    stiff = Problem(f=("-1000*(y[0] - cos(t))",), y0=(1.0,), name="stiff")
+    run = solve(stiff, "gauss-2", h=0.5, steps=10)
+    assert run.completed
+    assert abs(run.y[-1, 0] - math.cos(5.0)) < 0.1
+    assert "newton" in run.kernel
+    forced = solve(stiff, "gauss-2", h=0.5, steps=10, solver="fixed-point")
+    assert forced.outcome is Outcome.STAGE_SOLVE_FAILED
+    assert "newton" in forced.message
+
+
+def test_newton_takes_over_in_the_middle_of_a_run():
+    # contraction h |f'| / 2 = 5 t^4 grows from 0 through 1
+    late = Problem(f=("-100*t**4*(y[0] - 1) + 0*y[0]",), y0=(2.0,), name="late")
+    run = solve(late, "implicit-midpoint", h=0.1, steps=20)
+    assert run.completed
+    assert any("Newton from there on" in notice for notice in run.notices)
+    whole = solve(late, "implicit-midpoint", h=0.1, steps=20, solver="newton")
+    assert abs(run.y[-1, 0] - whole.y[-1, 0]) < 1e-12
+
+
+def test_a_step_limit_ends_the_run_by_name():
+    run = solve("pendulum", "rk4", h=0.1, steps=100, step_limit=30, every=20)
+    assert run.outcome is Outcome.STEP_LIMIT
+    assert run.steps == 30
+    assert run.t == pytest.approx([0.0, 2.0, 3.0])
+    enough = solve("pendulum", "rk4", h=0.1, steps=100, step_limit=100)
+    assert enough.outcome is Outcome.COMPLETED
+
+
+def test_cancelling_keeps_what_was_done():
+    calls = []
+
+    def cancel():
+        calls.append(1)
+        return len(calls) >= 3
+
+    run = solve("kepler", "gauss-2", h=0.001, steps=10**9, every=100_000_000, cancel=cancel)
+    assert run.outcome is Outcome.CANCELLED
+    assert 0 < run.steps < 10**8
+    assert np.isfinite(run.values).all()
+
+
+def test_an_interrupt_ends_the_run_as_cancelled():
+    import _thread
+
+    timer = threading.Timer(0.3, _thread.interrupt_main)
+    timer.start()
+    run = solve("kepler", "gauss-2", h=0.001, steps=10**9)
+    assert run.outcome is Outcome.CANCELLED
+    assert run.steps > 0
+
+
+def test_progress_reaches_the_end():
+    seen = []
+    solve("kepler", "rk4", h=0.01, steps=5000, progress=lambda done, of: seen.append((done, of)))
+    assert seen[-1] == (5000, 5000)
+    assert [done for done, _ in seen] == sorted(done for done, _ in seen)
+
+
+def test_chunks_do_not_change_a_bit():
+    kepler, method, h = problem("kepler"), load("g6245"), 0.02
+    for solver in ("fixed-point", "newton"):
+        kernel = prepare(method, kepler, h=h, solver=solver)
+        ends = []
+        for pieces in ((400,), (1, 7, 100, 292), (200, 200)):
+            values = np.zeros((4, 4))
+            values[0] = kepler.y0
+            state = kernel.state(values, kepler.f(0.0, kepler.y0), h)
+            out, done = np.zeros((1, 1, 4)), 0
+            for piece in pieces:
+                done += piece
+                kernel.advance(state, done, t0=0.0, h=h, every=0, out=out)
+            ends.append(kernel.values(state))
+        np.testing.assert_array_equal(ends[0], ends[1])
+        np.testing.assert_array_equal(ends[0], ends[2])
+
+
+@pytest.mark.parametrize("name", ["rk4", "gauss-2", "s4-symmetric", "sdirk-3", "lobatto-iiia-3"])
+def test_evaluations_are_counted_exactly(name):
+    calls = [0]
+
+    def f(t, y):
+        calls[0] += 1
+        return [y[1], -math.sin(y[0])]
+
+    pendulum = Problem(f=f, y0=(1.2, 0.0), name="counted")
+    run = solve(pendulum, name, h=0.1, steps=25, engine="interpreted", solver="fixed-point")
+    # solve itself calls f twice more: the predictor's start is among start_evaluations, the
+    # slope is computed for explicit methods as well
+    implicit = name != "rk4"
+    assert calls[0] == run.total_evaluations + (0 if implicit else 1)
+    calls[0] = 0
+    slow = solve(pendulum, name, h=0.1, steps=25, engine="reference")
+    assert calls[0] == slow.total_evaluations
+
+
+def test_forces_and_velocities_are_counted_apart():
+    calls = {"dq": 0, "dp": 0}
+
+    def dq(p):
+        calls["dq"] += 1
+        return [math.exp(p[0]) - 2]
+
+    def dp(q):
+        calls["dp"] += 1
+        return [1 - math.exp(q[0])]
+
+    separable = Problem(dq=dq, dp=dp, y0=(0.3, 0.2), name="counted")
+    for method in ("gauss-2", "stormer-verlet", "forest-ruth-4", "lobatto-iiia-iiib-3"):
+        calls.update(dq=0, dp=0)
+        run = solve(separable, method, h=0.05, steps=10, engine="interpreted", solver="fixed-point")
+        # solve evaluates f once before the first step: counted where the kernel keeps it
+        extra = 1
+        assert calls["dp"] == run.evaluations + extra, method
+        assert calls["dq"] == run.velocity_evaluations + extra, method
+
+
+def test_the_last_force_of_a_step_is_the_first_of_the_next():
+    run = solve("henon-heiles", "stormer-verlet", h=0.1, steps=100)
+    assert run.evaluations == 100
+    assert run.start_evaluations == 1
+    reference = solve("henon-heiles", "stormer-verlet", h=0.1, steps=100, engine="reference")
+    assert reference.evaluations == 200
+    assert np.abs(run.y - reference.y).max() < 1e-14
+
+
+def test_memory_does_not_grow_with_the_number_of_steps():
+    kepler, method = problem("kepler"), load("gauss-2")
+    solve(kepler, method, h=0.01, steps=10)
+    peaks = []
+    for steps in (1_000, 100_000):
+        tracemalloc.start()
+        solve(kepler, method, h=0.01, steps=steps)
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    assert peaks[1] < peaks[0] + 20_000
+
+
+def test_a_finishing_method_is_applied_to_every_row_and_counted():
+    from glmref import FinishingMethod
+
+    method = load("rk4")
+    finish = FinishingMethod(A=(), b=())
+    assert solve("pendulum", method, h=0.1, steps=5).finish_evaluations == 0
+    from dataclasses import replace
+
+    from glmref.exact import exact
+
+    shifted = replace(method, finishing=FinishingMethod(A=((exact(0),),), b=(exact(1),)))
+    plain = solve("pendulum", method, h=0.1, steps=4, every=2)
+    run = solve("pendulum", shifted, h=0.1, steps=4, every=2)
+    f = problem("pendulum").f
+    for row in range(3):
+        expected = plain.y[row] + 0.1 * np.asarray(f(0.0, plain.y[row]))
+        assert np.abs(run.y[row] - expected).max() < 1e-15
+    assert run.finish_evaluations == 3
+    assert finish.stages == 0
+
+
+def test_arithmetic_can_be_chosen():
+    kernels = {
+        arithmetic: solve("pendulum", "gauss-2", h=0.1, steps=10, arithmetic=arithmetic).kernel
+        for arithmetic in ("strict", "compensated", "naive")
+    }
+    assert "mu form" in kernels["strict"]
+    assert "standard form" in kernels["compensated"]
+    assert "not compensated" in kernels["naive"]
+
+
+def test_digits_go_with_the_reference_engine():
+    run = solve("pendulum", "gauss-2", h=0.1, steps=3, engine="reference", digits=40)
+    assert run.y.dtype == object
+    double = solve("pendulum", "gauss-2", h=0.1, steps=3)
+    assert np.abs(run.y.astype(float) - double.y).max() < 1e-15
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"h": 0.0, "steps": 1}, "`h` must be finite and not zero"),
+        ({"h": math.nan, "steps": 1}, "`h` must be finite"),
+        ({"h": "x", "steps": 1}, "`h` must be a number"),
+        ({"h": 0.3, "t_end": 1.0}, "not a whole number of steps"),
+        ({"h": 0.1, "t_end": -1.0}, "not a whole number of steps"),
+        ({"h": 0.1, "steps": 3, "t_end": 0.3}, "`steps` or `t_end`, not both"),
+        ({"h": 0.1, "steps": -1}, "`steps` must be a whole number"),
+        ({"h": 0.1, "steps": 2.5}, "`steps` must be a whole number"),
+        ({"h": 0.1, "steps": 3, "every": -1}, "`every` must be a whole number"),
+        ({"h": 0.1, "times": [0.25]}, "not a whole number of steps"),
+        ({"h": 0.1, "times": []}, "`times` must be a nonempty list"),
+        ({"h": 0.1, "times": [0.2, 0.1]}, "`times` must be"),
+        ({"h": 0.1, "times": [0.2], "steps": 2}, "not both"),
+        ({"h": -0.1}, "going back in time"),
+        ({"h": 0.1, "steps": 1, "engine": "fast"}, "`engine` must be one of"),
+        ({"h": 0.1, "steps": 1, "digits": 30}, "`digits`"),
+        ({"h": 0.1, "steps": 1, "arithmetic": "exact"}, "`arithmetic` must be one of"),
+        ({"h": 0.1, "steps": 1, "solver": "magic"}, "`solver` must be one of"),
+        ({"h": 0.1, "steps": 1, "form": "magic"}, "`form` must be"),
+        ({"h": 0.1, "steps": 1, "start": "magic"}, "`start` must be"),
+        ({"h": 0.1, "steps": 1, "start": np.zeros((2, 2))}, "shape \\(r, d\\)"),
+    ],
+)
+def test_a_bad_argument_is_one_sentence(arguments, message):
+    with pytest.raises(UsageError, match=message) as error:
+        solve("pendulum", "gauss-2", **arguments)
+    assert "\n" not in str(error.value)
+
+
+def test_what_is_not_a_problem_or_method_is_refused():
+    with pytest.raises(UsageError, match="`problem` must be a Problem"):
+        solve(3, "rk4", h=0.1, steps=1)
+    with pytest.raises(UsageError, match="`method` must be a method"):
+        solve("pendulum", 3, h=0.1, steps=1)
+    with pytest.raises(UsageError, match="no method named"):
+        solve("pendulum", "rk-4", h=0.1, steps=1)
+    complex_method = GLM(A=[["0"]], U=[["1"]], B=[["i"]], V=[["1"]])
+    with pytest.raises(UsageError, match="complex"):
+        solve("pendulum", complex_method, h=0.1, steps=1)
+
+
+def test_no_steps_give_the_start():
+    run = solve("pendulum", "g6245", h=0.1, steps=0)
+    np.testing.assert_array_equal(run.y[-1], problem("pendulum").y0)
+    assert run.completed
