@@ -47,7 +47,7 @@ KEY_ORDER: tuple[str, ...] = (
     *("error-constant", "abscissae"),
     *("preconsistent", "consistent", "zero-stable", "explicit", "symplectic", "g-symplectic"),
     *("symmetric", "parasitism-free", "reducible", "growth", "a-stable", "l-stable"),
-    *("claim", "flag", "why"),
+    *("claim", "flag", "why", "found"),
     *("source", "citation", "doi", "where", "status", "errata", "bibtex"),
 )
 #: Objects whose keys keep the order they are given in.

@@ -137,8 +137,12 @@ def _check_zero_stable(facts: Facts, declared: object) -> Outcome:
     )
 
 
+_ALL_EXPLICIT = "every stage is a known vector when its turn comes"
+
+
 def _check_explicit(facts: Facts, declared: object) -> Outcome:
-    return _compare(facts.is_explicit, declared, 0.0, "")
+    witness = _ALL_EXPLICIT if facts.is_explicit else "an implicit stage needs an equation solved"
+    return _compare(facts.is_explicit, declared, 0.0, witness)
 
 
 def _check_g_symplectic(facts: Facts, declared: object) -> Outcome:

@@ -129,11 +129,12 @@ def _fault_of_broken(doc: Mapping[str, Any]) -> str:
         return ""
     if (
         not isinstance(broken, dict)
-        or not {"claim", "why"} <= broken.keys() <= {"claim", "why", "flag"}
+        or not {"claim", "why"} <= broken.keys() <= {"claim", "why", "flag", "found"}
         or not all(isinstance(x, str) for x in broken.values())
     ):
         return (
-            f"`broken` must be an object with the strings claim, why and flag, got {shown(broken)}"
+            "`broken` must be an object with the strings claim, why, flag and found, "
+            f"got {shown(broken)}"
         )
     return ""
 

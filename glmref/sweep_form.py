@@ -6,17 +6,19 @@ A method of this class is given by ``D`` (s numbers), ``X`` (r, s), ``V`` and ``
 
 and a_ij = 0 for j > i. One step needs neither A nor U:
 
-    w = V y;   for i = 1..s:  solve L = h f(x_i^* G (w + d_i x_i L / 2));  w += d_i x_i L;   y+ =
-    w
+    w = V y
+    for i = 1..s:  solve L = h f(x_i^* G (w + d_i x_i L / 2));  w += d_i x_i L
+    y+ = w
 
 with x_i the i-th column of X.
 
 **Theorem (G-symplectic by construction).** If ``V^* G V = G``, D is real and G Hermitian, the
 method is G-symplectic with (G, D), whatever X and D are.  Proof: write S = X^* G X.  ``D U = D
 X^* G V = B^* G V``; ``(D A)_ij = d_i d_j S_ij`` below the diagonal and half of it on the
-diagonal, so ``D A + A^* D = D S D = B^* G B``.  Conversely every G-symplectic method with lower
-triangular A and nonsingular D has this form: the two identities are the definitions of U and A
-solved for them.
+diagonal, so ``D A + A^* D = D S D = B^* G B``.  Conversely a G-symplectic method with lower
+triangular A, a real diagonal of A and nonsingular real D has this form: ``D U = B^* G V`` gives U,
+and ``D A + A^* D = B^* G B`` gives A below the diagonal and the real part of it on the diagonal,
+which the identity leaves open otherwise.
 
 **Theorem (symmetric by construction).** Let P reverse the stages and let E = diag(+-1). If ``P D
 P = D``, ``X = E X P``, ``E G E = G``, ``E V^-1 E = V`` and ``V^* G V = G``, the method is

@@ -136,20 +136,27 @@ def verify_file(name: str | Path, *, only: Collection[str] = ()) -> list[Finding
 
 
 def _refute(method: Method, broken: Mapping[str, Any], where: str) -> Finding:
-    """Turn the failure of the named claim into a finding that the refutation holds."""
+    """Turn the failure of the named claim into a finding that the refutation holds.
+
+    A file may say in ``broken.found`` which witness the refutation must give, word for word.
+    """
     claim = broken["claim"]
     claims = claims_of(method)
     if claim not in claims:
         raise DataError(f"{where}: `broken.claim` names {claim!r}, which is not among the claims")
     inner = _check(facts_of(method), claim, claims[claim])
     refuted = {Verdict.FAILS: Verdict.HOLDS, Verdict.HOLDS: Verdict.FAILS}
+    verdict, witness = refuted.get(inner.verdict, Verdict.OPEN), inner.witness
+    if verdict is Verdict.HOLDS and broken.get("found", witness) != witness:
+        verdict = Verdict.FAILS
+        witness = f"it fails for another reason than `broken.found`: {witness}"
     return Finding(
         method=inner.method,
         claim=f"refutes {claim}",
         declared=inner.declared,
-        verdict=refuted.get(inner.verdict, Verdict.OPEN),
+        verdict=verdict,
         value=inner.value,
         proof=inner.proof,
         residual=inner.residual,
-        witness=inner.witness,
+        witness=witness,
     )

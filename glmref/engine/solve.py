@@ -271,7 +271,9 @@ class _Run:
         )  # fmt: skip
         self._adopt(kernel)
         t0 = float(self.problem.t_span[0])
-        slope = np.asarray(self.problem.f(t0, self.problem.y0), dtype=float)
+        # a single value is the solution; the force that a pair remembers must be the one there
+        first = self.start[0] if len(self.start) == 1 else self.problem.y0
+        slope = np.asarray(self.problem.f(t0, first), dtype=float)
         if kernel.form.memory:
             self.start_evaluations += 1
         state = kernel.state(self.start, slope, self.h)

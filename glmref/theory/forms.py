@@ -172,7 +172,11 @@ def cut_down(
             continue
         if sees and at == 0:  # every other form passes this entry and the principal one does not
             residual = hits[0].magnitude()
-            witness = f"{label} leaves no form G with a principal part"
+            witness = (
+                f"{label} is {residual:.6g} in size for the only form G left, 1 on the solution"
+                if len(basis) == 1
+                else f"{label} leaves no form G with a principal part"
+            )
             sees = False
         pivot = basis[at]
         basis = [
