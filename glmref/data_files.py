@@ -74,7 +74,7 @@ def path_of(name: str | Path) -> Path:
         )
     from difflib import get_close_matches
 
-    near = get_close_matches(text[:80], known, n=3)
+    near = get_close_matches(text[:80].lower(), known, n=3)
     hint = f"did you mean {' or '.join(near)}?" if near else "see `glmref list`"
     raise UsageError(f"there is no method named {shown(text)}; {hint}")
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from .claims import DataError, ExactnessError
@@ -14,6 +14,24 @@ from .linalg import Matrix, Vector
 from .strict_json import shown
 
 __all__ = ["Entries"]
+
+
+_NAME = re.compile("[A-Za-z_][A-Za-z_0-9]*")
+#: Keys whose strings are prose or name other things: a constant is not used there.
+_PROSE = frozenset({"name", "title", "source", "notes", "broken"})
+
+
+def _strings(value: object) -> Iterator[str]:
+    """Every string in the expressions of a document."""
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, Mapping):
+        for key, inner in value.items():
+            if key not in _PROSE:
+                yield from _strings(inner)
+    elif isinstance(value, list):
+        for inner in value:
+            yield from _strings(inner)
 
 
 class Entries:
@@ -65,6 +83,16 @@ class Entries:
                 value = self.scalar(text, f"{key}.{name}")
                 self.weights[name] = weigh(text, self.weights)
                 self.constants[name] = value
+
+    def check_constants_used(self) -> None:
+        """Refuse a constant that stands nowhere: the name where it should stand is wrong."""
+        used = set(_NAME.findall(" ".join(_strings(self.doc))))
+        for name in self.constants:
+            if name not in used:
+                raise self.error(
+                    f"the constant {name!r} is never used; take it out, or correct the name "
+                    f"where it should stand"
+                )
 
     def scalar(self, text: object, where: str) -> Scalar:
         """Read one entry."""

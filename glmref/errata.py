@@ -136,7 +136,7 @@ def erratum(name: str) -> Erratum:
         return known[name]
     from difflib import get_close_matches
 
-    near = get_close_matches(name, known, n=3)
+    near = get_close_matches(name.lower(), known, n=3)
     hint = f"did you mean {' or '.join(near)}?" if near else "see `glmref errata`"
     raise UsageError(f"there is no erratum named {name!r}; {hint}")
 

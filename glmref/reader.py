@@ -78,6 +78,7 @@ class _Reader(Entries):
         except (ExactnessError, ZeroDivisionError) as error:
             raise self.error(f"the coefficients do not define a method ({error})") from None
         self._check_real(built)
+        self.check_constants_used()
         return built
 
     def _check_keys(self, kind: str) -> None:
@@ -327,6 +328,16 @@ class _Reader(Entries):
                     if not x.is_real():
                         place = f"[{i + 1}][{j + 1}]" if isinstance(row, tuple) else f"[{i + 1}]"
                         raise self.error(
-                            f"`{letter}{place}` is complex ({complex(x):.6g}) in a real tableau; "
-                            f'a square root of a negative number, or say "field": "complex"'
+                            f"{self._entry_named(letter, place)} is complex ({complex(x):.6g}) in "
+                            f"a real tableau; a square root of a negative number, or say "
+                            f'"field": "complex"'
                         )
+
+    def _entry_named(self, letter: str, place: str) -> str:
+        """Name an entry as the file writes it; it may have b or other numbers for B."""
+        if letter in self.doc or letter in ("A_hat", "D", "D_P", "D_Q"):
+            return f"`{letter}{place}`"
+        weights = letter.replace("B", "b")
+        if weights in self.doc and self.doc["class"] in ("rk", "partitioned-rk"):
+            return f"`{weights}{place.removeprefix('[1]')}`"
+        return f"the entry {letter}{place} of the general linear form"

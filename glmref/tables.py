@@ -130,7 +130,7 @@ def columns(
 
     lines = [line(row) for row in cells]
     if head:
-        rule = "  ".join(style.rules[0] * w for w in widths)
+        rule = "  ".join(style.rules[0] * w for w in widths)[: style.width]
         lines = [style.paint(line(head), "bold"), style.paint(rule, "dim"), *lines]
     return "\n".join(lines)
 

@@ -29,8 +29,9 @@ def probe(adapter: str, method: str | None, form: str) -> int:
     ADAPTER is package.module:Name, cmd:program, or a shipped adapter such as scipy. Exit code 3
     when something could not be seen; it is then said what.
     """
-    from ..conformance.adapter import Subject, load_adapter
+    from ..conformance.adapter import load_adapter
     from ..conformance.identify import FORMAT, identify
+    from ..conformance.subject import Subject
 
     subject = Subject(load_adapter(adapter), f"the adapter {adapter!r}")
     try:

@@ -33,9 +33,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(asked: argparse.Namespace) -> int:
-    from .adapter import Subject, load_adapter
+    from .adapter import load_adapter
     from .checks import Suite
     from .known import read_known_failures
+    from .subject import Subject
 
     subject = Subject(load_adapter(asked.adapter), f"the adapter {asked.adapter!r}")
     try:

@@ -17,21 +17,21 @@ smallest one that passes::
 
 from __future__ import annotations
 
-import math
 import os
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Protocol
 
-from ..claims import GlmrefError, UsageError
+from ..claims import UsageError
+from .subject import said
 
 if TYPE_CHECKING:
     import numpy as np
 
     from ..problems import Problem
 
-__all__ = ["SHIPPED", "Adapter", "AdapterError", "NotOffered", "Subject", "load_adapter"]
+__all__ = ["SHIPPED", "Adapter", "load_adapter"]
 
 #: Adapters that come with the package; each imports its library when it is asked for.
 SHIPPED: Mapping[str, str] = {
@@ -43,18 +43,6 @@ SHIPPED: Mapping[str, str] = {
     "rebound": "glmref.conformance.adapters.rebound_leapfrog:Adapter",
     "nodepy": "glmref.conformance.adapters.nodepy_explicit:Adapter",
 }
-
-OPERATIONS = ("step", "stages", "start", "finish", "solve")
-#: Claims that an integrator outside the catalogue may make; ``values`` says how many it carries.
-CLAIMS = ("order", "symmetric", "symplectic", "values")
-
-
-class AdapterError(GlmrefError):
-    """An adapter's answer that cannot be used: it raised, or the shape or a number is wrong."""
-
-
-class NotOffered(GlmrefError):
-    """What the adapter says it cannot do (``NotImplementedError``): not judged."""
 
 
 class Adapter(Protocol):
@@ -138,9 +126,14 @@ def load_adapter(text: str) -> Any:
         sys.path.insert(0, os.getcwd())  # plain pytest leaves it out
     try:
         value: Any = import_module(place)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
+        if place.endswith(".py"):
+            raise UsageError(
+                f"the adapter must name a module, not a file: write "
+                f"{place.removesuffix('.py').replace('/', '.')}:{name}"
+            ) from None
         raise UsageError(
-            f"the adapter's module {place!r} cannot be imported ({_said(error)})"
+            f"the adapter's module {place!r} cannot be imported ({said(error)})"
         ) from None
     for part in name.split("."):
         if not hasattr(value, part):
@@ -149,182 +142,8 @@ def load_adapter(text: str) -> Any:
     if isinstance(value, type) or (callable(value) and not hasattr(value, "methods")):
         try:
             value = value()
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise UsageError(
-                f"the adapter {text!r} cannot be made without arguments ({_said(error)})"
+                f"the adapter {text!r} cannot be made without arguments ({said(error)})"
             ) from None
     return value
-
-
-def _said(error: BaseException) -> str:
-    return f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
-
-
-class Subject:
-    """An adapter with its answers checked.
-
-    Args:
-        adapter: an object as :class:`Adapter` says.
-        name: what messages call it.
-
-    Attributes
-    ----------
-        methods: name -> claims; claims are empty for a method of the catalogue.
-        offers: the operations the adapter has.
-
-    Raises
-    ------
-        UsageError: for an object that is no adapter.
-    """
-
-    def __init__(self, adapter: Any, name: str = "the adapter") -> None:
-        self.adapter, self.name = adapter, name
-        self.offers = frozenset(x for x in OPERATIONS if callable(getattr(adapter, x, None)))
-        if not self.offers & {"step", "solve"}:
-            raise UsageError(f"{name} must have a method `step` or `solve`; it has neither")
-        self.methods = _methods(adapter, name)
-        self.epsilon = self._number("epsilon", 2.0**-53)
-        self._tolerance = getattr(adapter, "tolerance", 1e-14)
-        for key in self.methods:
-            self.tolerance(key)
-        self.starts = getattr(adapter, "starts", "file")
-        if self.starts not in ("file", "own"):
-            raise UsageError(f"`starts` of {name} must be 'file' or 'own', got {self.starts!r}")
-        problems = getattr(adapter, "problems", None)
-        self.problems = None if problems is None else tuple(problems)
-
-    def _number(self, key: str, default: float) -> float:
-        return _small(getattr(self.adapter, key, default), key, self.name)
-
-    def tolerance(self, method: str) -> float:
-        """Relative error with which the adapter solves the stage equations of a method."""
-        value = self._tolerance
-        if isinstance(value, Mapping):
-            value = value.get(method, 1e-14)
-        return _small(value, "tolerance", self.name)
-
-    def unit(self, method: str) -> float:
-        """Relative error of one operation: rounding, and what is left of the stage equations."""
-        return self.epsilon + self.tolerance(method)
-
-    def close(self) -> None:
-        """End what the adapter has running."""
-        close = getattr(self.adapter, "close", None)
-        if callable(close):
-            close()
-
-    def step(self, method: str, problem: Any, t: float, values: np.ndarray, h: float) -> np.ndarray:
-        """Take one step; values (r, d) in and out."""
-        given = values[0] if len(values) == 1 else values
-        answer = self._call("step", method, problem, t, given.copy(), h)
-        return _array(answer, values.shape, "step")
-
-    def stages(
-        self, method: str, problem: Any, t: float, values: np.ndarray, h: float,
-        shape: tuple[tuple[int, int], ...],
-    ) -> list[np.ndarray]:  # fmt: skip
-        """Stage values: one array, or for a pair the two of Q and P."""
-        given = values[0] if len(values) == 1 else values
-        answer = self._call("stages", method, problem, t, given.copy(), h)
-        if len(shape) == 1:
-            return [_array(answer, shape[0], "stages")]
-        try:
-            parts = tuple(answer)
-        except TypeError:
-            parts = ()
-        if len(parts) != 2:
-            raise AdapterError("stages of a pair must be two arrays, (Q, P)")
-        return [_array(x, y, "stages") for x, y in zip(parts, shape, strict=True)]
-
-    def start(self, method: str, problem: Any, h: float, shape: tuple[int, int]) -> np.ndarray:
-        """Starting values (r, d)."""
-        return _array(self._call("start", method, problem, h), shape, "start")
-
-    def finish(
-        self, method: str, problem: Any, t: float, values: np.ndarray, h: float
-    ) -> np.ndarray:
-        """Solution (d,) that belongs to the values (r, d)."""
-        given = values[0] if len(values) == 1 else values
-        answer = self._call("finish", method, problem, t, given.copy(), h)
-        return _array(answer, (values.shape[1],), "finish")
-
-    def solve(
-        self, method: str, problem: Any, h: float, steps: int, start: np.ndarray | None = None
-    ) -> np.ndarray:
-        """Solution at every step, (steps + 1, d), or the end alone, (1, d)."""
-        import numpy as np
-
-        keywords = {} if start is None else {"start": start.copy()}
-        answer = self._call("solve", method, problem, h, steps, **keywords)
-        d = problem.dimension
-        found = _array(answer, None, "solve")
-        if found.shape == (d,):
-            return found[None, :]
-        if found.ndim != 2 or found.shape[1] != d or len(found) not in (1, steps + 1):
-            raise AdapterError(
-                f"solve must return shape (steps + 1, d) = ({steps + 1}, {d}) or (d,), "
-                f"got {found.shape}"
-            )
-        return np.asarray(found)
-
-    def _call(self, operation: str, *arguments: Any, **keywords: Any) -> Any:
-        function: Callable[..., Any] = getattr(self.adapter, operation)
-        try:
-            return function(*arguments, **keywords)
-        except NotImplementedError as error:
-            raise NotOffered(str(error) or f"the adapter does not offer {operation} here") from None
-        except GlmrefError as error:
-            raise AdapterError(f"{operation}: {error}") from None
-        except Exception as error:
-            raise AdapterError(f"{operation} raised {_said(error)}") from error
-
-
-def _small(value: Any, key: str, name: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value < 0.1:
-        raise UsageError(f"`{key}` of {name} must be a small number, got {value!r}")
-    return float(value)
-
-
-def _array(answer: Any, shape: tuple[int, ...] | None, operation: str) -> np.ndarray:
-    """Check an answer's shape and numbers."""
-    import numpy as np
-
-    try:
-        found = np.array(answer, dtype=float)
-    except (TypeError, ValueError):
-        raise AdapterError(
-            f"{operation} must return an array of real numbers, got {type(answer).__name__}"
-        ) from None
-    if shape is not None:
-        if found.shape == shape[1:] and shape[0] == 1:
-            found = found[None, :]
-        if found.shape != shape:
-            raise AdapterError(f"{operation} must return shape {shape}, got {found.shape}")
-    if not all(math.isfinite(x) for x in found.ravel()):
-        raise AdapterError(f"{operation} returned a number that is not finite")
-    return found
-
-
-def _methods(adapter: Any, name: str) -> dict[str, dict[str, Any]]:
-    """Read ``methods``: catalogue names, paths, or name -> claims."""
-    from ..catalogue import path_of
-
-    given = getattr(adapter, "methods", None)
-    if isinstance(given, str):
-        given = (given,)
-    if given is None or not isinstance(given, Mapping | Sequence) or not given:
-        raise UsageError(f"`methods` of {name} must be the names of what it implements")
-    methods: dict[str, dict[str, Any]] = {}
-    for key in given:
-        claims = given[key] if isinstance(given, Mapping) else None
-        if not claims:
-            path_of(key)
-            methods[str(key)] = {}
-            continue
-        unknown = sorted(set(claims) - set(CLAIMS))
-        if unknown:
-            raise UsageError(
-                f"{name} claims {unknown[0]!r} of {key}; known are {', '.join(CLAIMS)}"
-            )
-        methods[str(key)] = dict(claims)
-    return methods

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from ..claims import GlmrefError
 from ..engine.reference import Stepper, apply_finish, apply_start, stepper
 from ..engine.start import enhanced_start
 from ..engine.tableau import method_abscissae, preconsistency
-from ..exact import Exact
+from ..exact import Ball, Exact
 from ..facts import facts_of
 from ..linalg import Matrix
 from ..method import GLM, PartitionedGLM
@@ -55,15 +56,25 @@ class Bench:
         try:
             found = self.facts.g_symplecticity
             one_step: Matrix = ((Exact(1),),)
-            return None if not found.holds else one_step if self.r == 1 else found.G
+            form = one_step if self.r == 1 else found.G
+            return form if found.holds and form is not None and len(form) == self.r else None
         except GlmrefError:
             return None
 
     def _involution(self) -> Matrix | None:
         try:
-            return reversal(self.method)
+            found = reversal(self.method)
+            # symmetry is decided after values that are not needed were left out
+            return found if found is not None and len(found) == self.r else None
         except GlmrefError:
             return None
+
+    @cached_property
+    def doubt(self) -> Fraction:
+        """Largest radius of a coefficient; 0 where all are algebraic numbers or decimals."""
+        parts = [self.method, *(getattr(self.method, x, None) for x in ("starting", "finishing"))]
+        found = [x.radius() for part in parts for x in _numbers_of(part) if isinstance(x, Ball)]
+        return Fraction(max(found, default=0.0))
 
     def coefficients(self) -> dict[str, Any]:
         """Every coefficient as a decimal, so that nobody has to read expressions."""
@@ -143,10 +154,9 @@ class Bench:
         context = engine.arithmetic.context
         y0, t = np.array(engine.problem.y0), context.mpf(task.t0)
         size = context.mpf(h.numerator) / h.denominator
-        if self.pair or self.r == 1:
+        if self.r == 1:
             return engine, y0[None, :], None
-        assert isinstance(self.method, GLM)
-        if self.method.starting is not None:
+        if isinstance(self.method, GLM) and self.method.starting is not None:
             return engine, apply_start(self.method.starting, engine, t, y0, size)[0], None
         coarse = self.engine(task, TRAP_DIGITS)
         # an error O(h^p) at the start leaves the order p of the run, as for the starts of the data
@@ -165,9 +175,28 @@ class Bench:
         facts = self.facts
         return facts.classical_order.order if started else facts.order_identity.order
 
+    def inner_stages(
+        self, A: Matrix, task: TestProblem, t: Any, y: np.ndarray, h: Any
+    ) -> Sequence[Sequence[Any]]:
+        """Stages (m, d) of ``Y = y + h A f(Y)``, of a start or a finish; none where explicit."""
+        if all(x.is_zero() is True for i, row in enumerate(A) for x in row[i:]):
+            return []
+        one, zero = Exact(1), Exact(0)
+        inner = GLM(A=A, U=((one,),) * len(A), B=((zero,) * len(A),), V=((one,),))
+        return stepper(inner, task.problem, digits=DIGITS).step(t, y[None, :], h).stages
+
     def solution(self, engine: Stepper, values: np.ndarray, t: Any, h: Any) -> np.ndarray:
         """Solution (d,) that belongs to the values, finished where the method has a finish."""
         finishing = getattr(self.method, "finishing", None)
         return (
             values[0] if finishing is None else apply_finish(finishing, engine, t, values[0], h)[0]
         )
+
+
+def _numbers_of(part: Any) -> Iterator[Any]:
+    """Every coefficient of a method, a start or a finish."""
+    for name in ("A", "U", "B", "V", "A_hat", "U_hat", "B_hat", "V_hat"):
+        for row in getattr(part, name, None) or ():
+            yield from row
+    for name in ("u", "b"):
+        yield from getattr(part, name, None) or ()

@@ -18,10 +18,10 @@ from typing import Any
 import numpy as np
 
 from ..claims import Finding, Proof, UsageError, Verdict
-from .adapter import AdapterError, NotOffered, Subject
 from .compare import Comparison
 from .judgement import Judgement
 from .measure import Measurement
+from .subject import AdapterError, NotOffered, Subject
 from .vectors import Case, Vectors, problems, vectors_of
 
 __all__ = ["RESTS_ON", "Check", "Suite"]

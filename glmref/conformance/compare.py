@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from ..method import PartitionedGLM
-from .adapter import AdapterError, NotOffered, Subject
 from .diagnosis import known_bug, name_defect, residual_of_stages, stage_order
 from .judgement import Judgement, errors_of, order_judgement
+from .subject import AdapterError, NotOffered, Subject
 from .vectors import Case, TestProblem, Vectors, array
 
 __all__ = ["Comparison"]
@@ -38,7 +38,7 @@ class Comparison:
         argument = given[0] if len(given) == 1 else given
         kept = argument.copy()
         self._step(case)
-        self.subject._call(
+        self.subject.call(
             "step", self.name, case.problem.problem, case.number("t"), argument, case.number("h")
         )
         if not np.array_equal(argument, kept):
@@ -225,7 +225,8 @@ class Comparison:
             return self._solution(case.problem, h, steps, given[steps])[-1]
 
         steps, errors = errors_of(run, list(given), case["exact"])
-        return order_judgement(steps, errors, right, self.subject, self.name)
+        shown_by = {int(row["steps"]): float(row["error"]) for row in case.data["rows"]}
+        return order_judgement(steps, errors, right, self.subject, self.name, shown_by)
 
 
 def _ours(name: str) -> Any:

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from ..claims import GlmrefError
-from .adapter import AdapterError, NotOffered, Subject
 from .identify import matches
 from .probe import read
+from .subject import AdapterError, NotOffered, Subject
 from .traps import NOTES
 from .vectors import Case, Vectors, array
 from .watch import needed

@@ -23,8 +23,8 @@ from ..claims import DataError, ExactnessError, UsageError
 from ..exact import Ball
 from ..expression import parse
 from ..method import GLM, PartitionedGLM
-from .adapter import Subject
 from .probe import Reading, read
+from .subject import Subject
 from .watch import needed
 
 __all__ = ["FORMAT", "Match", "Probe", "as_method", "identify", "matches"]

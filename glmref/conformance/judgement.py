@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import log2
 
 import numpy as np
 
-from .adapter import AdapterError, Subject
+from .subject import AdapterError, Subject
 
 __all__ = ["Judgement", "errors_of", "floor_of", "order_judgement"]
 
@@ -63,8 +63,9 @@ def floor_of(subject: Subject, name: str, steps: int) -> float:
 
 
 def order_judgement(
-    steps: Sequence[int], errors: Sequence[float], right: int, subject: Subject, name: str
-) -> Judgement:
+    steps: Sequence[int], errors: Sequence[float], right: int, subject: Subject, name: str,
+    shown_by: Mapping[int, float] | None = None,
+) -> Judgement:  # fmt: skip
     """Decide an order from errors at halved step sizes.
 
     The error is ``C h^p (1 + O(h))``, so the slopes ``log2(e(h) / e(h/2))`` tend to an integer. Of
@@ -72,15 +73,25 @@ def order_judgement(
     claim holds. It is refuted only from below, and only by slopes that have settled (1/4): the
     error of a good method falls faster than its order for long, where the constant of the leading
     term is small. That the order is not higher is a fact of the coefficients, not of a run.
+
+    Where the errors of the method itself at these numbers of steps are known (``shown_by``), a run
+    need not show more than they do: some methods settle at steps smaller than these.
     """
     shown = ", ".join(f"{e:.3g} at {n} steps" for n, e in zip(steps, errors, strict=True))
     usable = [(n, e) for n, e in zip(steps, errors, strict=True) if e > floor_of(subject, name, n)]
-    slopes = [log2(a / b) for (n, a), (m, b) in pairwise(usable) if m == 2 * n]
+    slopes = _slopes(usable)
     if not slopes:
         return Judgement(None, f"not judged: too few errors above rounding ({shown})")
-    slope = max(slopes[-2:])
-    if slope >= right - 1 / 3:
+    slope, least = max(slopes[-2:]), right - 1 / 3
+    if shown_by is not None:
+        least = min(least, max(_slopes([(n, shown_by[n]) for n, _ in usable])[-2:]) - 1 / 3)
+    if slope >= least:
         return Judgement(True, residual=max(0.0, right - slope), declared=right, value=right)
     steady = len(slopes) > 1 and abs(slopes[-1] - slopes[-2]) <= 1 / 4
     message = f"the error falls like h^{slope:.2f}, not h^{right} ({shown})"
     return Judgement(False if steady else None, message, right - slope, right, round(slope))
+
+
+def _slopes(errors: Sequence[tuple[int, float]]) -> list[float]:
+    """Slopes between numbers of steps that double."""
+    return [log2(a / b) for (n, a), (m, b) in pairwise(errors) if m == 2 * n]

@@ -6,8 +6,8 @@ from functools import cache
 
 import numpy as np
 
-from .adapter import Subject
 from .judgement import Judgement, errors_of, floor_of, order_judgement
+from .subject import Subject
 from .vectors import TestProblem, array, problems
 
 __all__ = ["Measurement"]

@@ -69,9 +69,10 @@ def _ours(config: pytest.Config) -> bool:
 
 def _session(named: str, known: str | None) -> Session:
     from ..claims import GlmrefError
-    from .adapter import Subject, load_adapter
+    from .adapter import load_adapter
     from .checks import Suite
     from .known import read_known_failures
+    from .subject import Subject
 
     try:
         suite = Suite(Subject(load_adapter(named), f"the adapter {named!r}"))

@@ -21,8 +21,8 @@ import numpy as np
 
 from ..claims import UsageError
 from ..problems import Problem
-from .adapter import AdapterError, NotOffered, Subject
 from .probe_pair import read_pair
+from .subject import AdapterError, NotOffered, Subject
 from .watch import (
     MARKERS,
     Box,

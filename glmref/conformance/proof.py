@@ -27,14 +27,18 @@ def distance(enclosed: Iterable[Any], printed: Iterable[str]) -> Fraction:
     )
 
 
-def bound_of(enclosed: Any, printed: Any) -> str:
-    """Bound of a case: the largest distance of its numbers, rounded up to one digit."""
+def bound_of(enclosed: Any, printed: Any, doubt: Fraction = Fraction(0)) -> str:
+    """Bound of a case: the largest distance of its numbers, rounded up to one digit.
+
+    Args:
+        doubt: largest radius of a coefficient, which a step may magnify a thousandfold.
+    """
     gap = max(
         distance(row, texts)
         for part, shown in zip(enclosed, printed, strict=True)
         for row, texts in zip(part, shown, strict=True)
     )
-    if gap > Fraction(1, 10**30):
+    if gap > Fraction(1, 10**30) + 1000 * doubt:
         raise DataError(f"mpmath and the enclosure differ by {float(gap):g}")
     return rounded_up(gap, 1)
 

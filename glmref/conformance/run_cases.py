@@ -118,7 +118,9 @@ class _Run:
         starting = getattr(bench.method, "starting", None)
         if given is None and starting is not None:
             scheme = Scheme.of_start(starting)
-            self.balls, self.errors = self._both(scheme, self.balls, self.errors, [])
+            y0 = np.array(engine.problem.y0)
+            stages = bench.inner_stages(starting.A, task, self.time, y0, self.size)
+            self.balls, self.errors = self._both(scheme, self.balls, self.errors, stages)
         self.shown: list[list[str]] = []
         self.distance, self.error = Fraction(0), self.context.mpf(0)
         self._show()
@@ -128,20 +130,22 @@ class _Run:
 
     def _both(self, scheme: Scheme, balls: Any, errors: Any, stages: Any) -> tuple[Any, Any]:
         t = Fraction(self.task.t0) + self.n * self.h
-        time = self.context.mpf(self.task.t0) + self.n * self.size
-        guesses = [[ball(fraction_of(x)) for x in row] for row in stages] or [
-            [] for _ in scheme.stages
-        ]
+        time = self.time
+        guesses = [[ball(fraction_of(x)) for x in row] for row in stages]
         _, new = enclosed_step(scheme, self.balls_field, t, balls, self.h, guesses)
         _, bounds = error_bound(
             scheme, self.errors_field, time, errors, self.size, stages, self.context
         )
         return new, bounds
 
+    @property
+    def time(self) -> Any:
+        """Time reached."""
+        return self.context.mpf(self.task.t0) + self.n * self.size
+
     def advance(self) -> None:
         """Take one step and show the solution after it."""
-        time = self.context.mpf(self.task.t0) + self.n * self.size
-        taken = self.engine.step(time, self.values, self.size)
+        taken = self.engine.step(self.time, self.values, self.size)
         stages = [row for part in taken.stages for row in part] if self.bench.pair else taken.stages
         self.balls, self.errors = self._both(self.bench.scheme, self.balls, self.errors, stages)
         self.values, self.n = taken.values, self.n + 1
@@ -152,9 +156,11 @@ class _Run:
         first, errors = self.balls[:1], self.errors[:1]
         finishing = getattr(self.bench.method, "finishing", None)
         if finishing is not None:
-            first, errors = self._both(Scheme.of_finish(finishing), first, errors, [])
-        time = self.context.mpf(self.task.t0) + self.n * self.size
-        solution = self.bench.solution(self.engine, self.values, time, self.size)
+            stages = self.bench.inner_stages(
+                finishing.A, self.task, self.time, self.values[0], self.size
+            )
+            first, errors = self._both(Scheme.of_finish(finishing), first, errors, stages)
+        solution = self.bench.solution(self.engine, self.values, self.time, self.size)
         self.shown.append(decimals(solution, SHOWN))
         rows = [(first[0], self.shown[-1])]
         rows += list(zip(self.balls, decimals(self.values, SHOWN), strict=True))

@@ -68,7 +68,7 @@ class StepCases:
             "input": [[exact_decimal(x) for x in row] for row in given],
             "stages": {"Q": shown[0], "P": shown[1]} if self.bench.pair else shown[0],
             "output": output,
-            "bound": bound_of(enclosed, printed),
+            "bound": bound_of(enclosed, printed, self.bench.doubt),
             "rounding": rounding,
             "flags": [],
         }
@@ -127,7 +127,8 @@ class StepCases:
         size = context.mpf(h.numerator) / h.denominator
         values, _ = apply_start(self.method.starting, engine, t, y0, size)
         scheme = Scheme.of_start(self.method.starting)
-        case = self._ends("start", task, scheme, h, [list(task.y0)], values)
+        stages = self.bench.inner_stages(self.method.starting.A, task, t, y0, size)
+        case = self._ends("start", task, scheme, h, [list(task.y0)], values, stages)
         case["y0"] = list(task.y0)
         del case["input"]
         add_wrong(case, wrong_start(self.method, engine, t, y0, size))
@@ -140,26 +141,27 @@ class StepCases:
         context = engine.arithmetic.context
         values = self.bench.numbers(engine, self.bench.values(task))
         size = context.mpf(h.numerator) / h.denominator
-        solution, _ = apply_finish(
-            self.method.finishing, engine, context.mpf(task.t0), values[0], size
-        )
-        scheme = Scheme.of_finish(self.method.finishing)
+        finishing, t = self.method.finishing, context.mpf(task.t0)
+        solution, _ = apply_finish(finishing, engine, t, values[0], size)
+        stages = self.bench.inner_stages(finishing.A, task, t, values[0], size)
+        scheme = Scheme.of_finish(finishing)
         first = [exact_decimal(x) for x in self.bench.values(task)[0]]
-        case = self._ends("finish", task, scheme, h, [first], solution[None, :])
+        case = self._ends("finish", task, scheme, h, [first], solution[None, :], stages)
         case["input"] = [[exact_decimal(x) for x in row] for row in self.bench.values(task)]
         add_wrong(case, [Wrong("FinishSkipped", values[:1])])
         return case
 
     def _ends(
         self, claim: str, task: TestProblem, scheme: Scheme, h: Fraction, given: list[list[str]],
-        output: np.ndarray,
+        output: np.ndarray, stages: Sequence[Sequence[Any]],
     ) -> dict[str, Any]:  # fmt: skip
         """A case of a starting or finishing method."""
         rows = [[Fraction(x) for x in row] for row in given]
         engine = self.bench.engine(task)
         context, shown = engine.arithmetic.context, decimals(output, SHOWN)
+        guesses = [[ball(fraction_of(x)) for x in row] for row in stages]
         enclosed = enclosed_step(
-            scheme, ball_field(task.expressions), Fraction(task.t0), rows, h, self._guesses(scheme)
+            scheme, ball_field(task.expressions), Fraction(task.t0), rows, h, guesses
         )
         values = self.bench.numbers(engine, rows)
         time, size = context.mpf(task.t0), context.mpf(h.numerator) / h.denominator
@@ -171,12 +173,7 @@ class StepCases:
             "h": exact_decimal(h),
             "input": given,
             "output": shown,
-            "bound": bound_of(([], enclosed[1]), [[], shown]),
-            "rounding": self.bench.rounding(scheme, task, time, values, size, []),
+            "bound": bound_of(([], enclosed[1]), [[], shown], self.bench.doubt),
+            "rounding": self.bench.rounding(scheme, task, time, values, size, stages),
             "flags": [],
         }
-
-    def _guesses(self, scheme: Scheme) -> list[list[Any]]:
-        if any(block.implicit for block in scheme.blocks):
-            raise DataError(f"{self.name}: vectors of implicit starting methods are not made")
-        return [[] for _ in scheme.stages]

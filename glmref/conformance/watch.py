@@ -9,7 +9,7 @@ import numpy as np
 
 from ..claims import UsageError
 from ..problems import Problem
-from .adapter import AdapterError
+from .subject import AdapterError
 
 __all__ = [
     "MARKERS",

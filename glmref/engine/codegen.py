@@ -113,10 +113,12 @@ def header(shape: Shape, kind: str, *, newton: bool) -> str:
     """Imports and the functions that a kernel calls."""
     w = Writer()
     w("from math import atan2, cos, exp, log, sin, sqrt, tan", "")
+    # a Jacobian by differences calls the parts as functions, whatever the target
+    differenced = newton and shape.jacobian is None and not shape.jacobian_body
     for part in shape.parts if kind == "array" or newton else ():
         if part.body:
             w("", "@compiled", *part.body.splitlines(), "")
-        elif part.formula is not None and not part.identity and kind == "array":
+        elif part.formula is not None and not part.identity and (kind == "array" or differenced):
             w("", "@compiled")
             with w.block(f"def {part.role}({'time, ' if part.timed else ''}v, par, out):"):
                 _formula_body(w, shape, part.formula, lambda c: f"out[{c}]")

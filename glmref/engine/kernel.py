@@ -114,7 +114,8 @@ class Kernel:
 
         Args:
             values: (r, d) starting values in the method's basis.
-            slope: (d,) right-hand side at the start, the predictor's first guess.
+            slope: (d,) right-hand side at the first value: the force that a pair reuses, or the
+                predictor's first guess (where it is not finite: zero).
             h: step size.
         """
         work, d, rows = (
@@ -127,7 +128,7 @@ class Kernel:
         memory = work[below * d : (below + self.source.memory_rows) * d].reshape(-1, d)
         y[:] = self.form.into(values)
         for row, (_, weight) in zip(memory, self.form.memory, strict=True):
-            row[:] = slope if weight is None else h * weight * slope
+            row[:] = remembered(slope, weight, h)
         return State(work, y, memory)
 
     def resumed(self, other: State) -> State:
@@ -180,6 +181,14 @@ class Kernel:
             if state.step < last and pause(state.step):
                 return Outcome.CANCELLED, seconds
         return Outcome.COMPLETED, seconds
+
+
+def remembered(slope: np.ndarray, weight: float | None, h: float) -> np.ndarray:
+    """What :attr:`.forms.StepForm.memory` holds before the first step, given f at the start."""
+    if weight is None:
+        return slope
+    guess = h * weight * slope
+    return np.where(np.isfinite(guess), guess, 0.0)
 
 
 def prepare(
@@ -256,8 +265,11 @@ def with_newton(kernel: Kernel) -> Kernel:
 def contraction(form: StepForm, shape: Shape, problem: Problem, h: float) -> float:
     """Contraction per fixed-point round at the initial value: h max |w M| |J|, squared if halved.
 
-    ``nan`` where the Jacobian is not known and too large to be differenced.
+    Zero for an explicit method; ``nan`` where the Jacobian is not known and too large to be
+    differenced.
     """
+    if not form.implicit_stages:
+        return 0.0
     matrix = _jacobian(problem)
     if matrix is None:
         return math.nan
@@ -269,7 +281,7 @@ def contraction(form: StepForm, shape: Shape, problem: Problem, h: float) -> flo
     )
     if shape.halved:
         m = shape.half
-        return float(size**2 * np.linalg.norm(matrix[m:, :m] @ matrix[:m, m:], ord=np.inf))
+        return float(size * size * np.linalg.norm(matrix[m:, :m] @ matrix[:m, m:], ord=np.inf))
     return float(size * np.linalg.norm(matrix, ord=np.inf))
 
 
@@ -293,12 +305,10 @@ def choose_solver(
     form: StepForm, shape: Shape, problem: Problem, h: float, solver: str = "auto"
 ) -> str:
     """Fixed point or Newton, by predicted cost; see the module's docstring."""
-    if solver != "auto" or not form.implicit_stages:
-        return solver if solver != "auto" else "fixed-point"
+    if solver != "auto":
+        return solver
     rho = contraction(form, shape, problem, h)
-    if not math.isfinite(rho):
-        return "fixed-point"
-    if rho == 0.0:
+    if rho == 0.0 or not math.isfinite(rho):
         return "fixed-point"
     single = all(len(block.stages) == 1 for block in form.blocks if block.implicit)
     unknowns = shape.half if shape.halved else shape.dimension

@@ -94,7 +94,9 @@ class PairForm:
         n = self.Q.n
         ends = self.blocks[0].stages[0], self.blocks[-1].stages[0]
         one = self.r == self.r_hat == 1 and self.running and n > 1
-        return one and max(ends) < n and self.V == self.V_hat == ((1.0,),)
+        if not one or max(ends) >= n or not self.V == self.V_hat == ((1.0,),):
+            return False
+        return all(self.Q.U[j] == (1.0,) for j in ends)
 
     @property
     def memory(self) -> tuple[tuple[str, float | None], ...]:

@@ -16,7 +16,7 @@ from ..problems.model import Problem
 from . import compiled
 from .codegen import Options
 from .forms import StepForm
-from .kernel import ARITHMETIC, Kernel, choose_form, choose_solver, prepare
+from .kernel import ARITHMETIC, Kernel, choose_form, choose_solver, prepare, remembered
 from .lanes import LANE_ARGUMENTS, LaneSource, lane_source
 from .newton import INLINE_LIMIT
 from .outcome import KERNEL_OUTCOMES, Outcome
@@ -207,7 +207,7 @@ class Lanes(Runner):
         for k in range(inner.shape[1]):
             self._put(f"y{k}", inner[:, k])
         for name, weight in self.form.memory:
-            self._put(name, slopes if weight is None else self.h * weight * slopes)
+            self._put(name, remembered(slopes, weight, self.h))
         self.head_size = head
         self.initial_evaluations = n if self.form.memory else 0
 

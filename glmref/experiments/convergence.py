@@ -1,9 +1,9 @@
 """Observed order: runs at doubled numbers of steps, in extended precision, no series and no trees.
 
 With runs at n, 2n and 4n steps, ``log2(|y_n - y_2n| / |y_2n - y_4n|)`` tends to the order p with an
-error of order h, or of order h^2 for symmetric methods. One Richardson step on that sequence
-removes it, so that a few doublings give p to a few hundredths. The window chooses itself: doubling
-goes on until two extrapolated orders agree while the orders as measured approach them.
+error of order h, or of order h^2 for symmetric methods. Richardson extrapolation of that sequence
+removes it, so that a few doublings give p to a hundredth. The window chooses itself: doubling goes
+on until two extrapolated orders agree while the orders as measured approach them.
 
 Two orders are measured apart:
 
@@ -42,6 +42,8 @@ __all__ = [
 AGREEMENT = 0.01
 #: ... provided that the last order as measured lies this close to the extrapolated one.
 NEARNESS = 0.3
+#: Orders, the last ones, that go into an extrapolation: older ones may lie outside the asymptotics.
+WINDOW = 4
 #: First number of steps.
 FIRST = 6
 #: Length of the interval on which solutions are compared, in time units of the problem: the shorter
@@ -60,7 +62,8 @@ class ConvergenceRecord:
         orders: base-2 logarithms of successive ratios of sizes.
         extrapolated: the orders after Richardson extrapolation.
         order: the last extrapolated order.
-        settled: whether the last two extrapolated orders agree to :data:`AGREEMENT`.
+        settled: whether the last extrapolated order agrees to :data:`AGREEMENT` with the one before
+            and with the last column of the extrapolation.
     """
 
     steps: tuple[int, ...]
@@ -118,7 +121,7 @@ def observed_order(
         if len(sizes) > 1:
             orders.append(_log2_ratio(sizes[-2], sizes[-1]))
         if len(orders) > 1:
-            best, settled = _extrapolate(orders)
+            best, settled = _extrapolate(orders, extrapolated[-1] if extrapolated else math.nan)
             extrapolated.append(best)
     order = extrapolated[-1] if extrapolated else math.nan
     return ConvergenceRecord(
@@ -131,23 +134,23 @@ def observed_order(
     )
 
 
-def _extrapolate(orders: Sequence[float]) -> tuple[float, bool]:
+def _extrapolate(orders: Sequence[float], before: float) -> tuple[float, bool]:
     """Remove the leading errors of the orders; return the result and whether it is settled.
 
-    Halving h divides an error of order h by 2 and one of order h^2 by 4, so four sequences are
-    tried: as measured, with the first removed, with both removed, with the second alone removed.
-    The one whose last two members agree best counts.
+    Orders differ from their limit by a series in h, and h halves from one to the next: Neville's
+    scheme removes ``h, h^2, ..`` in turn. A missing odd power only wastes a column. Two orders may
+    agree by accident where the series turns round, so it takes three, a result that agrees with the
+    one before, and one that hardly changes in the last column.
     """
-    first = [2 * b - a for a, b in pairwise(orders)]
-    both = [(4 * b - a) / 3 for a, b in pairwise(first)]
-    second = [(4 * b - a) / 3 for a, b in pairwise(orders)]
-    best, gap = first[-1], math.inf
-    for sequence in (orders, first, both, second):
-        if len(sequence) > 1 and abs(sequence[-1] - sequence[-2]) < gap:
-            best, gap = sequence[-1], abs(sequence[-1] - sequence[-2])
-    falls = len(orders) > 2 and abs(orders[-1] - orders[-2]) < abs(orders[-2] - orders[-3])
-    near = abs(best - orders[-1]) < NEARNESS
-    return best, gap < AGREEMENT and near and (falls or gap < AGREEMENT / 20)
+    row, last = list(orders[-WINDOW:]), orders[-1]
+    factor = 1
+    while len(row) > 1:
+        factor *= 2
+        last = row[-1]
+        row = [b + (b - a) / (factor - 1) for a, b in pairwise(row)]
+    best = row[-1]
+    agreed = abs(best - before) < AGREEMENT and abs(best - last) < AGREEMENT
+    return best, len(orders) > 2 and agreed and abs(best - orders[-1]) < NEARNESS
 
 
 def _norm(a: Sequence[Any], b: Sequence[Any]) -> Any:

@@ -79,7 +79,14 @@ def problem(name: str, **parameters: object) -> Problem:
         if key not in known:
             allowed = f"its parameters are {', '.join(known)}" if known else "it has no parameters"
             raise UsageError(f"the problem {name!r} has no parameter {key!r}; {allowed}")
-    return build(**parameters)
+    try:
+        return build(**parameters)
+    except ArithmeticError:  # each value is in range, a product or quotient of them is not
+        given = ", ".join(f"{key} = {value}" for key, value in parameters.items())
+        raise UsageError(
+            f"the problem {name!r} leaves the range of double precision at {given}; "
+            f"give parameters nearer to 1"
+        ) from None
 
 
 def parameters_of(name: str) -> dict[str, object]:

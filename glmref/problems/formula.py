@@ -11,6 +11,7 @@ from __future__ import annotations
 import ast
 import math
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property, lru_cache
@@ -51,18 +52,38 @@ def exact_number(value: object, what: str) -> Number:
     """
     if isinstance(value, np.generic):
         value = value.item()
+    number: Number | None = None
     if isinstance(value, str):
-        try:
-            return Fraction(value)
-        except (ValueError, ZeroDivisionError):
-            pass
-    elif (
-        isinstance(value, int | Fraction | float)
-        and not isinstance(value, bool)
-        and math.isfinite(value)
-    ):
-        return value
-    raise UsageError(f"`{what}` must be a finite number or a string such as '3/5', got {value!r}")
+        with suppress(ValueError, ZeroDivisionError):
+            # beyond this no double is meant, and the whole number would take long to form
+            exponent = value.lower().partition("e")[2] or "0"
+            number = Fraction(value) if abs(int(exponent)) <= LARGEST_EXPONENT else None
+    elif isinstance(value, int | Fraction | float) and not isinstance(value, bool):
+        number = value
+    if number is not None and _has_double(number):
+        return number
+    raise UsageError(
+        f"`{what}` must be a finite number in the range of double precision or a string such as "
+        f"'3/5', got {_short(value)}"
+    )
+
+
+def _has_double(number: Number) -> bool:
+    """Whether the nearest double is finite, and zero for zero alone."""
+    try:
+        nearest = float(number)
+    except OverflowError:
+        return False
+    return math.isfinite(nearest) and (nearest != 0 or number == 0)
+
+
+def _short(value: object) -> str:
+    """Show a value; a whole number of thousands of digits cannot be written out."""
+    try:
+        text = repr(value)
+    except ValueError:
+        return "a whole number with thousands of digits"
+    return text if len(text) <= 60 else f"{text[:40]}... ({len(text)} characters)"
 
 
 def to_number(value: Number, context: Any = None) -> Any:

@@ -10,9 +10,10 @@ import pytest
 
 from glmref.catalogue import data_root
 from glmref.claims import UsageError, Verdict
-from glmref.conformance.adapter import Subject, load_adapter
+from glmref.conformance.adapter import load_adapter
 from glmref.conformance.checks import Suite
 from glmref.conformance.identify import identify
+from glmref.conformance.subject import Subject
 
 SOURCE = Path(__file__).parent / "c_program" / "glm.c"
 pytestmark = pytest.mark.compiler

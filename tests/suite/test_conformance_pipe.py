@@ -10,8 +10,9 @@ from typing import Any
 import pytest
 
 from glmref.claims import UsageError, Verdict
-from glmref.conformance.adapter import Subject, load_adapter
+from glmref.conformance.adapter import load_adapter
 from glmref.conformance.checks import Suite
+from glmref.conformance.subject import Subject
 
 SERVER = """
 import json, sys

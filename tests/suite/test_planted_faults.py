@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from glmref.claims import Verdict
-from glmref.conformance.adapter import Subject
 from glmref.conformance.adapters.reference import Adapter as Reference
 from glmref.conformance.checks import Suite
+from glmref.conformance.subject import Subject
 from glmref.conformance.traps import NOTES
 
 from .planted import PLANTED, Foreign

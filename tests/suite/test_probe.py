@@ -12,10 +12,10 @@ import pytest
 from glmref.catalogue import load
 from glmref.claims import UsageError
 from glmref.cli import main
-from glmref.conformance.adapter import Subject
 from glmref.conformance.adapters.reference import Adapter as Reference
 from glmref.conformance.identify import as_method, identify, recognised
 from glmref.conformance.probe import read
+from glmref.conformance.subject import Subject
 from glmref.exact import Exact
 from glmref.method import PartitionedGLM
 

@@ -36,9 +36,17 @@ def run_of(*terms):
 @given(st.integers(1, 12), st.floats(-2, 2), st.floats(-2, 2))
 def test_an_integer_order_is_found_to_a_hundredth(p, a, b):
     found = observed_order(run_of((1, p), (a, p + 1), (b, p + 2)))
-    if found.settled:
-        # two extrapolated values agree to 0.01; the rest is of the same size
-        assert abs(found.order - p) < 0.03
+    # two extrapolated values agree to 0.01, and halving h more than halves what they lack
+    assert found.settled
+    assert abs(found.order - p) < 0.01
+
+
+def test_orders_that_agree_where_they_turn_round_do_not_count_as_settled():
+    # 3.96801 and 3.96793 at the coarsest steps, then away from them, then to 4
+    found = observed_order(run_of((1, 4), (-0.75, 5), (2, 6)))
+    assert abs(found.orders[0] - found.orders[1]) < 1e-3
+    assert found.steps[-1] > 48
+    assert abs(found.order - 4) < 0.01
 
 
 def test_a_symmetric_error_needs_few_doublings():

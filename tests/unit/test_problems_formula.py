@@ -108,6 +108,14 @@ def test_numbers_that_are_none_are_refused(value):
 
 
 @pytest.mark.parametrize(
+    "value", ["1e999", "1e-999", "1e999999999", 10**400, 10**5000, Fraction(1, 10**400), "9" * 400]
+)
+def test_numbers_without_a_double_are_refused_at_once(value):
+    with pytest.raises(UsageError, match="in the range of double precision"):
+        exact_number(value, "mu")
+
+
+@pytest.mark.parametrize(
     ("value", "exact"),
     [("3/5", Fraction(3, 5)), ("1e-3", Fraction(1, 1000)), (np.float64(0.5), 0.5), (7, 7)],
 )

@@ -142,3 +142,10 @@ def test_documents_of_python_values_are_checked_like_files() -> None:
 def test_every_key_of_every_source_is_one_the_format_has() -> None:
     for name in names():
         assert document(name)["source"].keys() <= SOURCE.keys()
+
+
+def test_a_constant_that_stands_nowhere_is_refused() -> None:
+    members = {**document("gauss-2"), "constants": {"g": "sqrt(3)"}}
+    with pytest.raises(DataError, match="the constant 'g' is never used"):
+        load_document(members)
+    assert load_document({**members, "b": ["g/g/2", "1/2"]}).r == 1

@@ -1,9 +1,9 @@
 """Order 6 with stage order 2 and the identity start: any c2, any z on the unit circle, exactly.
 
 The construction of Khan (2018), section 3.4, with its equations solved as they stand (tableau,
-forms and the test of admissibility: :mod:`glmref.derive.recipes.order6_family`). With ``start``
-an explicit start of 17 stages is solved for and added, where rough parameters are on record: c2 =
-1/3 and 3/10.
+forms and the test of admissibility: :mod:`glmref.derive.recipes.order6_family`). An explicit start
+of 17 stages is solved for and added where rough parameters are on record, for c2 = 1/3 and 3/10;
+``start`` is ``yes`` (refuse where there is none), ``no`` or ``auto``.
 """
 
 from __future__ import annotations
@@ -19,10 +19,11 @@ from ...method import GLM
 from ..recognise import exact_text
 from .order6_family import Family, Forms, family, solve_forms
 from .record import Derivation, Progress, Statement, derived_source, thesis_source
+from .solved import rough_starts
 
 __all__ = ["OPTIONS", "derive"]
 
-OPTIONS: Mapping[str, str] = {"c2": "1/3", "z": "exp(2*pi*i/3)", "start": "no"}
+OPTIONS: Mapping[str, str] = {"c2": "1/3", "z": "exp(2*pi*i/3)", "start": "auto"}
 
 _W3 = "exp(2*pi*i/3)"
 
@@ -32,8 +33,11 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
 
     Raises
     ------
-        UsageError: for a c2 that is not rational or at a pole, or a z off the unit circle.
+        UsageError: for a c2 that is not rational or at a pole, a z off the unit circle, or a start
+            that is asked for and not on record.
     """
+    if options["start"] not in ("auto", "yes", "no"):
+        raise UsageError(f"`start` must be auto, yes or no, got {options['start']!r}")
     c2, z = _fraction(options["c2"]), _unit(options["z"])
     progress("tableau", 0, 3)
     member = family(c2)
@@ -45,7 +49,10 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
     document = _document(member, forms, options["z"].replace(" ", ""), z)
     progress("proof", 2, 3)
     statements = [_prove(document)]
-    if options["start"] == "yes":
+    on_record = document["name"] in rough_starts()
+    if options["start"] == "yes" and not on_record:
+        raise UsageError(f"no start is on record for {document['name']}: derive without `start`")
+    if on_record and options["start"] != "no":
         document, more = _started(document)
         statements.append(more)
     progress("done", 3, 3)
@@ -53,18 +60,11 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
 
 
 def _started(document: Mapping[str, Any]) -> tuple[dict[str, Any], Statement]:
-    """Add the explicit start on record.
-
-    Raises
-    ------
-        UsageError: when none is on record for this method.
-    """
+    """Add the explicit start on record."""
     from ...reader import load_document
     from ..starting import target_of
-    from .solved import rough_starts, with_start
+    from .solved import with_start
 
-    if document["name"] not in rough_starts():
-        raise UsageError(f"no start is on record for {document['name']}: derive without `start`")
     method = load_document(document, where=document["name"])
     assert isinstance(method, GLM)
     result = with_start(document, target_of(method), 1)
