@@ -300,7 +300,7 @@ class GLM:
 
 @dataclass(frozen=True, eq=False)
 class PartitionedGLM:
-    """A pair of GLMs for ``q' = f(p)``, ``p' = k(q)`` (or ``f(q, p)``, ``k(q, p)``).
+    """A pair of GLMs for ``q' = f(p)``, ``p' = k(q)`` (or ``f(q, p)``, ``k(q, p)``)::
 
         Q  = h A f(P) + U q          q+ = h B f(P) + V q
         P  = h A^ k(Q) + U^ p        p+ = h B^ k(Q) + V^ p
@@ -315,7 +315,8 @@ class PartitionedGLM:
         G: (r, r^) bilinear form its source gives, or ``None``.
         D_P: (n_P,) and D_Q: (n_Q,) diagonals its source gives, or ``None``.
         separable: whether the pair is meant for separable systems only (two stage sets).
-        The other attributes are those of :class:`GLM`.
+        starting_q, starting_p: starting methods of the two components, or ``None``.
+        name, claims, source, document: as in :class:`GLM`.
 
     Raises
     ------

@@ -8,11 +8,15 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
+from contextlib import redirect_stdout
 from dataclasses import replace
+from typing import Any
 
 from ..claims import Finding, GlmrefError, Verdict
 
 HOLDS, FAILED, BAD_ADAPTER = 0, 1, 4
+#: Beginning of the witness of a check that was not judged because of another one.
+RESTS = "not judged: it rests on"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -33,6 +37,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(asked: argparse.Namespace) -> int:
+    # what the adapter prints goes to stderr, so that stdout holds the findings and nothing else
+    with redirect_stdout(sys.stderr):
+        found = _found(asked)
+    if asked.list:
+        sys.stdout.write("".join(f"{x}\n" for x in found))
+        return HOLDS
+    _write(found, asked.format)
+    return FAILED if any(x.verdict is Verdict.FAILS for x in found) else HOLDS
+
+
+def _found(asked: argparse.Namespace) -> list[Any]:
+    """Return the findings, or the ids where a list was asked for."""
     from .adapter import load_adapter
     from .checks import Suite
     from .known import read_known_failures
@@ -43,16 +59,13 @@ def _run(asked: argparse.Namespace) -> int:
         suite = Suite(subject)
         ids = [check.id for check in suite.checks]
         if asked.list:
-            sys.stdout.write("".join(f"{name}\n" for name in ids))
-            return HOLDS
+            return ids
         known = {}
         if asked.known_failures:
             known = read_known_failures(asked.known_failures, ids)
-        found = [_judged(finding, known) for finding in suite.findings()]
+        return [_judged(finding, known) for finding in suite.findings()]
     finally:
         subject.close()
-    _write(found, asked.format)
-    return FAILED if any(x.verdict is Verdict.FAILS for x in found) else HOLDS
 
 
 def _judged(finding: Finding, known: dict[str, str]) -> Finding:
@@ -79,22 +92,30 @@ def _write(found: list[Finding], form: str) -> None:
     elif form == "junit":
         text = tables.findings_junit(found)
     else:
-        style = tables.Style.of(sys.stdout)
-        parts = []
-        for method in dict.fromkeys(finding.method for finding in found):
-            mine = [x for x in found if x.method == method]
-            wrong = [x for x in mine if x.verdict is not Verdict.HOLDS]
-            parts.append(
-                f"{style.paint(method, 'bold')}: {len(mine) - len(wrong)} of {len(mine)} hold"
-            )
-            parts += [
-                f"  {str(x.verdict).upper()}  {x.claim}: {tables.one_line(x.witness)}"
-                for x in wrong
-            ]
-        counts = {str(v): sum(x.verdict is v for x in found) for v in Verdict}
-        parts.append(", ".join(f"{n} {word}" for word, n in counts.items()))
-        text = "\n".join(parts)
+        text = _page(found)
     sys.stdout.write(text + "\n")
+
+
+def _page(found: list[Finding]) -> str:
+    """Return what does not hold, method by method; checks that rest on another one are counted."""
+    from .. import tables
+
+    style, parts = tables.Style.of(sys.stdout), []
+    for method in dict.fromkeys(finding.method for finding in found):
+        mine = [x for x in found if x.method == method]
+        wrong = [x for x in mine if x.verdict is not Verdict.HOLDS]
+        resting = [x for x in wrong if x.witness.startswith(RESTS)]
+        parts.append(f"{style.paint(method, 'bold')}: {len(mine) - len(wrong)} of {len(mine)} hold")
+        parts += [
+            f"  {str(x.verdict).upper()}  {x.claim}: {tables.one_line(x.witness)}"
+            for x in wrong
+            if x not in resting
+        ]
+        if resting:
+            parts.append(f"  {len(resting)} more are not judged: they rest on these")
+    counts = {str(v): sum(x.verdict is v for x in found) for v in Verdict}
+    parts.append(", ".join(f"{n} {word}" for word, n in counts.items()))
+    return "\n".join(parts)
 
 
 if __name__ == "__main__":

@@ -79,7 +79,13 @@ class Suite:
             if claims:
                 yield from _measured(self.subject, name, claims)
             else:
-                yield from _compared(self.subject, vectors_of(name))
+                found = tuple(_compared(self.subject, vectors_of(name)))
+                if not found:
+                    raise UsageError(
+                        f"no vector of {name} has a problem that {self.subject.name} can do; "
+                        f"its `problems` are {', '.join(self.subject.problems or ())}"
+                    )
+                yield from found
 
     def finding(self, check: Check) -> Finding:
         """Carry out a check, or say why it is not judged."""
@@ -140,13 +146,17 @@ def _compared(subject: Subject, vectors: Vectors) -> Iterator[Check]:
         name = f"{claim}/{vectors.name}/{case.problem.name}"
         return Check(name, vectors.name, lambda: function(case))
 
+    def first(cases: list[Case], claim: str, function: Callable[[Case], Judgement]) -> Check:
+        name = f"{claim}/{vectors.name}/{cases[0].problem.name}"
+        return Check(name, vectors.name, lambda: _first_offered(vectors.name, cases, function))
+
     steps = [x for x in cases if x.kind == "step"]
     if steps and "step" in offered:
-        yield check(steps[0], "answer", judge.answer)
-        yield check(steps[0], "repeatable", judge.repeatable)
+        yield first(steps, "answer", judge.answer)
+        yield first(steps, "repeatable", judge.repeatable)
     elif "solve" in offered and (runs := [x for x in cases if x.kind == "trajectory"]):
-        yield check(runs[0], "answer", lambda case: Judgement(judge.run(case) is not None))
-        yield check(runs[0], "repeatable", judge.repeatable_run)
+        yield first(runs, "answer", lambda case: Judgement(judge.run(case) is not None))
+        yield first(runs, "repeatable", judge.repeatable_run)
     if "stages" in offered:
         yield from (check(x, "stages", judge.stages) for x in steps if x.claim == "step")
     if "step" in offered:
@@ -164,22 +174,31 @@ def _compared(subject: Subject, vectors: Vectors) -> Iterator[Check]:
         yield from (check(x, x.claim, judge.order) for x in orders)
 
 
+def _first_offered(
+    name: str, cases: list[Case], function: Callable[[Case], Judgement]
+) -> Judgement:
+    """Judge the first case that the adapter offers; an adapter that offers none of them fails."""
+    reasons = []
+    for case in cases:
+        try:
+            return function(case)
+        except NotOffered as error:
+            reasons.append(str(error))
+    return Judgement(
+        False, f"the adapter lists {name} and offers no step or run of it: {reasons[0]}"
+    )
+
+
 # --- integrators outside the catalogue: their claims are measured -------------------------------
 
 
 def _measured(subject: Subject, name: str, claims: Mapping[str, Any]) -> Iterator[Check]:
     """Checks of what an adapter claims of a method that the catalogue lacks."""
-    wanted = subject.problems or ("pendulum", "kepler")
-    tasks = [problems()[x] for x in wanted if x in problems()]
-    if not tasks:
-        raise UsageError(
-            f"`problems` of {subject.name} must name some of {', '.join(problems())}, got {wanted}"
-        )
-    for task in tasks:
+    for task in (problems()[x] for x in subject.problems or ("pendulum", "kepler")):
         judge = Measurement(subject, name, task)
         yield Check(f"answer/{name}/{task.name}", name, judge.answer)
         if "order" in claims:
-            order = int(claims["order"])
+            order = claims["order"]
             yield Check(
                 f"order{order}/{name}/{task.name}", name, lambda j=judge, p=order: j.order(p)
             )

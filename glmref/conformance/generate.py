@@ -30,7 +30,7 @@ METHODS = (
     *("rk4", "dormand-prince-5", "gauss-2", "gauss-3", "sdirk-3", "radau-iia-2", "radau-iia-3"),
     *("ab-2", "bdf-2", "leapfrog", "gsymplectic-n", "gsymplectic-p", "thesis-3-8"),
     *("s4-symmetric", "g6245", "g6245-w3", "g4123"),
-    *("symplectic-euler-a", "stormer-verlet", "forest-ruth-4", "lobatto-iiia-iiib-3"),
+    *("symplectic-euler-a", "stormer-verlet", "forest-ruth-4", "lobatto-iiia-iiib-3", "pair-4-4"),
 )
 
 
@@ -68,7 +68,7 @@ def _cases(bench: Bench) -> Iterator[dict[str, Any]]:
         yield steps.step("step" if task.autonomous else "abscissae", task, bench.size(task))
     cubic = problems()["cubic"]
     yield steps.step("backward", cubic, -bench.size(cubic))
-    if bench.L is not None or (bench.pair and bench.facts.symmetry.holds):
+    if bench.L is not None or (bench.pair and bench.r == 1 and bench.facts.symmetry.holds):
         yield steps.reversed(cubic)
     for task in (problems()["pendulum"], problems()["forced"]):
         if isinstance(bench.method, GLM) and bench.method.starting is not None:

@@ -18,6 +18,10 @@ line come in the order shown. Questions to the program: ``describe``, ``step``, 
 ``f`` and ``jacobian`` (with ``t`` and ``y``), ``dq`` (with ``p``), ``dp`` (with ``q``). A program
 that cannot do something answers ``{"error": "one sentence"}``; ``{"cannot": "..."}`` says that it
 is not offered. It ends when its stdin does.
+
+A program that breaks the protocol (it ends, is silent, or writes something else to its stdout) is
+ended and started again for the next question, so that one failure does not spoil the checks after
+it; after three silences it is not asked any more.
 """
 
 from __future__ import annotations
@@ -28,6 +32,7 @@ import math
 import os
 import selectors
 import shlex
+import signal
 import subprocess
 import time
 from typing import Any
@@ -40,11 +45,17 @@ __all__ = ["PipeAdapter", "PipeError"]
 
 #: Seconds a program may take for one answer.
 PATIENCE = 60.0
+#: Silences after which a program is given up.
+_SILENCES = 3
 _OFFERS = ("step", "stages", "start", "finish", "solve")
 
 
 class PipeError(GlmrefError):
     """What a program answered, or that it did not."""
+
+
+class BrokenPipe(PipeError):
+    """The program broke the protocol: its next line could belong to any question."""
 
 
 class PipeAdapter:
@@ -65,6 +76,16 @@ class PipeAdapter:
             raise UsageError(f"the command {command!r} cannot be read ({error})") from None
         if not self.command:
             raise UsageError("cmd: must be followed by a program and its arguments")
+        self.silences = 0
+        self._start_program()
+        try:
+            self._describe()
+        except GlmrefError as error:
+            self.close()
+            raise UsageError(f"the program {self.command[0]!r}: {error}") from None
+
+    def _start_program(self) -> None:
+        self._pending, self._running = b"", True
         try:
             self.process = subprocess.Popen(
                 self.command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0
@@ -73,12 +94,6 @@ class PipeAdapter:
             raise UsageError(
                 f"the program {self.command[0]!r} cannot be started ({error.strerror})"
             ) from None
-        self._pending = b""
-        try:
-            self._describe()
-        except GlmrefError as error:
-            self.close()
-            raise UsageError(f"the program {self.command[0]!r}: {error}") from None
 
     def _describe(self) -> None:
         about = self._ask({"ask": "describe"}, None)
@@ -100,13 +115,17 @@ class PipeAdapter:
         raise AttributeError(name)
 
     def close(self) -> None:
-        """End the program."""
+        """End the program; it may take five seconds when its stdin ends."""
+        self._end(patience=5.0)
+
+    def _end(self, patience: float) -> None:
+        self._running = False
         for stream in (self.process.stdin, self.process.stdout):
             if stream is not None:
                 with contextlib.suppress(OSError):
                     stream.close()
         try:
-            self.process.wait(timeout=5)
+            self.process.wait(timeout=patience)
         except subprocess.TimeoutExpired:
             self.process.kill()
             self.process.wait()
@@ -174,6 +193,17 @@ class PipeAdapter:
 
     def _ask(self, line: dict[str, Any], problem: Any) -> dict[str, Any]:
         """Send a question and serve the program's own until it answers."""
+        if self.silences >= _SILENCES:
+            raise PipeError(f"the program is not asked any more: it was silent {_SILENCES} times")
+        if not self._running:
+            self._start_program()
+        try:
+            return self._answered(line, problem)
+        except BrokenPipe:
+            self._end(patience=0.1)
+            raise
+
+    def _answered(self, line: dict[str, Any], problem: Any) -> dict[str, Any]:
         self._send(line)
         while True:
             answer = self._receive()
@@ -190,7 +220,8 @@ class PipeAdapter:
         try:
             self.process.stdin.write(json.dumps(line).encode() + b"\n")
         except OSError:
-            raise PipeError(f"the program has ended (exit code {self.process.poll()})") from None
+            code = self.process.wait()
+            raise BrokenPipe(f"the program has ended ({_code(code)})") from None
 
     def _receive(self) -> dict[str, Any]:
         assert self.process.stdout is not None
@@ -199,37 +230,50 @@ class PipeAdapter:
             waiting.register(self.process.stdout, selectors.EVENT_READ)
             while b"\n" not in self._pending:
                 if not waiting.select(max(0.0, deadline - time.monotonic())):
-                    raise PipeError(f"the program did not answer within {PATIENCE:g} seconds")
+                    self.silences += 1
+                    raise BrokenPipe(f"the program did not answer within {PATIENCE:g} seconds")
                 chunk = os.read(self.process.stdout.fileno(), 1 << 16)
                 if not chunk:
                     code = self.process.wait()
-                    raise PipeError(f"the program ended without an answer (exit code {code})")
+                    raise BrokenPipe(f"the program ended without an answer ({_code(code)})")
                 self._pending += chunk
         text, _, self._pending = self._pending.partition(b"\n")
         try:
             answer = json.loads(text)
         except ValueError:
-            raise PipeError(f"the program's line {text[:80]!r} is not JSON") from None
+            raise BrokenPipe(
+                f"the program's line {text[:80]!r} is not JSON; stdout is for answers, stderr for "
+                f"anything else"
+            ) from None
         if not isinstance(answer, dict):
-            raise PipeError(f"the program's line {text[:80]!r} is not a JSON object")
+            raise BrokenPipe(f"the program's line {text[:80]!r} is not a JSON object")
         return answer
+
+
+def _code(code: int) -> str:
+    """How a program ended."""
+    if code >= 0:
+        return f"exit code {code}"
+    with contextlib.suppress(ValueError):
+        return f"killed by {signal.Signals(-code).name}"
+    return f"killed by signal {-code}"
 
 
 def _served(question: dict[str, Any], problem: Any) -> list[float]:
     """Evaluate what a program asks for."""
     kind = question["ask"]
     if problem is None or kind not in ("f", "jacobian", "dq", "dp"):
-        raise PipeError(f"the program asks {kind!r}; it may ask f, jacobian, dq or dp")
+        raise BrokenPipe(f"the program asks {kind!r}; it may ask f, jacobian, dq or dp")
     function = getattr(problem, kind)
     if function is None:
-        raise PipeError(f"the problem {problem.name!r} has no {kind}")
+        raise BrokenPipe(f"the problem {problem.name!r} has no {kind}")
     try:
         if kind in ("f", "jacobian"):
             found = function(float(question["t"]), np.array(question["y"], dtype=float))
         else:
             found = function(np.array(question["p" if kind == "dq" else "q"], dtype=float))
     except (KeyError, TypeError, ValueError) as error:
-        raise PipeError(f"the program's question {kind!r} cannot be served ({error})") from None
+        raise BrokenPipe(f"the program's question {kind!r} cannot be served ({error})") from None
     # JSON has no infinities; a program that leaves the domain hears null
     return [
         x if math.isfinite(x) else None for x in np.asarray(found, dtype=float).ravel().tolist()
@@ -237,7 +281,10 @@ def _served(question: dict[str, Any], problem: Any) -> list[float]:
 
 
 def _shaped(answer: Any, shape: tuple[int, ...]) -> np.ndarray:
-    found = np.array(answer, dtype=float).ravel()
+    try:
+        found = np.array(answer, dtype=float).ravel()
+    except (TypeError, ValueError):
+        raise PipeError(f"`values` must be a list of numbers, got {str(answer)[:80]}") from None
     if found.size != math.prod(shape):
         raise PipeError(
             f"{math.prod(shape)} numbers were expected, shape {shape}; got {found.size}"

@@ -167,6 +167,8 @@ def _array(answer: Any, shape: tuple[int, ...] | None, operation: str) -> np.nda
     import numpy as np
 
     try:
+        if answer is None:
+            raise TypeError
         found = np.asarray(answer)
         # a complex number would lose its imaginary part without a word, a text become a number
         if found.dtype.kind in "cSU":

@@ -18,6 +18,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from itertools import pairwise
 
 from .shape import Part, Shape, inlined, parameter_names, used_parameters
 
@@ -180,13 +181,25 @@ class ScalarTarget(Target):
 class ArrayTarget(Target):
     """Components are entries of one work array ``x``; a vector is a slice at a fixed offset."""
 
+    def __init__(self, shape: Shape, writer: Writer) -> None:
+        super().__init__(shape, writer)
+        #: Components start..stop of a vector that are read elsewhere: name -> (start, stop, place).
+        self.elsewhere: dict[str, tuple[int, int, int]] = {}
+        #: Where the last loop of :meth:`vec` ends, and over what.
+        self.last: tuple[int, tuple[int, int], str] = (-1, (0, 0), "")
+
     def offset(self, name: str) -> int:
         """Place of a vector in the work array."""
         return self.reserve(name, self.d)
 
+    def place(self, name: str, c: int) -> int:
+        """Place in the work array that an index is added to for components from c on."""
+        start, stop, place = self.elsewhere.get(name, (0, 0, 0))
+        return place - start if start <= c < stop else self.offset(name)
+
     def ref(self, name: str, c: int) -> str:
         """See :class:`Target`."""
-        return f"x[{self.offset(name) + c}]"
+        return f"x[{self.place(name, c) + c}]"
 
     @contextmanager
     def loop(self, low: int, high: int) -> Iterator[str]:
@@ -199,11 +212,34 @@ class ArrayTarget(Target):
             self.w(f"{c} += 1")
 
     def vec(self, lines: Sequence[str], part: tuple[int, int] | None = None) -> None:
-        """See :class:`Target`."""
-        with self.loop(*(part or (0, self.d))) as c:
-            for line in lines:
-                text = _REFERENCE.sub(lambda m: f"x[{self.offset(m[1])} + {c}]", line)
-                self.w(_COUNTER.sub(c, text))
+        """See :class:`Target`; two loops over the same components become one."""
+        low, high = part or (0, self.d)
+        moved = [self.elsewhere[x] for x in _REFERENCE.findall("".join(lines)) if x in self.elsewhere]
+        cuts = sorted({low, high, *(c for start, stop, _ in moved for c in (start, stop))})
+        for a, b in pairwise(c for c in cuts if low <= c <= high):
+            again = self.last[:2] == (len(self.w.lines), (a, b)) and not moved
+            if again:
+                self.w.lines.pop()
+                c = self.last[2]
+                with self._inside(c):
+                    self._each(lines, c, a)
+            else:
+                with self.loop(a, b) as c:
+                    self._each(lines, c, a)
+            self.last = (len(self.w.lines), (a, b), c)
+
+    @contextmanager
+    def _inside(self, c: str) -> Iterator[None]:
+        """Go on inside the loop that ended last."""
+        self.w.depth += 1
+        yield
+        self.w(f"{c} += 1")
+        self.w.depth -= 1
+
+    def _each(self, lines: Sequence[str], c: str, low: int) -> None:
+        for line in lines:
+            text = _REFERENCE.sub(lambda m: f"x[{self.place(m[1], low)} + {c}]", line)
+            self.w(_COUNTER.sub(c, text))
 
     def total(self, name: str, template: str, part: tuple[int, int] | None = None) -> None:
         """See :class:`Target`."""
@@ -229,8 +265,8 @@ class ArrayTarget(Target):
         start = self.offset(source)
         where = f"x[{start + part.source}:{start + part.source_stop}]"
         if part.identity:
-            with self.loop(0, part.stop - part.start) as c:
-                self.w(f"x[{low} + {c}] = x[{start + part.source} + {c}]")
+            # nothing to compute: what reads the result reads the argument
+            self.elsewhere[out] = (part.start, part.stop, start + part.source)
             return
         time = "time, " if part.timed else ""
         if part.function is not None:

@@ -281,7 +281,9 @@ def _runge_kutta_slopes(
     inner._tableau(method)
     taken = inner.step(t, y[None, :], h)
     if not taken.converged:
-        raise ArithmeticError("the stages of a starting or finishing method could not be solved")
+        raise UsageError(
+            "the stages of a starting or finishing method could not be solved; use a smaller h"
+        )
     return taken.slopes, taken.evaluations
 
 

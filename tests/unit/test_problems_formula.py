@@ -108,7 +108,9 @@ def test_numbers_that_are_none_are_refused(value):
 
 
 @pytest.mark.parametrize(
-    "value", ["1e999", "1e-999", "1e999999999", 10**400, 10**5000, Fraction(1, 10**400), "9" * 400]
+    "value",
+    ["1e999", "1e-999", "1e999999999", 10**400, 10**5000, Fraction(1, 10**400), "9" * 400],
+    ids=["large", "small", "huge", "whole", "unprintable", "tiny", "digits"],
 )
 def test_numbers_without_a_double_are_refused_at_once(value):
     with pytest.raises(UsageError, match="in the range of double precision"):

@@ -1,0 +1,117 @@
+"""The documentation is true: examples run, printed output is the output, the site builds.
+
+On a page, Python blocks run on their own; JSON and TOML blocks introduced by "`NAME`" are files;
+of a console block each line ``$ glmref ...`` is run among these files, one after another. Where
+output follows it must be the output; ``# exit N`` after a command is its exit code.
+"""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+DOCS = Path(__file__).parents[2] / "docs"
+PAGES = sorted(page.name for page in DOCS.glob("*.md"))
+FENCE = re.compile(r"^```(python|json|toml|console)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+#: A page whose commands take more than a few seconds.
+SLOW = {"derive.md"}
+
+
+def text(page: str) -> str:
+    return (DOCS / page).read_text(encoding="utf-8")
+
+
+def files(page: str) -> dict[str, str]:
+    """Blocks that stand for files, by the last name in backquotes before them."""
+    found = {}
+    for block in FENCE.finditer(text(page)):
+        if block[1] in ("json", "toml"):
+            names = re.findall(rf"`([\w.-]+\.{block[1]})`", text(page)[: block.start()])
+            if names:
+                found[names[-1]] = block[2]
+    return found
+
+
+def commands(page: str) -> list[tuple[str, int, str]]:
+    """Commands of glmref on a page: the words, the exit code, the output shown."""
+    found = []
+    for block in FENCE.finditer(text(page)):
+        if block[1] != "console":
+            continue
+        for part in re.split(r"^\$ ", block[2], flags=re.MULTILINE)[1:]:
+            line, _, shown = part.partition("\n")
+            command, _, remark = line.partition("#")
+            code = re.fullmatch(r"\s*exit (\d)", remark)
+            if command.startswith("glmref "):
+                found.append((command.strip(), int(code[1]) if code else 0, shown.strip()))
+    return found
+
+
+def run(words: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    import shlex
+
+    return subprocess.run(
+        [sys.executable, "-m", *shlex.split(words)],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=folder,
+        timeout=300,
+    )
+
+
+def marked(pages: list[str]) -> list[object]:
+    return [
+        pytest.param(page, marks=pytest.mark.slow) if page in SLOW else page for page in pages
+    ]
+
+
+@pytest.mark.parametrize("page", marked([page for page in PAGES if commands(page)]))
+def test_the_commands_do_what_the_page_shows(page: str, tmp_path: Path) -> None:
+    for name, content in files(page).items():
+        (tmp_path / name).write_text(content, encoding="utf-8")
+    for words, code, shown in commands(page):
+        done = run(words, tmp_path)
+        assert done.returncode == code, f"{words}: {done.stderr}"
+        assert "Traceback" not in done.stderr
+        if shown:
+            assert done.stdout.strip() == shown, words
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if "```python\n" in text(page)])
+def test_the_python_examples_run(page: str, tmp_path: Path) -> None:
+    for block in FENCE.finditer(text(page)):
+        if block[1] == "python":
+            done = subprocess.run(
+                [sys.executable, "-W", "error", "-c", block[2]],
+                capture_output=True,
+                text=True,
+                check=False,
+                cwd=tmp_path,
+                timeout=120,
+            )
+            assert done.returncode == 0, f"{block[2]}\n{done.stderr}"
+
+
+def test_the_examples_are_found() -> None:
+    assert {"my-heun.json", "my-slip.json"} <= files("your-tableau.md").keys()
+    assert len(commands("your-tableau.md")) >= 3
+    assert any(code == 1 for _, code, _ in commands("your-tableau.md"))
+
+
+@pytest.mark.slow
+def test_the_site_builds_without_a_warning(tmp_path: Path) -> None:
+    pytest.importorskip("myst_parser", reason="the extra `docs` is not installed")
+    done = subprocess.run(
+        [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", str(DOCS), str(tmp_path)],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=300,
+    )
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "quickstart.html").is_file()

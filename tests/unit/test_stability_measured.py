@@ -1,0 +1,233 @@
+"""Stability measured in double precision, against what the theory computes exactly."""
+
+import math
+
+import numpy as np
+import pytest
+
+from glmref.catalogue import load
+from glmref.claims import UsageError
+from glmref.experiments.resonances import resonances
+from glmref.experiments.stability import (
+    amplification,
+    bounded,
+    interval,
+    locus,
+    paths,
+    radius,
+    region,
+    threshold,
+)
+from glmref.method import GLM
+from glmref.problems import problem
+from glmref.theory import polynomials as poly
+from glmref.theory.periodicity import periodicity
+from glmref.theory.stability import stability_function, stability_matrix
+
+# --- the matrix -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["rk4", "gauss-2", "bdf-3", "g6245", "ark-4", "gsymplectic-n"])
+def test_the_matrix_is_that_of_the_theory(name):
+    method = load(name)
+    exact = np.array([[complex(x) for x in row] for row in stability_matrix(method, -3)])
+    # entries up to 30, formed in (s + 1) roundings each
+    assert amplification(method, -3.0) == pytest.approx(exact, rel=1e-12, abs=1e-12)
+
+
+def test_one_step_of_the_engine_multiplies_by_the_matrix():
+    from glmref.engine.solve import solve
+
+    method, h = load("g6245"), 0.7
+    start = np.arange(1.0, 2 * method.r + 1).reshape(method.r, 2)
+    found = solve(
+        problem("dahlquist", real=0, imaginary=1), method, h=h, steps=1, start=start,
+        engine="reference",
+    )  # fmt: skip
+    values = np.asarray(found.values)
+    expected = amplification(method, 1j * h) @ (start[:, 0] + 1j * start[:, 1])
+    assert values[:, 0] + 1j * values[:, 1] == pytest.approx(expected, rel=1e-13)
+
+
+def test_a_pole_is_infinite_and_unbounded():
+    # 1 - z/2 vanishes at z = 2
+    assert radius(load("gauss-1"), np.array([2.0])) == math.inf
+    assert not bounded(load("gauss-1"), 2.0)
+    assert radius(load("rk4"), 0.0) == 1
+
+
+# --- intervals ------------------------------------------------------------------------------------
+
+WITH_INTERVAL = (
+    "leapfrog", "milne-simpson", "gsymplectic-n", "thesis-3-8", "s4-symmetric", "g4123", "g6245",
+    "g6245-w3", "s3-w3", "s4-w3", "s5i1-i", "s5i2-w3", "c2-3-10-w3",
+)  # fmt: skip
+
+
+QUICK = {"leapfrog", "gsymplectic-n", "g6245-w3"}
+
+
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(n, marks=() if n in QUICK else pytest.mark.slow) for n in WITH_INTERVAL],
+)
+def test_measured_periodicity_intervals_are_the_computed_ones(name):
+    method = load(name)
+    computed = periodicity(method, conserving=not method.is_exact)
+    assert computed.value is not None
+    # two eigenvalues meet and leave like the root of the distance: growth of 1e-7 is seen 1e-14
+    # late; the ball around the computed end has the width 1e-10
+    assert interval(method) == pytest.approx(computed.value, abs=1e-9)
+
+
+@pytest.mark.parametrize("name", ["gsymplectic-p", "yoshida-4", "gauss-2"])
+def test_methods_with_a_definite_form_never_leave_the_circle(name):
+    assert periodicity(load(name)).infinite
+    assert interval(load(name)) == 64.0
+
+
+def negative_end(method):
+    """First x < 0 with |R(x)| = 1 for a polynomial R, from the roots of R - 1 and R + 1."""
+    numerator, denominator = stability_function(method)
+    assert len(denominator) == 1
+    ends = []
+    for value in (1, -1):
+        shifted = poly.sub(numerator, poly.scale(value, denominator))
+        ends += [-w.real for w in poly.approximate_roots(shifted) if abs(w.imag) < 1e-9]
+    return min(x for x in ends if x > 1e-6)
+
+
+@pytest.mark.parametrize(
+    "name", ["euler", "heun-2", "heun-3", "rk4", "kutta-3", "dormand-prince-5", "cooper-verner-8"]
+)
+def test_measured_ends_on_the_negative_axis_are_the_roots_of_the_polynomial(name):
+    # R crosses 1 with a slope of about 1: growth of 1e-7 is seen about 1e-7 late
+    assert interval(load(name), -1) == pytest.approx(negative_end(load(name)), abs=1e-6)
+
+
+def test_a_method_with_one_coefficient_changed_has_another_interval():
+    method = load("leapfrog")
+    assert interval(method) == pytest.approx(1.0, abs=1e-9)
+    changed = GLM(A=method.A, U=method.U, V=method.V, B=[[2 * x for x in r] for r in method.B])
+    assert interval(changed) == pytest.approx(0.5, abs=1e-9)
+
+
+# --- boundaries and regions -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["rk4", "bdf-3", "gauss-2", "ab-3", "g6245", "ark-4"])
+def test_every_traced_point_has_an_eigenvalue_on_the_circle(name):
+    method = load(name)
+    found = locus(method, turns=60)
+    values = np.linalg.eigvals(amplification(method, found.z))
+    gap = np.min(np.abs(values - found.w[:, None]), axis=1)
+    # an eigenvalue of multiplicity k is found to about eps^(1/k); points far out are ill-conditioned
+    assert np.median(gap) < 1e-10 and np.mean(gap < 1e-5) > 0.95
+    assert not np.any(gap[np.abs(found.z) < 10] > 1e-3)
+
+
+def test_the_traced_boundary_of_euler_is_a_circle():
+    found = locus(load("euler"), turns=90)
+    assert np.abs(found.z + 1) == pytest.approx(np.ones(90), abs=1e-12)
+    assert found.edge.all()
+
+
+def test_the_traced_boundary_leaves_out_what_lies_inside_an_unstable_part():
+    # the boundary locus of AB-4 crosses itself; only a part of it bounds the region
+    edge = locus(load("ab-4")).edge
+    assert 0 < edge.sum() < len(edge)
+
+
+def test_areas_are_found_with_their_error():
+    found = region(load("euler"), (-2.5 - 1.5j, 0.5 + 1.5j))
+    assert abs(found.area - math.pi) <= found.error < 0.1
+    finer = region(load("euler"), (-2.5 - 1.5j, 0.5 + 1.5j), depth=7)
+    assert abs(finer.area - math.pi) <= finer.error < found.error / 3
+    # near the boundary only: a full grid of that resolution has (16 * 2^7)^2 cells
+    assert finer.evaluations < (16 * 2**7) ** 2 / 20
+
+
+def test_an_a_stable_method_fills_the_left_half():
+    found = region(load("gauss-2"), (-4 - 4j, 4 + 4j))
+    assert abs(found.area - 32) <= found.error
+    assert not bounded(load("bdf-3"), 0.5j) and bounded(load("bdf-2"), 0.5j)
+
+
+# --- paths ----------------------------------------------------------------------------------------
+
+
+def test_paths_are_continuous_and_stay_on_the_circle_inside_the_interval():
+    y = np.linspace(0.001, 1.82, 2000)
+    followed = paths(load("g6245"), y)
+    assert followed.shape == (2000, 4)
+    # near the end two eigenvalues approach like a root: sqrt(9e-4) is the largest step there
+    assert np.max(np.abs(np.diff(followed, axis=0))) < 0.1
+    assert np.abs(followed) == pytest.approx(np.ones_like(followed.real), abs=1e-7)
+    # where two of them meet they leave it, a little: eigenvalues of opposite G-norm
+    beyond = paths(load("g6245"), np.linspace(1.83, 1.84, 10))
+    assert 1.001 < np.max(np.abs(beyond)) < 1.01
+
+
+def test_the_principal_path_is_the_exponential_to_the_order_of_the_method():
+    y = np.array([0.05, 0.1])
+    followed = paths(load("g6245"), y)
+    errors = np.min(np.abs(followed - np.exp(1j * y)[:, None]), axis=1)
+    # the phase error of order 6 is a multiple of y^7
+    assert math.log2(errors[1] / errors[0]) == pytest.approx(7, abs=0.3)
+
+
+# --- thresholds -----------------------------------------------------------------------------------
+
+
+def test_the_threshold_of_the_oscillator_is_the_periodicity_interval():
+    method = load("gsymplectic-n")
+    found = threshold(
+        problem("harmonic-oscillator"), method, low=1.5, high=2.3, steps=60_000, width=1e-7
+    )
+    # beyond the end an eigenvalue grows like 1 + c sqrt(delta) with c near 1: delta = 1e-6 gives
+    # exp(60) after 60,000 steps. Before it the two eigenvalues are close, and the amplitude may
+    # reach c / sqrt(delta): three times the start within 1e-1; so `good` allows for more.
+    end = periodicity(method).value
+    assert end is not None and found.above >= found.h
+    roomy = threshold(
+        problem("harmonic-oscillator"), method, low=1.5, high=2.3, steps=60_000, width=1e-7,
+        good=lambda run: bool(np.max(np.abs(run.y)) < 1e6),
+    )  # fmt: skip
+    assert roomy.h == pytest.approx(end, abs=1e-6)
+    assert found.h <= roomy.h
+
+
+def test_a_nonlinear_threshold_lies_below_the_linear_one():
+    # the pendulum near its upper rest point has the frequencies of all its harmonics
+    found = threshold(
+        problem("pendulum", q0="23/10"), load("s4-symmetric"), low=0.2, high=3.0, steps=2000,
+        width=1e-3,
+    )  # fmt: skip
+    assert 0.2 < found.h < periodicity(load("s4-symmetric")).value
+    assert found.reason in ("lost", "not finite", "stage solve failed")
+
+
+def test_a_threshold_needs_a_good_and_a_bad_end():
+    oscillator, method = problem("harmonic-oscillator"), load("gsymplectic-n")
+    with pytest.raises(UsageError, match="`low` must be a step size at which the run is good"):
+        threshold(oscillator, method, low=2.2, high=2.3, steps=500)
+    with pytest.raises(UsageError, match="`high` must be a step size at which the run fails"):
+        threshold(oscillator, method, low=0.1, high=0.2, steps=500)
+
+
+# --- resonances -----------------------------------------------------------------------------------
+
+
+def test_resonances_of_a_constant_frequency_stand_where_zeta_is_a_wave():
+    # V = diag(1, -1): with a parasitic component of frequency 0 the eigenvalue stays -1, which is
+    # exp(i h omega) at h = pi/omega, and exp(2 i h omega) at half of that
+    found = resonances(load("gsymplectic-n"), [2.0], most=1.7)
+    still = [r for r in found if r.frequency == 0.0]
+    first = [r.h for r in still if r.order == 1]
+    second = [r.h for r in still if r.order == 2]
+    assert first == pytest.approx([math.pi / 2], rel=1e-5)
+    assert second == pytest.approx([math.pi / 4], rel=1e-5)
+
+
+def test_a_method_without_parasitic_eigenvalues_has_no_resonances():
+    assert resonances(load("gauss-3"), [1.0], most=3.0) == []
