@@ -300,7 +300,9 @@ class GLM:
 
 @dataclass(frozen=True, eq=False)
 class PartitionedGLM:
-    """A pair of GLMs for ``q' = f(p)``, ``p' = k(q)`` (or ``f(q, p)``, ``k(q, p)``)::
+    """A pair of GLMs for ``q' = f(p)``, ``p' = k(q)`` (or ``f(q, p)``, ``k(q, p)``).
+
+    One step is::
 
         Q  = h A f(P) + U q          q+ = h B f(P) + V q
         P  = h A^ k(Q) + U^ p        p+ = h B^ k(Q) + V^ p

@@ -15,6 +15,7 @@ import click
 
 from .. import __version__
 from ..claims import GlmrefError
+from .benching import bench
 from .browsing import cite, list_, show
 from .checking import verify
 from .deriving import derive
@@ -36,7 +37,7 @@ def group() -> None:
     """General linear methods, checked exactly."""
 
 
-for command in (verify, analyze, list_, show, cite, errata, derive, run, probe):
+for command in (verify, analyze, list_, show, cite, errata, derive, run, probe, bench):
     group.add_command(command)
 
 

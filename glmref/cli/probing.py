@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from contextlib import redirect_stdout
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -33,11 +34,13 @@ def probe(adapter: str, method: str | None, form: str) -> int:
     from ..conformance.identify import FORMAT, identify
     from ..conformance.subject import Subject
 
-    subject = Subject(load_adapter(adapter), f"the adapter {adapter!r}")
-    try:
-        found = identify(subject, method)
-    finally:
-        subject.close()
+    # what the adapter prints goes to stderr
+    with redirect_stdout(sys.stderr):
+        subject = Subject(load_adapter(adapter), f"the adapter {adapter!r}")
+        try:
+            found = identify(subject, method)
+        finally:
+            subject.close()
     if form == "json":
         say(json_text({"format": FORMAT, "probes": [x.as_json() for x in found]}))
     else:

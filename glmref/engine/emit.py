@@ -183,10 +183,10 @@ class ArrayTarget(Target):
 
     def __init__(self, shape: Shape, writer: Writer) -> None:
         super().__init__(shape, writer)
-        #: Components start..stop of a vector that are read elsewhere: name -> (start, stop, place).
+        #: Components start..stop of a vector that live elsewhere: name -> (start, stop, place).
         self.elsewhere: dict[str, tuple[int, int, int]] = {}
-        #: Where the last loop of :meth:`vec` ends, and over what.
-        self.last: tuple[int, tuple[int, int], str] = (-1, (0, 0), "")
+        #: The loop that :meth:`vec` wrote last: lines and depth at its end, components, counter.
+        self.last: tuple[int, int, tuple[int, int], str] = (-1, 0, (0, 0), "")
 
     def offset(self, name: str) -> int:
         """Place of a vector in the work array."""
@@ -212,31 +212,26 @@ class ArrayTarget(Target):
             self.w(f"{c} += 1")
 
     def vec(self, lines: Sequence[str], part: tuple[int, int] | None = None) -> None:
-        """See :class:`Target`; two loops over the same components become one."""
+        """See :class:`Target`. Two loops in a row over the same components become one."""
         low, high = part or (0, self.d)
-        moved = [self.elsewhere[x] for x in _REFERENCE.findall("".join(lines)) if x in self.elsewhere]
-        cuts = sorted({low, high, *(c for start, stop, _ in moved for c in (start, stop))})
-        for a, b in pairwise(c for c in cuts if low <= c <= high):
-            again = self.last[:2] == (len(self.w.lines), (a, b)) and not moved
-            if again:
-                self.w.lines.pop()
-                c = self.last[2]
-                with self._inside(c):
-                    self._each(lines, c, a)
+        moved = [self.elsewhere.get(name) for name in _REFERENCE.findall(" ".join(lines))]
+        cuts = {low, high, *(c for place in moved if place for c in place[:2] if low < c < high)}
+        for start, stop in pairwise(sorted(cuts)):
+            here = (len(self.w.lines), self.w.depth, (start, stop))
+            if self.last[:3] == here and not any(moved):
+                c = self.last[3]
+                step = self.w.lines.pop()
+                self.w.depth += 1
+                self._each(lines, c, start)
+                self.w.depth -= 1
+                self.w.lines.append(step)
             else:
-                with self.loop(a, b) as c:
-                    self._each(lines, c, a)
-            self.last = (len(self.w.lines), (a, b), c)
-
-    @contextmanager
-    def _inside(self, c: str) -> Iterator[None]:
-        """Go on inside the loop that ended last."""
-        self.w.depth += 1
-        yield
-        self.w(f"{c} += 1")
-        self.w.depth -= 1
+                with self.loop(start, stop) as c:
+                    self._each(lines, c, start)
+            self.last = (len(self.w.lines), self.w.depth, (start, stop), c)
 
     def _each(self, lines: Sequence[str], c: str, low: int) -> None:
+        """Write statements inside a loop with the counter ``c``, which begins at ``low``."""
         for line in lines:
             text = _REFERENCE.sub(lambda m: f"x[{self.place(m[1], low)} + {c}]", line)
             self.w(_COUNTER.sub(c, text))

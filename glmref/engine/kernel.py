@@ -177,7 +177,7 @@ class Kernel:
             if code:
                 return KERNEL_OUTCOMES[code], seconds
             if spent < _CHUNK_SECONDS:
-                chunk *= 2
+                chunk *= 8 if spent < _CHUNK_SECONDS / 8 else 2
             if state.step < last and pause(state.step):
                 return Outcome.CANCELLED, seconds
         return Outcome.COMPLETED, seconds

@@ -224,7 +224,11 @@ class NewtonWriter:
             self.w(f"known = {name}", f"new = known + inverse*({text})", f"{name} = {accepted[a]}")
 
     def _matrix_names(self, stages: Sequence[int]) -> tuple[str, int]:
-        """Name of the factored matrix of a block and its size; equal couplings share one."""
+        """Name of the factored matrix of a block and its size; equal couplings share one.
+
+        Couplings are products of rounded numbers: equal diagonals give them equal to a few units of
+        the last place only, and a matrix for the one serves the other.
+        """
         key = "_".join(f"{x:.17g}" for row in self._coupling(stages) for x, _ in row)
         return f"lu_{key}", len(stages) * self.unknowns
 

@@ -38,12 +38,12 @@ __all__ = [
     "parasitic_order",
 ]
 
-#: Two successive extrapolated orders that agree to this count as settled.
+#: Extrapolated orders that agree to this count as settled.
 AGREEMENT = 0.01
 #: ... provided that the last order as measured lies this close to the extrapolated one.
 NEARNESS = 0.3
-#: Orders, the last ones, that go into an extrapolation: older ones may lie outside the asymptotics.
-WINDOW = 4
+#: Columns of the extrapolation; older orders may lie outside the asymptotics and do not enter.
+COLUMNS = 4
 #: First number of steps.
 FIRST = 6
 #: Length of the interval on which solutions are compared, in time units of the problem: the shorter
@@ -62,8 +62,7 @@ class ConvergenceRecord:
         orders: base-2 logarithms of successive ratios of sizes.
         extrapolated: the orders after Richardson extrapolation.
         order: the last extrapolated order.
-        settled: whether the last extrapolated order agrees to :data:`AGREEMENT` with the one before
-            and with the last column of the extrapolation.
+        settled: whether the last extrapolated orders agree to :data:`AGREEMENT`.
     """
 
     steps: tuple[int, ...]
@@ -121,7 +120,7 @@ def observed_order(
         if len(sizes) > 1:
             orders.append(_log2_ratio(sizes[-2], sizes[-1]))
         if len(orders) > 1:
-            best, settled = _extrapolate(orders, extrapolated[-1] if extrapolated else math.nan)
+            best, settled = _extrapolate(orders)
             extrapolated.append(best)
     order = extrapolated[-1] if extrapolated else math.nan
     return ConvergenceRecord(
@@ -134,23 +133,30 @@ def observed_order(
     )
 
 
-def _extrapolate(orders: Sequence[float], before: float) -> tuple[float, bool]:
+def _extrapolate(orders: Sequence[float]) -> tuple[float, bool]:
     """Remove the leading errors of the orders; return the result and whether it is settled.
 
-    Orders differ from their limit by a series in h, and h halves from one to the next: Neville's
-    scheme removes ``h, h^2, ..`` in turn. A missing odd power only wastes a column. Two orders may
-    agree by accident where the series turns round, so it takes three, a result that agrees with the
-    one before, and one that hardly changes in the last column.
+    Orders differ from their limit by a series in h, and h halves from one to the next: each column
+    of Neville's scheme removes one power more. A missing odd power only wastes a column. Two orders
+    may agree by accident where the series turns round; so a column counts as settled where its last
+    value agrees with the one above it and with the column before, and orders as measured only where
+    three of them agree much better. The column that agrees best is the result.
     """
-    row, last = list(orders[-WINDOW:]), orders[-1]
-    factor = 1
-    while len(row) > 1:
-        factor *= 2
-        last = row[-1]
-        row = [b + (b - a) / (factor - 1) for a, b in pairwise(row)]
-    best = row[-1]
-    agreed = abs(best - before) < AGREEMENT and abs(best - last) < AGREEMENT
-    return best, len(orders) > 2 and agreed and abs(best - orders[-1]) < NEARNESS
+    columns = [list(orders)]
+    while len(columns[-1]) > 1 and len(columns) < COLUMNS:
+        power = 2 ** len(columns)
+        columns.append([b + (b - a) / (power - 1) for a, b in pairwise(columns[-1])])
+    best, spread = columns[-1][-1], math.inf
+    if len(orders) > 2:
+        found = 4 * (max(orders[-3:]) - min(orders[-3:]))
+        if found < spread:
+            best, spread = orders[-1], found
+    for before, column in pairwise(columns):
+        if len(column) > 1:
+            found = max(abs(column[-1] - column[-2]), abs(column[-1] - before[-1]))
+            if found < spread:
+                best, spread = column[-1], found
+    return best, spread < AGREEMENT and abs(best - orders[-1]) < NEARNESS
 
 
 def _norm(a: Sequence[Any], b: Sequence[Any]) -> Any:

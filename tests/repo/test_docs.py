@@ -65,9 +65,7 @@ def run(words: str, folder: Path) -> subprocess.CompletedProcess[str]:
 
 
 def marked(pages: list[str]) -> list[object]:
-    return [
-        pytest.param(page, marks=pytest.mark.slow) if page in SLOW else page for page in pages
-    ]
+    return [pytest.param(page, marks=pytest.mark.slow) if page in SLOW else page for page in pages]
 
 
 @pytest.mark.parametrize("page", marked([page for page in PAGES if commands(page)]))

@@ -31,6 +31,7 @@ ROOMS: dict[str, str] = {
     "keys": "strict_json",
     "data_files": "claims strict_json",
     "errata": "claims data_files strict_json",
+    "asv_results": "claims",
     # exact numbers and methods
     "exact": "claims",
     "expression": "claims exact",
@@ -64,8 +65,8 @@ ROOMS: dict[str, str] = {
     "tableau_text": "exact tables",
     "show": "checks exact facts linalg method tableau_text tables theory",
     "bibtex": "__init__ catalogue reader tables",
-    "cli": "__init__ analysis bibtex canonical catalogue chart claims conformance derive errata "
-    "experiments "
+    "cli": "__init__ analysis asv_results bibtex canonical catalogue chart claims conformance "
+    "derive errata experiments "
     "keys scenes show tables verification",
     "__main__": "cli",
     "__init__": "analysis catalogue claims engine method problems verification",

@@ -30,6 +30,38 @@ def test_a_method_without_vectors_is_judged_all_the_same() -> None:
     assert all_hold(Reference(("heun-3", "adams-nordsieck-3", "position-verlet"))) >= 40
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "name",
+    [
+        "am-1",  # its reversal acts on fewer values than it carries
+        "am-3", "abm-4-pece", "bdf-4", "butcher-effective-5",  # the slopes settle late
+        "kraaijevanger-spijker",  # the box of its stages must have unequal sides
+        "gsymplectic-n-start-3-6",  # implicit start and finish
+        "gsymplectic-n-pair", "pair-6-7", "pair-rkn-6-7",  # pairs that carry several values
+    ],
+)  # fmt: skip
+def test_vectors_of_unusual_methods_are_made_and_hold(name: str) -> None:
+    all_hold(Reference((name,)))
+
+
+@pytest.mark.parametrize(("name", "holds"), [("rk4", True), ("heun-3", False)])
+def test_the_order_of_runs_that_start_by_themselves_is_measured(name: str, holds: bool) -> None:
+    """A run that only shows its end: RK4 passes as RK4, a method of order 3 sold as RK4 does not."""
+
+    class EndOnly:
+        methods, starts = ("rk4",), "own"
+
+        def solve(self, method: str, problem: Any, h: float, steps: int, start: Any = None) -> Any:
+            return Reference((name,)).solve(name, problem, h, steps)[-1]
+
+    suite = Suite(Subject(EndOnly()))
+    (order,) = [x for x in suite.checks if x.claim == "order"]
+    finding = order.judge()
+    assert finding.holds is holds
+    assert holds or "falls like h^3" in finding.message
+
+
 @pytest.mark.parametrize("name", file_names())
 def test_the_generated_code_of_the_compiled_engine_passes(name: str) -> None:
     all_hold(Compiled((name,), engine="interpreted"))
@@ -75,10 +107,53 @@ class Plain:
         raise NotImplementedError("not today")
 
 
+class FourComponentsOnly(Reference):
+    """Does kepler and nothing else, and says so when it is asked."""
+
+    def step(self, method: str, problem: Any, t: float, y: np.ndarray, h: float) -> np.ndarray:
+        if problem.dimension != 4:
+            raise NotImplementedError("two bodies only")
+        return super().step(method, problem, t, y, h)
+
+    stages = solve = start = finish = None  # type: ignore[assignment]
+
+
 def test_what_an_adapter_does_not_offer_is_not_judged() -> None:
-    found = Suite(Subject(Plain())).findings()
-    assert {x.verdict for x in found} == {Verdict.OPEN}
-    assert found[0].witness == "not offered: not today"
+    found = {x.claim: x for x in Suite(Subject(FourComponentsOnly(("rk4",)))).findings()}
+    assert found["answer/rk4/linear"].verdict is Verdict.HOLDS
+    assert found["step/rk4/kepler"].verdict is Verdict.HOLDS
+    assert found["step/rk4/cubic"].verdict is Verdict.OPEN
+    assert found["step/rk4/cubic"].witness == "not offered: two bodies only"
+
+
+def test_an_adapter_that_offers_nothing_of_what_it_lists_fails() -> None:
+    first, *others = Suite(Subject(Plain())).findings()
+    assert first.verdict is Verdict.FAILS and "offers no step or run of it" in first.witness
+    assert {x.verdict for x in others} == {Verdict.OPEN}
+
+
+@pytest.mark.parametrize(
+    ("answer", "words"),
+    [
+        (None, "got None"),
+        (np.array([1j, 0]), "real numbers, got ndarray of complex128"),
+        (["1", "2"], "real numbers, got list"),
+        ([[1.0], [2.0, 3.0]], "real numbers, got list"),
+        ([1.0, float("inf")], "not finite"),
+        ([1.0, 2.0, 3.0], "must return shape (1, 2), got (3,)"),
+        (SystemExit(3), "step raised SystemExit: 3 (line "),
+        (KeyError("radius"), "step raised KeyError: 'radius' (line "),
+    ],
+)
+def test_an_answer_that_cannot_be_used_fails_with_a_sentence(answer: Any, words: str) -> None:
+    class Odd(Plain):
+        def step(self, *_: Any) -> Any:
+            if isinstance(answer, BaseException):
+                raise answer
+            return answer
+
+    first = Suite(Subject(Odd())).findings()[0]
+    assert first.verdict is Verdict.FAILS and words in first.witness
 
 
 @pytest.mark.parametrize(
@@ -88,6 +163,15 @@ def test_what_an_adapter_does_not_offer_is_not_judged() -> None:
         ({"methods": None}, "`methods`"),
         ({"methods": ("rk5",)}, "no method named"),
         ({"methods": {"mine": {"speed": 3}}}, "claims 'speed'"),
+        ({"methods": {"mine": {"order": "four"}}}, "whole number from 1 to 30"),
+        ({"methods": {"mine": {"order": -1}}}, "whole number from 1 to 30"),
+        ({"methods": {"mine": {"symmetric": 1}}}, "True or False"),
+        ({"methods": {"mine": ["order"]}}, "must be a mapping"),
+        ({"methods": 4}, "got 4"),
+        ({"problems": 5}, "list of names"),
+        ({"problems": ()}, "must name some of"),
+        ({"problems": ("moon",)}, "must name some of linear"),
+        ({"methods": ("stormer-verlet",), "problems": ("forced",)}, "no vector of stormer-verlet"),
         ({"tolerance": 2}, "`tolerance`"),
         ({"tolerance": {"rk4": "small"}}, "`tolerance`"),
         ({"epsilon": True}, "`epsilon`"),

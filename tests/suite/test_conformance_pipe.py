@@ -12,7 +12,7 @@ import pytest
 from glmref.claims import UsageError, Verdict
 from glmref.conformance.adapter import load_adapter
 from glmref.conformance.checks import Suite
-from glmref.conformance.subject import Subject
+from glmref.conformance.subject import AdapterError, Subject
 
 SERVER = """
 import json, sys
@@ -98,6 +98,57 @@ def test_a_program_that_misbehaves_fails_with_a_sentence(tmp_path: Path, body: s
     finally:
         subject.close()
     assert finding.verdict is Verdict.FAILS and words in finding.witness
+
+
+CRASHES = """
+    if asked["columns"] == 4:
+        KEPLER
+"""
+
+
+@pytest.mark.parametrize(
+    ("kepler", "words"),
+    [
+        ("import os; os.abort()", "killed by SIGABRT"),
+        ("print('halfway'); sys.exit(0)", "b'halfway' is not JSON; stdout is for answers"),
+        ("print('{}{}', flush=True)", "is not JSON"),
+        ("print(json.dumps({'values': 'many'}), flush=True)", "must be a list of numbers"),
+    ],
+)
+def test_a_program_that_fails_once_is_started_again_for_the_other_checks(
+    tmp_path: Path, kepler: str, words: str
+) -> None:
+    describe = {"methods": ["symplectic-euler-a"], "offers": ["step"]}
+    body = CRASHES.replace("KEPLER", kepler) + EULER
+    subject = Subject(load_adapter(program(tmp_path, describe, body)))
+    try:
+        found = {x.claim: x for x in Suite(subject).findings()}
+    finally:
+        subject.close()
+    failed = [name for name, x in found.items() if x.verdict is Verdict.FAILS]
+    assert failed == ["step/symplectic-euler-a/kepler"]
+    assert words in found[failed[0]].witness
+    assert found["step/symplectic-euler-a/pendulum"].verdict is Verdict.HOLDS
+
+
+def test_a_program_that_hangs_is_ended_and_after_three_times_not_asked_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    describe = {"methods": ["rk4"], "offers": ["step"]}
+    adapter = load_adapter(program(tmp_path, describe, "    import time; time.sleep(60)\n"))
+    monkeypatch.setattr("glmref.conformance.pipe.PATIENCE", 0.5)
+    subject = Subject(adapter)
+    messages = []
+    try:
+        for check in [x for x in Suite(subject).checks if x.claim == "step"]:
+            with pytest.raises(AdapterError) as caught:
+                check.judge()
+            messages.append(str(caught.value))
+    finally:
+        subject.close()
+    assert all("did not answer within 0.5 seconds" in x for x in messages[:3])
+    assert "not asked any more: it was silent 3 times" in messages[3]
+    assert adapter.process.poll() is not None
 
 
 def test_what_a_program_cannot_do_is_not_judged(tmp_path: Path) -> None:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
-import shutil
 import subprocess
 import sys
 import textwrap
+import zipfile
 from importlib.metadata import entry_points
+from importlib.util import find_spec
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
@@ -18,7 +20,6 @@ import glmref
 import glmref.conformance.checks
 import glmref.conformance.generate
 import glmref.conformance.pipe
-from glmref.catalogue import data_root
 
 pytest_plugins = ["pytester"]
 
@@ -47,6 +48,12 @@ class TimeForgotten(Adapter):
             f = staticmethod(lambda s, x: problem.f(t, x))
 
         return super().step(method, Frozen, t, y, h)
+
+
+class Chatty(Adapter):
+    def step(self, method, problem, t, y, h):
+        print("a step of", h)
+        return super().step(method, problem, t, y, h)
 
 
 class Neither:
@@ -111,6 +118,7 @@ def test_a_fault_fails_by_name_and_what_rests_on_it_is_not_judged(here) -> None:
         ("mine:NeedsArguments", "cannot be made without arguments"),
         ("mine:broken", "cannot be made*no library"),
         ("mine", "must be written package.module:Name"),
+        ("mine.py:Adapter", "not a file: write mine:Adapter"),
         ("cmd:/no/such/program", "cannot be started"),
         ("cmd:", "must be followed by a program"),
     ],
@@ -178,22 +186,35 @@ def test_the_plugin_loads_nothing_heavy() -> None:
     assert done.stdout.strip() == "[]"
 
 
-def installed(folder: Path) -> Path:
-    """Lay the package out as a wheel does: data inside, nothing of the repository beside it."""
-    skip = shutil.ignore_patterns("__pycache__", "data")
-    shutil.copytree(PACKAGE, folder / "glmref", ignore=skip)
-    shutil.copytree(data_root(), folder / "glmref" / "data")
-    return folder
+def wheel(folder: Path) -> Path:
+    """Build the wheel of this repository."""
+    command = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "-w", str(folder)]
+    if find_spec("hatchling") is not None:
+        command.append("--no-build-isolation")
+    subprocess.run([*command, str(PACKAGE.parent)], check=True)
+    (built,) = folder.glob("glmref-*.whl")
+    return built
 
 
-def test_it_runs_from_an_installed_package_with_xdist(here, monkeypatch) -> None:
+@pytest.mark.slow
+def test_it_runs_from_an_installed_wheel_with_xdist_and_strict_options(here, monkeypatch) -> None:
     pytest.importorskip("xdist")
-    site = installed(here.path / "site")
+    if find_spec("pip") is None or not (PACKAGE.parent / "pyproject.toml").is_file():
+        pytest.skip("a wheel is built with pip from a checkout")
+    site = here.path / "site"
+    with zipfile.ZipFile(wheel(here.path / "dist")) as archive:
+        archive.extractall(site)
     monkeypatch.setenv("PYTHONPATH", str(site))
-    arguments = [*PLUGIN, *SUITE, "--glmref-adapter", "mine:Adapter", "-n", "2", "-W", "error"]
-    done = here.run(sys.executable, "-m", "pytest", *arguments)
+    shown = here.run(sys.executable, "-c", "import glmref; print(glmref.__file__)")
+    assert shown.outlines == [str(site / "glmref" / "__init__.py")]
+    # the plugin is found by the wheel's own entry point
+    arguments = ["--pyargs", "glmref.conformance", "--glmref-adapter", "mine:Adapter"]
+    strict = ["-W", "error", "--strict-markers", "-n", "2", "--junitxml", "found.xml"]
+    done = here.run(sys.executable, "-m", "pytest", *arguments, *strict)
     assert done.ret == 0
     assert done.parseoutcomes()["passed"] >= 12
+    cases = ElementTree.parse(here.path / "found.xml").iter("testcase")
+    assert "test_integrator[order4/rk4/pendulum]" in [case.get("name") for case in cases]
 
 
 def module(here: pytest.Pytester, *arguments: str) -> pytest.RunResult:
@@ -217,3 +238,36 @@ def test_the_face_without_pytest_says_a_bad_adapter_in_one_line(here, monkeypatc
     monkeypatch.setenv("PYTHONPATH", str(PACKAGE.parent))
     done = module(here, "mine:Neither")
     assert done.ret == 4 and len(done.errlines) == 1
+
+
+def test_the_page_without_pytest_shows_the_defect_and_counts_what_rests_on_it(
+    here, monkeypatch
+) -> None:
+    monkeypatch.setenv("PYTHONPATH", str(PACKAGE.parent))
+    done = module(here, "mine:TimeForgotten")
+    assert done.ret == 1
+    done.stdout.fnmatch_lines(
+        [
+            "rk4: 8 of 13 hold",
+            "  FAILS  abscissae/rk4/forced:*(AbscissaeIgnored)*",
+            "  4 more are not judged: they rest on these",
+            "8 holds, 1 fails, 4 open",
+        ],
+        consecutive=True,
+    )
+
+
+def test_what_an_adapter_prints_stays_out_of_the_findings(here, monkeypatch) -> None:
+    monkeypatch.setenv("PYTHONPATH", str(PACKAGE.parent))
+    done = module(here, "mine:Chatty", "--format", "json")
+    assert json.loads(done.stdout.str())["summary"]["holds"] == 13
+    assert "a step of 0.125" in done.stderr.str()
+
+
+def test_the_ids_and_a_junit_file_come_out_without_pytest(here, monkeypatch) -> None:
+    monkeypatch.setenv("PYTHONPATH", str(PACKAGE.parent))
+    ids = module(here, "mine:Adapter", "--list").outlines
+    assert len(ids) == len(set(ids)) == 13 and "order4/rk4/pendulum" in ids
+    document = module(here, "mine:TimeForgotten", "--format", "junit").stdout.str()
+    (suite,) = ElementTree.fromstring(document).iter("testsuite")
+    assert suite.get("tests") == "13" and suite.get("failures") == "1"

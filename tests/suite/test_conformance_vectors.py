@@ -33,7 +33,13 @@ def cases() -> list[tuple[str, dict]]:
     return [(name, case) for name in METHODS for case in read(FOLDER / f"{name}.json")["cases"]]
 
 
-@pytest.mark.parametrize("name", METHODS)
+#: Files that are made in a second each; the others are made again in the slow tests.
+QUICK = ("rk4", "ab-2", "leapfrog", "stormer-verlet", "forest-ruth-4", "pair-4-4")
+
+
+@pytest.mark.parametrize(
+    "name", [x if x in QUICK else pytest.param(x, marks=pytest.mark.slow) for x in METHODS]
+)
 def test_the_file_comes_out_of_its_generator_byte_for_byte(name: str) -> None:
     text = layout(document_of(load(name), name))
     assert (FOLDER / f"{name}.json").read_text(encoding="utf-8") == text, (

@@ -1,0 +1,170 @@
+"""Ten million steps with every method of order 6 and 8: is the energy bounded, what of the rest?
+
+``python -m glmref.experiments.long_order6 FILE`` runs and writes ``FILE`` (the one shipped is
+``data/measurements/long-runs.json``). The parasitic part of the values is what they lack to the
+start of their own solution: ``values - S(F(y_1))`` with the start S and the finish F of the file,
+which is blind to nothing above O(h^(p+1)).
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..catalogue import load
+from ..engine.outcome import Solution
+from ..engine.reference import Stepper, apply_finish, apply_start, stepper
+from ..method import GLM
+from ..problems import problem
+from ..problems.model import Problem
+from .compare_order6 import METHODS, rounded
+from .longtime import along, follow
+from .measure import circumstances
+
+__all__ = ["RUNS", "LongRun", "long_run", "main", "parasitic_part"]
+
+STEPS = 10_000_000
+#: Samples of each stretch at which the parasitic part is formed.
+LOOKS = 40
+#: A quantity is bounded when the last half of a run exceeds what its first hundredth shows at the
+#: most by this factor. Growth is exponential where there is any: it passes the factor or is not
+#: there; and a chaotic solution visits other parts of its energy surface, which takes a few.
+FACTOR = 30.0
+
+RUNS: Mapping[str, Callable[[], Problem]] = {
+    "pendulum-2.3": lambda: problem("pendulum", q0="23/10"),
+    "henon-heiles": lambda: problem("henon-heiles"),
+}
+
+
+@dataclass(frozen=True)
+class LongRun:
+    """What a long run showed.
+
+    Attributes
+    ----------
+        method, run: what was run. h: step size. steps: completed. outcome: by name.
+        energy: largest relative error of H; energy_early: the same in the first hundredth.
+        parasitic: largest Euclidean norm of the parasitic part, relative to y_0; parasitic_early.
+        bounded: whether both stay within :data:`FACTOR` of their early size.
+        lost: time at which the parasitic part first exceeds FACTOR times its early size.
+    """
+
+    method: str
+    run: str
+    h: float
+    steps: int
+    outcome: str
+    energy: float
+    energy_early: float
+    parasitic: float
+    parasitic_early: float
+    bounded: bool
+    lost: float | None
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the record in JSON's types."""
+        record = dict(self.__dict__)
+        for key, value in record.items():
+            if isinstance(value, float):
+                record[key] = rounded(value) if math.isfinite(value) else None
+        return record
+
+
+def parasitic_part(engine: Stepper, values: np.ndarray, h: float) -> float:
+    """Norm of ``values - S(F(y_1))`` for values (r, d), with the start and finish of the file."""
+    method = engine.method
+    y = values[0]
+    with np.errstate(all="ignore"):
+        try:
+            if method.finishing is not None:
+                y, _ = apply_finish(method.finishing, engine, 0.0, y, h)
+            assert method.starting is not None
+            ideal, _ = apply_start(method.starting, engine, 0.0, y, h)
+        except ArithmeticError:  # the coupled stages of a start have no solution any more
+            return math.inf
+        size = float(np.linalg.norm(values[1:] - ideal[1:]))
+    return size if math.isfinite(size) else math.inf
+
+
+def long_run(name: str, run: str, *, h: float = 0.1, steps: int = STEPS) -> LongRun:
+    """Run one method on one of :data:`RUNS`.
+
+    Args:
+        name: of a method with a starting method. run: key of RUNS. h, steps: how far.
+    """
+    subject, method = RUNS[run](), load(name)
+    assert isinstance(method, GLM)
+    engine = stepper(method, subject)
+    unit = float(np.linalg.norm(np.array(subject.y0, dtype=float)))
+    solution = follow(subject, method, h=h, steps=steps, lost=lambda part: _gone(part, unit))
+    t = np.asarray(solution.t, dtype=float)
+    assert subject.hamiltonian is not None
+    energy = along(subject.hamiltonian, np.asarray(solution.y, dtype=float))
+    energy = np.abs(energy / energy[0] - 1)
+    at = _looks(len(t))
+    history = np.asarray(solution.history)
+    rest = np.array([parasitic_part(engine, history[k], h) / unit for k in at])
+    early_t = t <= t[0] + h * steps / 100
+    early = np.array([early_t[k] for k in at])
+    rest_early, energy_early = float(rest[early].max()), float(np.nanmax(energy[early_t]))
+    over = [k for k, size in zip(at, rest, strict=True) if not size < FACTOR * rest_early]
+    largest = float(np.max(np.where(np.isfinite(energy), energy, math.inf)))
+    return LongRun(
+        method=name,
+        run=run,
+        h=h,
+        steps=solution.steps,
+        outcome=str(solution.outcome),
+        energy=largest,
+        energy_early=energy_early,
+        parasitic=float(rest.max()),
+        parasitic_early=rest_early,
+        bounded=solution.completed and not over and largest < FACTOR * energy_early,
+        lost=float(t[over[0]]) if over else None,
+    )
+
+
+def _looks(rows: int) -> list[int]:
+    """Row numbers at which to form the parasitic part: spread as the samples are, in stretches."""
+    step = max(1, rows // (14 * LOOKS))
+    return sorted({*range(0, rows, step), rows - 1})
+
+
+def _gone(part: Solution, unit: float) -> bool:
+    """Whether the values have left every bound, so that going on shows nothing."""
+    values = np.asarray(part.values)
+    return not bool(np.isfinite(values).all()) or float(np.linalg.norm(values[1:])) > 10 * unit
+
+
+def main(path: Path) -> None:
+    """Run everything and write the file."""
+    groups = ("order 6, general linear", "order 8, general linear")
+    runs = []
+    for run in RUNS:
+        for name in (name for group in groups for name in METHODS[group]):
+            found = long_run(name, run)
+            sys.stderr.write(f"{run} {name}: {'bounded' if found.bounded else 'not bounded'}\n")
+            runs.append(found.as_json())
+    document = {
+        "format": "glmref-measurement-1",
+        "name": path.stem,
+        "title": "Ten million steps of h = 0.1 with the methods of order 6 and 8",
+        "how": "python -m glmref.experiments.long_order6",
+        "factor": FACTOR,
+        "circumstances": circumstances(),
+        "runs": runs,
+    }
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps(document, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))
