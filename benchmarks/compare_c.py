@@ -1,4 +1,4 @@
-"""The compiled engine against hand-written C loops of the same arithmetic, and against other bounds.
+"""The compiled engine against hand-written C loops of the same arithmetic, and other bounds.
 
 For three problems and four methods, ``benchmarks/c`` holds the loop as one would write it by hand:
 the same operations in the same order, which is checked, since the end states must be equal to the

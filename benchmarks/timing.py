@@ -1,4 +1,4 @@
-"""Competitors timed in turn, in processor seconds of the thread: load on the machine hits all alike."""
+"""Competitors timed in turn, in processor seconds of the thread; load on the machine hits all."""
 
 from __future__ import annotations
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import click
 
+from ..claims import UsageError
 from ..keys import BLOCKS
 from ..tables import Style, columns, csv_text, json_text
 from .output import HOLDS, say
@@ -66,12 +68,29 @@ def _row(doc: Mapping[str, Any]) -> dict[str, Any]:
     metavar="N",
     help="Decimals with N significant digits instead of exact expressions.",
 )
-def show(name: str, decimal: int | None) -> int:
+@click.option(
+    "--plot",
+    type=click.Path(dir_okay=False, writable=True, path_type=Path),
+    metavar="FILE.svg",
+    help="Draw stability region, eigenvalues and sparsity into this file.",
+)
+def show(name: str, decimal: int | None, plot: Path | None) -> int:
     """Show a method's tableau as one reads it in a paper, with its source."""
     from ..catalogue import load
     from ..show import show as page
 
-    say(page(load(name), decimal=decimal, style=Style.of(sys.stdout)))
+    method = load(name)
+    say(page(method, decimal=decimal, style=Style.of(sys.stdout)))
+    if plot is not None:
+        from ..portrait import portrait
+
+        if plot.suffix != ".svg":
+            raise UsageError(f"--plot writes SVG; give a name such as {plot.stem}.svg")
+        try:
+            plot.write_text(portrait(method), encoding="utf-8")
+        except OSError as error:
+            raise UsageError(f"{plot} cannot be written ({error.strerror})") from None
+        say(f"\nwrote {plot}")
     return HOLDS
 
 

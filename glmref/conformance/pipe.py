@@ -41,13 +41,14 @@ import numpy as np
 
 from ..claims import GlmrefError, UsageError
 
-__all__ = ["PipeAdapter", "PipeError"]
+__all__ = ["OFFERS", "PipeAdapter", "PipeError"]
 
 #: Seconds a program may take for one answer.
 PATIENCE = 60.0
 #: Silences after which a program is given up.
 _SILENCES = 3
-_OFFERS = ("step", "stages", "start", "finish", "solve")
+#: What a program may offer.
+OFFERS = ("step", "stages", "start", "finish", "solve")
 
 
 class PipeError(GlmrefError):
@@ -105,12 +106,12 @@ class PipeAdapter:
             if key in about:
                 setattr(self, key, about[key])
         self.offers = tuple(about["offers"])
-        unknown = sorted(set(self.offers) - set(_OFFERS))
+        unknown = sorted(set(self.offers) - set(OFFERS))
         if unknown:
-            raise PipeError(f"`offers` must be among {', '.join(_OFFERS)}, got {unknown[0]!r}")
+            raise PipeError(f"`offers` must be among {', '.join(OFFERS)}, got {unknown[0]!r}")
 
     def __getattr__(self, name: str) -> Any:
-        if name in _OFFERS and name in self.__dict__.get("offers", ()):
+        if name in OFFERS and name in self.__dict__.get("offers", ()):
             return self.__getattribute__(f"_{name}")
         raise AttributeError(name)
 

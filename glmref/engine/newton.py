@@ -229,7 +229,7 @@ class NewtonWriter:
         Couplings are products of rounded numbers: equal diagonals give them equal to a few units of
         the last place only, and a matrix for the one serves the other.
         """
-        key = "_".join(f"{x:.17g}" for row in self._coupling(stages) for x, _ in row)
+        key = "_".join(f"{x:.12g}" for row in self._coupling(stages) for x, _ in row)
         return f"lu_{key}", len(stages) * self.unknowns
 
     def _view(self, name: str, size: int) -> tuple[str, str]:

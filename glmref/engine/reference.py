@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -62,6 +63,11 @@ class Stepper:
         self.arithmetic = Arithmetic(digits)
         self.problem = self.arithmetic.localised(problem)
         self._tableau(method)
+
+    @cached_property
+    def tableaux(self) -> dict[int, tuple[Matrix, Stepper]]:
+        """Steppers of starts and finishes, with their A, by the identity of A."""
+        return {}
 
     def _tableau(self, method: GLM) -> None:
         self.method = method
@@ -274,11 +280,14 @@ def _runge_kutta_slopes(
     """Slopes f(Y) of Y = y + h A f(Y), and the number of evaluations."""
     if not A:
         return engine.arithmetic.zeros((0, len(y))), 0
-    one, zero = exact(1), exact(0)
-    method = GLM(A=A, U=((one,),) * len(A), B=((zero,) * len(A),), V=((one,),))
-    inner = Stepper.__new__(Stepper)
-    inner.arithmetic, inner.problem = engine.arithmetic, engine.problem
-    inner._tableau(method)
+    _, inner = engine.tableaux.get(id(A), (A, None))
+    if inner is None:  # rounding a tableau of decimals costs more than a step: done once
+        one, zero = exact(1), exact(0)
+        method = GLM(A=A, U=((one,),) * len(A), B=((zero,) * len(A),), V=((one,),))
+        inner = Stepper.__new__(Stepper)
+        inner.arithmetic, inner.problem = engine.arithmetic, engine.problem
+        inner._tableau(method)
+        engine.tableaux[id(A)] = A, inner
     taken = inner.step(t, y[None, :], h)
     if not taken.converged:
         raise UsageError(

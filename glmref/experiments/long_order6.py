@@ -1,4 +1,4 @@
-"""Ten million steps with every method of order 6 and 8: is the energy bounded, what of the rest?
+"""Ten million steps with every method of order 6 and 8: energy and parasitic part, bounded or not.
 
 ``python -m glmref.experiments.long_order6 FILE`` runs and writes ``FILE`` (the one shipped is
 ``data/measurements/long-runs.json``). The parasitic part of the values is what they lack to the

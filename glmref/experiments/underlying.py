@@ -31,7 +31,7 @@ class _Half:
         u: (r,), ``V u = u``.
         e: (r,) with ``e u = 1``: the solution is ``e y``.
         inverse: (r, r), ``(I - V + u e V)^-1``.
-        steady: whether ``e V = e``, as where the first value takes from no other.
+        steady: whether ``e V = e``, as where the first value takes from no other, or by choice.
     """
 
     columns: slice
@@ -42,7 +42,7 @@ class _Half:
     steady: bool
 
 
-def _half(engine: Stepper, U: Matrix, V: Matrix, columns: slice) -> _Half:
+def _half(engine: Stepper, U: Matrix, V: Matrix, columns: slice, *, conjugate: bool) -> _Half:
     """Compute u, e and the inverse of one half in the engine's arithmetic."""
     arithmetic, r = engine.arithmetic, len(V)
     exact_u = preconsistency(U, V)
@@ -54,13 +54,17 @@ def _half(engine: Stepper, U: Matrix, V: Matrix, columns: slice) -> _Half:
     row = next(k for k in range(r) if exact_u[k].is_zero() is not True)
     e = one[row] / u[row]
     v = arithmetic.array(V)
+    steady = all((V[row][k] - int(k == row)).is_zero() is True for k in range(r))
     try:
         inverse = arithmetic.solve(one - v + np.outer(u, e.dot(v)), one.copy())
+        if conjugate and not steady:
+            # l V = l and l u = 1 give l (I - V + u e V) = e V
+            e, steady = e.dot(v).dot(inverse), True
+            inverse = arithmetic.solve(one - v + np.outer(u, e), one.copy())
     except (np.linalg.LinAlgError, ZeroDivisionError):
         raise UsageError(
             "1 is not a simple eigenvalue of V; the underlying method is not unique"
         ) from None
-    steady = all((V[row][k] - int(k == row)).is_zero() is True for k in range(r))
     return _Half(columns, r, u, e, inverse, steady)
 
 
@@ -69,24 +73,27 @@ class Underlying:
 
     Args:
         engine: the reference stepper of the method on the problem.
+        conjugate: read the solution off by the left eigenvector of V at 1 instead of the first
+            value. Where that takes from others the underlying method becomes a conjugate one, and
+            starting it costs a quarter.
 
     Raises
     ------
         UsageError: where V has no simple eigenvalue 1 with a common right eigenvector u.
     """
 
-    def __init__(self, engine: Stepper) -> None:
+    def __init__(self, engine: Stepper, *, conjugate: bool = False) -> None:
         self.engine = engine
         d = engine.problem.dimension
         if isinstance(engine, PairStepper):
             m, pair = d // 2, engine.pair
             self.halves = (
-                _half(engine, pair.U, pair.V, slice(0, m)),
-                _half(engine, pair.U_hat, pair.V_hat, slice(m, d)),
+                _half(engine, pair.U, pair.V, slice(0, m), conjugate=conjugate),
+                _half(engine, pair.U_hat, pair.V_hat, slice(m, d), conjugate=conjugate),
             )
         else:
             method = engine.method
-            self.halves = (_half(engine, method.U, method.V, slice(0, d)),)
+            self.halves = (_half(engine, method.U, method.V, slice(0, d), conjugate=conjugate),)
         self.evaluations = 0
 
     @property

@@ -62,12 +62,13 @@ ROOMS: dict[str, str] = {
     "conformance": "analysis catalogue claims engine exact expression facts linalg method problems "
     "strict_json tables",
     # what people see
+    "portrait": "experiments linalg method theory",
     "tableau_text": "exact tables",
     "show": "checks exact facts linalg method tableau_text tables theory",
     "bibtex": "__init__ catalogue reader tables",
     "cli": "__init__ analysis asv_results bibtex canonical catalogue chart claims conformance "
     "derive errata experiments "
-    "keys scenes show tables verification",
+    "keys portrait scenes show tables verification",
     "__main__": "cli",
     "__init__": "analysis catalogue claims engine method problems verification",
 }
@@ -91,7 +92,7 @@ OUTSIDE: dict[str, str] = {
     "mpmath": "conformance derive engine exact problems",
     "nodepy": "conformance",
     "numba": "engine",
-    "numpy": "conformance derive engine experiments method problems rounding scenes",
+    "numpy": "conformance derive engine experiments method portrait problems rounding scenes",
     "pytest": "conformance",
     "rebound": "conformance",
     "scipy": "conformance",

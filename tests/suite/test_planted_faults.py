@@ -10,7 +10,7 @@ from glmref.conformance.checks import Suite
 from glmref.conformance.subject import Subject
 from glmref.conformance.traps import NOTES
 
-from .planted import PLANTED, Foreign
+from .planted_runs import PLANTED, Foreign
 
 
 @pytest.mark.parametrize("name", sorted(PLANTED))

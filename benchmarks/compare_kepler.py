@@ -1,0 +1,210 @@
+"""Kepler, e = 0.6, 1000 periods: time to reach an energy error, against heyoka and scipy's DOP853.
+
+Every integrator gets the largest step size or tolerance of a grid with which its energy error, the
+largest of 97 samples, stays below the goal; a method that does so by luck at one step size has to
+do so at the next one too. Then the run without samples is timed. heyoka gets r^-3 as one power,
+which is what it is fastest with, and scipy a right-hand side of plain Python numbers.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from importlib import import_module
+from itertools import pairwise
+from typing import Any
+
+import mpmath
+import numpy as np
+
+from benchmarks.timing import interleaved, quartiles
+from glmref.catalogue import load
+from glmref.engine.kernel import prepare
+from glmref.engine.reference import stepper
+from glmref.engine.solve import solve
+from glmref.engine.start import starting_values
+from glmref.experiments.longtime import along
+from glmref.families import collocation, runge_kutta
+from glmref.method import GLM, PartitionedGLM
+from glmref.problems import problem
+
+__all__ = ["GOALS", "METHODS", "PERIODS", "Row", "gauss", "measure_all"]
+
+PERIODS, SAMPLES = 1000, 97
+GOALS = (1e-9, 1e-12)
+#: Steps per period that are tried.
+GRID = tuple(round(20 * 1.12**k) for k in range(48))
+TOLERANCES = tuple(10 ** (-k / 2) for k in range(16, 33))
+
+METHODS = (
+    "gauss-3", "gauss-4", "gauss-5", "gauss-6", "gauss-8", "g6245", "g6245-w3", "order8-s5-w3",
+    "s4-symmetric", "kahan-li-8", "suzuki-umeno-8", "blanes-moan-rkn-6-14", "pair-rkn-6-9",
+)  # fmt: skip
+KEPLER = problem("kepler", eccentricity="3/5")
+
+
+@dataclass(frozen=True)
+class Row:
+    """An integrator at one goal.
+
+    Attributes
+    ----------
+        name: method or peer. goal: energy error asked for.
+        setting: steps per period, or tolerance; ``nan`` where no setting reached the goal.
+        error: energy error reached there, else the smallest one seen.
+        milliseconds: quartiles of the run, empty where the goal was not reached.
+        evaluations: right-hand-side evaluations of the run, 0 where it is not told.
+        note: what happened where the goal was not reached, or the solver.
+    """
+
+    name: str
+    goal: float
+    setting: float
+    error: float
+    milliseconds: tuple[float, float, float] | tuple[()]
+    evaluations: int
+    note: str
+
+
+def gauss(s: int, digits: int = 250) -> GLM:
+    """Gauss with s stages, nodes to so many digits: more than the engine's identities ask for."""
+    with mpmath.workdps(digits + 50):
+        polynomial = mpmath.taylor(lambda x: mpmath.legendre(s, x), 0, s)[::-1]
+        roots = mpmath.polyroots(polynomial, maxsteps=500, extraprec=2000)
+        scale = mpmath.mpf(10) ** digits
+        nodes = sorted(int(mpmath.nint((1 + mpmath.re(x)) / 2 * scale)) for x in roots)
+    A, b = collocation([Fraction(node, 10**digits) for node in nodes])
+    return runge_kutta(A, b, name=f"gauss-{s}")
+
+
+def method_of(name: str) -> GLM | PartitionedGLM:
+    """The method of the catalogue, or Gauss with more stages than the catalogue has."""
+    return gauss(int(name[-1])) if name in ("gauss-6", "gauss-8") else load(name)
+
+
+def energy_error(y: np.ndarray) -> float:
+    """Largest relative deviation of the energy from the initial one."""
+    energy = along(KEPLER.hamiltonian, np.vstack([np.array(KEPLER.y0), y]))
+    return float(np.max(np.abs(energy / energy[0] - 1)))
+
+
+class Integrator:
+    """One method: its error by steps per period, and the run that is timed."""
+
+    def __init__(self, name: str) -> None:
+        self.name, self.method = name, method_of(name)
+        self.seen: dict[int, tuple[float, str]] = {}
+
+    def error(self, n: int) -> float:
+        """Energy error with n steps per period; infinite where the run did not complete."""
+        if n not in self.seen:
+            steps = n * PERIODS
+            run = solve(KEPLER, self.method, h=2 * math.pi / n, steps=steps, every=steps // SAMPLES)
+            error = energy_error(run.y) if run.completed else math.inf
+            self.seen[n] = (error if math.isfinite(error) else math.inf, run.message)
+        return self.seen[n][0]
+
+    def setting(self, goal: float) -> int | None:
+        """Fewest steps per period that reach the goal, there and at the next point of the grid."""
+        for n, following in pairwise(GRID):
+            if self.error(n) <= goal and self.error(following) <= goal:
+                return n
+        return None
+
+    def run(self, n: int) -> tuple[Callable[[], object], int, str]:
+        """The run that is timed, start included; its evaluations; the solver."""
+        h, steps = 2 * math.pi / n, n * PERIODS
+        kernel = prepare(self.method, KEPLER, h=h)
+        engine, y0 = stepper(self.method, KEPLER), np.array(KEPLER.y0)
+        slope, out = np.asarray(KEPLER.f(0.0, y0)), np.zeros(1)
+        tally = np.zeros(6, dtype=np.int64)
+
+        def go() -> None:
+            start = starting_values(engine, None, t=0.0, y0=y0, h=h)
+            state = kernel.state(start.values, slope, h)
+            kernel.built.kernel(
+                state.work, kernel.shape.values, 0.0, h, 0, steps, -1, 0, out, 0, state.tally
+            )
+            tally[:] = state.tally
+
+        go()
+        return go, int(tally[0]), kernel.options.solver if kernel.form.implicit_stages else ""
+
+
+def heyoka_run(tolerance: float, samples: int) -> Callable[[], np.ndarray]:
+    """heyoka's Taylor integrator; with samples, the states at them, else the end alone."""
+    heyoka: Any = import_module("heyoka")
+    x, y, u, v = heyoka.make_vars("x", "y", "u", "v")
+    w = -(heyoka.sum([x**2, y**2]) ** -1.5)
+    y0, end = [float(z) for z in KEPLER.y0], 2 * math.pi * PERIODS
+    system = [(x, u), (y, v), (u, w * x), (v, w * y)]
+    integrator = heyoka.taylor_adaptive(system, y0, tol=tolerance)
+
+    def run() -> np.ndarray:
+        integrator.time, integrator.state[:] = 0.0, y0
+        if samples:
+            times = np.linspace(0.0, end, samples + 1)
+            return np.array(integrator.propagate_grid(times.tolist())[-1])[1:]
+        integrator.propagate_until(end)
+        return np.array([integrator.state])
+
+    return run
+
+
+def scipy_run(tolerance: float, samples: int) -> Callable[[], np.ndarray]:
+    """scipy's DOP853 with a right-hand side of plain Python numbers."""
+    integrate: Any = import_module("scipy.integrate")
+    y0, end = [float(z) for z in KEPLER.y0], 2 * math.pi * PERIODS
+
+    def f(t: float, z: np.ndarray) -> tuple[float, float, float, float]:
+        x, y, u, v = z.tolist()
+        r2 = x * x + y * y
+        w = -1.0 / (r2 * math.sqrt(r2))
+        return u, v, w * x, w * y
+
+    times = np.linspace(0.0, end, samples + 1)[1:] if samples else [end]
+
+    def run() -> np.ndarray:
+        found = integrate.solve_ivp(
+            f, (0.0, end), y0, method="DOP853", rtol=tolerance, atol=tolerance, t_eval=times
+        )
+        return found.y.T
+
+    return run
+
+
+def peer_setting(make: Callable[[float, int], Callable[[], np.ndarray]], goal: float) -> float:
+    """Largest tolerance of the grid that reaches the goal."""
+    return next(x for x in TOLERANCES if energy_error(make(x, SAMPLES)()) <= goal)
+
+
+def measure_all(*, repeats: int = 9) -> list[Row]:
+    """All methods and heyoka at every goal, taking turns; DOP853 at the first goal alone."""
+    rows: list[Row] = []
+    integrators = [Integrator(name) for name in METHODS]
+    for goal in GOALS:
+        runs: dict[str, Callable[[], object]] = {}
+        facts: dict[str, tuple[float, float, int, str]] = {}
+        for one in integrators:
+            n = one.setting(goal)
+            if n is None:
+                best, message = min(one.seen.values())
+                rows.append(Row(one.name, goal, math.nan, best, (), 0, message))
+                continue
+            runs[one.name], evaluations, solver = one.run(n)
+            facts[one.name] = (n, one.error(n), evaluations, solver)
+        peers = {"heyoka": heyoka_run} | ({"scipy DOP853": scipy_run} if goal == GOALS[0] else {})
+        for name, make in peers.items():
+            tolerance = peer_setting(make, goal)
+            runs[name] = make(tolerance, 0)
+            facts[name] = (tolerance, energy_error(make(tolerance, SAMPLES)()), 0, "tolerance")
+        # scipy takes seconds: it takes turns a few times only
+        slow = {"scipy DOP853"} & runs.keys()
+        spent = interleaved({k: x for k, x in runs.items() if k not in slow}, repeats)
+        spent |= interleaved({k: runs[k] for k in slow}, 3)
+        for name, (setting, error, evaluations, note) in facts.items():
+            times = quartiles([1e3 * x for x in spent[name]])
+            rows.append(Row(name, goal, setting, error, times, evaluations, note))
+    return rows

@@ -1,0 +1,100 @@
+"""Ensembles: 10,000 trajectories in lanes against trajectories one by one, in one thread each.
+
+Kepler with eccentricities spread over [0, 0.6] and Hénon-Heiles with initial momenta of one energy.
+The time in lanes is that of the whole call; one by one it is that of the kernel alone, on every
+400th trajectory.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from benchmarks.timing import interleaved, quartiles
+from glmref.catalogue import load
+from glmref.engine.ensemble import solve_ensemble
+from glmref.engine.kernel import prepare
+from glmref.engine.reference import stepper
+from glmref.engine.start import zero_start
+from glmref.problems import problem
+
+__all__ = ["LANES", "METHODS", "PROBLEMS", "Row", "measure_all"]
+
+LANES, STEPS, SAMPLE = 10_000, 1000, 25
+METHODS = ("rk4", "gauss-2", "gauss-3", "s4-symmetric", "g6245", "stormer-verlet")
+
+
+def kepler_starts() -> np.ndarray:
+    """Perihelion of orbits with semi-axis 1, shape (N, 4)."""
+    e = np.linspace(0.0, 0.6, LANES)
+    zero = np.zeros(LANES)
+    return np.stack([1 - e, zero, zero, np.sqrt((1 + e) / (1 - e))], axis=1)
+
+
+def henon_heiles_starts() -> np.ndarray:
+    """The origin with momenta of energy 1/12 in all directions, shape (N, 4)."""
+    angle = np.linspace(0.0, 2 * math.pi, LANES, endpoint=False)
+    zero = np.zeros(LANES)
+    size = math.sqrt(1 / 6)
+    return np.stack([zero, zero, size * np.cos(angle), size * np.sin(angle)], axis=1)
+
+
+PROBLEMS = {
+    "kepler": (kepler_starts, 2 * math.pi / 200),
+    "henon-heiles": (henon_heiles_starts, 0.1),
+}
+
+
+@dataclass(frozen=True)
+class Row:
+    """One method on one problem.
+
+    Attributes
+    ----------
+        nanoseconds: quartiles of the time of one step of one trajectory: in lanes, one by one.
+        gain: the second over the first, medians. width: lanes per block.
+    """
+
+    method: str
+    problem: str
+    width: int
+    nanoseconds: dict[str, tuple[float, float, float]]
+    gain: float
+
+
+def measure(name: str, of: str, *, repeats: int) -> Row:
+    """Time one method on one problem."""
+    starts, h = PROBLEMS[of]
+    initial, subject, method = starts(), problem(of), load(name)
+    options = {"h": h, "steps": STEPS, "start": "zero", "threads": 1}
+    found = solve_ensemble(subject, method, initial, **options)
+    if not found.completed:
+        raise ArithmeticError(f"{name} on {of}: a trajectory did not complete")
+    kernel = prepare(method, replace(subject, y0=tuple(initial[0])), h=h)
+    sample = initial[:: LANES // SAMPLE]
+    values = zero_start(stepper(method, subject), sample)
+    slopes = [np.asarray(subject.f(0.0, y)) for y in sample]
+    par, out = kernel.shape.values, np.zeros(1)
+
+    def one_by_one() -> None:
+        for value, slope in zip(values, slopes, strict=True):
+            state = kernel.state(value, slope, h)
+            kernel.built.kernel(state.work, par, 0.0, h, 0, 10 * STEPS, -1, 0, out, 0, state.tally)
+
+    spent = interleaved(
+        {
+            "lanes": lambda: solve_ensemble(subject, method, initial, **options),
+            "single": one_by_one,
+        },
+        repeats,
+    )
+    per = {"lanes": LANES * STEPS, "single": len(sample) * STEPS * 10}
+    times = {key: quartiles([1e9 * x / per[key] for x in spent[key]]) for key in per}
+    return Row(name, of, found.width, times, times["single"][1] / times["lanes"][1])
+
+
+def measure_all(*, repeats: int = 5) -> list[Row]:
+    """Every method on every problem."""
+    return [measure(name, of, repeats=repeats) for of in PROBLEMS for name in METHODS]

@@ -1,0 +1,159 @@
+"""What stiff problems cost: evaluations, Jacobians and matrices, beside scipy's Radau and BDF.
+
+A diagonally implicit method solves one stage at a time: its matrices are n by n, n the number of
+unknowns of a stage (half of the components for q'' = g(q)), one for each Jacobian and each distinct
+diagonal entry; a fully implicit one with s stages needs a matrix of s n unknowns. What is measured
+here is a fixed step against an adaptive one, and says so.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from ..claims import UsageError
+from ..engine.kernel import Kernel, prepare
+from ..method import GLM
+from ..problems.model import Problem
+from .attempt import attempt
+from .records import finite
+from .work_precision import reference_state, state_error
+
+__all__ = ["Matrices", "StiffCost", "matrices_of", "peer_cost", "stiff_cost"]
+
+
+@dataclass(frozen=True)
+class Matrices:
+    """Newton matrices of a compiled kernel.
+
+    Attributes
+    ----------
+        size: rows of the largest. distinct: how many are factored for each Jacobian.
+        inline: whether they are written out and inverted in place, afresh at every stage (up to
+            three unknowns), instead of kept from step to step.
+    """
+
+    size: int
+    distinct: int
+    inline: bool
+
+
+@dataclass(frozen=True)
+class StiffCost:
+    """What one run cost, and how good it was.
+
+    Attributes
+    ----------
+        name: method or solver. problem: what was solved. t_end: end of the run.
+        h: step size, or ``None`` for an adaptive solver. tolerance: relative, of an adaptive one.
+        outcome: how it ended. error: of the last state, relative.
+        evaluations: of the right-hand side. jacobians: evaluated. matrices: factored, each of
+            ``size`` rows.
+    """
+
+    name: str
+    problem: str
+    t_end: float
+    h: float | None
+    tolerance: float | None
+    outcome: str
+    error: float | None
+    evaluations: int
+    jacobians: int
+    matrices: int
+    size: int
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the record in JSON's types."""
+        record = {key: getattr(self, key) for key in self.__dataclass_fields__}
+        return record | {"error": finite(self.error)}
+
+
+def matrices_of(method: GLM, problem: Problem, *, h: float) -> Matrices:
+    """Read off a kernel which Newton matrices it uses.
+
+    Raises
+    ------
+        UsageError: for a method without implicit stages.
+    """
+    kernel = prepare(method, problem, h=h, solver="newton")
+    return _matrices(kernel)
+
+
+def _matrices(kernel: Kernel) -> Matrices:
+    if not kernel.form.implicit_stages:
+        raise UsageError("an explicit method has no Newton matrices")
+    unknowns = kernel.shape.half if kernel.shape.halved else kernel.shape.dimension
+    places = [
+        line.strip()
+        for line in kernel.source.text.splitlines()
+        if line.strip().startswith("factor(")
+    ]
+    if not places:
+        return Matrices(unknowns, 1, True)
+    rows = {int(place.partition("reshape((")[2].partition(",")[0]) for place in places}
+    return Matrices(max(rows), len(set(places)), False)
+
+
+def stiff_cost(problem: Problem, method: GLM, *, h: float, steps: int) -> StiffCost:
+    """Run a method with Newton's method at a fixed step and count.
+
+    Where stages are solved inline every solve has a Jacobian and a matrix of its own.
+    """
+    found = attempt(problem, method, h=h, steps=steps, solver="newton", start=None)
+    matrices = matrices_of(method, problem, h=h)
+    run = found.solution
+    if run is None:
+        return StiffCost(
+            method.name, problem.name, steps * h, h, None, found.outcome, None, 0, 0, 0,
+            matrices.size,
+        )  # fmt: skip
+    implicit = len(method.implicit_stages)
+    jacobians = run.steps * implicit if matrices.inline else run.factorisations
+    error = None
+    if run.completed:
+        reference = reference_state(problem, float(run.t[-1]))
+        error = state_error(np.asarray(run.y[-1]), reference)
+    return StiffCost(
+        name=method.name,
+        problem=problem.name,
+        t_end=steps * h,
+        h=h,
+        tolerance=None,
+        outcome=found.outcome,
+        error=error,
+        evaluations=run.total_evaluations,
+        jacobians=jacobians,
+        matrices=jacobians * matrices.distinct,
+        size=matrices.size,
+    )
+
+
+def peer_cost(problem: Problem, solver: str, *, tolerance: float, t_end: float) -> StiffCost:
+    """Run scipy's ``"Radau"`` or ``"BDF"`` with the problem's Jacobian and count."""
+    integrate = import_module("scipy.integrate")
+    start = float(problem.t_span[0])
+    floor = tolerance * 1e-2 * float(np.max(np.abs(problem.y0)))
+    solved = integrate.solve_ivp(
+        problem.f, (start, start + t_end), problem.y0, method=solver, rtol=tolerance, atol=floor,
+        jac=problem.jacobian,
+    )  # fmt: skip
+    error = None
+    if solved.success:
+        error = state_error(solved.y[:, -1], reference_state(problem, start + t_end))
+    return StiffCost(
+        name=f"scipy {solver}",
+        problem=problem.name,
+        t_end=t_end,
+        h=None,
+        tolerance=tolerance,
+        outcome="completed" if solved.success else "gave up",
+        error=error,
+        evaluations=int(solved.nfev),
+        jacobians=int(solved.njev),
+        matrices=int(solved.nlu),
+        size=problem.dimension,
+    )

@@ -1,0 +1,86 @@
+"""Order reduction: on Prothero and Robinson's problem methods fall to the order their stages allow.
+
+With z = h lambda fixed at -1e10 the stage defects, of order q + 1, are all that is left of the
+error. They add up over 1/h steps where ``M(infinity)`` has the eigenvalue 1, and do not elsewhere.
+Both, the stage order q and M(infinity), are computed exactly by the theory.
+"""
+
+import pytest
+
+from glmref.catalogue import load
+from glmref.exact import Exact
+from glmref.experiments.reduction import observed_order, smooth_start
+from glmref.facts import GLMFacts
+from glmref.problems import problem
+from glmref.theory import polynomials as poly
+from glmref.theory.stability import at_infinity
+
+METHODS = (
+    "gauss-1", "gauss-2", "gauss-3", "gauss-4", "radau-ia-2", "radau-ia-3", "radau-iia-1",
+    "radau-iia-2", "radau-iia-3", "lobatto-iiia-2", "lobatto-iiia-3", "lobatto-iiia-4",
+    "lobatto-iiib-3", "lobatto-iiic-2", "lobatto-iiic-3", "lobatto-iiic-4", "lobatto-iiid-3",
+    "lobatto-iiie-3", "sdirk-2", "sdirk-3", "sdirk-4", "tr-bdf2", "yoshida-4", "implicit-midpoint",
+    "gsymplectic-p", "bdf-1", "bdf-2", "bdf-4",
+)  # fmt: skip
+#: Quick ones, one of each kind: damped, alternating, adding up, stiffly accurate, several values.
+QUICK = {"gauss-2", "gauss-3", "radau-ia-2", "sdirk-4", "gsymplectic-p"}
+
+Z = -1e10
+#: Errors are a h^p + b h^(p+1) + ..: at h = 1/16 and 1/32 the second term moves the observed order
+#: by b h/(2 a log 2), one fifth for |b/a| = 4. The methods above stay below that.
+WITHIN = 0.2
+
+
+def adds_up(method):
+    """Whether M(infinity) has the eigenvalue one."""
+    return poly.evaluate(at_infinity(method).polynomial, Exact(1)).is_zero() is True
+
+
+def predicted(method):
+    q = GLMFacts(method).order.stage_order
+    return q if adds_up(method) else q + 1
+
+
+def marked(names):
+    return [pytest.param(n, marks=() if n in QUICK else pytest.mark.slow) for n in names]
+
+
+@pytest.mark.parametrize("name", marked(METHODS))
+def test_the_order_falls_to_what_the_stage_order_allows(name):
+    method = load(name)
+    found = observed_order(method, z=Z, steps=(32, 64))
+    assert found.order == pytest.approx(predicted(method), abs=WITHIN), found
+
+
+#: Those whose classical order is higher than what is left of it: without stiffness it is back.
+REDUCED = (
+    "gauss-2", "gauss-3", "gauss-4", "radau-ia-2", "radau-ia-3", "radau-iia-3", "lobatto-iiia-3",
+    "lobatto-iiib-3", "lobatto-iiic-3", "lobatto-iiic-4", "lobatto-iiid-3", "lobatto-iiie-3",
+    "sdirk-3", "sdirk-4", "yoshida-4", "gsymplectic-p",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("name", marked(REDUCED))
+def test_without_stiffness_the_same_methods_have_their_classical_order(name):
+    method = load(name)
+    classical = method.claims["order"]
+    assert classical > predicted(method)
+    found = observed_order(method, steps=(32, 64))
+    assert found.order == pytest.approx(classical, abs=WITHIN), found
+
+
+def test_a_composition_can_do_better_than_the_bound():
+    """Two halves of the midpoint rule: what the first adds at infinity the second takes away."""
+    method = load("qin-zhang-2")
+    assert predicted(method) == 1
+    assert observed_order(method, z=Z, steps=(16, 32)).order == pytest.approx(2, abs=WITHIN)
+
+
+def test_the_smooth_start_is_the_exact_start_of_a_past_value_method():
+    import math
+
+    values = smooth_start(load("bdf-2"), h=0.1).ravel()
+    # y_n and, in one form or another, y_{n-1}: the enhanced start of order 2 errs by h^3
+    assert values[0] == 1.0
+    assert min(abs(v - math.cos(0.1)) for v in values) < 1e-3
+    assert problem("prothero-robinson").y0[0] == 1.0

@@ -1,0 +1,168 @@
+"""Wrong integrators, continued: arithmetic, manners, runs, and claims of integrators of their own."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+
+from glmref.conformance.adapters.reference import Adapter as Reference
+
+from .planted import PLANTED, Base, planted
+
+__all__ = ["PLANTED", "Foreign"]
+
+# --- arithmetic and manners ---------------------------------------------------------------------
+
+
+@planted("step", "single precision", methods=("rk4",))
+class SinglePrecision(Base):
+    without = ("stages",)
+
+    def step(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
+        return super().step(method, problem, t, y, h).astype(np.float32)
+
+
+@planted("repeatable", "keeps something from call to call", methods=("dormand-prince-5",))
+class LastSlopeKept(Base):
+    """First same as last, but the slope of the last call is used whatever the new input is."""
+
+    without = ("stages", "solve")
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.last: Any = None
+
+    def step(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
+        first = problem.f(t, y) if self.last is None or len(self.last) != len(y) else self.last
+        engine = self._engine(method, problem)
+        slopes = [first]
+        for i in range(1, 7):
+            at = y + h * sum(engine.A[i, j] * k for j, k in enumerate(slopes))
+            slopes.append(problem.f(t + engine.c[i] * h, at))
+        self.last = slopes[-1]
+        return y + h * sum(b * k for b, k in zip(engine.B[0], slopes, strict=True))
+
+
+@planted("answer", "changes the array", methods=("rk4",))
+class InputOverwritten(Base):
+    def step(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
+        y[...] = super().step(method, problem, t, y, h)
+        return y
+
+
+@planted("answer", "must return shape (1, 2)", methods=("rk4",))
+class TimeAppended(Base):
+    def step(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
+        return np.append(super().step(method, problem, t, y, h), t + h)
+
+
+@planted("answer", "not finite", methods=("gauss-2",))
+class NotANumber(Base):
+    def step(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
+        return super().step(method, problem, t, y, h) * np.nan
+
+
+@planted("step", "raised ZeroDivisionError", methods=("rk4",))
+class RaisesInTwoDimensions(Base):
+    without = ("stages",)
+
+    def step(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
+        if problem.dimension == 4:
+            raise ZeroDivisionError("radius")
+        return super().step(method, problem, t, y, h)
+
+
+# --- runs ---------------------------------------------------------------------------------------
+
+
+class RunOnly(Base):
+    """Shows nothing but ``solve``."""
+
+    without = ("step", "stages", "start", "finish")
+
+    def solve(
+        self, method: str, problem: Any, h: float, steps: int, start: Any = None
+    ) -> np.ndarray:
+        return Reference.solve(_Whole(self.methods), method, problem, h, steps, start)
+
+
+class _Whole(Reference):
+    pass
+
+
+@planted("trajectory", "TimeNotAdvanced", methods=("rk4",))
+class TimeNotAdvanced(RunOnly):
+    def solve(
+        self, method: str, problem: Any, h: float, steps: int, start: Any = None
+    ) -> np.ndarray:
+        rows, t0 = [np.array(problem.y0)], problem.t_span[0]
+        for _ in range(steps):
+            rows.append(Reference.step(self, method, problem, t0, rows[-1], h)[0])
+        return np.array(rows)
+
+
+@planted("trajectory", "StepMissing", methods=("gauss-2",))
+class StepMissing(RunOnly):
+    def solve(
+        self, method: str, problem: Any, h: float, steps: int, start: Any = None
+    ) -> np.ndarray:
+        return super().solve(method, problem, h, steps - 1, start)[-1]
+
+
+@planted("trajectory", "StepHalved", methods=("rk4",))
+class StepHalved(RunOnly):
+    def solve(
+        self, method: str, problem: Any, h: float, steps: int, start: Any = None
+    ) -> np.ndarray:
+        return super().solve(method, problem, h / 2, 2 * steps, start)[::2]
+
+
+@planted("trajectory", "StartZeroed", methods=("gsymplectic-n",))
+class RunWithoutStart(RunOnly):
+    def solve(
+        self, method: str, problem: Any, h: float, steps: int, start: Any = None
+    ) -> np.ndarray:
+        y0 = np.array(problem.y0)
+        return super().solve(method, problem, h, steps, np.stack([y0, 0 * y0]))
+
+
+@planted("trajectory", "FinishSkipped", methods=("g4123",))
+class RunWithoutFinish(RunOnly):
+    def solve(
+        self, method: str, problem: Any, h: float, steps: int, start: Any = None
+    ) -> np.ndarray:
+        whole = _Whole(self.methods)
+        values, t0 = whole.start(method, problem, h), problem.t_span[0]
+        for n in range(steps):
+            values = whole.step(method, problem, t0 + n * h, values, h)
+        return values[0]
+
+
+# --- claims of integrators outside the catalogue ------------------------------------------------
+
+
+class Foreign:
+    """A method the catalogue lacks, with claims of its own."""
+
+    def step(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
+        f = problem.f
+        k1 = f(t, y)
+        k2 = f(t + h / 2, y + h / 2 * k1)
+        k3 = f(t + h / 2, y + h / 2 * k2)
+        return y + h / 6 * (k1 + 2 * k2 + 2 * k3 + f(t + h, y + h * k3))
+
+
+@planted("order", "falls like h^", "not h^5", methods=("mine",))
+class OrderOverclaimed(Foreign):
+    methods: ClassVar = {"mine": {"order": 5}}
+
+
+@planted("symplectic", "M^T J M", methods=("mine",))
+class SymplecticityOverclaimed(Foreign):
+    methods: ClassVar = {"mine": {"order": 4, "symplectic": True}}
+
+
+@planted("symmetric", "one back miss the beginning", methods=("mine",))
+class SymmetryOverclaimed(Foreign):
+    methods: ClassVar = {"mine": {"order": 4, "symmetric": True}}

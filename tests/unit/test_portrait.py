@@ -1,0 +1,72 @@
+"""The picture of a method shows what is there: the region's size, its axis, the tableau's zeros."""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import pytest
+
+from glmref.catalogue import load
+from glmref.cli import main
+from glmref.portrait import portrait
+
+SVG = "{http://www.w3.org/2000/svg}"
+NAMES = ["rk4", "gauss-2", "g6245-w3", "bdf-3", "pair-4-4", "stormer-verlet", "leapfrog"]
+
+
+def squares(text: str) -> list[str]:
+    """Colours of the squares of the sparsity pattern."""
+    root = ElementTree.fromstring(text)
+    return [
+        fill
+        for rect in root.iter(f"{SVG}rect")
+        if (fill := rect.get("fill", "")) in ("#0072b2", "#d55e00")
+    ]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_it_is_a_document_without_script_that_names_the_method(name: str) -> None:
+    text = portrait(load(name))
+    root = ElementTree.fromstring(text)
+    assert root.get("aria-label") == name
+    assert "<script" not in text and "nan" not in text
+    width, height = float(root.get("width", "0")), float(root.get("height", "0"))
+    for label in root.iter(f"{SVG}text"):
+        assert 0 <= float(label.get("x", "-1")) <= width
+        assert 0 <= float(label.get("y", "-1")) <= height
+
+
+def test_the_interval_on_the_axis_is_that_of_the_method() -> None:
+    # Hairer, Wanner (1996), section IV.2: 2 sqrt 2 = 2.828 for the four-stage methods of order 4
+    assert "growth below 1e-7 up to 2.828" in portrait(load("rk4"))
+    assert "growth below 1e-7 throughout" in portrait(load("gauss-2"))
+    assert "growth below 1e-7 up to 2<" in portrait(load("stormer-verlet"))
+
+
+def test_a_square_stands_for_each_entry_that_is_not_zero() -> None:
+    # rk4: 3 in A, 4 in U, 4 in B, 1 in V; nothing on or above the diagonal of A
+    assert squares(portrait(load("rk4"))) == ["#0072b2"] * 12
+    method = load("g6245-w3")
+    entries = [
+        x for block in (method.A, method.U, method.B, method.V) for row in block for x in row
+    ]
+    drawn = squares(portrait(method))
+    assert len(drawn) == sum(not x.is_zero() for x in entries)
+    assert drawn.count("#d55e00") == len(method.implicit_stages) == 3
+
+
+def test_a_symplectic_method_has_no_area_and_an_explicit_one_has() -> None:
+    filled = re.compile(r'<path d="M[^"]*z" fill="#9ecae9"')
+    assert filled.search(portrait(load("rk4")))
+    assert not filled.search(portrait(load("gsymplectic-n")))
+
+
+def test_the_command_writes_the_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    target = tmp_path / "it.svg"
+    assert main(["show", "rk4", "--plot", str(target)]) == 0
+    assert target.read_text(encoding="utf-8") == portrait(load("rk4"))
+    assert main(["show", "rk4", "--plot", str(tmp_path / "it.png")]) == 2
+    assert "give a name such as it.svg" in capsys.readouterr().err
+    assert main(["show", "rk4", "--plot", str(tmp_path / "no" / "it.svg")]) == 2
