@@ -43,6 +43,7 @@ _MODULES = {
         "zero-field",
     ),
     "quadratic": ("point-vortices", "rigid-body", "skew-quadratic"),
+    "sundman": ("kepler-sundman",),
     "stiff": (
         "dahlquist",
         "hires",

@@ -1,0 +1,182 @@
+"""Sundman's time transformation that keeps the structure: a variable step that is no variable step.
+
+With dt = g(y) ds small steps are taken where g is small, at a constant step in s. Applied to the
+equations alone it would destroy the Hamiltonian form; applied to the Hamiltonian it does not:
+
+    K(q, t, p, w) = g(q) (H(q, p) + w),        w = -H at the start
+
+is a Hamiltonian in the extended phase space, with t as a coordinate and w as its momentum. On K = 0
+its flow in s is that of H in t. A symplectic or G-symplectic method with a constant step in s then
+keeps what it keeps.
+
+References
+----------
+Sundman, Acta Math. 36 (1912) 105-179.
+Hairer, Lubich and Wanner, "Geometric Numerical Integration" (2006), section VIII.2.1 (Poincaré's
+transformation; Darboux-Sundman as (2.1)). Leimkuhler and Reich, "Simulating Hamiltonian Dynamics"
+(2004), section 9.2.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from ..claims import UsageError
+from .derivative import differentiated
+from .formula import Formula
+from .loops import QuadraticForm
+from .model import Problem
+from .precision import Flow
+from .ranges import number
+
+__all__ = ["kepler_sundman", "time_transformed"]
+
+
+def kepler_sundman(eccentricity: object = "9/10") -> Problem:
+    """Kepler's problem in the time s with dt = r ds: y = (q1, q2, t, p1, p2, w), w = -H.
+
+    s is the eccentric anomaly: an orbit takes 2 pi of it, and its ends get as many steps as its
+    middle. K = r (p1**2 + p2**2)/2 - 1 + r w.
+    """
+    e = number(eccentricity, "eccentricity", least=0, below=1)
+    parameters = {"eccentricity": e}
+    f = Formula(
+        common=(
+            ("r", "sqrt(y[0]*y[0] + y[1]*y[1])"),
+            ("k", "-((y[3]*y[3] + y[4]*y[4])/2 + y[5])/r"),
+        ),
+        outputs=("r*y[3]", "r*y[4]", "r", "k*y[0]", "k*y[1]", "0"),
+        parameters=parameters,
+    )
+    return Problem(
+        name="kepler-sundman",
+        source="HLW, section I.2.2, in the time of section VIII.2.1",
+        parameters=parameters,
+        f=f,
+        y0=(
+            "1 - eccentricity", 0, 0, 0, "sqrt((1 + eccentricity)/(1 - eccentricity))", "1/2",
+        ),
+        t_span=(0.0, 62.83185307179586),
+        hamiltonian="sqrt(y[0]*y[0] + y[1]*y[1])*((y[3]*y[3] + y[4]*y[4])/2 + y[5]) - 1",
+        quadratic={"angular momentum": QuadraticForm({(0, 4): 1, (1, 3): -1}, 6)},
+        observables={"energy": "(y[3]*y[3] + y[4]*y[4])/2 - 1/sqrt(y[0]*y[0] + y[1]*y[1])"},
+        canonical=True,
+        exact=Flow(_flow, parameters),
+        scales={"period": 6.283185307179586, "time": float((1 - e) ** 0.5), "length": float(1 - e)},
+    )  # fmt: skip
+
+
+def _flow(s: Any, y0: Sequence[Any], _: Mapping[str, Any], ctx: Any) -> list[Any]:
+    """Advance (q, t, p, w) by s: elliptic motion about a centre of strength 1 + K.
+
+    Stumpff's functions for a constant w > 0; see Leimkuhler and Reich, section 9.2, for K = 0.
+    """
+    q, t, p, w = y0[:2], y0[2], y0[3:5], y0[5]
+    r0 = ctx.hypot(*q)
+    if not r0 or w <= 0:
+        raise UsageError("the exact flow needs bodies apart and w > 0, that is, an ellipse")
+    strength = r0 * ((p[0] * p[0] + p[1] * p[1]) / 2 + w)
+    b, sigma = ctx.sqrt(2 * w), q[0] * p[0] + q[1] * p[1]
+    g0, g1 = ctx.cos(b * s), ctx.sin(b * s) / b
+    g2, g3 = (1 - g0) / (2 * w), (s - g1) / (2 * w)
+    r = r0 * g0 + sigma * g1 + strength * g2
+    f, g = 1 - strength * g2 / r0, r0 * g1 + sigma * g2
+    df, dg = -strength * g1 / (r * r0), 1 - strength * g2 / r
+    time = t + r0 * g1 + sigma * g2 + strength * g3
+    pairs = list(zip(q, p, strict=True))
+    moved = [f * x + g * v for x, v in pairs]
+    return [*moved, time, *(df * x + dg * v for x, v in pairs), w]
+
+
+def time_transformed(problem: Problem, rate: str) -> Problem:
+    """Return the problem in the time s with dt = rate ds, Hamiltonian again.
+
+    Args:
+        problem: canonical, with a Hamiltonian and initial values given as expressions or numbers.
+        rate: positive expression in ``y[0]``, ... and the problem's parameters, small where small
+            steps are wanted; for the symplectic form it may use positions and momenta alike.
+
+    Returns
+    -------
+        A problem in y = (q, t, p, w), two components more.
+
+    Raises
+    ------
+        UsageError: for a problem that is not canonical or not given as expressions.
+    """
+    energy = problem.hamiltonian
+    if not problem.canonical or not isinstance(energy, Formula):
+        raise UsageError(
+            f"{problem.name} must be canonical with its Hamiltonian as an expression; give one"
+        )
+    if callable(problem.initial):
+        raise UsageError(f"{problem.name} must give its initial value as numbers or expressions")
+    m = problem.dimension // 2
+    known = [f"({x})" if isinstance(x, str) else repr(x) for x in _listed(problem.initial)]
+    moved = {i: f"y[{i if i < m else i + 1}]" for i in range(2 * m)}
+    wanted = Formula((rate,), variables=("y",), parameters=problem.parameters, shape=())
+    names = dict(energy.common)
+    text = _expanded(energy.outputs[0], names)
+    K = f"({_renamed(wanted.outputs[0], moved)})*({_renamed(text, moved)} + y[{2 * m + 1}])"
+    whole = Formula((K,), variables=("y",), parameters=problem.parameters, shape=())
+    slopes = differentiated(whole, 2 * m + 2)
+    half = m + 1
+    f = Formula(
+        outputs=(*slopes.outputs[half:], *(f"-({x})" for x in slopes.outputs[:half])),
+        common=slopes.common,
+        parameters=problem.parameters,
+    )
+    start = _renamed(text, dict(enumerate(known)))
+    return Problem(
+        name=f"{problem.name}, transformed",
+        source=f"{problem.source}; dt = ({rate}) ds",
+        parameters=problem.parameters,
+        f=f,
+        y0=(*known[:m], 0, *known[m:], f"-({start})"),
+        t_span=problem.t_span,
+        hamiltonian=K,
+        quadratic={name: _spread(form, m) for name, form in problem.quadratic.items()},
+        canonical=True,
+        scales={"time": float(problem.scales.get("time", 1.0))},
+    )
+
+
+def _listed(initial: Any) -> list[Any]:
+    return initial.tolist() if hasattr(initial, "tolist") else list(initial)
+
+
+class _Rename(ast.NodeTransformer):
+    """Replaces components and named subexpressions by expressions."""
+
+    def __init__(self, components: Mapping[int, str], names: Mapping[str, str]) -> None:
+        self.components, self.names = components, names
+
+    def visit_Subscript(self, node: ast.Subscript) -> ast.expr:
+        assert isinstance(node.slice, ast.Constant) and isinstance(node.slice.value, int)
+        new = self.components.get(node.slice.value)
+        return node if new is None else ast.parse(new, mode="eval").body
+
+    def visit_Name(self, node: ast.Name) -> ast.expr:
+        if node.id not in self.names:
+            return node
+        return self.visit(ast.parse(f"({self.names[node.id]})", mode="eval").body)
+
+
+def _renamed(text: str, components: Mapping[int, str]) -> str:
+    return ast.unparse(_Rename(components, {}).visit(ast.parse(text, mode="eval")))
+
+
+def _expanded(text: str, names: Mapping[str, str]) -> str:
+    return ast.unparse(_Rename({}, names).visit(ast.parse(text, mode="eval")))
+
+
+def _spread(form: QuadraticForm, m: int) -> QuadraticForm:
+    """The same form in the extended phase space."""
+
+    def place(i: int) -> int:
+        return i if i < m else i + 1
+
+    terms = {(place(i), place(j)): value for (i, j), value in form.terms.items()}
+    return QuadraticForm(terms, 2 * m + 2)
