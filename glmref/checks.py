@@ -185,11 +185,12 @@ def _values_agree(
         difference = x - (text.value if isinstance(text, Text) else parse(str(text)))
         size = difference.magnitude()
         answer = _decision(facts, difference.is_zero(), size)
-        if answer is not True:
+        if answer is not True:  # the first that fails is named, or else the first left open
+            if not witness or (answer is False and holds is not False):
+                witness = f"number {k + 1} of the {what} is {value[k]}, declared is {text}"
             holds = all_of((holds, answer))
-        if difference.is_zero() is not True and size > residual:
-            residual = size
-            witness = f"number {k + 1} of the {what} is {value[k]}, declared is {text}"
+        if difference.is_zero() is not True:
+            residual = max(residual, size)
     return Outcome(holds, value, residual, "" if holds else witness)
 
 

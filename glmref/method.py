@@ -141,8 +141,10 @@ class GLM:
 
     Attributes
     ----------
-        A: (s, s) stages on stages. U: (s, r) values on stages.
-        B: (r, s) stages on values. V: (r, r) values on values.
+        A: (s, s) stages on stages.
+        U: (s, r) values on stages.
+        B: (r, s) stages on values.
+        V: (r, r) values on values.
         name: the name its file gives it.
         G: (r, r) quadratic form its source gives, or ``None``; a claim, checked like the rest.
         D: (s,) diagonal its source gives, or ``None``.
@@ -312,10 +314,10 @@ class PartitionedGLM:
 
     Attributes
     ----------
-        A: (n_Q, n_P). U: (n_Q, r). B: (r, n_P). V: (r, r): the method for q.
-        A_hat: (n_P, n_Q). U_hat: (n_P, r^). B_hat: (r^, n_Q). V_hat: (r^, r^): the method for p.
+        A, U, B, V: the method for q, (n_Q, n_P), (n_Q, r), (r, n_P), (r, r).
+        A_hat, U_hat, B_hat, V_hat: the method for p, (n_P, n_Q), (n_P, r^), (r^, n_Q), (r^, r^).
         G: (r, r^) bilinear form its source gives, or ``None``.
-        D_P: (n_P,) and D_Q: (n_Q,) diagonals its source gives, or ``None``.
+        D_P, D_Q: (n_P,) and (n_Q,) diagonals its source gives, or ``None``.
         separable: whether the pair is meant for separable systems only (two stage sets).
         starting_q, starting_p: starting methods of the two components, or ``None``.
         name, claims, source, document: as in :class:`GLM`.

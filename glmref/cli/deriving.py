@@ -21,6 +21,7 @@ __all__ = ["derive"]
 @click.command(
     short_help="Derive methods, with proofs.",
     context_settings={"ignore_unknown_options": True, "allow_extra_args": True},
+    add_help_option=False,
 )
 @click.argument("recipe", metavar="[RECIPE|ANSATZ.toml]", required=False)
 @click.option(
@@ -35,8 +36,11 @@ __all__ = ["derive"]
     default="table",
     help="Statements and files as text, or as one JSON record.",
 )
+@click.option("-h", "--help", "wanted", is_flag=True, help="Show this message, or a recipe's.")
 @click.pass_context
-def derive(context: click.Context, recipe: str | None, output: Path | None, form: str) -> int:
+def derive(
+    context: click.Context, recipe: str | None, output: Path | None, form: str, wanted: bool
+) -> int:
     """Derive methods and prove them; without a recipe, list the recipes and their options.
 
     Options of the recipe follow it, as in: glmref derive order6 --c2 1/3 --z "exp(2*pi*i/3)".
@@ -45,16 +49,26 @@ def derive(context: click.Context, recipe: str | None, output: Path | None, form
     """
     from ..derive import recipes
 
+    if wanted:
+        say(context.get_help() if recipe is None else _help(recipe))
+        return HOLDS
     if recipe is None:
-        say(_listing(recipes.names(), recipes.describe, recipes.options_of))
+        say(_listing() if form == "table" else json_text(_recipes()))
         return HOLDS
     options = _options(context.args)
     if recipe.endswith(".toml"):
         options, recipe = {"ansatz": recipe, **options}, "search"
     if output is not None:
         output.mkdir(parents=True, exist_ok=True)
-    with _Bar() as bar:
-        found = recipes.run(recipe, options, bar.progress)
+    try:
+        with _Bar() as bar:
+            found = recipes.run(recipe, options, bar.progress)
+    except KeyboardInterrupt:
+        if recipe == "search":
+            state = options.get("state")
+            how = f"the same command goes on from {state}" if state else "add --state FILE"
+            click.echo(f"to go on later: {how}", err=True)
+        raise
     if form == "json":
         say(json_text(_record(found)))
     else:
@@ -84,14 +98,45 @@ def _options(words: Sequence[str]) -> dict[str, str]:
     return options
 
 
-def _listing(names: Sequence[str], describe: Any, options_of: Any) -> str:
+def _listing() -> str:
+    """The recipes and their options, two lines each."""
+    from ..derive import recipes
+
     lines: list[str] = []
-    for name in names:
-        lines.append(f"{name:16}{describe(name)}")
-        known = " ".join(f"--{key} {value or '...'}" for key, value in options_of(name).items())
+    for name in recipes.names():
+        lines.append(f"{name:16}{recipes.describe(name)}")
+        options = recipes.options_of(name).items()
+        known = " ".join(f"--{key} {value or '...'}" for key, value in options)
         if known:
             lines.append(f"{'':16}{known}")
     return "\n".join(lines)
+
+
+def _recipes() -> dict[str, Any]:
+    from ..derive import recipes
+
+    found = [
+        {"name": x, "what": recipes.describe(x), "options": dict(recipes.options_of(x))}
+        for x in recipes.names()
+    ]
+    return {"format": "glmref-recipes-1", "recipes": found}
+
+
+def _help(recipe: str) -> str:
+    """What a recipe does, and its options with their defaults."""
+    from ..derive import recipes
+
+    name = "search" if recipe.endswith(".toml") else recipe
+    options = recipes.options_of(name)
+    usage = f"Usage: glmref derive {recipe} [OPTIONS]"
+    width = max((len(x) for x in options), default=0)
+    known = [
+        f"  --{key:{width}}  {f'default: {value}' if value else 'no default'}"
+        for key, value in options.items()
+    ]
+    listed = ["Options:", *known] if known else ["It has no options of its own."]
+    general = "See `glmref derive --help` for --output and --format."
+    return "\n".join([usage, "", recipes.explain(name), "", *listed, "", general])
 
 
 def _record(found: Derivation) -> dict[str, Any]:
@@ -150,3 +195,4 @@ class _Bar:
         self.bar.total = total
         self.bar.set_description_str(what, refresh=False)
         self.bar.update(done - self.bar.n)
+        self.bar.refresh()

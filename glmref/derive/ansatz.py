@@ -112,8 +112,11 @@ class Ansatz:
         """
         try:
             table = tomllib.loads(path.read_text(encoding="utf-8"))
-        except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-            raise DataError(f"{path.name}: the ansatz cannot be read ({error})") from None
+        except OSError as error:
+            reason = (error.strerror or "it cannot be opened").lower()
+            raise DataError(f"the ansatz {str(path)!r} cannot be read: {reason}") from None
+        except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+            raise DataError(f"{path.name}: the ansatz is not TOML ({error})") from None
         for key in table:
             if key not in cls.__dataclass_fields__:
                 raise DataError(

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-import mpmath
 import numpy as np
 
 from ..linalg import Matrix
@@ -28,6 +27,8 @@ class Arithmetic:
         self.digits = digits
         self.context: Any = None
         if digits is not None:
+            import mpmath  # only here: a run in double precision does not load it
+
             self.context = mpmath.MPContext()
             self.context.dps = digits
 
@@ -42,6 +43,8 @@ class Arithmetic:
             return complex(x) if hasattr(x, "is_real") and not x.is_real() else float(x)
         if not hasattr(x, "to_mpf"):
             return self.context.mpf(x)
+        import mpmath
+
         with mpmath.workdps(self.context.dps + 5):
             return self.context.convert(x.to_mpf())
 

@@ -117,6 +117,7 @@ def build(
     functions: Mapping[str, Callable[..., Any]] | None = None,
     *,
     pack: bool = False,
+    wide: bool = False,
 ) -> Built:
     """Compile a module: by the translator, by numba, or not at all.
 
@@ -125,14 +126,14 @@ def build(
         arguments: names and kinds of its arguments (:data:`.native.KINDS`).
         functions: Python callables the source calls by name; with any, nothing is cached on disk
             because their code is not part of the source.
-        pack: see :func:`.native.compile_kernel`.
+        pack, wide: see :func:`.native.compile_kernel`.
     """
     types = ", ".join(_NUMBA_TYPES[kind] for kind in arguments.values())
     signature = f"int64({types})"
     if functions:
         return _build_around(source, signature, functions)
     try:
-        return _native(source, tuple(arguments.items()), pack)
+        return _native(source, tuple(arguments.items()), pack, wide)
     except (ImportError, native.Unsupported):
         pass
     try:
@@ -145,14 +146,14 @@ def build(
 
 
 @lru_cache(maxsize=256)
-def _native(source: str, arguments: tuple[tuple[str, str], ...], pack: bool) -> Built:
+def _native(source: str, arguments: tuple[tuple[str, str], ...], pack: bool, wide: bool) -> Built:
     import llvmlite
 
     key = "\n".join(
-        (source, str(pack), llvmlite.__version__, native.target_name(), platform.machine())
+        (source, f"{pack} {wide}", llvmlite.__version__, native.target_name(), platform.machine())
     )
     path = cache_folder() / f"glmref_kernel_{hashlib.sha256(key.encode()).hexdigest()[:24]}.o"
-    kernel = native.compile_kernel(source, dict(arguments), path, pack=pack)
+    kernel = native.compile_kernel(source, dict(arguments), path, pack=pack, wide=wide)
     return Built(kernel, "native", path)
 
 

@@ -289,12 +289,20 @@ class LaneTarget(Target):
         self.width = width
         #: Vectors, and components of them, that live and die within one pass over the lanes.
         self.local: dict[str, range] = {}
+        #: Vectors that last, where all others live and die within one pass.
+        self.lasting: frozenset[str] | None = None
 
     def ref(self, name: str, c: int) -> str:
         """See :class:`Target`."""
-        if name.startswith("F") or c in self.local.get(name, ()):
+        if self._passing(name) or c in self.local.get(name, ()):
             return f"{name}_{c}"
         return f"x[{self.reserve(name, self.d * self.width) + c * self.width} + l]"
+
+    def _passing(self, name: str) -> bool:
+        """Slopes F, new values n and their errors r are used in the pass that computes them."""
+        if self.lasting is not None:
+            return name not in self.lasting
+        return name[0] in "Fnr"
 
     def lane(self, name: str) -> str:
         """Source of a quantity with one entry per lane."""

@@ -93,8 +93,11 @@ class _LaneKernel(Builder):
         """Write the function ``kernel``."""
         w = self.w
         # the head of the work array: values, errors, predictor, then one status per lane
-        for name in self._state():
+        state = self._state()
+        for name in state:
             self.t.reserve(name, self.t.d * self.t.width)
+        if not self.form.implicit_stages:
+            self.t.lasting = frozenset(state)
         for name in ("status", "rounds", "done"):
             self.t.lane(name)
         w("", "@compiled_with_signature")

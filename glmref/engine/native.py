@@ -33,8 +33,9 @@ def target_name() -> str:
 
 
 def compile_kernel(
-    source: str, arguments: Mapping[str, str], cached: Path | None, *, pack: bool = False
-) -> Callable[..., int]:
+    source: str, arguments: Mapping[str, str], cached: Path | None, *, pack: bool = False,
+    wide: bool = False,
+) -> Callable[..., int]:  # fmt: skip
     """Compile the function ``kernel`` of a generated module.
 
     Args:
@@ -43,6 +44,8 @@ def compile_kernel(
         cached: file with the object code; read where it exists, else written.
         pack: whether independent operations of straight-line code are packed into vectors. That
             helps where several stages go side by side and hurts a single chain of operations.
+        wide: whether loops may use the widest vectors of the processor, which LLVM avoids by
+            default where short bursts of them do not pay; loops over lanes are no short bursts.
 
     Returns
     -------
@@ -53,7 +56,7 @@ def compile_kernel(
     ------
         Unsupported: when the source cannot be translated.
     """
-    engine = _engine(source, arguments, cached, pack)
+    engine = _engine(source, arguments, cached, pack, wide)
     address = engine.get_function_address("kernel")
     kinds = list(arguments.values())
     raw = ctypes.CFUNCTYPE(ctypes.c_int64, *(KINDS[k] for k in kinds))(address)
@@ -67,15 +70,18 @@ def compile_kernel(
     return kernel
 
 
-def _engine(source: str, arguments: Mapping[str, str], cached: Path | None, pack: bool) -> Any:
+def _engine(
+    source: str, arguments: Mapping[str, str], cached: Path | None, pack: bool, wide: bool
+) -> Any:
     from llvmlite import binding
 
     binding.initialize_native_target()
     binding.initialize_native_asmprinter()
+    features = binding.get_host_cpu_features().flatten()
+    if wide and "+avx512f" in features:
+        features += ",-prefer-256-bit"
     machine = binding.Target.from_default_triple().create_target_machine(
-        cpu=binding.get_host_cpu_name(),
-        features=binding.get_host_cpu_features().flatten(),
-        opt=3,
+        cpu=binding.get_host_cpu_name(), features=features, opt=3
     )
     _resolve_symbols(source)
     code = None if cached is None else _read(cached)

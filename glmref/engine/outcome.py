@@ -6,10 +6,16 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING
 
+from ..claims import UsageError
+
 if TYPE_CHECKING:
     import numpy as np
 
-__all__ = ["Outcome", "Solution"]
+__all__ = ["Outcome", "Solution", "StartFailed"]
+
+
+class StartFailed(UsageError):
+    """The starting or finishing method met an equation it could not solve at this step size."""
 
 
 class Outcome(StrEnum):

@@ -23,6 +23,7 @@ from ..linalg import Matrix
 from ..method import GLM, FinishingMethod, PartitionedGLM, StartingMethod
 from ..problems.model import Problem
 from .arithmetic import Arithmetic, StageSolver, size
+from .outcome import StartFailed
 from .tableau import StageBlock, dependency_blocks, method_abscissae
 
 __all__ = ["Step", "Stepper", "apply_finish", "apply_start", "stepper"]
@@ -290,7 +291,7 @@ def _runge_kutta_slopes(
         engine.tableaux[id(A)] = A, inner
     taken = inner.step(t, y[None, :], h)
     if not taken.converged:
-        raise UsageError(
+        raise StartFailed(
             "the stages of a starting or finishing method could not be solved; use a smaller h"
         )
     return taken.slopes, taken.evaluations

@@ -183,7 +183,7 @@ class Lanes(Runner):
             if self.source.work_size * 8 <= _FAST_MEMORY:
                 break
         self.width, self.options = self.source.width, options
-        self.built = compiled.build(self.source.text, LANE_ARGUMENTS)
+        self.built = compiled.build(self.source.text, LANE_ARGUMENTS, wide=True)
         self.build_seconds = time.perf_counter() - begin
 
     @property

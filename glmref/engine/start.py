@@ -21,6 +21,7 @@ from ..claims import UsageError
 from ..linalg import Matrix
 from ..method import GLM, PartitionedGLM, StartingMethod
 from ..problems.model import Problem
+from .outcome import StartFailed
 from .reference import PairStepper, Stepper, apply_start
 from .tableau import preconsistency
 
@@ -223,7 +224,7 @@ def enhanced_start(
         taken = engine.step(time, values, h)
         evaluations += taken.evaluations
         if not taken.converged:
-            raise UsageError("a trial step of the enhanced start failed; use a smaller h")
+            raise StartFailed("a trial step of the enhanced start failed; use a smaller h")
         defect = taken.values - start(k - 1, time + h, taken.values[0])
         return values + correct(defect)
 

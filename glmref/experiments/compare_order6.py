@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 
 from ..catalogue import load
+from ..claims import GlmrefError
 from ..engine.kernel import Kernel, prepare
 from ..engine.outcome import Outcome
 from ..engine.reference import Stepper, apply_finish, stepper
@@ -127,13 +128,13 @@ class Track:
             steps = round(self.case.first * RUNG**k)
             try:
                 outcome, _, values, tally = self.advance(steps)
-            except (ArithmeticError, ValueError):  # the start has no solution at this h
+                y, h = values[0], self.case.t_end / steps
+                if outcome is Outcome.COMPLETED and self.method.finishing is not None:
+                    y, _ = apply_finish(self.method.finishing, self.engine, self.case.t_end, y, h)
+            except GlmrefError:  # start or finish has no solution at this h
                 continue
             if outcome is not Outcome.COMPLETED:
                 continue
-            y, h = values[0], self.case.t_end / steps
-            if self.method.finishing is not None:
-                y, _ = apply_finish(self.method.finishing, self.engine, self.case.t_end, y, h)
             error = state_error(np.asarray(y, dtype=float), reference)
             if math.isfinite(error):
                 found.append(Run(steps, error, int(tally[0]), int(tally[3])))

@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from ..catalogue import load
+from ..claims import GlmrefError
 from ..engine.outcome import Solution
 from ..engine.reference import Stepper, apply_finish, apply_start, stepper
 from ..method import GLM
@@ -88,7 +89,10 @@ def parasitic_part(engine: Stepper, values: np.ndarray, h: float) -> float:
                 y, _ = apply_finish(method.finishing, engine, 0.0, y, h)
             assert method.starting is not None
             ideal, _ = apply_start(method.starting, engine, 0.0, y, h)
-        except ArithmeticError:  # the coupled stages of a start have no solution any more
+        except (
+            ArithmeticError,
+            GlmrefError,
+        ):  # the coupled stages of a start have no solution any more
             return math.inf
         size = float(np.linalg.norm(values[1:] - ideal[1:]))
     return size if math.isfinite(size) else math.inf

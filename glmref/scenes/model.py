@@ -6,7 +6,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-__all__ = ["ANSWERS", "ASK", "FORMAT", "KINDS", "STARTS", "Answer", "Scene"]
+__all__ = [
+    "ANSWERS",
+    "ASK",
+    "FORMAT",
+    "JUDGING",
+    "KINDS",
+    "STARTS",
+    "TIMED",
+    "Answer",
+    "Scene",
+]
 
 FORMAT = "glmref-scene-1"
 
@@ -16,6 +26,7 @@ ASK: Mapping[str, str] = {
     "energy": "largest error of the Hamiltonian over 64 samples",
     "invariants": "drift of the conserved quantities and of their G-forms",
     "parasitic": "when the values beyond the solution outgrow it, and when mu f' says so",
+    "law": "by which law the conserved quantity deviates, with its exponent",
     "picture": "a log-log picture, as SVG and as PNG",
 }
 #: How the one-line answer is made from the records, and what it needs to have been asked.
@@ -23,7 +34,15 @@ ANSWERS: Mapping[str, tuple[str, ...]] = {
     "fastest": (),
     "conserved": ("invariants",),
     "lost": ("parasitic",),
+    "ended": (),
+    "accurate": (),
+    "order": ("state",),
+    "law": ("law",),
 }
+#: Answers that are about run time: only for these is a run repeated.
+TIMED = ("fastest",)
+#: Answers that judge an error, and so need it asked.
+JUDGING = ("fastest", "accurate")
 #: Groups of methods by what their files claim.
 KINDS = ("explicit", "g-symplectic", "parasitism-free", "symmetric", "symplectic")
 STARTS = ("zero", "enhanced")
@@ -36,8 +55,8 @@ class Answer:
     Attributes
     ----------
         kind: one of :data:`ANSWERS`.
-        error: for ``"fastest"``, which error is judged: ``"state"`` or ``"energy"``.
-        at: for ``"fastest"`` the error to reach, for ``"conserved"`` the drift that counts as kept.
+        error: for ``"fastest"`` and ``"accurate"``, which error: ``"state"`` or ``"energy"``.
+        at: for these two the error to reach, for ``"conserved"`` the drift that counts as kept.
     """
 
     kind: str
@@ -58,7 +77,7 @@ class Scene:
         t_end: final time.
         ask: what is measured, of :data:`ASK`.
         answer: how the answer is computed.
-        repeats: runs to time. budget: seconds after which a run is cancelled.
+        repeats: runs to time, where the answer is about time. budget: seconds after which a run is cancelled.
         start: ``"zero"``, ``"enhanced"`` or ``None`` for the method's own.
         peers: other integrators. tolerances: relative tolerances they run at.
         file: where it was read, for messages.

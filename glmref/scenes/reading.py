@@ -15,7 +15,7 @@ from ..catalogue import names as method_names
 from ..catalogue import path_of as method_path
 from ..claims import DataError, UsageError
 from ..strict_json import shown
-from .model import ANSWERS, ASK, FORMAT, KINDS, STARTS, Answer, Scene
+from .model import ANSWERS, ASK, FORMAT, JUDGING, KINDS, STARTS, Answer, Scene
 
 __all__ = ["load_scene", "names"]
 
@@ -296,8 +296,11 @@ class _Reader:
         if "energy" in ask and problem.hamiltonian is None:
             raise self.fail(where, f"the problem {problem.name!r} has no energy to ask for")
         nothing = not (problem.quadratic or problem.invariants or problem.hamiltonian)
-        if "invariants" in ask and nothing:
-            raise self.fail(where, f"the problem {problem.name!r} has no invariants to ask for")
+        for question in ("invariants", "law"):
+            if question in ask and nothing:
+                raise self.fail(
+                    where, f"the problem {problem.name!r} has no invariants to ask for"
+                )
         if set(ask) <= {"picture"}:
             raise self.fail(where, "a picture alone asks nothing; add 'state' or 'energy'")
 
@@ -308,7 +311,7 @@ class _Reader:
         self.known(("answer",), table, ("kind", "error", "at"))
         kind = self.choice(("answer", "kind"), table.get("kind"), ANSWERS)
         error = self.choice(("answer", "error"), table.get("error", "state"), ("state", "energy"))
-        needed = (error,) if kind == "fastest" else ANSWERS[kind]
+        needed = (error,) if kind in JUDGING else ANSWERS[kind]
         for question in needed:
             if question not in ask:
                 raise self.fail(

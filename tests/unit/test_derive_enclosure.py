@@ -3,21 +3,27 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
 import pytest
 
 from glmref import catalogue, linalg
-from glmref.claims import DataError, ExactnessError
+from glmref.catalogue import load
+from glmref.checks import _order
+from glmref.claims import DataError, ExactnessError, Proof, Verdict
 from glmref.derive.classes import free_trees
 from glmref.derive.enclosure import Outcome, krawczyk, obstruction, prove, shift_matrix
 from glmref.derive.equations import Blocks, starting_series
 from glmref.exact import Exact, ball
 from glmref.expression import parse
+from glmref.facts import facts_of
+from glmref.reader import load_document
 from glmref.sweep_form import sweep_blocks
-from glmref.theory.trees import parse_tree, trees
+from glmref.theory.order import order_of
+from glmref.theory.trees import parse_tree, single, trees
+from glmref.verification import verify
 
 TINY = Fraction(1, 10**60)
 
@@ -227,3 +233,66 @@ def test_obstruction_is_zero_for_a_method_of_the_higher_order() -> None:
 def test_free_trees_are_counted() -> None:
     # Otter (1948): 1, 1, 1, 2, 3, 6, 11, 23 free trees.
     assert [len(free_trees(n)) for n in range(1, 9)] == [1, 1, 1, 2, 3, 6, 11, 23]
+
+
+@pytest.mark.parametrize(
+    ("gap", "outcome"),
+    [
+        (Fraction(-1, 10**50), Outcome.NONE),  # the circle and the line do not meet
+        (Fraction(0), Outcome.UNDECIDED),  # they touch
+        (Fraction(1, 10**30), Outcome.UNDECIDED),  # two roots 1e-15 apart, both in the box
+    ],
+)
+def test_two_unknowns_with_no_one_and_two_roots_near_the_centre(
+    gap: Fraction, outcome: Outcome
+) -> None:
+    # x^2 + y^2 = 2 and x + y = 2 - gap touch at (1, 1) for gap = 0; for gap > 0 they meet at
+    # 1 - gap/2 +- sqrt(gap - gap^2/4) in x.
+    def circle_and_line(v: Sequence[Any]) -> list[Any]:
+        return [v[0] * v[0] + v[1] * v[1] - 2, v[0] + v[1] - 2 + gap]
+
+    radius = Fraction(1, 10**60) if outcome is Outcome.NONE else Fraction(1, 10**12)
+    result = krawczyk(circle_and_line, [ball(1), ball(1)], radius)
+    assert result.outcome is outcome
+    if gap > 0:  # a box around one of the two holds one
+        x = 1 - gap / 2 + Fraction(1, 10**15)  # sqrt(gap) to 1e-45
+        near = [ball(x), ball(2 - gap - x)]
+        assert krawczyk(circle_and_line, near, Fraction(1, 10**25)).outcome is Outcome.UNIQUE
+
+
+def with_growth_replaced() -> dict[str, Any]:
+    """The order-8 method of stage order 3 with an abscissa fixed in place of its growth at -1.
+
+    The abscissa is the true one to 90 places, so that a true method lies within the digits, its
+    growth parameter at -1 below 1e-85 and not zero.
+    """
+    doc = document("order8-s5q3-w3")
+    first = prove(doc).series.eta[single()][0]
+    places = Fraction(ball(first).decimal_text(120)).limit_denominator(10**45)
+    equations = doc["enclosure"]["equations"]
+    equations[equations.index("growth -1")] = f"abscissa 1 = {places}"
+    del doc["claims"]["starting-order"]
+    return doc
+
+
+def test_without_its_growth_equation_a_method_is_not_enclosed_as_parasitism_free() -> None:
+    doc = with_growth_replaced()
+    record = prove(doc)
+    assert record.order == 8
+    assert not {"parasitism-free", "growth"} & set(record.proves)
+    proofs = {x.claim: (x.verdict, x.proof) for x in verify(load_document(doc))}
+    assert proofs["order"] == (Verdict.HOLDS, Proof.ENCLOSED)
+    assert proofs["parasitism-free"] == (Verdict.HOLDS, Proof.MEASURED)
+    assert proofs["growth"] == (Verdict.HOLDS, Proof.MEASURED)
+
+
+def test_orders_beyond_the_trees_stay_open() -> None:
+    # Gauss with three stages has order 6; looked at up to order 5 only, nothing fails.
+    facts = facts_of(load("gauss-3"))
+    seen = order_of(load("gauss-3"), max_order=5)
+    assert seen.at_least
+    assert _order(facts, 4, seen).holds is False
+    assert _order(facts, 5, seen).holds is None
+    assert _order(facts, 6, seen).holds is None
+    assert _order(facts, 6, order_of(load("gauss-3"), max_order=7)).holds is True
+    assert _order(facts, 7, order_of(load("gauss-3"), max_order=7)).holds is False

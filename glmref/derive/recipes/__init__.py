@@ -10,13 +10,23 @@ the kind of proof each has. A refusal is a derivation too, without documents.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from importlib import import_module
 
 from ...claims import UsageError
 from .record import Derivation, Progress, Statement
 
-__all__ = ["Derivation", "Progress", "Statement", "describe", "names", "options_of", "run"]
+__all__ = [
+    "Derivation",
+    "Progress",
+    "Statement",
+    "describe",
+    "explain",
+    "names",
+    "options_of",
+    "run",
+]
 
 #: Recipe -> module of this package that holds it as ``derive(options, progress)``.
 _MODULES: Mapping[str, str] = {
@@ -46,6 +56,12 @@ def _module(name: str) -> object:
 def describe(name: str) -> str:
     """One line on what a recipe derives."""
     return (_module(name).__doc__ or "").partition("\n")[0]
+
+
+def explain(name: str) -> str:
+    """What a recipe derives and what its options mean, as plain text."""
+    text = (_module(name).__doc__ or "").strip()
+    return re.sub(r":\w+:`([^`]*)`", r"\1", text).replace("``", "`")
 
 
 def options_of(name: str) -> Mapping[str, str]:

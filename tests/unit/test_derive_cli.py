@@ -1,0 +1,156 @@
+"""``glmref derive`` on the command line: lists, help, bad input, progress, interruption."""
+
+from __future__ import annotations
+
+import json
+import os
+import pty
+import signal
+import subprocess
+import sys
+import termios
+import time
+from pathlib import Path
+
+import pytest
+
+from glmref.canonical import canonical
+from glmref.cli import main
+from glmref.derive import recipes
+
+ANSATZ = """
+name = "found"
+stages = 3
+order = 6
+stage_order = 2
+title = "Order 6 with three stages"
+[[values]]
+eigenvalue = "exp(2*pi*i/3)"
+sign = -1
+[[values]]
+eigenvalue = "-1"
+sign = 1
+parity = 1
+"""
+
+
+def test_without_a_recipe_the_recipes_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["derive"]) == 0
+    text = capsys.readouterr().out
+    assert all(name in text for name in recipes.names())
+
+
+def test_the_list_of_recipes_comes_as_json_too(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["derive", "--format", "json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["format"] == "glmref-recipes-1"
+    assert [x["name"] for x in found["recipes"]] == recipes.names()
+    options = {x["name"]: x["options"] for x in found["recipes"]}
+    assert options["order6"] == {"c2": "1/3", "z": "exp(2*pi*i/3)", "start": "auto"}
+
+
+@pytest.mark.parametrize("words", [["order6", "--help"], ["--help", "order6"], ["order6", "-h"]])
+def test_help_after_a_recipe_is_that_of_the_recipe(
+    words: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["derive", *words]) == 0
+    text = capsys.readouterr().out
+    assert "glmref derive order6" in text
+    assert "--c2" in text and "default: 1/3" in text
+    assert ":mod:" not in text
+
+
+def test_help_of_a_recipe_without_options_says_so(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["derive", "thesis-printed", "--help"]) == 0
+    assert "no options of its own" in capsys.readouterr().out
+
+
+def test_help_without_a_recipe_is_that_of_the_command(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["derive", "--help"]) == 0
+    assert "--output" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["missing.toml"], "the ansatz 'missing.toml' cannot be read: no such file or directory"),
+        (["order9"], "there is no recipe 'order9'"),
+        (["order9", "--help"], "there is no recipe 'order9'"),
+        (["order6", "--c2"], "the option --c2 needs a value"),
+        (["order6", "c2"], "'c2' is out of place"),
+        (["order6", "--start", "maybe"], "`start` must be auto, yes or no, got 'maybe'"),
+    ],
+)
+def test_bad_input_is_one_sentence(
+    words: list[str], sentence: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["derive", *words]) == 2
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 1
+    assert sentence in lines[0]
+    assert "Errno" not in lines[0] and "Traceback" not in lines[0]
+
+
+def test_an_ansatz_that_is_not_toml_is_one_sentence(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "a.toml"
+    path.write_bytes(b"stages = \xff")
+    assert main(["derive", str(path)]) == 2
+    assert "a.toml: the ansatz is not TOML" in capsys.readouterr().err
+
+
+def command(*words: str) -> list[str]:
+    return [sys.executable, "-m", "glmref", "derive", *words]
+
+
+def wait_for_lines(state: Path, count: int, process: subprocess.Popen[bytes]) -> None:
+    """Until the state file has as many lines, or the search has ended."""
+    until = time.monotonic() + 120
+    while process.poll() is None and time.monotonic() < until:
+        if state.is_file() and state.read_bytes().count(b"\n") >= count:
+            return
+        time.sleep(0.02)
+    raise AssertionError("the search ended before it could be stopped")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("how", "code"), [(signal.SIGINT, 130), (signal.SIGKILL, -signal.SIGKILL)])
+def test_a_search_that_is_stopped_goes_on_where_it_was(
+    how: signal.Signals, code: int, tmp_path: Path
+) -> None:
+    """Interrupted or killed, the second run takes over what the first one kept."""
+    ansatz, state = tmp_path / "a.toml", tmp_path / "state.jsonl"
+    ansatz.write_text(ANSATZ, encoding="utf-8")
+    words = [str(ansatz), "--starts", "96", "--state", str(state)]
+    process = subprocess.Popen(command(*words), stderr=subprocess.PIPE, stdout=subprocess.PIPE)
+    wait_for_lines(state, 1, process)
+    process.send_signal(how)
+    _, complaint = process.communicate()
+    assert process.returncode == code
+    if how is signal.SIGINT:
+        assert f"the same command goes on from {state}".encode() in complaint
+    kept = state.read_bytes().count(b"\n")
+    assert kept < 96
+    ran: list[int] = []
+    options = {"ansatz": str(ansatz), "starts": "96"}
+    resumed = recipes.run(
+        "search", {**options, "state": str(state)}, lambda _, done, total: ran.append(done)
+    )
+    assert min(ran) > kept
+    whole = recipes.run("search", options)
+    assert [canonical(x) for x in resumed.documents] == [canonical(x) for x in whole.documents]
+
+
+@pytest.mark.slow
+def test_progress_is_shown_on_a_terminal_and_nowhere_else() -> None:
+    leader, follower = pty.openpty()
+    termios.tcsetwinsize(follower, (24, 80))
+    run = subprocess.run(command("yoshida6"), stderr=follower, stdout=subprocess.PIPE, check=True)
+    os.close(follower)
+    shown = os.read(leader, 100_000).decode()
+    os.close(leader)
+    assert "A:" in shown and "%" in shown
+    assert b'"yoshida-6-midpoint"' in run.stdout
+    silent = subprocess.run(command("yoshida6"), capture_output=True, check=True)
+    assert b"%" not in silent.stderr
