@@ -22,6 +22,7 @@ import numpy as np
 from benchmarks.timing import interleaved, quartiles
 from glmref.catalogue import load
 from glmref.engine.kernel import prepare
+from glmref.engine.outcome import StartFailed
 from glmref.engine.reference import stepper
 from glmref.engine.solve import solve
 from glmref.engine.start import starting_values
@@ -101,7 +102,12 @@ class Integrator:
         """Energy error with n steps per period; infinite where the run did not complete."""
         if n not in self.seen:
             steps = n * PERIODS
-            run = solve(KEPLER, self.method, h=2 * math.pi / n, steps=steps, every=steps // SAMPLES)
+            h = 2 * math.pi / n
+            try:
+                run = solve(KEPLER, self.method, h=h, steps=steps, every=steps // SAMPLES)
+            except StartFailed as failure:
+                self.seen[n] = (math.inf, str(failure))
+                return math.inf
             error = energy_error(run.y) if run.completed else math.inf
             self.seen[n] = (error if math.isfinite(error) else math.inf, run.message)
         return self.seen[n][0]

@@ -7,13 +7,15 @@ is too long for a tableau is named in it and written out below.
 Public names::
 
     show(method, decimal=None, style=Style()) -> str
+    parts(method, draw) -> Parts             the same blocks, drawn by somebody else
 """
 
 from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from .checks import shown_number
@@ -24,7 +26,10 @@ from .method import GLM, PartitionedGLM
 from .tableau_text import Cells, decimal_text, tableau
 from .tables import Style, one_line
 
-__all__ = ["show"]
+__all__ = ["Draw", "Parts", "parts", "show"]
+
+#: Draws a partitioned matrix, rows of blocks of cells, as lines.
+Draw = Callable[[Sequence[Sequence[Cells]]], list[str]]
 
 DIGITS = 10  # of a published decimal that is too long for a tableau
 _LONG = (32, 24, 16, 12)  # an entry longer than this is named; the first that fits is taken
@@ -57,13 +62,38 @@ def show(
     return page.text()
 
 
+@dataclass(frozen=True)
+class Parts:
+    """What a method's page is made of.
+
+    Attributes
+    ----------
+        blocks: (heading, lines that were drawn), the tableau first.
+        legend: name in a tableau -> what it stands for.
+        rounded: whether published decimals were rounded.
+    """
+
+    blocks: tuple[tuple[str, tuple[str, ...]], ...]
+    legend: Mapping[str, str]
+    rounded: bool
+
+
+def parts(method: GLM | PartitionedGLM, draw: Draw) -> Parts:
+    """Return the blocks of a method, each drawn by ``draw``; long entries are named."""
+    page = _Page(method, None, Style(), _LONG[1], draw)
+    blocks = tuple((heading, tuple(lines)) for heading, lines in page.body)
+    return Parts(blocks, page.names_used(), page.rounded)
+
+
 class _Page:
     """One method, laid out with entries of at most ``long`` characters."""
 
     def __init__(
-        self, method: GLM | PartitionedGLM, decimal: int | None, style: Style, long: int
-    ) -> None:
+        self, method: GLM | PartitionedGLM, decimal: int | None, style: Style, long: int,
+        draw: Draw | None = None,
+    ) -> None:  # fmt: skip
         self.method, self.decimal, self.style, self.long = method, decimal, style, long
+        self.draw: Draw = draw or (lambda grid: tableau(grid, style))
         self.document: Mapping[str, Any] = method.document or {}
         unknowns, constants = self.document.get("unknowns", {}), self.document.get("constants", {})
         self.constants: dict[str, str] = {**unknowns, **constants}
@@ -167,7 +197,7 @@ class _Page:
         longest = max(map(len, cells))
         cells = [row + [""] * (longest - len(row)) for row in cells]
         grid = [[[row[:1] for row in cells], [row[1:] for row in cells]]]
-        return [("", tableau(grid, self.style))]
+        return [("", self.draw(grid))]
 
     def _glm(self, facts: GLMFacts) -> list[tuple[str, list[str]]]:
         method, doc = facts.method, self.document
@@ -179,7 +209,7 @@ class _Page:
             if values is not None:
                 rows = values if letter == "G" else (values,)
                 texts = [own.get(letter)] if letter == "D" else own.get(letter)
-                body.append((f"{letter} =", tableau([[self.matrix(rows, texts)]], self.style)))
+                body.append((f"{letter} =", self.draw([[self.matrix(rows, texts)]])))
         return body + self._start_and_finish()
 
     def _half(self, half: Any, texts: Mapping[str, Any], c: Vector | None) -> list[str]:
@@ -188,9 +218,9 @@ class _Page:
         A = self.matrix(half.A, texts.get("A"))
         if _is_one_step(half):
             b = [texts["b"]] if "b" in texts else texts.get("B")
-            return tableau([[column, A], [[[""]], self.matrix(half.B, b)]], self.style)
+            return self.draw([[column, A], [[[""]], self.matrix(half.B, b)]])
         U, B, V = (self.matrix(getattr(half, x), texts.get(x)) for x in "UBV")
-        return tableau([[column, A, U], [[[""]] * len(B), B, V]], self.style)
+        return self.draw([[column, A, U], [[[""]] * len(B), B, V]])
 
     def _start_and_finish(self) -> list[tuple[str, list[str]]]:
         assert isinstance(self.method, GLM)
@@ -204,14 +234,14 @@ class _Page:
                 [self.matrix(start.A, block.get("A")), ones],
                 [self.matrix(start.B, block.get("B")), u],
             ]
-            body.append((_named("starting method", start), tableau(grid, self.style)))
+            body.append((_named("starting method", start), self.draw(grid)))
         if finish is not None:
             block = self.document.get("finishing", {})
             grid = [
                 [self.matrix(finish.A, block.get("A")), [["1"]] * len(finish.A)],
                 [self.vector(finish.b, block.get("b")), [["1"]]],
             ]
-            body.append((_named("finishing method", finish), tableau(grid, self.style)))
+            body.append((_named("finishing method", finish), self.draw(grid)))
         return body
 
     def _pair(self, facts: PairFacts) -> list[tuple[str, list[str]]]:
@@ -231,27 +261,31 @@ class _Page:
         ):
             body.append((heading, self._half(half, own, known.c)))
         if pair.G is not None:
-            body.append(("G =", tableau([[self.matrix(pair.G, doc.get("G"))]], self.style)))
+            body.append(("G =", self.draw([[self.matrix(pair.G, doc.get("G"))]])))
         for letter in ("D_P", "D_Q"):
             values = getattr(pair, letter)
             if values is not None:
                 cells = self.vector(values, doc.get(letter))
-                body.append((f"{letter} =", tableau([[cells]], self.style)))
+                body.append((f"{letter} =", self.draw([[cells]])))
         return body
 
     def _legend(self) -> list[str]:
         """Return the lines that say what the names in the tableau stand for."""
-        if self.decimal is not None:
-            return []
+        names = {} if self.decimal is not None else self.names_used()
+        width = max(map(len, names), default=0)
+        return [f"  {name:<{width}} = {text}" for name, text in names.items()]
+
+    def names_used(self) -> dict[str, str]:
+        """Return what the names in the tableau stand for."""
         wanted: set[str] = set()
         words = _words(self.texts)
         while words - wanted:
             wanted |= words
             words = _words(text for name, text in self.constants.items() if name in wanted)
-        lines = [(name, text) for text, name in self.names.items()]
-        lines += [(k, one_line(x, limit=4000)) for k, x in self.constants.items() if k in wanted]
-        width = max((len(name) for name, _ in lines), default=0)
-        return [f"  {name:<{width}} = {text}" for name, text in lines]
+        found = {name: text for text, name in self.names.items()}
+        return found | {
+            k: one_line(x, limit=4000) for k, x in self.constants.items() if k in wanted
+        }
 
     def _source(self) -> list[str]:
         source = self.method.source

@@ -22,6 +22,7 @@ from .deriving import derive
 from .describing import analyze, errata
 from .output import BAD_INPUT, INTERNAL, INTERRUPTED, PIPE_CLOSED, complain, confess, open_streams
 from .probing import probe
+from .reporting import report
 from .running import run
 
 __all__ = ["group", "main"]
@@ -37,7 +38,7 @@ def group() -> None:
     """General linear methods, checked exactly."""
 
 
-for command in (verify, analyze, list_, show, cite, errata, derive, run, probe, bench):
+for command in (verify, analyze, list_, show, cite, errata, derive, run, probe, bench, report):
     group.add_command(command)
 
 

@@ -14,9 +14,8 @@ residuals R at n + 1:
   *defines* zeta_1, and classes where zeta_1 stays free. For q = 1 these are all pairs (theorem
   2).
 * :func:`follows` decides whether the identities ``R(t*u) + R(u*t) = (E Q)(t, u) - Q(t, u)`` of
-order n + 1 and
-  some given equations R = 0 leave only the zero solution: then all of R at n + 1 and all of Q
-  at n vanish, and the induction goes on.
+  order n + 1 and some given equations R = 0 leave only the zero solution: then all of R at n + 1
+  and all of Q at n vanish, and the induction goes on.
 """
 
 from __future__ import annotations
@@ -39,7 +38,6 @@ __all__ = [
     "classes",
     "follows",
     "free_tree",
-    "free_trees",
     "moves",
     "pairs",
     "plan",
@@ -80,12 +78,6 @@ def free_tree(version: Tree) -> tuple[Tree, ...]:
                 found.add(other)
                 waiting.append(other)
     return tuple(sorted(found, key=lambda t: t.key))
-
-
-@cache
-def free_trees(order: int) -> tuple[tuple[Tree, ...], ...]:
-    """The free trees of an order, each as the tuple of its rooted versions."""
-    return tuple(dict.fromkeys(free_tree(t) for t in trees(order)))
 
 
 @cache

@@ -3,8 +3,7 @@
 :func:`krawczyk` is the test itself, for any square system written over jets. :func:`prove`
 applies it to a method file of class ``"sweep"`` and says what follows:
 
-1. *The solution.* The system of the file has exactly one root within ``radius`` of its digits,
-and
+1. *The solution.* The system of the file has exactly one root within ``radius`` of its digits, and
    the root lies within one unit of their last place.
 2. *G-symplectic*: holds for every value of the unknowns (theorem in :mod:`glmref.sweep_form`);
    V^T G V = G is exact arithmetic.
@@ -38,11 +37,12 @@ from typing import Any
 
 from .. import linalg
 from ..claims import DataError, ExactnessError
-from ..exact import Ball, Exact, Scalar, ball
+from ..exact import Ball, Exact, ball
 from ..expression import parse
 from ..linalg import Matrix
 from ..theory.jet import jets, lift
-from ..theory.trees import tree, trees
+from ..theory.order import commutator_row
+from ..theory.trees import trees
 from .classes import representatives
 from .equations import Blocks, Series, starting_series
 from .implications import covered
@@ -103,7 +103,7 @@ def krawczyk(
     """
     point = [x.real.midpoint() for x in centre]
     size = len(point)
-    box = [Ball.around(x, radius) for x in point]
+    box = tuple(Ball.around(x, radius) for x in point)
     at_point = [lift(x, size) for x in function(jets(point))]
     over_box = [lift(x, size) for x in function(jets(box))]
     if len(at_point) != size:
@@ -112,42 +112,36 @@ def krawczyk(
         )
     for k, value in enumerate(over_box):
         if value.value.is_zero() is False:
-            return Krawczyk(
-                Outcome.NONE, tuple(box), float("nan"), f"equation {k + 1} excludes zero on the box"
-            )
+            sentence = f"equation {k + 1} excludes zero on the box"
+            return Krawczyk(Outcome.NONE, box, float("nan"), sentence)
     try:
         inverse = _midpoint_matrix(
             linalg.inverse(_midpoint_matrix(tuple(x.gradient for x in at_point)))
         )
     except ExactnessError:
-        return Krawczyk(
-            Outcome.UNDECIDED, tuple(box), float("inf"), "the Jacobian at the centre is singular"
-        )
+        sentence = "the Jacobian at the centre is singular"
+        return Krawczyk(Outcome.UNDECIDED, box, float("inf"), sentence)
     jacobian = tuple(tuple(ball(y) for y in x.gradient) for x in over_box)
     slack = linalg.sub(linalg.identity(size), linalg.matmul(inverse, jacobian))
     contraction = max(sum(ball(x).magnitude() for x in row) for row in slack)
     newton = linalg.matvec(inverse, tuple(x.value for x in at_point))
     spread = linalg.matvec(slack, tuple(x - y for x, y in zip(box, point, strict=True)))
-    image = [ball(x - y + z).real for x, y, z in zip(point, newton, spread, strict=True)]
+    image = tuple(ball(x - y + z).real for x, y, z in zip(point, newton, spread, strict=True))
+    return _compared(box, image, contraction)
+
+
+def _compared(box: tuple[Ball, ...], image: tuple[Ball, ...], contraction: float) -> Krawczyk:
+    """What follows from where the image K lies."""
     for k, (x, y) in enumerate(zip(box, image, strict=True)):
         if not x.overlaps(y):
-            return Krawczyk(
-                Outcome.NONE,
-                tuple(box),
-                contraction,
-                f"the image misses the box in unknown {k + 1}",
-            )
+            sentence = f"the image misses the box in unknown {k + 1}"
+            return Krawczyk(Outcome.NONE, box, contraction, sentence)
     for k, (x, y) in enumerate(zip(box, image, strict=True)):
         if not x.contains_interior(y):
-            return Krawczyk(
-                Outcome.UNDECIDED,
-                tuple(box),
-                contraction,
-                f"the image is not inside the box in unknown {k + 1}",
-            )
-    return Krawczyk(
-        Outcome.UNIQUE, tuple(image), contraction, "the image lies in the interior of the box"
-    )
+            sentence = f"the image is not inside the box in unknown {k + 1}"
+            return Krawczyk(Outcome.UNDECIDED, box, contraction, sentence)
+    sentence = "the image lies in the interior of the box"
+    return Krawczyk(Outcome.UNIQUE, image, contraction, sentence)
 
 
 def _midpoint_matrix(matrix: Matrix) -> Matrix:
@@ -198,19 +192,7 @@ def prove(document: Mapping[str, Any]) -> Enclosure:
     """
     system = SweepSystem(document)
     order = document["claims"].get("order", document["claims"].get("order-identity", 0))
-    signs = system.signs()
-    if signs is None or signs[0] != 1:
-        raise DataError(
-            "`D` and `X` must be palindromic up to a sign for each row of X, with V and G to "
-            "match: only then do the even orders follow"
-        )
-    missing = [n for n in range(1, order, 2) if not covered(system, n)]
-    if missing:
-        raise DataError(
-            f"the equations of the file do not give the conditions of order {missing[0]}: at stage "
-            f"order {system.stage_order} those of "
-            f"{', '.join(map(str, representatives(missing[0], system.stage_order)))} would"
-        )
+    signs = _checked_signs(system, order)
     root = _root(document, system)
     values = dict(zip(system.unknowns, root.box, strict=True))
     D, X, principal = system.read(values)
@@ -247,6 +229,29 @@ def prove(document: Mapping[str, Any]) -> Enclosure:
     sentence = "an exact tableau lies within the digits, by the interval test on its conditions"
     more = dict.fromkeys(prove_blocks(document, Target.of(document, record)), sentence)
     return replace(record, proves={**record.proves, **more})
+
+
+def _checked_signs(system: SweepSystem, order: int) -> tuple[int, ...]:
+    """Diagonal of E = V L of a system whose equations give all conditions up to the order.
+
+    Raises
+    ------
+        DataError: where it is not symmetric, or equations are missing.
+    """
+    signs = system.signs()
+    if signs is None or signs[0] != 1:
+        raise DataError(
+            "`D` and `X` must be palindromic up to a sign for each row of X, with V and G to "
+            "match: only then do the even orders follow"
+        )
+    missing = [n for n in range(1, order, 2) if not covered(system, n)]
+    if missing:
+        raise DataError(
+            f"the equations of the file do not give the conditions of order {missing[0]}: at stage "
+            f"order {system.stage_order} those of "
+            f"{', '.join(map(str, representatives(missing[0], system.stage_order)))} would"
+        )
+    return signs
 
 
 def _radius(document: Mapping[str, Any]) -> Fraction:
@@ -315,20 +320,9 @@ def shift_matrix(order: int) -> Matrix:
     A change delta of zeta_1 at the trees of one order adds ``delta(t)`` to R([t]) and takes
     ``ways * delta(kept)`` from R(t') for each way to cut one leaf off t'.
     """
-    from ..theory.trees import pruned
-
-    columns = {t: j for j, t in enumerate(trees(order))}
-    rows = []
-    for t in trees(order + 1):
-        row = [Exact(0)] * len(columns)
-        for kept, ways in pruned(t).items():
-            if kept.order == order:
-                row[columns[kept]] = row[columns[kept]] - ways
-        for below in columns:
-            if tree([below]) is t:
-                row[columns[below]] = row[columns[below]] + 1
-        rows.append(tuple(row))
-    return tuple(rows)
+    place = {t: j for j, t in enumerate(trees(order))}
+    rows = (commutator_row(t, place) for t in trees(order + 1))
+    return tuple(tuple(Exact(row.get(j, 0)) for j in range(len(place))) for row in rows)
 
 
 def obstruction(series: Series, order: int) -> float:
@@ -355,8 +349,3 @@ def obstruction(series: Series, order: int) -> float:
         size = max(x.magnitude() for x in row)
         best = max(best, ball(linalg.dot(row, residuals)).lower_magnitude() / size)
     return best
-
-
-def scalars(enclosure: Enclosure) -> Mapping[str, Scalar]:
-    """The enclosing balls as constants for :func:`glmref.expression.parse`."""
-    return dict(enclosure.values)

@@ -110,8 +110,7 @@ def starting_series(
         order: residuals are computed for trees up to this order.
         principal: zeta_1 at even trees where it is free; zero at free ones that are missing.
         stage_order: of the method: zeta_1 respects it.
-        wanted: residuals at these trees only, and the series on classes only, which is all that
-        is
+        wanted: residuals at these trees only, and the series on classes only, which is all that is
             needed to solve; ``None`` means all trees.
     """
     A, U, B, V = blocks.A, blocks.U, blocks.B, blocks.V

@@ -21,6 +21,7 @@ from ..linalg import Matrix
 from ..theory.trees import Tree
 from .classes import classes
 from .inverse_finish import inverse_block
+from .parameters import RankError, pivots
 from .parity_start import add_terms, negated
 from .starting import Target, functionals, prove_starting
 from .tableau_series import stage_order, weights
@@ -51,8 +52,7 @@ def tableau(pairs: Sequence[Mapping[str, str]], *, moments: int = 3) -> list[lis
     """A with the collocation block and one pair of stages for each record.
 
     Args:
-        pairs: for each pair its abscissa ``"c"`` and coefficients by column, rational; those of
-        the
+        pairs: for each pair its abscissa ``"c"`` and coefficients by column, rational; those of the
             columns 0 and 5 (nodes 0 and 1), and 6 (node -1) with three moments, are solved for.
         moments: the stage order of the rows: ``A 1 = c, A c = c^2/2`` and, with 3, ``A c^2 =
         c^3/3``.
@@ -100,19 +100,16 @@ def _choose(matrix: Matrix, trees: Sequence[Tree]) -> list[int]:
     ------
         ExactnessError: when the columns do not span.
     """
-    rows = np.array([[float(x) for x in row] for row in matrix])
-    rows *= np.array([[t.density] for t in trees])
-    chosen: list[int] = []
-    for k in range(len(rows)):
-        part = np.abs(rows[k:])
-        part[:, chosen] = 0.0
-        i, j = np.unravel_index(int(part.argmax()), part.shape)
-        if part[i, j] < 1e-9:
-            raise ExactnessError(f"the stages span {k} of {len(rows)} conditions; add pairs")
-        rows[[k, k + int(i)]] = rows[[k + int(i), k]]
-        rows[k + 1 :] -= np.outer(rows[k + 1 :, j] / rows[k, j], rows[k])
-        chosen.append(int(j))
-    return sorted(chosen)
+    rows = np.array(
+        [[float(x) * t.density for x in row] for row, t in zip(matrix, trees, strict=True)]
+    )
+    try:
+        left_out = pivots(rows, tolerance=1e-9)
+    except RankError as error:
+        raise ExactnessError(
+            f"the stages do not span the conditions ({error}); add pairs"
+        ) from None
+    return [j for j in range(rows.shape[1]) if j not in left_out]
 
 
 def linear_start(

@@ -20,9 +20,9 @@ from ..method import GLM, PartitionedGLM, StartingMethod
 from ..problems.model import Problem
 from .codegen import SCALAR_LIMIT
 from .kernel import choose_form
+from .plan import plan_of, resolved, step_size
 from .reference import stepper
 from .runners import WIDTHS, EnsembleSolution, Lanes, Runner, Singles, slopes_at
-from .solve import plan_of, resolved, step_size
 from .start import corrector, default_passes, zero_start
 
 __all__ = ["EnsembleSolution", "solve_ensemble"]

@@ -22,7 +22,7 @@ from ..claims import UsageError
 from ..method import GLM, PartitionedGLM
 from ..problems.formula import Formula
 from ..problems.model import Problem
-from . import compiled
+from . import compiled, native
 from .codegen import ARGUMENTS, KernelSource, Options, kernel_source
 from .forms import StepForm
 from .newton import INLINE_LIMIT
@@ -118,11 +118,8 @@ class Kernel:
                 predictor's first guess (where it is not finite: zero).
             h: step size.
         """
-        work, d, rows = (
-            np.zeros(self.source.work_size),
-            self.shape.dimension,
-            self.source.value_rows,
-        )
+        work = native.aligned_zeros(self.source.work_size)
+        d, rows = self.shape.dimension, self.source.value_rows
         below = (2 if self.options.compensated else 1) * rows
         y = work[: rows * d].reshape(rows, d)
         memory = work[below * d : (below + self.source.memory_rows) * d].reshape(-1, d)
@@ -133,7 +130,7 @@ class Kernel:
 
     def resumed(self, other: State) -> State:
         """State of another kernel of the same form, to go on from: same values, same counts."""
-        work = np.zeros(self.source.work_size)
+        work = native.aligned_zeros(self.source.work_size)
         head = other.memory.ctypes.data - other.work.ctypes.data
         size = head // other.work.itemsize + other.memory.size
         work[:size] = other.work[:size]

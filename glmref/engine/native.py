@@ -15,14 +15,27 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from .translate import LIBRARY, Unsupported, translated
 
-__all__ = ["Unsupported", "compile_kernel", "target_name"]
+__all__ = ["Unsupported", "aligned_zeros", "compile_kernel", "target_name"]
 
 _DIGEST = 32  # bytes of a checksum
 
 #: Kinds of arguments: array of doubles, array of integers, double, integer.
 KINDS = {"d*": ctypes.c_void_p, "i*": ctypes.c_void_p, "d": ctypes.c_double, "i": ctypes.c_int64}
+
+
+#: Bytes of a cache line, and of the widest vectors: across its border a load costs two.
+_LINE = 64
+
+
+def aligned_zeros(size: int) -> np.ndarray:
+    """Zeros, shape (size,), that begin on a cache line: what a kernel works on."""
+    raw = np.zeros(size + _LINE // 8)
+    skip = -raw.ctypes.data % _LINE // 8
+    return raw[skip : skip + size]
 
 
 def target_name() -> str:

@@ -15,7 +15,7 @@ __all__ = ["Outcome", "Solution", "StartFailed"]
 
 
 class StartFailed(UsageError):
-    """The starting or finishing method met an equation it could not solve at this step size."""
+    """A start or finish whose equations could not be solved, or whose values are not finite."""
 
 
 class Outcome(StrEnum):

@@ -5,7 +5,8 @@
 for every GLM (explicit, diagonally or fully implicit, real or complex) and every pair, in double
 precision (numpy) or at any number of digits (mpmath). Stage equations are iterated to round-off:
 until the change is zero or no longer decreases. Nothing is rearranged, so that a compiled kernel
-can be compared with it.
+can be compared with it. Arrays stand left of h: an mpmath number there would format the whole array
+for a message that nobody reads before it lets numpy multiply.
 """
 
 from __future__ import annotations
@@ -109,20 +110,20 @@ class Stepper:
 
         for block in self.blocks:
             index = list(block.stages)
-            base = known[index] + h * self.A[index].dot(slopes)
+            base = known[index] + self.A[index].dot(slopes) * h
             if not block.implicit:
                 slopes[index[0]] = evaluate(index[0], base[0])
                 continue
             inner = self.A[np.ix_(index, index)]
 
             def rhs(x: np.ndarray, index: list[int] = index, base: Any = base, inner: Any = inner):
-                y = base + h * inner.dot(x)
+                y = base + inner.dot(x) * h
                 return np.stack([evaluate(i, y[k]) for k, i in enumerate(index)])
 
             guess = np.stack([evaluate(i, base[k]) for k, i in enumerate(index)])
             scale = size(guess) + size(base) / abs(h) if h else size(guess)
             slopes[index] = solver(rhs, guess, scale)
-        new = h * self.B.dot(slopes) + self.V.dot(values)
+        new = self.B.dot(slopes) * h + self.V.dot(values)
         return Step(new, stages, slopes, evaluations, 0, solver.iterations, solver.converged)
 
 
@@ -175,10 +176,10 @@ class PairStepper(Stepper):
         joint = not self.problem.separable
 
         def stage_q(i: int) -> np.ndarray:
-            return Uq[i] + h * self.A[i].dot(f)
+            return Uq[i] + self.A[i].dot(f) * h
 
         def stage_p(i: int) -> np.ndarray:
-            return Up[i] + h * self.A_hat[i].dot(k)
+            return Up[i] + self.A_hat[i].dot(k) * h
 
         def refresh(nodes: Sequence[int]) -> None:
             """Evaluate the right-hand side at stages, all from the slopes as they were."""
@@ -202,8 +203,8 @@ class PairStepper(Stepper):
             if block.implicit:
                 self._solve(solver, nodes, f, k, refresh, size(values) / abs(h) if h else 0)
         new = self.arithmetic.zeros(self.shape, values)
-        new[: pair.r, :m] = h * self.B.dot(f) + self.V.dot(q)
-        new[: pair.r_hat, m:] = h * self.B_hat.dot(k) + self.V_hat.dot(p)
+        new[: pair.r, :m] = self.B.dot(f) * h + self.V.dot(q)
+        new[: pair.r_hat, m:] = self.B_hat.dot(k) * h + self.V_hat.dot(p)
         stages = (
             np.stack([stage_q(i) for i in range(pair.n_Q)]),
             np.stack([stage_p(i) for i in range(pair.n_P)]),

@@ -13,7 +13,7 @@ import numpy as np
 from ..claims import UsageError
 from ..method import GLM, PartitionedGLM
 from ..problems.model import Problem
-from . import compiled
+from . import compiled, native
 from .codegen import Options
 from .forms import StepForm
 from .kernel import ARITHMETIC, Kernel, choose_form, choose_solver, prepare, remembered
@@ -227,7 +227,7 @@ class Lanes(Runner):
             return
 
         def work(block: int) -> None:
-            scratch = np.zeros(self.source.work_size)
+            scratch = native.aligned_zeros(self.source.work_size)
             scratch[: self.head_size] = self.heads[block].ravel()
             lanes = min(self.width, self.count - block * self.width)
             n, chunk = first, _FIRST_CHUNK

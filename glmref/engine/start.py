@@ -108,7 +108,7 @@ def _checked(values: Any, engine: Stepper) -> np.ndarray:
             f"starting values must have shape (r, d) = {engine.shape}, got {array.shape}"
         )
     if engine.arithmetic.context is None and not np.isfinite(array).all():
-        raise UsageError("starting values must be finite")
+        raise StartFailed("starting values must be finite; give others, or use a smaller h")
     return array
 
 

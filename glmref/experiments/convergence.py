@@ -9,8 +9,10 @@ Two orders are measured apart:
 
 * the order of the solution itself (:func:`method_order`), by differences on a nonlinear problem;
 * the order that a start and a finish can reach, the *effective* order (:func:`effective_order`).
-  On an isochronous problem, where every solution has the same period, a conjugation of the method
-  drops out after one period: what is left of the error has the effective order.
+  Where the exact flow at some time is a linear symmetry of the equations it commutes with every
+  conjugation of the method by a B-series, and what is left of the error has the effective order:
+  so it is after one period of an isochronous problem, where every solution has the same period, and
+  after a third of it where turning by a third is a symmetry as well.
 """
 
 from __future__ import annotations
@@ -33,6 +35,7 @@ __all__ = [
     "effective_order",
     "isochronous",
     "isochronous_separable",
+    "isochronous_threefold",
     "method_order",
     "observed_order",
     "parasitic_order",
@@ -204,31 +207,41 @@ def method_order(
 
 
 def effective_order(
-    method: GLM | PartitionedGLM, *, expected: int, most: int = 128 * FIRST
+    method: GLM | PartitionedGLM, *, expected: int, most: int = 256 * FIRST
 ) -> ConvergenceRecord:
     """Measure the order that start and finish can reach, on an isochronous problem.
 
     Args:
         method: any method; a pair is measured on a separable problem.
         expected: as in :func:`method_order`.
-        most: the largest number of steps in the period.
+        most: the largest number of steps in the period, or in its third.
     """
-    pair = isinstance(method, PartitionedGLM)
-    problem = isochronous_separable() if pair else isochronous()
-    run = _run(method, problem, expected, None)
-    return observed_order(run, first=4 * FIRST, most=most, target=run(0))
+    if isinstance(method, PartitionedGLM):
+        problem, turns = isochronous_separable(), 1
+    else:
+        problem, turns = isochronous_threefold(), 3
+    run = _run(method, problem, expected, None, turns=turns)
+    return observed_order(run, first=2 * FIRST, most=most, target=run(0))
 
 
 def _run(
-    method: GLM | PartitionedGLM, problem: Problem, expected: int, t_end: float | Fraction | None
+    method: GLM | PartitionedGLM,
+    problem: Problem,
+    expected: int,
+    t_end: float | Fraction | None,
+    *,
+    turns: int = 1,
 ) -> Callable[[int], Sequence[Any]]:
-    """Return n -> solution after n steps; ``t_end = None`` is one period 2 pi."""
+    """Return n -> solution after n steps; ``t_end = None`` is the period 2 pi over ``turns``.
+
+    With several turns the problem has two components, and run(0) is the start turned by one.
+    """
     finest = 0.03 if t_end is None else float(t_end) / 100
     engine = stepper(method, problem, digits=_digits(expected, finest))
-    underlying = Underlying(engine)
+    underlying = Underlying(engine, conjugate=t_end is None)
     context = engine.arithmetic.context
     if t_end is None:
-        length = 2 * context.pi
+        length = 2 * context.pi / turns
     elif isinstance(t_end, Fraction):
         length = context.mpf(t_end.numerator) / t_end.denominator
     else:
@@ -236,6 +249,9 @@ def _run(
     y0 = engine.problem.y0
 
     def run(n: int) -> Sequence[Any]:
+        if n == 0 and turns > 1:
+            c, s = context.cos(length), context.sin(length)
+            return [c * y0[0] - s * y0[1], s * y0[0] + c * y0[1]]
         if n == 0:
             return list(y0)
         h = length / n
@@ -319,6 +335,36 @@ def _isochronous_flow(
     z1, z2 = z1 * c + z2 * s, z2 * c - z1 * s
     first = z1 + a * z2 * z2
     return [first, z2 + b * first * first]
+
+
+def isochronous_threefold() -> Problem:
+    """Harmonic motion z' = i z seen through z = w + a conj(w)^2, which commutes with a third turn.
+
+    In complex notation ``w' = i (z + b conj(z))/(1 - |b|^2)``, ``b = 2 a conj(w)``. Every period is
+    2 pi, and after a third of it a solution is its start, turned by a third.
+    """
+    from ..problems.formula import Formula
+
+    parameters = {"a": Fraction(1, 8)}
+    return Problem(
+        name="isochronous-threefold",
+        source="Harmonic oscillator in the coordinate w with z = w + a conj(w)^2",
+        parameters=parameters,
+        f=Formula(
+            common=(
+                ("b1", "2*a*y[0]"),
+                ("b2", "-2*a*y[1]"),
+                ("z1", "y[0] + a*(y[0]*y[0] - y[1]*y[1])"),
+                ("z2", "y[1] - 2*a*y[0]*y[1]"),
+                ("weight", "1 - b1*b1 - b2*b2"),
+            ),
+            outputs=("(b1*z2 - b2*z1 - z2)/weight", "(z1 + b1*z1 + b2*z2)/weight"),
+            parameters=parameters,
+        ),
+        y0=("1/2", "3/10"),
+        t_span=(0.0, 2 * math.pi),
+        scales={"period": 2 * math.pi, "time": 1.0},
+    )
 
 
 def isochronous_separable() -> Problem:

@@ -12,7 +12,7 @@ import json
 import math
 import sys
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -79,8 +79,8 @@ class LongRun:
         return record
 
 
-def parasitic_part(engine: Stepper, values: np.ndarray, h: float) -> float:
-    """Norm of ``values - S(F(y_1))`` for values (r, d), with the start and finish of the file."""
+def parasitic_part(engine: Stepper, values: np.ndarray, h: float) -> tuple[np.ndarray, float]:
+    """Finished solution (d,) and norm of ``values - S(F(y_1))`` for values (r, d)."""
     method = engine.method
     y = values[0]
     with np.errstate(all="ignore"):
@@ -89,13 +89,10 @@ def parasitic_part(engine: Stepper, values: np.ndarray, h: float) -> float:
                 y, _ = apply_finish(method.finishing, engine, 0.0, y, h)
             assert method.starting is not None
             ideal, _ = apply_start(method.starting, engine, 0.0, y, h)
-        except (
-            ArithmeticError,
-            GlmrefError,
-        ):  # the coupled stages of a start have no solution any more
-            return math.inf
+        except (ArithmeticError, GlmrefError):  # coupled stages without solution: far from all
+            return y, math.inf
         size = float(np.linalg.norm(values[1:] - ideal[1:]))
-    return size if math.isfinite(size) else math.inf
+    return y, size if math.isfinite(size) else math.inf
 
 
 def long_run(name: str, run: str, *, h: float = 0.1, steps: int = STEPS) -> LongRun:
@@ -108,18 +105,18 @@ def long_run(name: str, run: str, *, h: float = 0.1, steps: int = STEPS) -> Long
     assert isinstance(method, GLM)
     engine = stepper(method, subject)
     unit = float(np.linalg.norm(np.array(subject.y0, dtype=float)))
-    solution = follow(subject, method, h=h, steps=steps, lost=lambda part: _gone(part, unit))
-    t = np.asarray(solution.t, dtype=float)
+    bare = replace(method, finishing=None)  # every row finished would cost more than the run
+    solution = follow(subject, bare, h=h, steps=steps, lost=lambda part: _gone(part, unit))
     assert subject.hamiltonian is not None
-    energy = along(subject.hamiltonian, np.asarray(solution.y, dtype=float))
+    at = _looks(len(solution.t))
+    t = np.asarray(solution.t, dtype=float)[at]
+    looks = [parasitic_part(engine, np.asarray(solution.history)[k], h) for k in at]
+    rest = np.array([size for _, size in looks]) / unit
+    energy = along(subject.hamiltonian, np.array([y for y, _ in looks], dtype=float))
     energy = np.abs(energy / energy[0] - 1)
-    at = _looks(len(t))
-    history = np.asarray(solution.history)
-    rest = np.array([parasitic_part(engine, history[k], h) / unit for k in at])
-    early_t = t <= t[0] + h * steps / 100
-    early = np.array([early_t[k] for k in at])
-    rest_early, energy_early = float(rest[early].max()), float(np.nanmax(energy[early_t]))
-    over = [k for k, size in zip(at, rest, strict=True) if not size < FACTOR * rest_early]
+    early = t <= t[0] + h * steps / 100
+    rest_early, energy_early = float(rest[early].max()), float(energy[early].max())
+    over = np.flatnonzero(~(rest < FACTOR * rest_early))
     largest = float(np.max(np.where(np.isfinite(energy), energy, math.inf)))
     return LongRun(
         method=name,
@@ -131,8 +128,8 @@ def long_run(name: str, run: str, *, h: float = 0.1, steps: int = STEPS) -> Long
         energy_early=energy_early,
         parasitic=float(rest.max()),
         parasitic_early=rest_early,
-        bounded=solution.completed and not over and largest < FACTOR * energy_early,
-        lost=float(t[over[0]]) if over else None,
+        bounded=solution.completed and not len(over) and largest < FACTOR * energy_early,
+        lost=float(t[over[0]]) if len(over) else None,
     )
 
 

@@ -31,6 +31,7 @@ import numpy as np
 from ..catalogue import load
 from ..engine.outcome import Solution
 from ..engine.solve import solve
+from ..method import PartitionedGLM
 from ..problems import problem
 from ..problems.model import Problem
 from .longtime import along
@@ -143,6 +144,13 @@ class Need:
     seconds: dict[float, float] = field(default_factory=dict)
 
 
+@cache
+def _method(name: str) -> PartitionedGLM:
+    found = load(name)
+    assert isinstance(found, PartitionedGLM)
+    return found
+
+
 def _run(case: Case, method: str, steps: int, start: str) -> Solution:
     target = case.built()
     options: dict[str, Any] = {"steps": steps, "h": case.t_end / steps}
@@ -150,7 +158,7 @@ def _run(case: Case, method: str, steps: int, start: str) -> Solution:
         options["every"] = max(1, steps // SAMPLES)
     if start:
         options["start"] = ("enhanced", 3) if start == "enhanced" else start
-    return solve(target, load(method), **options)
+    return solve(target, _method(method), **options)
 
 
 def _error(case: Case) -> Callable[[Solution], float]:
@@ -169,7 +177,7 @@ def _error(case: Case) -> Callable[[Solution], float]:
 
 def _per_step(method: str) -> int:
     """Evaluations of a step; one less where the last of a step is the first of the next."""
-    pair = load(method)
+    pair = _method(method)
     document = pair.document or {}
     reused = document.get("class") == "splitting" and document.get("first") == "p"
     return max(1, pair.n_Q - 1 if reused and len(document["b"]) > len(document["a"]) else pair.n_Q)
@@ -232,9 +240,7 @@ def timed(case: Case, found: Sequence[Need], rounds: int = ROUNDS) -> list[Need]
                 solution = _run(case, need.method, steps, need.start)
                 samples.setdefault((k, t), []).append(solution.seconds)
     return [
-        replace(
-            need, seconds={t: statistics.median(samples[k, t]) for t in need.needed if samples}
-        )
+        replace(need, seconds={t: statistics.median(samples[k, t]) for t in need.needed if samples})
         for k, need in enumerate(found)
     ]
 

@@ -4,6 +4,9 @@ A quadratic invariant that the method keeps exactly (y^T C y for a symplectic Ru
 ``sum g_ij y_i^T C y_j`` for a G-symplectic one) changes by round-off alone. Over several problems
 its root mean square tells a random walk, exponent 1/2, from a drift, exponent 1.
 
+``python -m glmref.experiments.roundoff FILE`` measures all variants of :data:`VARIANTS` over ten
+million steps and writes them to a file; ``data/measurements/roundoff.json`` was made so.
+
 References
 ----------
 Brouwer, On the accumulation of errors in numerical integration, Astron. J. 46 (1937) 149-153.
@@ -13,23 +16,55 @@ Hairer, McLachlan, Razakarivony, Achieving Brouwer's law with implicit Runge-Kut
 
 from __future__ import annotations
 
+import json
 import math
-from collections.abc import Sequence
+import sys
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ..catalogue import load
 from ..claims import UsageError
 from ..engine.solve import solve
 from ..method import GLM
+from ..problems import problem
 from ..problems.model import Problem
 from .longtime import along, g_form
+from .measure import circumstances
 
-__all__ = ["RoundOff", "round_off"]
+__all__ = ["METHODS", "VARIANTS", "RoundOff", "bodies", "options_of", "round_off", "rows"]
 
 #: Samples over the run.
 SAMPLES = 8192
+#: How the same method is computed: structurally exact coefficients (the sweep of a G-symplectic
+#: method, the mu-form of a Runge-Kutta method) or A, U, B, V rounded; compensated summation (with
+#: the rounding residue of the tableau) or none. Options of :func:`glmref.solve`.
+VARIANTS: Mapping[str, Mapping[str, str]] = {
+    "exact form, compensated": {"form": "auto", "arithmetic": "strict"},
+    "exact form, plain sums": {"form": "exact", "arithmetic": "naive"},
+    "rounded tableau, compensated": {"form": "standard", "arithmetic": "compensated"},
+    "rounded tableau, plain sums": {"form": "standard", "arithmetic": "naive"},
+}
+#: Methods of the record: two of order 6 with several values, two Gauss methods.
+METHODS = ("g6245", "g6245-w3", "gauss-2", "gauss-3")
+#: Step size and length of the record.
+SIZE, STEPS = 1 / 16, 10_000_000
+#: What the record says of itself.
+HEAD: Mapping[str, str] = {
+    "format": "glmref-measurement-1",
+    "name": "roundoff",
+    "question": "By which law does round-off grow in invariants that the method keeps exactly?",
+    "command": "python -m glmref.experiments.roundoff data/measurements/roundoff.json",
+    "problem": "Free rigid bodies, first moment of inertia 2, 17/8, 18/8, ..",
+    "measured": "Relative deviation of both quadratic invariants; for several values, of their "
+    "G-form. `rms`: over n/2 .. n steps and all invariants, for n in `steps`. `exponent`: slope of "
+    "log rms against log n. `mean`: over the last stretch. `runs`: number of invariants.",
+}
+
+Row = dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -141,3 +176,65 @@ def _slope(steps: Sequence[int], rms: Sequence[float]) -> float:
     x, y = np.array(points).T
     x = x - x.mean()
     return float(x @ y / (x @ x))
+
+
+def bodies(count: int = 8) -> list[Problem]:
+    """Free rigid bodies with first moments of inertia 2, 17/8, ..: two invariants each."""
+    return [problem("rigid-body", inertia1=f"{16 + k}/8") for k in range(count)]
+
+
+def options_of(method: GLM, variant: str) -> dict[str, Any]:
+    """Options of :func:`glmref.solve` for one of :data:`VARIANTS`."""
+    options: dict[str, Any] = {**VARIANTS[variant], "solver": "fixed-point"}
+    if options["form"] == "exact":
+        options["form"] = "mu" if method.r == 1 else "sweep"
+    return options
+
+
+def rows(
+    *, methods: Sequence[str] = METHODS, steps: int = STEPS, known: Sequence[Row] = ()
+) -> Iterator[Row]:
+    """Measure every variant of some methods, one row in JSON's types after another.
+
+    The exact form, compensated, is measured on eight bodies, because the exponent of a random walk
+    takes many of them; the others, which drift or are far larger, on three.
+
+    Args:
+        methods: names. steps: number of steps.
+        known: rows that exist; they are passed on as they are.
+    """
+    done = {(row["method"], row["variant"], row["steps"][-1]): row for row in known}
+    for name in methods:
+        method = load(name)
+        if not isinstance(method, GLM):
+            raise UsageError(f"{name} is a pair of methods; give methods of one kind of value")
+        for variant in VARIANTS:
+            if (name, variant, steps) in done:
+                yield done[name, variant, steps]
+                continue
+            subjects = bodies(8 if VARIANTS[variant]["arithmetic"] == "strict" else 3)
+            found = round_off(method, subjects, h=SIZE, steps=steps, **options_of(method, variant))
+            yield {"variant": variant, **found.as_json()}
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Measure and write a document, which is kept up to date; rows that it holds are not redone."""
+    if not arguments:
+        sys.stderr.write("usage: python -m glmref.experiments.roundoff FILE [METHOD ...]\n")
+        return 2
+    path, methods = Path(arguments[0]), arguments[1:] or METHODS
+    path.parent.mkdir(parents=True, exist_ok=True)
+    known = json.loads(path.read_text(encoding="utf-8"))["rows"] if path.exists() else []
+    document: dict[str, Any] = {**HEAD, "where": circumstances(), "rows": []}
+    found: list[Row] = []
+    for row in rows(methods=methods, known=known):
+        found.append(row)
+        # what was known and has not been passed on yet must survive a kill
+        document["rows"] = found + [row for row in known if row not in found]
+        path.write_text(json.dumps(document, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+        sys.stderr.write(f"{row['method']}, {row['variant']}: exponent {row['exponent']:.3f}\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -139,11 +139,7 @@ def measure(
     ------
         UsageError: for a question the problem cannot answer, or arguments that do not fit.
     """
-    unknown = set(ask) - {"state", "energy"}
-    if unknown:
-        raise UsageError(f"`ask` knows 'state' and 'energy', got {sorted(unknown)[0]!r}")
-    if "energy" in ask and problem.hamiltonian is None:
-        raise UsageError(f"{problem.name} has no Hamiltonian; do not ask for the energy")
+    _check_questions(problem, ask)
     begin = _started(problem, method, h, start)
     options: dict[str, Any] = {"h": h, "engine": engine, "start": lambda *_: begin.values}
     options |= {"t_end": t_end} if steps is None else {"steps": steps}
@@ -152,20 +148,12 @@ def measure(
         whole = steps if steps is not None else round((end - float(problem.t_span[0])) / h)
         options["every"] = max(1, abs(whole) // SAMPLES)
     solution, timing = _timed(problem, method, options, repeats, budget)
-    last = float(solution.t[-1]) if len(solution.t) else float(problem.t_span[0])
-    record: dict[str, Any] = {}
-    if solution.completed and "state" in ask:
-        reference = reference_state(problem, last)
-        record["state_error"] = state_error(np.asarray(solution.y[-1]), reference)
-        record["reference"], record["reference_error"] = reference.kind, reference.error
-    if solution.completed and "energy" in ask:
-        record["energy_error"] = _energy_error(problem, solution)
     return Work(
         method=method.name,
         problem=problem.name,
         h=float(h),
         steps=solution.steps,
-        t_end=last,
+        t_end=_last_time(problem, solution),
         outcome=str(solution.outcome),
         message="" if solution.completed else solution.message,
         seconds=timing,
@@ -179,8 +167,33 @@ def measure(
         build_seconds=solution.build_seconds,
         kernel=solution.kernel,
         notices=solution.notices,
-        **record,
+        **(_errors(problem, solution, ask) if solution.completed else {}),
     )
+
+
+def _check_questions(problem: Problem, ask: Collection[str]) -> None:
+    """Refuse questions that are unknown, or that the problem cannot answer."""
+    unknown = set(ask) - {"state", "energy"}
+    if unknown:
+        raise UsageError(f"`ask` knows 'state' and 'energy', got {sorted(unknown)[0]!r}")
+    if "energy" in ask and problem.hamiltonian is None:
+        raise UsageError(f"{problem.name} has no Hamiltonian; do not ask for the energy")
+
+
+def _last_time(problem: Problem, solution: Solution) -> float:
+    return float(solution.t[-1]) if len(solution.t) else float(problem.t_span[0])
+
+
+def _errors(problem: Problem, solution: Solution, ask: Collection[str]) -> dict[str, Any]:
+    """Fields of :class:`Work` that answer the questions about a completed run."""
+    record: dict[str, Any] = {}
+    if "state" in ask:
+        reference = reference_state(problem, _last_time(problem, solution))
+        record["state_error"] = state_error(np.asarray(solution.y[-1]), reference)
+        record["reference"], record["reference_error"] = reference.kind, reference.error
+    if "energy" in ask:
+        record["energy_error"] = _energy_error(problem, solution)
+    return record
 
 
 class Deadline:

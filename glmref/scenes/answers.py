@@ -7,13 +7,13 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from ..claims import GlmrefError
+from .endings import KINDS
 from .model import Scene
+from .words import grouped, listed, method_of
 
 __all__ = ["answer", "duration", "method_of", "seconds_at"]
 
 Record = Mapping[str, Any]
-#: Names listed in full; more are counted.
-LISTED = 6
 
 
 def answer(scene: Scene, records: Sequence[Record]) -> str:
@@ -22,14 +22,9 @@ def answer(scene: Scene, records: Sequence[Record]) -> str:
         "fastest": _fastest,
         "lost": _lost,
         "conserved": _conserved,
+        **KINDS,
     }
     return answers[scene.answer.kind](scene, records)
-
-
-def method_of(record: Record) -> str:
-    """Name of the method or the peer of a record."""
-    task = record["task"]
-    return task["peer"] if task["kind"] == "peer" else task["method"]
 
 
 def duration(seconds: float) -> str:
@@ -38,19 +33,6 @@ def duration(seconds: float) -> str:
         if seconds >= size:
             return f"{seconds / size:.3g} {unit}"
     return f"{seconds * 1e9:.3g} ns"
-
-
-def _listed(names: Sequence[str]) -> str:
-    if len(names) <= LISTED:
-        return ", ".join(names)
-    return f"{', '.join(names[:LISTED])} and {len(names) - LISTED} more"
-
-
-def _grouped(records: Sequence[Record]) -> dict[str, list[Record]]:
-    groups: dict[str, list[Record]] = {}
-    for record in records:
-        groups.setdefault(method_of(record), []).append(record)
-    return groups
 
 
 # --- fastest --------------------------------------------------------------------------------------
@@ -90,7 +72,7 @@ def _fastest(scene: Scene, records: Sequence[Record]) -> str:
     error, at = scene.answer.error, scene.answer.at
     times: dict[str, float] = {}
     missed: list[str] = []
-    for name, group in _grouped(records).items():
+    for name, group in grouped(records).items():
         seconds = seconds_at(group, error, at)
         if seconds is None:
             missed.append(name)
@@ -109,7 +91,7 @@ def _fastest(scene: Scene, records: Sequence[Record]) -> str:
             f"the first method with several values, {carried}, {_times(times[carried] / best)}"
         )
     sentence = f"{what}: {', '.join(parts)}"
-    return sentence + (f"; not reached by {_listed(missed)}" if missed else "")
+    return sentence + (f"; not reached by {listed(missed)}" if missed else "")
 
 
 def _times(ratio: float) -> str:
@@ -146,10 +128,10 @@ def _lost(scene: Scene, records: Sequence[Record]) -> str:
             other.append(f"{name}: {record['outcome']}")
     end = f"t = {scene.t_end:g}"
     steps = max((record.get("steps") or 0 for record in records), default=0)
-    parts = [f"lost: {_listed(lost)}" if lost else "none is lost"]
+    parts = [f"lost: {listed(lost)}" if lost else "none is lost"]
     if bounded:
-        parts.append(f"bounded to {end} ({steps:,} steps): {_listed(bounded)}")
-    return "; ".join(parts + ([_listed(other)] if other else []))
+        parts.append(f"bounded to {end} ({steps:,} steps): {listed(bounded)}")
+    return "; ".join(parts + ([listed(other)] if other else []))
 
 
 # --- conserved ------------------------------------------------------------------------------------
@@ -182,8 +164,8 @@ def _conserved(scene: Scene, records: Sequence[Record]) -> str:
     parts = []
     if kept:
         worst = max(kept.values())
-        parts.append(f"kept to {worst:.1e} over {steps:,} steps: {_listed(list(kept))}")
+        parts.append(f"kept to {worst:.1e} over {steps:,} steps: {listed(list(kept))}")
     if drifting:
         told = [f"{name} ({value:.1e})" for name, value in drifting.items()]
-        parts.append(f"not kept: {_listed(told)}")
-    return "; ".join(parts + ([_listed(other)] if other else [])) or "no run was completed"
+        parts.append(f"not kept: {listed(told)}")
+    return "; ".join(parts + ([listed(other)] if other else [])) or "no run was completed"

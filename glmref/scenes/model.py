@@ -77,7 +77,8 @@ class Scene:
         t_end: final time.
         ask: what is measured, of :data:`ASK`.
         answer: how the answer is computed.
-        repeats: runs to time, where the answer is about time. budget: seconds after which a run is cancelled.
+        repeats: runs to time, where the answer is about time.
+        budget: seconds after which a run is cancelled.
         start: ``"zero"``, ``"enhanced"`` or ``None`` for the method's own.
         peers: other integrators. tolerances: relative tolerances they run at.
         file: where it was read, for messages.

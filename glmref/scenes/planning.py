@@ -9,18 +9,53 @@ from typing import Any
 
 from .. import __version__
 from ..catalogue import document, load
+from ..claims import GlmrefError
 from ..experiments.records import key_of
 from ..method import GLM, PartitionedGLM
-from .model import ASK, Scene
+from ..problems.model import Problem
+from .model import ASK, TIMED, Scene
 
-__all__ = ["Plan", "plan"]
+__all__ = ["SAMPLED", "Cost", "Plan", "plan"]
 
 #: Evaluations of one stage of an equation that has to be solved, about: predictor and rounds.
 ROUNDS = 6
-#: Packages that every scene needs: exact coefficients, arrays, starts and closed forms, kernels.
-ALWAYS = ("flint", "numpy", "mpmath", "llvmlite")
+#: Packages that every scene needs: exact coefficients and arrays; then kernels.
+ALWAYS = ("flint", "numpy")
+KERNELS = "llvmlite"
+#: What only the error of the state needs, where the solution is known in closed form.
+CLOSED_FORMS = "mpmath"
+#: Questions that are answered from samples of one long run.
+SAMPLED = frozenset({"invariants", "law", "parasitic"})
 #: What a record holds, whatever is asked.
 RECORDED = ("outcome", "steps", "seconds with quartiles", "evaluations", "iterations", "start")
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Right-hand-side evaluations of one step, as far as they are known before.
+
+    Attributes
+    ----------
+        explicit: of the explicit stages together.
+        each_round: of one round of the solver on one block of implicit stages; 0 where there is
+            none, ``None`` where blocks differ in size.
+        stages: implicit stages in all.
+    """
+
+    explicit: int
+    each_round: int | None
+    stages: int
+
+    @property
+    def about(self) -> int:
+        """Evaluations of a step, with a usual number of rounds."""
+        return self.explicit + self.stages * ROUNDS
+
+    def evaluations(self, steps: int, iterations: int) -> int | None:
+        """Evaluations of so many steps whose solvers took so many rounds in all: exactly."""
+        if self.each_round is None:
+            return None
+        return steps * self.explicit + iterations * self.each_round
 
 
 @dataclass(frozen=True)
@@ -33,8 +68,10 @@ class Plan:
         tasks: what is measured, one JSON-ready mapping each, in order; its hash is its key.
         modules: packages besides the standard library that are imported.
         recorded: what each record holds.
-        evaluations: right-hand-side evaluations in all, about.
+        evaluations: right-hand-side evaluations in all: exactly, where no stage is implicit.
         absent: packages of peers that are not installed; their tasks are left out.
+        costs: of each task, ``None`` for a peer's.
+        reference: where the right last state comes from, ``""`` where it is not asked for.
     """
 
     scene: Scene
@@ -43,6 +80,8 @@ class Plan:
     recorded: tuple[str, ...]
     evaluations: int
     absent: tuple[str, ...]
+    costs: tuple[Cost | None, ...] = ()
+    reference: str = ""
 
     def as_json(self) -> dict[str, Any]:
         """Return the plan in JSON's types."""
@@ -53,6 +92,7 @@ class Plan:
             "modules": list(self.modules),
             "recorded": list(self.recorded),
             "evaluations": self.evaluations,
+            "reference": self.reference,
             "absent": list(self.absent),
             "tasks": [dict(task) for task in self.tasks],
         }
@@ -68,17 +108,23 @@ def plan(scene: Scene) -> Plan:
     from ..engine.shape import shape_of
     from ..problems import problem
 
+    subject = problem(scene.problem, **scene.parameters)
     tasks: list[Mapping[str, Any]] = []
+    costs: list[Cost | None] = []
     evaluations = 0
     for name in scene.methods:
-        method = load(name)
+        cost = _cost(load(name), subject)
         fingerprint = key_of({"document": document(name)})
         for h, steps in scene.grid:
             tasks.append(_task(scene, name, fingerprint, h, steps))
-            evaluations += steps * _per_step(method) * _runs(scene)
+            costs.append(cost)
+            evaluations += steps * cost.about * _runs(scene)
     modules: list[str] = list(ALWAYS)
     absent: list[str] = []
-    if shape_of(problem(scene.problem, **scene.parameters)).opaque:
+    if "state" in scene.ask and subject.exact is not None:
+        modules.append(CLOSED_FORMS)
+    modules.append(KERNELS)
+    if shape_of(subject).opaque:
         modules.append("numba")  # a right-hand side in Python is compiled by numba alone
     if scene.peers:
         from ..experiments.peers import package_of
@@ -100,7 +146,22 @@ def plan(scene: Scene) -> Plan:
         recorded,
         evaluations,
         tuple(dict.fromkeys(absent)),
+        (*costs, *[None] * (len(tasks) - len(costs))),
+        _reference(scene, subject),
     )
+
+
+def _reference(scene: Scene, subject: Problem) -> str:
+    """Say where the right last state comes from."""
+    if "state" not in scene.ask:
+        return ""
+    if subject.exact is not None:
+        return "closed form"
+    ends = {float(subject.t_span[0]) + n * h for h, n in scene.grid}
+    known = [float(one.t) for one in subject.references]
+    if all(any(abs(t - end) <= 1e-12 * max(1.0, abs(end)) for t in known) for end in ends):
+        return "stored"
+    return "computed: gauss-5 at two step sizes, for each end time"
 
 
 def _asked(scene: Scene) -> list[str]:
@@ -115,7 +176,7 @@ def _common(scene: Scene) -> dict[str, Any]:
         "parameters": {k: str(v) for k, v in scene.parameters.items()},
         "t_end": scene.t_end,
         "ask": _asked(scene),
-        "repeats": scene.repeats,
+        "repeats": _runs(scene),
         "budget": scene.budget,
     }
 
@@ -138,24 +199,39 @@ def _peer_task(scene: Scene, peer: str, tolerance: float) -> dict[str, Any]:
 
 
 def _runs(scene: Scene) -> int:
-    """How often a task is run: long runs once, timed ones ``repeats`` times."""
-    return 1 if {"invariants", "parasitic"} & set(scene.ask) else scene.repeats
+    """How often a task is run: ``repeats`` times where the answer is about time, else once."""
+    return scene.repeats if scene.answer.kind in TIMED else 1
 
 
-def _per_step(method: GLM | PartitionedGLM) -> int:
-    """Right-hand-side evaluations of a step, about: one for an explicit stage."""
+def _cost(method: GLM | PartitionedGLM, subject: Problem) -> Cost:
+    """Count the evaluations of a step: one for an explicit stage, unless the last step had it."""
     if isinstance(method, PartitionedGLM):
-        from ..engine.reference import pair_blocks
-
-        blocks = pair_blocks(method)
-        # of a separable problem the evaluations of p' = k(q) count, at the stages Q
-        inside = [[i for i in block.stages if i < method.n_Q] for block in blocks]
-        return sum(
-            len(found) * (ROUNDS if block.implicit else 1)
-            for block, found in zip(blocks, inside, strict=True)
-        )
+        return _pair_cost(method, subject)
     from ..engine.tableau import stage_blocks
 
-    return sum(
-        len(block.stages) * (ROUNDS if block.implicit else 1) for block in stage_blocks(method.A)
-    )
+    blocks = stage_blocks(method.A)
+    explicit = sum(len(block.stages) for block in blocks if not block.implicit)
+    return _cost_of(explicit, [len(block.stages) for block in blocks if block.implicit])
+
+
+def _pair_cost(pair: PartitionedGLM, subject: Problem) -> Cost:
+    """Of a separable problem the evaluations of p' = k(q) count, at the stages Q."""
+    from ..engine.kernel import choose_form
+    from ..engine.reference import pair_blocks
+
+    try:
+        form, _ = choose_form(pair, subject, "auto")
+    except GlmrefError:  # the pair does not apply: its tasks will say so, and cost nothing
+        return Cost(0, 0, 0)
+    inside = [
+        (block.implicit, sum(1 for i in block.stages if i < pair.n_Q))
+        for block in pair_blocks(pair, joint=not subject.separable)
+    ]
+    explicit = sum(count for implicit, count in inside if not implicit)
+    solved = [count for implicit, count in inside if implicit]
+    return _cost_of(explicit - int(getattr(form, "reuses_force", False)), solved)
+
+
+def _cost_of(explicit: int, solved: list[int]) -> Cost:
+    sizes = set(solved)
+    return Cost(explicit, None if len(sizes) > 1 else max(sizes, default=0), sum(solved))

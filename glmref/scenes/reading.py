@@ -298,9 +298,7 @@ class _Reader:
         nothing = not (problem.quadratic or problem.invariants or problem.hamiltonian)
         for question in ("invariants", "law"):
             if question in ask and nothing:
-                raise self.fail(
-                    where, f"the problem {problem.name!r} has no invariants to ask for"
-                )
+                raise self.fail(where, f"the problem {problem.name!r} has no invariants to ask for")
         if set(ask) <= {"picture"}:
             raise self.fail(where, "a picture alone asks nothing; add 'state' or 'energy'")
 

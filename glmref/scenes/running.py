@@ -8,17 +8,27 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from ..claims import GlmrefError
+from ..experiments.attempt import FUNCTION_FAILED
 from ..experiments.records import RecordFile
 from .model import Scene
-from .planning import Plan, plan
+from .planning import SAMPLED, Plan, plan
 
-__all__ = ["BUDGET_SPENT", "FAILED", "LOST", "NOT_APPLICABLE", "perform", "run"]
+__all__ = [
+    "BUDGET_SPENT",
+    "FAILED",
+    "LOST",
+    "NOT_APPLICABLE",
+    "START_FAILED",
+    "perform",
+    "run",
+]
 
 #: Outcomes a scene adds to those of the engine.
 BUDGET_SPENT = "budget spent"
 FAILED = "internal error"
 LOST = "lost"
 NOT_APPLICABLE = "not applicable"
+START_FAILED = "start failed"
 
 #: Points kept of a curve over time.
 POINTS = 60
@@ -56,28 +66,44 @@ def perform(task: Mapping[str, Any]) -> dict[str, Any]:
     ------
         KeyboardInterrupt: when the user stops the run, and nothing else.
     """
+    from ..engine.outcome import StartFailed
     from ..experiments.measure import circumstances
 
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # overflow in a run that blows up is an outcome
             measured = _peer(task) if task["kind"] == "peer" else _method(task)
+    except StartFailed as error:
+        measured = {"outcome": START_FAILED, "message": str(error)}
     except GlmrefError as error:
         measured = {"outcome": NOT_APPLICABLE, "message": str(error)}
     except MemoryError:
         measured = {"outcome": FAILED, "message": "the memory did not suffice; ask for less"}
     except Exception as error:
-        measured = {"outcome": FAILED, "message": f"{type(error).__name__}: {error}"}
+        measured = {
+            "outcome": FUNCTION_FAILED if _user_function(task) else FAILED,
+            "message": f"{type(error).__name__}: {error}",
+        }
     return {**measured, "where": circumstances()}
+
+
+def _user_function(task: Mapping[str, Any]) -> bool:
+    """Whether the problem's right-hand side is a Python function: not ours to answer for."""
+    from ..experiments.attempt import given_by_user
+    from ..problems import problem
+
+    return given_by_user(problem(task["problem"], **_parameters(task)))
 
 
 def _method(task: Mapping[str, Any]) -> dict[str, Any]:
     from ..catalogue import load
+    from ..experiments.attempt import check_function
     from ..problems import problem
 
     method = load(task["file"] or task["method"])
     subject = problem(task["problem"], **_parameters(task))
-    if {"invariants", "parasitic"} & set(task["ask"]):
+    check_function(subject)
+    if SAMPLED & set(task["ask"]):
         return _long(task, method, subject)
     from ..experiments.work_precision import measure
 
@@ -126,12 +152,17 @@ def _long(task: Mapping[str, Any], method: Any, subject: Any) -> dict[str, Any]:
     u = solution_direction(method)
     parasitic = "parasitic" in task["ask"]
     stop = (lambda part: loss(subject, part, u).time is not None) if parasitic else None
-    deadline = Deadline(task["budget"])
-    solution = follow(
-        subject, method, h=task["h"], steps=task["steps"], start=task["start"],
-        cancel=deadline, lost=stop,
-    )  # fmt: skip
-    check_interruption(solution, deadline)
+    seconds: list[float] = []
+    while True:
+        deadline = Deadline(task["budget"])
+        solution = follow(
+            subject, method, h=task["h"], steps=task["steps"], start=task["start"],
+            cancel=deadline, lost=stop,
+        )  # fmt: skip
+        check_interruption(solution, deadline)
+        seconds.append(solution.seconds)
+        if len(seconds) >= task["repeats"] or sum(seconds) > task["budget"]:
+            break
     record: dict[str, Any] = {
         "method": method.name,
         "problem": subject.name,
@@ -140,7 +171,7 @@ def _long(task: Mapping[str, Any], method: Any, subject: Any) -> dict[str, Any]:
         "t_end": float(solution.t[-1]),
         "outcome": str(solution.outcome),
         "message": "" if solution.completed else solution.message,
-        "seconds": Timing.of([solution.seconds]).as_json(),
+        "seconds": Timing.of(seconds).as_json(),
         "evaluations": solution.evaluations,
         "velocity_evaluations": solution.velocity_evaluations,
         "iterations": solution.iterations,
@@ -161,9 +192,28 @@ def _long(task: Mapping[str, Any], method: Any, subject: Any) -> dict[str, Any]:
         reference = reference_state(subject, float(solution.t[-1]))
         record["state_error"] = state_error(np.asarray(solution.y[-1]), reference)
         record["reference"], record["reference_error"] = reference.kind, reference.error
+    if "law" in task["ask"]:
+        record |= _law(method, subject, solution)
     if parasitic:
         record |= _parasitic(task, method, subject, solution, u)
     return _spent(record, task)
+
+
+def _law(method: Any, subject: Any, solution: Any) -> dict[str, Any]:
+    """By which law the first conserved quantity of the solution deviates, and how far over time."""
+    import numpy as np
+
+    from ..experiments.law import fit_law, samples_of
+
+    known = ("energy",) if subject.hamiltonian is not None else ()
+    quantity = (*known, *subject.quadratic, *subject.invariants)[0]
+    deviation = samples_of(subject, method, solution, quantity)
+    t = np.asarray(solution.t, dtype=float)
+    law = fit_law(t, deviation, ended=not solution.completed)
+    return {
+        "law": {"quantity": quantity, **law.as_json()},
+        "series": _thinned(t, np.abs(deviation)),
+    }
 
 
 def _form(method: Any) -> Any:

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..chart import Series
-from .answers import duration, method_of
+from .answers import duration
 from .model import Scene
+from .planning import SAMPLED
+from .words import method_of
 
 __all__ = ["Chart", "charts", "columns_of", "rows"]
 
@@ -37,6 +39,8 @@ def columns_of(scene: Scene) -> tuple[str, ...]:
         found += ["invariants", "G-form"]
     if "parasitic" in scene.ask:
         found += ["lost at", "predicted", "largest rest"]
+    if "law" in scene.ask:
+        found += ["law", "exponent", "largest"]
     return (*found, "seconds", "q25", "q75", "evaluations", "iterations", "start")
 
 
@@ -62,7 +66,8 @@ def _cell(column: str, record: Record, *, raw: bool) -> Any:
         return duration(value)
     if isinstance(value, int):
         return f"{value}"
-    return f"{value:.2e}" if column not in ("h", "lost at", "predicted") else f"{value:.6g}"
+    plain = ("h", "lost at", "predicted", "exponent")
+    return f"{value:.6g}" if column in plain else f"{value:.2e}"
 
 
 def _value(column: str, record: Record) -> Any:
@@ -73,6 +78,8 @@ def _value(column: str, record: Record) -> Any:
         return task["h"] if task["kind"] == "method" else f"tol {task['tolerance']:g}"
     if column in ("seconds", "q25", "q75"):
         return seconds.get("median" if column == "seconds" else column)
+    if column in ("law", "exponent", "largest"):
+        return (record.get("law") or {}).get("kind" if column == "law" else column)
     if column in ("invariants", "G-form"):
         return _drift(record, form=column == "G-form")
     keys = {
@@ -99,7 +106,7 @@ def charts(scene: Scene, records: Sequence[Record]) -> list[Chart]:
     groups: dict[str, list[Record]] = {}
     for record in records:
         groups.setdefault(method_of(record), []).append(record)
-    if "invariants" in scene.ask or "parasitic" in scene.ask:
+    if SAMPLED & set(scene.ask):
         parasitic = "parasitic" in scene.ask
         what = "size of the values beyond the solution" if parasitic else "relative drift so far"
         lines = [

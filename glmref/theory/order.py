@@ -45,6 +45,7 @@ from .trees import MAX_ORDER, ROOTED, Palette, Tree, pruned, trees
 __all__ = [
     "OrderResult",
     "Principal",
+    "commutator_row",
     "conjugate_error",
     "error_max",
     "error_norm",
@@ -346,7 +347,7 @@ def conjugate_error(result: OrderResult) -> dict[Tree, Scalar]:
     if order == 2:  # at the single nodes a common shift in time changes nothing
         smaller = tuple(s for s in smaller if s.colour != next(iter(palette)))
     place = {s: j for j, s in enumerate(smaller)}
-    rows = [_commutator_row(t, place) for t in level]
+    rows = [commutator_row(t, place) for t in level]
     gram = [[Fraction(0)] * len(smaller) for _ in smaller]
     right: list[Any] = [0] * len(smaller)
     for t, row in zip(level, rows, strict=True):
@@ -365,8 +366,20 @@ def conjugate_error(result: OrderResult) -> dict[Tree, Scalar]:
     return moved
 
 
-def _commutator_row(t: Tree, place: Mapping[Tree, int]) -> dict[int, int]:
-    """Row t of L: how principal parts one order lower enter the condition of t."""
+def commutator_row(t: Tree, place: Mapping[Tree, int]) -> dict[int, int]:
+    """How principal parts one order lower enter the condition of the tree t.
+
+    A change delta of the principal parts at the trees of ``place`` adds ``delta(s)`` to the
+    condition of [s] and takes ``ways * delta(s)`` from that of t for each way to cut a leaf off t
+    that leaves s.
+
+    Args:
+        t: a tree. place: column of each tree of the order below.
+
+    Returns
+    -------
+        The entries of the row that are not zero, by column.
+    """
     row: dict[int, int] = {}
     for kept, count in pruned(t).items():
         if kept in place:

@@ -48,7 +48,7 @@ ROOMS: dict[str, str] = {
     "catalogue": "data_files method reader",
     # theory and what is decided with it
     "theory": "claims exact linalg method",
-    "derive": "canonical claims exact expression linalg method pair_sweep reader sweep_form theory "
+    "derive": "canonical catalogue claims exact expression linalg method pair_sweep reader sweep_form theory "
     "verification",
     "facts": "claims exact linalg method theory",
     "checks": "claims exact expression facts theory",

@@ -13,6 +13,7 @@ from glmref.experiments.convergence import (
     effective_order,
     isochronous,
     isochronous_separable,
+    isochronous_threefold,
     method_order,
     observed_order,
     parasitic_order,
@@ -100,13 +101,14 @@ def test_the_record_is_plain_json():
     assert found["order"] is None and found["settled"] is False
 
 
-@pytest.mark.parametrize("build", [isochronous, isochronous_separable])
+@pytest.mark.parametrize("build", [isochronous, isochronous_separable, isochronous_threefold])
 def test_every_solution_of_an_isochronous_problem_has_period_two_pi(build):
     from glmref.engine.solve import solve
 
     subject = build()
     for scale in (0.5, 1.0):
-        start = [float(x) * scale if build is isochronous else float(x) for x in subject.y0]
+        planar = build is not isochronous_separable
+        start = [float(x) * (scale if planar else 1) for x in subject.y0]
         copy = type(subject)(
             **{k: getattr(subject, k) for k in ("f", "force", "parameters") if getattr(subject, k)
                is not None and not (k == "f" and subject.force is not None)},
@@ -114,6 +116,35 @@ def test_every_solution_of_an_isochronous_problem_has_period_two_pi(build):
         )  # fmt: skip
         end = solve(copy, load("gauss-4"), h=2 * math.pi / 200, steps=200, engine="reference").y[-1]
         assert max(abs(end - start)) < 1e-12
+
+
+def test_a_third_of_the_period_turns_a_solution_by_a_third():
+    from glmref.engine.solve import solve
+
+    subject, third = isochronous_threefold(), 2 * math.pi / 3
+    end = solve(subject, load("gauss-4"), h=third / 60, steps=60, engine="reference").y[-1]
+    c, s = math.cos(third), math.sin(third)
+    x, y = subject.y0
+    # order 8, h = 0.035: the error of the method is below round-off
+    assert abs(end - [c * x - s * y, s * x + c * y]).max() < 1e-13
+    # and it is no harmonic motion: f is not i y
+    assert abs(subject.f(0.0, subject.y0) - [-y, x]).max() > 0.01
+
+
+def test_the_solution_read_by_the_left_eigenvector_is_a_conjugate_one():
+    # the same values, another name for the solution: the steps are those of the same method
+    engine = stepper(load("ab-3"), isochronous(), digits=30)
+    underlying, context = Underlying(engine, conjugate=True), engine.arithmetic.context
+    (half,) = underlying.halves
+    assert half.steady
+    v = engine.arithmetic.array(engine.method.V)
+    assert max(abs(x) for x in half.e.dot(v) - half.e) < 1e-28
+    assert abs(half.e.dot(half.u) - 1) < 1e-28
+    h = context.mpf(1) / 100
+    start = underlying.start(context.mpf(0), engine.problem.y0, h, order=6)
+    assert max(abs(x) for x in underlying.solution(start) - engine.problem.y0) < 1e-28
+    rest = underlying.parasitic(h, underlying.run(context.mpf(0), start, h, 1), h, order=6)
+    assert max(abs(x) for x in rest.ravel()) < 1e-11  # h^7 and a constant
 
 
 def test_the_flow_of_the_isochronous_problem_solves_it():

@@ -13,7 +13,7 @@ from glmref.derive.classes import (
     attach,
     classes,
     follows,
-    free_trees,
+    free_tree,
     moves,
     pairs,
     plan,
@@ -25,6 +25,16 @@ from glmref.exact import Exact
 from glmref.linalg import Matrix
 from glmref.sweep_form import sweep_blocks
 from glmref.theory.trees import Tree, parse_tree, pruned, trees
+
+
+def free_trees(order: int) -> list[tuple[Tree, ...]]:
+    """The free trees of an order, each as the tuple of its rooted versions."""
+    return list(dict.fromkeys(free_tree(t) for t in trees(order)))
+
+
+def test_free_trees_are_counted() -> None:
+    # Otter (1948): 1, 1, 1, 2, 3, 6, 11, 23 free trees.
+    assert [len(free_trees(n)) for n in range(1, 9)] == [1, 1, 1, 2, 3, 6, 11, 23]
 
 
 def test_numbers_of_conditions_are_those_of_the_table() -> None:

@@ -13,12 +13,12 @@ from glmref import catalogue, linalg
 from glmref.catalogue import load
 from glmref.checks import _order
 from glmref.claims import DataError, ExactnessError, Proof, Verdict
-from glmref.derive.classes import free_trees
 from glmref.derive.enclosure import Outcome, krawczyk, obstruction, prove, shift_matrix
 from glmref.derive.equations import Blocks, starting_series
 from glmref.exact import Exact, ball
 from glmref.expression import parse
 from glmref.facts import facts_of
+from glmref.method import GLM
 from glmref.reader import load_document
 from glmref.sweep_form import sweep_blocks
 from glmref.theory.order import order_of
@@ -230,11 +230,6 @@ def test_obstruction_is_zero_for_a_method_of_the_higher_order() -> None:
     assert obstruction(starting_series(blocks, 7), 6) > 1e-6
 
 
-def test_free_trees_are_counted() -> None:
-    # Otter (1948): 1, 1, 1, 2, 3, 6, 11, 23 free trees.
-    assert [len(free_trees(n)) for n in range(1, 9)] == [1, 1, 1, 2, 3, 6, 11, 23]
-
-
 @pytest.mark.parametrize(
     ("gap", "outcome"),
     [
@@ -288,11 +283,16 @@ def test_without_its_growth_equation_a_method_is_not_enclosed_as_parasitism_free
 
 def test_orders_beyond_the_trees_stay_open() -> None:
     # Gauss with three stages has order 6; looked at up to order 5 only, nothing fails.
-    facts = facts_of(load("gauss-3"))
-    seen = order_of(load("gauss-3"), max_order=5)
+    method = load("gauss-3")
+    assert isinstance(method, GLM)
+    facts, seen, far = (
+        facts_of(method),
+        order_of(method, max_order=5),
+        order_of(method, max_order=7),
+    )
     assert seen.at_least
     assert _order(facts, 4, seen).holds is False
     assert _order(facts, 5, seen).holds is None
     assert _order(facts, 6, seen).holds is None
-    assert _order(facts, 6, order_of(load("gauss-3"), max_order=7)).holds is True
-    assert _order(facts, 7, order_of(load("gauss-3"), max_order=7)).holds is False
+    assert _order(facts, 6, far).holds is True
+    assert _order(facts, 7, far).holds is False

@@ -1,7 +1,10 @@
 """Explicit symmetric G-symplectic pairs for separable systems: the shipped ones, or a search.
 
 Options: ``name`` one shipped pair (all of them by default); or ``n``, ``order``, ``nystrom``,
-``starts`` of an ansatz with ``seed`` and ``tries`` for a search, ``wanted`` how many to complete.
+``starts`` of an ansatz with ``seed`` and ``tries`` for a search, ``wanted`` how many to complete;
+``circle = yes`` passes over pairs whose parasitic eigenvalues leave the unit circle on the
+oscillator at small steps (:func:`glmref.theory.pairs.parasitic_curvature`): an inequality, which
+has no place among the equations.
 
 The shipped pairs come from such searches. Each is kept here as an ansatz whose free parameters are
 fixed rationally and a dozen digits of the other unknowns; the recipe polishes them to 75 digits and
@@ -15,6 +18,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from ...claims import GlmrefError, Proof, UsageError
+from ...reader import load_document
+from ...theory.pairs import parasitic_curvature
 from ..pair_enclosure import PairEnclosure
 from ..pairs import PairAnsatz, complete_pair, fix_parameters, search_pairs
 from .record import Derivation, Progress, Statement
@@ -28,6 +33,7 @@ OPTIONS: Mapping[str, str] = {
     "order": "6",
     "nystrom": "no",
     "starts": "qp",
+    "circle": "no",
     "seed": "1",
     "tries": "64",
     "wanted": "1",
@@ -98,6 +104,7 @@ class _Wanted:
     seed: int
     tries: int
     wanted: int
+    circle: bool
 
 
 def _read(options: Mapping[str, str]) -> tuple[PairAnsatz, _Wanted]:
@@ -107,13 +114,14 @@ def _read(options: Mapping[str, str]) -> tuple[PairAnsatz, _Wanted]:
         raise UsageError(
             f"`n`, `order`, `seed`, `tries` and `wanted` must be whole numbers ({error})"
         ) from None
-    if options["nystrom"] not in ("yes", "no"):
-        raise UsageError(f"`nystrom` must be yes or no, got {options['nystrom']!r}")
+    for key in ("nystrom", "circle"):
+        if options[key] not in ("yes", "no"):
+            raise UsageError(f"`{key}` must be yes or no, got {options[key]!r}")
     nystrom = options["nystrom"] == "yes"
     name = f"pair-{'rkn-' if nystrom else ''}{order}-{n}-found"
     title = f"Explicit pair of order {order} with {n} evaluations"
     ansatz = PairAnsatz(name, n, order, nystrom=nystrom, starts=options["starts"], title=title)
-    return ansatz, _Wanted(*rest)
+    return ansatz, _Wanted(*rest, options["circle"] == "yes")
 
 
 def _search(options: Mapping[str, str], progress: Progress) -> Derivation:
@@ -141,6 +149,10 @@ def _search(options: Mapping[str, str], progress: Progress) -> Derivation:
             )
         except GlmrefError as error:
             statements.append(Statement(f"start {found.number}: {error}", Proof.MEASURED))
+            continue
+        if wanted.circle and parasitic_curvature(load_document(document)).real.sign() != 1:
+            text = f"start {found.number}: its parasitic eigenvalues leave the unit circle"
+            statements.append(Statement(text, Proof.ENCLOSED))
             continue
         documents.append(document)
         statements.append(_statement(document, enclosure))

@@ -1,0 +1,49 @@
+"""``glmref report``: stored results as pages."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from .output import HOLDS, complain, say
+
+__all__ = ["report"]
+
+#: What is read when nothing is named: what `glmref run` and `glmref bench` write.
+PLACES = (Path("report"), Path(".asv", "results"))
+
+
+@click.command(short_help="Stored results as pages, without a network.")
+@click.argument("results", nargs=-1, type=click.Path(path_type=Path), metavar="[RESULTS]...")
+@click.option(
+    "--output",
+    type=click.Path(path_type=Path),
+    help="Folder of the pages, report/pages by default; with --single-file the file.",
+)
+@click.option("--single-file", "single", is_flag=True, help="Everything on one page.")
+def report(results: tuple[Path, ...], output: Path | None, single: bool) -> int:
+    """Make pages of what is stored: methods, runs, errata, benchmarks. Nothing is computed.
+
+    RESULTS are files and folders: records of `glmref run`, findings of `glmref verify --format
+    json` and of the conformance suite, portraits NAME.svg of `glmref show NAME --plot`, results of
+    asv. By default the folder report and .asv/results; measurements that come with the data are
+    always shown.
+    """
+    from ..catalogue import names
+    from ..data_files import data_root
+    from ..report import build, read
+
+    shipped = data_root() / "measurements"
+    places = list(results) or [x for x in PLACES if x.exists()]
+    if shipped.is_dir():
+        places.append(Path(str(shipped)))
+    found = read(places, names("methods"))
+    if output is None:
+        output = Path("report", "pages.html") if single else Path("report", "pages")
+    written = build(found, output, single=single)
+    for odd in found.odd:
+        complain(f"not shown: {odd.where}: {odd.why}")
+    records = sum(len(run.records) for run in found.runs)
+    say(f"{len(written)} files with {records} records; open {written[0]}")
+    return HOLDS

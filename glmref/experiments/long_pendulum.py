@@ -1,0 +1,115 @@
+"""A hundred million steps of the pendulum: time, memory, and the law of the energy error.
+
+    python -m glmref.experiments.long_pendulum data/measurements/pendulum-1e8.json
+
+Samples thin out as the run goes on (:func:`.longtime.follow`), so that memory grows with the
+logarithm of the number of steps. The peak of the process's memory is read after the first hundredth
+of the steps and again at the end: the difference is what the rest of the run took.
+
+Public names::
+
+    long_run(method, steps) -> mapping          main(path)
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import resource
+import sys
+from pathlib import Path
+from time import perf_counter, process_time
+from typing import Any
+
+import numpy as np
+
+from ..catalogue import load
+from ..problems import problem
+from .law import fit_law, samples_of
+from .longtime import follow
+from .measure import circumstances
+
+__all__ = ["long_run", "main"]
+
+STEPS = 10**8
+H = 0.1
+METHODS = ("g6245", "gauss-3", "rk4")
+ANGLE = "23/10"
+
+
+def long_run(name: str, *, steps: int, h: float = H) -> dict[str, Any]:
+    """Run one method for many steps and say how its energy fared.
+
+    Args:
+        name: of a method. steps: how many.
+
+    Returns
+    -------
+        A JSON-ready record: outcome, seconds, memory, law of the energy deviation, and the root
+        mean square of the deviation over each doubling of time.
+    """
+    subject, method = problem("pendulum", q0=ANGLE), load(name)
+    follow(subject, method, h=h, steps=max(1, steps // 100))
+    before, wall, busy = _peak(), perf_counter(), process_time()
+    run = follow(subject, method, h=h, steps=steps)
+    wall, busy = perf_counter() - wall, process_time() - busy
+    t = np.asarray(run.t, dtype=float)
+    deviation = samples_of(subject, method, run, "energy")
+    law = fit_law(t, deviation, ended=not run.completed)
+    return {
+        "method": name,
+        "problem": "pendulum",
+        "q0": ANGLE,
+        "h": h,
+        "steps": run.steps,
+        "outcome": str(run.outcome),
+        "kernel": run.kernel,
+        "evaluations": run.evaluations,
+        "seconds": {"wall": round(wall, 1), "process": round(busy, 1)},
+        "peak_memory_mb": {"after 1 per cent": round(before, 1), "at the end": round(_peak(), 1)},
+        "samples": len(t),
+        "law": law.as_json(),
+        "doublings": _doublings(t, deviation),
+    }
+
+
+def _peak() -> float:
+    """Largest resident memory of this process so far, in MB; Linux counts it in kB."""
+    unit = 1e6 if sys.platform == "darwin" else 1e3
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / unit
+
+
+def _doublings(t: np.ndarray, deviation: np.ndarray) -> list[dict[str, float]]:
+    """Largest size, root mean square and mean of the deviation over T/2 .. T, T = t_end / 2^k."""
+    rows, end = [], float(t[-1])
+    while end >= float(t[-1]) / 2**20:
+        part = deviation[(t > end / 2) & (t <= end)]
+        if len(part) >= 32 and np.isfinite(part).all():
+            rms = float(np.sqrt(np.mean(part**2)))
+            largest, mean = float(np.max(np.abs(part))), float(np.mean(part))
+            rows.append({"t": end, "rms": rms, "mean": mean, "largest": largest})
+        end /= 2
+    return rows[::-1]
+
+
+def main(path: str) -> None:
+    """Measure and write the file."""
+    runs = [long_run(name, steps=STEPS) for name in METHODS]
+    document = {
+        "format": "glmref-measurement-1",
+        "what": f"pendulum from {ANGLE} radians, h = {H}, {STEPS:,} steps: energy, time, memory",
+        "how": "python -m glmref.experiments.long_pendulum; relative energy error |H - H0|/|H0| at "
+        "samples that thin out with time; law: exponent of the rms over dyadic stretches",
+        "where": circumstances(),
+        "runs": runs,
+    }
+    text = json.dumps(document, indent=1, allow_nan=False, ensure_ascii=False)
+    Path(path).write_text(text + "\n", encoding="utf-8")
+    for run in runs:
+        exponent = run["law"]["exponent"]
+        said = "-" if exponent is None or math.isnan(exponent) else f"{exponent:.2f}"
+        sys.stdout.write(f"{run['method']}: {run['law']['kind']}, exponent {said}\n")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])
