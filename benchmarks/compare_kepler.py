@@ -2,7 +2,7 @@
 
 Every integrator gets the largest step size or tolerance of a grid with which its energy error, the
 largest of 97 samples, stays below the goal; a method that does so by luck at one step size has to
-do so at the next one too. Then the run without samples is timed. heyoka gets r^-3 as one power,
+do so at the next two as well. Then the run without samples is timed. heyoka gets r^-3 as one power,
 which is what it is fastest with, and scipy a right-hand side of plain Python numbers.
 """
 
@@ -13,7 +13,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from importlib import import_module
-from itertools import pairwise
 from typing import Any
 
 import mpmath
@@ -31,12 +30,12 @@ from glmref.families import collocation, runge_kutta
 from glmref.method import GLM, PartitionedGLM
 from glmref.problems import problem
 
-__all__ = ["GOALS", "METHODS", "PERIODS", "Row", "gauss", "measure_all"]
+__all__ = ["GOALS", "METHODS", "PERIODS", "Row", "gauss", "measure_all", "settings"]
 
 PERIODS, SAMPLES = 1000, 97
 GOALS = (1e-9, 1e-12)
 #: Steps per period that are tried.
-GRID = tuple(round(20 * 1.12**k) for k in range(48))
+GRID = tuple(round(20 * 1.08**k) for k in range(64))
 TOLERANCES = tuple(10 ** (-k / 2) for k in range(16, 33))
 
 METHODS = (
@@ -113,11 +112,18 @@ class Integrator:
         return self.seen[n][0]
 
     def setting(self, goal: float) -> int | None:
-        """Fewest steps per period that reach the goal, there and at the next point of the grid."""
-        for n, following in pairwise(GRID):
-            if self.error(n) <= goal and self.error(following) <= goal:
-                return n
-        return None
+        """Fewest steps per period that reach the goal, there and at the next two of the grid."""
+
+        def reached(k: int) -> bool:
+            return all(self.error(n) <= goal for n in GRID[k : k + 3])
+
+        low, high = -1, len(GRID) - 3
+        if not reached(high):
+            return None
+        while high - low > 1:
+            middle = (low + high) // 2
+            low, high = (low, middle) if reached(middle) else (middle, high)
+        return GRID[high]
 
     def run(self, n: int) -> tuple[Callable[[], object], int, str]:
         """The run that is timed, start included; its evaluations; the solver."""
@@ -181,36 +187,55 @@ def scipy_run(tolerance: float, samples: int) -> Callable[[], np.ndarray]:
     return run
 
 
+PEERS: dict[str, Callable[[float, int], Callable[[], np.ndarray]]] = {
+    "heyoka": heyoka_run,
+    "scipy DOP853": scipy_run,
+}
+
+
 def peer_setting(make: Callable[[float, int], Callable[[], np.ndarray]], goal: float) -> float:
     """Largest tolerance of the grid that reaches the goal."""
     return next(x for x in TOLERANCES if energy_error(make(x, SAMPLES)()) <= goal)
 
 
-def measure_all(*, repeats: int = 9) -> list[Row]:
-    """All methods and heyoka at every goal, taking turns; DOP853 at the first goal alone."""
-    rows: list[Row] = []
+def settings() -> dict[float, dict[str, tuple[float, float, str]]]:
+    """For every goal: integrator -> (setting, error, why there is none). Nothing is timed here."""
     integrators = [Integrator(name) for name in METHODS]
+    found: dict[float, dict[str, tuple[float, float, str]]] = {}
     for goal in GOALS:
-        runs: dict[str, Callable[[], object]] = {}
-        facts: dict[str, tuple[float, float, int, str]] = {}
+        found[goal] = {}
         for one in integrators:
             n = one.setting(goal)
-            if n is None:
-                best, message = min(one.seen.values())
-                rows.append(Row(one.name, goal, math.nan, best, (), 0, message))
-                continue
-            runs[one.name], evaluations, solver = one.run(n)
-            facts[one.name] = (n, one.error(n), evaluations, solver)
-        peers = {"heyoka": heyoka_run} | ({"scipy DOP853": scipy_run} if goal == GOALS[0] else {})
-        for name, make in peers.items():
-            tolerance = peer_setting(make, goal)
-            runs[name] = make(tolerance, 0)
-            facts[name] = (tolerance, energy_error(make(tolerance, SAMPLES)()), 0, "tolerance")
-        # scipy takes seconds: it takes turns a few times only
+            error, why = min(one.seen.values()) if n is None else one.seen[n]
+            found[goal][one.name] = (math.nan if n is None else n, error, why)
+        for name, make in PEERS.items():
+            if name == "heyoka" or goal == GOALS[0]:
+                tolerance = peer_setting(make, goal)
+                error = energy_error(make(tolerance, SAMPLES)())
+                found[goal][name] = (tolerance, error, "")
+    return found
+
+
+def measure_all(
+    found: dict[float, dict[str, tuple[float, float, str]]], *, repeats: int = 9
+) -> list[Row]:
+    """Time what :func:`settings` found, goal by goal, all in turn; scipy, being slow, less."""
+    rows: list[Row] = []
+    for goal, chosen in found.items():
+        runs: dict[str, Callable[[], object]] = {}
+        notes: dict[str, tuple[int, str]] = {}
+        for name, (setting, error, why) in chosen.items():
+            if math.isnan(setting):
+                rows.append(Row(name, goal, setting, error, (), 0, why))
+            elif name in PEERS:
+                runs[name], notes[name] = PEERS[name](setting, 0), (0, "tolerance")
+            else:
+                runs[name], evaluations, solver = Integrator(name).run(int(setting))
+                notes[name] = (evaluations, solver)
         slow = {"scipy DOP853"} & runs.keys()
         spent = interleaved({k: x for k, x in runs.items() if k not in slow}, repeats)
         spent |= interleaved({k: runs[k] for k in slow}, 3)
-        for name, (setting, error, evaluations, note) in facts.items():
+        for name in runs:
             times = quartiles([1e3 * x for x in spent[name]])
-            rows.append(Row(name, goal, setting, error, times, evaluations, note))
+            rows.append(Row(name, goal, *chosen[name][:2], times, *notes[name]))
     return rows

@@ -260,6 +260,13 @@ class PairFacts(Facts):
         return pair_order_of(self.method, principal="identity", max_order=self.max_order)
 
     @cached_property
+    def starting_order(self) -> tuple[int, str]:
+        """Order to which the start (y_0, 0, ..) agrees with the starting series, and why."""
+        from .theory.pairs import zero_start_order
+
+        return zero_start_order(self.order_identity)
+
+    @cached_property
     def nystrom_order(self) -> OrderResult:
         """Order of both components on second-order systems, principal parts the identity."""
         from .theory.nystrom import nystrom_order_of

@@ -93,7 +93,7 @@ CLAIMS: Mapping[str, type] = {
 }
 _OF_A_PAIR = frozenset(["nystrom-order", "reducible"])
 _OF_ONE_METHOD = frozenset(
-    ["starting-order", "finishing-order", "a-stable", "l-stable", "abscissae", "error-constant"]
+    ["finishing-order", "a-stable", "l-stable", "abscissae", "error-constant"]
 )
 
 

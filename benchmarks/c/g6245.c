@@ -18,21 +18,6 @@ static const double WEIGHT[5] = {
 
 typedef double vector[D];
 
-/* L of an explicit stage at y + a */
-static inline void explicit_stage(
-    const double *restrict y, const double *restrict a, const double *restrict par, double h,
-    double *restrict L)
-{
-    double Y[D], g[M];
-    for (int c = 0; c < D; c++)
-        Y[c] = y[c] + a[c];
-    force(Y, par, g);
-    for (int c = 0; c < M; c++) {
-        L[c] = h * Y[M + c];
-        L[M + c] = h * g[c];
-    }
-}
-
 /* L = h f(y + (a + m L)) by rounds P - Q - force from the guess in the right half of L; returns how
    many rounds, or -1. */
 static inline int implicit_stage(
@@ -93,7 +78,7 @@ long run(double *restrict x, const double *restrict par, double h, long steps)
         int rounds[3];
         for (int c = 0; c < D; c++)
             a[c] = e0[c] + A1 * y2[c] - A2 * y1[c] - A3 * y3[c];
-        explicit_stage(y0, a, par, hd[0], L0);
+        stage(y0, a, par, hd[0], L0);
         for (int c = 0; c < D; c++) {
             u0[c] = e0[c] + L0[c];
             u1[c] = -e2[c] + A1 * L0[c];
@@ -135,7 +120,7 @@ long run(double *restrict x, const double *restrict par, double h, long steps)
             u3[c] += B3 * L3[c];
             a[c] = u0[c] + A1 * (-y2[c] + u1[c]) - A2 * (y1[c] + u2[c]) + A3 * (-y3[c] + u3[c]);
         }
-        explicit_stage(y0, a, par, hd[4], L4);
+        stage(y0, a, par, hd[4], L4);
         for (int c = 0; c < D; c++) {
             u0[c] += L4[c];
             u1[c] -= A1 * L4[c];

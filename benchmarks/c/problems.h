@@ -75,6 +75,21 @@ static inline double add(double *restrict y, double *restrict e, const double *r
     return check;
 }
 
+/* L = h f(y + a) of an explicit stage, f = (p, g(q)) */
+static inline void stage(
+    const double *restrict y, const double *restrict a, const double *restrict par, double h,
+    double *restrict L)
+{
+    double Y[D], g[M];
+    for (int c = 0; c < D; c++)
+        Y[c] = y[c] + a[c];
+    force(Y, par, g);
+    for (int c = 0; c < M; c++) {
+        L[c] = h * Y[M + c];
+        L[M + c] = h * g[c];
+    }
+}
+
 /* When the iteration of a stage ends; returns 1 to end it, -1 where it failed, else 0. */
 static inline int settled(double change, double size, double *last, int *stalls, int rounds)
 {

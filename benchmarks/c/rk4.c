@@ -4,20 +4,6 @@
 static const double WEIGHT[2] = {1.0 / 6, 1.0 / 3};
 static const double RESIDUE[2] = {9.25185853854297e-18, 1.850371707708594e-17};
 
-static inline void stage(
-    const double *restrict y, const double *restrict a, const double *restrict par, double h,
-    double *restrict L)
-{
-    double Y[D], g[M];
-    for (int c = 0; c < D; c++)
-        Y[c] = y[c] + a[c];
-    force(Y, par, g);
-    for (int c = 0; c < M; c++) {
-        L[c] = h * Y[M + c];
-        L[M + c] = h * g[c];
-    }
-}
-
 long run(double *restrict y0, const double *restrict par, double h, long steps)
 {
     double y[D], e[D] = {0}, a[D], u[D], L0[D], L1[D], L2[D], L3[D];

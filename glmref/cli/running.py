@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -20,6 +22,12 @@ if TYPE_CHECKING:
 __all__ = ["run"]
 
 _FAILURES = ("internal error", "not applicable")
+#: Columns of a table that does not go to a terminal.
+WIDTH = 80
+#: Columns in the order in which they are left out where there is no room.
+DISPENSABLE = ("start", "iterations", "q25", "q75", "outcome", "steps", "evaluations")
+#: Heads as a terminal shows them.
+SHORT = {"state error": "state", "energy error": "energy"}
 
 
 @click.command(short_help="Carry out scenes: error against run time.")
@@ -188,23 +196,66 @@ def _page(scene: Scene, document: Mapping[str, Any], output: Path) -> str:
 
     style = Style.of(sys.stdout)
     records = document["records"]
-    table = rooms.rows(scene, records)
+    width = style.width if sys.stdout.isatty() else WIDTH
+    table, left_out = _narrowed(rooms.rows(scene, records), width)
     head = list(table[0]) if table else []
     parts = [
         style.paint(one_line(scene.title), "bold"),
-        one_line(scene.question),
+        _wrapped(one_line(scene.question), width),
         "",
-        columns([list(row.values()) for row in table], style=style, head=head),
+        columns(
+            [list(row.values()) for row in table], style=replace(style, width=width), head=head
+        ),
     ]
+    if left_out:
+        parts.append(
+            _wrapped(f"left out for width, see --format csv: {', '.join(left_out)}", width)
+        )
     failed = [r for r in records if r.get("message")]
     parts += [""] if failed else []
-    parts += [f"{_who(r)}: {one_line(r['message'])}" for r in failed]
+    parts += [_wrapped(f"{_who(r)}: {one_line(r['message'])}", width) for r in failed]
     if "picture" in scene.ask:
         chart = rooms.charts(scene, records)[0]
         drawn = text(chart.series, x_label=chart.x_label, y_label=chart.y_label)
-        parts += ["", drawn, "", f"pictures in {output}: {', '.join(document['pictures'])}"]
-    parts += ["", style.paint("answer", "bold") + f"  {one_line(document['answer'])}"]
+        named = ", ".join(document["pictures"])
+        parts += ["", drawn, "", _wrapped(f"pictures in {output}: {named}", width)]
+    said = _wrapped(f"answer  {one_line(document['answer'])}", width)
+    parts += ["", style.paint("answer", "bold") + said.removeprefix("answer")]
     return "\n".join(parts)
+
+
+def _wrapped(text: str, width: int) -> str:
+    """Break prose at blanks only: a name or a path stays whole."""
+    return fill(text, width, break_long_words=False, break_on_hyphens=False)
+
+
+def _narrowed(
+    table: Sequence[Mapping[str, str]], width: int
+) -> tuple[list[dict[str, str]], list[str]]:
+    """Leave out columns, the least wanted first, until the table fits; say which.
+
+    Where that is not enough, the heads that are left get shorter.
+    """
+    kept = [dict(row) for row in table]
+    left_out: list[str] = []
+    for key in DISPENSABLE:
+        told = {row.get(key) for row in kept}
+        if _columns_of(kept) <= width:
+            break
+        if told == {None} or (key == "outcome" and told != {"completed"}):
+            continue
+        kept = [{k: text for k, text in row.items() if k != key} for row in kept]
+        left_out.append(key)
+    if _columns_of(kept) > width:
+        kept = [{SHORT.get(key, key): text for key, text in row.items()} for row in kept]
+    return kept, left_out
+
+
+def _columns_of(table: Sequence[Mapping[str, str]]) -> int:
+    """Characters in a line of a table."""
+    keys = list(table[0]) if table else []
+    widths = [max(len(key), *(len(row[key]) for row in table)) for key in keys]
+    return sum(widths) + 2 * max(len(widths) - 1, 0)
 
 
 def _who(record: Mapping[str, Any]) -> str:

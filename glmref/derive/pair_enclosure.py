@@ -174,6 +174,10 @@ def _consequences(system: PairSystem, identity: bool, symmetric: bool) -> Mappin
     if not symmetric:
         proves["symmetric"] = "a condition excludes zero over balls around the digits"
     if identity:
+        proves["starting-order"] = (
+            "the equations `start` and the parity of the starting series; the next term excludes "
+            "zero over balls around the digits"
+        )
         proves["order-identity"] = order
     if system.is_one_step:
         proves["symplectic"] = proves["g-symplectic"]

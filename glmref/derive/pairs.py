@@ -217,6 +217,8 @@ def complete_pair(
         orders["order-identity"] = orders["order"]
     document["claims"] = {
         **orders,
+        # odd orders vanish by symmetry, and order 2 where both starts are equations
+        "starting-order": 3 if ansatz.starts == "qp" else 1,
         "preconsistent": True,
         "consistent": True,
         "zero-stable": True,

@@ -135,12 +135,8 @@ class Target:
             self.w(f"{self.ref(out, c)} = {self.ref(source, part.source + c - part.start)}")
 
 
-class ScalarTarget(Target):
-    """Components are local variables."""
-
-    def ref(self, name: str, c: int) -> str:
-        """See :class:`Target`."""
-        return f"{name}_{c}"
+class _Unrolled(Target):
+    """One line of source for each component."""
 
     def vec(self, lines: Sequence[str], part: tuple[int, int] | None = None) -> None:
         """See :class:`Target`."""
@@ -151,6 +147,14 @@ class ScalarTarget(Target):
         """See :class:`Target`."""
         terms = [self.substitute(template, c) for c in range(*(part or (0, self.d)))]
         self.w(f"{name} = {tree_sum(terms)}")
+
+
+class ScalarTarget(_Unrolled):
+    """Components are local variables."""
+
+    def ref(self, name: str, c: int) -> str:
+        """See :class:`Target`."""
+        return f"{name}_{c}"
 
     def call(self, part: Part, source: str, out: str, tag: str) -> None:
         """See :class:`Target`."""
@@ -279,7 +283,7 @@ class ArrayTarget(Target):
             self.offset(name)
 
 
-class LaneTarget(Target):
+class LaneTarget(_Unrolled):
     """Components are rows of a work array, one entry per lane; written inside ``for l in ...``."""
 
     lanes = True
@@ -307,16 +311,6 @@ class LaneTarget(Target):
     def lane(self, name: str) -> str:
         """Source of a quantity with one entry per lane."""
         return f"x[{self.reserve(name, self.width)} + l]"
-
-    def vec(self, lines: Sequence[str], part: tuple[int, int] | None = None) -> None:
-        """See :class:`Target`."""
-        for c in range(*(part or (0, self.d))):
-            self.w(*(self.substitute(line, c) for line in lines))
-
-    def total(self, name: str, template: str, part: tuple[int, int] | None = None) -> None:
-        """See :class:`Target`."""
-        terms = [self.substitute(template, c) for c in range(*(part or (0, self.d)))]
-        self.w(f"{name} = {tree_sum(terms)}")
 
     def call(self, part: Part, source: str, out: str, tag: str) -> None:
         """See :class:`Target`."""

@@ -280,7 +280,8 @@ def contraction(form: StepForm, shape: Shape, problem: Problem, h: float) -> flo
     size = abs(h) * float(max(radii))
     if shape.halved:
         m = shape.half
-        return float(size**2 * np.linalg.norm(matrix[m:, :m] @ matrix[:m, m:], ord=np.inf))
+        # a product, not a power: beyond the range it is infinite and raises nothing
+        return float(size * size * np.linalg.norm(matrix[m:, :m] @ matrix[:m, m:], ord=np.inf))
     return float(size * np.linalg.norm(matrix, ord=np.inf))
 
 

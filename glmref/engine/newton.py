@@ -151,6 +151,9 @@ class NewtonWriter:
                     m, n_ = (k + 1) % 3, (k + 2) % 3
                     self.w(f"k{a}{k} = m{b}{m}*m{c}{n_} - m{b}{n_}*m{c}{m}")
             self.w("inverse = 1.0/(m00*k00 + m01*k01 + m02*k02)")
+        # an infinite Jacobian has the inverse 0: nothing would move, and that is no solution
+        with self.w.block("if inverse == 0.0:"):
+            self.w("outcome = 1", "break")
 
     def _newton_names(self) -> list[str]:
         """Local variables of the inline matrix, which are set in the first round of a solve."""
@@ -275,6 +278,11 @@ class NewtonWriter:
             w(f"x[{flag}] = 1.0", "factorisations += 1")
             jacobian = self.t.reserve("jacobian", d * d)
             self._jacobian_at(stages[0], jacobian)
+            w("spread = 0.0")
+            with w.block(f"for k in range({d * d}):"):
+                w(f"spread += abs(x[{jacobian} + k])")
+            with w.block("if not (spread < 1e300):"):
+                w("outcome = 1", "break")
             seen = set()
             for block in self.form.blocks:
                 name, _ = self._matrix_names(block.stages)

@@ -52,6 +52,14 @@ class Step:
     converged: bool
 
 
+def _shaped(found: Any, like: np.ndarray, name: str) -> np.ndarray:
+    """What a user's function returned, as an array of the shape of its argument."""
+    array = np.asarray(found)
+    if array.shape != like.shape:
+        raise UsageError(f"`{name}` must return shape {like.shape}, got {array.shape}")
+    return array
+
+
 class Stepper:
     """Steps one method on one problem; keeps the coefficients in the arithmetic asked for.
 
@@ -91,8 +99,13 @@ class Stepper:
         return out
 
     def slope(self, t: Any, y: np.ndarray) -> np.ndarray:
-        """Right-hand side at (t, y), shape (d,)."""
-        return np.asarray(self.problem.f(t, y))
+        """Right-hand side at (t, y), shape (d,).
+
+        Raises
+        ------
+            UsageError: when the function returns another shape.
+        """
+        return _shaped(self.problem.f(t, y), y, "f")
 
     def step(self, t: Any, values: np.ndarray, h: Any) -> Step:
         """Take one step of size h from the values at time t."""
@@ -191,10 +204,10 @@ class PairStepper(Stepper):
                     f[i], k[i] = slope[:m], slope[m:]
                     counts[0] += 1
                 elif i < pair.n_Q:
-                    k[i] = self.problem.dp(where[place])
+                    k[i] = _shaped(self.problem.dp(where[place]), where[place], "dp")
                     counts[0] += 1
                 else:
-                    f[i - pair.n_Q] = self.problem.dq(where[place])
+                    f[i - pair.n_Q] = _shaped(self.problem.dq(where[place]), where[place], "dq")
                     counts[1] += 1
 
         for block in self.blocks:

@@ -97,15 +97,13 @@ class Run:
         """Take the steps in a compiled loop."""
         from .kernel import prepare
 
+        t0 = float(self.problem.t_span[0])
+        slope = self.reference.slope(t0, self.start[0])
         kernel = prepare(
             self.method, self.problem, h=self.h, arithmetic=arithmetic, form=form, solver=solver,
             history=self.history, interpreted=interpreted,
         )  # fmt: skip
         self._adopt(kernel)
-        t0 = float(self.problem.t_span[0])
-        # a single value is the solution; the force that a pair remembers must be the one there
-        first = self.start[0] if len(self.start) == 1 else self.problem.y0
-        slope = np.asarray(self.problem.f(t0, first), dtype=float)
         if kernel.form.memory:
             self.start_evaluations += 1
         state = kernel.state(self.start, slope, self.h)

@@ -10,7 +10,7 @@ import numpy as np
 from ..claims import UsageError
 from ..method import GLM, PartitionedGLM
 from ..problems.model import Problem
-from .outcome import Outcome, Solution
+from .outcome import Outcome, Solution, StartFailed
 from .plan import plan_of, resolved, step_size
 from .reference import stepper
 from .run import Run
@@ -71,6 +71,8 @@ def solve(
         raise UsageError(f"`y0` must be finite, got {y0}")
     with np.errstate(all="ignore"):
         given = starting_values(reference, start, t=t0, y0=y0, h=reference.arithmetic.number(h))
+        if digits is None and not np.isfinite(given.values).all():
+            raise StartFailed("the starting values are not finite; use a smaller h")
         run = Run(problem, method, h, plan, reference, given, history, cancel, progress)
         if engine == "reference":
             run.by_reference()

@@ -143,7 +143,8 @@ def _extrapolate(orders: Sequence[float]) -> tuple[float, bool]:
     of Neville's scheme removes one power more. A missing odd power only wastes a column. Two orders
     may agree by accident where the series turns round; so a column counts as settled where its last
     value agrees with the one above it and with the column before, and orders as measured only where
-    three of them agree much better. The column that agrees best is the result.
+    three of them agree much better. Aitken's process serves where a higher power is the first that
+    matters; it must agree twice as well. What agrees best is the result.
     """
     columns = [list(orders)]
     while len(columns[-1]) > 1 and len(columns) < COLUMNS:
@@ -159,7 +160,20 @@ def _extrapolate(orders: Sequence[float]) -> tuple[float, bool]:
             found = max(abs(column[-1] - column[-2]), abs(column[-1] - before[-1]))
             if found < spread:
                 best, spread = column[-1], found
+    if len(orders) > 3:
+        before, last = _aitken(orders[:-1]), _aitken(orders)
+        found = 2 * max(abs(last - before), abs(last - orders[-1]))
+        if found < spread:
+            best, spread = last, found
     return best, spread < AGREEMENT and abs(best - orders[-1]) < NEARNESS
+
+
+def _aitken(orders: Sequence[float]) -> float:
+    """Limit of the last three orders by Aitken's process; NaN where they do not close in."""
+    a, b, c = orders[-3:]
+    if not 1.8 * abs(c - b) < abs(b - a):
+        return math.nan
+    return c - (c - b) ** 2 / ((c - b) - (b - a))
 
 
 def _norm(a: Sequence[Any], b: Sequence[Any]) -> Any:
@@ -236,7 +250,7 @@ def _run(
 
     With several turns the problem has two components, and run(0) is the start turned by one.
     """
-    finest = 0.03 if t_end is None else float(t_end) / 100
+    finest = 2 * math.pi / turns / (128 * FIRST) if t_end is None else float(t_end) / 100
     engine = stepper(method, problem, digits=_digits(expected, finest))
     underlying = Underlying(engine, conjugate=t_end is None)
     context = engine.arithmetic.context

@@ -28,25 +28,26 @@ from ..problems import problem
 from .law import fit_law, samples_of
 from .longtime import follow
 from .measure import circumstances
+from .parasitic import parasitic_size, solution_direction
 
 __all__ = ["long_run", "main"]
 
 STEPS = 10**8
-H = 0.1
-METHODS = ("g6245", "gauss-3", "rk4")
+RUNS = (("g6245", 0.05), ("g6245", 0.1), ("g6245-w3", 0.1), ("gauss-3", 0.1), ("rk4", 0.1))
 ANGLE = "23/10"
 
 
-def long_run(name: str, *, steps: int, h: float = H) -> dict[str, Any]:
+def long_run(name: str, *, steps: int, h: float) -> dict[str, Any]:
     """Run one method for many steps and say how its energy fared.
 
     Args:
-        name: of a method. steps: how many.
+        name: of a method. steps: how many. h: step size.
 
     Returns
     -------
         A JSON-ready record: outcome, seconds, memory, law of the energy deviation, and the root
-        mean square of the deviation over each doubling of time.
+        mean square of the deviation over each doubling of time, with the size of the values beyond
+        the solution where there are any.
     """
     subject, method = problem("pendulum", q0=ANGLE), load(name)
     follow(subject, method, h=h, steps=max(1, steps // 100))
@@ -69,7 +70,7 @@ def long_run(name: str, *, steps: int, h: float = H) -> dict[str, Any]:
         "peak_memory_mb": {"after 1 per cent": round(before, 1), "at the end": round(_peak(), 1)},
         "samples": len(t),
         "law": law.as_json(),
-        "doublings": _doublings(t, deviation),
+        "doublings": _doublings(t, deviation, _rest(method, run)),
     }
 
 
@@ -79,25 +80,35 @@ def _peak() -> float:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / unit
 
 
-def _doublings(t: np.ndarray, deviation: np.ndarray) -> list[dict[str, float]]:
-    """Largest size, root mean square and mean of the deviation over T/2 .. T, T = t_end / 2^k."""
+def _rest(method: Any, run: Any) -> np.ndarray:
+    """Size of the values beyond the solution at every sample; zero where there are none."""
+    if method.r == 1:
+        return np.zeros(len(run.t))
+    return parasitic_size(run, solution_direction(method))
+
+
+def _doublings(t: np.ndarray, deviation: np.ndarray, rest: np.ndarray) -> list[dict[str, float]]:
+    """Size of the deviation and of the values beyond the solution over T/2 .. T, T = t_end/2^k."""
     rows, end = [], float(t[-1])
     while end >= float(t[-1]) / 2**20:
-        part = deviation[(t > end / 2) & (t <= end)]
+        inside = (t > end / 2) & (t <= end)
+        part = deviation[inside]
         if len(part) >= 32 and np.isfinite(part).all():
             rms = float(np.sqrt(np.mean(part**2)))
             largest, mean = float(np.max(np.abs(part))), float(np.mean(part))
-            rows.append({"t": end, "rms": rms, "mean": mean, "largest": largest})
+            beyond = float(np.max(rest[inside]))
+            row = {"t": end, "rms": rms, "mean": mean, "largest": largest, "beyond": beyond}
+            rows.append(row)
         end /= 2
     return rows[::-1]
 
 
 def main(path: str) -> None:
     """Measure and write the file."""
-    runs = [long_run(name, steps=STEPS) for name in METHODS]
+    runs = [long_run(name, steps=STEPS, h=h) for name, h in RUNS]
     document = {
         "format": "glmref-measurement-1",
-        "what": f"pendulum from {ANGLE} radians, h = {H}, {STEPS:,} steps: energy, time, memory",
+        "what": f"pendulum from {ANGLE} radians, {STEPS:,} steps: energy, time, memory",
         "how": "python -m glmref.experiments.long_pendulum; relative energy error |H - H0|/|H0| at "
         "samples that thin out with time; law: exponent of the rms over dyadic stretches",
         "where": circumstances(),
@@ -108,7 +119,7 @@ def main(path: str) -> None:
     for run in runs:
         exponent = run["law"]["exponent"]
         said = "-" if exponent is None or math.isnan(exponent) else f"{exponent:.2f}"
-        sys.stdout.write(f"{run['method']}: {run['law']['kind']}, exponent {said}\n")
+        sys.stdout.write(f"{run['method']}, h = {run['h']}: {run['law']['kind']}, t^{said}\n")
 
 
 if __name__ == "__main__":

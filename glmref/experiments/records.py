@@ -55,11 +55,14 @@ def read_records(path: Path) -> list[dict[str, Any]]:
             raise DataError(
                 f"{path.name}: line {number} is not a JSON record; delete that line"
             ) from None
-        if not isinstance(record, dict) or record.get("format") != FORMAT:
-            raise DataError(
-                f"{path.name}: line {number} is not a record of format {FORMAT}; "
-                f"give a file written by `glmref run`"
+        found = record.get("format") if isinstance(record, dict) else None
+        if found != FORMAT or "key" not in record or "task" not in record:
+            what = (
+                f"is a record of format {found!r}, and this version reads {FORMAT!r}; move the file"
+                if isinstance(found, str) and found != FORMAT
+                else f"is not a record of format {FORMAT}; move the file"
             )
+            raise DataError(f"{path.name}: line {number} {what} away to measure anew")
         records.append(record)
     return records
 

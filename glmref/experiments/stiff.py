@@ -4,25 +4,47 @@ A diagonally implicit method solves one stage at a time: its matrices are n by n
 unknowns of a stage (half of the components for q'' = g(q)), one for each Jacobian and each distinct
 diagonal entry; a fully implicit one with s stages needs a matrix of s n unknowns. What is measured
 here is a fixed step against an adaptive one, and says so.
+
+    python -m glmref.experiments.stiff data/measurements/stiff-cost.json
 """
 
 from __future__ import annotations
 
+import json
+import sys
 from dataclasses import dataclass
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ..catalogue import load
 from ..claims import UsageError
 from ..engine.kernel import Kernel, prepare
 from ..method import GLM
+from ..problems import problem
 from ..problems.model import Problem
 from .attempt import attempt
+from .measure import circumstances
 from .records import finite
 from .work_precision import reference_state, state_error
 
-__all__ = ["Matrices", "StiffCost", "matrices_of", "peer_cost", "stiff_cost"]
+__all__ = ["CASES", "Matrices", "StiffCost", "main", "matrices_of", "peer_cost", "stiff_cost"]
+
+#: Problem, its parameters, end, and the numbers of steps that are tried.
+CASES: tuple[tuple[str, dict[str, Any], float, tuple[int, ...]], ...] = (
+    ("fput-stiff", {"omega": 5000}, 1.0, (100, 5000, 20000)),
+    ("van-der-pol", {"mu": 10**6}, 0.5, (1000, 10000)),
+    ("van-der-pol", {"mu": 10**6}, 2.0, (2_000_000,)),
+)
+METHODS = (
+    "sdirk-2", "sdirk-4", "tr-bdf2", "dimsim-2-type-2", "gsymplectic-p", "gsymplectic-n",
+    "s4-symmetric", "g6245", "g6245-w3", "gauss-2", "radau-iia-3",
+)  # fmt: skip
+#: Budget of evaluations: no limit at these numbers of steps.
+ENOUGH = 10**12
+PEERS = (("Radau", 1e-4), ("Radau", 1e-6), ("BDF", 1e-4), ("BDF", 1e-6))
 
 
 @dataclass(frozen=True)
@@ -103,7 +125,7 @@ def stiff_cost(problem: Problem, method: GLM, *, h: float, steps: int) -> StiffC
 
     Where stages are solved inline every solve has a Jacobian and a matrix of its own.
     """
-    found = attempt(problem, method, h=h, steps=steps, solver="newton", start=None)
+    found = attempt(problem, method, h=h, steps=steps, solver="newton", evaluations=ENOUGH)
     matrices = matrices_of(method, problem, h=h)
     run = found.solution
     if run is None:
@@ -157,3 +179,30 @@ def peer_cost(problem: Problem, solver: str, *, tolerance: float, t_end: float) 
         matrices=int(solved.nlu),
         size=problem.dimension,
     )
+
+
+def main(path: str) -> None:
+    """Measure every case and write the file."""
+    rows = []
+    for name, parameters, t_end, counts in CASES:
+        subject = problem(name, **parameters)
+        for method in map(load, METHODS):
+            assert isinstance(method, GLM)
+            rows += [stiff_cost(subject, method, h=t_end / n, steps=n) for n in counts]
+        for solver, tolerance in PEERS:
+            rows.append(peer_cost(subject, solver, tolerance=tolerance, t_end=t_end))
+    document = {
+        "format": "glmref-measurement-1",
+        "what": "counts on stiff problems: Newton at a fixed step beside scipy's Radau and BDF",
+        "how": "python -m glmref.experiments.stiff; error: of the last state, relative; matrices: "
+        "factored, each of `size` rows; up to three unknowns they are written out and inverted "
+        "afresh at every implicit stage",
+        "where": circumstances(),
+        "rows": [row.as_json() for row in rows],
+    }
+    text = json.dumps(document, indent=1, allow_nan=False, ensure_ascii=False)
+    Path(path).write_text(text + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

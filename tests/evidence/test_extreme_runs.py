@@ -19,6 +19,15 @@ GLMS = [n for n in names("methods") if not isinstance(load(n), PartitionedGLM)]
 REAL = [n for n in GLMS if load(n).is_real]
 SEVERAL = [n for n in REAL if load(n).r > 1]
 
+
+def mostly_slow(names):
+    """Every sixth name quickly, the others with the slow tests."""
+    return [
+        pytest.param(name, marks=() if k % 6 == 0 else pytest.mark.slow)
+        for k, name in enumerate(names)
+    ]
+
+
 # --- no field -------------------------------------------------------------------------------------
 
 
@@ -32,7 +41,7 @@ def power(method, n):
     return np.array([[complex(x).real for x in row] for row in result])
 
 
-@pytest.mark.parametrize("name", SEVERAL)
+@pytest.mark.parametrize("name", mostly_slow(SEVERAL))
 def test_a_field_of_zero_applies_v(name):
     method, steps = load(name), 5
     start = np.arange(1.0, 3 * method.r + 1).reshape(method.r, 3)
@@ -52,8 +61,9 @@ INTEGRAL = [n for n in SEVERAL if all(float(x).is_integer() for row in load(n).V
 def test_a_field_of_zero_applies_an_integral_v_to_the_last_bit(name):
     method, steps = load(name), 7
     start = np.arange(1.0, 3 * method.r + 1).reshape(method.r, 3)
-    for engine in ("interpreted", "reference"):
-        found = solve(problem("zero-field"), method, h=0.1, steps=steps, start=start, engine=engine)
+    # the standard form keeps the method's own basis: values are neither scaled nor scaled back
+    for options in ({"engine": "interpreted", "form": "standard"}, {"engine": "reference"}):
+        found = solve(problem("zero-field"), method, h=0.1, steps=steps, start=start, **options)
         assert (np.asarray(found.values) == power(method, steps) @ start).all()
 
 
@@ -75,7 +85,7 @@ def kronecker_step(method, h, matrix, start):
     return new.reshape(start.shape)
 
 
-@pytest.mark.parametrize("name", REAL)
+@pytest.mark.parametrize("name", mostly_slow(REAL))
 def test_a_linear_field_is_one_linear_solve(name):
     method, p, h = load(name), problem("linear-field", dimension=3), 0.25
     matrix = np.asarray(p.jacobian(0.0, p.y0))
@@ -86,7 +96,7 @@ def test_a_linear_field_is_one_linear_solve(name):
     # |hA| < 1: each of the s + r sums rounds terms of the size of the largest coefficient
     size = 1 + max(
         abs(float(x)) for m in (method.A, method.U, method.B, method.V) for row in m for x in row
-    )  # noqa: E501
+    )
     bound = 200 * (method.s + method.r) * size**2 * EPS * np.max(np.abs(start))
     assert np.max(np.abs(found.values - expected)) < bound
 
@@ -126,7 +136,8 @@ def test_denormal_states_lose_digits_but_not_the_run(name):
     assert found.completed
     # the unit is 2^-1074 = 5e-324; each step rounds about forty times, and the errors add up
     right = np.array([np.cos(10.0), -np.sin(10.0)]) * 1e-310
-    truncation = 1e-3 * 1e-310
+    # of order two and better: t h^2/24 of the amplitude
+    truncation = 5e-3 * 1e-310
     assert np.max(np.abs(found.y[-1] - right)) < 100 * 40 * 5e-324 + truncation
 
 
@@ -185,13 +196,13 @@ def test_far_beyond_stability_a_run_ends_in_a_name(name, h):
 # --- sizes ----------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", REAL)
+@pytest.mark.parametrize("name", mostly_slow(REAL))
 def test_one_component_is_enough(name):
     p = problem("dahlquist", real=-1)
     found = solve(p, name, h=0.01, steps=20, engine="interpreted")
     assert found.completed
-    # of order one and better at h = 0.01: the local error of twenty steps is below 20 h^2
-    assert found.y[-1][0] == pytest.approx(np.exp(-0.2), abs=2e-3)
+    # of order one and better at h = 0.01: twenty local errors of at most three h^2 each
+    assert found.y[-1][0] == pytest.approx(np.exp(-0.2), abs=60 * 0.01**2)
 
 
 @pytest.mark.slow
@@ -221,11 +232,8 @@ def test_what_is_no_number_stops_the_run_where_it_comes(name, fault):
     assert found.outcome == "not finite" and found.solution is not None
     ends = float(found.solution.t[-1])
     # NaN from t = 1 on, overflow from t = 7.09 on; the last steps before reach over it
-    assert (
-        (1.0 if fault == "fault-nan" else 6.9) - 2 * h
-        < ends
-        < (1.0 if fault == "fault-nan" else 7.1)
-    )
+    first = 1.0 if fault == "fault-nan" else 7.1
+    assert first - 3 * h < ends < first + 1e-9
     assert np.isfinite(found.solution.y).all()
 
 

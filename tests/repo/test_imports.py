@@ -66,9 +66,9 @@ ROOMS: dict[str, str] = {
     "tableau_text": "exact tables",
     "show": "checks exact facts linalg method tableau_text tables theory",
     "bibtex": "__init__ catalogue reader tables",
+    "report": "__init__ asv_results bibtex catalogue claims errata method scenes show",
     "cli": "__init__ analysis asv_results bibtex canonical catalogue chart claims conformance "
-    "derive errata experiments "
-    "keys portrait scenes show tables verification",
+    "data_files derive errata experiments keys portrait report scenes show tables verification",
     "__main__": "cli",
     "__init__": "analysis catalogue claims engine method problems verification",
 }
@@ -78,6 +78,7 @@ BACKWARDS = {
     ("derive", "verification"): "a recipe verifies the file it writes",
     ("scenes", "__init__"): "the version, for the record",
     ("bibtex", "__init__"): "the version, for the entry",
+    ("report", "__init__"): "the version, for the page that says how it was made",
     ("cli", "__init__"): "the version, for --version",
 }
 

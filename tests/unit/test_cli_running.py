@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from glmref.cli import main
+from glmref.cli.running import _narrowed
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -144,6 +145,11 @@ def test_a_run_that_is_killed_keeps_its_records_and_the_rerun_does_the_rest(scen
     kept = path.read_bytes()
     whole = kept[: kept.rfind(b"\n") + 1]
     assert 3 <= whole.count(b"\n") < 12
+    for line, steps in zip(whole.splitlines(), counts, strict=False):  # every line is a record
+        record = json.loads(line)
+        assert (record["task"]["steps"], record["outcome"]) == (steps, "completed")
+    # a kill in the middle of a write leaves part of a line, without its end
+    path.write_bytes(whole + whole.splitlines()[0][:200])
     again = glmref("run", scene, "--output", out, "--format", "json", stdout=subprocess.PIPE)
     document = json.loads(again.communicate(timeout=120)[0])
     assert again.returncode == 0
@@ -151,6 +157,43 @@ def test_a_run_that_is_killed_keeps_its_records_and_the_rerun_does_the_rest(scen
     assert document["measured"] == 12 - document["resumed"]
     assert [record["task"]["steps"] for record in document["records"]] == counts
     assert path.read_bytes().startswith(whole)  # nothing that was there was measured again
+    assert path.read_bytes().count(b"\n") == len(counts)
+    third = glmref("run", scene, "--output", out, "--format", "json", stdout=subprocess.PIPE)
+    assert json.loads(third.communicate(timeout=120)[0])["measured"] == 0
+
+
+def test_records_of_another_version_end_with_code_2_and_one_sentence(scene, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert main(["run", str(scene), "--output", str(out), "--format", "csv"]) == 0
+    path = out / "tiny.jsonl"
+    older = path.read_text(encoding="utf-8").replace('"glmref-record-1"', '"glmref-record-0"')
+    path.write_text(older, encoding="utf-8")
+    capsys.readouterr()
+    assert main(["run", str(scene), "--output", str(out)]) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.count("\n") == 1 and "'glmref-record-0'" in captured.err
+    assert path.read_text(encoding="utf-8") == older  # nothing was overwritten
+
+
+def test_the_page_of_a_run_fits_80_columns(scene, tmp_path, capsys):
+    scene.write_text(SCENE.replace('"heun-2"', '"suzuki-verlet-4"'), encoding="utf-8")
+    assert main(["run", str(scene), "--output", str(tmp_path / "out")]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    named = [line for line in lines if str(tmp_path) not in line]  # a path is not broken
+    assert max(map(len, named)) <= 80, max(named, key=len)
+
+
+def test_columns_are_left_out_only_where_there_is_no_room():
+    row = {"method": "m" * 20, "outcome": "completed", "state error": "1", "start": "2", "q25": "3"}
+    assert _narrowed([row], 80) == ([row], [])
+    narrow, left_out = _narrowed([row], 44)
+    assert (list(narrow[0]), left_out) == (["method", "outcome", "state error"], ["start", "q25"])
+    assert list(_narrowed([row], 25)[0][0]) == ["method", "state"]
+    failed = {**row, "outcome": "lost"}  # how a run ended is said wherever it did not complete
+    assert "outcome" in _narrowed([row, failed], 10)[0][0]
+    assert "outcome" not in _narrowed([row, row], 10)[0][0]
+    assert _narrowed([], 80) == ([], [])
 
 
 LOADED = """

@@ -8,6 +8,8 @@ from glmref.derive import recipes
 from glmref.derive.pair_system import PairSystem
 from glmref.derive.pairs import PairAnsatz, complete_pair, fix_parameters, search_pairs
 from glmref.derive.recipes.shipped_pairs import SHIPPED
+from glmref.reader import load_document
+from glmref.theory.pairs import parasitic_curvature
 
 SOURCE = {"citation": "a test", "where": "here", "status": "derived"}
 
@@ -85,6 +87,29 @@ def test_the_search_of_the_recipe_completes_a_pair_or_says_how_near_it_came():
     derivation = recipes.run("pairs", options)
     assert len(derivation.documents) == 1
     assert "16 starts" in derivation.statements[-1].text
-    for wrong in ({"n": "x"}, {"n": "4", "nystrom": "maybe"}, {"name": "pair-5-5"}):
+    for wrong in (
+        {"n": "x"},
+        {"n": "4", "nystrom": "maybe"},
+        {"n": "4", "circle": "maybe"},
+        {"name": "pair-5-5"},
+    ):
         with pytest.raises(UsageError):
             recipes.run("pairs", wrong)
+
+
+@pytest.mark.slow
+def test_a_search_passes_over_pairs_that_leave_the_unit_circle():
+    options = {"n": "5", "order": "4", "starts": "", "seed": "3", "tries": "32", "wanted": "99"}
+    free = recipes.run("pairs", options).documents
+    kept = recipes.run("pairs", {**options, "circle": "yes"})
+    signs = {x["name"]: parasitic_curvature(load_document(x)).real.sign() for x in free}
+    assert set(signs.values()) == {1, -1}
+    assert {x["name"] for x in kept.documents} == {name for name, s in signs.items() if s > 0}
+    left = [x for x in kept.statements if "leave the unit circle" in x.text]
+    assert len(left) == sum(1 for s in signs.values() if s < 0)
+
+
+def test_the_claimed_start_is_the_one_the_equations_give():
+    for name, shipped in SHIPPED.items():
+        expected = 3 if shipped.ansatz.starts == "qp" else 1
+        assert document(name)["claims"]["starting-order"] == expected

@@ -1,15 +1,19 @@
 """Order of pairs: trees of two colours, general and separable, exact and enclosed."""
 
+import re
+from dataclasses import replace
 from fractions import Fraction as F
 
+import numpy as np
 import pytest
 
-from glmref.catalogue import load
+from glmref.catalogue import document, load, names
 from glmref.claims import Proof, UsageError
 from glmref.exact import Ball, exact
 from glmref.method import PartitionedGLM
 from glmref.theory.order import conjugate_error, error_norm, order_of
-from glmref.theory.pairs import pair_order_of, pair_residuals
+from glmref.theory.pairs import pair_order_of, pair_residuals, parasitic_curvature, zero_start_order
+from glmref.theory.stability import oscillator
 
 
 def pair(A, b, A_hat, b_hat, *, separable=False):
@@ -187,3 +191,67 @@ def test_a_pair_that_is_not_preconsistent_says_why():
     assert "no eigenvalue 1" in result.witness
     with pytest.raises(UsageError, match="not preconsistent"):
         pair_residuals(broken, 2)
+
+
+# -- the oscillator near w = -1 ----------------------------------------------------------------------
+
+SWEEPS = [x for x in names("methods") if document(x)["class"] == "pair-sweep"]
+LABEL = re.compile(r"\|w\| - 1 = (\S+) \(h omega\)\^3")
+
+
+@pytest.mark.parametrize("name", SWEEPS)
+def test_a_pair_is_labelled_exactly_where_its_curvature_is_negative(name):
+    kappa = parasitic_curvature(load(name))
+    labels = [m for note in document(name).get("notes", []) for m in LABEL.findall(note)]
+    if kappa.real.sign() > 0:  # a ball that excludes zero: decided
+        assert labels == []
+    else:
+        assert kappa.real.sign() < 0
+        assert labels == [f"{(-float(kappa)) ** 0.5:.2e}"]
+
+
+def step_matrix(pair, y):
+    """The step on q' = p, p' = -q with h = y, in double precision."""
+    one = oscillator(pair)
+    A, U, B, V = (np.vectorize(complex)(np.array(getattr(one, x))) for x in "AUBV")
+    return V + y * B @ np.linalg.solve(np.eye(len(A)) - y * A, U)
+
+
+@pytest.mark.parametrize("name", ["pair-4-4", "pair-6-7", "pair-rkn-6-8b", "pair-rkn-8-16"])
+def test_the_curvature_is_what_the_eigenvalues_of_a_step_show(name):
+    pair, y = load(name), 2.0**-3
+    kappa, M = float(parasitic_curvature(pair)), step_matrix(pair, y)
+    # the next terms are of relative size y^2 = 1/64 times ratios of coefficients below 10
+    e = np.linalg.det(np.eye(4) + M) / (4 + np.trace(M))
+    assert e.real / y**6 == pytest.approx(kappa, rel=10 / 64)
+    # eigenvalues 2 sqrt|kappa| y^3 > 1e-6 apart are right to 1e-16 / 1e-6 times a norm below 100
+    off = max(abs(abs(w) - 1) for w in np.linalg.eigvals(M))
+    if kappa > 0:
+        assert off < 1e-8
+    else:
+        assert off == pytest.approx((-kappa) ** 0.5 * y**3, rel=10 / 64)
+
+
+def test_a_curvature_is_refused_where_it_has_no_meaning():
+    with pytest.raises(UsageError, match="must carry two values"):
+        parasitic_curvature(load("stormer-verlet"))
+    with pytest.raises(UsageError, match="must be explicit"):
+        parasitic_curvature(load("gsymplectic-n-pair"))
+    good = load("pair-4-4")
+    second = good.B[1]
+    grown = replace(good, B=(good.B[0], (2 * second[0], *second[1:])), G=None)  # sum b w w is not 0
+    with pytest.raises(UsageError, match="or grows"):
+        parasitic_curvature(grown)
+
+
+@pytest.mark.parametrize(("name", "expected"), [("pair-4-4", 1), ("pair-6-7", 1), ("pair-6-8", 3)])
+def test_zero_starting_values_are_right_to_the_order_claimed(name, expected):
+    result = pair_order_of(load(name), principal="identity", max_order=6)
+    order, witness = zero_start_order(result)
+    assert order == expected == document(name)["claims"]["starting-order"]
+    assert witness.endswith({1: "f[k]", 3: "f[kkk]"}[expected] if name != "pair-6-7" else "k[f]")
+
+
+def test_a_splitting_method_starts_from_the_solution():
+    result = pair_order_of(load("stormer-verlet"), principal="identity", max_order=3)
+    assert zero_start_order(result) == (2, "every carried value starts with zero")

@@ -69,7 +69,9 @@ def test_a_torn_last_line_costs_that_record_only(tmp_path, cut):
 
 def test_a_torn_line_in_the_middle_is_refused_with_its_number(tmp_path):
     path = tmp_path / "records.jsonl"
-    path.write_text('{"format": "' + FORMAT + '"}\n{"broken\n{}\n', encoding="utf-8")
+    RecordFile(path).append(TASKS[0], {"outcome": "completed"})
+    with path.open("a", encoding="utf-8") as stream:
+        stream.write('{"broken\n{}\n')
     with pytest.raises(DataError, match="line 2"):
         read_records(path)
 
@@ -79,6 +81,26 @@ def test_a_file_of_another_kind_is_refused(tmp_path):
     path.write_text('{"something": "else"}\n', encoding="utf-8")
     with pytest.raises(DataError, match="line 1 is not a record of format"):
         read_records(path)
+
+
+@pytest.mark.parametrize("text", ["[]", "7", "null", '{"format": 2}', '{"format": "glmref-record-1"}'])
+def test_a_line_that_is_json_but_no_record_is_refused(tmp_path, text):
+    path = tmp_path / "records.jsonl"
+    path.write_text(text + "\n", encoding="utf-8")
+    with pytest.raises(DataError, match="line 1 is not a record"):
+        RecordFile(path)
+
+
+def test_records_of_another_version_are_refused_in_one_sentence(tmp_path):
+    path = tmp_path / "records.jsonl"
+    RecordFile(path).append(TASKS[0], {"outcome": "completed"})
+    path.write_text(path.read_text(encoding="utf-8").replace(FORMAT, "glmref-record-2"), "utf-8")
+    with pytest.raises(DataError) as caught:
+        RecordFile(path)
+    assert str(caught.value) == (
+        "records.jsonl: line 1 is a record of format 'glmref-record-2', and this version reads "
+        "'glmref-record-1'; move the file away to measure anew"
+    )
 
 
 def test_without_a_path_records_stay_in_memory():

@@ -69,6 +69,12 @@ def test_every_shipped_scene_keeps_the_schema(name):
     jsonschema.Draft202012Validator(schema).validate(document)
 
 
+def test_there_are_at_least_15_scenes_of_every_kind():
+    kinds = {load_scene(name).answer.kind for name in names()}
+    assert len(names()) >= 15
+    assert {"fastest", "conserved", "lost", "ended", "accurate", "order", "law"} == kinds
+
+
 def test_the_first_scenes_are_there():
     assert {
         "oscillator", "pendulum", "kepler", "henon-heiles", "outer-solar-system", "parasitism",
@@ -343,6 +349,48 @@ def test_a_peer_runs_beside_the_methods(tmp_path):
     assert records[-1]["state_error"] < 1e-4
 
 
+def test_a_start_that_fails_is_a_named_outcome(tmp_path):
+    text = SMALL.replace('["rk4", "heun-2"]', '["bdf-2"]').replace("[20, 40]", "[10]")
+    text = text.replace('"harmonic-oscillator"\nfrequency = "1"', '"robertson"')
+    text = text.replace('"state", "energy"', '"state"').replace('"2*pi"', "40")
+    (record,) = run(load_scene(write(tmp_path, text)))
+    assert record["outcome"] == "start failed"
+    assert "use a smaller h" in record["message"]
+
+
+def test_a_right_hand_side_that_fails_is_a_named_outcome(tmp_path):
+    text = SMALL.replace('["rk4", "heun-2"]', '["rk4"]').replace("[20, 40]", "[10]")
+    text = text.replace('"harmonic-oscillator"\nfrequency = "1"', '"fault-shape"')
+    text = text.replace('"state", "energy"', '"state"')
+    (record,) = run(load_scene(write(tmp_path, text)))
+    assert record["outcome"] == "right-hand side failed"
+    assert "must return an array of shape (2,), got (3,)" in record["message"]
+
+
+def test_only_an_answer_about_time_repeats_a_run(tmp_path):
+    text = SMALL.replace("repeats = 1", "repeats = 5")
+    assert {t["repeats"] for t in plan(load_scene(write(tmp_path, text))).tasks} == {5}
+    other = text.replace('kind = "fastest"\nat = 1e-2', 'kind = "order"')
+    todo = plan(load_scene(write(tmp_path, other)))
+    assert {t["repeats"] for t in todo.tasks} == {1}
+    assert todo.evaluations == (4 + 2) * (20 + 40)
+
+
+@pytest.mark.parametrize(
+    ("problem", "t_end", "source"),
+    [("harmonic-oscillator", 2, "closed form"), ("henon-heiles", 10, "stored"),
+     ("henon-heiles", 3, "computed: gauss-5 at two step sizes, for each end time")],
+)  # fmt: skip
+def test_a_plan_says_where_the_right_state_comes_from(tmp_path, problem, t_end, source):
+    text = SMALL.replace('"harmonic-oscillator"\nfrequency = "1"', f'"{problem}"')
+    text = text.replace('"2*pi"', str(t_end))
+    todo = plan(load_scene(write(tmp_path, text)))
+    assert todo.reference == source
+    assert ("mpmath" in todo.modules) == (source == "closed form")
+    assert plan(load_scene(write(tmp_path, text.replace('"state", ', "").replace(
+        "at = 1e-2", 'at = 1e-2\nerror = "energy"')))).reference == ""  # fmt: skip
+
+
 # --- answers and views ----------------------------------------------------------------------------
 
 
@@ -405,6 +453,78 @@ def test_kept_and_lost_invariants_are_told():
     assert answer(scene, records) == (
         "kept to 2.0e-15 over 10 steps: g6245; not kept: rk4 (1.0e-03)"
     )
+
+
+def scene_with(tmp_path, kind, *more, ask='"state", "energy"', grid="[20, 40]"):
+    text = SMALL.replace('kind = "fastest"\nat = 1e-2', "\n".join([f'kind = "{kind}"', *more]))
+    text = text.replace('"state", "energy"', ask).replace("[20, 40]", grid)
+    return load_scene(write(tmp_path, text))
+
+
+def test_the_accurate_are_ranked_by_evaluations(tmp_path):
+    scene = scene_with(tmp_path, "accurate", "at = 1e-3")
+    records = [
+        made("rk4", 1, state_error=1e-3, evaluations=4000),
+        made("rk4", 2, state_error=1e-4, evaluations=8000),
+        made("heun-2", 1, state_error=1e-4, evaluations=70),
+        made("euler", 1, state_error=0.5, evaluations=5),
+        {**made("leapfrog", 1), "outcome": "not finite"},
+    ]
+    assert answer(scene, records) == (
+        "relative error 0.001 in the state (evaluations): heun-2 (70), rk4 (4,000); "
+        "not by euler (5.0e-01); leapfrog: not finite"
+    )
+    assert answer(scene, records[3:]).startswith("no method reached a relative error 0.001")
+
+
+def test_orders_are_read_from_neighbouring_step_sizes(tmp_path):
+    scene = scene_with(tmp_path, "order")
+    records = [made("rk4", h, state_error=3 * h**4) for h in (0.1, 0.05, 0.025)]
+    records += [made("euler", h, state_error=h) for h in (0.1, 0.05)]
+    records += [{**made("heun-2", 0.1), "outcome": "not finite"}]
+    assert answer(scene, records) == "order seen: rk4 4.0, euler 1.0; heun-2: not finite"
+
+
+def test_endings_are_told_by_outcome_or_by_step_size(tmp_path):
+    scene = scene_with(tmp_path, "ended", grid="[20]")
+    records = [
+        made("rk4", 1),
+        {**made("euler", 1), "outcome": "not finite"},
+        made("heun-2", 1, energy_error=2.0),
+    ]
+    assert answer(scene, records) == "completed: rk4; lost: heun-2; not finite: euler"
+    several = scene_with(tmp_path, "ended")
+    records = [
+        made("rk4", 1), made("rk4", 2), {**made("euler", 1), "outcome": "not finite"},
+        made("heun-2", 1), {**made("heun-2", 2), "outcome": "lost"},
+        {**made("leapfrog", 1), "outcome": "lost"}, made("leapfrog", 2),
+    ]  # fmt: skip
+    assert answer(several, records) == (
+        "completed: rk4 at every h, euler at none (not finite), heun-2 to h = 1 (lost at 2), "
+        "leapfrog but for h = 1 (lost)"
+    )
+
+
+def test_laws_are_told_with_their_exponents(tmp_path):
+    scene = scene_with(tmp_path, "law", ask='"energy", "law"')
+    records = [
+        made("rk4", 1, law={"kind": "linear", "exponent": 1.0, "largest": 1e-3}),
+        made("gauss-2", 1, law={"kind": "bounded", "exponent": 0.01, "largest": 1e-8}),
+        made("euler", 1, law={"kind": "blow-up", "exponent": None, "largest": 2.0}),
+        {**made("leapfrog", 1), "outcome": "not applicable"},
+    ]
+    assert answer(scene, records) == (
+        "bounded: gauss-2 (t^0.01, 1.0e-08); linear: rk4 (t^1.00, 1.0e-03); blow-up: euler; "
+        "leapfrog: not applicable"
+    )
+
+
+def test_a_law_is_asked_measured_and_shown(tmp_path):
+    scene = scene_with(tmp_path, "law", ask='"energy", "law"', grid="[400]")
+    records = run(scene)
+    assert {r["law"]["quantity"] for r in records} == {"energy"}
+    assert rows(scene, records)[0]["law"] in ("bounded", "random walk", "linear", "quadratic")
+    assert charts(scene, records)[0].y_label == "relative drift so far"
 
 
 @pytest.mark.parametrize("name", names())

@@ -18,6 +18,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from ...claims import GlmrefError, Proof, UsageError
+from ...method import PartitionedGLM
 from ...reader import load_document
 from ...theory.pairs import parasitic_curvature
 from ..pair_enclosure import PairEnclosure
@@ -99,6 +100,12 @@ def _statement(document: Mapping[str, Any], enclosure: PairEnclosure) -> Stateme
     return Statement(text, Proof.ENCLOSED)
 
 
+def _stays_on_circle(document: Mapping[str, Any]) -> bool:
+    pair = load_document(document)
+    assert isinstance(pair, PartitionedGLM)
+    return parasitic_curvature(pair).real.sign() > 0
+
+
 @dataclass(frozen=True)
 class _Wanted:
     seed: int
@@ -109,7 +116,8 @@ class _Wanted:
 
 def _read(options: Mapping[str, str]) -> tuple[PairAnsatz, _Wanted]:
     try:
-        n, order, *rest = (int(options[x]) for x in ("n", "order", "seed", "tries", "wanted"))
+        n, order = int(options["n"]), int(options["order"])
+        seed, tries, count = (int(options[x]) for x in ("seed", "tries", "wanted"))
     except ValueError as error:
         raise UsageError(
             f"`n`, `order`, `seed`, `tries` and `wanted` must be whole numbers ({error})"
@@ -121,7 +129,7 @@ def _read(options: Mapping[str, str]) -> tuple[PairAnsatz, _Wanted]:
     name = f"pair-{'rkn-' if nystrom else ''}{order}-{n}-found"
     title = f"Explicit pair of order {order} with {n} evaluations"
     ansatz = PairAnsatz(name, n, order, nystrom=nystrom, starts=options["starts"], title=title)
-    return ansatz, _Wanted(*rest, options["circle"] == "yes")
+    return ansatz, _Wanted(seed, tries, count, options["circle"] == "yes")
 
 
 def _search(options: Mapping[str, str], progress: Progress) -> Derivation:
@@ -150,7 +158,7 @@ def _search(options: Mapping[str, str], progress: Progress) -> Derivation:
         except GlmrefError as error:
             statements.append(Statement(f"start {found.number}: {error}", Proof.MEASURED))
             continue
-        if wanted.circle and parasitic_curvature(load_document(document)).real.sign() != 1:
+        if wanted.circle and not _stays_on_circle(document):
             text = f"start {found.number}: its parasitic eigenvalues leave the unit circle"
             statements.append(Statement(text, Proof.ENCLOSED))
             continue

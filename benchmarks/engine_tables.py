@@ -1,0 +1,94 @@
+"""The tables of docs/engine.md, computed from data/measurements/engine.json."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+__all__ = ["TABLES", "filled"]
+
+Row = Mapping[str, Any]
+
+
+def table(head: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
+    """Text of a table in Markdown."""
+    lines = [list(head), ["---" for _ in head], *rows]
+    return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines)
+
+
+def steps(rows: list[Row]) -> str:
+    """One line for each method and problem of the comparison with C."""
+    head = (
+        "problem", "method", "evaluations", "C, ns", "engine, ns", "C / engine (quartiles)",
+        "same bits", "engine / forces", "reference / engine",
+    )  # fmt: skip
+    body = []
+    for row in (x for x in rows if x["comparison"] == "c"):
+        low, median, high = row["c_over_engine"]
+        body.append(
+            (
+                row["problem"], row["method"], f"{row['evaluations']:.2f}",
+                f"{row['nanoseconds']['c'][1]:.4g}", f"{row['nanoseconds']['engine'][1]:.4g}",
+                f"**{median:.2f}** ({low:.2f} to {high:.2f})", "yes" if row["same_bits"] else "no",
+                f"{row['engine_over_force']:.2f}", f"{row['reference_over_engine']:.0f}",
+            )
+        )  # fmt: skip
+    return table(head, body)
+
+
+def lanes(rows: list[Row]) -> str:
+    """One line for each method and problem of the ensembles."""
+    head = ("problem", "method", "lanes in a block", "one by one, ns", "in lanes, ns", "gain")
+    body = [
+        (
+            row["problem"], row["method"], row["width"], f"{row['nanoseconds']['single'][1]:.4g}",
+            f"{row['nanoseconds']['lanes'][1]:.3g}", f"**{row['gain']:.1f}**",
+        )
+        for row in rows
+        if row["comparison"] == "lanes"
+    ]  # fmt: skip
+    return table(head, body)
+
+
+def kepler(rows: list[Row]) -> str:
+    """One line for each integrator, the goals side by side."""
+    mine = [row for row in rows if row["comparison"] == "kepler"]
+    goals = sorted({row["goal"] for row in mine}, reverse=True)
+    head, body = ["integrator"], []
+    for goal in goals:
+        head += [f"{goal:.0e}: steps per period", "ms", "over heyoka"]
+    found = {(row["name"], row["goal"]): row for row in mine}
+    for name in dict.fromkeys(row["name"] for row in mine):
+        line: list[object] = [name]
+        for goal in goals:
+            row = found.get((name, goal))
+            if row is None:
+                line += ["", "", ""]
+            elif not row["milliseconds"]:
+                line += [f"not reached: {row['error']:.0e}", "", ""]
+            else:
+                time = row["milliseconds"][1]
+                peer = found["heyoka", goal]["milliseconds"][1]
+                setting = row["setting"]
+                text = f"{setting:.0f}" if setting > 1 else f"tolerance {setting:.0e}"
+                line += [text, f"{time:.4g}", f"**{time / peer:.2f}**"]
+        body.append(line)
+    return table(head, body)
+
+
+#: Name in the page -> what writes it.
+TABLES = {"steps": steps, "lanes": lanes, "kepler": kepler}
+
+
+def filled(page: str, rows: list[Row]) -> str:
+    """The page with its tables computed anew; each stands between two comments with its name."""
+    for name, write in TABLES.items():
+        pattern = rf"(<!-- table: {name} -->\n).*?(\n<!-- end of table -->)"
+        text = write(rows)
+        page, count = re.subn(
+            pattern, lambda found, text=text: found[1] + text + found[2], page, flags=re.DOTALL
+        )
+        if count != 1:
+            raise ValueError(f"the page has {count} places for the table {name}, not one")
+    return page

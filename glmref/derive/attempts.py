@@ -1,0 +1,100 @@
+"""How far the search for order 8 went: for each ansatz its conditions and what random starts gave.
+
+``python -m glmref.derive.attempts FILE`` searches and writes ``FILE`` (the one shipped is
+``data/measurements/order8-search.json``). A start counts as solved when all residuals fall below
+:data:`SOLVED` in double precision with no unknown above :data:`LARGEST`; what is solved may belong
+to a family that contains other solutions. That nothing was found is no proof.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .ansatz import Ansatz, Value
+from .search import search
+from .system import SweepSystem
+
+__all__ = ["ANSATZES", "attempt", "main"]
+
+SOLVED, LARGEST = 1e-11, 10.0
+STARTS, SCALE, SEED = 128, 0.7, 1
+
+_W3, _I = Value("exp(2*pi*i/3)"), Value("i")
+_EVEN, _ODD = Value("-1", 1, 1), Value("-1", 1, -1)
+
+#: Stages, values, stage order, explicit stages.
+ANSATZES: Sequence[tuple[int, Sequence[Value], int, Sequence[int]]] = (
+    (3, (_W3, _EVEN), 3, ()),
+    (3, (_W3, _I), 3, ()),
+    (3, (_W3, _I, _EVEN), 2, ()),
+    (3, (_W3, _I, _EVEN), 3, ()),
+    (3, (_W3, _I, _EVEN), 3, (1,)),
+    (4, (_W3, _EVEN), 2, ()),
+    (4, (_W3, _ODD), 2, ()),
+    (4, (_W3, _EVEN), 3, ()),
+    (4, (_W3, _I, _EVEN), 2, ()),
+    (4, (_W3, _I, _EVEN), 2, (1,)),
+    (5, (_W3, _EVEN), 1, ()),
+    (5, (_W3, _EVEN), 2, ()),
+    (5, (_W3, _ODD), 2, ()),
+    (5, (_W3, _EVEN), 2, (1, 2)),
+    (5, (_W3, _EVEN), 3, ()),
+)
+
+
+def attempt(
+    stages: int, values: Sequence[Value], stage_order: int, explicit: Sequence[int]
+) -> dict[str, Any]:
+    """Search one ansatz of order 8 and say what came out."""
+    ansatz = Ansatz("x", stages, 8, values, stage_order=stage_order, explicit=explicit)
+    system = SweepSystem(ansatz.document())
+    size = len(system.unknowns)
+
+    def draw(generator: np.random.Generator) -> np.ndarray:
+        return generator.normal(size=size) * SCALE
+
+    ends = list(search(system.residuals, draw, seed=SEED, starts=STARTS))
+    good = [x for x in ends if max(abs(v) for v in x.point) < LARGEST]
+    return {
+        "stages": stages,
+        "values": system.r,
+        "eigenvalues": [x.eigenvalue for x in values],
+        "parity": [x.parity for x in values if not x.is_pair],
+        "stage_order": stage_order,
+        "explicit": list(explicit),
+        "unknowns": size,
+        "conditions": len(system.equations),
+        "starts": len(ends),
+        "solved": sum(x.residual < SOLVED for x in good),
+        "smallest_residual": float(f"{min((x.residual for x in good), default=np.inf):.2g}"),
+    }
+
+
+def main(path: Path) -> None:
+    """Search every ansatz and write the file."""
+    found = []
+    for ansatz in ANSATZES:
+        found.append(attempt(*ansatz))
+        sys.stderr.write(f"{json.dumps(found[-1])}\n")
+    document = {
+        "format": "glmref-measurement-1",
+        "name": path.stem,
+        "title": "Order 8: conditions and what random starts gave",
+        "how": "python -m glmref.derive.attempts",
+        "seed": SEED,
+        "scale": SCALE,
+        "solved_below": SOLVED,
+        "ansatzes": found,
+    }
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps(document, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))

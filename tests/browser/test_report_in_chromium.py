@@ -1,0 +1,332 @@
+"""The report in a real browser: nothing fails, nothing leaves the page, everything works.
+
+Chromium and its driver (Debian: ``apt install chromium chromium-driver``) with selenium; skipped
+where one of them is absent. Records are those of a short run.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from glmref import scenes
+from glmref.experiments.records import RecordFile
+from glmref.report import build, read
+from glmref.report.markup import number
+
+webdriver = pytest.importorskip("selenium.webdriver")
+BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
+pytestmark = [
+    pytest.mark.browser,
+    pytest.mark.slow,
+    pytest.mark.skipif(not (BROWSER and DRIVER), reason="chromium or chromedriver is absent"),
+]
+
+METHODS = ("rk4", "gauss-2", "gsymplectic-n", "pair-4-4", "g6245-w3", "order8-s3-w3-i")
+NAME = "oscillator-quick"
+
+
+@pytest.fixture(scope="module")
+def records(tmp_path_factory: pytest.TempPathFactory) -> list[dict[str, Any]]:
+    store = RecordFile(tmp_path_factory.mktemp("run") / f"{NAME}.jsonl")
+    return scenes.run(scenes.load_scene("oscillator", quick=True), store)
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory, records: list[dict[str, Any]]) -> Path:
+    """Pages of every kind: runs, curves over time, a large run, odd records, a portrait."""
+    source, folder = tmp_path_factory.mktemp("in"), tmp_path_factory.mktemp("out") / "site"
+    odd = [
+        {**records[0], "state_error": float("nan")},
+        {**records[1], "outcome": "not finite", "message": "left the numbers"},
+        {"format": "glmref-record-9"},
+        *({**x, "series": [[0.1 * k, 1e-9 * k] for k in range(1, 40)]} for x in records[2:5]),
+    ]
+    many = [
+        {**records[n % len(records)], "evaluations": 1000 + n, "state_error": 1.0 / (n + 1)}
+        for n in range(5000)
+    ]
+    for name, lines in ((NAME, records), ("odd", odd), ("many", many)):
+        text = "".join(json.dumps(line) + "\n" for line in lines)
+        (source / f"{name}.jsonl").write_text(text, encoding="utf-8")
+    (source / "rk4.svg").write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 820 430" width="820" height="430">'
+        "<title>rk4</title></svg>",
+        encoding="utf-8",
+    )
+    findings = [{"method": "rk4", "claim": "order", "verdict": "holds", "proof": "exact"}]
+    document = {"format": "glmref-findings-1", "findings": findings}
+    (source / "findings.json").write_text(json.dumps(document), encoding="utf-8")
+    results = read([source], METHODS)
+    build(results, folder, methods=METHODS)
+    build(results, folder.parent / "one.html", single=True, methods=METHODS)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def chromium() -> Iterator[Any]:
+    options = webdriver.ChromeOptions()
+    options.binary_location = BROWSER or ""
+    for word in ("--headless=new", "--no-sandbox", "--host-resolver-rules=MAP * ~NOTFOUND"):
+        options.add_argument(word)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+    driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
+    try:
+        yield driver
+    finally:
+        driver.quit()
+
+
+def visit(driver: Any, path: Path, *, width: int = 1200, dark: bool = False, at: str = "") -> None:
+    driver.execute_cdp_cmd(
+        "Emulation.setDeviceMetricsOverride",
+        {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500},
+    )
+    scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
+    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [scheme]})
+    for kind in ("browser", "performance"):
+        driver.get_log(kind)
+    driver.get(path.as_uri() + at)
+    # the pictures are drawn when their size is known: after the next frame
+    driver.execute_async_script("requestAnimationFrame(() => requestAnimationFrame(arguments[0]))")
+
+
+def requests(driver: Any) -> list[str]:
+    """Addresses that were asked for since the last visit."""
+    messages = [json.loads(x["message"])["message"] for x in driver.get_log("performance")]
+    return [
+        x["params"]["request"]["url"]
+        for x in messages
+        if x["method"] == "Network.requestWillBeSent"
+    ]
+
+
+PAGES = (
+    *("index", "errata", "history", "measured", f"run-{NAME}", "run-odd", "run-many"),
+    *(f"method-{name}" for name in METHODS),
+)
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_a_page_opens_without_error_or_request_and_fits_a_phone(
+    chromium: Any, site: Path, page: str
+) -> None:
+    for width, dark in ((1200, False), (360, True)):
+        visit(chromium, site / f"{page}.html", width=width, dark=dark)
+        assert chromium.get_log("browser") == []
+        assert all(url.startswith(("file:", "data:")) for url in requests(chromium))
+        inner, wide = chromium.execute_script(
+            "return [document.documentElement.clientWidth, document.documentElement.scrollWidth]"
+        )
+        assert wide <= inner
+        assert chromium.execute_script("return document.querySelectorAll('h1').length") == 1
+
+
+def test_every_kind_of_page_is_among_them(site: Path) -> None:
+    assert {path.stem for path in site.glob("*.html")} == set(PAGES)
+
+
+def cells(driver: Any, id_: str) -> list[dict[str, str]]:
+    return driver.execute_script(
+        """const table = document.getElementById(arguments[0]);
+        const keys = [...table.tHead.rows[0].cells].map((cell) => cell.dataset.key);
+        return [...table.tBodies[0].rows].map((row) =>
+          Object.fromEntries([...row.cells].map((cell, i) => [keys[i], cell.textContent.trim()])));""",
+        id_,
+    )
+
+
+def test_every_number_in_the_document_is_the_stored_one(chromium: Any, site: Path, records) -> None:
+    visit(chromium, site / f"run-{NAME}.html")
+    rows = cells(chromium, f"t-{NAME}")
+    assert len(rows) == len(records)
+    for row, record in zip(rows, records, strict=True):
+        assert row["method"] == record["task"]["method"]
+        for key in ("steps", "state_error", "energy_error", "evaluations", "iterations"):
+            if key in row:
+                assert row[key] == number(record.get(key))
+        assert row["seconds"] == number(record["seconds"]["median"])
+        assert (row["q25"], row["q75"]) == tuple(
+            number(record["seconds"][k]) for k in ("q25", "q75")
+        )
+
+
+FIGURE = f"figure[data-table='t-{NAME}']"
+
+
+def status(driver: Any) -> str:
+    return driver.execute_script(
+        "return document.querySelector(arguments[0] + ' .status').textContent", FIGURE
+    )
+
+
+def marks(driver: Any) -> int:
+    return driver.execute_script(
+        "return document.querySelectorAll(arguments[0] + ' svg.chart .mark').length", FIGURE
+    )
+
+
+def completed(records: list[dict[str, Any]], key: str) -> list[dict[str, Any]]:
+    return [x for x in records if x["outcome"] == "completed" and (x.get(key) or 0) > 0]
+
+
+def test_every_completed_run_is_a_mark_at_the_place_of_its_numbers(
+    chromium: Any, site: Path, records
+) -> None:
+    visit(chromium, site / f"run-{NAME}.html")
+    error = chromium.execute_script(
+        "return document.querySelectorAll(arguments[0] + ' select')[1].value", FIGURE
+    )
+    drawn = completed(records, error)
+    assert marks(chromium) == len(drawn) >= 10
+    places = chromium.execute_script(
+        """return [...document.querySelectorAll(arguments[0] + ' svg.chart .mark')].map((mark) =>
+          mark.getAttribute('transform').match(/[-\\d.]+/g).map(Number));""",
+        FIGURE,
+    )
+    by_method: dict[str, list[dict[str, Any]]] = {}
+    for record in drawn:
+        by_method.setdefault(record["task"]["method"], []).append(record)
+    ordered = [x for group in by_method.values() for x in group]
+    # further to the right is slower and higher up is a larger error, for every pair
+    for (u, v), a in zip(places, ordered, strict=True):
+        for (x, y), b in zip(places, ordered, strict=True):
+            if a["seconds"]["median"] > 1.05 * b["seconds"]["median"]:
+                assert u > x
+            if a[error] > 1.05 * b[error]:
+                assert v < y
+
+
+def test_pointing_at_a_mark_shows_its_record(chromium: Any, site: Path, records) -> None:
+    visit(chromium, site / f"run-{NAME}.html")
+    chromium.execute_script(
+        """const mark = document.querySelectorAll(arguments[0] + ' svg.chart .mark')[1];
+        const box = mark.getBoundingClientRect();
+        mark.closest('svg').dispatchEvent(new PointerEvent('pointermove', {bubbles: true,
+          clientX: box.x + box.width / 2, clientY: box.y + box.height / 2}));""",
+        FIGURE,
+    )
+    shown = status(chromium)
+    record = next(
+        x for x in records if f"steps: {x['steps']};" in shown and x["task"]["method"] in shown
+    )
+    for value in (record["seconds"]["median"], record["seconds"]["q25"], record["evaluations"]):
+        assert f": {number(value)}" in shown
+    assert f"step size h: {number(record['task']['h'])}" in shown
+
+
+def test_the_keyboard_goes_from_point_to_point(chromium: Any, site: Path) -> None:
+    from selenium.webdriver.common.keys import Keys
+
+    visit(chromium, site / f"run-{NAME}.html")
+    svg = chromium.find_element("css selector", f"{FIGURE} svg.chart")
+    svg.send_keys(Keys.HOME)
+    seen = [status(chromium)]
+    for key in (Keys.ARROW_RIGHT, Keys.ARROW_DOWN, Keys.END, Keys.ARROW_UP):
+        svg.send_keys(key)
+        seen.append(status(chromium))
+    first, right, down, end, up = seen
+    method = [text.partition(";")[0] for text in seen]
+    assert all(text.startswith("method: ") for text in seen)
+    assert right != first and method[1] == method[0]
+    assert method[2] != method[0] and end.startswith(method[2]) and method[4] == method[0]
+    assert up == right and end == down
+    ring = f"return document.querySelector(\"{FIGURE} .ring\").getAttribute('visibility')"
+    assert chromium.execute_script(ring) == "visible"
+
+
+def test_the_legend_hides_and_shows_a_method(chromium: Any, site: Path) -> None:
+    visit(chromium, site / f"run-{NAME}.html")
+    before = marks(chromium)
+    button = chromium.find_element("css selector", f"{FIGURE} .legend button")
+    button.click()
+    assert button.get_attribute("aria-pressed") == "false" and marks(chromium) < before
+    button.click()
+    assert button.get_attribute("aria-pressed") == "true" and marks(chromium) == before
+
+
+def test_the_axes_can_be_chosen(chromium: Any, site: Path) -> None:
+    from selenium.webdriver.support.select import Select
+
+    visit(chromium, site / f"run-{NAME}.html")
+    across, up = (Select(x) for x in chromium.find_elements("css selector", f"{FIGURE} select"))
+    assert [x.get_attribute("value") for x in across.options][:3] == [
+        "seconds",
+        "evaluations",
+        "steps",
+    ]
+    assert {"state_error", "energy_error"} >= {x.get_attribute("value") for x in up.options}
+    title = f'return document.querySelector("{FIGURE} .x-title").textContent'
+    for option in ("evaluations", "steps", "h"):
+        across.select_by_value(option)
+        chosen = across.first_selected_option.text
+        assert chromium.execute_script(title) == chosen and marks(chromium) > 0
+
+
+def test_what_cannot_be_drawn_is_counted_under_the_picture(chromium: Any, site: Path) -> None:
+    visit(chromium, site / "run-odd.html")
+    text = chromium.execute_script(
+        "return document.querySelector('figure[data-table=\"t-odd\"] .status').textContent"
+    )
+    assert text.startswith("2 of 5 rows of the table have no place in this picture")
+    assert cells(chromium, "t-odd")[0]["state_error"] == "NaN"
+
+
+def test_5000_records_are_all_there_and_all_drawn(chromium: Any, site: Path) -> None:
+    visit(chromium, site / "run-many.html")
+    assert len(cells(chromium, "t-many")) == 5000
+    drawn = (
+        "return document.querySelectorAll('figure[data-table=\"t-many\"] svg.chart .mark').length"
+    )
+    assert chromium.execute_script(drawn) == 5000
+
+
+def test_tables_are_sorted_and_filtered(chromium: Any, site: Path) -> None:
+    visit(chromium, site / "index.html")
+    chromium.find_element("css selector", "th[data-key='order'] button").click()
+    orders = [int(row["order"]) for row in cells(chromium, "methods")]
+    assert orders == sorted(orders) and len(orders) == len(METHODS)
+    chromium.find_element("css selector", "th[data-key='order'] button").click()
+    assert [int(row["order"]) for row in cells(chromium, "methods")] == sorted(orders, reverse=True)
+    chromium.find_element("css selector", "input[type=search]").send_keys("rk4")
+    shown = (
+        "return [...document.querySelectorAll('#methods tbody tr')].filter(r => !r.hidden).length"
+    )
+    assert chromium.execute_script(shown) == 1
+
+
+def test_one_file_shows_one_section_at_a_time(chromium: Any, site: Path) -> None:
+    visible = (
+        "return [...document.querySelectorAll('section.page')]"
+        ".filter((x) => x.offsetParent !== null).map((x) => x.id)"
+    )
+    path = site.parent / "one.html"
+    visit(chromium, path)
+    assert chromium.execute_script(visible) == ["index"]
+    chromium.find_element("css selector", f"a[href='#run-{NAME}']").click()
+    assert chromium.execute_script(visible) == [f"run-{NAME}"]
+    chromium.execute_async_script(
+        "requestAnimationFrame(() => requestAnimationFrame(arguments[0]))"
+    )
+    assert marks(chromium) >= 10 and chromium.get_log("browser") == []
+    assert all(url.startswith(("file:", "data:")) for url in requests(chromium))
+
+
+@pytest.mark.parametrize("dark", [False, True])
+@pytest.mark.parametrize("page", ["index", "errata", "measured", f"run-{NAME}", "method-rk4"])
+def test_axe_finds_no_serious_fault(chromium: Any, site: Path, page: str, *, dark: bool) -> None:
+    package = pytest.importorskip("axe_selenium_python")
+    (axe,) = Path(package.__file__).parent.rglob("axe.min.js")
+    visit(chromium, site / f"{page}.html", dark=dark)
+    chromium.execute_script(axe.read_text(encoding="utf-8"))
+    chromium.set_script_timeout(120)
+    found = chromium.execute_async_script(
+        "axe.run({resultTypes: ['violations']}).then((r) => arguments[0](r.violations))"
+    )
+    serious = [x["id"] for x in found if x["impact"] in ("serious", "critical")]
+    assert serious == []

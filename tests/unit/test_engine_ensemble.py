@@ -1,0 +1,177 @@
+"""Ensembles: every trajectory is the one that it would be alone, to the last bit."""
+
+import math
+
+import numpy as np
+import pytest
+
+from glmref import Problem, UsageError, load, problem, solve
+from glmref.engine.ensemble import solve_ensemble
+from glmref.engine.kernel import prepare
+from glmref.engine.outcome import Outcome
+from glmref.engine.reference import stepper
+from glmref.engine.start import zero_start
+
+STEPS = 12
+DRIVEN = Problem(f=("y[1]", "-sin(y[0]) + cos(t)/2 - y[1]/8"), y0=("6/5", "-1/3"), name="driven")
+
+
+def initial(of, count, seed=3):
+    """Initial values around the problem's own."""
+    y0 = np.array(of.y0, dtype=float)
+    return y0 * (1 + 0.1 * np.random.default_rng(seed).uniform(-1, 1, (count, len(y0))))
+
+
+def alone(of, method, start, h, solver="fixed-point"):
+    """Values, steps and evaluations of one trajectory by the kernel for single ones."""
+    kernel = prepare(load(method), of, h=h, solver=solver)
+    state = kernel.state(start, np.asarray(of.f(0.0, start[0])), h)
+    out = np.zeros((1, 1, of.dimension))
+    kernel.advance(state, STEPS, t0=0.0, h=h, every=0, out=out)
+    return kernel.values(state), state.step, int(state.tally[0]) + bool(kernel.form.memory)
+
+
+CASES = [
+    ("rk4", "kepler", "fixed-point"),
+    ("gauss-3", "pendulum", "fixed-point"),
+    ("g6245", "henon-heiles", "fixed-point"),
+    ("g6245-w3", "henon-heiles", "newton"),
+    ("sdirk-3", "rigid-body", "newton"),
+    ("s4-symmetric", "lotka-volterra-logarithmic", "fixed-point"),
+    ("ab-3", "pendulum", "fixed-point"),
+    ("stormer-verlet", "kepler", "fixed-point"),
+    ("kahan-li-8", "henon-heiles", "fixed-point"),
+]
+
+
+@pytest.mark.parametrize(("method", "name", "solver"), CASES)
+def test_each_lane_has_the_bits_of_a_single_run(method, name, solver):
+    of = problem(name)
+    y0 = initial(of, 11)  # more than a block of 8, and not a multiple of it
+    starts = zero_start(stepper(load(method), of), y0)
+    found = solve_ensemble(
+        of, method, y0, h=0.05, steps=STEPS, start=starts, solver=solver, width=8, threads=1
+    )
+    assert found.completed
+    assert found.width == 8
+    assert solver in found.kernel or solver == "fixed-point"
+    evaluations = 0
+    for k, start in enumerate(starts):
+        values, steps, cost = alone(of, method, start, 0.05, solver)
+        np.testing.assert_array_equal(found.values[k], values)
+        assert found.steps[k] == steps == STEPS
+        evaluations += cost
+    assert found.evaluations == evaluations
+
+
+def test_a_problem_that_depends_on_time_has_its_own_time_in_every_lane():
+    y0 = initial(DRIVEN, 3)
+    found = solve_ensemble(DRIVEN, "gauss-2", y0, h=0.05, steps=STEPS, solver="fixed-point")
+    for k, y in enumerate(y0):
+        values, _, _ = alone(DRIVEN, "gauss-2", y[None, :], 0.05)
+        np.testing.assert_array_equal(found.values[k], values)
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+@pytest.mark.parametrize("width", [1, 8, 16, 32])
+def test_neither_width_nor_threads_change_a_bit(width, threads):
+    of = problem("henon-heiles")
+    y0 = initial(of, 40)
+    options = {"h": 0.1, "steps": STEPS, "start": "zero", "solver": "fixed-point"}
+    found = solve_ensemble(of, "g6245", y0, width=width, threads=threads, **options)
+    first = solve_ensemble(of, "g6245", y0, width=8, threads=1, **options)
+    np.testing.assert_array_equal(found.values, first.values)
+    assert (found.width, found.threads) == (width, threads)
+    assert found.evaluations == first.evaluations
+
+
+def test_the_default_start_is_that_of_single_runs():
+    of = problem("pendulum")
+    y0 = initial(of, 4)
+    for method in ("g6245", "thesis-3-8", "rk4"):
+        found = solve_ensemble(of, method, y0, h=0.05, steps=STEPS, every=6)
+        for k, y in enumerate(y0):
+            single = Problem(force=of.force, y0=tuple(y), name="single")
+            run = solve(single, method, h=0.05, steps=STEPS, every=6)
+            assert found.t == pytest.approx(run.t)
+            # the enhanced start takes its trial steps in lanes here, with the reference there: the
+            # starts differ by some units of rounding, which 12 steps of 0.05 do not double
+            assert np.abs(found.y[:, k] - run.y).max() < 64 * 2.0**-52 * np.abs(run.y).max()
+
+
+def test_a_lane_that_leaves_the_finite_numbers_does_not_touch_the_others():
+    growth = Problem(f=("y[0]*y[0]",), y0=(1.0,), name="growth")  # y = y0/(1 - y0 t)
+    y0 = np.array([[-1.0], [4.0], [-2.0], [0.4]])
+    for width in (1, 8):
+        found = solve_ensemble(growth, "rk4", y0, h=0.1, steps=20, width=width)
+        bad = [outcome is Outcome.NOT_FINITE for outcome in found.outcomes]
+        assert bad == [False, True, False, False]
+        assert sum(outcome is Outcome.COMPLETED for outcome in found.outcomes) == 3
+        assert not found.completed
+        assert np.isfinite(found.y).all(), "the last good value is kept"
+        assert 2 <= found.steps[1] < 20
+        assert found.steps[0] == found.steps[2] == 20
+        calm = solve_ensemble(growth, "rk4", y0[[0, 2]], h=0.1, steps=20, width=width)
+        np.testing.assert_array_equal(found.values[[0, 2]], calm.values)
+
+
+def test_a_lane_whose_stages_cannot_be_solved_is_named():
+    growth = Problem(f=("y[0]*y[0]",), y0=(1.0,), name="growth")
+    y0 = np.array([[-1.0], [1.0]])
+    found = solve_ensemble(growth, "implicit-midpoint", y0, h=0.25, steps=20, solver="fixed-point")
+    assert found.outcomes.tolist() == [Outcome.COMPLETED, Outcome.STAGE_SOLVE_FAILED]
+    single = solve(growth, "implicit-midpoint", h=0.25, steps=20, solver="fixed-point")
+    assert single.outcome is Outcome.STAGE_SOLVE_FAILED
+    assert found.steps[1] == single.steps
+    np.testing.assert_array_equal(found.values[1], single.values)
+
+
+def test_what_has_no_lanes_goes_one_by_one():
+    solar = problem("outer-solar-system")
+    y0 = initial(solar, 2)
+    found = solve_ensemble(solar, "stormer-verlet", y0, h=10.0, steps=4)
+    assert found.width == 1
+    for k, y in enumerate(y0):
+        start = zero_start(stepper(load("stormer-verlet"), solar), y)
+        kernel = prepare(load("stormer-verlet"), solar, h=10.0)
+        state = kernel.state(start, np.asarray(solar.f(0.0, y)), 10.0)
+        kernel.advance(state, 4, t0=0.0, h=10.0, every=0, out=np.zeros((1, 1, 36)))
+        np.testing.assert_array_equal(found.values[k], kernel.values(state))
+
+
+def test_cancelling_keeps_what_was_done():
+    of, calls = problem("kepler"), []
+
+    def cancel():
+        calls.append(1)
+        return len(calls) > 2
+
+    found = solve_ensemble(of, "gauss-2", initial(of, 4), h=1e-3, steps=10**8, cancel=cancel)
+    assert set(found.outcomes) == {Outcome.CANCELLED}
+    assert np.isfinite(found.values).all()
+    assert (found.steps > 0).all() and (found.steps < 10**8).all()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"initial": np.ones(4)}, "`initial` must have shape \\(N, d\\) with d = 4"),
+        ({"initial": np.ones((2, 3))}, "got \\(2, 3\\)"),
+        ({"width": 5}, "`width` must be 1 or one of"),
+        ({"threads": 0}, "`threads` must be a positive whole number, got 0"),
+        ({"start": np.ones((2, 4))}, "starting values must have shape \\(N, r, d\\)"),
+        ({"start": "first"}, "`start` must be enhanced, zero or values"),
+        ({"arithmetic": "exact"}, "`arithmetic` must be one of"),
+        ({"h": math.inf}, "`h` must be finite"),
+    ],
+)
+def test_arguments_that_do_not_fit_are_refused(arguments, message):
+    given = {"initial": np.ones((2, 4)), "h": 0.1, "steps": 1, **arguments}
+    y0 = given.pop("initial")
+    with pytest.raises(UsageError, match=message):
+        solve_ensemble("kepler", "gauss-2", y0, **given)
+
+
+def test_newton_in_lanes_is_for_few_unknowns():
+    with pytest.raises(UsageError, match="give width=1"):
+        solve_ensemble("kepler", "gauss-2", np.ones((2, 4)), h=0.1, steps=1, solver="newton")

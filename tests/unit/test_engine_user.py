@@ -1,0 +1,124 @@
+"""A user's own problems, from plain Python functions, in every engine."""
+
+import math
+
+import numpy as np
+import pytest
+
+from glmref import Problem, UsageError, solve
+from glmref.engine.outcome import Outcome
+
+INTERPRETED = ("reference", "interpreted")
+ALL = [*INTERPRETED, pytest.param("compiled", marks=pytest.mark.slow)]  # numba takes a second each
+
+
+def pendulum(t, y):
+    return [y[1], -math.sin(y[0])]
+
+
+def velocity(p):
+    return [p[0] * (1 + p[0] * p[0])]
+
+
+def force(q):
+    return [-q[0] - q[0] * q[0] * q[0]]
+
+
+@pytest.mark.parametrize("engine", ALL)
+@pytest.mark.parametrize("method", ["rk4", "gauss-2", "g6245", "bdf-2"])
+def test_a_plain_function_is_stepped_like_its_expressions(method, engine):
+    plain = Problem(f=pendulum, y0=(1.2, 0.0), name="plain")
+    same = Problem(f=("y[1]", "-sin(y[0])"), y0=("6/5", 0), name="expressions")
+    options = {"h": 0.1, "steps": 10, "engine": engine, "solver": "fixed-point"}
+    ours, theirs = solve(plain, method, **options), solve(same, method, **options)
+    assert ours.completed
+    np.testing.assert_array_equal(ours.y, theirs.y)
+    assert ours.evaluations == theirs.evaluations
+
+
+@pytest.mark.parametrize("engine", ALL)
+@pytest.mark.parametrize("method", ["stormer-verlet", "lobatto-iiia-iiib-3", "gauss-2"])
+def test_plain_parts_of_a_separable_problem(method, engine):
+    plain = Problem(dq=velocity, dp=force, y0=(0.5, 0.25), name="plain")
+    same = Problem(
+        dq=("p[0]*(1 + p[0]*p[0])",), dp=("-q[0] - q[0]*q[0]*q[0]",), y0=(0.5, 0.25)
+    )  # fmt: skip
+    options = {"h": 0.1, "steps": 10, "engine": engine}
+    ours, theirs = solve(plain, method, **options), solve(same, method, **options)
+    assert ours.completed
+    np.testing.assert_array_equal(ours.y, theirs.y)
+    assert (ours.evaluations, ours.velocity_evaluations) == (
+        theirs.evaluations, theirs.velocity_evaluations
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("engine", ALL)
+@pytest.mark.parametrize("method", ["rk4", "gauss-2"])
+def test_a_function_that_raises_where_it_has_no_value_ends_the_run_by_name(method, engine):
+    def f(t, y):
+        return [-math.sqrt(1 - 2 * t)]  # no value beyond t = 1/2
+
+    run = solve(
+        Problem(f=f, y0=(1.0,), name="root"), method, h=0.1, steps=20, every=1, engine=engine
+    )
+    assert run.outcome is Outcome.NOT_FINITE
+    assert run.steps == len(run.t) - 1 == 4 or run.steps == 5
+    assert np.isfinite(run.y).all()
+    if engine == "reference":
+        assert "math domain error" in run.message
+
+
+@pytest.mark.parametrize("engine", ALL)
+@pytest.mark.parametrize("returned", [1, 3])
+def test_a_function_that_returns_another_number_of_components_is_refused(returned, engine):
+    def f(t, y):
+        return [y[0]] * returned
+
+    wrong = Problem(f=f, y0=(1.0, 0.0), name="wrong")
+    message = f"`f` must return shape \\(2,\\), got \\({returned},\\)"
+    with pytest.raises(UsageError, match=message):
+        solve(wrong, "rk4", h=0.1, steps=2, engine=engine)
+
+
+def test_what_numba_cannot_compile_is_interpreted_with_a_notice_for_pairs_too():
+    state = {"k": 1.0}
+
+    def opaque(q):
+        return [-state["k"] * q[0]]
+
+    plain = Problem(dq=lambda p: [p[0]], dp=opaque, y0=(1.0, 0.0), name="opaque")
+    run = solve(plain, "stormer-verlet", h=0.1, steps=20)
+    assert run.kernel.startswith("python")
+    assert any("numba cannot compile" in x and "interpreted" in x for x in run.notices)
+    exact = solve(Problem(force=("-q[0]",), y0=(1, 0)), "stormer-verlet", h=0.1, steps=20)
+    np.testing.assert_array_equal(run.y, exact.y)
+
+
+@pytest.mark.parametrize("engine", ["compiled", "reference", "interpreted"])
+@pytest.mark.parametrize("method", ["stormer-verlet", "gauss-2", "g6245"])
+def test_given_starting_values_replace_the_problem_s_own(method, engine):
+    # kernels keep a force, or a guess, from before the first step: it has to be that of the start
+    other = Problem(force=("-sin(q[0])",), y0=(0.3, -0.8), name="other")
+    begin = solve(other, method, h=0.1, steps=0, engine="reference").values
+    far = Problem(force=("-sin(q[0])",), y0=(2.0, 1.0), name="far")
+    there = solve(far, method, h=0.1, steps=10, start=begin, engine=engine)
+    here = solve(other, method, h=0.1, steps=10, start=begin, engine=engine)
+    np.testing.assert_array_equal(there.values, here.values)
+
+
+@pytest.mark.parametrize("engine", ["compiled", "reference", "interpreted"])
+def test_a_finishing_method_that_cannot_be_solved_keeps_the_rows_before(engine):
+    from dataclasses import replace
+
+    from glmref import FinishingMethod, load
+    from glmref.exact import exact
+
+    # finish by Y = y + Y^2 h: no real solution once 4 h y > 1, which y = 1/(1 - t) comes to
+    growth = Problem(f=("y[0]*y[0]",), y0=(1.0,), name="growth")
+    finishing = FinishingMethod(A=((exact(1),),), b=(exact(1),))
+    method = replace(load("rk4"), finishing=finishing)
+    run = solve(growth, method, h=0.1, steps=8, every=1, engine=engine)
+    assert run.outcome is Outcome.STAGE_SOLVE_FAILED
+    assert "finishing method at t = 0.6" in run.message
+    assert len(run.t) == len(run.y) == 6
+    assert np.isfinite(run.y).all()

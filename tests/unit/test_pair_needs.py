@@ -1,0 +1,117 @@
+"""What methods need for an accuracy: crossings of error curves, counts, and the tables made of them."""
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+
+from glmref.experiments.pair_long import Case as LongCase
+from glmref.experiments.pair_long import Long, follow_pair
+from glmref.experiments.pair_needs import (
+    CASES,
+    LEFT_OUT,
+    METHODS,
+    Case,
+    _crossing,
+    _per_step,
+    needs,
+    timed,
+    write,
+)
+from glmref.experiments.pair_tables import best, long_table, needs_table, one_pair_table, time_table
+from glmref.problems import names, problem
+
+ROOT = Path(__file__).resolve().parents[2]
+SHORT = Case("short", "harmonic-oscillator", 6.0, 40, timed=True)
+
+
+def test_a_crossing_is_interpolated_in_logarithms():
+    # error = n^-6: 1e-9 at n = 10^1.5
+    curve = [(10, 1e-6), (100, 1e-12)]
+    assert _crossing(curve, 1e-9) == pytest.approx(10**1.5)
+
+
+def test_a_lucky_dip_of_the_error_does_not_count():
+    curve = [(10, 1e-6), (12, 1e-10), (20, 1e-7), (40, 1e-10)]
+    found = _crossing(curve, 1e-9)
+    assert found is not None
+    assert 20 < found < 40
+    assert _crossing([*curve, (80, math.nan)], 1e-9) is None
+    assert _crossing([(10, 1e-6)], 1e-9) is None
+    assert _crossing([(10, 1e-10)], 1e-9) == 10.0
+    assert _crossing([(10, math.inf), (20, 1e-10)], 1e-9) == 20.0
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_the_evaluations_of_a_step_are_those_the_engine_counts(name):
+    from glmref.engine.solve import solve
+
+    taken = solve("kepler", name, h=0.01, steps=100, start="zero")
+    # one more where the first force of a run is not the last of a step before
+    assert taken.evaluations - 100 * _per_step(name) in (0, 1)
+
+
+def test_every_separable_problem_is_measured_or_left_out_with_a_reason():
+    # a problem without a time to end is no problem to measure: only the separable ones count
+    separable = {name for name in names() if problem(name).separable}
+    assert separable == {case.problem for case in CASES} | set(LEFT_OUT)
+
+
+def test_the_need_of_a_method_of_order_6_is_below_that_of_order_2(tmp_path):
+    found = timed(SHORT, needs(SHORT, ["forest-ruth-4", "pair-rkn-6-8b"]), rounds=1)
+    by_name = {(x.method, x.start): x for x in found}
+    pair, four = by_name["pair-rkn-6-8b", "zero"], by_name["forest-ruth-4", ""]
+    assert pair.needed[1e-9] < four.needed[1e-9]
+    assert pair.start_evaluations == 0
+    assert by_name["pair-rkn-6-8b", "enhanced"].start_evaluations == 7 * 8
+    assert pair.seconds[1e-9] > 0
+    write(tmp_path / "pairs.json", {SHORT: found})
+    document = json.loads((tmp_path / "pairs.json").read_text())
+    assert best(document["cases"][0], ["forest-ruth-4"], "1e-09") is not None
+    assert "(rkn-6-8b)" in needs_table(document, "1e-09")
+    assert "| short |" in time_table(document, "1e-09")
+
+
+def test_ten_thousand_steps_are_followed_and_growth_is_seen():
+    case = LongCase("harmonic-oscillator", 1 / 16)
+    good = follow_pair("pair-rkn-6-8b", case, 10_000)
+    assert (good.outcome, good.steps, good.bounded) == ("completed", 10_000, True)
+    # kappa < 0: |w| - 1 = 1.7e-3 y^3 with y = 7/16, 1.4e-4 a step, exp(1.4) in 10^4 steps
+    wild = follow_pair("pair-6-7", LongCase("harmonic-oscillator", 1 / 16), 100_000)
+    assert wild.carried[-1] > 100 * wild.carried[0]
+    assert not wild.bounded
+
+
+def test_bounded_looks_at_energy_at_carried_values_and_at_the_end():
+    def run(energy, carried, steps=10**7):
+        return Long("x", "y", 0.1, steps, "completed", (10**5, 10**6, 10**7), energy, carried)
+
+    assert run((1e-9, 1e-9, 2e-9), (1e-7, 1e-7, 1e-7)).bounded
+    assert not run((1e-9, 1e-9, 2e-8), (1e-7, 1e-7, 1e-7)).bounded
+    assert not run((1e-9, 1e-9, 1e-9), (1e-7, 1e-7, 2e-6)).bounded
+    assert not run((1e-9, 1e-9, 1e-9), (1e-7, 1e-7, 1e-7), steps=999).bounded
+    assert run((1e-16, 1e-15, 1e-14), (0.0, 0.0, 1e-14)).bounded  # round-off
+
+
+MEASURED = ROOT / "data" / "measurements"
+
+
+def test_the_tables_of_the_page_are_those_of_the_data():
+    page = (ROOT / "docs" / "pairs.md").read_text(encoding="utf-8")
+    document = json.loads((MEASURED / "pairs.json").read_text(encoding="utf-8"))
+    singles = ["pair-6-7", "pair-6-8", "pair-rkn-6-7b", "pair-rkn-6-8b", "pair-rkn-8-16"]
+    assert needs_table(document, "1e-09") in page
+    assert needs_table(document, "1e-06") in page
+    assert one_pair_table(document, singles, "1e-09") in page
+    assert time_table(document, "1e-09") in page
+    long = json.loads((MEASURED / "pairs-long.json").read_text(encoding="utf-8"))
+    assert long_table(long) in page
+    assert needs_table(document, "1e-09").replace("1", "2") not in page
+
+
+def test_the_file_holds_every_case_and_every_method():
+    document = json.loads((MEASURED / "pairs.json").read_text(encoding="utf-8"))
+    assert [x["case"] for x in document["cases"]] == [case.name for case in CASES]
+    for case in document["cases"]:
+        assert {row["method"] for row in case["methods"]} == set(METHODS)

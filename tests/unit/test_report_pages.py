@@ -1,0 +1,248 @@
+"""The pages: every number is the stored one, whatever is stored; nothing that is stored is markup."""
+
+from __future__ import annotations
+
+import json
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from glmref import scenes
+from glmref.claims import UsageError
+from glmref.cli import main
+from glmref.experiments.records import RecordFile
+from glmref.report import build, read
+from glmref.report.markup import number
+from glmref.report.runs import COLUMNS
+
+METHODS = ("rk4", "gauss-2", "gsymplectic-n", "pair-4-4")
+
+
+class Tables(HTMLParser):
+    """Tables of a page: id -> rows of cells; the keys of the columns are the first row."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tables: dict[str, list[list[str]]] = {}
+        self.now: list[list[str]] = []
+        self.words: str | None = None
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        given = dict(attrs)
+        if tag == "table" and given.get("id"):
+            self.now = self.tables[str(given["id"])] = []
+        elif tag == "tr":
+            self.now.append([])
+        elif tag == "th":
+            self.now[-1].append(str(given.get("data-key")))
+        elif tag == "td":
+            self.now[-1].append("")
+
+    def handle_endtag(self, tag: str) -> None:
+        if tag == "table":
+            self.now = []
+
+    def handle_data(self, data: str) -> None:
+        if self.now and self.now[-1] and len(self.now) > 1:
+            self.now[-1][-1] += data.strip("\n")
+
+
+def table(path: Path, id_: str) -> list[dict[str, str]]:
+    head, *rows = Tables(path.read_text(encoding="utf-8")).tables[id_]
+    return [dict(zip(head, row, strict=True)) for row in rows]
+
+
+@pytest.fixture(scope="module")
+def records(tmp_path_factory: pytest.TempPathFactory) -> list[dict[str, Any]]:
+    """Real records of a short run."""
+    store = RecordFile(tmp_path_factory.mktemp("run") / "oscillator-quick.jsonl")
+    return scenes.run(scenes.load_scene("oscillator", quick=True), store)
+
+
+def stored(folder: Path, name: str, records: list[dict[str, Any]]) -> Path:
+    folder.mkdir(exist_ok=True)
+    lines = "".join(json.dumps(x) + "\n" for x in records)
+    (folder / f"{name}.jsonl").write_text(lines, encoding="utf-8")
+    return folder
+
+
+def pages(folder: Path, source: Path, **options: Any) -> Path:
+    build(read([source], METHODS), folder, methods=METHODS, **options)
+    return folder
+
+
+def test_every_number_of_a_run_is_that_of_its_record(tmp_path: Path, records) -> None:
+    site = pages(tmp_path / "site", stored(tmp_path / "in", "oscillator-quick", records))
+    rows = table(site / "run-oscillator-quick.html", "t-oscillator-quick")
+    assert len(rows) == len(records) >= 10
+    getters = {column.key: get for column, get in COLUMNS}
+    compared = 0
+    for row, record in zip(rows, records, strict=True):
+        for key, text in row.items():
+            value = getters[key](record)
+            if isinstance(value, float):
+                # six digits are shown: half a unit of the sixth is 5e-6 of the leading one
+                assert float(text) == pytest.approx(value, rel=5e-6, abs=0)
+                compared += 1
+            else:
+                assert text == number(value)
+    assert compared >= 4 * len(records)
+
+
+def test_curves_over_time_are_those_of_the_records(tmp_path: Path, records) -> None:
+    series = [[0.1, 1.23456789e-9], [1.0, 2.5e-9]]
+    changed = [{**records[0], "series": series}]
+    site = pages(tmp_path / "site", stored(tmp_path / "in", "mine", changed))
+    rows = table(site / "run-mine.html", "c-mine")
+    assert [(float(x["t"]), float(x["value"])) for x in rows] == [(0.1, 1.23457e-9), (1.0, 2.5e-9)]
+
+
+def test_nan_an_unfinished_run_and_an_unknown_version_are_shown_as_such(
+    tmp_path: Path, records
+) -> None:
+    odd = [
+        {**records[0], "state_error": float("nan"), "energy_error": float("inf")},
+        {**records[1], "outcome": "not finite", "message": "the values left the numbers at t = 3"},
+        {"format": "glmref-record-1", "task": {"kind": "method", "method": "mine"}},
+        {**records[2], "format": "glmref-record-99"},
+        {**records[3], "seconds": "soon", "drifts": 7, "series": [1, [2]], "where": None},
+    ]
+    site = pages(tmp_path / "site", stored(tmp_path / "in", "oscillator", odd))
+    text = (site / "run-oscillator.html").read_text(encoding="utf-8")
+    rows = table(site / "run-oscillator.html", "t-oscillator")
+    assert rows[0]["state_error"] == "NaN" and rows[0]["energy_error"] == "infinite"
+    assert rows[1]["outcome"] == "not finite" and "the values left the numbers at t = 3" in text
+    assert rows[2]["method"] == "mine" and rows[2]["state_error"] == "–"
+    assert len(rows) == 4 and "no answer" in text
+    assert "glmref-record-99" in (site / "measured.html").read_text(encoding="utf-8")
+
+
+BAD = '"><script>alert(1)</script>&amp;'
+
+
+def test_nothing_that_is_stored_becomes_markup(tmp_path: Path, records) -> None:
+    task = {**records[0]["task"], "method": BAD}
+    wrong = {
+        **records[0], "task": task, "outcome": BAD, "message": BAD, "where": {BAD: BAD},
+        "series": [[1.0, 2.0]],
+    }  # fmt: skip
+    source = stored(tmp_path / "in", "a&b 'c' #1%", [wrong, {**wrong, "format": BAD}])
+    document = {
+        "format": "glmref-measurement-1",
+        "title": BAD,
+        BAD: [{BAD: BAD}],
+        "b": {BAD: {"c": BAD}},
+    }
+    (source / "m.json").write_text(json.dumps(document), encoding="utf-8")
+    findings = [{"method": "rk4", "claim": "order", "verdict": BAD, "proof": BAD, "witness": BAD}]
+    document = {"format": "glmref-findings-1", "findings": findings}
+    (source / "f.json").write_text(json.dumps(document), encoding="utf-8")
+    (source / "rk4.svg").write_text(f"<svg><style></style>{BAD}</svg>", encoding="utf-8")
+    site = pages(tmp_path / "site", source)
+    for path in site.glob("*.html"):
+        text = path.read_text(encoding="utf-8")
+        assert text.count("<script") == text.count("</script>") == 1, path.name
+        assert "alert(1)</script>" not in text
+    assert 'href="run-a%26b%20%27c%27%20%231%25.html"' in (site / "index.html").read_text()
+
+
+def test_the_policy_allows_our_own_style_and_script_and_nothing_else(
+    tmp_path: Path, records
+) -> None:
+    site = pages(tmp_path / "site", stored(tmp_path / "in", "oscillator-quick", records))
+    for path in site.glob("*.html"):
+        text = path.read_text(encoding="utf-8")
+        (policy,) = re.findall(r'Content-Security-Policy" content="([^"]+)"', text)
+        assert policy.startswith("default-src 'none'; style-src 'sha256-")
+        assert "unsafe" not in policy and "http" not in policy
+        assert not re.search(r"\sstyle=|\son\w+=|<iframe|<img|@import|url\(", text)
+        # links to the outside are for the reader to follow; nothing is loaded
+        assert not re.search(r'src="|<link (?!rel="icon" href="data:,")', text)
+
+
+def test_a_page_of_5000_records_stays_under_a_megabyte(tmp_path: Path, records) -> None:
+    many = [
+        {
+            **records[n % len(records)],
+            "task": {**records[n % len(records)]["task"], "h": 1 / (n + 1)},
+        }
+        for n in range(5000)
+    ]
+    site = pages(tmp_path / "site", stored(tmp_path / "in", "many", many))
+    assert (site / "run-many.html").stat().st_size < 1_000_000
+    assert len(table(site / "run-many.html", "t-many")) == 5000
+
+
+def test_the_overview_and_a_method_page_say_what_the_data_and_the_findings_say(
+    tmp_path: Path,
+) -> None:
+    source = tmp_path / "in"
+    source.mkdir()
+    findings = [
+        {"method": "rk4", "claim": "order", "declared": 4, "verdict": "holds", "value": 4,
+         "proof": "exact", "residual": 0.0, "witness": "tree [oooo] of order 5 has residual 0.00833333"},
+        {"method": "rk4", "claim": "order4/rk4/pendulum", "verdict": "holds", "value": 4,
+         "proof": "measured"},
+    ]  # fmt: skip
+    document = {"format": "glmref-findings-1", "findings": findings}
+    (source / "found.json").write_text(json.dumps(document), encoding="utf-8")
+    (source / "rk4.svg").write_text('<?xml version="1.0"?><svg id="drawn"></svg>', encoding="utf-8")
+    site = pages(tmp_path / "site", source)
+    rows = {row["method"]: row for row in table(site / "index.html", "methods")}
+    assert set(rows) == set(METHODS)
+    rk4 = rows["rk4"]
+    assert (rk4["order"], rk4["measured"], rk4["proof"], rk4["stages"]) == ("4", "4", "exact", "4")
+    assert (rk4["implicit"], rk4["conserves"], rk4["verified"]) == ("0", "no", "1 of 1")
+    assert rows["gauss-2"]["implicit"] == "2" and rows["gsymplectic-n"]["values"] == "2"
+    assert rows["pair-4-4"]["implicit"] == "0" and rows["pair-4-4"]["values"] == "2 + 2"
+    page = (site / "method-rk4.html").read_text(encoding="utf-8")
+    claims = {x["claim"]: x for x in table(site / "method-rk4.html", "claims-rk4")}
+    assert claims["order"]["witness"].startswith("tree [oooo]")
+    assert claims["symplectic"]["verdict"] == "–"
+    assert "1 of 1 checks hold" in page and '<svg id="drawn">' in page and "@article{kutta" in page
+    assert (site / "data" / "rk4.json").is_file()
+
+
+def test_one_file_holds_everything(tmp_path: Path, records) -> None:
+    source = stored(tmp_path / "in", "oscillator-quick", records)
+    path = tmp_path / "all.html"
+    assert build(read([source]), path, single=True, methods=METHODS) == [path]
+    text = path.read_text(encoding="utf-8")
+    sections = re.findall(r'<section id="([^"]+)"', text)
+    assert sections[0] == "index" and {f"method-{x}" for x in METHODS} <= set(sections)
+    inner = {x for x in re.findall(r'href="#([^"]+)"', text) if x != "main"}
+    assert inner <= set(sections)
+
+
+def test_every_link_between_pages_leads_to_a_file(tmp_path: Path, records) -> None:
+    site = pages(tmp_path / "site", stored(tmp_path / "in", "oscillator-quick", records))
+    for path in site.glob("*.html"):
+        for link in re.findall(r'href="([^"#:]+)"', path.read_text(encoding="utf-8")):
+            assert (site / link).is_file(), (path.name, link)
+
+
+def test_a_folder_with_something_else_in_it_is_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "mine.txt").write_text("precious", encoding="utf-8")
+    with pytest.raises(UsageError, match="no report"):
+        build(read([]), tmp_path, methods=("rk4",))
+    assert (tmp_path / "mine.txt").read_text(encoding="utf-8") == "precious"
+    build(read([]), tmp_path / "new", methods=("rk4",))
+    build(read([]), tmp_path / "new", methods=("gauss-2",))
+    assert not (tmp_path / "new" / "method-rk4.html").exists()
+
+
+def test_the_command_names_what_it_cannot_show_and_says_what_to_open(
+    tmp_path: Path, records, capsys: pytest.CaptureFixture[str]
+) -> None:
+    source = stored(tmp_path / "in", "oscillator-quick", [*records, {"format": "x"}])
+    out = tmp_path / "one.html"
+    assert main(["report", str(source), "--single-file", "--output", str(out)]) == 0
+    said = capsys.readouterr()
+    assert f"{len(records)} records" in said.out and str(out) in said.out
+    assert "oscillator-quick.jsonl, line" in said.err and "'x'" in said.err
+    assert main(["report", str(tmp_path / "nothing")]) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 1

@@ -1,0 +1,103 @@
+"""What is stored is read, and what cannot be read is named and breaks nothing."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from glmref.claims import UsageError
+from glmref.report import read
+from glmref.report.store import Results
+
+GOOD: dict[str, Any] = {
+    "format": "glmref-record-1", "key": "k", "task": {"kind": "method", "method": "rk4", "h": 0.1},
+    "outcome": "completed", "steps": 10,
+}  # fmt: skip
+
+
+def reading(folder: Path, name: str, text: str) -> Results:
+    (folder / name).write_text(text, encoding="utf-8")
+    return read([folder], ["rk4"])
+
+
+def test_records_of_a_run_are_read_in_order(tmp_path: Path) -> None:
+    lines = [json.dumps({**GOOD, "steps": n}) for n in (1, 2, 3)]
+    found = reading(tmp_path, "kepler-quick.jsonl", "\n".join(lines) + "\n")
+    (run,) = found.runs
+    assert (run.name, run.scene) == ("kepler-quick", "kepler")
+    assert [x["steps"] for x in run.records] == [1, 2, 3] and found.odd == []
+
+
+@pytest.mark.parametrize(
+    ("line", "why"),
+    [
+        ('{"format": "glmref-record-1", "ta', "stopped while it was written"),
+        ("hello\n", "not JSON"),
+        ("[1]\n", "not a record"),
+        (json.dumps({**GOOD, "format": "glmref-record-9"}) + "\n", "format is 'glmref-record-9'"),
+        (json.dumps({**GOOD, "task": {"kind": "method"}}) + "\n", "does not say what was run"),
+        (json.dumps({**GOOD, "task": None}) + "\n", "does not say what was run"),
+        ("[" * 100_000 + "\n", "not JSON"),
+    ],
+)
+def test_a_line_that_is_no_record_is_named_and_the_others_are_kept(
+    tmp_path: Path, line: str, why: str
+) -> None:
+    found = reading(tmp_path, "x.jsonl", json.dumps(GOOD) + "\n" + line)
+    assert len(found.runs[0].records) == 1
+    (odd,) = found.odd
+    assert odd.where == "x.jsonl, line 2" and why in odd.why
+
+
+def test_a_record_with_nan_is_a_record(tmp_path: Path) -> None:
+    found = reading(tmp_path, "x.jsonl", json.dumps({**GOOD, "state_error": float("nan")}) + "\n")
+    assert len(found.runs[0].records) == 1 and found.odd == []
+
+
+def test_findings_portraits_and_measurements_are_told_apart(tmp_path: Path) -> None:
+    finding = {"method": "rk4", "claim": "order", "verdict": "holds"}
+    documents = {
+        "found.json": {"format": "glmref-findings-1", "findings": [finding, 7]},
+        "stiff.json": {"format": "glmref-measurement-1", "rows": []},
+        "other.json": {"format": "glmref-findings-2", "findings": []},
+        "list.json": [1],
+    }
+    for name, document in documents.items():
+        (tmp_path / name).write_text(json.dumps(document), encoding="utf-8")
+    for name in ("rk4.svg", "chart.svg"):
+        (tmp_path / name).write_text("<svg></svg>", encoding="utf-8")
+    (tmp_path / "bytes.json").write_bytes(b"\xff\xfe")
+    found = read([tmp_path], ["rk4"])
+    assert found.findings == {"rk4": [finding]}
+    assert set(found.measurements) == {"stiff"} and set(found.portraits) == {"rk4"}
+    assert {x.where for x in found.odd} == {"other.json", "list.json", "bytes.json"}
+
+
+def test_results_of_asv_are_read_as_one_and_a_broken_file_is_named(tmp_path: Path) -> None:
+    machine = tmp_path / "results" / "machine"
+    machine.mkdir(parents=True)
+    (machine / "machine.json").write_text("{}", encoding="utf-8")
+    assert read([tmp_path]).files == [("results", "0 cells of benchmarks")]
+    (machine / "abc-env.json").write_text("[]", encoding="utf-8")
+    (odd,) = read([tmp_path]).odd
+    assert odd.where == "results" and "abc-env.json" in odd.why
+
+
+def test_a_file_named_twice_counts_once_and_pages_of_a_report_are_passed_over(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "a.jsonl").write_text(json.dumps(GOOD) + "\n", encoding="utf-8")
+    pages = tmp_path / "pages" / "data"
+    pages.mkdir(parents=True)
+    (tmp_path / "pages" / "glmref-report.txt").write_text("", encoding="utf-8")
+    (pages / "rk4.json").write_text("{}", encoding="utf-8")
+    found = read([tmp_path, tmp_path / "a.jsonl"])
+    assert len(found.runs) == 1 and found.odd == []
+
+
+def test_a_path_that_is_not_there_is_one_sentence(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="there is no file or folder"):
+        read([tmp_path / "nothing"])
