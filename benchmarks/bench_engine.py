@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -87,8 +88,8 @@ class Build:
     timeout = 120
 
     def setup(self, method, name):
-        self.method, self.shape = load(method), shape_of(problem(name))
-        self.form = step_form(self.method)
+        self.method: Any = load(method)
+        self.form, self.shape = step_form(self.method), shape_of(problem(name))
         self.text = kernel_source(self.form, self.shape, Options()).text
 
     def time_form(self, method, name):

@@ -84,10 +84,10 @@ TABLES = {"steps": steps, "lanes": lanes, "kepler": kepler}
 def filled(page: str, rows: list[Row]) -> str:
     """The page with its tables computed anew; each stands between two comments with its name."""
     for name, write in TABLES.items():
-        pattern = rf"(<!-- table: {name} -->\n).*?(\n<!-- end of table -->)"
+        pattern = rf"(<!-- table: {name} -->\n)(?:(?!<!--).)*(<!-- end of table -->)"
         text = write(rows)
         page, count = re.subn(
-            pattern, lambda found, text=text: found[1] + text + found[2], page, flags=re.DOTALL
+            pattern, lambda found, text=text: f"{found[1]}{text}\n{found[2]}", page, flags=re.DOTALL
         )
         if count != 1:
             raise ValueError(f"the page has {count} places for the table {name}, not one")

@@ -80,7 +80,7 @@ class Parts:
 
 def parts(method: GLM | PartitionedGLM, draw: Draw) -> Parts:
     """Return the blocks of a method, each drawn by ``draw``; long entries are named."""
-    page = _Page(method, None, Style(), _LONG[1], draw)
+    page = _Page(method, None, Style(), _LONG[0], draw)
     blocks = tuple((heading, tuple(lines)) for heading, lines in page.body)
     return Parts(blocks, page.names_used(), page.rounded)
 

@@ -33,6 +33,7 @@ def report(results: tuple[Path, ...], output: Path | None, single: bool) -> int:
     from ..catalogue import names
     from ..data_files import data_root
     from ..report import build, read
+    from ..report.markup import counted
 
     shipped = data_root() / "measurements"
     places = list(results) or [x for x in PLACES if x.exists()]
@@ -45,5 +46,5 @@ def report(results: tuple[Path, ...], output: Path | None, single: bool) -> int:
     for odd in found.odd:
         complain(f"not shown: {odd.where}: {odd.why}")
     records = sum(len(run.records) for run in found.runs)
-    say(f"{len(written)} files with {records} records; open {written[0]}")
+    say(f"{counted(len(written), 'file')} with {counted(records, 'record')}; open {written[0]}")
     return HOLDS

@@ -85,7 +85,7 @@ def main(path: Path) -> None:
     document = {
         "format": "glmref-measurement-1",
         "name": path.stem,
-        "title": "Order 8: conditions and what random starts gave",
+        "what": "Order 8: conditions and what random starts gave",
         "how": "python -m glmref.derive.attempts",
         "seed": SEED,
         "scale": SCALE,

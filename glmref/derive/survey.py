@@ -131,7 +131,7 @@ def main(path: Path) -> None:
     out = {
         "format": "glmref-measurement-1",
         "name": path.stem,
-        "title": "Constants of the methods of order 6 and 8",
+        "what": "Constants of the methods of order 6 and 8",
         "how": "python -m glmref.derive.survey",
         "methods": records,
     }

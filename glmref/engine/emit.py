@@ -295,6 +295,8 @@ class LaneTarget(_Unrolled):
         self.local: dict[str, range] = {}
         #: Vectors that last, where all others live and die within one pass.
         self.lasting: frozenset[str] | None = None
+        #: First letters of vectors that always do: slopes F, new values n and their errors r.
+        self.passing = "Fnr"
 
     def ref(self, name: str, c: int) -> str:
         """See :class:`Target`."""
@@ -303,10 +305,10 @@ class LaneTarget(_Unrolled):
         return f"x[{self.reserve(name, self.d * self.width) + c * self.width} + l]"
 
     def _passing(self, name: str) -> bool:
-        """Slopes F, new values n and their errors r are used in the pass that computes them."""
+        """Whether a vector is used only in the pass over the lanes that computes it."""
         if self.lasting is not None:
             return name not in self.lasting
-        return name[0] in "Fnr"
+        return name[0] in self.passing
 
     def lane(self, name: str) -> str:
         """Source of a quantity with one entry per lane."""

@@ -98,6 +98,10 @@ class _LaneKernel(Builder):
             self.t.reserve(name, self.t.d * self.t.width)
         if not self.form.implicit_stages:
             self.t.lasting = frozenset(state)
+        elif not self.form.running:
+            # increments are added up at the end, in one pass; the guess of a single block is too
+            single = sum(block.implicit for block in self.form.blocks) == 1
+            self.t.passing += "uK" if single else "u"
         for name in ("status", "rounds", "done"):
             self.t.lane(name)
         w("", "@compiled_with_signature")
@@ -177,6 +181,17 @@ class _LaneKernel(Builder):
             f"{active} = 1.0 if go else 0.0",
             f"{lane('rounds')} = {lane('rounds')} + {active}",
             "alive += 1 if go else 0",
+        )
+
+    def _refuse_infinite(self) -> None:
+        """As for one trajectory, but without a branch: the lane is named and stands still."""
+        status, active = self.t.lane("status"), self.t.lane("active")
+        self.w(
+            f"before = {status}",
+            f"going = {active}",
+            "broken = (before == 0.0) & (inverse == 0.0)",
+            f"{status} = 1.0 if broken else before",
+            f"{active} = 0.0 if broken else going",
         )
 
     def _loop_head(self) -> None:

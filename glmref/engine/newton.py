@@ -151,7 +151,10 @@ class NewtonWriter:
                     m, n_ = (k + 1) % 3, (k + 2) % 3
                     self.w(f"k{a}{k} = m{b}{m}*m{c}{n_} - m{b}{n_}*m{c}{m}")
             self.w("inverse = 1.0/(m00*k00 + m01*k01 + m02*k02)")
-        # an infinite Jacobian has the inverse 0: nothing would move, and that is no solution
+        self._refuse_infinite()
+
+    def _refuse_infinite(self) -> None:
+        """An infinite Jacobian has the inverse 0: nothing would move, and that is no solution."""
         with self.w.block("if inverse == 0.0:"):
             self.w("outcome = 1", "break")
 

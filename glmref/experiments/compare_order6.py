@@ -265,11 +265,11 @@ def document(name: str, comparisons: Sequence[Comparison]) -> dict[str, Any]:
     return {
         "format": "glmref-measurement-1",
         "name": name,
-        "title": "Order 6 and 8: seconds and evaluations at equal error",
+        "what": "Order 6 and 8: seconds and evaluations at equal error",
         "how": "python -m glmref.experiments.compare_order6",
         "seconds": "processor time, medians of interleaved rounds",
         "rounds": ROUNDS,
-        "circumstances": circumstances(),
+        "where": circumstances(),
         "cases": [one.as_json() for one in comparisons],
     }
 

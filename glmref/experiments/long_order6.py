@@ -192,12 +192,12 @@ def main(path: Path) -> None:
     document = {
         "format": "glmref-measurement-1",
         "name": path.stem,
-        "title": "Ten million steps of h = 0.1 with the methods of order 6 and 8",
+        "what": "Ten million steps of h = 0.1 with the methods of order 6 and 8",
         "how": "python -m glmref.experiments.long_order6",
         "factor": FACTOR,
         "nudge": NUDGE,
         "nudged_steps": NUDGED_STEPS,
-        "circumstances": circumstances(),
+        "where": circumstances(),
         "runs": runs,
     }
     path.parent.mkdir(parents=True, exist_ok=True)

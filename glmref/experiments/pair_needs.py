@@ -47,7 +47,7 @@ DENSITY = 3
 #: No run takes more force evaluations than this.
 MOST = 2_000_000
 #: Rounds of the timing.
-ROUNDS = 5
+ROUNDS = 9
 #: Samples of the energy where the energy is what is measured.
 SAMPLES = 64
 
@@ -282,7 +282,7 @@ def _as_json(case: Case, found: Sequence[Need]) -> dict[str, Any]:
 NOTE = (
     "needed: force evaluations of the steps from which the error stays below the tolerance, "
     "interpolated between step sizes a third of an octave apart; start_evaluations come on top. "
-    "seconds: median of five rounds over all methods in turn, compiled engine, steps alone. "
+    "seconds: median of nine rounds over all methods in turn, compiled engine, steps alone. "
     "Pairs start from zero values (no cost), some from the enhanced start of three passes too."
 )
 

@@ -6,6 +6,7 @@ Public names::
     time_table(document, tolerance) -> str       time of the best of each group, by case
     long_table(document) -> str                  ten million steps
     one_pair_table(document, names, tolerance)   ratios of single pairs to the best other method
+    start_table(document, cases, tolerance) -> str       zero and enhanced starts
     best(case, names, tolerance, key) -> (name, number) or None
 """
 
@@ -14,7 +15,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-__all__ = ["GROUPS", "best", "long_table", "needs_table", "one_pair_table", "time_table"]
+__all__ = [
+    "GROUPS",
+    "best",
+    "long_table",
+    "needs_table",
+    "one_pair_table",
+    "start_table",
+    "time_table",
+]
 
 #: Column -> the methods it stands for; the best of them is shown.
 GROUPS: Mapping[str, Sequence[str]] = {
@@ -99,6 +108,24 @@ def one_pair_table(document: Mapping[str, Any], names: Sequence[str], tolerance:
     return "\n".join(lines) + "\n"
 
 
+def start_table(document: Mapping[str, Any], cases: Sequence[str], tolerance: str) -> str:
+    """Evaluations from zero values, from the enhanced start, and with the cost of that start."""
+    lines = [
+        "| case | pair | zero start | enhanced start | with its cost |",
+        "|---|---|---|---|---|",
+    ]
+    for case in document["cases"]:
+        rows = {(row["method"], row["start"]): row for row in case["methods"]}
+        names = [name for name, start in rows if start == "enhanced" and case["case"] in cases]
+        for name in names:
+            row = rows[name, "enhanced"]
+            zero, other = (x["needed"].get(tolerance) for x in (rows[name, "zero"], row))
+            total = None if other is None else other + row["start_evaluations"]
+            shown = ("-" if x is None else f"{x:,}" for x in (zero, other, total))
+            lines.append("| " + " | ".join([case["case"], name, *shown]) + " |")
+    return "\n".join(lines) + "\n"
+
+
 def long_table(document: Mapping[str, Any]) -> str:
     """Ten million steps: energy errors and carried values at 10^5 and at the end."""
     heads = ("pair", "problem", "h", "energy, $10^5$", "$10^7$", "carried, $10^5$", "$10^7$")
@@ -108,7 +135,13 @@ def long_table(document: Mapping[str, Any]) -> str:
         cells = [
             *(run["method"], run["problem"], f"{run['h']:.4g}"),
             *(f"{run[row][k]:.1e}" for row in ("energy", "carried") for k in (at, -1)),
-            "yes" if run["bounded"] else "no",
+            "yes" if run["bounded"] else _ending(run),
         ]
         lines.append("| " + " | ".join(cells) + " |")
     return "\n".join(lines) + "\n"
+
+
+def _ending(run: Mapping[str, Any]) -> str:
+    """Say that a run is not bounded, and where it ended if it did not reach the last mark."""
+    early = run["steps"] < run["marks"][-1]
+    return f"no: {run['outcome']} after {run['steps']:,} steps" if early else "no"

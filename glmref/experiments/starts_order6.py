@@ -128,7 +128,7 @@ def main(path: Path) -> None:
     document = {
         "format": "glmref-measurement-1",
         "name": path.stem,
-        "title": "What a start costs and what it buys",
+        "what": "What a start costs and what it buys",
         "how": "python -m glmref.experiments.starts_order6",
         "problem": {"name": "kepler", **KEPLER, "t_end": T_END},
         "h": list(STEP_SIZES),

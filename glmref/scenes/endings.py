@@ -12,7 +12,7 @@ from itertools import pairwise
 from typing import Any
 
 from .model import Scene
-from .words import grouped, listed, method_of
+from .words import grouped, listed, method_of, name_of
 
 __all__ = ["accurate", "ended", "law", "order"]
 
@@ -125,7 +125,7 @@ def law(scene: Scene, records: Sequence[Record]) -> str:
     laws: dict[str, list[str]] = {}
     other: dict[str, str] = {}
     for record in records:
-        found, name = record.get("law"), method_of(record)
+        found, name = record.get("law"), name_of(record, with_h=len(scene.grid) > 1)
         if found is None:
             other[name] = record["outcome"]
             continue

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-__all__ = ["grouped", "listed", "method_of"]
+__all__ = ["grouped", "listed", "method_of", "name_of"]
 
 Record = Mapping[str, Any]
 #: Names listed in full; more are counted.
@@ -16,6 +16,12 @@ def method_of(record: Record) -> str:
     """Name of the method or the peer of a record."""
     task = record["task"]
     return task["peer"] if task["kind"] == "peer" else task["method"]
+
+
+def name_of(record: Record, *, with_h: bool) -> str:
+    """Name of a run: its method, and its step size where asked."""
+    task, name = record["task"], method_of(record)
+    return f"{name} h = {task['h']:.3g}" if with_h and task["kind"] == "method" else name
 
 
 def listed(names: Sequence[str], *, most: int = LISTED) -> str:

@@ -62,6 +62,11 @@ def site(tmp_path_factory: pytest.TempPathFactory, records: list[dict[str, Any]]
     findings = [{"method": "rk4", "claim": "order", "verdict": "holds", "proof": "exact"}]
     document = {"format": "glmref-findings-1", "findings": findings}
     (source / "findings.json").write_text(json.dumps(document), encoding="utf-8")
+    cases = [{"case": "one", "methods": [{"method": "rk4", "curve": [[100, 1e-3], [200, 1e-5]]}]}]
+    document = {"format": "glmref-measurement-1", "title": "curves", "cases": cases, "rows": [
+        {"name": "a", "error": 1e-3, "seconds": 0.5}, {"name": "b", "error": 1e-5, "seconds": 1.5},
+    ]}  # fmt: skip
+    (source / "needs.json").write_text(json.dumps(document), encoding="utf-8")
     results = read([source], METHODS)
     build(results, folder, methods=METHODS)
     build(results, folder.parent / "one.html", single=True, methods=METHODS)
@@ -107,7 +112,8 @@ def requests(driver: Any) -> list[str]:
 
 
 PAGES = (
-    *("index", "errata", "history", "measured", f"run-{NAME}", "run-odd", "run-many"),
+    *("index", "errata", "history", "measured", "measured-needs"),
+    *(f"run-{NAME}", "run-odd", "run-many"),
     *(f"method-{name}" for name in METHODS),
 )
 
@@ -243,11 +249,24 @@ def test_the_keyboard_goes_from_point_to_point(chromium: Any, site: Path) -> Non
 def test_the_legend_hides_and_shows_a_method(chromium: Any, site: Path) -> None:
     visit(chromium, site / f"run-{NAME}.html")
     before = marks(chromium)
-    button = chromium.find_element("css selector", f"{FIGURE} .legend button")
+    button = chromium.find_element("css selector", f"{FIGURE} .legend button[aria-pressed]")
     button.click()
     assert button.get_attribute("aria-pressed") == "false" and marks(chromium) < before
     button.click()
     assert button.get_attribute("aria-pressed") == "true" and marks(chromium) == before
+
+
+def test_all_lines_are_hidden_and_shown_at_once(chromium: Any, site: Path) -> None:
+    visit(chromium, site / f"run-{NAME}.html")
+    before = marks(chromium)
+    button = chromium.find_element("css selector", f"{FIGURE} .legend button.all")
+    button.click()
+    drawn = chromium.find_element("css selector", f"{FIGURE} svg.chart").text
+    assert marks(chromium) == 0 and "nothing to draw" in drawn
+    chromium.find_element("css selector", f"{FIGURE} .legend button[aria-pressed]").click()
+    assert 0 < marks(chromium) < before
+    button.click()
+    assert marks(chromium) == before
 
 
 def test_the_axes_can_be_chosen(chromium: Any, site: Path) -> None:
@@ -266,6 +285,15 @@ def test_the_axes_can_be_chosen(chromium: Any, site: Path) -> None:
         across.select_by_value(option)
         chosen = across.first_selected_option.text
         assert chromium.execute_script(title) == chosen and marks(chromium) > 0
+
+
+def test_measurements_are_drawn_too(chromium: Any, site: Path) -> None:
+    visit(chromium, site / "measured-needs.html")
+    drawn = (
+        "return [...document.querySelectorAll('figure')]"
+        ".map((x) => x.querySelectorAll('svg.chart .line').length)"
+    )
+    assert chromium.execute_script(drawn) == [1, 2]
 
 
 def test_what_cannot_be_drawn_is_counted_under_the_picture(chromium: Any, site: Path) -> None:

@@ -1,6 +1,7 @@
 """Long runs: Brouwer's law over ten million steps, bounded energy, and where boundedness ends."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -36,6 +37,17 @@ def test_round_off_is_a_random_walk_in_the_exact_form_and_a_drift_in_a_rounded_t
     assert ROWS[name, NAIVE]["rms"][-1] > 10 * exact["rms"][-1]
 
 
+@pytest.mark.parametrize("name", METHODS)
+def test_the_page_shows_the_record(name):
+    page = (Path(__file__).parents[2] / "docs" / "experiments.md").read_text(encoding="utf-8")
+    cells = []
+    for variant in VARIANTS:
+        row = ROWS[name, variant]
+        bold = "**" if variant == EXACT else ""
+        cells.append(f"{row['rms'][-1]:.1e}, {bold}{row['exponent']:.2f}{bold}")
+    assert f"| {name} | {' | '.join(cells)} |" in page
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", METHODS)
 def test_a_shorter_run_shows_what_the_record_says(name):
@@ -61,6 +73,31 @@ def test_the_energy_error_of_a_good_method_is_bounded(name, bound):
     (energy,) = watch(subject, found)
     assert energy.largest < bound
     assert abs(energy.exponent) < 0.1
+
+
+@pytest.mark.parametrize("name", ["gsymplectic-n", "s4-symmetric", "g6245"])
+def test_the_form_is_kept_to_round_off_and_the_invariants_of_the_solution_only_stay_near(name):
+    steps = 100_000
+    method, subject = load(name), problem("rigid-body")
+    G = np.array([[float(x) for x in row] for row in method.G])
+    found = follow(subject, method, h=0.1, steps=steps)
+    drifts = watch(subject, found, G=G)
+    forms = [one for one in drifts if one.kind == "form"]
+    own = [one for one in drifts if one.kind == "quadratic"]
+    assert len(forms) == len(own) == 2
+    for one in forms:  # a random walk with steps of half a unit of the last place
+        assert one.largest < 2.0**-53 * steps**0.5, one
+    for one in own:  # an error of the method, visible and bounded
+        assert 1e-13 < one.largest < 1e-7, one
+        assert abs(one.exponent) < 0.1, one
+
+
+def test_a_method_without_a_form_lets_both_invariants_drift():
+    subject = problem("rigid-body")
+    found = follow(subject, load("rk4"), h=0.1, steps=100_000)
+    drifts = watch(subject, found)
+    assert all(one.exponent == pytest.approx(1.0, abs=0.1) for one in drifts)
+    assert all(one.largest > 1e-6 for one in drifts)
 
 
 def test_the_energy_error_of_a_method_that_is_not_symplectic_drifts():

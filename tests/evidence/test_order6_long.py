@@ -16,7 +16,7 @@ from glmref.experiments.long_order6 import RUNS, growth_rate, long_run
 RECORD = json.loads((data_root() / "measurements" / "long-runs.json").read_text(encoding="utf-8"))[
     "runs"
 ]
-RECOMMENDED = ("s5t-w3", "s5i2-w3", "s4-w3")
+RECOMMENDED = ("order8-s5-w3", "s5t-w3", "s5i2-w3")
 
 
 def recorded(name: str, run: str) -> dict:

@@ -46,7 +46,9 @@ def runs(name: str, case: str, *, zero: bool = False) -> tuple[Any, Any]:
     """
     kind, parameters = PROBLEMS[case]
     method = load(name)
-    assert isinstance(method, GLM) and method.starting is not None
+    assert isinstance(method, GLM)
+    start, finish = method.starting, method.finishing
+    assert start is not None
     engine = stepper(method, problem(kind, **parameters), digits=DIGITS)
     number, y0 = engine.arithmetic.number, engine.problem.y0
     ends: dict[int, np.ndarray] = {}
@@ -54,7 +56,7 @@ def runs(name: str, case: str, *, zero: bool = False) -> tuple[Any, Any]:
     def end(n: int) -> tuple[np.ndarray, Any]:
         h = number(LENGTH.numerator) / LENGTH.denominator / n
         if n not in ends:
-            values = engine.values() if zero else apply_start(method.starting, engine, 0, y0, h)[0]
+            values = engine.values() if zero else apply_start(start, engine, 0, y0, h)[0]
             for _ in range(n):
                 step = engine.step(0, values, h)
                 assert step.converged
@@ -63,16 +65,16 @@ def runs(name: str, case: str, *, zero: bool = False) -> tuple[Any, Any]:
         return ends[n], h
 
     def finished(values: np.ndarray, h: Any) -> np.ndarray:
-        if method.finishing is None or zero:
+        if finish is None or zero:
             return values[0]
-        return apply_finish(method.finishing, engine, 0, values[0], h)[0]
+        return apply_finish(finish, engine, 0, values[0], h)[0]
 
     def solution(n: int) -> list[Any]:
         return list(finished(*end(n)))
 
     def parasitic(n: int) -> list[Any]:
         values, h = end(n)
-        ideal = apply_start(method.starting, engine, 0, finished(values, h), h)[0]
+        ideal = apply_start(start, engine, 0, finished(values, h), h)[0]
         return list((values[1:] - ideal[1:]).ravel())
 
     return solution, parasitic

@@ -9,7 +9,7 @@ import math
 import numpy as np
 import pytest
 
-from glmref.catalogue import load
+from glmref.catalogue import document, load, names
 from glmref.experiments.longtime import follow, watch
 from glmref.experiments.parasitic import (
     growth,
@@ -25,6 +25,8 @@ from glmref.problems import problem
 PENDULUM = problem("pendulum", q0="23/10")
 PERIOD = period_of(PENDULUM)
 FREE = ("thesis-3-8", "s4-symmetric", "g6245", "g6245-w3")
+#: Complex coefficients; growth of second order in h that a million steps show, see below.
+SPECIAL = {*FREE, "g6245-w3-complex", "s3i1-w3", "s5i1-i"}
 
 
 @pytest.mark.parametrize("name", ["gsymplectic-n", "gsymplectic-p"])
@@ -76,6 +78,26 @@ def test_a_method_with_mu_zero_carries_its_parasitic_part_unchanged(name):
         # the identity to leading order; what is left is of second order in h
         assert np.max(np.abs(found.measured - np.eye(2))) < 0.05
         assert abs(found.rate) < 1e-3
+
+
+def without_growth(least):
+    """Methods with several values and no growth parameter, of some order or more."""
+    return [
+        name
+        for name in names("methods")
+        if document(name)["class"] in ("glm", "sweep")
+        and document(name)["claims"].get("parasitism-free") is True
+        and document(name)["claims"]["order"] >= least
+    ]
+
+
+@pytest.mark.parametrize("name", without_growth(6))
+def test_the_growth_parameters_of_methods_of_order_six_and_more_vanish(name):
+    # three modes or more, simple all; each mu is a sum of (s + r)^2 products of rounded numbers
+    method = load(name)
+    found = modes(method)
+    assert len(found) == method.r - 1 >= 3
+    assert max(abs(mode.mu) for mode in found) < (method.s + method.r) ** 2 * 2.0**-52
 
 
 def follow_pendulum(name, steps):
@@ -130,3 +152,30 @@ def test_parasitism_free_methods_stay_bounded_over_a_million_steps(name):
     # the running samples reach back to t = 2000 and beyond: bounded there, and no growth since
     assert abs(energy.exponent) < 0.1
     assert math.isfinite(energy.slope)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "name", [n for n in without_growth(6) if load(n).claims["order"] == 6 and n not in SPECIAL]
+)
+def test_the_other_methods_of_order_six_stay_bounded_over_a_million_steps(name):
+    found, told = follow_pendulum(name, 1_000_000)
+    assert (found.completed, found.steps, told.time) == (True, 1_000_000, None)
+    # smooth values beyond u y_1 are part of it: a few hundredths for methods that carry them
+    assert told.largest < 0.05
+    (energy,) = watch(PENDULUM, found)
+    assert energy.largest < 1e-6
+    assert abs(energy.exponent) < 0.1
+
+
+@pytest.mark.slow
+def test_s3i1_has_no_growth_parameter_and_is_lost_all_the_same_after_half_a_million_steps():
+    """mu = 0 stops growth of first order in h, not that of higher order: it begins at round-off."""
+    found, told = follow_pendulum("s3i1-w3", 1_000_000)
+    assert told.reason == "parasitic"
+    assert 20_000 < told.time < 90_000
+    # at half the step the same time passes, and the energy has only begun to show it
+    half = follow(PENDULUM, load("s3i1-w3"), h=0.05, steps=2_000_000)
+    assert loss(PENDULUM, half, solution_direction(load("s3i1-w3"))).time is None
+    (energy,) = watch(PENDULUM, half)
+    assert energy.largest < 1e-6

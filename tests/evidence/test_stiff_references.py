@@ -52,4 +52,6 @@ def test_the_error_of_a_record_is_that_against_the_truth(name, parameters, t):
 
     end = solve(subject, load("gauss-3"), h=t / 200, steps=200).y[-1]
     truth = np.linalg.norm(end - context_free) / np.linalg.norm(context_free)
-    assert abs(work.state_error - truth) <= 2 * work.reference_error
+    # the record's time is 200 h, whose rounding moves the state by t |f| 2^-52 and so the error
+    speed = np.linalg.norm(subject.f(t, context_free)) / np.linalg.norm(context_free)
+    assert abs(work.state_error - truth) <= 2 * work.reference_error + 2.0**-51 * (1 + t * speed)

@@ -35,6 +35,11 @@ def number(value: float | None, digits: int = 2) -> str:
     return f"{value:.{digits}g}" if 1e-3 <= abs(value) < 1e4 else f"{value:.{digits - 1}e}"
 
 
+def frequency(x: Mapping[str, float]) -> str:
+    """c2 and c3 of a complex eigenvalue, c3 of -1."""
+    return f"{number(x['c2'])}, {number(x['c3'])}" if x["argument"] < 3.1 else number(x["c3"])
+
+
 def constants() -> str:
     """Constants of every method."""
     rows = []
@@ -47,7 +52,7 @@ def constants() -> str:
                 number(error["identity"]), number(error["after_conjugation"]),
                 number(m["largest"]["A"]), number(m["largest"]["U"]),
                 "whole axis" if m["periodicity"] is None else f"{m['periodicity']:.3g}",
-                ", ".join(number(x["c2"] if x["argument"] < 3.1 else x["c3"]) for x in c) or "-",
+                "; ".join(frequency(x) for x in c) or "-",
                 f"{m['start_stages']}, {m['finish_stages']}" if m["start_stages"] else "-",
             )
         )  # fmt: skip
@@ -94,14 +99,17 @@ def long_runs() -> str:
     """Ten million steps."""
     rows = []
     for run in measured("long-runs")["runs"]:
-        verdict = "bounded" if run["bounded"] else f"lost at t = {run['lost']:g}"
-        if run["lost"] is None and not run["bounded"]:
-            verdict = "energy not bounded"
+        grown = run["parasitic"] > 3 * run["parasitic_early"]
+        verdict = "grows" if grown else "bounded"
+        rate = number(run["rate"]) if run["rate"] > 1.5e-6 else "none"
+        if not run["bounded"]:
+            verdict = f"30-fold at t = {run['lost']:g}"
+            rate = rate if run["rate"] > 1.5e-6 else "saturated"
         rows.append(
             row(
                 f"`{run['method']}`", run["run"], f"{run['steps']:,}", number(run["energy"]),
                 number(run["parasitic_early"]), number(run["parasitic"]), verdict,
-                number(run["rate"]) if run["rate"] > 1.5e-6 else "none",
+                rate,
             )
         )  # fmt: skip
     head = ["method", "run", "steps", "energy", "parasitic, early", "largest", "", "rate"]

@@ -204,6 +204,8 @@ def test_it_runs_from_an_installed_wheel_with_xdist_and_strict_options(here, mon
     site = here.path / "site"
     with zipfile.ZipFile(wheel(here.path / "dist")) as archive:
         archive.extractall(site)
+    inside = {x.relative_to(PACKAGE) for x in PACKAGE.rglob("*.*") if "__pycache__" not in x.parts}
+    assert [x for x in sorted(inside) if not (site / "glmref" / x).is_file()] == []
     monkeypatch.setenv("PYTHONPATH", str(site))
     shown = here.run(sys.executable, "-c", "import glmref; print(glmref.__file__)")
     assert shown.outlines == [str(site / "glmref" / "__init__.py")]

@@ -111,7 +111,7 @@ def random_method(seed: int, *, symmetric: bool) -> Blocks:
     D = [b[0], _HALF - b[0], _HALF - b[0], b[0]]
     if not symmetric:
         D = [b[0], b[1], number(), Fraction(0)]
-        D[3] = 1 - sum(D)
+        D[3] = 1 - sum(D, Fraction(0))
     rows = [[Fraction(1)] * 4]
     for parity in (-1, 1, 1):
         u, v = number(), number()

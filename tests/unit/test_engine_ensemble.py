@@ -38,6 +38,7 @@ CASES = [
     ("g6245-w3", "henon-heiles", "newton"),
     ("sdirk-3", "rigid-body", "newton"),
     ("s4-symmetric", "lotka-volterra-logarithmic", "fixed-point"),
+    ("lobatto-iiia-3", "pendulum", "fixed-point"),
     ("ab-3", "pendulum", "fixed-point"),
     ("stormer-verlet", "kepler", "fixed-point"),
     ("kahan-li-8", "henon-heiles", "fixed-point"),
@@ -124,6 +125,19 @@ def test_a_lane_whose_stages_cannot_be_solved_is_named():
     assert single.outcome is Outcome.STAGE_SOLVE_FAILED
     assert found.steps[1] == single.steps
     np.testing.assert_array_equal(found.values[1], single.values)
+
+
+def test_an_infinite_jacobian_stops_its_lane_alone():
+    # f' = 1/(2 sqrt(y)) is infinite where a trajectory starts from 0
+    edge = Problem(f=("sqrt(y[0])",), y0=(1.0,), name="edge")
+    y0 = np.array([[1.0], [0.0], [0.25]])
+    found = solve_ensemble(edge, "implicit-midpoint", y0, h=0.01, steps=5, solver="newton", width=8)
+    for k, y in enumerate(y0):
+        one = Problem(f=edge.f, y0=tuple(y), name="one")
+        run = solve(one, "implicit-midpoint", h=0.01, steps=5, solver="newton")
+        assert (found.outcomes[k], found.steps[k]) == (run.outcome, run.steps)
+        np.testing.assert_array_equal(found.values[k], run.values)
+    assert [x is Outcome.STAGE_SOLVE_FAILED for x in found.outcomes] == [False, True, False]
 
 
 def test_what_has_no_lanes_goes_one_by_one():

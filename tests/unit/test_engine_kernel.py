@@ -25,12 +25,26 @@ def test_contraction_is_h_a_J_and_its_square_on_a_separable_problem():
     assert contraction(midpoint, shape_of(plain), plain, 0.1) == pytest.approx(0.1 * 3 / 2)
 
 
+def test_contraction_of_a_block_is_that_of_its_eigenvalues():
+    oscillator = problem("harmonic-oscillator", frequency=3)
+    # the eigenvalues of A of Gauss with two stages are (3 +- i sqrt 3)/12, of modulus 1/sqrt(12)
+    gauss = step_form(load("gauss-2"))
+    assert contraction(gauss, shape_of(oscillator), oscillator, 0.1) == pytest.approx(0.09 / 12)
+    # its largest row sum, 1/2 + sqrt(3)/6, would say seven times as much
+    kepler = problem("kepler", eccentricity="3/5")
+    assert rule("gauss-4", kepler, 2 * math.pi / 60)[0] == "fixed-point"
+
+
+def test_an_explicit_method_has_no_contraction():
+    stiff = problem("fput-stiff", omega=500)
+    assert rule("rk4", stiff, 0.1) == ("fixed-point", 0.0)
+
+
 def test_a_poor_contraction_takes_newton_and_a_cheap_one_the_fixed_point():
     heavy = problem("n-body")
     assert rule("gauss-3", heavy, 1e-3)[0] == "fixed-point"
     stiff = problem("fput-stiff", omega=500)
     assert rule("gauss-3", stiff, 0.1)[0] == "newton"
-    assert rule("rk4", stiff, 0.1)[0] == "fixed-point", "an explicit method solves nothing"
     assert (
         choose_solver(step_form(load("gauss-2")), shape_of(heavy), heavy, 0.1, "newton") == "newton"
     )

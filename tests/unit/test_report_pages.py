@@ -190,7 +190,10 @@ def test_the_overview_and_a_method_page_say_what_the_data_and_the_findings_say(
     ]  # fmt: skip
     document = {"format": "glmref-findings-1", "findings": findings}
     (source / "found.json").write_text(json.dumps(document), encoding="utf-8")
-    (source / "rk4.svg").write_text('<?xml version="1.0"?><svg id="drawn"></svg>', encoding="utf-8")
+    (source / "rk4.svg").write_text(
+        '<?xml version="1.0"?><svg xmlns="http://www.w3.org/2000/svg" id="drawn"></svg>',
+        encoding="utf-8",
+    )
     site = pages(tmp_path / "site", source)
     rows = {row["method"]: row for row in table(site / "index.html", "methods")}
     assert set(rows) == set(METHODS)
@@ -203,7 +206,7 @@ def test_the_overview_and_a_method_page_say_what_the_data_and_the_findings_say(
     claims = {x["claim"]: x for x in table(site / "method-rk4.html", "claims-rk4")}
     assert claims["order"]["witness"].startswith("tree [oooo]")
     assert claims["symplectic"]["verdict"] == "–"
-    assert "1 of 1 checks hold" in page and '<svg id="drawn">' in page and "@article{kutta" in page
+    assert "1 of 1 checks hold" in page and 'id="drawn"' in page and "@article{kutta" in page
     assert (site / "data" / "rk4.json").is_file()
 
 
@@ -230,6 +233,10 @@ def test_a_folder_with_something_else_in_it_is_left_alone(tmp_path: Path) -> Non
     with pytest.raises(UsageError, match="no report"):
         build(read([]), tmp_path, methods=("rk4",))
     assert (tmp_path / "mine.txt").read_text(encoding="utf-8") == "precious"
+    with pytest.raises(UsageError, match="is a file"):
+        build(read([]), tmp_path / "mine.txt", methods=("rk4",))
+    with pytest.raises(UsageError, match="is a folder"):
+        build(read([]), tmp_path, single=True, methods=("rk4",))
     build(read([]), tmp_path / "new", methods=("rk4",))
     build(read([]), tmp_path / "new", methods=("gauss-2",))
     assert not (tmp_path / "new" / "method-rk4.html").exists()

@@ -18,6 +18,9 @@ GOOD: dict[str, Any] = {
 }  # fmt: skip
 
 
+DRAWING = '<svg xmlns="http://www.w3.org/2000/svg" width="9"><path d="M0 0"/></svg>'
+
+
 def reading(folder: Path, name: str, text: str) -> Results:
     (folder / name).write_text(text, encoding="utf-8")
     return read([folder], ["rk4"])
@@ -68,12 +71,34 @@ def test_findings_portraits_and_measurements_are_told_apart(tmp_path: Path) -> N
     for name, document in documents.items():
         (tmp_path / name).write_text(json.dumps(document), encoding="utf-8")
     for name in ("rk4.svg", "chart.svg"):
-        (tmp_path / name).write_text("<svg></svg>", encoding="utf-8")
+        (tmp_path / name).write_text(DRAWING, encoding="utf-8")
     (tmp_path / "bytes.json").write_bytes(b"\xff\xfe")
     found = read([tmp_path], ["rk4"])
     assert found.findings == {"rk4": [finding]}
     assert set(found.measurements) == {"stiff"} and set(found.portraits) == {"rk4"}
     assert {x.where for x in found.odd} == {"other.json", "list.json", "bytes.json"}
+
+
+@pytest.mark.parametrize(
+    ("drawing", "why"),
+    [
+        ("<svg><script>alert(1)</script></svg>", "'script'"),
+        ('<svg onload="alert(1)"></svg>', "'onload'"),
+        ('<svg><a href="javascript:alert(1)"><text>x</text></a></svg>', "'a'"),
+        ('<svg style="display:none"></svg>', "'style'"),
+        ("<svg><path></svg>", "no SVG"),
+        ("<html></html>", "'html'"),
+    ],
+)
+def test_a_portrait_that_is_more_than_a_drawing_is_not_shown(
+    tmp_path: Path, drawing: str, why: str
+) -> None:
+    found = reading(tmp_path, "rk4.svg", drawing)
+    assert found.portraits == {} and why in found.odd[0].why
+
+
+def test_a_portrait_keeps_its_shapes(tmp_path: Path) -> None:
+    assert reading(tmp_path, "rk4.svg", DRAWING).portraits["rk4"].replace(" />", "/>") == DRAWING
 
 
 def test_results_of_asv_are_read_as_one_and_a_broken_file_is_named(tmp_path: Path) -> None:

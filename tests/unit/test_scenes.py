@@ -506,7 +506,7 @@ def test_endings_are_told_by_outcome_or_by_step_size(tmp_path):
 
 
 def test_laws_are_told_with_their_exponents(tmp_path):
-    scene = scene_with(tmp_path, "law", ask='"energy", "law"')
+    scene = scene_with(tmp_path, "law", ask='"energy", "law"', grid="[20]")
     records = [
         made("rk4", 1, law={"kind": "linear", "exponent": 1.0, "largest": 1e-3}),
         made("gauss-2", 1, law={"kind": "bounded", "exponent": 0.01, "largest": 1e-8}),

@@ -40,6 +40,11 @@ _LEAVES = (
     "{} (h omega)^3, although its growth parameters are 0: errors of the carried values grow, see "
     "docs/pairs.md."
 )
+#: A label that `tests/unit/test_pair_needs.py` compares with data/measurements/pairs-long.json.
+_GROWS = (
+    "Over ten million steps its energy error or its carried values grow on {}, see "
+    "data/measurements/pairs-long.json."
+)
 
 SHIPPED: Mapping[str, Shipped] = {
     "pair-4-4": Shipped(
@@ -68,6 +73,7 @@ SHIPPED: Mapping[str, Shipped] = {
             },
         ),
         "0.0673605816682 -0.0334573194165 0.200983455503 -0.208313166578",
+        notes=[_GROWS.format("pendulum")],
     ),
     "pair-6-7": Shipped(
         PairAnsatz(
@@ -77,7 +83,7 @@ SHIPPED: Mapping[str, Shipped] = {
         "0.0731280525908 0.220315238955 0.209908313854 0.118433510039 -0.466290361378 "
         "0.607722904279 0.155114360527 0.205100688002 -0.0160361492084 -0.741979426964 "
         "-2.80726432963",
-        notes=[_LEAVES.format("1.70e-03")],
+        notes=[_LEAVES.format("1.70e-03"), _GROWS.format("henon-heiles")],
     ),
     "pair-6-10": Shipped(
         PairAnsatz(
@@ -89,7 +95,7 @@ SHIPPED: Mapping[str, Shipped] = {
         ),
         "0.251090885793 0.280911879666 0.0405045113845 0.487998301098 0.813267657402 "
         "0.169709559807 1.12828447308 -0.0758723903025 0.240865316 0.160207480514 -0.34319691946",
-        notes=[_LEAVES.format("1.12e-06")],
+        notes=[_LEAVES.format("1.12e-06"), _GROWS.format("henon-heiles")],
     ),
     "pair-6-8": Shipped(
         PairAnsatz(
@@ -99,6 +105,7 @@ SHIPPED: Mapping[str, Shipped] = {
         "0.0397332988605 0.172023548463 0.340545533412 -0.125319674888 0.383222306583 "
         "0.115842014381 0.196433425565 -0.21231867203 -0.131590990914 0.413191214356 "
         "0.577833811431 -0.297259314141",
+        notes=[_GROWS.format("pendulum")],
     ),
     "pair-6-9": Shipped(
         PairAnsatz(
@@ -111,6 +118,7 @@ SHIPPED: Mapping[str, Shipped] = {
         "0.0757193856936 0.251825760571 -0.185860742049 0.077352974819 0.364507765322 "
         "-1.1150122129 0.493851284673 0.224118607845 0.23928932166 0.21803099273 0.438660650759 "
         "1.68193872504",
+        notes=[_GROWS.format("pendulum")],
     ),
     "pair-rkn-6-7": Shipped(
         PairAnsatz(
@@ -130,6 +138,7 @@ SHIPPED: Mapping[str, Shipped] = {
         ),
         "0.0895678753103 0.0738889027341 0.326332230343 -1.38217771271 0.16751937091 "
         "0.0580985558446 0.281253913208 -0.371189801837 0.606468118501 0.607311244804",
+        notes=[_GROWS.format("pendulum")],
     ),
     "pair-rkn-6-9": Shipped(
         PairAnsatz(
@@ -160,6 +169,7 @@ SHIPPED: Mapping[str, Shipped] = {
         ),
         "0.0474484580842 0.0941482672928 0.144056474897 -0.028700674393 -1.07495108804 "
         "0.554776019563 0.343305116342 0.201013320487 1.74414245872 -0.419256551579",
+        notes=[_GROWS.format("pendulum")],
     ),
     "pair-rkn-8-16": Shipped(
         PairAnsatz(
@@ -176,6 +186,6 @@ SHIPPED: Mapping[str, Shipped] = {
         "0.337358866297 -0.117822562911 0.20095078075 -0.489427568658 -0.622923609359 "
         "-0.261974837692 0.188268508602 0.276971278675 -0.0861868203505 0.128670347884 "
         "-0.0643131930056 -0.0582908424056 0.0459663173385 0.302450257818 -0.627072349743",
-        notes=[_LEAVES.format("6.88e-03")],
+        notes=[_LEAVES.format("6.88e-03"), _GROWS.format("henon-heiles")],
     ),
 }  # fmt: skip

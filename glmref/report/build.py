@@ -1,0 +1,89 @@
+"""Write the pages into a folder, or as one file."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Sequence
+from pathlib import Path
+
+from .. import __version__
+from ..catalogue import names, path_of
+from ..claims import UsageError
+from .markup import Page, Site
+from .measurements import measurement_pages
+from .methods import method_page, overview
+from .others import errata_page, history_page, measured_page
+from .runs import run_page
+from .store import Results
+
+__all__ = ["MARK", "build", "pages_of"]
+
+#: File by which a folder of pages is known: only such a folder, or an empty one, is written over.
+MARK = "glmref-report.txt"
+_SAID = "Pages of `glmref report`. This folder is written anew; keep nothing else in it.\n"
+_FOOT = "Made from stored results; no script or picture comes from a network."
+
+
+def pages_of(site: Site, results: Results, methods: Sequence[str]) -> list[Page]:
+    """Every page, in the order of the bar; pages of methods, which the bar lacks, come last."""
+    known = frozenset(methods)
+    front = [overview(site, results, methods)]
+    front += [run_page(site, run, known) for run in results.runs]
+    front += measurement_pages(results)
+    front.append(errata_page(site, known))
+    front.append(history_page(results))
+    front.append(measured_page(results, __version__))
+    return front + [method_page(site, results, name) for name in methods]
+
+
+def build(
+    results: Results, output: Path, *, single: bool = False, methods: Sequence[str] | None = None
+) -> list[Path]:
+    """Write the report.
+
+    Args:
+        results: what :func:`.store.read` found.
+        output: a folder, new, empty or of an earlier report; with ``single`` a file.
+        single: everything on one page.
+        methods: methods with a page of their own; all of the catalogue by default.
+
+    Returns
+    -------
+        The files that were written.
+
+    Raises
+    ------
+        UsageError: for a folder with other things in it, or a file where a folder must be.
+    """
+    site = Site(single)
+    pages = pages_of(site, results, names("methods") if methods is None else methods)
+    bar = [page for page in pages if page.tab]
+    if single:
+        if output.is_dir():
+            raise UsageError(f"{str(output)!r} is a folder; with a single file, name a file")
+        output.parent.mkdir(parents=True, exist_ok=True)
+        output.write_text(site.document("glmref report", pages, bar, _FOOT), encoding="utf-8")
+        return [output]
+    _clear(output)
+    written = []
+    for page in pages:
+        path = output / f"{page.name}.html"
+        path.write_text(site.document(page.title, [page], bar, _FOOT), encoding="utf-8")
+        written.append(path)
+        if page.name.startswith("method-"):
+            name = page.name.removeprefix("method-")
+            shutil.copyfile(path_of(name), output / "data" / f"{name}.json")
+    return written
+
+
+def _clear(output: Path) -> None:
+    """Make an empty folder of pages."""
+    if output.is_file():
+        raise UsageError(f"{str(output)!r} is a file; name a folder, or ask for a single file")
+    if output.is_dir() and any(output.iterdir()) and not (output / MARK).is_file():
+        raise UsageError(
+            f"the folder {str(output)!r} holds something that is no report; name another, new one"
+        )
+    shutil.rmtree(output, ignore_errors=True)
+    (output / "data").mkdir(parents=True)
+    (output / MARK).write_text(_SAID, encoding="utf-8")

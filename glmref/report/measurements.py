@@ -1,0 +1,216 @@
+"""One page for each document of measurements: its sentences, its lists as tables and pictures.
+
+A document of format ``glmref-measurement-1`` says in its own words what was measured and how, and
+holds lists of objects. What can be drawn is drawn: errors against costs, one picture a problem, and
+numbers that a row keeps as lists of equal length, such as a deviation after growing numbers of
+steps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from .markup import Column, Page, Table, counted, escape, flat, number
+from .runs import figure
+from .store import Record, Results, is_number
+
+__all__ = ["measurement_pages", "title_of"]
+
+_COSTS = ("seconds", "evaluations", "matrices", "steps", "h", "tolerance")
+_NAMES = ("variant", "method", "name", "solver", "start", "integrator")
+_LINE = "line"  # key of the column that names a line of a picture
+_FIRST = ("steps", "t", "times", "h")  # what a curve is drawn against
+_WIDE = 40  # characters of a cell that does not wrap
+_TITLES = ("title", "question", "what", "name")
+
+
+def measurement_pages(results: Results) -> list[Page]:
+    """Pages of all documents, by the names of their files."""
+    return [
+        Page(f"measured-{name}", title_of(name, doc), _body(name, doc), name)
+        for name, doc in sorted(results.measurements.items())
+    ]
+
+
+def title_of(name: str, doc: Record) -> str:
+    """Title of a document: what it calls itself, or the name of its file."""
+    found = str(doc.get(_title_key(doc), name))
+    return found[:1].upper() + found[1:]
+
+
+def _title_key(doc: Record) -> str:
+    return next((key for key in _TITLES if isinstance(doc.get(key), str)), "")
+
+
+def _body(name: str, doc: Record, *, inner: bool = False) -> str:
+    """Sentences first, then every list of objects; an object that holds such a list is opened."""
+    plain, lists = [], []
+    said = () if inner else ("format", "name", _title_key(doc))
+    for key, value in doc.items():
+        if key in said:
+            continue
+        if _is_listing(value):
+            lists.append(_listing(f"{name}-{key}", key, value))
+        elif isinstance(value, Mapping) and value and all(map(_is_object, value.values())):
+            rows = [{"name": inner, **x} for inner, x in value.items()]
+            lists.append(_listing(f"{name}-{key}", key, rows))
+        elif isinstance(value, Mapping) and any(map(_is_listing, value.values())):
+            opened = _body(f"{name}-{key}", value, inner=True)
+            lists.append(f"<h2>{escape(key)}</h2>{opened}")
+        else:
+            plain.append(f"<dt>{escape(key)}<dd>{flat(value)}")
+    return (f"<dl>{''.join(plain)}</dl>" if plain else "") + "".join(lists)
+
+
+def _is_listing(value: Any) -> bool:
+    return isinstance(value, list) and bool(value) and all(map(_is_object, value))
+
+
+def _is_object(value: Any) -> bool:
+    return isinstance(value, Mapping)
+
+
+def _listing(id_: str, key: str, rows: Sequence[Record]) -> str:
+    """A list of objects: opened one by one where they hold lists of objects in turn."""
+    deeper = [k for k in rows[0] if _is_listing(rows[0][k])]
+    leaves = {k for k in deeper if not any(map(_has_lists, rows[0][k]))}
+    if set(deeper) - leaves:
+        return "".join(
+            f"<h2>{escape(_heading(key, row))}</h2>{_body(f'{id_}-{n}', row, inner=True)}"
+            for n, row in enumerate(rows)
+        )
+    found = [f"<h2>{escape(key)}</h2>"]
+    for inner in sorted(leaves):
+        flattened = [
+            {**{k: x for k, x in row.items() if not isinstance(x, list | Mapping)}, **leaf}
+            for row in rows
+            for leaf in (row[inner] if _is_listing(row.get(inner)) else ())
+        ]
+        found += _by_problem(f"{id_}-{inner}", inner, flattened)
+    rest = [{k: x for k, x in row.items() if k not in leaves} for row in rows]
+    return "".join([*found, *_by_problem(id_, key, rest)])
+
+
+def _has_lists(row: Record) -> bool:
+    """Whether an object holds a list of objects, or points of a curve."""
+    return any(_is_listing(x) or _is_points(x) for x in row.values())
+
+
+def _heading(key: str, row: Record) -> str:
+    """Name of an object: its first text."""
+    return next((x for x in row.values() if isinstance(x, str)), key)
+
+
+def _by_problem(id_: str, what: str, rows: Sequence[Record]) -> list[str]:
+    """Tables and pictures of rows, split by problem where there are several."""
+    found: list[str] = []
+    groups: dict[str, list[Record]] = {}
+    for row in rows:
+        groups.setdefault(flat(row.get("problem", "")), []).append(row)
+    for n, (problem, mine) in enumerate(groups.items()):
+        if len(groups) > 1:
+            found.append(f"<h3>{problem}</h3>")
+        found += _group(f"m-{id_}-{n}", what, mine)
+    return found
+
+
+def _group(id_: str, what: str, rows: Sequence[Record]) -> list[str]:
+    keys = list(dict.fromkeys(k for row in rows for k in row))
+    names = [k for k in _NAMES if any(isinstance(row.get(k), str) for row in rows)]
+    parts, curved = _curves(id_, what, rows, keys, names)
+    # one name is told by its own column, several together by one more
+    together = len(names) > 1
+    shown = [k for k in keys if k not in curved]
+    columns = [Column(_LINE, "line")] if together else []
+    columns += [Column(k, k) for k in shown]
+    cells = [
+        ([_line(row, names)] if together else []) + [_cell(row.get(k)) for k in shown]
+        for row in rows
+    ]
+    table = Table(id_, f"{counted(len(rows), 'measurement')}: {what}", columns, cells)
+    numeric = [k for k in shown if any(is_number(row.get(k)) for row in rows)]
+    costs = [k for k in _COSTS if k in numeric]
+    errors = [k for k in numeric if "error" in k or "drift" in k]
+    if names and costs and errors:
+        caption = f"{what}: errors against costs, rows joined in the order of the file."
+        series = _LINE if together else names[0]
+        parts.append(figure(table.id, costs, errors, f"error, {what}", caption, series))
+    return [*parts, table.html()]
+
+
+def _cell(value: Any) -> str:
+    """A value as a cell; what is long wraps in it."""
+    text = flat(value)
+    return f'<div class="cell">{text}</div>' if len(text) > _WIDE else text
+
+
+def _line(row: Record, names: Sequence[str]) -> str:
+    return ", ".join(flat(row[k]) for k in names if row.get(k) is not None)
+
+
+def _curves(
+    id_: str, what: str, rows: Sequence[Record], keys: Sequence[str], names: Sequence[str]
+) -> tuple[list[str], set[str]]:
+    """Pictures of the lists of numbers that rows hold, with these numbers; the keys drawn."""
+    lists = [k for k in keys if any(_is_list(row.get(k)) for row in rows)]
+    across = next((k for k in _FIRST if k in lists), None)
+    up = [k for k in lists if k != across and all(_fits(row, across, k) for row in rows)]
+    parts: list[str] = []
+    if not names:
+        return parts, set()
+    if across is not None and up:
+        cells = [
+            [_line(row, names), *(number(row[k][n]) for k in (across, *up))]
+            for row in rows
+            if _is_list(row.get(across))
+            for n in range(len(row[across]))
+        ]
+        parts += _curve(f"{id_}-curves", what, [Column(k, k) for k in (across, *up)], cells)
+    pairs = [k for k in keys if any(_is_points(row.get(k)) for row in rows)]
+    for key in pairs:
+        columns = [Column("first", f"{key}, first number"), Column("second", "second number")]
+        cells = [
+            [_line(row, names), number(x), number(y)]
+            for row in rows
+            if _is_points(row.get(key))
+            for x, y in row[key]
+        ]
+        parts += _curve(f"{id_}-{key}", what, columns, cells)
+    drawn = {across, *up} if across is not None and up else set()
+    return parts, {x for x in drawn if x is not None} | set(pairs)
+
+
+def _curve(
+    id_: str, what: str, columns: Sequence[Column], cells: Sequence[Sequence[str]]
+) -> list[str]:
+    """Picture of the columns after the first one against it, and the numbers folded."""
+    first, *others = columns
+    caption = f"{what}: {', '.join(x.title for x in others)} against {first.title}"
+    table = Table(id_, caption, [Column(_LINE, "line"), *columns], cells)
+    picture = figure(id_, [first.key], [x.key for x in others], caption, caption, _LINE)
+    summary = "<summary>The numbers of this picture</summary>"
+    return [picture, f"<details>{summary}{table.frame()}</details>"]
+
+
+def _is_points(value: Any) -> bool:
+    """Whether a value is a list of pairs of numbers."""
+    return (
+        isinstance(value, list)
+        and len(value) > 1
+        and all(isinstance(x, list) and len(x) == 2 and all(map(is_number, x)) for x in value)
+    )
+
+
+def _is_list(value: Any) -> bool:
+    return isinstance(value, list) and len(value) > 1 and all(is_number(x) for x in value)
+
+
+def _fits(row: Record, across: str | None, key: str) -> bool:
+    """Whether a row has as many numbers as places, or neither."""
+    if across is None:
+        return False
+    x, y = row.get(across), row.get(key)
+    if x is None and y is None:
+        return True
+    return isinstance(x, list) and isinstance(y, list) and _is_list(y) and len(x) == len(y)

@@ -1,0 +1,257 @@
+"use strict";
+// Pictures are drawn from the tables beside them: what a point shows is what a cell says.
+(() => {
+  const SVG = "http://www.w3.org/2000/svg";
+  const DASHES = ["", "7 3", "2 3", "9 3 2 3", "14 4"];
+  const SHAPES = [
+    "M-4 0a4 4 0 1 0 8 0a4 4 0 1 0 -8 0z", "M-3.6 -3.6h7.2v7.2h-7.2z", "M0 -4.6L4.3 3.4H-4.3z",
+    "M0 -5L5 0L0 5L-5 0z", "M0 4.6L4.3 -3.4H-4.3z", "M-4 -4L4 4M-4 4L4 -4", "M-5 0H5M0 -5V5",
+    "M-4 0a4 4 0 1 0 8 0a4 4 0 1 0 -8 0z"];
+  const make = (name, attributes, parent, text) => {
+    const node = name === "svg" || parent instanceof SVGElement
+      ? document.createElementNS(SVG, name) : document.createElement(name);
+    for (const key in attributes) node.setAttribute(key, attributes[key]);
+    if (text !== undefined) node.textContent = text;
+    if (parent) parent.append(node);
+    return node;
+  };
+  const mark = (parent, k, extra) => make("path",
+    { d: SHAPES[k % 8], class: `mark c${k % 7}${k % 8 === 7 ? " hollow" : ""}`, ...extra }, parent);
+
+  // axes: a range becomes ticks, a value a place
+  const nice = (rough) => {
+    const power = 10 ** Math.floor(Math.log10(rough));
+    return [1, 2, 5, 10].map((m) => m * power).find((step) => step >= rough);
+  };
+  const axis = (values, linear, pixels) => {
+    const to = linear ? (x) => x : Math.log10;
+    let low = Math.min(...values.map(to)), high = Math.max(...values.map(to));
+    const least = linear ? Math.max(1e-12, Math.abs(high) * 1e-3) : 0.5;
+    const margin = Math.max(0.05 * (high - low), (least - (high - low)) / 2, 0);
+    low -= margin; high += margin;
+    const most = Math.max(2, Math.floor(pixels / 56)), ticks = [];
+    if (linear) {
+      const step = nice((high - low) / most);
+      for (let k = Math.ceil(low / step); k * step <= high; k++) ticks.push(k * step);
+    } else {
+      const step = Math.max(1, Math.ceil((high - low) / most));
+      for (let k = Math.ceil(low); k <= high; k++) if (k % step === 0) ticks.push(k);
+      if (ticks.length < 2) {
+        ticks.length = 0;
+        for (let k = Math.floor(low); k <= high; k++)
+          for (const m of [1, 2, 5]) {
+            const x = k + Math.log10(m);
+            if (x >= low && x <= high) ticks.push(x);
+          }
+      }
+    }
+    const label = (x) => {
+      if (linear) return String(+x.toPrecision(6));
+      const k = Math.floor(x + 1e-9), m = Math.round(10 ** (x - k));
+      return k >= -2 && k <= 3 ? String(+(10 ** x).toPrecision(3)) : `${m}e${k}`;
+    };
+    return { ticks, label, at: (x) => (to(x) - low) / (high - low), part: (x) => (x - low) / (high - low) };
+  };
+
+  const read = (table) => {
+    const heads = [...table.tHead.rows[0].cells].map((cell) => ({
+      key: cell.dataset.key, title: cell.textContent.trim(), linear: cell.dataset.scale === "linear" }));
+    const rows = [...table.tBodies[0].rows].map((row) => {
+      const cells = [...row.cells].map((cell) => cell.textContent.trim());
+      return Object.fromEntries(heads.map((head, i) => [head.key, cells[i]]));
+    });
+    return { heads, rows };
+  };
+
+  class Plot {
+    constructor(figure) {
+      this.figure = figure;
+      const { heads, rows } = read(document.getElementById(figure.dataset.table));
+      this.heads = heads; this.rows = rows;
+      this.names = [...new Set(rows.map((row) => row[figure.dataset.series]))];
+      this.hidden = new Set();
+      const top = make("div", { class: "controls" }, figure);
+      this.x = this.choice(top, "across", figure.dataset.x.split(" "));
+      this.y = this.choice(top, "up", figure.dataset.y.split(" "));
+      this.canvas = make("div", {}, figure);
+      this.status = make("p", { class: "status", role: "status" }, figure);
+      this.legend();
+      figure.append(...figure.querySelectorAll("figcaption"));
+      new ResizeObserver(() => {
+        if (figure.clientWidth && figure.clientWidth !== this.width) this.draw();
+      }).observe(figure);
+    }
+    choice(parent, word, keys) {
+      const known = keys.filter((key) => this.rows.some((row) => Number(row[key]) > 0 ||
+        (this.head(key)?.linear && row[key] !== "" && !isNaN(row[key]))));
+      const label = make("label", {}, parent, word + " ");
+      const select = make("select", {}, label);
+      for (const key of known) make("option", { value: key }, select, this.head(key).title);
+      if (known.length < 2) label.hidden = true;
+      select.addEventListener("change", () => this.draw());
+      return select;
+    }
+    head(key) { return this.heads.find((head) => head.key === key); }
+    legend() {
+      const box = make("div", { class: "legend", role: "group", "aria-label": "methods shown" }, this.figure);
+      const buttons = [];
+      const press = (name, button, on) => {
+        on ? this.hidden.delete(name) : this.hidden.add(name);
+        button.setAttribute("aria-pressed", String(on));
+      };
+      // with many lines one wants to begin with none of them
+      if (this.names.length > 8) {
+        const all = make("button", { type: "button", class: "all" }, box, "hide all");
+        all.addEventListener("click", () => {
+          const on = all.textContent === "show all";
+          all.textContent = on ? "hide all" : "show all";
+          buttons.forEach(([name, button]) => press(name, button, on));
+          this.draw();
+        });
+      }
+      this.names.forEach((name, k) => {
+        const button = make("button", { type: "button", "aria-pressed": "true" }, box);
+        buttons.push([name, button]);
+        const svg = make("svg", { width: 34, height: 12, viewBox: "-17 -6 34 12", "aria-hidden": "true" }, button);
+        make("path", { d: "M-17 0H17", class: `line c${k % 7}`, "stroke-dasharray": DASHES[k % 5] }, svg);
+        mark(svg, k, {});
+        make("span", {}, button, name);
+        button.addEventListener("click", () => {
+          press(name, button, this.hidden.has(name));
+          this.draw();
+        });
+      });
+    }
+    usable(row, key) {
+      const value = Number(row[key]);
+      return row[key] !== "" && Number.isFinite(value) && (this.head(key).linear || value > 0);
+    }
+    draw() {
+      const width = this.width = this.figure.clientWidth, height = Math.round(Math.min(460, Math.max(280, width * 0.62)));
+      const left = 62, right = 12, top = 26, bottom = 46;
+      const kx = this.x.value, ky = this.y.value, finished = (row) => !("outcome" in row) || row.outcome === "completed";
+      this.canvas.replaceChildren();
+      this.points = [];
+      const svg = this.svg = make("svg", { class: "chart", width, height, viewBox: `0 0 ${width} ${height}`,
+        tabindex: "0", role: "application", "aria-label": `${this.figure.dataset.label}; arrow keys go from point to point` });
+      this.canvas.append(svg);
+      const drawn = kx && ky ? this.rows.filter((row) => finished(row) && this.usable(row, kx) && this.usable(row, ky)) : [];
+      const visible = drawn.filter((row) => !this.hidden.has(row[this.figure.dataset.series]));
+      const missing = this.rows.length - drawn.length;
+      this.say(null, missing ? `${missing} of ${this.rows.length} rows of the table have no place in this picture: ` +
+        "they are not completed, or a number is missing or not positive." : "");
+      if (!visible.length) {
+        make("text", { x: width / 2, y: height / 2, "text-anchor": "middle" }, svg, "nothing to draw");
+        return;
+      }
+      const wide = width - left - right, high = height - top - bottom;
+      const ax = axis(visible.map((row) => Number(row[kx])), this.head(kx).linear, wide);
+      const ay = axis(visible.map((row) => Number(row[ky])), this.head(ky).linear, high * 1.5);
+      for (const t of ax.ticks) {
+        const u = left + ax.part(t) * wide;
+        make("path", { class: "grid", d: `M${u} ${top}v${high}` }, svg);
+        make("text", { x: u, y: top + high + 16, "text-anchor": "middle" }, svg, ax.label(t));
+      }
+      for (const t of ay.ticks) {
+        const v = top + high - ay.part(t) * high;
+        make("path", { class: "grid", d: `M${left} ${v}h${wide}` }, svg);
+        make("text", { x: left - 6, y: v + 4, "text-anchor": "end" }, svg, ay.label(t));
+      }
+      make("rect", { class: "frame", x: left, y: top, width: wide, height: high }, svg);
+      make("text", { x: left + wide / 2, y: height - 10, "text-anchor": "middle", class: "x-title" }, svg, this.head(kx).title);
+      make("text", { x: 8, y: 16, class: "y-title" }, svg, this.head(ky).title);
+      const quick = this.figure.dataset.marks === "no";
+      this.names.forEach((name, k) => {
+        if (this.hidden.has(name)) return;
+        const mine = visible.filter((row) => row[this.figure.dataset.series] === name).map((row) => ({
+          row, k, u: left + ax.at(Number(row[kx])) * wide, v: top + high - ay.at(Number(row[ky])) * high }));
+        if (!mine.length) return;
+        const group = make("g", { "data-series": name }, svg);
+        make("path", { class: `line c${k % 7}`, "stroke-dasharray": DASHES[k % 5], fill: "none",
+          d: "M" + mine.map((p) => `${p.u.toFixed(1)} ${p.v.toFixed(1)}`).join("L") }, group);
+        const bar = (q) => (left + Math.min(1, Math.max(0, ax.at(Number(q)))) * wide).toFixed(1);
+        const bars = kx !== "seconds" ? [] : mine.filter((p) => p.row.q25 > 0 && p.row.q75 > 0)
+          .map((p) => `M${bar(p.row.q25)} ${p.v.toFixed(1)}H${bar(p.row.q75)}`);
+        if (bars.length) make("path", { class: `spread c${k % 7}`, d: bars.join("") }, group);
+        mine.forEach((p, n) => {
+          if (!quick || n === mine.length - 1) mark(group, k, { transform: `translate(${p.u.toFixed(1)} ${p.v.toFixed(1)})` });
+        });
+        this.points.push(...mine);
+      });
+      this.ring = make("circle", { class: "ring", r: 8, visibility: "hidden" }, svg);
+      svg.addEventListener("pointermove", (event) => this.near(event));
+      svg.addEventListener("pointerdown", (event) => this.near(event));
+      svg.addEventListener("focus", () => { if (!this.chosen) this.choose(this.points[0]); });
+      svg.addEventListener("keydown", (event) => this.key(event));
+    }
+    near(event) {
+      const box = this.svg.getBoundingClientRect(), u = event.clientX - box.left, v = event.clientY - box.top;
+      let best = null, least = 24 ** 2;
+      for (const p of this.points) {
+        const d = (p.u - u) ** 2 + (p.v - v) ** 2;
+        if (d < least) { least = d; best = p; }
+      }
+      if (best) this.choose(best);
+    }
+    key(event) {
+      const at = this.points.indexOf(this.chosen), mine = this.points.filter((p) => p.k === this.chosen?.k);
+      const here = mine.indexOf(this.chosen), lines = [...new Set(this.points.map((p) => p.k))];
+      const other = (step) => {
+        const k = lines[(lines.indexOf(this.chosen.k) + step + lines.length) % lines.length];
+        return this.points.filter((p) => p.k === k)[Math.min(here, this.points.filter((p) => p.k === k).length - 1)];
+      };
+      const next = at < 0 ? this.points[0] : {
+        ArrowRight: () => mine[Math.min(here + 1, mine.length - 1)], ArrowLeft: () => mine[Math.max(here - 1, 0)],
+        ArrowDown: () => other(1), ArrowUp: () => other(-1), Home: () => mine[0], End: () => mine[mine.length - 1] }[event.key]?.();
+      if (next) { event.preventDefault(); this.choose(next); }
+    }
+    choose(point) {
+      if (!point || this.chosen === point) return;
+      this.ring.setAttribute("cx", point.u); this.ring.setAttribute("cy", point.v);
+      this.ring.setAttribute("visibility", "visible");
+      this.say(point);
+    }
+    say(point, note = "") {
+      this.chosen = point;
+      this.status.textContent = point
+        ? this.heads.filter((head) => point.row[head.key] && point.row[head.key] !== "–")
+            .map((head) => `${head.title}: ${point.row[head.key]}`).join("; ")
+        : note || "Point at the picture, or go through it with the arrow keys, to see a point's numbers.";
+    }
+  }
+  document.querySelectorAll("figure[data-table]").forEach((figure) => new Plot(figure));
+
+  // tables that can be sorted and filtered
+  document.querySelectorAll("table.sortable").forEach((table) => {
+    const body = table.tBodies[0], heads = [...table.tHead.rows[0].cells];
+    heads.forEach((head, i) => {
+      const button = make("button", { type: "button" });
+      button.append(...head.childNodes);
+      head.append(button);
+      button.addEventListener("click", () => {
+        const down = head.getAttribute("aria-sort") === "ascending" ? -1 : 1;
+        heads.forEach((other) => other.removeAttribute("aria-sort"));
+        head.setAttribute("aria-sort", down > 0 ? "ascending" : "descending");
+        const value = (row) => row.cells[i].textContent.trim();
+        const rows = [...body.rows].sort((a, b) => {
+          const x = value(a), y = value(b), numbers = x !== "" && y !== "" && !isNaN(x) && !isNaN(y);
+          return down * (numbers ? x - y : x.localeCompare(y));
+        });
+        body.append(...rows);
+      });
+    });
+    const label = make("label", {});
+    label.textContent = "show rows with ";
+    const input = make("input", { type: "search", placeholder: "words" }, label);
+    const line = make("div", { class: "controls" });
+    line.append(label);
+    table.closest(".scroll").before(line);
+    input.addEventListener("input", () => {
+      const words = input.value.toLowerCase().split(/\s+/);
+      for (const row of body.rows) {
+        const text = [...row.cells].map((cell) => cell.textContent.toLowerCase()).join(" ");
+        row.hidden = !words.every((word) => text.includes(word));
+      }
+    });
+  });
+})();

@@ -1,0 +1,235 @@
+"""Read what is stored: records, findings, portraits, benchmark results, measurements.
+
+A report is made of what is there. A line that is torn, a record of a version that is not known, a
+file that is something else: each is kept with the reason, shown on the page that says how things
+were measured, and breaks nothing.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+from ..asv_results import Cell, read_results
+from ..claims import DataError, UsageError
+from .markup import counted
+
+__all__ = ["Odd", "Record", "Results", "RunFile", "read"]
+
+#: Formats of the records and of the findings that are understood.
+RECORD, FINDINGS = "glmref-record-1", "glmref-findings-1"
+Record = Mapping[str, Any]
+_SVG = "{http://www.w3.org/2000/svg}"
+_SHAPES = frozenset("svg title desc g path rect circle line polyline polygon text tspan".split())
+
+
+@dataclass(frozen=True)
+class Odd:
+    """Something that is stored and cannot be shown: where, and why."""
+
+    where: str
+    why: str
+
+
+@dataclass(frozen=True)
+class RunFile:
+    """The records of one file of `glmref run`.
+
+    Attributes
+    ----------
+        name: stem of the file: the scene's name, with ``-quick`` for a quick run.
+        records: in the order of the file.
+    """
+
+    name: str
+    records: tuple[Record, ...]
+
+    @property
+    def scene(self) -> str:
+        """Name of the scene."""
+        return self.name.removesuffix("-quick")
+
+
+@dataclass
+class Results:
+    """Everything that was found.
+
+    Attributes
+    ----------
+        runs: record files. findings: method -> findings of `glmref verify`.
+        benchmarks: cells of asv. measurements: name -> document with a format of its own.
+        portraits: method -> SVG. odd: what could not be read. files: (path, what it holds).
+    """
+
+    runs: list[RunFile] = field(default_factory=list)
+    findings: dict[str, list[Record]] = field(default_factory=dict)
+    benchmarks: list[Cell] = field(default_factory=list)
+    measurements: dict[str, Record] = field(default_factory=dict)
+    portraits: dict[str, str] = field(default_factory=dict)
+    odd: list[Odd] = field(default_factory=list)
+    files: list[tuple[str, str]] = field(default_factory=list)
+
+    @property
+    def records(self) -> Iterator[Record]:
+        """Records of all files."""
+        return (record for run in self.runs for record in run.records)
+
+
+def read(paths: Iterable[Path], methods: Iterable[str] = ()) -> Results:
+    """Read files and folders.
+
+    Args:
+        paths: files, or folders that are searched to any depth; a folder of results of asv is read
+            as one.
+        methods: names for which an SVG file ``NAME.svg`` is a portrait.
+
+    Raises
+    ------
+        UsageError: for a path that does not exist.
+    """
+    found, known, seen = Results(), frozenset(methods), set()
+    for path in paths:
+        if not path.exists():
+            raise UsageError(
+                f"there is no file or folder {str(path)!r}; give what `glmref run` wrote"
+            )
+        for one in _files(path):
+            key = one.resolve()
+            if key not in seen:
+                seen.add(key)
+                _take(found, one, known)
+    found.runs.sort(key=lambda run: run.name)
+    return found
+
+
+def _files(path: Path) -> Iterator[Path]:
+    """Files of a folder in order; one with asv's results is a whole."""
+    if not path.is_dir():
+        yield path
+        return
+    if (path / "benchmarks.json").is_file() or any(path.glob("*/machine.json")):
+        yield path
+        return
+    for inner in sorted(path.iterdir()):
+        # pages of an earlier report lie in a folder with this mark, hidden folders are not ours
+        if inner.name == ".asv" or not inner.name.startswith("."):
+            if inner.is_dir() and (inner / "glmref-report.txt").is_file():
+                continue
+            yield from _files(inner / "results" if inner.name == ".asv" else inner)
+
+
+def _take(found: Results, path: Path, methods: frozenset[str]) -> None:
+    """Read one file by its kind."""
+    try:
+        if path.is_dir():
+            cells = read_results(path)
+            found.benchmarks += cells
+            found.files.append((path.name, counted(len(cells), "cell") + " of benchmarks"))
+        elif path.suffix == ".jsonl":
+            _take_records(found, path)
+        elif path.suffix == ".json":
+            _take_document(found, path)
+        elif path.suffix == ".svg" and path.stem in methods:
+            found.portraits[path.stem] = _drawing(path)
+            found.files.append((path.name, "a portrait"))
+    except (DataError, OSError, UnicodeDecodeError) as error:
+        found.odd.append(Odd(path.name, str(error)))
+
+
+def _drawing(path: Path) -> str:
+    """An SVG file of shapes and texts, to stand in a page as it is.
+
+    Raises
+    ------
+        DataError: for anything else, such as a script, a link or a style.
+    """
+    text = path.read_text(encoding="utf-8")
+    try:
+        root = ElementTree.fromstring(text)
+    except ElementTree.ParseError as error:
+        raise DataError(f"it is no SVG ({error})") from None
+    for node in root.iter():
+        name = str(node.tag).removeprefix(_SVG)
+        if name not in _SHAPES:
+            raise DataError(f"a portrait has shapes and texts only, and this one a {name!r}")
+        bad = [
+            key for key in node.attrib if key.startswith("on") or "href" in key or key == "style"
+        ]
+        if bad:
+            raise DataError(f"a portrait has shapes and texts only, and this one {bad[0]!r}")
+    ElementTree.register_namespace("", _SVG.strip("{}"))
+    return ElementTree.tostring(root, encoding="unicode")
+
+
+def _take_records(found: Results, path: Path) -> None:
+    records: list[Record] = []
+    lines = path.read_text(encoding="utf-8").split("\n")
+    for number, line in enumerate(lines, start=1):
+        if not line.strip():
+            continue
+        try:
+            record = json.loads(line)
+        except (ValueError, RecursionError):
+            last = number == len(lines)
+            why = "the run was stopped while it was written" if last else "it is not JSON"
+            found.odd.append(Odd(f"{path.name}, line {number}", why))
+            continue
+        why = _refused(record)
+        if why:
+            found.odd.append(Odd(f"{path.name}, line {number}", why))
+        else:
+            records.append(record)
+    found.runs.append(RunFile(path.stem, tuple(records)))
+    found.files.append((path.name, counted(len(records), "record")))
+
+
+def _refused(record: Any) -> str:
+    """Why a line is no record that can be shown, or ``""``."""
+    if not isinstance(record, dict):
+        return "it is not a record"
+    if record.get("format") != RECORD:
+        return f"its format is {record.get('format')!r}, and this version reads {RECORD}"
+    task = record.get("task")
+    if not isinstance(task, dict) or not isinstance(task.get("method", task.get("peer")), str):
+        return "it does not say what was run"
+    return ""
+
+
+def _take_document(found: Results, path: Path) -> None:
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+    except (ValueError, RecursionError):
+        found.odd.append(Odd(path.name, "it is not JSON"))
+        return
+    form = document.get("format") if isinstance(document, dict) else None
+    if form == FINDINGS and isinstance(document.get("findings"), list):
+        rows = [x for x in document["findings"] if isinstance(x, dict) and "method" in x]
+        for row in rows:
+            found.findings.setdefault(str(row["method"]), []).append(row)
+        found.files.append((path.name, counted(len(rows), "finding")))
+    elif (
+        isinstance(form, str) and form.startswith("glmref-") and not form.startswith(FINDINGS[:-1])
+    ):
+        found.measurements[path.stem] = document
+        found.files.append((path.name, f"a document of format {form}"))
+    else:
+        found.odd.append(
+            Odd(path.name, f"its format is {form!r}, which this version does not read")
+        )
+
+
+def is_number(value: Any) -> bool:
+    """Whether a value is a finite number."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def path_in(record: Any, keys: Sequence[str]) -> Any:
+    """Value at a path of keys, ``None`` where the path ends early."""
+    for key in keys:
+        record = record.get(key) if isinstance(record, Mapping) else None
+    return record
