@@ -27,7 +27,7 @@ WIDTH = 80
 #: Columns in the order in which they are left out where there is no room.
 DISPENSABLE = ("start", "iterations", "q25", "q75", "outcome", "steps", "evaluations")
 #: Heads as a terminal shows them.
-SHORT = {"state error": "state", "energy error": "energy"}
+SHORT = {"state error": "state", "energy error": "energy", "largest rest": "rest"}
 
 
 @click.command(short_help="Carry out scenes: error against run time.")

@@ -15,6 +15,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 from .. import linalg
@@ -47,7 +48,7 @@ _EQUATION = re.compile(
 
 @dataclass(frozen=True)
 class PairEquation:
-    """One named equation: ``tree`` with order and start, ``half`` and ``eigenvalue`` with growth."""
+    """One named equation: ``tree`` for order and start, ``half`` and ``eigenvalue`` for growth."""
 
     text: str
     kind: str
@@ -318,7 +319,7 @@ class PairSystem:
             if letters != pattern * len(inner) + pattern[0]:
                 continue
             steps = [Exact(0), *inner, Exact(0)]
-            sums = [Affine.of(x) + y for x, y in zip(steps, steps[1:], strict=False)]
+            sums = [Affine.of(x) + y for x, y in pairwise(steps)]
             if all(
                 (2 * Affine.of(x) - y).is_identically_zero()
                 for x, y in zip(outer, sums, strict=True)
@@ -334,8 +335,9 @@ class PairSystem:
         """
         given = {e.tree for e in self.equations if e.kind == "order" and e.tree}
         if order == 1:
-            given |= {parse_tree(x) for x, s in zip("fk", (self._affine.b, self._affine.c), strict=True)
-                      if (sum(s[1:], Affine.of(s[0])) - 1).is_identically_zero()}  # fmt: skip
+            for root, weights in (("f", self._affine.b), ("k", self._affine.c)):
+                if (sum(weights[1:], Affine.of(weights[0])) - 1).is_identically_zero():
+                    given.add(parse_tree(root))
         kind = self.kind_of_flow()
         if kind is not None:
             return spans(order, given, kind, nystrom=nystrom)

@@ -232,9 +232,8 @@ def main(arguments: Sequence[str]) -> int:
         # what was known and has not been passed on yet must survive a kill
         document["rows"] = found + [row for row in known if row not in found]
         path.write_text(json.dumps(document, indent=1, allow_nan=False) + "\n", encoding="utf-8")
-        sys.stderr.write(
-            f"{row['method']}, {row['variant']}: exponent {row['exponent'] or math.nan:.3f}\n"
-        )
+        exponent = math.nan if row["exponent"] is None else row["exponent"]
+        sys.stderr.write(f"{row['method']}, {row['variant']}: exponent {exponent:.3f}\n")
     return 0
 
 

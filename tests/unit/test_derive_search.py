@@ -115,7 +115,7 @@ def test_ansatz_files_are_checked(tmp_path: Path) -> None:
     for text, match in (
         ("stages = 3", "not complete"),
         ('name = "x"\nstages = 3\ncolour = 1', "'colour' is unknown"),
-        ("name = [", "cannot be read"),
+        ("name = [", "is not TOML"),
     ):
         path.write_text(text, encoding="utf-8")
         with pytest.raises(DataError, match=match):

@@ -105,6 +105,14 @@ def test_measured_ends_on_the_negative_axis_are_the_roots_of_the_polynomial(name
     assert interval(load(name), -1) == pytest.approx(negative_end(load(name)), abs=1e-6)
 
 
+def test_a_short_escape_is_seen_with_enough_samples_only():
+    method = load("g6245")
+    assert interval(method) == pytest.approx(1.8290546, abs=1e-6)
+    # near miss: points 1/16 apart step over the gap between 1.829 and 1.851
+    assert interval(method, samples=1024) == pytest.approx(2.504, abs=1e-3)
+    assert not bounded(method, 1.84j) and bounded(method, 1.9j)
+
+
 def test_a_method_with_one_coefficient_changed_has_another_interval():
     method = load("leapfrog")
     assert interval(method) == pytest.approx(1.0, abs=1e-9)
