@@ -24,7 +24,7 @@ def test_names_are_the_stems_of_the_files_and_the_two_folders_share_none() -> No
 
 def test_broken_files_say_what_must_fail_and_why_and_the_others_do_not() -> None:
     for name in names("broken"):
-        assert {"claim", "why", "flag"} == document(name)["broken"].keys(), name
+        assert {"claim", "why", "flag", "found"} == document(name)["broken"].keys(), name
     assert not [name for name in names("methods") if "broken" in document(name)]
 
 

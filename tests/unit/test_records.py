@@ -83,7 +83,9 @@ def test_a_file_of_another_kind_is_refused(tmp_path):
         read_records(path)
 
 
-@pytest.mark.parametrize("text", ["[]", "7", "null", '{"format": 2}', '{"format": "glmref-record-1"}'])
+@pytest.mark.parametrize(
+    "text", ["[]", "7", "null", '{"format": 2}', '{"format": "glmref-record-1"}']
+)
 def test_a_line_that_is_json_but_no_record_is_refused(tmp_path, text):
     path = tmp_path / "records.jsonl"
     path.write_text(text + "\n", encoding="utf-8")
