@@ -1,13 +1,13 @@
 """Log-log charts without a plotting library: SVG for files, characters for a terminal.
 
 A series is told by marker, dash *and* colour (Okabe and Ito's palette), and is named at the right
-margin beside its last point, with a thin leader; names never overlap. PNG is left to matplotlib, if
-it is installed (the extra ``plots``).
+margin beside its last point, with a thin leader; names never overlap. PNG and PDF are left to
+matplotlib, if it is installed (the extra ``plots``).
 
 Public names::
 
     Series(name, points)            svg(series, title=, x_label=, y_label=) -> str
-    text(series, ...) -> str        write_png(path, series, ...) -> str | None
+    text(series, ...) -> str        write_figures(path, series, ...) -> str | None
 """
 
 from __future__ import annotations
@@ -19,7 +19,16 @@ from importlib import import_module
 from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
 
-__all__ = ["Series", "decades", "place_labels", "svg", "text", "tick_texts", "ticks", "write_png"]
+__all__ = [
+    "Series",
+    "decades",
+    "place_labels",
+    "svg",
+    "text",
+    "tick_texts",
+    "ticks",
+    "write_figures",
+]
 
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#3b3b3b")
 DASHES = ("", "7 3", "2 3", "9 3 2 3", "14 4")
@@ -332,15 +341,19 @@ def _wrapped(names: Sequence[str], width: int) -> list[str]:
     return lines
 
 
-def write_png(
+def write_figures(
     path: Path, series: Sequence[Series], *, title: str, x_label: str, y_label: str
 ) -> str | None:
-    """Write the chart as PNG through matplotlib; return a notice where that is not installed."""
+    """Write the chart as PNG and PDF; return a notice where matplotlib is not installed.
+
+    Args:
+        path: of the PNG file; the PDF file stands beside it. Both come out the same every time.
+    """
     try:
         agg = import_module("matplotlib.backends.backend_agg")
         figures = import_module("matplotlib.figure")
     except ImportError:
-        return "no PNG: matplotlib is not installed; pip install 'glmref[plots]'"
+        return "no PNG and PDF: matplotlib is not installed; pip install 'glmref[plots]'"
     figure = figures.Figure(figsize=(8.2, 4.8), dpi=120, layout="constrained")
     agg.FigureCanvasAgg(figure)
     axes = figure.add_subplot()
@@ -363,4 +376,5 @@ def write_png(
     if axes.lines:
         figure.legend(loc="outside right upper", fontsize=8, frameon=False)
     figure.savefig(path, format="png", metadata={"Software": None})
+    figure.savefig(path.with_suffix(".pdf"), format="pdf", metadata={"CreationDate": None})
     return None

@@ -172,8 +172,8 @@ def _note(notice: str) -> None:
 
 
 def _draw(charts: Sequence[Any], output: Path, stem: str) -> tuple[list[str], list[str]]:
-    """Write SVG files, and PNG files where matplotlib is there; return their names and notices."""
-    from ..chart import svg, write_png
+    """Write SVG, and PNG and PDF where matplotlib is there; return file names and notices."""
+    from ..chart import svg, write_figures
 
     names, notices = [], []
     for chart in charts:
@@ -181,9 +181,9 @@ def _draw(charts: Sequence[Any], output: Path, stem: str) -> tuple[list[str], li
         path = output / f"{stem}{chart.suffix}.svg"
         path.write_text(svg(chart.series, **words), encoding="utf-8")
         names.append(path.name)
-        notice = write_png(path.with_suffix(".png"), chart.series, **words)
+        notice = write_figures(path.with_suffix(".png"), chart.series, **words)
         if notice is None:
-            names.append(path.with_suffix(".png").name)
+            names += [path.with_suffix(end).name for end in (".png", ".pdf")]
         elif notice not in notices:
             notices.append(notice)
     return names, notices

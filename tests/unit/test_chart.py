@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from glmref.chart import Series, decades, place_labels, svg, text, tick_texts, ticks, write_png
+from glmref.chart import Series, decades, place_labels, svg, text, tick_texts, ticks, write_figures
 
 SVG = "{http://www.w3.org/2000/svg}"
 WORDS = {"x_label": "seconds", "y_label": "relative error"}
@@ -167,11 +167,15 @@ def test_points_of_two_series_on_one_place_become_a_star():
     assert "*" in text(twice, **WORDS)
 
 
-def test_png_is_written_or_the_missing_extra_is_named(tmp_path):
+def test_png_and_pdf_are_written_or_the_missing_extra_is_named(tmp_path):
     path = tmp_path / "chart.png"
-    notice = write_png(path, LINES, title="a title", **WORDS)
+    notice = write_figures(path, LINES, title="a title", **WORDS)
     if notice is None:
         assert path.read_bytes().startswith(b"\x89PNG")
+        printed = path.with_suffix(".pdf").read_bytes()
+        assert printed.startswith(b"%PDF")
+        assert write_figures(path, LINES, title="a title", **WORDS) is None
+        assert path.with_suffix(".pdf").read_bytes() == printed
     else:
         assert "glmref[plots]" in notice
         assert not path.exists()
