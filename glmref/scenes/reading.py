@@ -343,13 +343,14 @@ class _Reader:
             if not isinstance(name, str):
                 raise self.fail(at("methods"), f"a method must be a text, got {shown(name)}")
             found.append(self._method(name, at("methods")))
-        classes = sorted({document(name)["class"] for name in method_names("methods")})
-        for kind in self._list(at("classes"), given, "classes", empty=True):
-            self.choice(at("classes"), kind, (*classes, *KINDS))
-            for name in method_names("methods"):
-                doc = document(name)
+        kinds = self._list(at("classes"), given, "classes", empty=True)
+        # the shipped files are read only where a scene asks for a class of them
+        shipped = [document(name) for name in method_names("methods")] if kinds else []
+        for kind in kinds:
+            self.choice(at("classes"), kind, (*sorted({d["class"] for d in shipped}), *KINDS))
+            for doc in shipped:
                 if doc["class"] == kind or doc["claims"].get(kind) is True:
-                    found.append(name)
+                    found.append(doc["name"])
         return tuple(dict.fromkeys(found))
 
     def _method(self, name: str, where: tuple[str, ...]) -> str:
