@@ -7,7 +7,6 @@ data/measurements/engine.json and the tables in docs/engine.md. Needs a C compil
 
 from __future__ import annotations
 
-import json
 import math
 import sys
 from dataclasses import asdict
@@ -18,6 +17,7 @@ from typing import Any
 from benchmarks import compare_c, compare_kepler, compare_lanes
 from benchmarks.engine_tables import TABLES, filled
 from glmref.experiments.measure import circumstances
+from glmref.strict_json import write_json
 
 ROOT = Path(__file__).resolve().parents[1]
 RECORD = ROOT / "data" / "measurements" / "engine.json"
@@ -76,8 +76,7 @@ def main() -> None:
     for write in TABLES.values():
         sys.stdout.write(write(document["rows"]) + "\n\n")
     if "--write" in sys.argv[1:]:
-        text = json.dumps(document, indent=1, ensure_ascii=False)
-        RECORD.write_text(text + "\n", encoding="utf-8")
+        write_json(RECORD, document)
         page = filled(PAGE.read_text(encoding="utf-8"), document["rows"])
         PAGE.write_text(page, encoding="utf-8")
 

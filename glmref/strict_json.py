@@ -1,4 +1,4 @@
-"""Read JSON strictly: every problem of a file is one sentence that names the place and the remedy.
+"""Strict JSON: every problem of a file is one sentence that names the place and the remedy.
 
 No float, no NaN, no duplicate key, no deep nesting, no file of unreasonable size; nothing is ever
 evaluated as code.
@@ -15,10 +15,22 @@ from typing import Any
 
 from .claims import DataError
 
-__all__ = ["read_json", "shown"]
+__all__ = ["read_json", "shown", "write_json"]
 
 MAX_BYTES = 4_000_000  # a method file has some kilobytes; the largest vectors some hundred
 MAX_NESTING = 40
+
+
+def write_json(path: Path, document: object) -> None:
+    """Write a document of measurements, in a folder that is made where it is missing.
+
+    Raises
+    ------
+        ValueError: for NaN or an infinity, which JSON has not; the file stays as it was.
+    """
+    text = json.dumps(document, indent=1, allow_nan=False, ensure_ascii=False)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text + "\n", encoding="utf-8")
 
 
 def read_json(path: Path) -> Any:

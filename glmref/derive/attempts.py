@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from ..strict_json import write_json
 from .ansatz import Ansatz, Value
 from .search import search
 from .system import SweepSystem
@@ -92,8 +93,7 @@ def main(path: Path) -> None:
         "solved_below": SOLVED,
         "ansatzes": found,
     }
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps(document, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+    write_json(path, document)
 
 
 if __name__ == "__main__":

@@ -31,6 +31,7 @@ import numpy as np
 
 from ..catalogue import document, load, names
 from ..method import GLM
+from ..strict_json import write_json
 from ..theory.order import conjugate_error, error_norm, order_of
 from ..theory.periodicity import periodicity
 
@@ -135,8 +136,7 @@ def main(path: Path) -> None:
         "how": "python -m glmref.derive.survey",
         "methods": records,
     }
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps(out, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+    write_json(path, out)
 
 
 if __name__ == "__main__":

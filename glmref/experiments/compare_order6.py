@@ -10,7 +10,6 @@ log-log line through the two runs. Start and finish are counted in evaluations, 
 
 from __future__ import annotations
 
-import json
 import math
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -32,6 +31,7 @@ from ..engine.start import starting_values
 from ..method import GLM
 from ..problems import problem
 from ..problems.model import Problem
+from ..strict_json import write_json
 from .measure import circumstances
 from .records import finite
 from .work_precision import Reference, reference_state, state_error
@@ -282,9 +282,7 @@ def main(path: Path) -> None:
         sys.stderr.write(f"{case.name}\n")
         comparisons.append(Comparison(case, case.methods or names))
         comparisons[-1].time()
-    text = json.dumps(document(path.stem, comparisons), indent=1, allow_nan=False)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(text + "\n", encoding="utf-8")
+    write_json(path, document(path.stem, comparisons))
 
 
 if __name__ == "__main__":

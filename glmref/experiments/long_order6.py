@@ -12,7 +12,6 @@ by :data:`NUDGE`, so that the parasitic part stands out from the first step on.
 
 from __future__ import annotations
 
-import json
 import math
 import sys
 from collections.abc import Callable, Mapping
@@ -29,6 +28,7 @@ from ..engine.reference import Stepper, apply_finish, apply_start, stepper
 from ..method import GLM
 from ..problems import problem
 from ..problems.model import Problem
+from ..strict_json import write_json
 from .compare_order6 import METHODS, rounded
 from .longtime import along, follow
 from .measure import circumstances
@@ -200,8 +200,7 @@ def main(path: Path) -> None:
         "where": circumstances(),
         "runs": runs,
     }
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps(document, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+    write_json(path, document)
 
 
 if __name__ == "__main__":

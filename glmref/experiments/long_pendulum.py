@@ -13,7 +13,6 @@ Public names::
 
 from __future__ import annotations
 
-import json
 import math
 import resource
 import sys
@@ -25,6 +24,7 @@ import numpy as np
 
 from ..catalogue import load
 from ..problems import problem
+from ..strict_json import write_json
 from .law import fit_law, samples_of
 from .longtime import follow
 from .measure import circumstances
@@ -114,8 +114,7 @@ def main(path: str) -> None:
         "where": circumstances(),
         "runs": runs,
     }
-    text = json.dumps(document, indent=1, allow_nan=False, ensure_ascii=False)
-    Path(path).write_text(text + "\n", encoding="utf-8")
+    write_json(Path(path), document)
     for run in runs:
         exponent = run["law"]["exponent"]
         said = "-" if exponent is None or math.isnan(exponent) else f"{exponent:.2f}"

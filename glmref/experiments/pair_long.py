@@ -14,7 +14,6 @@ Public names::
 
 from __future__ import annotations
 
-import json
 import math
 import sys
 from collections.abc import Sequence
@@ -27,6 +26,7 @@ import numpy as np
 from ..catalogue import document, load, names
 from ..engine.solve import solve
 from ..problems import problem
+from ..strict_json import write_json
 from .longtime import along
 from .measure import circumstances
 
@@ -159,8 +159,7 @@ def main(path: Path, cases: Sequence[Case] = CASES, steps: int = STEPS) -> None:
         "circumstances": circumstances(),
         "runs": runs,
     }
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps(record, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    write_json(path, record)
 
 
 if __name__ == "__main__":

@@ -16,7 +16,6 @@ Public names::
 
 from __future__ import annotations
 
-import json
 import math
 import statistics
 import sys
@@ -34,6 +33,7 @@ from ..engine.solve import solve
 from ..method import PartitionedGLM
 from ..problems import problem
 from ..problems.model import Problem
+from ..strict_json import write_json
 from .longtime import along
 from .measure import circumstances
 from .pair_long import three_digits
@@ -304,8 +304,7 @@ def write(path: Path, found: Mapping[Case, Sequence[Need]]) -> None:
         "circumstances": circumstances(),
         "cases": [_as_json(case, rows) for case, rows in found.items()],
     }
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps(document, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    write_json(path, document)
 
 
 if __name__ == "__main__":

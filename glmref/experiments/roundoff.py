@@ -32,6 +32,7 @@ from ..engine.solve import solve
 from ..method import GLM
 from ..problems import problem
 from ..problems.model import Problem
+from ..strict_json import write_json
 from .longtime import along, g_form
 from .measure import circumstances
 
@@ -223,7 +224,6 @@ def main(arguments: Sequence[str]) -> int:
         sys.stderr.write("usage: python -m glmref.experiments.roundoff FILE [METHOD ...]\n")
         return 2
     path, methods = Path(arguments[0]), arguments[1:] or METHODS
-    path.parent.mkdir(parents=True, exist_ok=True)
     known = json.loads(path.read_text(encoding="utf-8"))["rows"] if path.exists() else []
     document: dict[str, Any] = {**HEAD, "where": circumstances(), "rows": []}
     found: list[Row] = []
@@ -231,7 +231,7 @@ def main(arguments: Sequence[str]) -> int:
         found.append(row)
         # what was known and has not been passed on yet must survive a kill
         document["rows"] = found + [row for row in known if row not in found]
-        path.write_text(json.dumps(document, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+        write_json(path, document)
         exponent = math.nan if row["exponent"] is None else row["exponent"]
         sys.stderr.write(f"{row['method']}, {row['variant']}: exponent {exponent:.3f}\n")
     return 0

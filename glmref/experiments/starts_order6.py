@@ -10,7 +10,6 @@ k passes (2^k - 1 steps); *iterated* with k passes along the trajectory (k (k + 
 
 from __future__ import annotations
 
-import json
 import math
 import sys
 from pathlib import Path
@@ -23,6 +22,7 @@ from ..engine.reference import Stepper, apply_finish, stepper
 from ..engine.start import enhanced_start, starting_values
 from ..method import GLM
 from ..problems import problem
+from ..strict_json import write_json
 from .compare_order6 import rounded
 from .longtime import follow
 from .parasitic import loss, solution_direction
@@ -135,8 +135,7 @@ def main(path: Path) -> None:
         "starts": starts,
         "losses": {"problem": {"name": "pendulum", "q0": "23/10"}, "h": 0.1, "runs": losses},
     }
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps(document, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+    write_json(path, document)
 
 
 if __name__ == "__main__":

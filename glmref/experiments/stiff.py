@@ -10,7 +10,6 @@ here is a fixed step against an adaptive one, and says so.
 
 from __future__ import annotations
 
-import json
 import sys
 from dataclasses import dataclass
 from importlib import import_module
@@ -25,6 +24,7 @@ from ..engine.kernel import Kernel, prepare
 from ..method import GLM
 from ..problems import problem
 from ..problems.model import Problem
+from ..strict_json import write_json
 from .attempt import attempt
 from .measure import circumstances
 from .records import finite
@@ -200,8 +200,7 @@ def main(path: str) -> None:
         "where": circumstances(),
         "rows": [row.as_json() for row in rows],
     }
-    text = json.dumps(document, indent=1, allow_nan=False, ensure_ascii=False)
-    Path(path).write_text(text + "\n", encoding="utf-8")
+    write_json(Path(path), document)
 
 
 if __name__ == "__main__":

@@ -13,11 +13,11 @@ from glmref.catalogue import document, load, names
 from glmref.engine.solve import solve
 from glmref.experiments.longtime import along, g_form
 from glmref.facts import facts_of
+from glmref.keys import PAIRS
 from glmref.problems import problem
 
 STEPS = 1000
 SEEDS = (1, 7, 23)
-PAIRS = ("splitting", "partitioned-rk", "partitioned", "pair-sweep")
 
 
 def claimed(*keys):

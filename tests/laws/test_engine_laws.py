@@ -22,10 +22,10 @@ from glmref.engine.reference import stepper
 from glmref.engine.shape import shape_of
 from glmref.engine.start import zero_start
 from glmref.facts import facts_of
+from glmref.keys import PAIRS
 
 EPS = 2.0**-52
 STEPS = 1000
-PAIRS = ("splitting", "partitioned-rk", "partitioned", "pair-sweep")
 W = [f"(a{i} + b{i}*y[{i}])" for i in range(3)]
 C = [[f"c{min(i, j)}{max(i, j)}" for j in range(3)] for i in range(3)]
 Z = ["(" + " + ".join(f"{C[i][j]}*y[{j}]" for j in range(3)) + ")" for i in range(3)]

@@ -48,8 +48,8 @@ ROOMS: dict[str, str] = {
     "catalogue": "data_files method reader",
     # theory and what is decided with it
     "theory": "claims exact linalg method",
-    "derive": "canonical catalogue claims exact expression linalg method pair_sweep reader sweep_form theory "
-    "verification",
+    "derive": "canonical catalogue claims exact expression linalg method pair_sweep reader strict_json "
+    "sweep_form theory verification",
     "facts": "claims exact linalg method theory",
     "checks": "claims exact expression facts theory",
     "verification": "catalogue checks claims derive exact facts method reader",
@@ -57,7 +57,7 @@ ROOMS: dict[str, str] = {
     # numbers
     "problems": "catalogue claims strict_json",
     "engine": "catalogue claims exact linalg method problems rounding",
-    "experiments": "catalogue claims engine linalg method problems",
+    "experiments": "catalogue claims engine linalg method problems strict_json",
     "scenes": "__init__ catalogue chart claims engine experiments method problems strict_json",
     "conformance": "analysis catalogue claims engine exact expression facts linalg method problems "
     "strict_json tables",

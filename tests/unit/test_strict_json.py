@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from glmref.claims import DataError
-from glmref.strict_json import MAX_BYTES, MAX_NESTING, read_json, shown
+from glmref.strict_json import MAX_BYTES, MAX_NESTING, read_json, shown, write_json
 
 
 @pytest.fixture
@@ -85,3 +85,20 @@ def test_values_are_shown_short() -> None:
     assert shown({"a": None}) == '{"a": null}'
     assert len(shown("x" * 1000)) == 60
     assert "object" in shown(object())
+
+
+def test_a_document_is_written_where_there_is_no_folder_yet(tmp_path: Path) -> None:
+    path = tmp_path / "new" / "it.json"
+    write_json(path, {"name": "Hénon", "rows": [0.5]})
+    assert path.read_bytes() == '{\n "name": "Hénon",\n "rows": [\n  0.5\n ]\n}\n'.encode()
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf")])
+def test_what_json_has_not_is_not_written_and_the_old_file_stays(
+    tmp_path: Path, value: float
+) -> None:
+    path = tmp_path / "it.json"
+    path.write_text("old")
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        write_json(path, [value])
+    assert path.read_text() == "old"
