@@ -75,7 +75,7 @@ def read_results(folder: Path) -> list[Cell]:
         DataError: for a file that is not what asv 0.6 writes, naming it.
     """
     names = _parameter_names(folder / "benchmarks.json")
-    files = [path for path in sorted(folder.glob("*/*.json")) if path.name not in ("machine.json",)]
+    files = [path for path in sorted(folder.glob("*/*.json")) if path.name != "machine.json"]
     cells = [cell for path in files for cell in _cells(path, names)]
     return sorted(cells, key=lambda cell: cell.date)
 

@@ -38,7 +38,7 @@ def report(results: tuple[Path, ...], output: Path | None, single: bool) -> int:
     shipped = data_root() / "measurements"
     places = list(results) or [x for x in PLACES if x.exists()]
     if shipped.is_dir():
-        places.append(Path(str(shipped)))
+        places.append(shipped)
     found = read(places, names("methods"))
     if output is None:
         output = Path("report", "pages.html") if single else Path("report", "pages")

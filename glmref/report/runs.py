@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Sequence
+from functools import cache
 from typing import Any
 
 from ..claims import GlmrefError
@@ -110,28 +112,40 @@ def run_page(site: Site, run: RunFile, methods: frozenset[str]) -> Page:
 
 def answer_of(run: RunFile) -> str:
     """The answer that the records of a shipped scene give; ``""`` for another scene."""
-    from ..scenes import answer, load_scene, names
+    from ..scenes import answer, names
 
     if run.scene not in names():
         return ""
     if not run.records:
         return "no record yet"
     try:
-        return answer(load_scene(run.scene, quick=run.name.endswith("-quick")), run.records)
+        return answer(_scene(run.scene, _is_quick(run)), run.records)
     except (GlmrefError, KeyError, TypeError, ValueError, OverflowError) as error:
         return f"no answer: a record lacks something ({type(error).__name__}: {error})"
 
 
+def _is_quick(run: RunFile) -> bool:
+    return run.name.endswith("-quick")
+
+
+@cache
+def _scene(name: str, quick: bool) -> Any:
+    """Read a shipped scene once: its page and the overview both ask for it."""
+    from ..scenes import load_scene
+
+    return load_scene(name, quick=quick)
+
+
 def _question(run: RunFile) -> tuple[str, list[str], str]:
     """Title, question and answer of a shipped scene, and the error it judges by."""
-    from ..scenes import load_scene, names
+    from ..scenes import names
 
     parts = []
-    if run.name.endswith("-quick"):
+    if _is_quick(run):
         parts.append("<p>A quick run: fewer or shorter runs than the scene asks for.</p>")
     if run.scene not in names():
         return run.name, [*parts, "<p>A scene of the user's own: its records are shown.</p>"], ""
-    scene = load_scene(run.scene, quick=run.name.endswith("-quick"))
+    scene = _scene(run.scene, _is_quick(run))
     said = answer_of(run)
     parts.insert(0, f"<p><strong>{escape(scene.question)}</strong></p>")
     parts.append(f'<p class="answer">{escape(said)}</p>')
@@ -163,11 +177,11 @@ def _unfinished(records: Sequence[Record]) -> list[str]:
 
 def _curves(run: RunFile, title: str) -> list[str]:
     """Picture and numbers of what the records say over time."""
-    cells, counted = [], [method_of(x) for x in run.records]
+    cells, runs = [], Counter(method_of(x) for x in run.records)
     for record in run.records:
         series = record.get("series")
         name = method_of(record)
-        if counted.count(name) > 1:
+        if runs[name] > 1:
             name += f", h = {number(_step(record))}"
         for pair in series if isinstance(series, list) else ():
             if isinstance(pair, list) and len(pair) == 2:

@@ -114,9 +114,10 @@ def plan(scene: Scene) -> Plan:
     evaluations = 0
     for name in scene.methods:
         cost = _cost(load(name), subject)
-        fingerprint = key_of({"document": document(name)})
+        doc = document(name)
+        fingerprint = key_of({"document": doc})
         for h, steps in scene.grid:
-            tasks.append(_task(scene, name, fingerprint, h, steps))
+            tasks.append(_task(scene, name, doc["name"], fingerprint, h, steps))
             costs.append(cost)
             evaluations += steps * cost.about * _runs(scene)
     modules: list[str] = list(ALWAYS)
@@ -181,11 +182,13 @@ def _common(scene: Scene) -> dict[str, Any]:
     }
 
 
-def _task(scene: Scene, name: str, fingerprint: str, h: float, steps: int) -> dict[str, Any]:
+def _task(
+    scene: Scene, name: str, method: str, fingerprint: str, h: float, steps: int
+) -> dict[str, Any]:
     return {
         **_common(scene),
         "kind": "method",
-        "method": document(name)["name"],
+        "method": method,
         "file": name if name.endswith(".json") else None,
         "fingerprint": fingerprint,
         "h": h,

@@ -10,7 +10,7 @@ from ..chart import Series
 from .answers import duration
 from .model import Scene
 from .planning import SAMPLED
-from .words import method_of
+from .words import grouped, method_of
 
 __all__ = ["Chart", "charts", "columns_of", "rows"]
 
@@ -103,9 +103,7 @@ def _drift(record: Record, *, form: bool) -> float | None:
 
 def charts(scene: Scene, records: Sequence[Record]) -> list[Chart]:
     """Pictures of a scene: error against run time and against evaluations, or size over time."""
-    groups: dict[str, list[Record]] = {}
-    for record in records:
-        groups.setdefault(method_of(record), []).append(record)
+    groups = grouped(records)
     if SAMPLED & set(scene.ask):
         parasitic = "parasitic" in scene.ask
         what = "size of the values beyond the solution" if parasitic else "relative drift so far"
@@ -118,7 +116,7 @@ def charts(scene: Scene, records: Sequence[Record]) -> list[Chart]:
             for record in group
         ]
         return [Chart("", scene.title, "time", what, tuple(lines))]
-    error = scene.answer.error if f"{scene.answer.error}" in scene.ask else "energy"
+    error = scene.answer.error if scene.answer.error in scene.ask else "energy"
     label = f"relative error in the {error}"
     return [
         Chart("", scene.title, "seconds", label, _lines(groups, error, "seconds")),
