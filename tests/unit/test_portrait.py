@@ -33,7 +33,9 @@ def test_it_is_a_document_without_script_that_names_the_method(name: str) -> Non
     assert root.get("aria-label") == name
     assert "<script" not in text and "nan" not in text
     width, height = float(root.get("width", "0")), float(root.get("height", "0"))
-    for label in root.iter(f"{SVG}text"):
+    labels = list(root.iter(f"{SVG}text"))
+    assert name in [label.text for label in labels]
+    for label in labels:
         assert 0 <= float(label.get("x", "-1")) <= width
         assert 0 <= float(label.get("y", "-1")) <= height
 
