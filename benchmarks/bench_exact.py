@@ -1,10 +1,12 @@
-"""Exact theory: arithmetic with nested roots, orders, starting methods."""
+"""Exact theory: arithmetic with nested roots, orders, starting methods, proofs by enclosure."""
 
 from glmref.catalogue import load
 from glmref.expression import parse
-from glmref.theory.order import conjugate_error, order_of
+from glmref.theory.error_constants import conjugate_error
+from glmref.theory.order import order_of
 from glmref.theory.pairs import pair_order_of
 from glmref.theory.starting import starting_order
+from glmref.verification import verify_file
 
 
 class Arithmetic:
@@ -67,3 +69,17 @@ class ErrorConstants:
 
     def time_least_squares(self):
         conjugate_error(self.result)
+
+
+class Proofs:
+    """All claims of one file, the interval tests of its method and of its start included."""
+
+    params = ["g6245-w3", "t115a-w3", "order8-s3-w3-i", "order8-s5-w3", "kahan-li-8"]
+    param_names = ["file"]
+    timeout = 120
+
+    def setup(self, name):
+        verify_file(name)
+
+    def time_verify(self, name):
+        verify_file(name)

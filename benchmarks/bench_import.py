@@ -50,10 +50,14 @@ class Ratio:
 
 
 class Verify:
-    """One method from a cold start, as a user waits for it."""
+    """One method, and all of them, from a cold start, as a user waits for it."""
 
-    timeout = 60
+    timeout = 300
 
     def time_one_method(self) -> None:
         command = [sys.executable, "-m", "glmref", "verify", "gsymplectic-n"]
+        subprocess.run(command, check=True, capture_output=True)
+
+    def time_whole_catalogue(self) -> None:
+        command = [sys.executable, "-m", "glmref", "verify", "--format", "csv"]
         subprocess.run(command, check=True, capture_output=True)

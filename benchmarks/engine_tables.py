@@ -1,14 +1,15 @@
-"""The tables of docs/engine.md, computed from data/measurements/engine.json."""
+"""The tables of docs/engine.md, and one of docs/pairs.md, from data/measurements/engine.json."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-__all__ = ["TABLES", "filled"]
+__all__ = ["PAIR_TABLES", "TABLES", "filled"]
 
 Row = Mapping[str, Any]
+Tables = Mapping[str, Callable[[list[Row]], str]]
 
 
 def table(head: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
@@ -17,24 +18,36 @@ def table(head: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
     return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines)
 
 
-def steps(rows: list[Row]) -> str:
-    """One line for each method and problem of the comparison with C."""
+def against_c(rows: list[Row], comparison: str) -> str:
+    """One line for each method and problem of a comparison with C."""
     head = (
-        "problem", "method", "evaluations", "C, ns", "engine, ns", "C / engine (quartiles)",
-        "same bits", "engine / forces", "reference / engine",
+        "problem", "method", "evaluations", "C, ns", "at", "engine, ns", "C / engine (quartiles)",
+        "same bits", "contracted C / fused engine", "engine / forces", "reference / engine",
     )  # fmt: skip
     body = []
-    for row in (x for x in rows if x["comparison"] == "c"):
+    for row in (x for x in rows if x["comparison"] == comparison):
         low, median, high = row["c_over_engine"]
         body.append(
             (
                 row["problem"], row["method"], f"{row['evaluations']:.2f}",
-                f"{row['nanoseconds']['c'][1]:.4g}", f"{row['nanoseconds']['engine'][1]:.4g}",
+                f"{row['nanoseconds']['c'][1]:.4g}", f"`{row['level']}`",
+                f"{row['nanoseconds']['engine'][1]:.4g}",
                 f"**{median:.2f}** ({low:.2f} to {high:.2f})", "yes" if row["same_bits"] else "no",
-                f"{row['engine_over_force']:.2f}", f"{row['reference_over_engine']:.0f}",
+                f"{row['contracted_over_fused'][1]:.2f}", f"{row['engine_over_force']:.2f}",
+                f"{row['reference_over_engine']:.0f}",
             )
         )  # fmt: skip
     return table(head, body)
+
+
+def steps(rows: list[Row]) -> str:
+    """Methods of every kind against C."""
+    return against_c(rows, "c")
+
+
+def sweeps(rows: list[Row]) -> str:
+    """Explicit pairs and splittings against C."""
+    return against_c(rows, "sweep")
 
 
 def lanes(rows: list[Row]) -> str:
@@ -77,13 +90,25 @@ def kepler(rows: list[Row]) -> str:
     return table(head, body)
 
 
-#: Name in the page -> what writes it.
-TABLES = {"steps": steps, "lanes": lanes, "kepler": kepler}
+def against_c_in_short(rows: list[Row]) -> str:
+    """Time of C over time of the engine for pairs and splittings, one column for each problem."""
+    mine = {(x["method"], x["problem"]): x for x in rows if x["comparison"] == "sweep"}
+    problems = list(dict.fromkeys(problem for _, problem in mine))
+    body = [
+        [method, *(f"{mine[method, problem]['c_over_engine'][1]:.2f}" for problem in problems)]
+        for method in dict.fromkeys(method for method, _ in mine)
+    ]
+    return table(["method", *problems], body)
 
 
-def filled(page: str, rows: list[Row]) -> str:
+#: Name in the page -> what writes it: docs/engine.md, then docs/pairs.md.
+TABLES: Tables = {"steps": steps, "sweeps": sweeps, "lanes": lanes, "kepler": kepler}
+PAIR_TABLES: Tables = {"against-c": against_c_in_short}
+
+
+def filled(page: str, rows: list[Row], tables: Tables = TABLES) -> str:
     """The page with its tables computed anew; each stands between two comments with its name."""
-    for name, write in TABLES.items():
+    for name, write in tables.items():
         pattern = rf"(<!-- table: {name} -->\n)(?:(?!<!--).)*(<!-- end of table -->)"
         text = write(rows)
         page, count = re.subn(

@@ -13,7 +13,13 @@ if TYPE_CHECKING:
     from .catalogue import load, names
     from .claims import DataError, ExactnessError, Finding, GlmrefError, Proof, UsageError, Verdict
     from .engine.solve import Solution, solve
-    from .method import GLM, FinishingMethod, PartitionedGLM, StartingMethod
+    from .method import (
+        GLM,
+        FinishingMethod,
+        PairStartingMethod,
+        PartitionedGLM,
+        StartingMethod,
+    )
     from .problems import Problem, problem
     from .verification import verify
 
@@ -32,7 +38,13 @@ _HOMES = {
         "Verdict",
     ),
     "engine.solve": ("Solution", "solve"),
-    "method": ("GLM", "FinishingMethod", "PartitionedGLM", "StartingMethod"),
+    "method": (
+        "GLM",
+        "FinishingMethod",
+        "PairStartingMethod",
+        "PartitionedGLM",
+        "StartingMethod",
+    ),
     "problems": ("Problem", "problem"),
     "verification": ("verify",),
 }
@@ -46,6 +58,7 @@ __all__ = [
     "Finding",
     "FinishingMethod",
     "GlmrefError",
+    "PairStartingMethod",
     "PartitionedGLM",
     "Problem",
     "Proof",

@@ -372,6 +372,14 @@ def write_figures(
             linestyle=(0, tuple(float(v) / 2 for v in dash.split())) if dash else "-",
         )
     axes.set(title=title, xlabel=x_label, ylabel=y_label)
+    axes.minorticks_off()
+    points = [(x, y) for one in series for x, y, _ in one.drawn]
+    for axis, values in (
+        (axes.xaxis, [x for x, _ in points]),
+        (axes.yaxis, [y for _, y in points]),
+    ):
+        marks = ticks(*decades(values)) if values else []
+        axis.set_ticks([10**mark for mark in marks], labels=tick_texts(marks))
     axes.grid(visible=True, color="#e3e3e3")
     if axes.lines:
         figure.legend(loc="outside right upper", fontsize=8, frameon=False)

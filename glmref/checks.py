@@ -105,6 +105,11 @@ def _check_starting_order(facts: GLMFacts | PairFacts, declared: object) -> Outc
     return Outcome(found == declared, found, witness=witness)
 
 
+def _check_nystrom_starting_order(facts: PairFacts, declared: object) -> Outcome:
+    found, witness = facts.nystrom_starting_order
+    return Outcome(found == declared, found, witness=witness)
+
+
 def _check_finishing_order(facts: GLMFacts, declared: object) -> Outcome:
     found, witness = facts.finishing_order
     return Outcome(found == declared, found, witness=witness)
@@ -232,6 +237,7 @@ CHECKS: Mapping[str, Callable[[Any, object], Outcome]] = {
     "nystrom-order": _check_nystrom_order,
     "stage-order": _check_stage_order,
     "starting-order": _check_starting_order,
+    "nystrom-starting-order": _check_nystrom_starting_order,
     "finishing-order": _check_finishing_order,
     "preconsistent": _check_preconsistent,
     "consistent": _check_consistent,

@@ -32,6 +32,7 @@ MAX_RADICALS = 40  # in one entry, its constants written out: each may double th
 MAX_RADICAL_DEPTH = 4  # sqrt inside sqrt, constants written out
 
 _SPACES = " \t\r\n\f\v"
+_RATIONAL = re.compile(r"(-?[0-9]{1,40})(?:/([0-9]{1,40}))?", re.ASCII)  # most entries
 _TOKEN = re.compile(
     r"\s*(?:([0-9]+\.[0-9]*|\.[0-9]+|[0-9]+)|([A-Za-z_][A-Za-z_0-9]*)|([-+*/(),]))", re.ASCII
 )
@@ -77,6 +78,8 @@ def weigh(text: str, weights: Mapping[str, Weight]) -> Weight:
     ------
         DataError: when it is more than this module computes.
     """
+    if _RATIONAL.fullmatch(text):
+        return Weight(len(text), 0, 0)
     if len(text) > MAX_LENGTH:
         raise DataError(
             f"an entry has {len(text)} characters and at most {MAX_LENGTH} are read: "
@@ -133,6 +136,9 @@ def parse(
     ------
         DataError: with one sentence that names the entry and what to do.
     """
+    rational = _RATIONAL.fullmatch(text)
+    if rational and (rational[2] is None or int(rational[2])):
+        return Exact(int(rational[1])) / Exact(int(rational[2] or 1))
     return _Parser(text, constants or {}, digits).read()
 
 

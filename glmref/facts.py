@@ -155,7 +155,9 @@ class GLMFacts(Facts):
 
         if self.method.finishing is None:
             return 0, "the file gives no finishing method"
-        found = finishing_order(self.method, self.method.finishing, starting=self.method.starting)
+        found = finishing_order(
+            self.method, self.method.finishing, starting=self.method.starting, known=self.order
+        )
         return found.order, found.witness
 
     @property
@@ -207,14 +209,14 @@ class GLMFacts(Facts):
     @cached_property
     def a_stability(self) -> Any:
         """Whether M(z) is power-bounded in the left half-plane."""
-        from .theory.stability import a_stability
+        from .theory.a_stability import a_stability
 
         return a_stability(self.method)
 
     @cached_property
     def l_stability(self) -> Any:
         """A-stable, and M(z) tends to a nilpotent matrix as z tends to minus infinity."""
-        from .theory.stability import l_stability
+        from .theory.a_stability import l_stability
 
         return l_stability(self.method)
 
@@ -261,10 +263,26 @@ class PairFacts(Facts):
 
     @cached_property
     def starting_order(self) -> tuple[int, str]:
-        """Order to which the start (y_0, 0, ..) agrees with the starting series, and why."""
-        from .theory.pairs import zero_start_order
+        """Order to which the start agrees with the starting series, and why.
 
-        return zero_start_order(self.order_identity)
+        It is the starting method of the file, or (y_0, 0, ..) where the file has none.
+        """
+        return self._start_against(self.order_identity)
+
+    @cached_property
+    def nystrom_starting_order(self) -> tuple[int, str]:
+        """The same on second-order systems."""
+        from .theory.nystrom import is_nystrom
+
+        return self._start_against(self.nystrom_order, counts=is_nystrom)
+
+    def _start_against(self, known: OrderResult, **options: Any) -> tuple[int, str]:
+        from .theory.pair_starting import pair_starting_order, zero_start_order
+
+        if self.method.starting is None:
+            return zero_start_order(known)
+        found = pair_starting_order(self.method, self.method.starting, known, **options)
+        return found.order, found.witness
 
     @cached_property
     def nystrom_order(self) -> OrderResult:

@@ -48,8 +48,8 @@ BLOCKS: Mapping[str, frozenset[str]] = {
     "composition": frozenset(["base", "gamma"]) | _START,
     "splitting": frozenset(["a", "b", "first"]),
     "partitioned-rk": frozenset(["A", "b", "A_hat", "b_hat"]),
-    "partitioned": frozenset(["q", "p", "G", "D_P", "D_Q", "separable"]),
-    "pair-sweep": frozenset(["stages", "b", "w", "c", "v", "V", "V_hat", "G"]),
+    "partitioned": frozenset(["q", "p", "G", "D_P", "D_Q", "separable", "starting"]),
+    "pair-sweep": frozenset(["stages", "b", "w", "c", "v", "V", "V_hat", "G", "starting"]),
 }
 #: Classes that stand for a pair of methods.
 PAIRS = frozenset(["splitting", "partitioned-rk", "partitioned", "pair-sweep"])
@@ -75,6 +75,7 @@ CLAIMS: Mapping[str, type] = {
     "nystrom-order": int,
     "stage-order": int,
     "starting-order": int,
+    "nystrom-starting-order": int,
     "finishing-order": int,
     "preconsistent": bool,
     "consistent": bool,
@@ -91,7 +92,7 @@ CLAIMS: Mapping[str, type] = {
     "abscissae": list,
     "error-constant": str,
 }
-_OF_A_PAIR = frozenset(["nystrom-order", "reducible"])
+_OF_A_PAIR = frozenset(["nystrom-order", "nystrom-starting-order", "reducible"])
 _OF_ONE_METHOD = frozenset(
     ["finishing-order", "a-stable", "l-stable", "abscissae", "error-constant"]
 )

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from .claims import ExactnessError
-from .exact import Ball, Exact, Scalar
+from .exact import Ball, Exact, Scalar, sum_of_products
 
 __all__ = [
     "Matrix",
@@ -85,12 +85,9 @@ def conjugate_transpose(a: Matrix) -> Matrix:
 
 def dot(a: Iterable[Scalar], b: Iterable[Scalar]) -> Scalar:
     """Sum of products; exact zeros are skipped, so sparse rows cost nothing."""
-    total: Scalar = _ZERO
-    for x, y in zip(a, b, strict=True):
-        if x.is_zero() is True or y.is_zero() is True:
-            continue
-        total = total + x * y
-    return total
+    return sum_of_products(
+        [(x, y) for x, y in zip(a, b, strict=True) if not (x.vanishes() or y.vanishes())]
+    )
 
 
 def matmul(*factors: Matrix) -> Matrix:
@@ -134,12 +131,12 @@ def entries(a: Matrix) -> list[tuple[int, int, Scalar]]:
 
 def largest(a: Matrix) -> float:
     """Largest magnitude of an entry (an upper bound where entries are balls)."""
-    return max((x.magnitude() for row in a for x in row if x.is_zero() is not True), default=0.0)
+    return max((x.magnitude() for row in a for x in row if not x.vanishes()), default=0.0)
 
 
 def is_lower_triangular(a: Matrix) -> bool:
     """Whether every entry above the diagonal is an exact zero."""
-    return all(x.is_zero() is True for i, j, x in entries(a) if j > i)
+    return all(x.vanishes() for i, j, x in entries(a) if j > i)
 
 
 def _pivot_row(rows: list[list[Scalar]], start: int, column: int) -> int | None:
@@ -174,15 +171,14 @@ def _reduce(a: Sequence[Sequence[Scalar]], columns: int) -> tuple[list[list[Scal
             continue
         rows[top], rows[at] = rows[at], rows[top]
         lead = rows[top][column]
-        rows[top] = [x if x.is_zero() is True else x / lead for x in rows[top]]
+        rows[top] = [x if x.vanishes() else x / lead for x in rows[top]]
         rows[top][column] = _ONE
         for i, row in enumerate(rows):
             factor = row[column]
-            if i == top or factor.is_zero() is True:
+            if i == top or factor.vanishes():
                 continue
             rows[i] = [
-                x if y.is_zero() is True else x - factor * y
-                for x, y in zip(row, rows[top], strict=True)
+                x if y.vanishes() else x - factor * y for x, y in zip(row, rows[top], strict=True)
             ]
             rows[i][column] = _ZERO
         pivots.append(column)

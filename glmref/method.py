@@ -18,6 +18,7 @@ from .claims import DataError
 from .exact import Ball, Exact, Scalar, exact
 from .expression import parse
 from .linalg import Matrix, Vector
+from .starts import FinishingMethod, PairStartingMethod, StartingMethod
 
 if TYPE_CHECKING:
     from .rounding import FloatGLM
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 __all__ = [
     "GLM",
     "FinishingMethod",
+    "PairStartingMethod",
     "PartitionedGLM",
     "StartingMethod",
     "as_matrix",
@@ -32,6 +34,8 @@ __all__ = [
 ]
 
 Entry = str | int | Fraction | Scalar
+#: What constructors take for a matrix and turn into one.
+Rows = Sequence[Sequence[Entry]]
 
 
 def _as_scalar(value: Entry, where: str) -> Scalar:
@@ -87,55 +91,6 @@ def _check_shape(name: str, value: Matrix, rows: int, columns: int, meaning: str
 
 
 @dataclass(frozen=True, eq=False)
-class StartingMethod:
-    """Runge-Kutta-like start: ``Y = y0 + h A f(Y)``, ``y^[0]_k = u_k y0 + h B_k f(Y)``.
-
-    Attributes
-    ----------
-        A: (m, m) internal stages, ``m`` may be 0 (then B has no columns and only ``u`` acts).
-        B: (r, m) weights of the r starting values.
-        u: (r,) multiples of y0.
-        name: where it comes from, for messages.
-        kind: ``"runge-kutta"`` for this tableau form.
-        claims: what its data says, for example ``{"order": 3}``: agrees with the starting series
-            on all trees of that order.
-    """
-
-    A: Matrix
-    B: Matrix
-    u: Vector
-    name: str = ""
-    kind: str = "runge-kutta"
-    claims: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
-
-    @property
-    def stages(self) -> int:
-        """Number of internal stages (right-hand-side evaluations when explicit)."""
-        return len(self.A)
-
-
-@dataclass(frozen=True, eq=False)
-class FinishingMethod:
-    """Runge-Kutta-like finish on the first value: ``Y = y_1 + h A f(Y)``, ``y = y_1 + h b f(Y)``.
-
-    Attributes
-    ----------
-        A: (m, m) internal stages.
-        b: (m,) weights.
-    """
-
-    A: Matrix
-    b: Vector
-    name: str = ""
-    claims: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
-
-    @property
-    def stages(self) -> int:
-        """Number of internal stages."""
-        return len(self.A)
-
-
-@dataclass(frozen=True, eq=False)
 class GLM:
     """A general linear method: ``Y = h A f(Y) + U y``, ``y+ = h B f(Y) + V y``.
 
@@ -177,6 +132,24 @@ class GLM:
     claims: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     source: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     document: Mapping[str, Any] | None = field(default=None, repr=False)
+
+    if TYPE_CHECKING:  # what is taken is wider than what is kept
+
+        def __init__(
+            self,
+            A: Rows,
+            U: Rows,
+            B: Rows,
+            V: Rows,
+            name: str = "",
+            G: Rows | None = None,
+            D: Sequence[Entry] | None = None,
+            starting: StartingMethod | None = None,
+            finishing: FinishingMethod | None = None,
+            claims: Mapping[str, Any] = ...,
+            source: Mapping[str, Any] = ...,
+            document: Mapping[str, Any] | None = None,
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         for letter in "AUBV":
@@ -319,7 +292,8 @@ class PartitionedGLM:
         G: (r, r^) bilinear form its source gives, or ``None``.
         D_P, D_Q: (n_P,) and (n_Q,) diagonals its source gives, or ``None``.
         separable: whether the pair is meant for separable systems only (two stage sets).
-        starting_q, starting_p: starting methods of the two components, or ``None``.
+        starting: starting method of the pair, or ``None``. There is no finishing method: the first
+            values are the solution.
         name, claims, source, document: as in :class:`GLM`.
 
     Raises
@@ -340,11 +314,33 @@ class PartitionedGLM:
     D_P: Vector | None = None
     D_Q: Vector | None = None
     separable: bool = False
-    starting_q: StartingMethod | None = None
-    starting_p: StartingMethod | None = None
+    starting: PairStartingMethod | None = None
     claims: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     source: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     document: Mapping[str, Any] | None = field(default=None, repr=False)
+
+    if TYPE_CHECKING:  # as for a GLM
+
+        def __init__(
+            self,
+            A: Rows,
+            U: Rows,
+            B: Rows,
+            V: Rows,
+            A_hat: Rows,
+            U_hat: Rows,
+            B_hat: Rows,
+            V_hat: Rows,
+            name: str = "",
+            G: Rows | None = None,
+            D_P: Sequence[Entry] | None = None,
+            D_Q: Sequence[Entry] | None = None,
+            separable: bool = False,
+            starting: PairStartingMethod | None = None,
+            claims: Mapping[str, Any] = ...,
+            source: Mapping[str, Any] = ...,
+            document: Mapping[str, Any] | None = None,
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         for letter in "AUBV":

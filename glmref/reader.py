@@ -28,7 +28,7 @@ from .keys import (
     without_meaning,
 )
 from .linalg import Matrix, Vector, diagonal
-from .method import GLM, FinishingMethod, PartitionedGLM, StartingMethod
+from .method import GLM, FinishingMethod, PairStartingMethod, PartitionedGLM, StartingMethod
 from .strict_json import shown
 
 __all__ = ["CLAIMS", "FORMAT", "load_document"]
@@ -217,10 +217,42 @@ class _Reader(Entries):
         return replace(
             built,
             name=self.doc["name"],
+            starting=self._pair_starting(built),
             claims=self._claims(),
             source=self._source(),
             document=self.doc,
         )
+
+    def _pair_starting(self, pair: PartitionedGLM) -> PairStartingMethod | None:
+        block = self._tableau_block("starting", "A B u A_hat B_hat u_hat")
+        if block is None:
+            return None
+        m: dict[str, Any] = {
+            x: self.matrix(block[x], f"starting.{x}") for x in ("A", "B", "A_hat", "B_hat")
+        }
+        m |= {x: self.vector(block[x], f"starting.{x}") for x in ("u", "u_hat")}
+        n_q, n_p = len(m["A"]), len(m["A_hat"])
+        wanted = {"A": (n_q, n_p), "A_hat": (n_p, n_q)}
+        wanted |= {"B": (pair.r, n_p), "B_hat": (pair.r_hat, n_q)}
+        for x, shape in wanted.items():
+            if (len(m[x]), len(m[x][0])) != shape:
+                raise self.error(
+                    f"`starting.{x}` must have shape {shape} for {n_q} rows of `starting.A`, {n_p} "
+                    f"rows of `starting.A_hat`, r = {pair.r} and r^ = {pair.r_hat}, got "
+                    f"({len(m[x])}, {len(m[x][0])})"
+                )
+        for x, r in (("u", pair.r), ("u_hat", pair.r_hat)):
+            if len(m[x]) != r:
+                raise self.error(
+                    f"`starting.{x}` must have {r} entries, one for each value, got {len(m[x])}"
+                )
+        if n_q != n_p and not pair.separable:
+            raise self.error(
+                f"`starting` must have as many stages Q as stages P, which are evaluated together "
+                f"where the pair is not separable, got {n_q} and {n_p}"
+            )
+        claims = {"order": block["order"]} if "order" in block else {}
+        return PairStartingMethod(**m, name=str(block.get("name", "")), claims=claims)
 
     def _starting(self, r: int) -> StartingMethod | None:
         block = self._tableau_block("starting", "A B u")

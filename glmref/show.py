@@ -267,6 +267,26 @@ class _Page:
             if values is not None:
                 cells = self.vector(values, doc.get(letter))
                 body.append((f"{letter} =", self.draw([[cells]])))
+        return body + self._pair_start()
+
+    def _pair_start(self) -> list[tuple[str, list[str]]]:
+        """Draw the start of a pair: for q and for p the stages above the values, u at the right."""
+        assert isinstance(self.method, PartitionedGLM)
+        start, block = self.method.starting, self.document.get("starting", {})
+        if start is None:
+            return []
+        body, named = [], _named("starting method", start, "Q = h A f(P) + q0")
+        for heading, hat, other in (
+            (named, "", start.A),
+            ("  and for p:  P = h A^ k(Q) + p0", "_hat", start.A_hat),
+        ):
+            B, u = getattr(start, f"B{hat}"), getattr(start, f"u{hat}")
+            right = [[x] for x in self.vector(u, block.get(f"u{hat}"))[0]]
+            grid = [
+                [self.matrix(other, block.get(f"A{hat}")), [["1"]] * len(other)],
+                [self.matrix(B, block.get(f"B{hat}")), right],
+            ]
+            body.append((heading, self.draw(grid)))
         return body
 
     def _legend(self) -> list[str]:
@@ -322,7 +342,7 @@ def _count(number: int, what: str) -> str:
     return f"{number} {what}" if number == 1 else f"{number} {what}s"
 
 
-def _named(kind: str, method: Any) -> str:
+def _named(kind: str, method: Any, stages: str = "Y = h A f(Y) + y0") -> str:
     order = f", order {method.claims['order']}" if "order" in method.claims else ""
     name = f" {one_line(method.name)}" if method.name else ""
-    return f"{kind}{name}{order}:  Y = h A f(Y) + y0"
+    return f"{kind}{name}{order}:  {stages}"

@@ -20,6 +20,10 @@ __all__ = ["read_json", "shown", "write_json"]
 MAX_BYTES = 4_000_000  # a method file has some kilobytes; the largest vectors some hundred
 MAX_NESTING = 40
 
+# a string without its closing quote counts as one too: else its search would be quadratic
+_STRING = re.compile(r'"(?:[^"\\]++|\\.)*+"?', re.DOTALL)
+_BRACKET = re.compile(r"[\[\]{}]")
+
 
 def write_json(path: Path, document: object) -> None:
     """Write a document of measurements, in a folder that is made where it is missing.
@@ -75,13 +79,12 @@ def read_json(path: Path) -> Any:
 def _too_deep(text: str) -> bool:
     """Whether brackets outside strings are nested too deep, without recursion."""
     depth = 0
-    # a string without its closing quote counts as one too: else its search would be quadratic
-    for match in re.finditer(r'"(?:[^"\\]|\\.)*+"?|[\[{]|[\]}]', text, re.DOTALL):
+    for match in _BRACKET.finditer(_STRING.sub("", text)):
         if match[0] in "[{":
             depth += 1
             if depth > MAX_NESTING:
                 return True
-        elif match[0] in "]}":
+        else:
             depth -= 1
     return False
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +11,15 @@ from .checks import CHECKS, FOR_ONE_METHOD, Outcome
 from .claims import DataError, ExactnessError, Finding, Proof, Verdict
 from .exact import Exact
 from .facts import Facts, PairFacts, facts_of
-from .method import GLM, FinishingMethod, PartitionedGLM, StartingMethod
+from .linalg import Vector
+from .method import GLM, FinishingMethod, PairStartingMethod, PartitionedGLM, StartingMethod
 from .reader import load_document
 
 __all__ = ["claims_of", "proven_claims", "verify", "verify_file"]
 
 Method = GLM | PartitionedGLM
+#: What starts or finishes a method.
+BLOCKS = StartingMethod | FinishingMethod | PairStartingMethod
 
 
 def verify(method: Method, *, only: Collection[str] = ()) -> list[Finding]:
@@ -102,15 +105,24 @@ def _check(facts: Facts, claim: str, declared: object) -> Finding:
 
 def _proof(facts: Facts, claim: str) -> Proof:
     """Kind of proof of one claim; a start given by decimals is not as exact as the method."""
-    block = getattr(facts.method, claim.removesuffix("-order"), None)
-    if facts.proof is not Proof.EXACT or not isinstance(block, StartingMethod | FinishingMethod):
+    kind = claim.removeprefix("nystrom-").removesuffix("-order")
+    block = getattr(facts.method, kind, None)
+    if facts.proof is not Proof.EXACT or not isinstance(block, BLOCKS):
         return facts.proof_of(claim)
-    rows = [*block.A, *([block.b] if isinstance(block, FinishingMethod) else block.B)]
-    if all(isinstance(x, Exact) for row in rows for x in row):
+    if all(isinstance(x, Exact) for row in _rows(block) for x in row):
         return Proof.EXACT
+    if isinstance(block, PairStartingMethod):
+        return Proof.MEASURED
     from .derive.starting import start_is_enclosed
 
     return Proof.ENCLOSED if start_is_enclosed(facts.method) else Proof.MEASURED
+
+
+def _rows(block: BLOCKS) -> Iterable[Vector]:
+    """The coefficients of a block, row by row."""
+    if isinstance(block, PairStartingMethod):
+        return block.rows()
+    return (*block.A, *([block.b] if isinstance(block, FinishingMethod) else block.B))
 
 
 def verify_file(name: str | Path, *, only: Collection[str] = ()) -> list[Finding]:

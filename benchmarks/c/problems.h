@@ -1,5 +1,6 @@
-/* Forces of three problems q'' = g(q), M positions each; compile with -DKEPLER, -DHENON_HEILES or
-   -DOUTER. par: nothing; the cubic coefficient; the gravitational constant and six masses. */
+/* Forces of four problems q'' = g(q), M positions each; compile with -DKEPLER, -DHENON_HEILES,
+   -DOUTER or -DPENDULUM. par: nothing; the cubic coefficient; the gravitational constant and six
+   masses; nothing. */
 #include <math.h>
 
 #if defined KEPLER
@@ -42,6 +43,13 @@ static inline void force(const double *restrict q, const double *restrict par, d
             g[3 * j + 2] += wi * dz;
         }
 }
+#elif defined PENDULUM
+enum { M = 1 };
+static inline void force(const double *restrict q, const double *restrict par, double *restrict g)
+{
+    g[0] = -sin(q[0]);
+    (void)par;
+}
 #endif
 
 enum { D = 2 * M };
@@ -49,8 +57,8 @@ enum { D = 2 * M };
 /* Sum of M terms: four partial sums where there are many, in the order of the generated kernels. */
 static inline double total(const double *restrict t)
 {
-    if (M == 2)
-        return t[0] + t[1];
+    if (M <= 2)
+        return M == 2 ? t[0] + t[M - 1] : t[0];
     double a = 0, b = 0, c = 0, d = 0;
     int k = 0;
     for (; k + 4 <= M; k += 4) {

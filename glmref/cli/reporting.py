@@ -27,8 +27,8 @@ def report(results: tuple[Path, ...], output: Path | None, single: bool) -> int:
 
     RESULTS are files and folders: records of `glmref run`, findings of `glmref verify --format
     json` and of the conformance suite, portraits NAME.svg of `glmref show NAME --plot`, results of
-    asv. By default the folder report and .asv/results; measurements that come with the data are
-    always shown.
+    asv. By default the folder report and .asv/results. What comes with the data is shown as well,
+    where RESULTS say nothing else: verdicts, orders seen in runs, stability regions, measurements.
     """
     from ..catalogue import names
     from ..data_files import data_root

@@ -151,7 +151,7 @@ def _carry_out(plan: Plan, output: Path, *, quick: bool) -> dict[str, Any]:
     notices += [text for record in records for text in record.get("notices", ())]
     pictures: list[str] = []
     if "picture" in scene.ask:
-        pictures, missed = _draw(rooms.charts(scene, records), output, stem)
+        pictures, missed = _draw(scene, records, output, stem)
         notices += missed
     return {
         "format": "glmref-run-1",
@@ -171,17 +171,27 @@ def _note(notice: str) -> None:
     click.echo(f"note: {one_line(notice)}", err=True)
 
 
-def _draw(charts: Sequence[Any], output: Path, stem: str) -> tuple[list[str], list[str]]:
+def _draw(
+    scene: Scene, records: Sequence[Mapping[str, Any]], output: Path, stem: str
+) -> tuple[list[str], list[str]]:
     """Write SVG, and PNG and PDF where matplotlib is there; return file names and notices."""
-    from ..chart import svg, write_figures
+    from .. import chart, plane
+    from .. import scenes as rooms
 
-    names, notices = [], []
-    for chart in charts:
-        words = {"title": chart.title, "x_label": chart.x_label, "y_label": chart.y_label}
-        path = output / f"{stem}{chart.suffix}.svg"
-        path.write_text(svg(chart.series, **words), encoding="utf-8")
+    names: list[str] = []
+    notices: list[str] = []
+    drawn: list[tuple[Any, str, Any, Any]] = [
+        (chart, one.suffix, one, one.series) for one in rooms.charts(scene, records)
+    ]
+    paths = rooms.orbits(scene, records)
+    if paths is not None:
+        drawn.append((plane, "-orbit", paths, paths.clouds))
+    for room, suffix, one, data in drawn:
+        words = {"title": one.title, "x_label": one.x_label, "y_label": one.y_label}
+        path = output / f"{stem}{suffix}.svg"
+        path.write_text(room.svg(data, **words), encoding="utf-8")
         names.append(path.name)
-        notice = write_figures(path.with_suffix(".png"), chart.series, **words)
+        notice = room.write_figures(path.with_suffix(".png"), data, **words)
         if notice is None:
             names += [path.with_suffix(end).name for end in (".png", ".pdf")]
         elif notice not in notices:
@@ -215,10 +225,10 @@ def _page(scene: Scene, document: Mapping[str, Any], output: Path) -> str:
     parts += [""] if failed else []
     parts += [_wrapped(f"{_who(r)}: {one_line(r['message'])}", width) for r in failed]
     if "picture" in scene.ask:
-        chart = rooms.charts(scene, records)[0]
-        drawn = text(chart.series, x_label=chart.x_label, y_label=chart.y_label)
-        named = ", ".join(document["pictures"])
-        parts += ["", drawn, "", _wrapped(f"pictures in {output}: {named}", width)]
+        for chart in rooms.charts(scene, records)[:1]:
+            parts += ["", text(chart.series, x_label=chart.x_label, y_label=chart.y_label)]
+        named = ", ".join(document["pictures"]) or "nothing to draw"
+        parts += ["", _wrapped(f"pictures in {output}: {named}", width)]
     said = _wrapped(f"answer  {one_line(document['answer'])}", width)
     parts += ["", style.paint("answer", "bold") + said.removeprefix("answer")]
     return "\n".join(parts)

@@ -28,6 +28,8 @@ STARTS, SCALE, SEED = 128, 0.7, 1
 
 _W3, _I = Value("exp(2*pi*i/3)"), Value("i")
 _EVEN, _ODD = Value("-1", 1, 1), Value("-1", 1, -1)
+#: The same with the other signs in G.
+_W3P, _MINUS = Value("exp(2*pi*i/3)", 1), Value("-1", -1, -1)
 
 #: Stages, values, stage order, explicit stages.
 ANSATZES: Sequence[tuple[int, Sequence[Value], int, Sequence[int]]] = (
@@ -41,6 +43,8 @@ ANSATZES: Sequence[tuple[int, Sequence[Value], int, Sequence[int]]] = (
     (4, (_W3, _EVEN), 3, ()),
     (4, (_W3, _I, _EVEN), 2, ()),
     (4, (_W3, _I, _EVEN), 2, (1,)),
+    (4, (_W3, _I, _EVEN), 3, (1,)),
+    (4, (_W3P, _I, _MINUS), 3, (1,)),
     (5, (_W3, _EVEN), 1, ()),
     (5, (_W3, _EVEN), 2, ()),
     (5, (_W3, _ODD), 2, ()),
@@ -66,6 +70,7 @@ def attempt(
         "stages": stages,
         "values": system.r,
         "eigenvalues": [x.eigenvalue for x in values],
+        "signs": [x.sign for x in values],
         "parity": [x.parity for x in values if not x.is_pair],
         "stage_order": stage_order,
         "explicit": list(explicit),

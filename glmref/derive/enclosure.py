@@ -33,15 +33,15 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from fractions import Fraction
+from functools import cache
 from typing import Any
 
 from .. import linalg
 from ..claims import DataError, ExactnessError
-from ..exact import Ball, Exact, ball
+from ..exact import Ball, BallMatrix, Exact, ball, jets, lift
 from ..expression import parse
 from ..linalg import Matrix
-from ..theory.jet import jets, lift
-from ..theory.order import commutator_row
+from ..theory.error_constants import commutator_row
 from ..theory.trees import trees
 from .classes import representatives
 from .equations import Blocks, Series, starting_series
@@ -115,16 +115,15 @@ def krawczyk(
             sentence = f"equation {k + 1} excludes zero on the box"
             return Krawczyk(Outcome.NONE, box, float("nan"), sentence)
     try:
-        inverse = _midpoint_matrix(
-            linalg.inverse(_midpoint_matrix(tuple(x.gradient for x in at_point)))
-        )
+        at_centre = BallMatrix([x.gradient for x in at_point]).midpoint()
+        inverse = at_centre.inverse().midpoint()
     except ExactnessError:
         sentence = "the Jacobian at the centre is singular"
         return Krawczyk(Outcome.UNDECIDED, box, float("inf"), sentence)
-    jacobian = tuple(tuple(ball(y) for y in x.gradient) for x in over_box)
-    slack = linalg.sub(linalg.identity(size), linalg.matmul(inverse, jacobian))
-    contraction = max(sum(ball(x).magnitude() for x in row) for row in slack)
-    newton = linalg.matvec(inverse, tuple(x.value for x in at_point))
+    jacobian = BallMatrix([x.gradient for x in over_box])
+    slack = (BallMatrix.identity(size) - inverse @ jacobian).rows()
+    contraction = max(sum(x.magnitude() for x in row) for row in slack)
+    newton = linalg.matvec(inverse.rows(), tuple(x.value for x in at_point))
     spread = linalg.matvec(slack, tuple(x - y for x, y in zip(box, point, strict=True)))
     image = tuple(ball(x - y + z).real for x, y, z in zip(point, newton, spread, strict=True))
     return _compared(box, image, contraction)
@@ -142,10 +141,6 @@ def _compared(box: tuple[Ball, ...], image: tuple[Ball, ...], contraction: float
             return Krawczyk(Outcome.UNDECIDED, box, contraction, sentence)
     sentence = "the image lies in the interior of the box"
     return Krawczyk(Outcome.UNIQUE, image, contraction, sentence)
-
-
-def _midpoint_matrix(matrix: Matrix) -> Matrix:
-    return tuple(tuple(ball(x).midpoint() for x in row) for row in matrix)
 
 
 @dataclass(frozen=True)
@@ -340,12 +335,25 @@ def obstruction(series: Series, order: int) -> float:
         The largest lower bound of ``|n R|`` over a rational basis of such rows n, each scaled to
         largest entry 1; 0.0 when nothing was refuted.
     """
+    best = 0.0
+    residuals = [ball(series.residual[t]) for t in trees(order + 1)]
+    for row, size in _annihilators(order):
+        best = max(best, ball(linalg.dot(row, residuals)).lower_magnitude() / size)
+    return best
+
+
+@cache
+def _annihilators(order: int) -> list[tuple[linalg.Vector, float]]:
+    """Rational basis of the rows n with n (shift matrix) = 0, each with its largest entry.
+
+    It is the same for every method of the order.
+
+    Raises
+    ------
+        ExactnessError: when a shift matrix below the order has not full column rank.
+    """
     for n in range(2, order):
         if linalg.rank(shift_matrix(n)) < len(trees(n)):  # pragma: no cover - a theorem
             raise ExactnessError(f"the starting series is not unique at order {n}")
-    best = 0.0
-    residuals = [ball(series.residual[t]) for t in trees(order + 1)]
-    for row in linalg.nullspace(linalg.transpose(shift_matrix(order))):
-        size = max(x.magnitude() for x in row)
-        best = max(best, ball(linalg.dot(row, residuals)).lower_magnitude() / size)
-    return best
+    basis = linalg.nullspace(linalg.transpose(shift_matrix(order)))
+    return [(row, max(x.magnitude() for x in row)) for row in basis]

@@ -13,8 +13,7 @@ from typing import Any
 
 from .. import linalg
 from ..claims import ExactnessError, GlmrefError
-from ..exact import Ball, Exact, ball
-from ..theory.jet import jets, lift
+from ..exact import Ball, Exact, ball, jets, lift
 
 __all__ = ["ConvergenceError", "midpoints", "polish"]
 

@@ -13,6 +13,7 @@
    not symmetric needs one of each free tree of every order (theorem 1; its starting series is
    zero).
 5. *Parasitism-free*: mu_q and mu_p at every eigenvalue of V other than 1 are equations.
+6. *Start*: :mod:`.pair_start`, where ``starting`` has unknowns of its own.
 
 Redundant to all this, every residual up to the order, on all two-coloured trees, and both growth
 parameters are balls around zero of width below :data:`WIDTH` over the enclosure of the root.
@@ -30,8 +31,10 @@ from ..exact import Ball, ball
 from ..expression import parse
 from .enclosure import WIDTH, Krawczyk, Outcome, krawczyk
 from .pair_series import PairNumbers
+from .pair_start import pair_target, prove_pair_start, start_orders, start_system
 from .pair_system import PairSystem
 from .pair_trees import representatives
+from .write import DIGITS
 
 __all__ = ["PairEnclosure", "prove_pair"]
 
@@ -80,21 +83,17 @@ def prove_pair(document: Mapping[str, Any]) -> PairEnclosure:
         )
     wanted = ((system.claimed, False), (system.claimed_nystrom, True))
     for order, nystrom in wanted:
-        for n in range(1, order, 2) if symmetric else range(1, order + 1):
-            if not system.covered(n, nystrom=nystrom):
-                trees = ", ".join(map(str, representatives(n, nystrom=nystrom)))
-                raise DataError(
-                    f"the equations of the file do not give the conditions of order {n}; those of "
-                    f"{trees} would"
-                )
+        _check_covered(system, range(1, order, 2) if symmetric else range(1, order + 1), nystrom)
     root = _root(document, system)
     numbers, principal = system.read(dict(zip(system.unknowns, root.box, strict=True)))
     for name, weights in zip(system.names, (numbers.b, numbers.c), strict=True):
         for i, x in enumerate(weights):
             if ball(x).is_zero() is not False:
                 raise ExactnessError(f"`{name}[{i + 1}]` may be zero")
+    block = document.get("starting", {})
+    started = bool(block) and bool(start_system(block).unknowns)
     all_series = [
-        system.series(numbers, principal, order, nystrom=nystrom)
+        system.series(numbers, principal, order, nystrom=nystrom, starts=started)
         for order, nystrom in wanted
         if order
     ]
@@ -110,6 +109,9 @@ def prove_pair(document: Mapping[str, Any]) -> PairEnclosure:
     identity = all(
         system.identity_through(order - 1, nystrom=nystrom) for order, nystrom in wanted if order
     )
+    if started:
+        target = pair_target(system, all_series, start_orders(document["claims"]))
+        prove_pair_start(block, target, digits=document.get("digits", DIGITS))
     return PairEnclosure(
         values=dict(zip(system.unknowns, root.box, strict=True)),
         contraction=root.contraction,
@@ -117,9 +119,25 @@ def prove_pair(document: Mapping[str, Any]) -> PairEnclosure:
         nystrom_order=max(system.claimed, system.claimed_nystrom),
         identity=identity,
         width=width,
-        proves=_consequences(system, identity, symmetric),
+        proves=_consequences(system, identity, symmetric, started),
         numbers=numbers,
     )
+
+
+def _check_covered(system: PairSystem, orders: range, nystrom: bool) -> None:
+    """Check that the equations give the conditions of these orders.
+
+    Raises
+    ------
+        DataError: naming what is missing.
+    """
+    for n in orders:
+        if not system.covered(n, nystrom=nystrom):
+            trees = ", ".join(map(str, representatives(n, nystrom=nystrom)))
+            raise DataError(
+                f"the equations of the file do not give the conditions of order {n}; those of "
+                f"{trees} would"
+            )
 
 
 def _root(document: Mapping[str, Any], system: PairSystem) -> Krawczyk:
@@ -156,7 +174,9 @@ def _root(document: Mapping[str, Any], system: PairSystem) -> Krawczyk:
     return result
 
 
-def _consequences(system: PairSystem, identity: bool, symmetric: bool) -> Mapping[str, str]:
+def _consequences(
+    system: PairSystem, identity: bool, symmetric: bool, started: bool
+) -> Mapping[str, str]:
     """Claims that follow, each with the sentence that says from what."""
     equations = ", ".join(str(e.tree) for e in system.equations if e.kind == "order")
     order = f"equations {equations} and the theorems on moving the root and on symmetry"
@@ -179,6 +199,9 @@ def _consequences(system: PairSystem, identity: bool, symmetric: bool) -> Mappin
             "zero over balls around the digits"
         )
         proves["order-identity"] = order
+    if started:
+        sentence = "an exact start lies within the digits, by the interval test on its conditions"
+        proves["starting-order"] = proves["nystrom-starting-order"] = sentence
     if system.is_one_step:
         proves["symplectic"] = proves["g-symplectic"]
     growths = {(e.half, e.eigenvalue) for e in system.equations if e.kind == "growth"}

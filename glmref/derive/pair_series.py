@@ -109,6 +109,7 @@ def pair_series(
     identity: bool = False,
     nystrom: bool = False,
     wanted: Sequence[Tree] | None = None,
+    starts: bool = False,
 ) -> PairSeries:
     """Compute the starting series and the residuals R tree by tree.
 
@@ -119,6 +120,7 @@ def pair_series(
         identity: whether every principal part is zero, whatever theorem 2 would give.
         nystrom: whether only the trees that count on second-order systems are taken.
         wanted: residuals of these trees only at the orders where none below them is needed.
+        starts: whether zeta is computed at the trees of the last order too.
     """
     halves = {colour: _Half(pair, colour) for colour in "fk"}
     given = dict(principal or {})
@@ -146,7 +148,7 @@ def pair_series(
                         for x, y in zip(right, zeta[kept], strict=True)
                     )
             residual[t] = right[0] - Fraction(1, t.density)
-            if not last:
+            if not last or starts:
                 above = linalg.matvec(half.resolvent, right[1:]) if len(right) > 1 else ()
                 zeta[t] = (first.get(t, zero), *above)
                 stages[t] = _swept(half, pair.word, slopes, zeta[t])

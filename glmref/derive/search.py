@@ -73,6 +73,10 @@ class Batch:
         """Zero is never known of an array."""
         return None
 
+    def vanishes(self) -> bool:
+        """Zero is never known of an array."""
+        return False
+
     def is_real(self) -> bool:
         """Real up to the perturbation."""
         return True

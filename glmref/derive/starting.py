@@ -20,6 +20,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property, lru_cache
 from typing import Any
 
 from .. import linalg
@@ -32,7 +33,7 @@ from ..theory.trees import Tree
 from .classes import classes
 from .enclosure import Enclosure, Krawczyk, Outcome, krawczyk
 from .system import Affine, SweepSystem
-from .tableau_series import stage_order, weights
+from .tableau_series import outputs, slopes, stage_order, weights
 
 __all__ = [
     "StartingSystem",
@@ -70,19 +71,30 @@ class StartingSystem:
         self.unknowns: tuple[str, ...] = tuple(dict.fromkeys(seen))
         self._names = {x: f"x{k}" for k, x in enumerate(self.unknowns)}
 
+    @cached_property
+    def _named(self) -> list[list[str | Exact]]:
+        """The entries: numbers, and expressions in the names of the unknowns."""
+
+        def named(text: str) -> Any:
+            changed, count = _DECIMAL.subn(lambda m: self._names[m[0]], text)
+            return changed if count else parse(text)
+
+        return [[named(text) for text in row] for row in self.entries]
+
     def read(self, values: Sequence[Any]) -> Matrix:
         """Evaluate the entries at values of the unknowns."""
         constants = dict(zip(self._names.values(), values, strict=True))
         return tuple(
-            tuple(
-                parse(_DECIMAL.sub(lambda m: self._names[m[0]], text), constants=constants)
-                for text in row
-            )
-            for row in self.entries
+            tuple(parse(x, constants=constants) if isinstance(x, str) else x for x in row)
+            for row in self._named
         )
 
     def affine(self) -> list[list[Affine]]:
         """The entries as affine expressions in the unknowns."""
+        return self._affine
+
+    @cached_property
+    def _affine(self) -> list[list[Affine]]:
         values = [Affine.unknown(x) for x in self._names.values()]
         return [[Affine.of(x) for x in row] for row in self.read(values)]
 
@@ -210,7 +222,13 @@ def target_of(method: GLM) -> Target:
 
 def starting_system(block: Mapping[str, Any]) -> StartingSystem:
     """The unknowns of a block ``"starting"``."""
-    return StartingSystem([*block["A"], *block["B"]])
+    return _system(tuple(map(tuple, [*block["A"], *block["B"]])))
+
+
+@lru_cache(maxsize=4)
+def _system(entries: tuple[tuple[str, ...], ...]) -> StartingSystem:
+    """The system of a block, which several proofs of one file ask for."""
+    return StartingSystem(entries)
 
 
 def starting_function(block: Mapping[str, Any], target: Target) -> Conditions:
@@ -220,13 +238,16 @@ def starting_function(block: Mapping[str, Any], target: Target) -> Conditions:
     enough.
     """
     system, size = starting_system(block), len(block["A"])
-    q = 1
-    if not StartingSystem(block["A"]).unknowns:
-        q = stage_order(StartingSystem(block["A"]).read([]), most=target.stage_order)
+    stages, q, fixed = StartingSystem(block["A"]), 1, None
+    if not stages.unknowns:
+        A = stages.read([])
+        q = stage_order(A, most=target.stage_order)
+        fixed = slopes(A, target.order, parity=True, q=q)
 
     def conditions(values: Sequence[Any]) -> list[Any]:
         matrix = system.read(values)
-        found = weights(matrix[:size], matrix[size:], target.order, parity=True, q=q)
+        known = fixed or slopes(matrix[:size], target.order, parity=True, q=q)
+        found = outputs(matrix[size:], known)
         return starting_conditions(found, target.zeta, target.L, target.order, q)
 
     return conditions
@@ -255,7 +276,7 @@ def prove_starting(block: Mapping[str, Any], target: Target, *, digits: int = 75
 
 def finishing_system(block: Mapping[str, Any]) -> StartingSystem:
     """The unknowns of a block ``"finishing"``."""
-    return StartingSystem([*block["A"], block["b"]])
+    return _system(tuple(map(tuple, [*block["A"], block["b"]])))
 
 
 def finishing_function(

@@ -32,7 +32,8 @@ import numpy as np
 from ..catalogue import document, load, names
 from ..method import GLM
 from ..strict_json import write_json
-from ..theory.order import conjugate_error, error_norm, order_of
+from ..theory.error_constants import conjugate_error, error_norm
+from ..theory.order import order_of
 from ..theory.periodicity import periodicity
 
 __all__ = ["NEIGHBOURS", "frequencies", "main", "methods", "record"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from .. import linalg
@@ -11,7 +11,7 @@ from ..linalg import Matrix
 from ..theory.trees import Tree
 from .classes import classes, reduce_tree
 
-__all__ = ["stage_order", "weights"]
+__all__ = ["outputs", "slopes", "stage_order", "weights"]
 
 
 def weights(
@@ -26,29 +26,43 @@ def weights(
     """Series of ``h sum rows_kj f(Y_j)`` with ``Y_i = S + h sum A_ij f(Y_j)``.
 
     Args:
-        A: (m, m). rows: (k, m). order: last order.
-        base: series of S, where it is not the identity.
-        parity: whether A and the base are known to have parity: the series of every second stage
-            is then that of its partner at -h.
-        q: known stage order, where S is the identity: the series at classes of trees only.
+        A, order, base, parity, q: see :func:`slopes`. rows: (k, m).
 
     Returns
     -------
         For each row the map tree -> coefficient.
     """
+    return outputs(rows, slopes(A, order, base, parity=parity, q=q))
+
+
+def outputs(rows: Matrix, derivatives: Mapping[Tree, Sequence[Any]]) -> list[Mapping[Tree, Any]]:
+    """For each row the sums ``sum rows_kj F_j``, by tree."""
+    return [{t: linalg.dot(row, x) for t, x in derivatives.items()} for row in rows]
+
+
+def slopes(
+    A: Matrix,
+    order: int,
+    base: Mapping[Tree, Any] | None = None,
+    *,
+    parity: bool = False,
+    q: int = 1,
+) -> dict[Tree, tuple[Any, ...]]:
+    """Series of ``h f(Y_j)`` with ``Y_i = S + h sum A_ij f(Y_j)``: m numbers for each tree.
+
+    Args:
+        A: (m, m). order: last order.
+        base: series of S, where it is not the identity.
+        parity: whether A and the base are known to have parity: the series of every second stage
+            is then that of its partner at -h.
+        q: known stage order, where S is the identity: the series at classes of trees only.
+    """
     eta: dict[Tree, tuple[Any, ...]] = {}
-    found: list[dict[Tree, Any]] = [{} for _ in rows]
+    found: dict[Tree, tuple[Any, ...]] = {}
     computed = [i for i in range(len(A)) if not parity or i == 0 or i % 2]
     for n in range(1, order + 1):
         for t in classes(n, q):
-            derivative: tuple[Any, ...] = (Exact(1),) * len(A)
-            for child in t.children:
-                below, factor = reduce_tree(child, q)
-                derivative = tuple(x * y for x, y in zip(derivative, eta[below], strict=True))
-                if factor != 1:
-                    derivative = tuple(x * factor for x in derivative)
-            for k, row in enumerate(rows):
-                found[k][t] = linalg.dot(row, derivative)
+            found[t] = derivative = _product(t, eta, len(A), q)
             if n < order:
                 shift = base[t] if base is not None else Exact(0)
                 stages: dict[int, Any] = {}
@@ -57,7 +71,20 @@ def weights(
                     if parity and i:
                         stages[i + 1] = stages[i] if n % 2 == 0 else -stages[i]
                 eta[t] = tuple(stages[i] for i in range(len(A)))
-    return list(found)
+    return found
+
+
+def _product(t: Tree, eta: Mapping[Tree, tuple[Any, ...]], m: int, q: int) -> tuple[Any, ...]:
+    """Stage by stage the product of eta over the subtrees."""
+    result: tuple[Any, ...] | None = None
+    for child in t.children:
+        below, factor = reduce_tree(child, q)
+        values = eta[below] if factor == 1 else tuple(x * factor for x in eta[below])
+        if result is None:
+            result = values
+        else:
+            result = tuple(x * y for x, y in zip(result, values, strict=True))
+    return (Exact(1),) * m if result is None else result
 
 
 def stage_order(A: Matrix, *, most: int) -> int:

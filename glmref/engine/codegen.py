@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any
 
 from ..problems.formula import Formula
 from .emit import ArrayTarget, ScalarTarget, Target, Writer
@@ -50,6 +51,7 @@ class Options:
         history: whether all values are recorded, not only the solution.
         interpreted: whether the source is for the interpreter: arithmetic errors end the run by
             name instead of raising.
+        fused: whether the compiler may fuse products and sums.
     """
 
     compensated: bool = True
@@ -57,6 +59,12 @@ class Options:
     target: str = "auto"
     history: bool = False
     interpreted: bool = False
+    fused: bool = False
+
+    @classmethod
+    def of(cls, arithmetic: str, **others: Any) -> Options:
+        """Options that an ``arithmetic`` of :func:`.kernel.prepare` stands for."""
+        return cls(compensated=arithmetic != "naive", fused=arithmetic == "fused", **others)
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,7 @@ from typing import Any
 
 from ..claims import UsageError
 from . import native
+from .native import PLAIN, Tuning
 
 __all__ = ["Built", "build", "cache_folder", "interpret"]
 
@@ -35,7 +36,10 @@ _NUMBA_TYPES = {"d*": "float64[::1]", "i*": "int64[::1]", "d": "float64", "i": "
 _NUMBA_HEAD = """\
 import numba
 
-_options = {{"error_model": "numpy", "boundscheck": False, "nogil": True, "cache": {cache}}}
+_options = {{
+    "error_model": "numpy", "boundscheck": False, "nogil": True, "cache": {cache},
+    "fastmath": {flags!r},
+}}
 compiled = numba.njit(**_options)
 compiled_with_signature = numba.njit({signature!r}, **_options)
 
@@ -50,6 +54,11 @@ def compiled(function):
 compiled_with_signature = compiled
 
 """
+
+
+def _numba_head(signature: str, *, cache: bool, fuse: bool) -> str:
+    flags = {"contract"} if fuse else False
+    return _NUMBA_HEAD.format(cache=cache, signature=signature, flags=flags)
 
 
 @dataclass(frozen=True)
@@ -115,9 +124,7 @@ def build(
     source: str,
     arguments: Mapping[str, str],
     functions: Mapping[str, Callable[..., Any]] | None = None,
-    *,
-    pack: bool = False,
-    wide: bool = False,
+    tuning: Tuning = PLAIN,
 ) -> Built:
     """Compile a module: by the translator, by numba, or not at all.
 
@@ -126,18 +133,18 @@ def build(
         arguments: names and kinds of its arguments (:data:`.native.KINDS`).
         functions: Python callables the source calls by name; with any, nothing is cached on disk
             because their code is not part of the source.
-        pack, wide: see :func:`.native.compile_kernel`.
+        tuning: what the compiler may do; of it numba knows ``fuse`` only.
     """
     types = ", ".join(_NUMBA_TYPES[kind] for kind in arguments.values())
     signature = f"int64({types})"
     if functions:
-        return _build_around(source, signature, functions)
+        return _build_around(source, signature, functions, tuning.fuse)
     try:
-        return _native(source, tuple(arguments.items()), pack, wide)
+        return _native(source, tuple(arguments.items()), tuning)
     except (ImportError, native.Unsupported):
         pass
     try:
-        module = _load(source, signature)
+        module = _load(source, signature, tuning.fuse)
     except ImportError as error:
         return interpret(
             source, {}, f"numba cannot be imported ({error}); the kernel is interpreted"
@@ -146,24 +153,24 @@ def build(
 
 
 @lru_cache(maxsize=256)
-def _native(source: str, arguments: tuple[tuple[str, str], ...], pack: bool, wide: bool) -> Built:
+def _native(source: str, arguments: tuple[tuple[str, str], ...], tuning: Tuning) -> Built:
     import llvmlite
 
     key = "\n".join(
-        (source, f"{pack} {wide}", llvmlite.__version__, native.target_name(), platform.machine())
+        (source, repr(tuning), llvmlite.__version__, native.target_name(), platform.machine())
     )
     path = cache_folder() / f"glmref_kernel_{hashlib.sha256(key.encode()).hexdigest()[:24]}.o"
-    kernel = native.compile_kernel(source, dict(arguments), path, pack=pack, wide=wide)
+    kernel = native.compile_kernel(source, dict(arguments), path, tuning)
     return Built(kernel, "native", path)
 
 
 @lru_cache(maxsize=256)
-def _load(source: str, signature: str) -> ModuleType:
+def _load(source: str, signature: str, fuse: bool) -> ModuleType:
     """Write the module once, import it, and let numba find or fill its cache."""
     import numba
     from llvmlite import binding
 
-    text = _NUMBA_HEAD.format(cache=True, signature=signature) + source
+    text = _numba_head(signature, cache=True, fuse=fuse) + source
     key = "\n".join(
         (text, numba.__version__, binding.get_host_cpu_name(), platform.machine(), sys.version)
     )
@@ -189,7 +196,7 @@ def _load(source: str, signature: str) -> ModuleType:
 
 
 def _build_around(
-    source: str, signature: str, functions: Mapping[str, Callable[..., Any]]
+    source: str, signature: str, functions: Mapping[str, Callable[..., Any]], fuse: bool
 ) -> Built:
     """Compile with a user's functions among the callees, in memory."""
     try:
@@ -202,7 +209,7 @@ def _build_around(
         for name, function in functions.items():
             jitted = hasattr(function, "py_func")
             namespace[name] = function if jitted else numba.njit(error_model="numpy")(function)
-        text = _NUMBA_HEAD.format(cache=False, signature=signature) + source
+        text = _numba_head(signature, cache=False, fuse=fuse) + source
         exec(compile(text, "<glmref kernel>", "exec"), namespace)
     except (NumbaError, TypeError, AttributeError, NotImplementedError) as error:
         reason = next(

@@ -18,6 +18,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from itertools import pairwise
 
 from .shape import Part, Shape, inlined, parameter_names, used_parameters
@@ -182,6 +183,25 @@ class ScalarTarget(_Unrolled):
             self.w(*(f"x[{place + c}] = {self.ref(name, c)}" for c in range(self.d)))
 
 
+@dataclass
+class _Loop:
+    """A loop over components as it stands in the source.
+
+    Attributes
+    ----------
+        head, end: number of its line ``while``, and of the line after it. depth: indentation.
+        start, stop: components. counter: name. statements: as they were asked for.
+    """
+
+    head: int
+    end: int
+    depth: int
+    start: int
+    stop: int
+    counter: str
+    statements: list[str]
+
+
 class ArrayTarget(Target):
     """Components are entries of one work array ``x``; a vector is a slice at a fixed offset."""
 
@@ -189,8 +209,10 @@ class ArrayTarget(Target):
         super().__init__(shape, writer)
         #: Components start..stop of a vector that live elsewhere: name -> (start, stop, place).
         self.elsewhere: dict[str, tuple[int, int, int]] = {}
-        #: The loop that :meth:`vec` wrote last: lines and depth at its end, components, counter.
-        self.last: tuple[int, int, tuple[int, int], str] = (-1, 0, (0, 0), "")
+        #: Vectors whose entries are used only in the loop that computes them: local variables.
+        self.passing: set[str] = set()
+        #: The loop that :meth:`vec` wrote last.
+        self.last: _Loop | None = None
 
     def offset(self, name: str) -> int:
         """Place of a vector in the work array."""
@@ -216,29 +238,54 @@ class ArrayTarget(Target):
             self.w(f"{c} += 1")
 
     def vec(self, lines: Sequence[str], part: tuple[int, int] | None = None) -> None:
-        """See :class:`Target`. Two loops in a row over the same components become one."""
+        """See :class:`Target`.
+
+        Two loops in a row over the same components become one, and so do two with the same
+        statements over components in a row.
+        """
         low, high = part or (0, self.d)
-        moved = [self.elsewhere.get(name) for name in _REFERENCE.findall(" ".join(lines))]
+        names = _REFERENCE.findall(" ".join(lines))
+        moved = [self.elsewhere.get(name) for name in names]
         cuts = {low, high, *(c for place in moved if place for c in place[:2] if low < c < high)}
         for start, stop in pairwise(sorted(cuts)):
-            here = (len(self.w.lines), self.w.depth, (start, stop))
-            if self.last[:3] == here and not any(moved):
-                c = self.last[3]
-                step = self.w.lines.pop()
-                self.w.depth += 1
-                self._each(lines, c, start)
-                self.w.depth -= 1
-                self.w.lines.append(step)
-            else:
+            if any(moved) or not self._joined(lines, start, stop):
+                head = len(self.w.lines) + 1
                 with self.loop(start, stop) as c:
                     self._each(lines, c, start)
-            self.last = (len(self.w.lines), self.w.depth, (start, stop), c)
+                self.last = _Loop(head, 0, self.w.depth, start, stop, c, list(lines))
+            assert self.last is not None
+            self.last.end = len(self.w.lines)
+            done = " ".join(self.last.statements)
+            assert all(f"@{name} = " in done for name in self.passing.intersection(names))
+
+    def _joined(self, lines: Sequence[str], start: int, stop: int) -> bool:
+        """Let the loop just written do these statements too; whether that is possible."""
+        last = self.last
+        if last is None or (last.end, last.depth) != (len(self.w.lines), self.w.depth):
+            return False
+        if (last.start, last.stop) == (start, stop):
+            step = self.w.lines.pop()
+            self.w.depth += 1
+            self._each(lines, last.counter, start)
+            self.w.depth -= 1
+            self.w.lines.append(step)
+            last.statements += lines
+            return True
+        if last.stop != start or last.statements != list(lines):
+            return False
+        margin = "    " * last.depth
+        self.w.lines[last.head] = f"{margin}while {last.counter} < {stop}:"
+        last.stop = stop
+        return True
 
     def _each(self, lines: Sequence[str], c: str, low: int) -> None:
         """Write statements inside a loop with the counter ``c``, which begins at ``low``."""
+
+        def entry(name: str) -> str:
+            return f"{name}_" if name in self.passing else f"x[{self.place(name, low)} + {c}]"
+
         for line in lines:
-            text = _REFERENCE.sub(lambda m: f"x[{self.place(m[1], low)} + {c}]", line)
-            self.w(_COUNTER.sub(c, text))
+            self.w(_COUNTER.sub(c, _REFERENCE.sub(lambda match: entry(match[1]), line)))
 
     def total(self, name: str, template: str, part: tuple[int, int] | None = None) -> None:
         """See :class:`Target`."""

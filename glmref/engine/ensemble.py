@@ -16,13 +16,15 @@ from typing import Any
 import numpy as np
 
 from ..claims import UsageError
-from ..method import GLM, PartitionedGLM, StartingMethod
+from ..linalg import Vector
+from ..method import GLM, PairStartingMethod, PartitionedGLM, StartingMethod
 from ..problems.model import Problem
 from .codegen import SCALAR_LIMIT
 from .kernel import choose_form
+from .pair_start import explicit_order
 from .plan import plan_of, resolved, step_size
 from .reference import stepper
-from .runners import WIDTHS, EnsembleSolution, Lanes, Runner, Singles, slopes_at
+from .runners import WIDTHS, EnsembleSolution, Lanes, Runner, Singles, rows_at, slopes_at
 from .start import corrector, default_passes, zero_start
 
 __all__ = ["EnsembleSolution", "solve_ensemble"]
@@ -40,7 +42,7 @@ def solve_ensemble(
         problem, method, h, t_end, steps, every, arithmetic, solver: as for :func:`.solve.solve`.
         initial: (N, d) initial values.
         start: ``None``: the method's own explicit starting method, else the enhanced start;
-            ``"enhanced"``, ``"zero"``, or values (N, r, d).
+            ``"enhanced"``, ``"zero"``, an explicit starting method, or values (N, r, d).
         threads: number of threads, by default one per processor.
         width: lanes per block, by default what fits the first-level cache; 1 for one by one.
         cancel: called about every 100 ms.
@@ -86,13 +88,15 @@ def _starts(
 ) -> tuple[np.ndarray, int]:  # fmt: skip
     """Starting values (N, r, d) and the evaluations they cost."""
     engine = stepper(method, problem)
-    own = method.starting if isinstance(method, GLM) else None
     if start is None:
-        start = own if own is not None and _explicit(own) else "enhanced"
-        if engine.shape[0] == 1:
-            start = "zero"
+        start = _own_start(method)
     if isinstance(start, StartingMethod):
         return _runge_kutta_starts(start, problem, y0, h)
+    if isinstance(start, PairStartingMethod) and isinstance(method, PartitionedGLM):
+        order = explicit_order(start, method)
+        if order is None:
+            raise UsageError("many trajectories need an explicit starting method")
+        return _pair_starts(start, order, problem, y0, h, engine.shape[0])
     if not isinstance(start, str):
         values = np.array(start, dtype=float)
         if values.shape != (len(y0), *engine.shape):
@@ -119,6 +123,17 @@ def _starts(
     return enhanced(passes, y0), cost
 
 
+def _own_start(method: GLM | PartitionedGLM) -> Any:
+    """The explicit start of the file, else the enhanced start; none where one value is carried."""
+    if isinstance(method, PartitionedGLM):
+        own, one = method.starting, method.r == method.r_hat == 1
+        explicit = own is not None and explicit_order(own, method) is not None
+    else:
+        own, one = method.starting, method.r == 1
+        explicit = own is not None and _explicit(own)
+    return "zero" if one else own if explicit else "enhanced"
+
+
 def _explicit(start: StartingMethod) -> bool:
     m = start.stages
     return all(start.A[i][j].is_zero() is True for i in range(m) for j in range(i, m))
@@ -140,3 +155,41 @@ def _runge_kutta_starts(
         for weight, slope in zip(row, slopes, strict=True):
             values[:, k] += h * float(weight) * slope
     return values, len(slopes) * len(y0)
+
+
+def _pair_starts(
+    start: PairStartingMethod,
+    order: list[tuple[str, int]],
+    problem: Problem,
+    y0: np.ndarray,
+    h: float,
+    rows: int,
+) -> tuple[np.ndarray, int]:
+    """An explicit start on many initial values at once, on a separable problem.
+
+    Args:
+        order: see :func:`explicit_order`. y0: (N, d). rows: max(r, r^).
+
+    Returns
+    -------
+        values (N, rows, d) and the evaluations of k.
+    """
+    m = y0.shape[1] // 2
+    q0, p0 = y0[:, :m], y0[:, m:]
+    slopes: dict[tuple[str, int], np.ndarray] = {}
+
+    def total(base: np.ndarray, row: Vector, letter: str) -> np.ndarray:
+        terms = [(x, slopes.get((letter, j))) for j, x in enumerate(row)]
+        return base + sum((h * float(x) * s for x, s in terms if s is not None), 0 * base)
+
+    for letter, i in order:
+        if letter == "Q":
+            slopes["Q", i] = rows_at(problem.dp, total(q0, start.A[i], "P"))
+        else:
+            slopes["P", i] = rows_at(problem.dq, total(p0, start.A_hat[i], "Q"))
+    values = np.zeros((len(y0), rows, y0.shape[1]))
+    for k, (u, row) in enumerate(zip(start.u, start.B, strict=True)):
+        values[:, k, :m] = total(float(u) * q0, row, "P")
+    for k, (u, row) in enumerate(zip(start.u_hat, start.B_hat, strict=True)):
+        values[:, k, m:] = total(float(u) * p0, row, "Q")
+    return values, sum(letter == "Q" for letter, _ in order) * len(y0)

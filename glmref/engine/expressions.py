@@ -148,7 +148,7 @@ class Expressions:
         floating = {ast.Add: b.fadd, ast.Sub: b.fsub, ast.Mult: b.fmul, ast.Div: b.fdiv}
         if kind not in floating:
             raise Unsupported(kind.__name__)
-        return floating[kind](left, right)
+        return floating[kind](left, right, flags=self.m.flags)
 
     def _value_UnaryOp(self, node: ast.UnaryOp) -> Any:
         value = self._value(node.operand)

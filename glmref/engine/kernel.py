@@ -34,7 +34,7 @@ from .sweep import step_form
 
 __all__ = ["ARITHMETIC", "SOLVERS", "Kernel", "State", "choose_solver", "contraction", "prepare"]
 
-ARITHMETIC = ("strict", "compensated", "naive")
+ARITHMETIC = ("strict", "fused", "compensated", "naive")
 SOLVERS = ("auto", "fixed-point", "newton")
 
 POOR = 0.25  # a fixed point that contracts less than this per round is slow
@@ -107,6 +107,8 @@ class Kernel:
         if self.form.implicit_stages:
             words.append(self.options.solver)
         words.append("compensated" if self.options.compensated else "not compensated")
+        if self.options.fused:
+            words.append("fused")
         return ", ".join((*words, f"{self.source.target} target"))
 
     def state(self, values: np.ndarray, slope: np.ndarray, h: float) -> State:
@@ -196,8 +198,10 @@ def prepare(
 
     Args:
         arithmetic: ``"strict"``: structurally exact coefficients (sweep or mu-form) where the
-            method has them, increments first, compensated; ``"compensated"``: A, U, B, V with
-            compensated summation and the tableau's rounding residue; ``"naive"``: neither.
+            method has them, increments first, compensated; ``"fused"``: the same, but
+            products and sums may be fused, which is faster and has the bits of the processor, not
+            of the source; ``"compensated"``: A, U, B, V with compensated summation and the
+            tableau's rounding residue; ``"naive"``: neither.
         solver: one of :data:`SOLVERS`.
         form: ``"auto"`` or one of :data:`.sweep.FORMS`, which overrides what ``arithmetic`` says.
         history: whether all values are recorded.
@@ -212,12 +216,17 @@ def prepare(
         raise UsageError(f"`arithmetic` must be one of {', '.join(ARITHMETIC)}, got {arithmetic!r}")
     if solver not in SOLVERS:
         raise UsageError(f"`solver` must be one of {', '.join(SOLVERS)}, got {solver!r}")
-    wanted = form if form != "auto" else ("auto" if arithmetic == "strict" else "standard")
-    options = Options(compensated=arithmetic != "naive", history=history, interpreted=interpreted)
+    wanted = form if form != "auto" else form_of(arithmetic)
+    options = Options.of(arithmetic, history=history, interpreted=interpreted)
     coefficients, shape = choose_form(method, problem, wanted)
     if isinstance(coefficients, StepForm):
         options = replace(options, solver=choose_solver(coefficients, shape, problem, h, solver))
     return _assembled(coefficients, shape, options, begin)
+
+
+def form_of(arithmetic: str) -> str:
+    """Return the form an arithmetic stands for: exact where the method has it, or A, U, B, V."""
+    return "auto" if arithmetic in ("strict", "fused") else "standard"
 
 
 def choose_form(
@@ -236,7 +245,8 @@ def _assembled(form: StepForm | PairForm, shape: Shape, options: Options, begin:
         built = compiled.interpret(source.text, functions)
     else:
         pack = source.side_by_side >= PACKED_STAGES or source.target == "array"
-        built = compiled.build(source.text, ARGUMENTS, functions, pack=pack)
+        tuning = native.Tuning(pack=pack, fuse=options.fused)
+        built = compiled.build(source.text, ARGUMENTS, functions, tuning)
         if built.engine == "python":
             options = replace(options, interpreted=True)
             source = _source_of(form, shape, options)

@@ -1,7 +1,8 @@
 """Compile generated source to machine code with llvmlite, keeping the object code on disk.
 
 :mod:`.translate` turns the source into LLVM's assembly, in a tenth of the time numba needs. No
-floating point operation is reordered or contracted: the result has the bits of the interpreter.
+floating point operation is reordered, nor contracted unless asked for: the result has the bits of
+the interpreter.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import hashlib
 import os
 import tempfile
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +21,7 @@ import numpy as np
 
 from .translate import LIBRARY, Unsupported, translated
 
-__all__ = ["Unsupported", "aligned_zeros", "compile_kernel", "target_name"]
+__all__ = ["PLAIN", "Tuning", "Unsupported", "aligned_zeros", "compile_kernel", "target_name"]
 
 _DIGEST = 32  # bytes of a checksum
 
@@ -45,20 +47,38 @@ def target_name() -> str:
     return f"{binding.get_host_cpu_name()} {binding.get_host_cpu_features().flatten()}"
 
 
+@dataclass(frozen=True)
+class Tuning:
+    """What the compiler may do.
+
+    Attributes
+    ----------
+        pack: whether independent operations of straight-line code are packed into vectors. That
+            helps where several stages go side by side and hurts a single chain of operations.
+        wide: whether loops may use the widest vectors of the processor, which LLVM avoids by
+            default where short bursts of them do not pay; loops over lanes are no short bursts.
+        fuse: whether a product and a sum may become one operation with one rounding. The bits
+            then depend on the processor.
+    """
+
+    pack: bool = False
+    wide: bool = False
+    fuse: bool = False
+
+
+PLAIN = Tuning()
+
+
 def compile_kernel(
-    source: str, arguments: Mapping[str, str], cached: Path | None, *, pack: bool = False,
-    wide: bool = False,
-) -> Callable[..., int]:  # fmt: skip
+    source: str, arguments: Mapping[str, str], cached: Path | None, tuning: Tuning = PLAIN
+) -> Callable[..., int]:
     """Compile the function ``kernel`` of a generated module.
 
     Args:
         source: module text.
         arguments: name -> kind (:data:`KINDS`), in order.
         cached: file with the object code; read where it exists, else written.
-        pack: whether independent operations of straight-line code are packed into vectors. That
-            helps where several stages go side by side and hurts a single chain of operations.
-        wide: whether loops may use the widest vectors of the processor, which LLVM avoids by
-            default where short bursts of them do not pay; loops over lanes are no short bursts.
+        tuning: what the compiler may do.
 
     Returns
     -------
@@ -69,7 +89,7 @@ def compile_kernel(
     ------
         Unsupported: when the source cannot be translated.
     """
-    engine = _engine(source, arguments, cached, pack, wide)
+    engine = _engine(source, arguments, cached, tuning)
     address = engine.get_function_address("kernel")
     kinds = list(arguments.values())
     raw = ctypes.CFUNCTYPE(ctypes.c_int64, *(KINDS[k] for k in kinds))(address)
@@ -83,15 +103,13 @@ def compile_kernel(
     return kernel
 
 
-def _engine(
-    source: str, arguments: Mapping[str, str], cached: Path | None, pack: bool, wide: bool
-) -> Any:
+def _engine(source: str, arguments: Mapping[str, str], cached: Path | None, tuning: Tuning) -> Any:
     from llvmlite import binding
 
     binding.initialize_native_target()
     binding.initialize_native_asmprinter()
     features = binding.get_host_cpu_features().flatten()
-    if wide and "+avx512f" in features:
+    if tuning.wide and "+avx512f" in features:
         features += ",-prefer-256-bit"
     machine = binding.Target.from_default_triple().create_target_machine(
         cpu=binding.get_host_cpu_name(), features=features, opt=3
@@ -103,11 +121,11 @@ def _engine(
         engine.add_object_file(binding.ObjectFileRef.from_data(code))
         engine.finalize_object()
         return engine
-    module = binding.parse_assembly(translated(source, arguments))
+    module = binding.parse_assembly(translated(source, arguments, fuse=tuning.fuse))
     module.verify()
     options = binding.create_pipeline_tuning_options(speed_level=3)
     options.loop_vectorization = True
-    options.slp_vectorization = pack
+    options.slp_vectorization = tuning.pack
     builder = binding.create_pass_builder(machine, options)
     builder.getModulePassManager().run(module, builder)
     if cached is not None:

@@ -43,6 +43,13 @@ class PairBuilder(Builder):
         m, d = shape.half, shape.dimension
         kinds = {"running": form.running, "compensated": options.compensated}
         P, Q = form.P, form.Q
+        self.in_place = False
+        if isinstance(target, ArrayTarget) and form.running:
+            self.in_place = True
+            # what a stage sees and its increment serve the values at once, and nothing later; new
+            # values are written where the old ones were
+            target.passing |= {f"{x}{i}" for x in "aL" for i in range(Q.n + P.n)}
+            target.passing |= {f"{x}{k}" for x in "nr" for k in range(self._rows())}
         self.sides = (
             Values(target, form.V, P.R, P.R_residue, form.large, (0, m), **kinds),
             Values(target, form.V_hat, Q.R, Q.R_residue, form.large_hat, (m, d), **kinds),
@@ -106,26 +113,28 @@ class PairBuilder(Builder):
         return self._named(node, big, small, self.sides[side].part)
 
     def _node(self, node: int, done: Sequence[int]) -> None:
-        """One explicit stage: its value, its function, its increment."""
+        """One explicit stage: its value, its function, its increment.
+
+        A force that is kept from step to step is G: at the first stage it is known, at the last one
+        it is evaluated anew.
+        """
         _, i, side = self._side(node)
-        z, a = self._base_of(node, done)
-        text = z if a == "0.0" else f"{z} + {a}"
-        self.t.vec([f"@Y{node} = {text}"], self.sides[side].part)
-        self._call(node)
+        ends = {self.form.blocks[k].stages[0] for k in (0, -1)} if self.form.reuses_force else ()
+        slope = "G" if node in ends else f"F{node}"
+        if slope != "G" or done:
+            z, a = self._base_of(node, done)
+            text = z if a == "0.0" else f"{z} + {a}"
+            self.t.vec([f"@Y{node} = {text}"], self.sides[side].part)
+            self.t.call(self.shape.parts[1 - side], f"Y{node}", slope, f"s{node}")
+        lines = [f"@L{node} = hw{node}*@{slope}"]
         if self.form.running:
-            self.sides[1 - side].add(i, f"@L{node}")
+            lines += self.sides[1 - side].adding(i, f"@L{node}")
+        self.t.vec(lines, self.sides[1 - side].part)
 
     def _call(self, node: int) -> None:
         """L of a stage from its value Y."""
         _, _, side = self._side(node)
-        other = self.sides[1 - side].part
-        first, last = (self.form.blocks[k].stages[0] for k in (0, -1))
-        if self.form.reuses_force and node == first:
-            self.t.vec([f"@F{node} = @G"], other)
-        else:
-            self.t.call(self.shape.parts[1 - side], f"Y{node}", f"F{node}", f"s{node}")
-        if self.form.reuses_force and node == last:
-            self.t.vec([f"@G = @F{node}"], other)
+        self.t.call(self.shape.parts[1 - side], f"Y{node}", f"F{node}", f"s{node}")
         self.t.vec([f"@L{node} = hw{node}*@F{node}"], self.sides[1 - side].part)
 
     def _evaluations_of_explicit_stages(self) -> None:
@@ -169,6 +178,9 @@ class PairBuilder(Builder):
     def _commit(self) -> None:
         n = self.form.Q.n
         names = ([f"@L{n + i}" for i in range(self.form.P.n)], [f"@L{j}" for j in range(n)])
+        if self.in_place:
+            self._commit_in_place(names)
+            return
         for values, increments, check in zip(
             self.sides, names, ("check_q", "check_p"), strict=True
         ):
@@ -177,3 +189,14 @@ class PairBuilder(Builder):
         self._finite("check_q + check_p")
         for values in self.sides:
             self._accept(values)
+
+    def _commit_in_place(self, names: tuple[list[str], list[str]]) -> None:
+        """Check the sum first: then new values go where the old ones were, in one pass."""
+        whole = self.sides[0].coming() == self.sides[1].coming()
+        for values, check in zip(self.sides, ("check_q", "check_p"), strict=True):
+            if check == "check_q" or not whole:
+                self.t.total(check, f"({values.coming()})", self.all if whole else values.part)
+        self._finite("check_q" if whole else "check_q + check_p")
+        for values, increments in zip(self.sides, names, strict=True):
+            accepted = [f"{old} = {new}" for old, new in values.pairs()]
+            self.t.vec(values.finishing(increments) + accepted, values.part)

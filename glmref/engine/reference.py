@@ -27,7 +27,15 @@ from .arithmetic import Arithmetic, StageSolver, size
 from .outcome import StartFailed
 from .tableau import StageBlock, dependency_blocks, method_abscissae
 
-__all__ = ["Step", "Stepper", "apply_finish", "apply_start", "stepper"]
+__all__ = [
+    "PairStepper",
+    "Step",
+    "Stepper",
+    "apply_finish",
+    "apply_start",
+    "pair_blocks",
+    "stepper",
+]
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +160,6 @@ class PairStepper(Stepper):
     ) -> None:
         self.arithmetic = Arithmetic(digits)
         self.problem = self.arithmetic.localised(problem)
-        self.pair = method
         if not problem.separable and method.separable:
             raise UsageError(
                 f"{method.name or 'the pair'} is for separable problems; {problem.name} gives no "
@@ -160,12 +167,24 @@ class PairStepper(Stepper):
             )
         if problem.dimension % 2:
             raise UsageError(f"a pair needs y = (q, p), got {problem.dimension} components")
+        self._take(method)
+
+    def _take(self, method: PartitionedGLM) -> None:
+        """Keep the coefficients of a pair in the arithmetic of the run."""
+        self.pair = method
         for letter in "AUBV":
             setattr(self, letter, self.arithmetic.array(getattr(method, letter)))
             hat = self.arithmetic.array(getattr(method, f"{letter}_hat"))
             setattr(self, f"{letter}_hat", hat)
-        self.half = problem.dimension // 2
-        self.blocks = pair_blocks(method, joint=not problem.separable)
+        self.half = self.problem.dimension // 2
+        self.blocks = pair_blocks(method, joint=not self.problem.separable)
+
+    def with_method(self, method: PartitionedGLM) -> PairStepper:
+        """Return a stepper of another pair on the same problem in the same arithmetic."""
+        other = PairStepper.__new__(PairStepper)
+        other.arithmetic, other.problem = self.arithmetic, self.problem
+        other._take(method)
+        return other
 
     A_hat: np.ndarray
     U_hat: np.ndarray

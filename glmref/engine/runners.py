@@ -16,8 +16,17 @@ from ..problems.model import Problem
 from . import compiled, native
 from .codegen import Options
 from .forms import StepForm
-from .kernel import ARITHMETIC, Kernel, choose_form, choose_solver, prepare, remembered
+from .kernel import (
+    ARITHMETIC,
+    Kernel,
+    choose_form,
+    choose_solver,
+    form_of,
+    prepare,
+    remembered,
+)
 from .lanes import LANE_ARGUMENTS, LaneSource, lane_source
+from .native import Tuning
 from .newton import INLINE_LIMIT
 from .outcome import KERNEL_OUTCOMES, Outcome
 
@@ -66,13 +75,18 @@ class EnsembleSolution:
 
 def slopes_at(problem: Problem, t: float, y: np.ndarray) -> np.ndarray:
     """Right-hand side at every row of y, shape (N, d)."""
+    return rows_at(lambda x: problem.f(t, x), y)
+
+
+def rows_at(function: Callable[[np.ndarray], Any], y: np.ndarray) -> np.ndarray:
+    """A function of one state at every row of y, in the shape of y."""
     try:
-        found = np.asarray(problem.f(t, y.T), dtype=float)
+        found = np.asarray(function(y.T), dtype=float)
         if found.shape == y.T.shape:
             return np.ascontiguousarray(found.T)
     except (TypeError, ValueError, IndexError):
         pass  # a callable that takes one state at a time
-    return np.stack([np.asarray(problem.f(t, row), dtype=float) for row in y])
+    return np.stack([np.asarray(function(row), dtype=float) for row in y])
 
 
 class Runner:
@@ -174,8 +188,7 @@ class Lanes(Runner):
     def build(self, arithmetic: str, solver: str, width: int | None) -> None:
         """See :class:`Runner`."""
         begin = time.perf_counter()
-        wanted = "auto" if arithmetic == "strict" else "standard"
-        self.form, self.shape = choose_form(self.method, self.problem, wanted)
+        self.form, self.shape = choose_form(self.method, self.problem, form_of(arithmetic))
         options = prepare_options(self, arithmetic, solver)
         self.source: LaneSource
         for choice in (width,) if width else reversed(WIDTHS):
@@ -183,7 +196,9 @@ class Lanes(Runner):
             if self.source.work_size * 8 <= _FAST_MEMORY:
                 break
         self.width, self.options = self.source.width, options
-        self.built = compiled.build(self.source.text, LANE_ARGUMENTS, wide=True)
+        self.built = compiled.build(
+            self.source.text, LANE_ARGUMENTS, tuning=Tuning(wide=True, fuse=options.fused)
+        )
         self.build_seconds = time.perf_counter() - begin
 
     @property
@@ -192,6 +207,8 @@ class Lanes(Runner):
         words = [f"{self.built.engine}, {self.form.kind} form", f"{self.width} lanes"]
         if self.form.implicit_stages:
             words.insert(1, self.options.solver)
+        if self.options.fused:
+            words.append("fused")
         return ", ".join(words)
 
     def load(self, values: np.ndarray) -> None:
@@ -267,7 +284,7 @@ def prepare_options(runner: Lanes, arithmetic: str, solver: str) -> Any:
     """Options of a lane kernel: the solver by the rule for single runs, as far as lanes have it."""
     if arithmetic not in ARITHMETIC:
         raise UsageError(f"`arithmetic` must be one of {', '.join(ARITHMETIC)}, got {arithmetic!r}")
-    options = Options(compensated=arithmetic != "naive")
+    options = Options.of(arithmetic)
     form, shape = runner.form, runner.shape
     if isinstance(runner.method, PartitionedGLM):
         return options

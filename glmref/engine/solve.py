@@ -42,7 +42,8 @@ def solve(
         start: see :func:`.start.starting_values`; by default the method's own starting method.
         engine: ``"compiled"``; ``"reference"``, the step as in a paper; ``"interpreted"``, the
             compiled engine's source run by the interpreter.
-        arithmetic: ``"strict"``, ``"compensated"`` or ``"naive"``, see :func:`.kernel.prepare`.
+        arithmetic: ``"strict"``, ``"fused"``, ``"compensated"`` or ``"naive"``, see
+            :func:`.kernel.prepare`.
         form, solver: override what is chosen, see :func:`.kernel.prepare`.
         history: keep all values at every time kept, not only the solution.
         digits: decimal digits (reference engine only).

@@ -19,9 +19,10 @@ import numpy as np
 
 from ..claims import UsageError
 from ..linalg import Matrix
-from ..method import GLM, PartitionedGLM, StartingMethod
+from ..method import GLM, PairStartingMethod, PartitionedGLM, StartingMethod
 from ..problems.model import Problem
 from .outcome import StartFailed
+from .pair_start import apply_pair_start
 from .reference import PairStepper, Stepper, apply_start
 from .tableau import preconsistency
 
@@ -34,7 +35,11 @@ MOST_PASSES = 8
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """Starting values, what they cost and where they come from."""
+    """Starting values, what they cost and where they come from.
+
+    ``evaluations`` counts as :class:`.reference.Step` does: of k alone for a pair on a separable
+    problem.
+    """
 
     values: np.ndarray
     evaluations: int
@@ -55,7 +60,8 @@ def starting_values(
         engine: stepper of the method on the problem, in the arithmetic of the run.
         start: ``None``: the method's own starting method, else the enhanced start where r > 1;
             ``"enhanced"`` or ``("enhanced", passes)``; ``"zero"``: (y0, 0, ...); a
-            :class:`StartingMethod`; values (r, d); or ``start(problem, h)`` that returns them.
+            :class:`StartingMethod`, for a pair a :class:`PairStartingMethod`; values (r, d); or
+            ``start(problem, h)`` that returns them.
         t, y0, h: initial time and value, step size.
 
     Raises
@@ -63,14 +69,13 @@ def starting_values(
         UsageError: for a start that does not fit the method.
     """
     method = engine.pair if isinstance(engine, PairStepper) else engine.method
-    own = _own_start(method)
     if start is None:
-        start = own if own is not None else ("enhanced" if engine.shape[0] > 1 else "zero")
+        start = method.starting or ("enhanced" if engine.shape[0] > 1 else "zero")
     if isinstance(start, StartingMethod):
         if isinstance(engine, PairStepper):
-            raise UsageError("a pair starts from its own two starting methods or from values")
+            raise UsageError("a pair starts from the starting method of a pair or from values")
         return _from_method(start, engine, t, y0, h)
-    if isinstance(start, tuple) and len(start) == 2 and isinstance(start[0], StartingMethod):
+    if isinstance(start, PairStartingMethod):
         return _from_pair(start, engine, t, y0, h)
     if isinstance(start, str) and start == "zero":
         return Start(zero_start(engine, y0), 0, "zero")
@@ -86,14 +91,6 @@ def starting_values(
             f"`start` must be enhanced, zero, a starting method or values, got {start!r}"
         )
     return Start(_checked(start, engine), 0, "given")
-
-
-def _own_start(method: GLM | PartitionedGLM) -> Any:
-    if isinstance(method, GLM):
-        return method.starting
-    if method.starting_q is not None and method.starting_p is not None:
-        return method.starting_q, method.starting_p
-    return None
 
 
 def default_passes(method: GLM | PartitionedGLM) -> int:
@@ -121,17 +118,11 @@ def _from_method(start: StartingMethod, engine: Stepper, t: Any, y0: Any, h: Any
     return Start(values, evaluations, start.name or start.kind)
 
 
-def _from_pair(
-    start: tuple[StartingMethod, StartingMethod], engine: Stepper, t: Any, y0: Any, h: Any
-) -> Start:
-    """Starting methods of q and p share the stages of y0: each reads its half of the slopes."""
-    values = engine.arithmetic.zeros(engine.shape)
-    m, evaluations = engine.shape[1] // 2, 0
-    for method, columns in zip(start, (slice(0, m), slice(m, None)), strict=True):
-        found, cost = apply_start(method, engine, t, y0, h)
-        values[: len(found), columns] = found[:, columns]
-        evaluations += cost
-    return Start(values, evaluations, "runge-kutta")
+def _from_pair(start: PairStartingMethod, engine: Stepper, t: Any, y0: Any, h: Any) -> Start:
+    if not isinstance(engine, PairStepper):
+        raise UsageError("the starting method of a pair starts pairs only")
+    values, evaluations, _ = apply_pair_start(start, engine, t, y0, h)
+    return Start(values, evaluations, start.name or start.kind)
 
 
 def _halves(engine: Stepper) -> list[tuple[slice, Matrix, Matrix]]:

@@ -21,18 +21,19 @@ from .expressions import LIBRARY, Array, Expressions, Unsupported, is_slice
 __all__ = ["LIBRARY", "Unsupported", "translated"]
 
 
-def translated(source: str, arguments: Mapping[str, str]) -> str:
+def translated(source: str, arguments: Mapping[str, str], *, fuse: bool = False) -> str:
     """LLVM assembly of a module's function ``kernel`` and of what it calls.
 
     Args:
         source: module text.
         arguments: name -> kind: ``d*`` or ``i*`` for arrays, ``d`` or ``i`` for numbers.
+        fuse: whether a product and a sum may become one operation.
     """
     tree = ast.parse(source)
     functions = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
     if "kernel" not in functions:
         raise Unsupported("there is no kernel")
-    module = _Module(functions)
+    module = _Module(functions, ("contract",) if fuse else ())
     names = [argument.arg for argument in functions["kernel"].args.args]
     if names != list(arguments):
         raise Unsupported(f"arguments {names}")
@@ -43,11 +44,12 @@ def translated(source: str, arguments: Mapping[str, str]) -> str:
 class _Module:
     """The module that is being built, and the functions translated so far."""
 
-    def __init__(self, functions: Mapping[str, ast.FunctionDef]) -> None:
+    def __init__(self, functions: Mapping[str, ast.FunctionDef], flags: tuple[str, ...]) -> None:
         from llvmlite import ir
 
         self.ir, self.module, self.functions = ir, ir.Module("glmref"), functions
         self.double, self.integer, self.bit = ir.DoubleType(), ir.IntType(64), ir.IntType(1)
+        self.flags = flags  # of operations on doubles
         self.done: dict[tuple[str, tuple[str, ...]], Any] = {}
 
     def function(self, name: str, kinds: tuple[str, ...]) -> Any:

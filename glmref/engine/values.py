@@ -109,8 +109,8 @@ class Values:
                 small.append((factor, f"({linear([self.x[k], rest])})"))
         return big, small
 
-    def add(self, column: int, name: str) -> None:
-        """Running forms: u += R L as soon as L is known."""
+    def adding(self, column: int, name: str) -> list[str]:
+        """Statements of :meth:`add`."""
         lines = []
         for k, row in enumerate(self.R):
             if not row[column]:
@@ -120,6 +120,11 @@ class Values:
             lines.append(f"@u{k} = {linear(terms if rest is None else [rest, *terms])}")
             self.u[k] = (1.0, f"@u{k}")
             self.grown.add(k)
+        return lines
+
+    def add(self, column: int, name: str) -> None:
+        """Running forms: u += R L as soon as L is known."""
+        lines = self.adding(column, name)
         if lines:
             self.t.vec(lines, self.part)
 
@@ -127,6 +132,10 @@ class Values:
         """New values in n{k} and, compensated, their rounding errors in r{k}."""
         if not self.running:
             self._shift()
+        self.t.vec(self.finishing(names), self.part)
+
+    def finishing(self, names: Sequence[str]) -> list[str]:
+        """Statements of :meth:`finish`, once the values that the stages read are there."""
         lines = []
         for k, row in enumerate(self.R):
             rest = self.u[k]
@@ -150,7 +159,12 @@ class Values:
                 lines.append(
                     f"@r{k} = {linear([rest])} - ({linear([(1.0, f'@n{k}'), (-sign, value)])})"
                 )
-        self.t.vec(lines, self.part)
+        return lines
+
+    def coming(self) -> str:
+        """Running forms: the sum of the new values, before they are in n{k}."""
+        terms = zip(self.x, self.u, strict=True)
+        return linear([term for pair in terms for term in pair if term is not None])
 
     def check(self, name: str) -> None:
         """Assign to ``name`` a sum that is a number only if every new value is."""

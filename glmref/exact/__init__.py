@@ -6,14 +6,30 @@ Two number types share one set of operations, so that the theory is written once
 * :class:`Ball`, a complex interval of :data:`BALL_BITS` bits, for published decimals and for
   enclosures. ``is_zero`` is ``False`` when zero is excluded and ``None`` when it is not.
 
-Mixing the two gives a ball. A Python int or Fraction mixes with both; a float never does.
+Mixing the two gives a ball. A Python int or Fraction mixes with both; a float never does. A
+:class:`Jet` is either with its gradient.
 Reading and writing the text form is the business of :mod:`glmref.expression`.
 """
 
 from .ball import Ball, ball
 from .field import BALL_BITS
+from .jet import Jet, jets, lift
 from .number import Exact, exact, root_of_unity
+from .products import BallMatrix, sum_of_products
 
-__all__ = ["BALL_BITS", "Ball", "Exact", "Scalar", "ball", "exact", "root_of_unity"]
+__all__ = [
+    "BALL_BITS",
+    "Ball",
+    "BallMatrix",
+    "Exact",
+    "Jet",
+    "Scalar",
+    "ball",
+    "exact",
+    "jets",
+    "lift",
+    "root_of_unity",
+    "sum_of_products",
+]
 
 Scalar = Exact | Ball

@@ -96,6 +96,6 @@ class Arithmetic:
 
 def as_fmpq(value: int | Fraction | flint.fmpq) -> flint.fmpq:
     """Convert to flint's rational type."""
-    if isinstance(value, Fraction):
+    if type(value) is not int and isinstance(value, Fraction):
         return flint.fmpq(value.numerator, value.denominator)
     return flint.fmpq(value)

@@ -28,6 +28,10 @@ if TYPE_CHECKING:
 
 __all__ = ["Exact", "exact", "root_of_unity"]
 
+_new = object.__new__
+_RATIONAL = (int, Fraction)
+_FOREIGN = (Arithmetic, bool)  # numbers that take part by their own operators, or not at all
+
 
 class Exact(Arithmetic):
     """An algebraic number with decidable zero.
@@ -40,12 +44,16 @@ class Exact(Arithmetic):
         ExactnessError: for a float or any other type whose value is not exact.
     """
 
-    __slots__ = ("_gr", "_q")
+    __slots__ = ("_ball", "_gr", "_q")
     _q: flint.fmpq | None
     _gr: Any
+    _ball: Ball | None  # of the working precision, once it was asked for
 
     def __init__(self, value: int | Fraction | flint.fmpq | Exact = 0) -> None:
-        if isinstance(value, Exact):
+        self._ball = None
+        if type(value) is int:
+            self._q, self._gr = flint.fmpq(value), None
+        elif isinstance(value, Exact):
             self._q, self._gr = value._q, value._gr
         elif isinstance(value, bool) or not isinstance(value, int | Fraction | flint.fmpq):
             raise ExactnessError(
@@ -59,8 +67,8 @@ class Exact(Arithmetic):
     @classmethod
     def _wrap(cls, element: Any) -> Exact:
         """Wrap a field element; whether it is rational is found only when asked: `_settle`."""
-        self = cls.__new__(cls)
-        self._q, self._gr = None, element
+        self = _new(cls)
+        self._q, self._gr, self._ball = None, element, None
         return self
 
     def _settle(self) -> None:
@@ -71,6 +79,7 @@ class Exact(Arithmetic):
                 numerator, _, denominator = (match[1] or match[2]).partition("/")
                 # flint reads the digits: int() refuses more than 4300 of them
                 self._q = flint.fmpq(flint.fmpz(numerator), flint.fmpz(denominator or "1"))
+                self._ball = None
 
     @property
     def _element(self) -> Any:
@@ -80,12 +89,12 @@ class Exact(Arithmetic):
 
     def _binary(self, other: object, operation: Any) -> Any:
         if not isinstance(other, Exact):
-            if isinstance(other, bool) or not isinstance(other, int | Fraction):
+            if isinstance(other, _FOREIGN) or not isinstance(other, _RATIONAL):
                 return NotImplemented
             other = Exact(other)
         if self._q is not None and other._q is not None:
-            result = Exact.__new__(Exact)
-            result._q, result._gr = operation(self._q, other._q), None
+            result = _new(Exact)
+            result._q, result._gr, result._ball = operation(self._q, other._q), None, None
             return result
         try:
             return Exact._wrap(operation(self._element, other._element))
@@ -132,6 +141,18 @@ class Exact(Arithmetic):
             value = value * self + coefficients.get(degree, 0)
         return value * Fraction(-1, coefficients[0])
 
+    def __copy__(self) -> Exact:
+        return self
+
+    def __deepcopy__(self, memo: object) -> Exact:
+        return self
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Send a rational to another process, without its ball."""
+        if self._q is None:
+            raise TypeError(f"{self!r} cannot leave its process: send its text")
+        return Exact, (Fraction(int(self._q.p), int(self._q.q)),)
+
     def is_zero(self) -> bool:
         """Decide whether this number is zero, exactly.
 
@@ -145,6 +166,8 @@ class Exact(Arithmetic):
         if answer is None:
             raise ExactnessError(f"flint could not decide whether {self!r} is zero")
         return bool(answer)
+
+    vanishes = is_zero
 
     def __eq__(self, other: object) -> bool:
         if isinstance(other, Exact | int | Fraction) and not isinstance(other, bool):
@@ -219,6 +242,13 @@ class Exact(Arithmetic):
 
     def ball(self, bits: int = BALL_BITS) -> Ball:
         """Return a ball that contains this number, of relative width about ``2**-bits``."""
+        if bits == BALL_BITS:
+            if self._ball is None:
+                self._ball = self._enclosed(bits)
+            return self._ball
+        return self._enclosed(bits)
+
+    def _enclosed(self, bits: int) -> Ball:
         from .ball import Ball  # the two types know each other
 
         if self._q is not None and bits == BALL_BITS:

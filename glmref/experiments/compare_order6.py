@@ -62,6 +62,7 @@ METHODS: Mapping[str, Sequence[str]] = {
     ),
     "order 8, general linear": (
         *("order8-s5-w3", "order8-s5a-w3", "order8-s5q3-w3", "order8-s5i1-w3", "order8-s3-w3-i"),
+        "order8-s4i2-w3-i",
     ),
     "Gauss": ("gauss-3", "gauss-4"),
     "midpoint composition": ("yoshida-6-midpoint", "triple-jump-6", "suzuki-4"),

@@ -7,7 +7,8 @@ which is blind to nothing above O(h^(p+1)).
 
 A method with growth parameters 0 may still grow at second order in h: the parasitic component then
 grows as exp(c h^2 t) on some solutions. That rate is measured apart, on runs whose start is nudged
-by :data:`NUDGE`, so that the parasitic part stands out from the first step on.
+by :data:`NUDGE`, so that the parasitic part stands out from the first step on. For one method it is
+scanned over h and the size of the nudge (:func:`rate_scan`).
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ from .compare_order6 import METHODS, rounded
 from .longtime import along, follow
 from .measure import circumstances
 
-__all__ = ["RUNS", "LongRun", "growth_rate", "long_run", "main", "parasitic_part"]
+__all__ = ["RUNS", "LongRun", "growth_rate", "long_run", "main", "parasitic_part", "rate_scan"]
 
 STEPS = 10_000_000
 #: Samples of each stretch at which the parasitic part is formed.
@@ -45,6 +46,13 @@ FACTOR = 30.0
 
 #: Size of the nudge that makes a parasitic part visible, and steps of the nudged runs.
 NUDGE, NUDGED_STEPS = 1e-6, 2_000_000
+
+#: Method, run, and (h, nudge) of the scan of rates.
+SCANNED = ("g6245-w3", "pendulum-2.3")
+SCAN = (
+    *((h, NUDGE) for h in (0.2, 0.16, 0.13, 0.1, 0.08, 0.05)),
+    *((0.1, nudge) for nudge in (1e-7, 1e-5)),
+)
 
 RUNS: Mapping[str, Callable[[], Problem]] = {
     "pendulum-2.3": lambda: problem("pendulum", q0="23/10"),
@@ -142,7 +150,9 @@ def long_run(name: str, run: str, *, h: float = 0.1, steps: int = STEPS) -> Long
     )
 
 
-def growth_rate(name: str, run: str, *, h: float = 0.1, steps: int = NUDGED_STEPS) -> float:
+def growth_rate(
+    name: str, run: str, *, h: float = 0.1, steps: int = NUDGED_STEPS, nudge: float = NUDGE
+) -> float:
     """Rate at which a nudged parasitic part grows over the second half of a run.
 
     The largest parts seen in the tenths of the run before the middle and before the end are
@@ -153,7 +163,7 @@ def growth_rate(name: str, run: str, *, h: float = 0.1, steps: int = NUDGED_STEP
     engine, y0 = stepper(method, subject), np.array(subject.y0, dtype=float)
     values, _ = apply_start(method.starting, engine, 0.0, y0, h)
     shift = np.random.default_rng(1).standard_normal(values[1:].shape)
-    values[1:] += NUDGE * shift / np.linalg.norm(shift)
+    values[1:] += nudge * shift / np.linalg.norm(shift)
     bare = replace(method, finishing=None)
     solution = follow(subject, bare, h=h, steps=steps, start=values)
     t = np.asarray(solution.t, dtype=float)
@@ -166,6 +176,22 @@ def growth_rate(name: str, run: str, *, h: float = 0.1, steps: int = NUDGED_STEP
     if not solution.completed or not all(map(math.isfinite, sizes)):
         return math.inf
     return math.log(sizes[1] / sizes[0]) / (0.5 * h * steps)
+
+
+def rate_scan() -> list[dict[str, Any]]:
+    """Rates of :data:`SCANNED` at each h and nudge of :data:`SCAN`.
+
+    The number of steps goes with h^-3: with a rate proportional to h^2 every run then sees its
+    parasitic part grow by the same factor, and each rate is known equally well.
+    """
+    name, run = SCANNED
+    found = []
+    for h, nudge in SCAN:
+        steps = round(NUDGED_STEPS * (0.1 / h) ** 3)
+        rate = rounded(growth_rate(name, run, h=h, steps=steps, nudge=nudge))
+        record = {"method": name, "run": run, "h": h, "steps": steps, "nudge": nudge}
+        found.append({**record, "rate": rate})
+    return found
 
 
 def _looks(rows: int) -> list[int]:
@@ -199,6 +225,7 @@ def main(path: Path) -> None:
         "nudged_steps": NUDGED_STEPS,
         "where": circumstances(),
         "runs": runs,
+        "scan": rate_scan(),
     }
     write_json(path, document)
 

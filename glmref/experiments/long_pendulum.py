@@ -6,6 +6,9 @@ Samples thin out as the run goes on (:func:`.longtime.follow`), so that memory g
 logarithm of the number of steps. The peak of the process's memory is read after the first hundredth
 of the steps and again at the end: the difference is what the rest of the run took.
 
+All values are kept after 1000 * 4^k steps and at the end. These *checkpoints* are ends of
+stretches, which do not depend on the length of the run: a shorter run passes through the same.
+
 Public names::
 
     long_run(method, steps) -> mapping          main(path)
@@ -26,7 +29,7 @@ from ..catalogue import load
 from ..problems import problem
 from ..strict_json import write_json
 from .law import fit_law, samples_of
-from .longtime import follow
+from .longtime import ROWS, follow
 from .measure import circumstances
 from .parasitic import parasitic_size, solution_direction
 
@@ -35,6 +38,8 @@ __all__ = ["long_run", "main"]
 STEPS = 10**8
 RUNS = (("g6245", 0.05), ("g6245", 0.1), ("g6245-w3", 0.1), ("gauss-3", 0.1), ("rk4", 0.1))
 ANGLE = "23/10"
+#: Step numbers of the checkpoints: ends of stretches of a run that is longer.
+CHECKPOINTS = tuple(ROWS * 4**k for k in range(20))
 
 
 def long_run(name: str, *, steps: int, h: float) -> dict[str, Any]:
@@ -47,7 +52,7 @@ def long_run(name: str, *, steps: int, h: float) -> dict[str, Any]:
     -------
         A JSON-ready record: outcome, seconds, memory, law of the energy deviation, and the root
         mean square of the deviation over each doubling of time, with the size of the values beyond
-        the solution where there are any.
+        the solution where there are any; and the values (r, d) at the checkpoints.
     """
     subject, method = problem("pendulum", q0=ANGLE), load(name)
     follow(subject, method, h=h, steps=max(1, steps // 100))
@@ -71,7 +76,19 @@ def long_run(name: str, *, steps: int, h: float) -> dict[str, Any]:
         "samples": len(t),
         "law": law.as_json(),
         "doublings": _doublings(t, deviation, _rest(method, run)),
+        "checkpoints": _checkpoints(np.rint(t / h), np.asarray(run.history), steps),
     }
+
+
+def _checkpoints(taken: np.ndarray, history: np.ndarray, steps: int) -> list[dict[str, Any]]:
+    """All values after each number of steps in :data:`CHECKPOINTS`, and at the end."""
+    kept = [n for n in CHECKPOINTS if n < steps] + [steps]
+    rows = ((n, history[np.flatnonzero(taken == n)]) for n in kept)
+    return [
+        {"steps": n, "values": found[0].tolist()}
+        for n, found in rows
+        if len(found) and np.isfinite(found).all()
+    ]
 
 
 def _peak() -> float:

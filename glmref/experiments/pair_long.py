@@ -6,14 +6,18 @@ begin with what the start leaves out: nothing is tuned away. Recorded are the la
 and the largest carried value up to 10^4, 10^5, 10^6 and 10^7 steps.
 
     python -m glmref.experiments.pair_long data/measurements/pairs-long.json
+    python -m glmref.experiments.pair_long data/measurements/pairs-long.json PAIR
+
+The second form runs one pair and keeps the runs of the others.
 
 Public names::
 
-    follow_pair(name, case, steps) -> Long          CASES, main(path)
+    follow_pair(name, case, steps) -> Long          CASES, main(path), add(path, pair)
 """
 
 from __future__ import annotations
 
+import json
 import math
 import sys
 from collections.abc import Sequence
@@ -24,13 +28,14 @@ from typing import Any
 import numpy as np
 
 from ..catalogue import document, load, names
+from ..claims import UsageError
 from ..engine.solve import solve
 from ..problems import problem
 from ..strict_json import write_json
 from .longtime import along
 from .measure import circumstances
 
-__all__ = ["CASES", "Case", "Long", "follow_pair", "main", "pair_names", "three_digits"]
+__all__ = ["CASES", "Case", "Long", "add", "follow_pair", "main", "pair_names", "three_digits"]
 
 STEPS = 10_000_000
 #: Steps between samples: no divisor of a period in view.
@@ -113,16 +118,17 @@ def pair_names() -> list[str]:
     return [x for x in names("methods") if document(x)["class"] == "pair-sweep"]
 
 
-def follow_pair(name: str, case: Case, steps: int = STEPS) -> Long:
-    """Run a pair from zero values and record energy and carried values.
+def follow_pair(name: str, case: Case, steps: int = STEPS, *, start: str | None = "zero") -> Long:
+    """Run a pair and record energy and carried values.
 
     Args:
-        steps: a power of ten from 10^4 on.
+        steps: a power of ten from 10^4 on. start: ``"zero"`` values, or ``None`` for the starting
+            method of the file.
     """
     pair, target = load(name), problem(case.problem, **dict(case.parameters))
     h = case.per_evaluation * pair.n_Q  # type: ignore[union-attr]
     solution = solve(
-        target, pair, h=h, steps=steps, every=min(EVERY, steps // 200), history=True, start="zero"
+        target, pair, h=h, steps=steps, every=min(EVERY, steps // 200), history=True, start=start
     )
     assert solution.history is not None
     taken = np.round((solution.t - target.t_span[0]) / h)
@@ -162,5 +168,25 @@ def main(path: Path, cases: Sequence[Case] = CASES, steps: int = STEPS) -> None:
     write_json(path, record)
 
 
+def add(path: Path, name: str, cases: Sequence[Case] = CASES, steps: int = STEPS) -> None:
+    """Measure one pair and put its runs into a file, in the place of those that are there.
+
+    Raises
+    ------
+        UsageError: when the catalogue has no such explicit pair.
+    """
+    order = pair_names()
+    if name not in order:
+        raise UsageError(f"the pair must be one of {', '.join(order)}, got {name!r}")
+    record = json.loads(path.read_text(encoding="utf-8"))
+    runs = [x for x in record["runs"] if x["method"] != name]
+    runs += [follow_pair(name, case, steps).as_json() for case in cases]
+    record["runs"] = sorted(runs, key=lambda x: order.index(x["method"]))
+    write_json(path, record)
+
+
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    if len(sys.argv) > 2:
+        add(Path(sys.argv[1]), sys.argv[2])
+    else:
+        main(Path(sys.argv[1]))

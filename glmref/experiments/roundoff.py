@@ -33,7 +33,7 @@ from ..method import GLM
 from ..problems import problem
 from ..problems.model import Problem
 from ..strict_json import write_json
-from .longtime import along, g_form
+from .law import samples_of
 from .measure import circumstances
 
 __all__ = ["METHODS", "VARIANTS", "RoundOff", "bodies", "options_of", "round_off", "rows"]
@@ -135,7 +135,8 @@ def round_off(
         if not found.completed:
             raise UsageError(f"{subject.name}: {found.message}")
         kernel, counts = found.kernel, np.round(np.asarray(found.t, dtype=float) / h)
-        rows += _deviations(subject, method, found)
+        watched = [x if method.r == 1 else f"form of {x}" for x in subject.quadratic]
+        rows += [samples_of(subject, method, found, x) for x in watched]
     if not rows:
         raise UsageError("the problems have no quadratic invariants; give others")
     square = np.mean(np.array(rows) ** 2, axis=0)
@@ -154,20 +155,6 @@ def round_off(
         mean=float(np.mean(np.array(rows)[:, last])),
         runs=len(rows),
     )
-
-
-def _deviations(subject: Problem, method: GLM, found: Any) -> list[np.ndarray]:
-    """Relative deviations of every kept form along one run."""
-    rows = []
-    for form in subject.quadratic.values():
-        if method.r == 1:
-            values = along(form, np.real(np.asarray(found.y)).astype(float))
-        else:
-            assert method.G is not None
-            G = np.array([[complex(x) for x in row] for row in method.G])
-            values = g_form(np.asarray(found.history), G, form.matrix)
-        rows.append((values - values[0]) / (abs(values[0]) or 1.0))
-    return rows
 
 
 def _slope(steps: Sequence[int], rms: Sequence[float]) -> float:

@@ -30,6 +30,7 @@ __all__ = [
     "Reference",
     "Work",
     "check_interruption",
+    "energy_error",
     "measure",
     "reference_state",
     "state_error",
@@ -192,7 +193,7 @@ def _errors(problem: Problem, solution: Solution, ask: Collection[str]) -> dict[
         record["state_error"] = state_error(np.asarray(solution.y[-1]), reference)
         record["reference"], record["reference_error"] = reference.kind, reference.error
     if "energy" in ask:
-        record["energy_error"] = _energy_error(problem, solution)
+        record["energy_error"] = energy_error(problem, solution)
     return record
 
 
@@ -269,7 +270,7 @@ def _timed(
     return first, Timing.of(seconds)
 
 
-def _energy_error(problem: Problem, solution: Solution) -> float:
+def energy_error(problem: Problem, solution: Solution) -> float:
     """Largest relative error of H over the samples of a solution."""
     y = np.real(np.asarray(solution.y)).astype(float)
     energy = along(problem.hamiltonian, np.vstack([problem.y0, y]))

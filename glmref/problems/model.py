@@ -45,6 +45,7 @@ class Problem:
         invariants: name -> ``I(y)``, other conserved functions.
         observables: name -> ``O(y)``, functions worth watching that are not conserved exactly.
         canonical: whether f = J grad H in the coordinates y = (q, p).
+        bodies: how many bodies' positions q lists one after another, each with as many components.
         exact: ``exact(t, y0)`` -> (d,), in closed form: the solution at t that starts at t_span[0].
         scales: typical sizes: ``"time"``, ``"length"``, and ``"period"`` where periodic.
         context: the mpmath context of :meth:`on`, ``None`` in double precision.
@@ -70,6 +71,7 @@ class Problem:
     invariants: Mapping[str, Any] = field(default_factory=dict)
     observables: Mapping[str, Any] = field(default_factory=dict)
     canonical: bool = False
+    bodies: int = 1
     exact: Any = None
     scales: Mapping[str, float] = field(default_factory=dict)
     context: Any = None
@@ -152,6 +154,8 @@ class Problem:
             beyond = [i for i in function.indices if not 0 <= i < size]
             if beyond:
                 raise UsageError(f"`{key}` uses component {beyond[0]}, but there are {size}")
+        if self.bodies != 1 and (self.bodies < 1 or d % (2 * self.bodies) or self.dp is None):
+            raise UsageError(f"`bodies` must divide the components of q, got {self.bodies}")
         start, end = self.t_span
         if not (np.isfinite(start) and np.isfinite(end)):
             raise UsageError(f"`t_span` must be two finite times, got {self.t_span}")

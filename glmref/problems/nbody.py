@@ -158,6 +158,7 @@ def gravity(
         quadratic=_angular_momentum(m, space),
         invariants=_momentum(m, space),
         canonical=all(x == 1 for x in m),
+        bodies=len(m),
         **record,
     )
 

@@ -11,21 +11,19 @@ from ..catalogue import names, path_of
 from ..claims import UsageError
 from .markup import Page, Site
 from .measurements import measurement_pages
-from .methods import method_page, overview
+from .methods import by_class, method_page, overview
 from .others import errata_page, history_page, measured_page
 from .runs import run_page
-from .store import Results
+from .store import MARK, Results
 
-__all__ = ["MARK", "build", "pages_of"]
+__all__ = ["build", "pages_of"]
 
-#: File by which a folder of pages is known: only such a folder, or an empty one, is written over.
-MARK = "glmref-report.txt"
 _SAID = "Pages of `glmref report`. This folder is written anew; keep nothing else in it.\n"
 _FOOT = "Made from stored results; no script or picture comes from a network."
 
 
 def pages_of(site: Site, results: Results, methods: Sequence[str]) -> list[Page]:
-    """Every page, in the order of the bar; pages of methods, which the bar lacks, come last."""
+    """Every page, in the order of the bar."""
     known = frozenset(methods)
     front = [overview(site, results, methods)]
     front += [run_page(site, run, known) for run in results.runs]
@@ -33,7 +31,7 @@ def pages_of(site: Site, results: Results, methods: Sequence[str]) -> list[Page]
     front.append(errata_page(site, known))
     front.append(history_page(results))
     front.append(measured_page(results, __version__))
-    return front + [method_page(site, results, name) for name in methods]
+    return front + [method_page(site, results, name) for name in by_class(methods)]
 
 
 def build(
@@ -57,7 +55,7 @@ def build(
     """
     site = Site(single)
     pages = pages_of(site, results, names("methods") if methods is None else methods)
-    bar = [page for page in pages if page.tab]
+    bar = site.bar(pages)
     if single:
         if output.is_dir():
             raise UsageError(f"{str(output)!r} is a folder; with a single file, name a file")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,11 +14,24 @@ from importlib.resources import files
 from typing import Any
 from urllib.parse import quote
 
-__all__ = ["Column", "Page", "Site", "Table", "counted", "escape", "flat", "number", "rows_of"]
+__all__ = [
+    "Column",
+    "Page",
+    "Site",
+    "Table",
+    "counted",
+    "escape",
+    "flat",
+    "number",
+    "rows_of",
+    "scrolling",
+    "wrapped",
+]
 
 #: Digits of a number on a page; the stored number agrees to all that are shown.
 DIGITS = 6
 _LONG = 300  # rows after which a table is folded: laying it out takes most of the time of a load
+_WIDE = 40  # characters of a cell that does not wrap
 NONE = "–"  # what stands where a record has no number
 
 
@@ -52,6 +66,17 @@ def flat(value: Any) -> str:
     if isinstance(value, list | tuple):
         return ", ".join(flat(x) for x in value)
     return number(value)
+
+
+def wrapped(text: str) -> str:
+    """HTML of a cell; one that is long wraps in it."""
+    return f'<div class="cell">{text}</div>' if len(text) > _WIDE else text
+
+
+def scrolling(html: str, label: str) -> str:
+    """HTML in a frame that scrolls where a page is narrower, with the keyboard too."""
+    told = f'role="region" aria-label="{escape(label)}"'
+    return f'<div class="tabled" tabindex="0" {told}>{html}</div>'
 
 
 @dataclass(frozen=True)
@@ -107,6 +132,27 @@ class Table:
         )
 
 
+def figure(
+    table: str, across: Sequence[str], up: Sequence[str], label: str, caption: str,
+    series: str = "method", *, marks: bool = True, plane: Sequence[str] | None = None,
+) -> str:  # fmt: skip
+    """A picture that the script draws from a table.
+
+    Args:
+        table: id of the table. across, up: keys of columns to choose from.
+        label, caption: for who listens, and for all. series: key of the column that names a line.
+        marks: whether every point has one.
+        plane: equal axes, points that are not joined; names of runs that do not set the range.
+    """
+    partial = "" if plane is None else f' data-plane="{escape(json.dumps(list(plane)))}"'
+    return (
+        f'<figure class="plot" data-table="{escape(table)}" data-series="{series}" '
+        f'data-x="{" ".join(across)}" data-y="{" ".join(up)}" data-label="{escape(label)}"'
+        f"{'' if marks else ' data-marks=no'}{partial}>"
+        f"<figcaption>{escape(caption)}</figcaption></figure>"
+    )
+
+
 def rows_of(cells: Sequence[Sequence[str]]) -> list[str]:
     """Rows of a table."""
     return ["<tr><td>" + "<td>".join(row) for row in cells]
@@ -114,12 +160,21 @@ def rows_of(cells: Sequence[Sequence[str]]) -> list[str]:
 
 @dataclass(frozen=True)
 class Page:
-    """One page: its name (a file's stem), its title, its HTML, and the word for it in the bar."""
+    """One page, and where its link stands.
+
+    Attributes
+    ----------
+        name: stem of its file. title, body: what it shows; the body is HTML.
+        tab: the word for it in the bar. group: the menu it stands in, ``""`` for the bar itself.
+        kind: the heading in the menu.
+    """
 
     name: str
     title: str
     body: str
-    tab: str = ""
+    tab: str
+    group: str = ""
+    kind: str = ""
 
 
 @dataclass(frozen=True)
@@ -136,14 +191,29 @@ class Site:
         """Link to a page."""
         return f'<a href="{escape(self.href(page))}">{escape(text)}</a>'
 
-    def document(self, title: str, pages: Sequence[Page], bar: Sequence[Page], foot: str) -> str:
-        """Return one HTML file with some pages and a bar of links."""
-        here = pages[0].name if len(pages) == 1 else ""
-        links = "".join(
-            f'<a href="{escape(self.href(page.name))}"'
-            f"{' aria-current=page' if page.name == here else ''}>{escape(page.tab)}</a>"
-            for page in bar
-        )
+    def bar(self, pages: Sequence[Page]) -> str:
+        """Links to all pages: some at once, the others in menus that open without a script."""
+        parts = [self.link(page.name, page.tab) for page in pages if not page.group]
+        for group in dict.fromkeys(page.group for page in pages if page.group):
+            mine = [page for page in pages if page.group == group]
+            lists = []
+            for kind in dict.fromkeys(page.kind for page in mine):
+                links = "".join(
+                    f"<li>{self.link(page.name, page.tab)}" for page in mine if page.kind == kind
+                )
+                head = f"<p>{escape(kind)}</p>" if kind else ""
+                lists.append(f"{head}<ul>{links}</ul>")
+            parts.append(
+                f'<details name="menu"><summary>{escape(group)} <small>{len(mine)}</small>'
+                f'</summary><div class="menu">{"".join(lists)}</div></details>'
+            )
+        return "".join(parts)
+
+    def document(self, title: str, pages: Sequence[Page], bar: str, foot: str) -> str:
+        """Return one HTML file with some pages, under what :meth:`bar` gave."""
+        if len(pages) == 1:
+            here = f'<a href="{escape(self.href(pages[0].name))}"'
+            bar = bar.replace(f"{here}>", f"{here} aria-current=page>")
         if self.single:
             main = "".join(
                 f'<section id="{escape(page.name)}" class="page"><h1>{escape(page.title)}</h1>'
@@ -164,7 +234,7 @@ class Site:
             '<meta name="color-scheme" content="light dark"><link rel="icon" href="data:,">\n'
             f"<title>{escape(title)}</title>\n<style>{style}</style></head>\n"
             f'<body><a class="skip" href="#main">To the page</a>\n'
-            f'<header><strong>glmref</strong><nav aria-label="pages">{links}</nav></header>\n'
+            f'<header><strong>glmref</strong><nav aria-label="pages">{bar}</nav></header>\n'
             f'<main id="main">{main}</main>\n<footer>{foot}</footer>\n'
             f"<script>{script}</script></body></html>\n"
         )

@@ -11,8 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from .markup import Column, Page, Table, counted, escape, flat, number
-from .runs import figure
+from .markup import Column, Page, Table, counted, escape, figure, flat, number, wrapped
 from .store import Record, Results, is_number
 
 __all__ = ["measurement_pages", "title_of"]
@@ -21,14 +20,15 @@ _COSTS = ("seconds", "evaluations", "matrices", "steps", "h", "tolerance")
 _NAMES = ("variant", "method", "name", "solver", "start", "integrator")
 _LINE = "line"  # key of the column that names a line of a picture
 _FIRST = ("steps", "t", "times", "h")  # what a curve is drawn against
-_WIDE = 40  # characters of a cell that does not wrap
+#: What the two numbers of a point are, by the key of the curve.
+_AXES = {"curve": ("force evaluations", "error")}
 _TITLES = ("title", "question", "what", "name")
 
 
 def measurement_pages(results: Results) -> list[Page]:
     """Pages of all documents, by the names of their files."""
     return [
-        Page(f"measured-{name}", title_of(name, doc), _body(name, doc), name)
+        Page(f"measured-{name}", title_of(name, doc), _body(name, doc), name, "measurements")
         for name, doc in sorted(results.measurements.items())
     ]
 
@@ -59,8 +59,16 @@ def _body(name: str, doc: Record, *, inner: bool = False) -> str:
             opened = _body(f"{name}-{key}", value, inner=True)
             lists.append(f"<h2>{escape(key)}</h2>{opened}")
         else:
-            plain.append(f"<dt>{escape(key)}<dd>{flat(value)}")
+            plain.append(f"<dt>{escape(key)}<dd>{_told(value)}")
     return (f"<dl>{''.join(plain)}</dl>" if plain else "") + "".join(lists)
+
+
+def _told(value: Any) -> str:
+    """A value in words; sentences one below the other."""
+    texts = value if isinstance(value, list) else []
+    if any(isinstance(x, str) and " " in x for x in texts):
+        return "<br>".join(flat(x) for x in texts)
+    return flat(value)
 
 
 def _is_listing(value: Any) -> bool:
@@ -109,7 +117,7 @@ def _by_problem(id_: str, what: str, rows: Sequence[Record]) -> list[str]:
     for row in rows:
         groups.setdefault(flat(row.get("problem", "")), []).append(row)
     for n, (problem, mine) in enumerate(groups.items()):
-        if len(groups) > 1:
+        if len(groups) > 1 and problem:
             found.append(f"<h3>{problem}</h3>")
         found += _group(f"m-{id_}-{n}", what, mine)
     return found
@@ -141,8 +149,7 @@ def _group(id_: str, what: str, rows: Sequence[Record]) -> list[str]:
 
 def _cell(value: Any) -> str:
     """A value as a cell; what is long wraps in it."""
-    text = flat(value)
-    return f'<div class="cell">{text}</div>' if len(text) > _WIDE else text
+    return wrapped(flat(value))
 
 
 def _line(row: Record, names: Sequence[str]) -> str:
@@ -169,7 +176,8 @@ def _curves(
         parts += _curve(f"{id_}-curves", what, [Column(k, k) for k in (across, *up)], cells)
     pairs = [k for k in keys if any(_is_points(row.get(k)) for row in rows)]
     for key in pairs:
-        columns = [Column("first", f"{key}, first number"), Column("second", "second number")]
+        first, second = _AXES.get(key, (f"{key}, first number", "second number"))
+        columns = [Column("first", first), Column("second", second)]
         cells = [
             [_line(row, names), number(x), number(y)]
             for row in rows

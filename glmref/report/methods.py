@@ -11,19 +11,28 @@ from ..catalogue import document, load
 from ..errata import find_errata
 from ..method import GLM, PartitionedGLM
 from ..show import parts
-from .markup import Column, Page, Site, Table, counted, escape, number
+from .markup import Column, Page, Site, Table, counted, escape, number, scrolling, wrapped
 from .measurements import title_of
-from .runs import answer_of, method_of, tab_of
-from .store import Record, Results
+from .runs import answer_of, tab_of
+from .stability import stability
+from .store import Record, Results, method_of
 from .typeset import typeset, typeset_table
 
-__all__ = ["method_page", "overview"]
+__all__ = ["by_class", "method_page", "overview"]
+
+#: Classes of methods as a menu has them.
+_CLASSES = {
+    "rk": "Runge-Kutta", "composition": "compositions", "lmm": "linear multistep",
+    "one-leg": "one-leg", "glm": "general linear", "sweep": "general linear, symmetric sweeps",
+    "splitting": "splittings", "partitioned-rk": "partitioned Runge-Kutta",
+    "partitioned": "partitioned general linear", "pair-sweep": "explicit pairs",
+}  # fmt: skip
 
 _COLUMNS = (
     Column("method", "method"),
     Column("class", "class"),
     Column("order", "order"),
-    Column("measured", "order measured"),
+    Column("measured", "order seen"),
     Column("proof", "proof"),
     Column("stages", "stages"),
     Column("implicit", "implicit stages"),
@@ -52,21 +61,21 @@ def overview(site: Site, results: Results, names: Sequence[str]) -> Page:
         for x, doc in sorted(results.measurements.items())
     )
     body = (
-        "<p>Methods whose every claim is true. <em>Order</em> is proved; <em>order measured</em> "
-        "is what the conformance suite saw; <em>proof</em> is how the claims are proved: exact "
-        "(algebraic numbers), enclosed (an interval test within published digits) or measured. "
-        "A dash: nothing is stored.</p>"
+        "<p>Methods whose every claim is true. <em>Order</em> is proved; <em>order seen</em> is "
+        "what runs at smaller and smaller steps show; <em>proof</em> is how the claims are proved: "
+        "exact (algebraic numbers), enclosed (an interval test within published digits) or "
+        "measured. A dash: nothing is stored.</p>"
         f"{table.html()}"
         f"<h2>What was measured</h2>{f'<dl>{runs}</dl>' if runs else '<p>Nothing was given.</p>'}"
     )  # fmt: skip
-    return Page("index", "Methods", body, "methods")
+    return Page("index", "Methods", body, "overview")
 
 
 def _row(site: Site, results: Results, name: str, evaluations: Mapping[str, float]) -> list[str]:
     doc = document(name)
     claims, method = doc["claims"], _loaded(name)
     found = results.findings.get(name, [])
-    proved = [x for x in found if "/" not in str(x.get("claim"))]
+    proved = _of_this_file(doc, found)
     held = sum(x.get("verdict") == "holds" for x in proved)
     kept = claims.get("g-symplectic", claims.get("symplectic"))
     growth = claims.get("growth")
@@ -75,7 +84,7 @@ def _row(site: Site, results: Results, name: str, evaluations: Mapping[str, floa
         site.link(f"method-{name}", name),
         escape(doc["class"]),
         number(claims.get("order")),
-        number(_measured_order(found)),
+        number(_seen(results, name, "order") or _measured_order(found)),
         escape(" and ".join(_proofs(proved))) or number(None),
         number(stages),
         number(implicit),
@@ -130,6 +139,33 @@ def _proofs(found: Sequence[Record]) -> list[str]:
     return [kind for kind in ("exact", "enclosed", "measured") if kind in kinds]
 
 
+def _of_this_file(doc: Record, found: Sequence[Record]) -> list[Record]:
+    """Findings about what the file claims now: one about another value is out of date."""
+    declared = _declared(doc)
+    return [
+        x
+        for x in found
+        if str(x.get("claim")) in declared
+        and x.get("declared", ...) in (..., declared[str(x["claim"])])
+    ]
+
+
+def _declared(doc: Record) -> Record:
+    """Claims of a file, with the orders that its starting and its finishing method declare."""
+    orders = {f"{kind}-order": doc.get(kind, {}).get("order") for kind in ("starting", "finishing")}
+    more = {k: x for k, x in orders.items() if x is not None and k not in doc["claims"]}
+    return {**doc["claims"], **more}
+
+
+def _seen(results: Results, name: str, claim: str) -> Any:
+    """Order that runs show, as it is stored; one with identity that is the order stands once."""
+    found = results.observed(name)
+    claims = document(name)["claims"]
+    if claim == "order-identity" and claims.get(claim) == claims.get("order"):
+        claim = "order"
+    return found.get(claim, {}).get("observed")
+
+
 def _measured_order(found: Sequence[Record]) -> Any:
     """Order that the conformance suite measured: its ids begin with orderP/."""
     for finding in found:
@@ -153,6 +189,12 @@ def _evaluations(results: Results) -> dict[str, float]:
 # --- one method ---------------------------------------------------------------------------------
 
 
+def by_class(names: Sequence[str]) -> list[str]:
+    """Names in the order of the menu: class by class."""
+    ranks = {kind: k for k, kind in enumerate(_CLASSES)}
+    return sorted(names, key=lambda name: ranks.get(document(name)["class"], len(ranks)))
+
+
 def method_page(site: Site, results: Results, name: str) -> Page:
     """Page of one method: tableau, claims, start, source, records."""
     doc, method = document(name), _loaded(name)
@@ -165,10 +207,13 @@ def method_page(site: Site, results: Results, name: str) -> Page:
         body += [f"<h3>{escape(heading)}</h3>" if heading else "", *lines]
     if drawn.legend:
         rows = "".join(f"<dt>{typeset(k)}<dd>{typeset(x)}" for k, x in drawn.legend.items())
-        body.append(f"<p>with</p><dl>{rows}</dl>")
-    body += [_claims(doc, results.findings.get(name, [])), _portrait(results, name)]
+        body.append(f"<p>with</p>{scrolling(f'<dl>{rows}</dl>', 'constants')}")
+    body += [_claims(doc, results), stability(name, results.regions.get(name))]
+    body.append(_portrait(results, name))
     body += [_records(site, results, name), _source(site, doc)]
-    return Page(f"method-{name}", str(doc.get("title", name)), "\n".join(x for x in body if x))
+    text = "\n".join(x for x in body if x)
+    kind = _CLASSES.get(doc["class"]) or str(doc["class"])
+    return Page(f"method-{name}", str(doc.get("title", name)), text, name, "methods", kind)
 
 
 def _said(method: GLM | PartitionedGLM) -> str:
@@ -176,28 +221,30 @@ def _said(method: GLM | PartitionedGLM) -> str:
     return f"stages {stages}, implicit ones {implicit}, values carried {values}"
 
 
-def _claims(doc: Record, found: Sequence[Record]) -> str:
+def _claims(doc: Record, results: Results) -> str:
     """Claims with their proofs and witnesses; those of the conformance suite are counted."""
-    known = {str(x.get("claim")): x for x in found}
+    found = results.findings.get(doc["name"], [])
+    known = {str(x.get("claim")): x for x in _of_this_file(doc, found)}
     rows = []
-    for claim, declared in doc["claims"].items():
+    for claim, declared in _declared(doc).items():
         finding = known.get(claim, {})
         verdict = str(finding.get("verdict", ""))
         rows.append([
             escape(claim), _listed(declared) if isinstance(declared, list) else number(declared),
             _verdict(verdict),
             escape(str(finding.get("proof", ""))) or number(None),
-            number(finding.get("residual")), escape(str(finding.get("witness", ""))),
+            number(_seen(results, doc["name"], claim)),
+            number(finding.get("residual")), wrapped(escape(str(finding.get("witness", "")))),
         ])  # fmt: skip
-    columns = [
-        Column(x, x) for x in ("claim", "declared", "verdict", "proof", "residual", "witness")
-    ]
+    titles = {"seen": "seen in runs"}
+    keys = ("claim", "declared", "verdict", "proof", "seen", "residual", "witness")
+    columns = [Column(x, titles.get(x, x)) for x in keys]
     text = Table("claims-" + doc["name"], "Claims", columns, rows).html()
     suite = [x for x in found if "/" in str(x.get("claim"))]
     if suite:
         held = sum(x.get("verdict") == "holds" for x in suite)
         text += f"<p>Conformance suite: {held} of {len(suite)} checks hold.</p>"
-    if not found:
+    if not known:
         text += "<p>No verdict is stored: <code>glmref verify --format json</code> writes them.</p>"
     return f"<h2>Claims</h2>{text}"
 
@@ -208,7 +255,7 @@ def _verdict(word: str) -> str:
 
 def _portrait(results: Results, name: str) -> str:
     svg = results.portraits.get(name)
-    return f'<h2>Stability</h2><div class="portrait">{svg}</div>' if svg else ""
+    return f'<h2>Portrait</h2><div class="portrait">{svg}</div>' if svg else ""
 
 
 def _records(site: Site, results: Results, name: str) -> str:

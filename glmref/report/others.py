@@ -7,13 +7,15 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..errata import VERDICTS, load_errata
-from .markup import Column, Page, Site, Table, counted, escape, flat, number
-from .runs import figure
+from .markup import Column, Page, Site, Table, counted, escape, figure, flat, number
 from .store import Results
 
 _WRITERS = """<h2>What writes what</h2><dl>
 <dt>records<dd><code>glmref run --all</code>
-<dt>verdicts<dd><code>glmref verify --format json &gt; report/findings.json</code>
+<dt>verdicts<dd><code>glmref verify --format json &gt; report/findings.json</code>; those of the
+shipped methods come with the data
+<dt>orders seen in runs, stability regions<dd>come with the data, see their pages and
+<code>data/README.md</code>
 <dt>orders measured<dd><code>python -m glmref.conformance compiled --format json &gt;
 report/conformance.json</code>
 <dt>portraits<dd><code>glmref show NAME --plot report/NAME.svg</code>

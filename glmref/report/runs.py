@@ -8,20 +8,21 @@ from functools import cache
 from typing import Any
 
 from ..claims import GlmrefError
-from .markup import Column, Page, Site, Table, counted, escape, number
-from .store import Record, RunFile, path_in
+from .markup import Column, Page, Site, Table, counted, escape, figure, number
+from .orbits import orbits
+from .store import Record, RunFile, method_of, path_in
 
-__all__ = ["COLUMNS", "answer_of", "figure", "method_of", "run_page", "tab_of"]
+__all__ = ["COLUMNS", "answer_of", "run_page", "tab_of"]
 
 _ERRORS = ("state_error", "energy_error", "invariant_drift", "form_drift", "largest")
 _COSTS = ("seconds", "evaluations", "steps", "h")
+#: Scenes in the menu by what they answer.
+_KINDS = {
+    "fastest": "error against run time", "accurate": "error against evaluations",
+    "conserved": "what is kept", "law": "laws of growth", "lost": "when methods are lost",
+    "ended": "how runs end", "order": "orders",
+}  # fmt: skip
 _INVARIANTS = ("quadratic", "invariant", "hamiltonian")
-
-
-def method_of(record: Record) -> str:
-    """Method or peer of a record."""
-    task = record["task"]
-    return str(task["peer"] if "peer" in task else task["method"])
 
 
 def _step(record: Record) -> Any:
@@ -106,8 +107,18 @@ def run_page(site: Site, run: RunFile, methods: frozenset[str]) -> Page:
     curves = _curves(run, title)
     # where a run is watched over time, that picture is the answer
     parts = [*parts[:intro], *curves, *parts[intro:]]
+    parts += orbits(run, title)
     parts.append(_methods(site, run, methods))
-    return Page(tab_of(run), title, "\n".join(parts), run.name)
+    return Page(tab_of(run), title, "\n".join(parts), run.name, "scenes", _kind(run))
+
+
+def _kind(run: RunFile) -> str:
+    """Heading of a scene in the menu."""
+    from ..scenes import names
+
+    if run.scene not in names():
+        return "your own"
+    return _KINDS.get(_scene(run.scene, _is_quick(run)).answer.kind, "others")
 
 
 def answer_of(run: RunFile) -> str:
@@ -152,23 +163,11 @@ def _question(run: RunFile) -> tuple[str, list[str], str]:
     return scene.title, parts, f"{scene.answer.error}_error"
 
 
-def figure(
-    table: str, across: Sequence[str], up: Sequence[str], label: str, caption: str,
-    series: str = "method", *, marks: bool = True,
-) -> str:  # fmt: skip
-    """A picture that the script draws from a table."""
-    return (
-        f'<figure class="plot" data-table="{escape(table)}" data-series="{series}" '
-        f'data-x="{" ".join(across)}" data-y="{" ".join(up)}" data-label="{escape(label)}"'
-        f"{'' if marks else ' data-marks=no'}><figcaption>{escape(caption)}</figcaption></figure>"
-    )
-
-
 def _unfinished(records: Sequence[Record]) -> list[str]:
     """Say of each run that was not completed why."""
     rows = [
         f"<li><strong>{escape(method_of(x))}</strong>, {number(_step(x))}: "
-        f"{escape(str(x.get('outcome')))}. {escape(str(x.get('message') or ''))}"
+        f"{escape(': '.join(filter(None, (str(x.get('outcome')), str(x.get('message') or '')))))}"
         for x in records
         if x.get("outcome") != "completed"
     ]

@@ -19,9 +19,9 @@
     { d: SHAPES[k % 8], class: `mark c${k % 7}${k % 8 === 7 ? " hollow" : ""}`, ...extra }, parent);
 
   // axes: a range becomes ticks, a value a place
-  const nice = (rough) => {
+  const nice = (rough, steps = [1, 2, 5, 10]) => {
     const power = 10 ** Math.floor(Math.log10(rough));
-    return [1, 2, 5, 10].map((m) => m * power).find((step) => step >= rough);
+    return steps.map((m) => m * power).find((step) => step >= rough);
   };
   const axis = (values, linear, pixels) => {
     const to = linear ? (x) => x : Math.log10;
@@ -127,49 +127,70 @@
       return row[key] !== "" && Number.isFinite(value) && (this.head(key).linear || value > 0);
     }
     draw() {
-      const width = this.width = this.figure.clientWidth, height = Math.round(Math.min(460, Math.max(280, width * 0.62)));
-      const left = 62, right = 12, top = 26, bottom = 46;
+      const width = this.width = this.figure.clientWidth, { dataset } = this.figure;
       const kx = this.x.value, ky = this.y.value, finished = (row) => !("outcome" in row) || row.outcome === "completed";
       this.canvas.replaceChildren();
       this.points = [];
-      const svg = this.svg = make("svg", { class: "chart", width, height, viewBox: `0 0 ${width} ${height}`,
-        tabindex: "0", role: "application", "aria-label": `${this.figure.dataset.label}; arrow keys go from point to point` });
+      const svg = this.svg = make("svg", { class: "chart", tabindex: "0", role: "application",
+        "aria-label": `${dataset.label}; arrow keys go from point to point` });
       this.canvas.append(svg);
       const drawn = kx && ky ? this.rows.filter((row) => finished(row) && this.usable(row, kx) && this.usable(row, ky)) : [];
-      const visible = drawn.filter((row) => !this.hidden.has(row[this.figure.dataset.series]));
+      const visible = drawn.filter((row) => !this.hidden.has(row[dataset.series]));
       const missing = this.rows.length - drawn.length;
       this.say(null, missing ? `${missing} of ${this.rows.length} rows of the table have no place in this picture: ` +
         "they are not completed, or a number is missing or not positive." : "");
       if (!visible.length) {
-        make("text", { x: width / 2, y: height / 2, "text-anchor": "middle" }, svg, "nothing to draw");
+        this.size(width, 280);
+        make("text", { x: width / 2, y: 140, "text-anchor": "middle" }, svg, "nothing to draw");
         return;
       }
-      const wide = width - left - right, high = height - top - bottom;
-      const ax = axis(visible.map((row) => Number(row[kx])), this.head(kx).linear, wide);
-      const ay = axis(visible.map((row) => Number(row[ky])), this.head(ky).linear, high * 1.5);
+      this.paint(visible, kx, ky, width);
+      this.ring = make("circle", { class: "ring", r: 8, visibility: "hidden" }, svg);
+      svg.addEventListener("pointermove", (event) => this.near(event));
+      svg.addEventListener("pointerdown", (event) => this.near(event));
+      svg.addEventListener("focus", () => { if (!this.chosen) this.choose(this.points[0]); });
+      svg.addEventListener("keydown", (event) => this.key(event));
+    }
+    size(width, height) {
+      for (const [key, value] of Object.entries({ width, height, viewBox: `0 0 ${width} ${height}` }))
+        this.svg.setAttribute(key, value);
+    }
+    // grid, ticks and frame of a rectangle
+    grid({ left, top, wide, high }, ax, ay) {
       for (const t of ax.ticks) {
         const u = left + ax.part(t) * wide;
-        make("path", { class: "grid", d: `M${u} ${top}v${high}` }, svg);
-        make("text", { x: u, y: top + high + 16, "text-anchor": "middle" }, svg, ax.label(t));
+        make("path", { class: "grid", d: `M${u} ${top}v${high}` }, this.svg);
+        make("text", { x: u, y: top + high + 16, "text-anchor": "middle" }, this.svg, ax.label(t));
       }
       for (const t of ay.ticks) {
         const v = top + high - ay.part(t) * high;
-        make("path", { class: "grid", d: `M${left} ${v}h${wide}` }, svg);
-        make("text", { x: left - 6, y: v + 4, "text-anchor": "end" }, svg, ay.label(t));
+        make("path", { class: "grid", d: `M${left} ${v}h${wide}` }, this.svg);
+        make("text", { x: left - 6, y: v + 4, "text-anchor": "end" }, this.svg, ay.label(t));
       }
-      make("rect", { class: "frame", x: left, y: top, width: wide, height: high }, svg);
-      make("text", { x: left + wide / 2, y: height - 10, "text-anchor": "middle", class: "x-title" }, svg, this.head(kx).title);
+      make("rect", { class: "frame", x: left, y: top, width: wide, height: high }, this.svg);
+    }
+    // rows of one line as points of a rectangle
+    placed(rows, name, k, kx, ky, { left, top, wide, high }, ax, ay) {
+      return rows.filter((row) => row[this.figure.dataset.series] === name).map((row) => ({
+        row, k, u: left + ax.at(Number(row[kx])) * wide, v: top + high - ay.at(Number(row[ky])) * high }));
+    }
+    paint(rows, kx, ky, width) {
+      const height = Math.round(Math.min(460, Math.max(280, width * 0.62))), svg = this.svg;
+      const box = { left: 62, top: 26, wide: width - 74, high: height - 72 };
+      const ax = axis(rows.map((row) => Number(row[kx])), this.head(kx).linear, box.wide);
+      const ay = axis(rows.map((row) => Number(row[ky])), this.head(ky).linear, box.high * 1.5);
+      this.size(width, height);
+      this.grid(box, ax, ay);
+      make("text", { x: box.left + box.wide / 2, y: height - 10, "text-anchor": "middle", class: "x-title" }, svg, this.head(kx).title);
       make("text", { x: 8, y: 16, class: "y-title" }, svg, this.head(ky).title);
       const quick = this.figure.dataset.marks === "no";
       this.names.forEach((name, k) => {
-        if (this.hidden.has(name)) return;
-        const mine = visible.filter((row) => row[this.figure.dataset.series] === name).map((row) => ({
-          row, k, u: left + ax.at(Number(row[kx])) * wide, v: top + high - ay.at(Number(row[ky])) * high }));
+        const mine = this.placed(rows, name, k, kx, ky, box, ax, ay);
         if (!mine.length) return;
         const group = make("g", { "data-series": name }, svg);
         make("path", { class: `line c${k % 7}`, "stroke-dasharray": DASHES[k % 5], fill: "none",
           d: "M" + mine.map((p) => `${p.u.toFixed(1)} ${p.v.toFixed(1)}`).join("L") }, group);
-        const bar = (q) => (left + Math.min(1, Math.max(0, ax.at(Number(q)))) * wide).toFixed(1);
+        const bar = (q) => (box.left + Math.min(1, Math.max(0, ax.at(Number(q)))) * box.wide).toFixed(1);
         const bars = kx !== "seconds" ? [] : mine.filter((p) => p.row.q25 > 0 && p.row.q75 > 0)
           .map((p) => `M${bar(p.row.q25)} ${p.v.toFixed(1)}H${bar(p.row.q75)}`);
         if (bars.length) make("path", { class: `spread c${k % 7}`, d: bars.join("") }, group);
@@ -178,11 +199,6 @@
         });
         this.points.push(...mine);
       });
-      this.ring = make("circle", { class: "ring", r: 8, visibility: "hidden" }, svg);
-      svg.addEventListener("pointermove", (event) => this.near(event));
-      svg.addEventListener("pointerdown", (event) => this.near(event));
-      svg.addEventListener("focus", () => { if (!this.chosen) this.choose(this.points[0]); });
-      svg.addEventListener("keydown", (event) => this.key(event));
     }
     near(event) {
       const box = this.svg.getBoundingClientRect(), u = event.clientX - box.left, v = event.clientY - box.top;
@@ -219,7 +235,61 @@
         : note || "Point at the picture, or go through it with the arrow keys, to see a point's numbers.";
     }
   }
-  document.querySelectorAll("figure[data-table]").forEach((figure) => new Plot(figure));
+  // paths in a plane: a panel for each line, one unit for both axes, points that are not joined; a run
+  // that ended early does not set the range
+  class Plane extends Plot {
+    paint(rows, kx, ky, width) {
+      const { series, plane } = this.figure.dataset, partial = new Set(JSON.parse(plane)), svg = this.svg;
+      const names = this.names.filter((name) => rows.some((row) => row[series] === name));
+      const across = Math.max(Math.min(names.length, 2), Math.min(names.length, Math.floor(width / 270)));
+      const cell = Math.min(Math.floor(width / across), 420), wide = cell - 60;
+      const whole = rows.filter((row) => !partial.has(row[series]));
+      const [ax, ay, high] = this.equal(whole.length ? whole : rows, kx, ky, wide);
+      const pitch = high + 68;
+      this.size(width, Math.ceil(names.length / across) * pitch + 4);
+      names.forEach((name, n) => {
+        const k = this.names.indexOf(name);
+        const box = { left: (n % across) * cell + 50, top: Math.floor(n / across) * pitch + 24, wide, high };
+        this.grid(box, ax, ay);
+        const { h } = rows.find((row) => row[series] === name);
+        make("text", { x: box.left, y: box.top - 8 }, svg, h === undefined || cell < 200 ? name : `${name}, h = ${h}`);
+        make("text", { x: box.left + wide / 2, y: box.top + high + 32, "text-anchor": "middle", class: "x-title" }, svg, this.head(kx).title);
+        make("text", { transform: `translate(${box.left - 38} ${box.top + high / 2}) rotate(-90)`, "text-anchor": "middle",
+          class: "y-title" }, svg, this.head(ky).title);
+        const group = make("g", { "data-series": name }, svg);
+        const inside = (p) => p.u >= box.left && p.u <= box.left + wide && p.v >= box.top && p.v <= box.top + high;
+        const mine = this.placed(rows, name, k, kx, ky, box, ax, ay).filter(inside);
+        for (const p of mine) mark(group, k, { transform: `translate(${p.u.toFixed(1)} ${p.v.toFixed(1)}) scale(.4)` });
+        this.points.push(...mine);
+      });
+      const outside = rows.length - this.points.length;
+      if (outside) this.say(null, `${outside} of ${rows.length} points lie outside of these ranges.`);
+    }
+    // two axes of one unit, and the height that fits
+    equal(rows, kx, ky, wide) {
+      const span = (key) => {
+        const values = rows.map((row) => Number(row[key])), low = Math.min(...values), high = Math.max(...values);
+        return { middle: (low + high) / 2, size: 1.08 * (high - low), far: Math.max(Math.abs(low), Math.abs(high)) };
+      };
+      const x = span(kx), y = span(ky), most = Math.max(x.size, y.size) || Math.max(x.far, y.far) || 1;
+      const high = Math.round(wide * Math.min(1.4, Math.max(0.3, y.size / (x.size || most))));
+      const unit = Math.max(x.size / wide, y.size / high) || most / wide;
+      const line = (middle, pixels) => {
+        const low = middle - unit * pixels / 2, ticks = [];
+        const step = nice(unit * pixels / Math.max(3, Math.floor(pixels / 40)), [1, 2, 2.5, 5, 10]);
+        for (let k = Math.ceil(low / step); k * step <= low + unit * pixels; k++) ticks.push(k * step);
+        const part = (value) => (value - low) / (unit * pixels);
+        return { ticks, label: (value) => String(+value.toPrecision(6)), at: part, part };
+      };
+      return [line(x.middle, wide), line(y.middle, high), high];
+    }
+  }
+  document.querySelectorAll("figure[data-table]").forEach((figure) => figure.dataset.plane ? new Plane(figure) : new Plot(figure));
+
+  // a menu closes behind the link that was followed: on one page it would stay in the way
+  document.querySelectorAll("nav details a").forEach((link) => link.addEventListener("click", () => {
+    link.closest("details").open = false;
+  }));
 
   // tables that can be sorted and filtered
   document.querySelectorAll("table.sortable").forEach((table) => {

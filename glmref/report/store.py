@@ -11,18 +11,23 @@ import json
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 from xml.etree import ElementTree
 
 from ..asv_results import Cell, read_results
 from ..claims import DataError, UsageError
 from .markup import counted
 
-__all__ = ["Odd", "Record", "Results", "RunFile", "read"]
+__all__ = ["MARK", "Odd", "Record", "Results", "RunFile", "method_of", "read"]
 
-#: Formats of the records and of the findings that are understood.
-RECORD, FINDINGS = "glmref-record-1", "glmref-findings-1"
+#: Formats of the records, of the findings and of stability regions that are understood.
+RECORD, FINDINGS, REGIONS = "glmref-record-1", "glmref-findings-1", "glmref-stability-1"
+#: Name of the document with the orders that runs show.
+ORDERS = "observed-orders"
+#: File by which a folder of pages is known: only such a folder, or an empty one, is written over.
+MARK = "glmref-report.txt"
 Record = Mapping[str, Any]
 _SVG = "{http://www.w3.org/2000/svg}"
 _SHAPES = frozenset("svg title desc g path rect circle line polyline polygon text tspan".split())
@@ -61,7 +66,8 @@ class Results:
 
     Attributes
     ----------
-        runs: record files. findings: method -> findings of `glmref verify`.
+        runs: record files. findings: method -> findings of `glmref verify`; of two about one claim
+            the one that was read first. regions: method -> its stability.
         benchmarks: cells of asv. measurements: name -> document with a format of its own.
         portraits: method -> SVG. odd: what could not be read. files: (path, what it holds).
     """
@@ -70,6 +76,7 @@ class Results:
     findings: dict[str, list[Record]] = field(default_factory=dict)
     benchmarks: list[Cell] = field(default_factory=list)
     measurements: dict[str, Record] = field(default_factory=dict)
+    regions: dict[str, Record] = field(default_factory=dict)
     portraits: dict[str, str] = field(default_factory=dict)
     odd: list[Odd] = field(default_factory=list)
     files: list[tuple[str, str]] = field(default_factory=list)
@@ -78,6 +85,19 @@ class Results:
     def records(self) -> Iterator[Record]:
         """Records of all files."""
         return (record for run in self.runs for record in run.records)
+
+    def observed(self, method: str) -> dict[str, Record]:
+        """Orders that runs of a method show: claim -> row."""
+        return self._orders.get(method, {})
+
+    @cached_property
+    def _orders(self) -> dict[str, dict[str, Record]]:
+        found: dict[str, dict[str, Record]] = {}
+        rows = self.measurements.get(ORDERS, {}).get("orders")
+        for row in rows if isinstance(rows, list) else ():
+            if isinstance(row, Mapping) and is_number(row.get("observed")):
+                found.setdefault(str(row.get("method")), {})[str(row.get("claim"))] = row
+        return found
 
 
 def read(paths: Iterable[Path], methods: Iterable[str] = ()) -> Results:
@@ -118,7 +138,7 @@ def _files(path: Path) -> Iterator[Path]:
     for inner in sorted(path.iterdir()):
         # pages of an earlier report lie in a folder with this mark, hidden folders are not ours
         if inner.name == ".asv" or not inner.name.startswith("."):
-            if inner.is_dir() and (inner / "glmref-report.txt").is_file():
+            if inner.is_dir() and (inner / MARK).is_file():
                 continue
             yield from _files(inner / "results" if inner.name == ".asv" else inner)
 
@@ -209,9 +229,16 @@ def _take_document(found: Results, path: Path) -> None:
     form = document.get("format") if isinstance(document, dict) else None
     if form == FINDINGS and isinstance(document.get("findings"), list):
         rows = [x for x in document["findings"] if isinstance(x, dict) and "method" in x]
+        known = {(name, str(x.get("claim"))) for name, mine in found.findings.items() for x in mine}
         for row in rows:
-            found.findings.setdefault(str(row["method"]), []).append(row)
+            if (str(row["method"]), str(row.get("claim"))) not in known:
+                found.findings.setdefault(str(row["method"]), []).append(row)
         found.files.append((path.name, counted(len(rows), "finding")))
+    elif form == REGIONS and isinstance(document.get("methods"), dict):
+        for method, region in document["methods"].items():
+            if isinstance(region, dict):
+                found.regions.setdefault(method, region)
+        found.files.append((path.name, counted(len(document["methods"]), "stability region")))
     elif (
         isinstance(form, str) and form.startswith("glmref-") and not form.startswith(FINDINGS[:-1])
     ):
@@ -223,7 +250,13 @@ def _take_document(found: Results, path: Path) -> None:
         )
 
 
-def is_number(value: Any) -> bool:
+def method_of(record: Record) -> str:
+    """Method or peer of a record."""
+    task = record["task"]
+    return str(task["peer"] if "peer" in task else task["method"])
+
+
+def is_number(value: Any) -> TypeGuard[float]:
     """Whether a value is a finite number."""
     return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from .markup import escape
+from .markup import escape, scrolling
 
 __all__ = ["typeset", "typeset_table"]
 
@@ -161,7 +161,7 @@ def typeset_table(grid: list[list[list[list[str]]]]) -> str:
             )
             lines.append(f"<tr{' class=top' if i and k == 0 else ''}>{cells}")
     body = "".join(lines)
-    table = f'<div class="tabled"><table class="tableau"><tbody>{body}</tbody></table></div>'
+    table = scrolling(f'<table class="tableau"><tbody>{body}</tbody></table>', "tableau")
     if body.count("<td") <= _MOST_ENTRIES:
         return table
     return f"<details><summary>a tableau of {len(lines)} rows</summary>{table}</details>"

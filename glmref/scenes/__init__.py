@@ -6,7 +6,7 @@ Public names::
     plan(scene) -> Plan                                 tasks, modules, cost, before anything runs
     run(scene, records=..., advance=...) -> list        measure what is missing, in order
     answer(scene, records) -> str                       the scene's answer, in one line
-    rows, charts                                        what to show of records
+    rows, charts, orbits                                what to show of records
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from .model import ASK, Answer, Scene
 from .planning import Plan, plan
 from .reading import load_scene, names
 from .running import run
-from .views import charts, rows
+from .views import charts, orbits, rows
 
 __all__ = [
     "ASK",
@@ -27,6 +27,7 @@ __all__ = [
     "charts",
     "load_scene",
     "names",
+    "orbits",
     "plan",
     "rows",
     "run",

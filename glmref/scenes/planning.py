@@ -119,7 +119,7 @@ def plan(scene: Scene) -> Plan:
         for h, steps in scene.grid:
             tasks.append(_task(scene, name, doc["name"], fingerprint, h, steps))
             costs.append(cost)
-            evaluations += steps * cost.about * _runs(scene)
+            evaluations += steps * cost.about * (_runs(scene) + ("orbit" in scene.ask))
     modules: list[str] = list(ALWAYS)
     absent: list[str] = []
     if "state" in scene.ask and subject.exact is not None:
@@ -198,7 +198,8 @@ def _task(
 
 
 def _peer_task(scene: Scene, peer: str, tolerance: float) -> dict[str, Any]:
-    return {**_common(scene), "kind": "peer", "peer": peer, "tolerance": tolerance}
+    ask = [question for question in _asked(scene) if question != "orbit"]
+    return {**_common(scene), "ask": ask, "kind": "peer", "peer": peer, "tolerance": tolerance}
 
 
 def _runs(scene: Scene) -> int:

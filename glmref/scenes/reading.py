@@ -299,6 +299,8 @@ class _Reader:
         for question in ("invariants", "law"):
             if question in ask and nothing:
                 raise self.fail(where, f"the problem {problem.name!r} has no invariants to ask for")
+        if "orbit" in ask and problem.dimension < 2:
+            raise self.fail(where, f"the problem {problem.name!r} has one component and no orbit")
         if set(ask) <= {"picture"}:
             raise self.fail(where, "a picture alone asks nothing; add 'state' or 'energy'")
 

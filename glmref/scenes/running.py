@@ -10,6 +10,7 @@ from typing import Any
 from ..claims import GlmrefError
 from ..experiments.attempt import FUNCTION_FAILED
 from ..experiments.records import RecordFile
+from ..method import GLM
 from .model import Scene
 from .planning import SAMPLED, Plan, plan
 
@@ -32,6 +33,8 @@ START_FAILED = "start failed"
 
 #: Points kept of a curve over time.
 POINTS = 60
+#: Values of a curve at the most: a deviation beyond it says nothing more.
+BEYOND = 1e6
 
 
 def run(
@@ -103,8 +106,30 @@ def _method(task: Mapping[str, Any]) -> dict[str, Any]:
     method = load(task["file"] or task["method"])
     subject = problem(task["problem"], **_parameters(task))
     check_function(subject)
-    if SAMPLED & set(task["ask"]):
-        return _long(task, method, subject)
+    questions = set(task["ask"])
+    record = (_long if SAMPLED & questions else _short)(task, method, subject)
+    if "orbit" in questions:
+        record |= _orbit(task, method, subject, record)
+    return record
+
+
+def _orbit(
+    task: Mapping[str, Any], method: Any, subject: Any, record: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Take the steps once more, as many as there were, for the path: it is never timed."""
+    from ..experiments.orbit import orbit
+
+    if not record["steps"]:
+        return {}
+    path = orbit(subject, method, h=task["h"], steps=record["steps"], start=task["start"])
+    block = path.as_json()
+    if block["ended"] is None and record["outcome"] != "completed":
+        block["ended"] = f"{record['outcome']} after t = {record['t_end']:.6g}"
+    return {"orbit": block}
+
+
+def _short(task: Mapping[str, Any], method: Any, subject: Any) -> dict[str, Any]:
+    """One run, timed, that answers about the error of the state and of the energy."""
     from ..experiments.work_precision import measure
 
     work = measure(
@@ -112,7 +137,7 @@ def _method(task: Mapping[str, Any]) -> dict[str, Any]:
         method,
         h=task["h"],
         steps=task["steps"],
-        ask=task["ask"],
+        ask=[q for q in task["ask"] if q != "orbit"],
         repeats=task["repeats"],
         budget=task["budget"],
         start=task["start"],
@@ -217,16 +242,8 @@ def _law(method: Any, subject: Any, solution: Any) -> dict[str, Any]:
 
 
 def _form(method: Any) -> Any:
-    """The form G of a GLM as floats, or ``None``."""
-    import numpy as np
-
-    if getattr(method, "G", None) is None or not hasattr(method, "A") or method.r == 1:
-        return None
-    if hasattr(method, "A_hat"):
-        return None
-    return np.array(
-        [[complex(x) if not x.is_real() else float(x) for x in row] for row in method.G]
-    )
+    """The form G of a GLM with several values as floats, or ``None``; that of a pair is another."""
+    return method.to_float().G if isinstance(method, GLM) and method.r > 1 else None
 
 
 def _parasitic(
@@ -248,7 +265,7 @@ def _parasitic(
     if found.time is not None:
         record["outcome"] = LOST
         record["message"] = f"lost at t = {found.time:.6g}: {found.reason}"
-    if hasattr(method, "A_hat"):
+    if not isinstance(method, GLM):
         return record
     growing = modes(method)
     record["growth"] = [
@@ -263,10 +280,11 @@ def _parasitic(
 
 
 def _thinned(t: Any, values: Any) -> list[list[float]]:
-    """Running maximum at points evenly spread over log t; positive and finite ones only."""
+    """Running maximum at points evenly spread over log t, while it is positive and below BEYOND."""
     import numpy as np
 
-    inside = (t > 0) & np.isfinite(values)
+    with np.errstate(invalid="ignore"):
+        inside = (t > 0) & (np.maximum.accumulate(values) <= BEYOND)
     t, values = t[inside], np.maximum.accumulate(values[inside]) if inside.any() else values[inside]
     if not len(t):
         return []

@@ -7,12 +7,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..chart import Series
+from ..plane import Cloud, one_each
 from .answers import duration
 from .model import Scene
 from .planning import SAMPLED
 from .words import grouped, method_of
 
-__all__ = ["Chart", "charts", "columns_of", "rows"]
+__all__ = ["Chart", "Orbits", "charts", "columns_of", "orbits", "rows"]
 
 Record = Mapping[str, Any]
 
@@ -26,6 +27,16 @@ class Chart:
     x_label: str
     y_label: str
     series: tuple[Series, ...]
+
+
+@dataclass(frozen=True)
+class Orbits:
+    """A picture of paths in a plane, one for each method."""
+
+    title: str
+    x_label: str
+    y_label: str
+    clouds: tuple[Cloud, ...]
 
 
 def columns_of(scene: Scene) -> tuple[str, ...]:
@@ -116,7 +127,10 @@ def charts(scene: Scene, records: Sequence[Record]) -> list[Chart]:
             for record in group
         ]
         return [Chart("", scene.title, "time", what, tuple(lines))]
-    error = scene.answer.error if scene.answer.error in scene.ask else "energy"
+    asked = [e for e in (scene.answer.error, "state", "energy") if e in scene.ask]
+    if not asked:
+        return []
+    error = asked[0]
     label = f"relative error in the {error}"
     return [
         Chart("", scene.title, "seconds", label, _lines(groups, error, "seconds")),
@@ -128,6 +142,22 @@ def charts(scene: Scene, records: Sequence[Record]) -> list[Chart]:
             _lines(groups, error, "evaluations"),
         ),
     ]
+
+
+def orbits(scene: Scene, records: Sequence[Record]) -> Orbits | None:
+    """Paths of the runs that keep one, one a method, all in the plane of the first."""
+    kept = [record for record in records if record.get("orbit")]
+    if not kept:
+        return None
+    axes = kept[0]["orbit"]["axes"]
+    clouds = one_each([_cloud(record) for record in kept if record["orbit"]["axes"] == axes])
+    return Orbits(scene.title, axes[0], axes[1], tuple(clouds))
+
+
+def _cloud(record: Record) -> Cloud:
+    block = record["orbit"]
+    points = tuple((x, y) for path in block["paths"] for _, x, y in path)
+    return Cloud(method_of(record), points, block["ended"], record["task"]["h"])
 
 
 def _lines(groups: Mapping[str, Sequence[Record]], error: str, cost: str) -> tuple[Series, ...]:

@@ -15,7 +15,7 @@ from .. import linalg
 from ..claims import ExactnessError
 from ..exact import Exact, Scalar
 from ..linalg import Matrix, Vector
-from .series import is_zero, plus, times
+from .coefficients import is_zero, plus, times, weighted
 
 __all__ = [
     "Block",
@@ -81,13 +81,7 @@ def sparse(matrix: Sequence[Sequence[Any]]) -> Rows:
 
 def apply(rows: Rows, x: Sequence[Any]) -> tuple[Any, ...]:
     """Matrix times column."""
-    result = []
-    for row in rows:
-        total: Any = 0
-        for j, factor in row:
-            total = plus(total, times(factor, x[j]))
-        result.append(total)
-    return tuple(result)
+    return tuple([weighted(row, x) for row in rows])
 
 
 def kernel(matrix: Matrix) -> tuple[list[Vector], bool]:

@@ -56,17 +56,25 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
+from functools import lru_cache
 from math import factorial
 from typing import Any
 
+from ..exact import Exact
 from .blocks import Block, apply, as_scalar, equal, kernel, present, seen, tidy
-from .series import grown, is_zero, plus, times
+from .coefficients import is_zero, plus, times, weighted
 from .trees import Palette, Tree, pruned, single, tree, trees
 
 __all__ = ["Conditions"]
 
 #: A product of stage vectors, by their numbers, ascending.
 _Monomial = tuple[int, ...]
+
+
+@lru_cache(maxsize=4096)
+def _weight(ways: int, size: int) -> Exact:
+    """``- ways / size``, kept because its ball is."""
+    return Exact(Fraction(-ways, size))
 
 
 class Conditions:
@@ -194,12 +202,15 @@ class Conditions:
     def _right_side(self, t: Tree) -> tuple[Any, ...]:
         """R(t) = B xiD(t) - (E eta - eta)(t)."""
         ratio, monomial = self._slope(t)
-        block = self.blocks[t.colour]
-        total = times(ratio, self._image(t.colour, monomial)[1])
-        if self.eta:
-            for removed, part in grown(t, self.eta).items():
-                total = plus(total, times(Fraction(-1, factorial(removed)), part))
-        return plus(total, times(Fraction(-1, t.density), block.u))
+        terms = [(Exact(ratio), self._image(t.colour, monomial)[1])] if ratio else []
+        terms.append((_weight(1, t.density), self.blocks[t.colour].u))
+        for kept, ways in pruned(t).items() if self.eta else ():
+            value = self.eta.get(kept)
+            if value is not None:
+                terms.append((_weight(ways, factorial(t.order - kept.order)), value))
+        weights = list(enumerate(weight for weight, _ in terms))
+        columns = zip(*(vector for _, vector in terms), strict=True)
+        return tuple([weighted(weights, column) for column in columns])
 
     def _residual(self, t: Tree, right: tuple[Any, ...]) -> tuple[Any, ...]:
         return apply(self.blocks[t.colour].W, right)

@@ -27,9 +27,10 @@ from ..claims import ExactnessError, Proof
 from ..exact import Ball, Scalar
 from ..method import PartitionedGLM
 from .blocks import NotPreconsistent, as_scalar, make_block
+from .coefficients import is_zero
 from .conditions import Conditions
 from .order import OrderResult
-from .series import is_zero
+from .series import Series
 from .trees import SEPARABLE, Tree, trees
 
 __all__ = ["is_nystrom", "nystrom_order_of", "nystrom_trees"]
@@ -55,8 +56,8 @@ def nystrom_order_of(pair: PartitionedGLM, *, max_order: int = 9) -> OrderResult
 
     Returns
     -------
-        As :func:`~glmref.theory.order.order_of`, without the starting series; order 0 where the
-        pair is not preconsistent or the two halves share their stages.
+        As :func:`~glmref.theory.order.order_of`, the starting series on the trees that count only;
+        order 0 where the pair is not preconsistent or the two halves share their stages.
     """
     blocks = {}
     entries = {
@@ -86,6 +87,7 @@ def nystrom_order_of(pair: PartitionedGLM, *, max_order: int = 9) -> OrderResult
                 proof=proof,
                 largest_residual=largest,
                 undecided=tuple(undecided),
+                eta=_starting_series(conditions, n - 1),
                 multiplicity=max(len(b.N) for b in blocks.values()),
             )
         undecided += [t for t, x in level.items() if is_zero(x) is None]
@@ -96,8 +98,18 @@ def nystrom_order_of(pair: PartitionedGLM, *, max_order: int = 9) -> OrderResult
         proof=proof,
         largest_residual=largest,
         undecided=tuple(undecided),
+        eta=_starting_series(conditions, max_order),
         at_least=True,
     )
+
+
+def _starting_series(conditions: Conditions, order: int) -> Series | None:
+    """The starting series on the trees that count; zero on all others."""
+    if not order:
+        return None
+    values = {t: x for t, x in conditions.eta.items() if t.order <= order and is_nystrom(t)}
+    empty = {colour: block.u for colour, block in conditions.blocks.items()}
+    return Series({t: tuple(map(as_scalar, x)) for t, x in values.items()}, empty, order, SEPARABLE)
 
 
 def _one(residual: tuple[object, ...]) -> Scalar:

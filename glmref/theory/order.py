@@ -6,10 +6,6 @@ Public names::
     order_residuals(method, order, *, principal="identity") -> dict[Tree, Scalar]
     residuals_of(blocks, palette, order, principal) -> dict[Tree, Scalar]    the same from blocks
                                              of any number type, see theory.blocks.make_block
-    error_norm(result) -> float              Euclidean norm of residual / sigma at order p + 1
-    error_max(result) -> float               largest residual at order p + 1
-    conjugate_error(result) -> dict[Tree, Scalar]    the same residuals, least squares over the
-                                             principal parts: what no conjugation can remove
     OrderResult                              frozen record, see its attributes
 
 A method has order p when there is a starting series eta with ``M S = S E + O(h^(p+1))``. With
@@ -29,8 +25,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from fractions import Fraction
-from math import sqrt
 from typing import Any, Literal
 
 from ..claims import ExactnessError, Proof, UsageError
@@ -38,17 +32,14 @@ from ..exact import Ball, Scalar
 from ..linalg import Vector
 from ..method import GLM
 from .blocks import Block, NotPreconsistent, as_scalar, make_block
+from .coefficients import is_zero, plus, times
 from .conditions import Conditions
-from .series import Series, is_zero, plus, times
-from .trees import MAX_ORDER, ROOTED, Palette, Tree, pruned, trees
+from .series import Series
+from .trees import MAX_ORDER, ROOTED, Palette, Tree, trees
 
 __all__ = [
     "OrderResult",
     "Principal",
-    "commutator_row",
-    "conjugate_error",
-    "error_max",
-    "error_norm",
     "order_of",
     "order_residuals",
     "residuals_of",
@@ -73,7 +64,7 @@ class OrderResult:
         residuals: residuals of all trees of order p + 1, the error constants. For a method that
             needs no finishing these are the coefficients of the local error, by tree. With a free
             principal part the parts of order p are chosen so that the trees with a leaf at the root
-            have none: see :func:`conjugate_error` for the least choice.
+            have none: see :mod:`.error_constants` for the least choice.
         eta: the starting series through order p, vectors with r entries; ``None`` at order 0.
             Principal parts of order p are free, and are zero here.
         abscissae: c = A 1 + U v by root colour (``"o"``; ``"f"`` for Q and ``"k"`` for P); empty at
@@ -304,106 +295,3 @@ def _adjustable(conditions: Conditions, eta: Series, colour: str) -> bool:
         for t, x in known
         if t.order < eta.order
     )
-
-
-# -- error constants ---------------------------------------------------------------------------
-
-
-def error_max(result: OrderResult) -> float:
-    """Largest magnitude of a residual at order p + 1; 0.0 where none was computed."""
-    return max((x.magnitude() for x in result.residuals.values()), default=0.0)
-
-
-def error_norm(result: OrderResult, residuals: Mapping[Tree, Scalar] | None = None) -> float:
-    """Euclidean norm of ``residual / sigma`` over the trees of order p + 1.
-
-    The local error is ``h^(p+1)`` times the sum of ``residual / sigma`` times the elementary
-    differential, so this is the usual principal error norm (Hairer, Norsett, Wanner (1993), II.1).
-
-    Args:
-        result: an order with its residuals.
-        residuals: others of the same order to take instead, for example of
-            :func:`conjugate_error`.
-    """
-    chosen = result.residuals if residuals is None else residuals
-    return sqrt(sum((x.magnitude() / t.symmetry) ** 2 for t, x in chosen.items()))
-
-
-def conjugate_error(result: OrderResult) -> dict[Tree, Scalar]:
-    """Return the residuals at order p + 1 for the principal parts of order p that make them least.
-
-    Least squares of ``residual / sigma``. A conjugation cannot remove what is left.
-
-    Raises
-    ------
-        UsageError: when the result holds no residuals, or stands for several eigenvectors.
-    """
-    if not result.residuals or result.multiplicity != 1:
-        raise UsageError("error constants up to conjugation need residuals and a simple eigenvalue")
-    level = list(result.residuals)
-    palette = result.eta.palette if result.eta is not None else ROOTED
-    order = level[0].order
-    smaller = trees(order - 1, palette) if order > 1 else ()
-    if order == 2:  # at the single nodes a common shift in time changes nothing
-        smaller = tuple(s for s in smaller if s.colour != next(iter(palette)))
-    place = {s: j for j, s in enumerate(smaller)}
-    rows = [commutator_row(t, place) for t in level]
-    gram = [[Fraction(0)] * len(smaller) for _ in smaller]
-    right: list[Any] = [0] * len(smaller)
-    for t, row in zip(level, rows, strict=True):
-        weight = Fraction(1, t.symmetry**2)
-        for i, x in row.items():
-            right[i] = plus(right[i], times(-x * weight, result.residuals[t]))
-            for j, y in row.items():
-                gram[i][j] += x * y * weight
-    best = _solve_rational(gram, right)
-    moved = {}
-    for t, row in zip(level, rows, strict=True):
-        total: Any = result.residuals[t]
-        for j, x in row.items():
-            total = plus(total, times(x, best[j]))
-        moved[t] = as_scalar(total)
-    return moved
-
-
-def commutator_row(t: Tree, place: Mapping[Tree, int]) -> dict[int, int]:
-    """How principal parts one order lower enter the condition of the tree t.
-
-    A change delta of the principal parts at the trees of ``place`` adds ``delta(s)`` to the
-    condition of [s] and takes ``ways * delta(s)`` from that of t for each way to cut a leaf off t
-    that leaves s.
-
-    Args:
-        t: a tree. place: column of each tree of the order below.
-
-    Returns
-    -------
-        The entries of the row that are not zero, by column.
-    """
-    row: dict[int, int] = {}
-    for kept, count in pruned(t).items():
-        if kept in place:
-            row[place[kept]] = -count
-    if len(t.children) == 1 and t.children[0] in place:
-        at = place[t.children[0]]
-        row[at] = row.get(at, 0) + 1
-    return row
-
-
-def _solve_rational(matrix: list[list[Fraction]], right: list[Any]) -> list[Any]:
-    """Solve a positive definite rational system whose right side may be of any number type."""
-    size = len(matrix)
-    a, b = [list(row) for row in matrix], list(right)
-    for i in range(size):
-        lead = 1 / a[i][i]
-        for k in range(i + 1, size):
-            factor = a[k][i] * lead
-            if factor:
-                a[k] = [x - factor * y if y else x for x, y in zip(a[k], a[i], strict=True)]
-                b[k] = plus(b[k], times(-factor, b[i]))
-    for i in reversed(range(size)):
-        total = b[i]
-        for j in range(i + 1, size):
-            total = plus(total, times(-a[i][j], b[j]))
-        b[i] = times(1 / a[i][i], total)
-    return b

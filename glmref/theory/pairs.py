@@ -4,7 +4,6 @@ Public names::
 
     pair_order_of(pair, *, max_order=10, principal="free") -> OrderResult
     pair_residuals(pair, order, *, principal="identity") -> dict[Tree, Scalar]
-    zero_start_order(result) -> (int, str)
     parasitic_curvature(pair) -> Scalar
 
 For ``q' = f(q, p)``, ``p' = k(q, p)`` a tree with root ``f`` belongs to q, one with root ``k`` to
@@ -37,12 +36,12 @@ from typing import Any
 from ..claims import UsageError
 from ..exact import Exact, Scalar
 from ..method import PartitionedGLM
-from .blocks import NotPreconsistent, as_scalar, make_block
+from .blocks import NotPreconsistent, make_block
 from .order import OrderResult, Principal, decide, residuals_of
 from .stability import axis_polynomial
 from .trees import GENERAL, SEPARABLE, Palette, Tree
 
-__all__ = ["pair_order_of", "pair_residuals", "parasitic_curvature", "zero_start_order"]
+__all__ = ["pair_order_of", "pair_residuals", "parasitic_curvature"]
 
 
 def _parts(pair: PartitionedGLM) -> tuple[list[tuple[str, tuple[Any, Any, Any, Any]]], Palette]:
@@ -98,24 +97,6 @@ def pair_residuals(
     except NotPreconsistent as reason:
         raise UsageError(f"the pair {pair.name!r} is not preconsistent: {reason}") from None
     return residuals_of(blocks, palette, order, principal)
-
-
-def zero_start_order(result: OrderResult) -> tuple[int, str]:
-    """To which order the start (y_0, 0, ..) agrees with the starting series of a pair.
-
-    Args:
-        result: what :func:`pair_order_of` found with ``principal="identity"``.
-
-    Returns
-    -------
-        The largest q, not above the order, with zeta_k(t) = 0 for all k > 1 and |t| <= q; and one
-        sentence that names the first tree where it is not.
-    """
-    for t in sorted(result.eta or {}, key=lambda t: t.order):
-        values = () if result.eta is None else result.eta[t]
-        if t.order and any(as_scalar(x).is_zero() is False for x in values[1:]):
-            return t.order - 1, f"a carried value starts with a term of {t}"
-    return result.order, "every carried value starts with zero"
 
 
 def parasitic_curvature(pair: PartitionedGLM) -> Scalar:

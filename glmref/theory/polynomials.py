@@ -8,21 +8,20 @@ Public names::
     Polynomial = tuple[Scalar, ...]
     trim(p) -> Polynomial                      add(p, q), sub(p, q), mul(p, q), scale(c, p)
     divide(p, q) -> (quotient, remainder)      gcd(p, q) -> monic      squarefree(p)
-    derivative(p)                              evaluate(p, x)          evaluate_matrix(p, M)
+    derivative(p)       monic(p)               evaluate(p, x)          evaluate_matrix(p, M)
     power(p, n)                                compose_moebius(p, a, b, c, d)
     from_roots(roots)                          interpolate(points, values)
     characteristic_polynomial(M) -> Polynomial faddeev_leverrier(M) -> (Polynomial, adjugate terms)
     reciprocal(p) -> Polynomial                is_self_reciprocal(p) -> bool
-    real_roots(p, low=None, high=None) -> int  is_nonnegative(p) -> bool
-    is_schur(p) -> bool                        in_closed_disc(p) -> bool
-    unimodular_roots(p) -> int                 approximate_roots(p) -> list[complex]
+    approximate_roots(p) -> list[complex]
+
+Where the roots lie is decided in :mod:`glmref.theory.root_location`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from itertools import pairwise
 
 from .. import linalg
 from ..claims import ExactnessError
@@ -42,20 +41,16 @@ __all__ = [
     "faddeev_leverrier",
     "from_roots",
     "gcd",
-    "in_closed_disc",
     "interpolate",
-    "is_nonnegative",
-    "is_schur",
     "is_self_reciprocal",
+    "monic",
     "mul",
     "power",
-    "real_roots",
     "reciprocal",
     "scale",
     "squarefree",
     "sub",
     "trim",
-    "unimodular_roots",
 ]
 
 Polynomial = tuple[Scalar, ...]
@@ -136,7 +131,8 @@ def divide(p: Polynomial, q: Polynomial) -> tuple[Polynomial, Polynomial]:
     return trim(quotient), trim(rest[: len(q) - 1])
 
 
-def _monic(p: Polynomial) -> Polynomial:
+def monic(p: Polynomial) -> Polynomial:
+    """Multiple with leading coefficient 1; the zero polynomial is returned as it is."""
     if not p:
         return p
     return (*(a / p[-1] for a in p[:-1]), _ONE)
@@ -150,9 +146,9 @@ def gcd(p: Polynomial, q: Polynomial) -> Polynomial:
     while q:
         if len(q) == 1:
             return (_ONE,)
-        q = _monic(q)
+        q = monic(q)
         p, q = q, divide(p, q)[1]
-    return _monic(p)
+    return monic(p)
 
 
 def derivative(p: Polynomial) -> Polynomial:
@@ -163,7 +159,7 @@ def derivative(p: Polynomial) -> Polynomial:
 def squarefree(p: Polynomial) -> Polynomial:
     """Monic polynomial with the roots of ``p``, each once."""
     p = trim(p)
-    return _monic(p) if len(p) <= 2 else _monic(divide(p, gcd(p, derivative(p)))[0])
+    return monic(p) if len(p) <= 2 else monic(divide(p, gcd(p, derivative(p)))[0])
 
 
 def evaluate(p: Polynomial, x: Scalar | int | Fraction) -> Scalar:
@@ -261,144 +257,6 @@ def is_self_reciprocal(p: Polynomial) -> bool:
     if len(p) != len(q):
         return False
     return all((a * q[-1] - b * p[-1]).is_zero() is True for a, b in zip(p, q, strict=True))
-
-
-def _sturm_chain(p: Polynomial) -> list[Polynomial]:
-    chain = [p, derivative(p)]
-    while len(chain[-1]) > 1:
-        remainder = divide(chain[-2], chain[-1])[1]
-        if not remainder:
-            break
-        # division by |leading coefficient| keeps the signs and keeps the numbers small
-        chain.append(scale(-remainder[-1].sign(), _monic(remainder)))
-    return [q for q in chain if q]
-
-
-def _sign_changes(signs: list[int]) -> int:
-    kept = [s for s in signs if s]
-    return sum(a != b for a, b in pairwise(kept))
-
-
-def _signs_at(chain: list[Polynomial], x: Scalar | None, infinity: int) -> list[int]:
-    if x is not None:
-        return [evaluate(q, x).sign() for q in chain]
-    return [q[-1].sign() * (infinity if len(q) % 2 == 0 else 1) for q in chain]
-
-
-def real_roots(p: Polynomial, low: Scalar | None = None, high: Scalar | None = None) -> int:
-    """Number of distinct real roots in ``(low, high]`` by Sturm's theorem; ``None`` is infinite.
-
-    Args:
-        p: not zero, with real coefficients.
-        low, high: ends of the interval.
-    """
-    p = squarefree(p)
-    if len(p) <= 1:
-        return 0
-    chain = _sturm_chain(p)
-    return _sign_changes(_signs_at(chain, low, -1)) - _sign_changes(_signs_at(chain, high, 1))
-
-
-def _odd_part(p: Polynomial) -> Polynomial:
-    """Product of the factors of odd multiplicity (Yun's algorithm)."""
-    result: Polynomial = (_ONE,)
-    common = gcd(p, derivative(p))
-    rest, other = divide(p, common)[0], divide(derivative(p), common)[0]
-    multiplicity = 1
-    while len(rest) > 1:
-        other = sub(other, derivative(rest))
-        factor = gcd(rest, other) if other else _monic(rest)
-        if multiplicity % 2:
-            result = mul(result, factor)
-        rest = divide(rest, factor)[0]
-        other = divide(other, factor)[0] if other else ()
-        multiplicity += 1
-    return result
-
-
-def is_nonnegative(p: Polynomial) -> bool:
-    """Whether a polynomial with real coefficients is nowhere negative on the real line."""
-    p = trim(p)
-    if not p:
-        return True
-    if len(p) % 2 == 0 or p[-1].sign() < 0:
-        return False
-    low = 0
-    while p[low].is_zero() is True:
-        low += 1
-    if low % 2:
-        return False
-    p = p[low:]
-    if all(a.is_zero() is True for a in p[1::2]):  # even: half the degree in x^2, on x^2 > 0
-        return real_roots(_odd_part(p[::2]), low=_ZERO) == 0
-    return real_roots(_odd_part(p)) == 0
-
-
-def is_schur(p: Polynomial) -> bool:
-    """Whether all roots lie inside the unit circle (Schur, Cohn), decided by signs.
-
-    References: Marden, "Geometry of Polynomials" (1966), section 42.
-    """
-    p = trim(p)
-    while len(p) > 1:
-        low, high = p[0], p[-1]
-        if low.is_zero() is True:
-            p = p[1:]
-            continue
-        if (high * high.conjugate() - low * low.conjugate()).real.sign() <= 0:
-            return False
-        mirrored = tuple(a.conjugate() for a in reversed(p))
-        p = _monic(
-            trim([high.conjugate() * a - low * b for a, b in zip(p, mirrored, strict=True)][1:])
-        )
-    return True
-
-
-def in_closed_disc(p: Polynomial) -> bool:
-    """Whether all roots lie inside or on the unit circle.
-
-    Where the Schur-Cohn step degenerates the polynomial is its own mirror image up to a factor, and
-    then its roots lie on the circle exactly if those of its derivative lie in the closed disc.
-
-    References: Cohn, Math. Z. 14 (1922) 110; Marden, "Geometry of Polynomials" (1966), section 45.
-    """
-    p = trim(p)
-    while len(p) > 1:
-        low, high = p[0], p[-1]
-        if low.is_zero() is True:
-            p = p[1:]
-            continue
-        sign = (high * high.conjugate() - low * low.conjugate()).real.sign()
-        if sign < 0:
-            return False
-        if sign == 0:
-            if not is_self_reciprocal(p):
-                return False
-            p = derivative(p)
-            continue
-        mirrored = tuple(a.conjugate() for a in reversed(p))
-        p = _monic(
-            trim([high.conjugate() * a - low * b for a, b in zip(p, mirrored, strict=True)][1:])
-        )
-    return True
-
-
-def unimodular_roots(p: Polynomial) -> int:
-    """Number of distinct roots on the unit circle.
-
-    They are shared by ``p`` and its mirror image. On that common factor w = (1 + i t)/(1 - i t)
-    carries the circle to the real line (and w = -1 to infinity), where Sturm's theorem counts.
-    """
-    p = trim(p)
-    while p and p[0].is_zero() is True:
-        p = p[1:]
-    common = squarefree(p if is_self_reciprocal(p) else gcd(p, reciprocal(p)))
-    if len(common) <= 1:
-        return 0
-    i = Exact(-1).sqrt()
-    moved = trim(compose_moebius(common, i, 1, -i, 1))
-    at_infinity = len(common) - len(moved)
-    return real_roots(tuple(a.real for a in _monic(moved))) + at_infinity if moved else at_infinity
 
 
 def approximate_roots(p: Polynomial) -> list[complex]:

@@ -32,6 +32,7 @@ from math import factorial
 from typing import Any
 
 from ..claims import UsageError
+from .coefficients import Coefficient, is_zero, plus, pointwise, times, weighted
 from .trees import ROOTED, Palette, Tree, coproduct, pruned, trees, trees_up_to
 
 __all__ = [
@@ -47,43 +48,6 @@ __all__ = [
     "is_zero",
     "shift",
 ]
-
-#: An int, a Fraction, a Scalar, or a tuple of them.
-Coefficient = Any
-
-
-def is_zero(value: Any) -> bool | None:
-    """Decide whether a coefficient is zero: ``None`` where a ball contains zero."""
-    if isinstance(value, tuple):
-        answers = [is_zero(x) for x in value]
-        return False if False in answers else (None if None in answers else True)
-    return value == 0 if isinstance(value, int | Fraction) else value.is_zero()
-
-
-def plus(a: Coefficient, b: Coefficient) -> Coefficient:
-    """Sum; an exact zero costs nothing."""
-    if isinstance(a, tuple):
-        return tuple(plus(x, y) for x, y in zip(a, b, strict=True))
-    if isinstance(a, int) and a == 0:
-        return b
-    return a if isinstance(b, int) and b == 0 else a + b
-
-
-def times(factor: Any, a: Coefficient) -> Coefficient:
-    """Product of a number and a coefficient; factors 0 and 1 cost nothing."""
-    if isinstance(a, tuple):
-        return tuple(times(factor, x) for x in a)
-    for x, y in ((factor, a), (a, factor)):
-        if isinstance(x, int | Fraction) and (x == 0 or x == 1):
-            return y if x == 1 else 0
-    return factor * a
-
-
-def _pointwise(a: Coefficient, b: Coefficient) -> Coefficient:
-    """Product of two coefficients of one kind, vectors component by component."""
-    if isinstance(a, tuple):
-        return tuple(times(x, y) for x, y in zip(a, b, strict=True))
-    return times(a, b)
 
 
 class Series(Mapping[Tree, Coefficient]):
@@ -261,7 +225,7 @@ def derivative(series: Series) -> Series:
     for t in trees_up_to(series.order, series.palette):
         total = one[next(iter(series.palette[t.colour]))]
         for child in t.children:
-            total = _pointwise(total, series[child])
+            total = pointwise(total, series[child])
         values[t] = total
     empty = {colour: times(0, x) for colour, x in series._empty.items()}
     return Series(values, empty, series.order, series.palette)
@@ -354,26 +318,39 @@ def elementary_weights(
     -------
         A scalar series, or a vector-valued one when ``u`` is a tuple.
     """
-    rows = [[(j, x) for j, x in enumerate(row) if is_zero(x) is not True] for row in A]
     outputs = B if isinstance(u, tuple) else (B,)
-    weights = [[(j, x) for j, x in enumerate(row) if is_zero(x) is not True] for row in outputs]
+    rows, weights = _needed([_nonzero(row) for row in A], [_nonzero(row) for row in outputs])
     stages: dict[Tree, tuple[Any, ...]] = {}
     values: dict[Tree, Coefficient] = {}
-    ones = tuple(1 for _ in A)
+    ones = tuple(1 for _ in rows)
     for n in range(1, order + 1):
         for t in trees(n):
-            slopes = ones
-            for child in t.children:
-                slopes = _pointwise(slopes, stages[child])
+            slopes = ones if not t.children else stages[t.children[0]]
+            for child in t.children[1:]:
+                slopes = pointwise(slopes, stages[child])
             if n < order:
-                stages[t] = tuple(_dot(row, slopes) for row in rows)
-            result = tuple(_dot(row, slopes) for row in weights)
+                stages[t] = tuple([weighted(row, slopes) for row in rows])
+            result = tuple([weighted(row, slopes) for row in weights])
             values[t] = result if isinstance(u, tuple) else result[0]
     return Series(values, u, order)
 
 
-def _dot(row: Sequence[tuple[int, Any]], x: Sequence[Any]) -> Any:
-    total: Any = 0
-    for j, factor in row:
-        total = plus(total, times(factor, x[j]))
-    return total
+#: The entries of a row that are not certainly zero, with their columns.
+_Sparse = list[tuple[int, Any]]
+
+
+def _nonzero(row: Sequence[Any]) -> _Sparse:
+    return [(j, x) for j, x in enumerate(row) if is_zero(x) is not True]
+
+
+def _needed(rows: list[_Sparse], weights: list[_Sparse]) -> tuple[list[_Sparse], list[_Sparse]]:
+    """Leave out the stages on which no weight depends."""
+    waiting = [j for row in weights for j, _ in row]
+    found = set(waiting)
+    while waiting:
+        new = {j for j, _ in rows[waiting.pop()]} - found
+        found |= new
+        waiting += new
+    place = {j: k for k, j in enumerate(sorted(found))}
+    kept = [[(place[j], x) for j, x in rows[i]] for i in place]
+    return kept, [[(place[j], x) for j, x in row] for row in weights]

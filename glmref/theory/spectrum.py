@@ -21,6 +21,7 @@ from ..exact import Ball, Exact, Scalar, exact, root_of_unity
 from ..linalg import Matrix, Vector
 from . import polynomials as poly
 from .polynomials import Polynomial
+from .root_location import is_schur, unimodular_roots
 
 __all__ = [
     "Boundedness",
@@ -174,11 +175,11 @@ def unimodular_eigenvalues(V: Matrix) -> tuple[Eigenvalue, ...]:
     """
     _require_exact(V)
     found, rest = _cyclotomic_part(_strip_zero_roots(poly.characteristic_polynomial(V)))
-    if not poly.is_schur(rest):
+    if not is_schur(rest):
         common = poly.gcd(rest, poly.reciprocal(rest))
         if len(common) > 1:
             simple = poly.squarefree(common)
-            if poly.unimodular_roots(simple):
+            if unimodular_roots(simple):
                 found += _multiplicities(rest, _solve_unimodular(simple))
     order = sorted(range(len(found)), key=lambda i: argument_key(found[i].value))
     return tuple(found[i] for i in order)
@@ -237,13 +238,13 @@ def power_bounded(V: Matrix) -> Boundedness:
     found, rest = _cyclotomic_part(_strip_zero_roots(full))
     simple: Polynomial = poly.from_roots([e.value for e in found])
     multiple = any(e.multiplicity > 1 for e in found)
-    if not poly.is_schur(rest):
+    if not is_schur(rest):
         common = poly.gcd(rest, poly.reciprocal(rest))
         inner = poly.divide(rest, common)[0]
         once = poly.squarefree(common)
-        if len(common) == 1 or not poly.is_schur(inner):
+        if len(common) == 1 or not is_schur(inner):
             return Boundedness(False, _outside(full))
-        if poly.unimodular_roots(once) < len(once) - 1:
+        if unimodular_roots(once) < len(once) - 1:
             return Boundedness(False, _outside(full))
         simple, multiple = poly.mul(simple, once), multiple or len(once) < len(common)
         rest = inner

@@ -1,10 +1,7 @@
-"""Linear stability, exactly: the polynomial of M(z), A- and L-stability, behaviour at infinity.
+"""Linear stability, exactly: the polynomial of M(z) and its behaviour at infinity.
 
 For y' = lambda y, z = h lambda, one step is ``M(z) = V + z B (I - z A)^-1 U``. Its eigenvalues w
-are the roots of ``P(w, z) = det(w I - M(z)) det(I - z A)``, a polynomial in both. A-stability is
-decided on P: no pole of M in the left half-plane (signs of Schur and Cohn after a Moebius
-transformation), and all roots in the closed unit disc along the imaginary axis (Schur-Cohn with
-polynomials in y as coefficients; each must nowhere be negative, which Sturm's theorem decides).
+are the roots of ``P(w, z) = det(w I - M(z)) det(I - z A)``, a polynomial in both.
 
 Public names::
 
@@ -12,11 +9,10 @@ Public names::
     stability_matrix(m, z) -> Matrix                    M(z)
     stability_function(m) -> (N, D)                     R = N/D of a one-step method
     at_infinity(m) -> AtInfinity                        eigenvalues of M(z) as z grows
-    a_stability(m) -> Decision                          l_stability(m) -> Decision
-    is_a_stable(m), is_l_stable(m) -> bool | None
     oscillator(pair) -> GLM                             a pair on q' = p, p' = -q
 
-The periodicity interval is in :mod:`glmref.theory.periodicity`.
+The periodicity interval is in :mod:`glmref.theory.periodicity`, A- and L-stability in
+:mod:`glmref.theory.a_stability`.
 """
 
 from __future__ import annotations
@@ -35,13 +31,8 @@ from .polynomials import Polynomial
 
 __all__ = [
     "AtInfinity",
-    "Decision",
-    "a_stability",
     "at_infinity",
     "axis_polynomial",
-    "is_a_stable",
-    "is_l_stable",
-    "l_stability",
     "on_imaginary_axis",
     "oscillator",
     "stability_function",
@@ -54,17 +45,6 @@ _I = Exact(-1).sqrt()
 
 #: P(w, z) as the coefficients of 1, w, .., w^r, each a polynomial in z (or in y).
 Bivariate = tuple[Polynomial, ...]
-
-#: Points of the imaginary axis tried before the full proof; one bad point decides.
-SAMPLES = tuple(Fraction(x) for x in ("1", "3", "1/3", "10", "1/10", "50", "1/50", "2", "6"))
-
-
-@dataclass(frozen=True)
-class Decision:
-    """A yes, a no, or ``None`` with the reason in ``witness``."""
-
-    holds: bool | None
-    witness: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,11 +86,13 @@ def stability_polynomial(m: GLM) -> Bivariate:
 
     One-step methods with triangular A: stage by stage, without any division. Else, few stages:
     ``P = det(w I - V) det(I - z (A + U (w I - V)^-1 B))`` at r + 1 points w; many stages: M(z) at
-    s + 1 points z. Interpolation is exact.
+    s + 1 points z, or as a polynomial where A is nilpotent. Interpolation is exact.
     """
     if m.r == 1 and m.is_diagonally_implicit:
         return _stage_by_stage(m)
-    return _through_stages(m) if m.s <= max(6, m.r) else _through_values(m)
+    if m.s <= max(6, m.r):
+        return _through_stages(m)
+    return _through_powers(m) if _is_explicit_in_some_order(m.A) else _through_values(m)
 
 
 def _stage_by_stage(m: GLM) -> Bivariate:
@@ -173,6 +155,56 @@ def _through_values(m: GLM) -> Bivariate:
     return tuple(poly.interpolate(points, [t[k] for t in tables]) for k in range(m.r + 1))
 
 
+def _is_explicit_in_some_order(A: Matrix) -> bool:
+    """Whether the stages can be ordered so that each needs earlier ones only: A is nilpotent."""
+    left = set(range(len(A)))
+    while left:
+        ready = {i for i in left if all(A[i][j].is_zero() is True for j in left)}
+        if not ready:
+            return False
+        left -= ready
+    return True
+
+
+def _through_powers(m: GLM) -> Bivariate:
+    """``det(w I - M(z))`` for nilpotent A, by the method of Faddeev and LeVerrier.
+
+    The entries are the polynomials ``M(z) = V + z B U + z^2 B A U + ..``. Nothing is interpolated:
+    with s + 1 points published decimals of 49 stages would lose more digits than they have. The
+    degree of P in z is at most s; what lies above cancels and is left out.
+    """
+    series, stages = [m.V], m.U
+    for _ in range(m.s):
+        series.append(linalg.matmul(m.B, stages))
+        stages = linalg.matmul(m.A, stages)
+    r, size = m.r, m.s + 1
+    M = [[tuple(term[i][j] for term in series) for j in range(r)] for i in range(r)]
+    coefficients: list[Polynomial] = [(_ONE,)]
+    N: list[list[Polynomial]] = [[(_ONE,) if i == j else () for j in range(r)] for i in range(r)]
+    for k in range(1, r + 1):
+        N = [
+            [_sum_of_products(M[i], [row[j] for row in N], size) for j in range(r)]
+            for i in range(r)
+        ]
+        trace: Polynomial = ()
+        for i in range(r):
+            trace = poly.add(trace, N[i][i])
+        coefficients.append(tuple(x * Fraction(-1, k) for x in trace))
+        for i in range(r):
+            N[i][i] = poly.add(N[i][i], coefficients[-1])
+    return tuple(reversed(coefficients))
+
+
+def _sum_of_products(
+    left: Sequence[Polynomial], right: Sequence[Polynomial], size: int
+) -> Polynomial:
+    """Sum of left_k right_k, without the powers from ``size`` on."""
+    total: Polynomial = ()
+    for p, q in zip(left, right, strict=True):
+        total = poly.add(total, poly.mul(p, q)[:size])
+    return poly.trim(total)
+
+
 def stability_function(m: GLM) -> tuple[Polynomial, Polynomial]:
     """Stability function R = N/D of a one-step method: N and D without common factor, D(0) = 1.
 
@@ -184,12 +216,12 @@ def stability_function(m: GLM) -> tuple[Polynomial, Polynomial]:
     """
     if m.r != 1:
         raise UsageError(f"only a one-step method has a stability function; this one has r = {m.r}")
-    numerator, denominator = _without_content(m, stability_polynomial(m))
+    numerator, denominator = without_content(m, stability_polynomial(m))
     unit = 1 / denominator[0]
     return poly.scale(-unit, numerator), poly.scale(unit, denominator)
 
 
-def _without_content(m: GLM, P: Bivariate) -> Bivariate:
+def without_content(m: GLM, P: Bivariate) -> Bivariate:
     """Divide out the polynomial in z that all coefficients share: poles that cancel.
 
     It divides det(I - z A), whose zeros are known where A is lower triangular.
@@ -201,15 +233,15 @@ def _without_content(m: GLM, P: Bivariate) -> Bivariate:
             if len(content) == 1:
                 return P
             content = poly.gcd(content, p)
-        return P if len(content) == 1 else _divided(P, content)
+        return P if len(content) == 1 else divided(P, content)
     for i in m.implicit_stages:
         a = m.A[i - 1][i - 1]
-        if all(_vanishes_at_inverse(p, a) for p in P):
-            P = _divided(P, (_ONE, -a))
+        if all(vanishes_at_inverse(p, a) for p in P):
+            P = divided(P, (_ONE, -a))
     return P
 
 
-def _vanishes_at_inverse(p: Polynomial, a: Scalar) -> bool:
+def vanishes_at_inverse(p: Polynomial, a: Scalar) -> bool:
     """Whether p(1/a) = 0, without the division."""
     return poly.evaluate(tuple(reversed(p)), a).is_zero() is True
 
@@ -222,169 +254,32 @@ def on_imaginary_axis(P: Bivariate) -> Bivariate:
 
 def at_infinity(m: GLM) -> AtInfinity:
     """Limits of the eigenvalues of M(z) as z grows without bound, in any direction."""
-    leading, unbounded = _leading_part(stability_polynomial(m))
+    leading, unbounded = leading_part(stability_polynomial(m))
     try:
         feed = linalg.matmul(m.B, linalg.solve(m.A, m.U))
         matrix: Matrix | None = linalg.sub(m.V, feed)
     except ExactnessError:
         matrix = None
-    return AtInfinity(leading, unbounded, matrix, _only_zeros(leading, unbounded))
+    return AtInfinity(leading, unbounded, matrix, only_zeros(leading, unbounded))
 
 
-def _leading_part(P: Bivariate) -> tuple[Polynomial, int]:
+def leading_part(P: Bivariate) -> tuple[Polynomial, int]:
     """Coefficient of the highest power of z, a polynomial in w, and how many w are unbounded."""
     degree = max(len(p) for p in P)
     leading = poly.trim([p[degree - 1] if len(p) == degree else _ZERO for p in P])
     return leading, len(P) - len(leading)
 
 
-def _only_zeros(leading: Polynomial, unbounded: int) -> bool:
+def only_zeros(leading: Polynomial, unbounded: int) -> bool:
     return unbounded == 0 and all(x.is_zero() is True for x in leading[:-1])
 
 
-def a_stability(m: GLM) -> Decision:
-    """Decide A-stability: M(z) power-bounded for every z with negative real part.
-
-    Returns
-    -------
-        holds ``True`` or ``False`` by proof, or ``None`` with the reason: for methods with
-        published decimals, and for a repeated eigenvalue of modulus one that z does not move.
-
-    References: Dahlquist, BIT 3 (1963) 27; Hairer and Wanner (1996), section IV.3; Marden,
-    "Geometry of Polynomials" (1966), sections 42 and 45.
-    """
-    if not m.is_exact:
-        return Decision(None, "published decimals: A-stability is decided for exact methods only")
-    P = stability_polynomial(m)
-    quick = _quick_refusal(m, P)
-    if quick is not None:
-        return quick
-    P = _without_content(m, P)
-    if not _poles_in_right_half(P[-1]):
-        return Decision(False, "M(z) has a pole in the left half-plane or on the imaginary axis")
-    fixed = _fixed_part(P)
-    if len(poly.squarefree(fixed)) < len(fixed) and poly.unimodular_roots(fixed):
-        return Decision(None, "M(z) has a repeated eigenvalue of modulus 1 that z does not move")
-    failure = _leaves_disc(on_imaginary_axis(P))
-    return Decision(failure is None, failure or "")
-
-
-def _quick_refusal(m: GLM, P: Bivariate) -> Decision | None:
-    leading, unbounded = _leading_part(P)
-    if unbounded:
-        return Decision(False, "an eigenvalue of M(z) grows without bound as z goes to infinity")
-    if not poly.in_closed_disc(leading):
-        return Decision(False, _escape(leading, "as z goes to infinity"))
-    if m.is_diagonally_implicit:
-        for i in m.implicit_stages:
-            a = m.A[i - 1][i - 1]
-            if a.real.sign() < 0 and not all(_vanishes_at_inverse(p, a) for p in P):
-                return Decision(False, f"M(z) has the pole z = {1 / float(a.real):.6g}")
-    axis = on_imaginary_axis(P)
-    for y in SAMPLES:
-        p = poly.trim([poly.evaluate(c, y) for c in axis])
-        if p and (len(p) <= m.r or not poly.in_closed_disc(p)):
-            return Decision(False, _escape(p, f"at z = {y} i"))
-    return None
-
-
-def _escape(p: Polynomial, where: str) -> str:
-    size = max((abs(x) for x in poly.approximate_roots(p)), default=float("inf"))
-    return f"M(z) has an eigenvalue of modulus {size:.10g} {where}"
-
-
-def _poles_in_right_half(denominator: Polynomial) -> bool:
-    """Whether all zeros have positive real part: z = (x + 1)/(x - 1) takes that to |x| > 1."""
-    moved = poly.compose_moebius(denominator, 1, 1, 1, -1)
-    padded = (*moved, *((_ZERO,) * (len(denominator) - len(moved))))
-    return poly.is_schur(poly.trim(padded[::-1]))
-
-
-def _fixed_part(P: Bivariate) -> Polynomial:
-    """Factor of P that does not depend on z, a polynomial in w."""
-    degree = max(len(p) for p in P)
-    common: Polynomial = ()
-    for k in range(degree):
-        layer = poly.trim([p[k] if k < len(p) else _ZERO for p in P])
-        common = poly.gcd(common, layer) if common else layer
-        if len(common) == 1:
-            break
-    return common
-
-
-def _conjugate(p: Polynomial) -> Polynomial:
-    return tuple(x.conjugate() for x in p)
-
-
-def _leaves_disc(q: Bivariate) -> str | None:
-    """Say why some root leaves the closed disc for some real y, or ``None``.
-
-    Schur-Cohn with polynomials in y: the difference of the outer coefficients' squared moduli must
-    be non-negative for all y at every stage. Where it vanishes identically the polynomial must be
-    its own mirror image, and its derivative by w takes its place (Cohn).
-    """
-    previous: Polynomial = (_ONE,)
-    while len(q) > 1:
-        low, high = q[0], q[-1]
-        if not low:
-            q = q[1:]
-            continue
-        difference = poly.sub(poly.mul(high, _conjugate(high)), poly.mul(low, _conjugate(low)))
-        difference = tuple(x.real for x in difference)
-        if not difference:
-            if not _is_mirror_image(q):
-                return "the eigenvalues of M(iy) are not mirrored in the unit circle and leave it"
-            if len(q) == 2:
-                return None
-            q = tuple(poly.scale(k, p) for k, p in enumerate(q))[1:]
-            previous = (_ONE,)
-            continue
-        if not poly.is_nonnegative(difference):
-            return "for some y an eigenvalue of M(iy) lies outside the unit circle"
-        reduced = tuple(
-            poly.sub(poly.mul(_conjugate(high), q[k + 1]), poly.mul(low, _conjugate(q[-2 - k])))
-            for k in range(len(q) - 1)
-        )
-        q, previous = _divided(reduced, previous), high
-    return None
-
-
-def _is_mirror_image(q: Bivariate) -> bool:
-    low, high = q[0], q[-1]
-    return all(
-        not poly.sub(poly.mul(p, _conjugate(low)), poly.mul(_conjugate(other), high))
-        for p, other in zip(q, reversed(q), strict=True)
-    )
-
-
-def _divided(q: Bivariate, factor: Polynomial) -> Bivariate:
+def divided(q: Bivariate, factor: Polynomial) -> Bivariate:
     """Divide by a polynomial where it divides all coefficients: it keeps the degrees down."""
     if len(factor) <= 1:
         return q
     results = [poly.divide(p, factor) for p in q]
     return q if any(rest for _, rest in results) else tuple(quotient for quotient, _ in results)
-
-
-def l_stability(m: GLM) -> Decision:
-    """Decide L-stability: A-stable, and all eigenvalues of M(z) tend to 0 as z goes to infinity.
-
-    References: Ehle (1969); Hairer and Wanner (1996), Definition IV.3.7.
-    """
-    if not m.is_exact:
-        return Decision(None, "published decimals: L-stability is decided for exact methods only")
-    if not _only_zeros(*_leading_part(stability_polynomial(m))):
-        return Decision(False, "the eigenvalues of M(z) do not all tend to 0 as z goes to infinity")
-    return a_stability(m)
-
-
-def is_a_stable(m: GLM) -> bool | None:
-    """Whether the method is A-stable; ``None`` where that is not decided."""
-    return a_stability(m).holds
-
-
-def is_l_stable(m: GLM) -> bool | None:
-    """Whether the method is L-stable; ``None`` where that is not decided."""
-    return l_stability(m).holds
 
 
 def oscillator(pair: PartitionedGLM) -> GLM:

@@ -32,8 +32,9 @@ from ..claims import Proof, UsageError
 from ..exact import Ball, Exact, Scalar
 from ..method import GLM, FinishingMethod, StartingMethod
 from .blocks import as_scalar
+from .coefficients import is_zero, plus, times
 from .order import OrderResult, Principal, order_of
-from .series import Series, compose, elementary_weights, is_zero, plus, shift, times
+from .series import Series, compose, elementary_weights, shift
 from .trees import MAX_ORDER, Tree, single, trees
 
 __all__ = [
@@ -199,6 +200,7 @@ def finishing_order(
     *,
     starting: StartingMethod | None = None,
     max_order: int | None = None,
+    known: OrderResult | None = None,
 ) -> StartingResult:
     """Decide through which order a finishing method undoes the start in the first value.
 
@@ -208,24 +210,28 @@ def finishing_order(
         starting: the starting method used with it: finishing right after it must give y back. When
             ``None``, the exact starting series is taken, any member of its family.
         max_order: largest order looked at; the order of the method when ``None``.
+        known: what :func:`order_of` returned for the method with a free principal part, so that it
+            is not computed again.
 
     Raises
     ------
         UsageError: when the first value carries no solution, so that there is nothing to finish.
     """
-    result = order_of(method, max_order=max_order or MAX_ORDER - 1)
+    result = known or order_of(method, max_order=max_order or MAX_ORDER - 1)
     enclosed = result.proof is Proof.ENCLOSED or _is_enclosed(finishing.A, [finishing.b])
     if result.eta is None:
         return StartingResult(-1, residual=Exact(1))
-    p, series = result.order, result.eta
-    if starting is not None:
+    p = result.order
+    if starting is None:
+        first = result.eta.map(lambda x: x[0])
+    else:
         enclosed = enclosed or _is_enclosed(starting.A, starting.B, [starting.u])
-        series = starting_series(starting, p)
-    if is_zero(plus(series.empty()[0], -1)) is False:
+        first = elementary_weights(starting.A, starting.B[0], p, u=starting.u[0])
+    if is_zero(plus(first.empty(), -1)) is False:
         raise UsageError(
             "a finishing method needs a first value that starts from y itself, u_1 = 1"
         )
-    first = Series({t: series[t][0] for t in series}, 1, p)
+    first = Series(dict(first), 1, p)
     finish = finishing_series(finishing, p)
     ahead: Any = 0
     if starting is None:  # the member of the family that runs ahead by what the finish goes back
@@ -233,13 +239,13 @@ def finishing_order(
         first = shift(first, ahead)
     both = compose(first, finish)
     proof = Proof.ENCLOSED if enclosed else Proof.EXACT
-    known: dict[str, Any] = {"proof": proof, "method_order": p, "shift": as_scalar(ahead)}
+    record: dict[str, Any] = {"proof": proof, "method_order": p, "shift": as_scalar(ahead)}
     largest = 0.0
     for t in both:
         if t.order == p and starting is None:
             continue  # the free principal part makes up for any difference
         if is_zero(both[t]) is False:
-            known.update(component=1, residual=as_scalar(both[t]), largest_residual=largest)
-            return StartingResult(t.order - 1, failing_tree=t, **known)
+            record.update(component=1, residual=as_scalar(both[t]), largest_residual=largest)
+            return StartingResult(t.order - 1, failing_tree=t, **record)
         largest = max(largest, as_scalar(both[t]).magnitude())
-    return StartingResult(p, largest_residual=largest, **known)
+    return StartingResult(p, largest_residual=largest, **record)

@@ -15,6 +15,7 @@ from typing import Any
 import pytest
 
 from glmref import scenes
+from glmref.catalogue import data_root, names
 from glmref.experiments.records import RecordFile
 from glmref.report import build, read
 from glmref.report.markup import number
@@ -67,9 +68,20 @@ def site(tmp_path_factory: pytest.TempPathFactory, records: list[dict[str, Any]]
         {"name": "a", "error": 1e-3, "seconds": 0.5}, {"name": "b", "error": 1e-5, "seconds": 1.5},
     ]}  # fmt: skip
     (source / "needs.json").write_text(json.dumps(document), encoding="utf-8")
+    shutil.copyfile(data_root() / "measurements" / "stability.json", source / "stability.json")
     results = read([source], METHODS)
     build(results, folder, methods=METHODS)
     build(results, folder.parent / "one.html", single=True, methods=METHODS)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory, records: list[dict[str, Any]]) -> Path:
+    """The report of all methods and of everything that comes with the data, and one run."""
+    source, folder = tmp_path_factory.mktemp("in"), tmp_path_factory.mktemp("whole") / "site"
+    text = "".join(json.dumps(line) + "\n" for line in records)
+    (source / f"{NAME}.jsonl").write_text(text, encoding="utf-8")
+    build(read([source, data_root() / "measurements"]), folder)
     return folder
 
 
@@ -87,7 +99,9 @@ def chromium() -> Iterator[Any]:
         driver.quit()
 
 
-def visit(driver: Any, path: Path, *, width: int = 1200, dark: bool = False, at: str = "") -> None:
+def visit(
+    driver: Any, path: Path, *, width: int = 1200, dark: bool = False, script: bool = True
+) -> None:
     driver.execute_cdp_cmd(
         "Emulation.setDeviceMetricsOverride",
         {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500},
@@ -96,9 +110,12 @@ def visit(driver: Any, path: Path, *, width: int = 1200, dark: bool = False, at:
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [scheme]})
     for kind in ("browser", "performance"):
         driver.get_log(kind)
-    driver.get(path.as_uri() + at)
-    # the pictures are drawn when their size is known: after the next frame
-    driver.execute_async_script("requestAnimationFrame(() => requestAnimationFrame(arguments[0]))")
+    driver.get(path.as_uri())
+    if script:
+        # the pictures are drawn when their size is known: after the next frame
+        driver.execute_async_script(
+            "requestAnimationFrame(() => requestAnimationFrame(arguments[0]))"
+        )
 
 
 def requests(driver: Any) -> list[str]:
@@ -133,6 +150,19 @@ def test_a_page_opens_without_error_or_request_and_fits_a_phone(
         assert chromium.execute_script("return document.querySelectorAll('h1').length") == 1
 
 
+def test_every_page_of_the_whole_report_opens(chromium: Any, whole: Path) -> None:
+    pages = sorted(whole.glob("*.html"))
+    assert len(pages) >= len(names("methods")) + 15
+    for page in pages:
+        visit(chromium, page, width=360)
+        assert chromium.get_log("browser") == [], page.name
+        assert all(url.startswith(("file:", "data:")) for url in requests(chromium)), page.name
+        inner, wide = chromium.execute_script(
+            "return [document.documentElement.clientWidth, document.documentElement.scrollWidth]"
+        )
+        assert wide <= inner, page.name
+
+
 def test_every_kind_of_page_is_among_them(site: Path) -> None:
     assert {path.stem for path in site.glob("*.html")} == set(PAGES)
 
@@ -162,7 +192,112 @@ def test_every_number_in_the_document_is_the_stored_one(chromium: Any, site: Pat
         )
 
 
+def drawn_orbits(records: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Of each method the record of the largest step: no orbit of these ends early."""
+    assert all(record["orbit"]["ended"] is None for record in records)
+    found: dict[str, dict[str, Any]] = {}
+    for record in records:
+        known = found.setdefault(record["task"]["method"], record)
+        if record["task"]["h"] > known["task"]["h"]:
+            found[record["task"]["method"]] = record
+    return list(found.values())
+
+
+def test_every_point_of_an_orbit_is_the_stored_one_and_is_drawn(
+    chromium: Any, site: Path, records
+) -> None:
+    visit(chromium, site / f"run-{NAME}.html")
+    rows = cells(chromium, f"o-{NAME}")
+    kept = [
+        (record["task"]["method"], *point)
+        for record in drawn_orbits(records)
+        for path in record["orbit"]["paths"]
+        for point in path
+    ]
+    assert len(kept) >= 1000
+    assert [(x["method"], x["t"], x["x"], x["y"]) for x in rows] == [
+        (name, *map(number, point)) for name, *point in kept
+    ]
+    drawn = chromium.execute_script(
+        """return [...document.querySelectorAll(arguments[0] + ' g[data-series]')].map((group) =>
+          [group.dataset.series, [...group.querySelectorAll('.mark')].map((mark) =>
+            mark.getAttribute('transform').match(/[-\\d.]+/g).slice(0, 2).map(Number))]);""",
+        ORBIT,
+    )
+    assert [name for name, _ in drawn] == list(dict.fromkeys(name for name, *_ in kept))
+    for name, marks in drawn:
+        points = [(x, y) for other, _, x, y in kept if other == name]
+        assert len(marks) == len(points)
+        # one unit is as long on both axes: places are the points, scaled and moved
+        (u0, v0), (x0, y0) = marks[0], points[0]
+        far = max(range(len(points)), key=lambda k: abs(points[k][0] - x0))
+        unit = (marks[far][0] - u0) / (points[far][0] - x0)
+        assert unit > 20
+        for (u, v), (x, y) in zip(marks, points, strict=True):
+            # a tenth of a pixel is written, at both ends and in the unit
+            assert abs(u - u0 - unit * (x - x0)) < 0.3 and abs(v - v0 + unit * (y - y0)) < 0.3
+
+
+def test_an_orbit_is_pointed_at_and_its_panels_are_hidden_and_shown(
+    chromium: Any, site: Path, records
+) -> None:
+    visit(chromium, site / f"run-{NAME}.html")
+    panels = f'return document.querySelectorAll("{ORBIT} rect.frame").length'
+    before = chromium.execute_script(panels)
+    assert before == len(drawn_orbits(records)) > 8
+    chromium.execute_script(
+        """const mark = document.querySelectorAll(arguments[0] + ' svg.chart .mark')[7];
+        mark.scrollIntoView({block: 'center'});
+        const box = mark.getBoundingClientRect();
+        mark.closest('svg').dispatchEvent(new PointerEvent('pointermove', {bubbles: true,
+          clientX: box.x + box.width / 2, clientY: box.y + box.height / 2}));""",
+        ORBIT,
+    )
+    said = chromium.find_element("css selector", f"{ORBIT} .status").text
+    record = drawn_orbits(records)[0]
+    told = [
+        f"step size h: {number(record['task']['h'])}; time t: {number(t)}; "
+        f"q: {number(x)}; p: {number(y)}"
+        for t, x, y in record["orbit"]["paths"][0]
+    ]
+    assert said.startswith(f"method: {record['task']['method']}; ")
+    assert said.partition("; ")[2] in told
+    chromium.find_element("css selector", f"{ORBIT} .legend button[aria-pressed]").click()
+    assert chromium.execute_script(panels) == before - 1
+    button = chromium.find_element("css selector", f"{ORBIT} .legend button.all")
+    button.click()
+    assert chromium.execute_script(panels) == 0
+    button.click()
+    assert chromium.execute_script(panels) == before
+
+
+def test_menus_work_with_the_keyboard_and_without_a_script(chromium: Any, site: Path) -> None:
+    from selenium.webdriver.common.keys import Keys
+
+    for path in (site / "index.html", site.parent / "one.html"):
+        for script in (True, False):
+            chromium.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": not script})
+            try:
+                visit(chromium, path, width=360, script=script)
+                menu = chromium.find_elements("css selector", "nav details")[-1]
+                link = menu.find_element("css selector", "a[href*='method-rk4']")
+                assert not link.is_displayed()
+                menu.find_element("css selector", "summary").send_keys(Keys.ENTER)
+                assert link.is_displayed() and menu.get_attribute("open") is not None
+                assert link.rect["x"] >= 0 and link.rect["x"] + link.rect["width"] <= 360
+                link.send_keys(Keys.ENTER)
+                assert chromium.current_url.rpartition("/")[2].endswith(
+                    "method-rk4.html" if path.name == "index.html" else "#method-rk4"
+                )
+                heads = chromium.find_elements("css selector", "h1")
+                shown = [x.text for x in heads if x.is_displayed()]
+                assert shown == ["Classical Runge-Kutta method of order 4"]
+            finally:
+                chromium.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": False})
+
+
 FIGURE = f"figure[data-table='t-{NAME}']"
+ORBIT = f"figure[data-table='o-{NAME}']"
 
 
 def status(driver: Any) -> str:
@@ -336,7 +471,10 @@ def test_one_file_shows_one_section_at_a_time(chromium: Any, site: Path) -> None
     path = site.parent / "one.html"
     visit(chromium, path)
     assert chromium.execute_script(visible) == ["index"]
-    chromium.find_element("css selector", f"a[href='#run-{NAME}']").click()
+    chromium.find_element("css selector", "nav details summary").click()
+    link = chromium.find_element("css selector", f"nav a[href='#run-{NAME}']")
+    link.click()
+    assert not link.is_displayed()  # the menu closes behind it
     assert chromium.execute_script(visible) == [f"run-{NAME}"]
     chromium.execute_async_script(
         "requestAnimationFrame(() => requestAnimationFrame(arguments[0]))"
@@ -346,11 +484,21 @@ def test_one_file_shows_one_section_at_a_time(chromium: Any, site: Path) -> None
 
 
 @pytest.mark.parametrize("dark", [False, True])
-@pytest.mark.parametrize("page", ["index", "errata", "measured", f"run-{NAME}", "method-rk4"])
+@pytest.mark.parametrize(
+    "page",
+    ["index", "errata", "history", "measured", "measured-needs", "run-odd", f"run-{NAME}",
+     "method-rk4", "method-pair-4-4"],
+)  # fmt: skip
 def test_axe_finds_no_serious_fault(chromium: Any, site: Path, page: str, *, dark: bool) -> None:
     package = pytest.importorskip("axe_selenium_python")
     (axe,) = Path(package.__file__).parent.rglob("axe.min.js")
-    visit(chromium, site / f"{page}.html", dark=dark)
+    visit(chromium, site / f"{page}.html", dark=dark, width=360 if dark else 1200)
+    # menus and numbers open; rows and marks beyond the first are like them
+    chromium.execute_script(
+        """document.querySelectorAll('details').forEach((x) => { x.open = true; });
+        for (const all of document.querySelectorAll('tbody, g[data-series]'))
+          while (all.children.length > 40) all.lastElementChild.remove();"""
+    )
     chromium.execute_script(axe.read_text(encoding="utf-8"))
     chromium.set_script_timeout(120)
     found = chromium.execute_async_script(

@@ -139,7 +139,7 @@ def runs(draw):
     engine = draw(st.sampled_from(engines))
     options = {"engine": engine}
     if engine != "reference":
-        options["arithmetic"] = draw(st.sampled_from(("strict", "compensated", "naive")))
+        options["arithmetic"] = draw(st.sampled_from(("strict", "fused", "compensated", "naive")))
         options["solver"] = draw(st.sampled_from(("auto", "auto", "fixed-point", "newton")))
     options["start"] = draw(st.sampled_from((None, None, "zero", "enhanced")))
     options["every"] = draw(st.sampled_from((0, 1, 3)))

@@ -116,6 +116,16 @@ def long_runs() -> str:
     return table(head, rows)
 
 
+def rate_scan() -> str:
+    """Rates of one method over h and the size of the nudge."""
+    rows = [
+        row(f"{x['h']:g}", f"{x['steps']:,}", f"{x['nudge']:g}", number(x["rate"], 3),
+            number(x["rate"] / x["h"] ** 2, 4))
+        for x in measured("long-runs")["scan"]
+    ]  # fmt: skip
+    return table(["h", "steps", "nudge", "rate", "rate / h^2"], rows)
+
+
 def starts() -> str:
     """What a start costs and buys."""
     found = measured("starts")
@@ -146,13 +156,23 @@ def searches() -> str:
             a["stages"], a["values"], a["stage_order"],
             " ".join(map(str, a["explicit"])) or "none",
             "symmetric" if a["parity"] == [1] else "antisymmetric" if a["parity"] else "no -1",
+            " ".join("+" if x > 0 else "-" for x in a["signs"]),
             a["unknowns"], a["conditions"], f"{a['solved']} of {a['starts']}",
             number(a["smallest_residual"]),
         )
         for a in measured("order8-search")["ansatzes"]
     ]  # fmt: skip
     head = [
-        *("stages", "values", "stage order", "explicit", "gamma", "unknowns", "conditions"),
+        *(
+            "stages",
+            "values",
+            "stage order",
+            "explicit",
+            "gamma",
+            "signs",
+            "unknowns",
+            "conditions",
+        ),
         *("starts that reach zero", "smallest residual"),
     ]
     return table(head, rows)
@@ -166,6 +186,7 @@ TABLES: Mapping[str, Callable[[], str]] = {
     ),
     "any-solver": lambda: comparison("", "nonseparable-chain-40", "fput-stiff-12", "fput-stiff-80"),
     "long-runs": long_runs,
+    "rate-scan": rate_scan,
     "starts": starts,
     "losses": losses,
     "searches": searches,

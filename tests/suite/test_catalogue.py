@@ -10,6 +10,8 @@ from glmref.facts import facts_of
 from glmref.method import GLM
 from glmref.verification import proven_claims, verify_file
 
+from .stored import RENEW, same, stored
+
 #: What the thesis of Khan (2018) names, by the name of its file.
 NAMED_BY_THE_THESIS = """
     euler rk4 gauss-2 ab-1 ab-2 ab-3 ab-4 ab-5 ab-6 am-1 am-2 am-3 am-4 am-5 am-6 leapfrog
@@ -27,6 +29,7 @@ def test_every_claim_of_a_method_holds(name: str) -> None:
     measured = {f.claim for f in findings if f.proof is Proof.MEASURED}
     if "digits" not in document(name) or "enclosure" in document(name):
         assert not measured & decisive
+    assert same(stored(name), [f.as_json() for f in findings]), RENEW
 
 
 @pytest.mark.parametrize("name", names("broken"))
@@ -34,6 +37,7 @@ def test_a_broken_file_is_refuted_for_the_declared_reason(name: str) -> None:
     (finding,) = verify_file(name)
     assert finding.verdict is Verdict.HOLDS, finding
     assert finding.claim == f"refutes {document(name)['broken']['claim']}"
+    assert same(stored(name), [finding.as_json()]), RENEW
 
 
 @pytest.mark.parametrize("name", names("methods"))

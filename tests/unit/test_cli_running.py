@@ -55,6 +55,22 @@ def test_a_run_prints_table_picture_and_answer_and_leaves_records(scene, tmp_pat
     assert (out / "tiny-evaluations.svg").exists()
 
 
+def test_an_orbit_is_a_picture_beside_the_others_and_no_line_more(scene, tmp_path, capsys):
+    assert main(["run", str(scene), "--output", str(tmp_path / "a")]) == 0
+    before = capsys.readouterr().out
+    scene.write_text(SCENE.replace('"state", ', '"state", "orbit", '), encoding="utf-8")
+    assert main(["run", str(scene), "--output", str(tmp_path / "b")]) == 0
+    after = capsys.readouterr().out
+    # what stands above the names of the pictures: run times differ, words and shape do not
+    above = [text[: text.index("pictures in")] for text in (before, after)]
+    assert above[0].splitlines()[:3] == above[1].splitlines()[:3]
+    assert all("orbit" not in text and "right-hand" not in text for text in above)
+    assert "tiny-orbit.svg" in after and "tiny-orbit.svg" not in before
+    drawn = (tmp_path / "b" / "tiny-orbit.svg").read_text("utf-8")
+    assert drawn.count('stroke-linecap="round"') == 2 and ">heun-2, h = 0.3142</text>" in drawn
+    assert not (tmp_path / "a" / "tiny-orbit.svg").exists()
+
+
 def test_json_is_one_document_with_the_records(scene, tmp_path, capsys):
     assert main(["run", str(scene), "--output", str(tmp_path), "--format", "json"]) == 0
     document = json.loads(capsys.readouterr().out)

@@ -18,20 +18,7 @@ from glmref.canonical import canonical
 from glmref.cli import main
 from glmref.derive import recipes
 
-ANSATZ = """
-name = "found"
-stages = 3
-order = 6
-stage_order = 2
-title = "Order 6 with three stages"
-[[values]]
-eigenvalue = "exp(2*pi*i/3)"
-sign = -1
-[[values]]
-eigenvalue = "-1"
-sign = 1
-parity = 1
-"""
+ANSATZ = Path(__file__).with_name("three-stages.toml")
 
 
 def test_without_a_recipe_the_recipes_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
@@ -120,9 +107,8 @@ def test_a_search_that_is_stopped_goes_on_where_it_was(
     how: signal.Signals, code: int, tmp_path: Path
 ) -> None:
     """Interrupted or killed, the second run takes over what the first one kept."""
-    ansatz, state = tmp_path / "a.toml", tmp_path / "state.jsonl"
-    ansatz.write_text(ANSATZ, encoding="utf-8")
-    words = [str(ansatz), "--starts", "96", "--state", str(state)]
+    state = tmp_path / "state.jsonl"
+    words = [str(ANSATZ), "--starts", "96", "--state", str(state)]
     process = subprocess.Popen(command(*words), stderr=subprocess.PIPE, stdout=subprocess.PIPE)
     wait_for_lines(state, 1, process)
     process.send_signal(how)
@@ -133,7 +119,7 @@ def test_a_search_that_is_stopped_goes_on_where_it_was(
     kept = state.read_bytes().count(b"\n")
     assert kept < 96
     ran: list[int] = []
-    options = {"ansatz": str(ansatz), "starts": "96"}
+    options = {"ansatz": str(ANSATZ), "starts": "96"}
     resumed = recipes.run(
         "search", {**options, "state": str(state)}, lambda _, done, total: ran.append(done)
     )

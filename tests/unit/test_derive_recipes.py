@@ -187,12 +187,16 @@ def test_other_conjugation_methods_are_reproduced_bit_for_bit(name: str) -> None
     assert_reproduced("conjugation6", name)
 
 
-def test_the_order_8_method_with_three_stages_is_reproduced_bit_for_bit() -> None:
-    assert_reproduced("order8", "order8-s3-w3-i")
+ORDER_8 = ("order8-s3-w3-i", "order8-s4i2-w3-i")
+
+
+@pytest.mark.parametrize("name", ORDER_8)
+def test_order_8_methods_with_six_values_are_reproduced_bit_for_bit(name: str) -> None:
+    assert_reproduced("order8", name)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [x for x in order8.ROUGH if x != "order8-s3-w3-i"])
+@pytest.mark.parametrize("name", [x for x in order8.ROUGH if x not in ORDER_8])
 def test_other_order_8_methods_are_reproduced_bit_for_bit(name: str) -> None:
     assert_reproduced("order8", name)
 
@@ -204,6 +208,7 @@ def test_other_order_8_methods_are_reproduced_bit_for_bit(name: str) -> None:
         ("conjugation6", "s5i1-w3"),
         ("conjugation6", "t115a-i"),
         ("order8", "order8-s3-w3-i"),
+        ("order8", "order8-s4i2-w3-i"),
         ("order8", "order8-s5i1-w3"),
     ],
 )
@@ -249,26 +254,12 @@ def test_progress_is_reported() -> None:
     assert seen[-1] == ("done", 3, 3)
 
 
-ANSATZ = """
-name = "found"
-stages = 3
-order = 6
-stage_order = 2
-title = "Order 6 with three stages"
-[[values]]
-eigenvalue = "exp(2*pi*i/3)"
-sign = -1
-[[values]]
-eigenvalue = "-1"
-sign = 1
-parity = 1
-"""
+ANSATZ = Path(__file__).with_name("three-stages.toml")
 
 
 def test_search_finds_a_method_and_resumes_where_it_stopped(tmp_path: Path) -> None:
-    ansatz, state = tmp_path / "a.toml", tmp_path / "state.jsonl"
-    ansatz.write_text(ANSATZ, encoding="utf-8")
-    options = {"ansatz": str(ansatz), "starts": "32"}
+    state = tmp_path / "state.jsonl"
+    options = {"ansatz": str(ANSATZ), "starts": "32"}
     whole = recipes.run("search", options)
     assert whole.documents[0]["claims"]["order"] == 6
     recipes.run("search", {**options, "starts": "16", "state": str(state)})
@@ -286,7 +277,8 @@ def test_search_finds_a_method_and_resumes_where_it_stopped(tmp_path: Path) -> N
 
 def test_search_says_how_far_it_came_when_nothing_is_found(tmp_path: Path) -> None:
     ansatz = tmp_path / "a.toml"
-    ansatz.write_text(ANSATZ.replace("stages = 3", "stages = 2"), encoding="utf-8")
+    text = ANSATZ.read_text(encoding="utf-8").replace("stages = 3", "stages = 2")
+    ansatz.write_text(text, encoding="utf-8")
     result = recipes.run("search", {"ansatz": str(ansatz), "starts": "8"})
     assert not result.documents
     assert "0 methods completed" in result.statements[-1].text

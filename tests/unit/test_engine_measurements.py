@@ -2,13 +2,16 @@
 
 import importlib.util
 import json
+import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 RECORD = ROOT / "data" / "measurements" / "engine.json"
 PAGE = ROOT / "docs" / "engine.md"
+PAIR_PAGE = ROOT / "docs" / "pairs.md"
 
 
 def tables():
@@ -27,11 +30,25 @@ def rows():
     return json.loads(RECORD.read_text(encoding="utf-8"))["rows"]
 
 
+def against_c(rows):
+    return [row for row in rows if row["comparison"] in ("c", "sweep")]
+
+
 def test_the_page_shows_what_is_stored(rows):
     page = PAGE.read_text(encoding="utf-8")
     assert tables().filled(page, rows) == page, "run python -m benchmarks.measure_engine --write"
-    other = [dict(row, gain=99.0) if row["comparison"] == "lanes" else row for row in rows]
-    assert tables().filled(page, other) != page
+    for comparison, key in (("lanes", "gain"), ("sweep", "evaluations"), ("c", "evaluations")):
+        other = [dict(x, **{key: 99.0}) if x["comparison"] == comparison else x for x in rows]
+        assert tables().filled(page, other) != page, comparison
+
+
+def test_the_page_of_the_pairs_shows_what_is_stored(rows):
+    page, short = PAIR_PAGE.read_text(encoding="utf-8"), tables().PAIR_TABLES
+    assert tables().filled(page, rows, short) == page
+    other = [
+        dict(x, c_over_engine=[0.5, 0.5, 0.5]) if x.get("method") == "pair-6-8" else x for x in rows
+    ]
+    assert tables().filled(page, other, short) != page
 
 
 def test_a_page_without_a_place_for_a_table_is_refused(rows):
@@ -40,9 +57,31 @@ def test_a_page_without_a_place_for_a_table_is_refused(rows):
 
 
 def test_c_and_engine_did_the_same_arithmetic(rows):
-    compared = [row for row in rows if row["comparison"] == "c"]
-    assert len(compared) == 12
-    assert all(row["same_bits"] for row in compared)
+    assert len(against_c(rows)) == 12 + 20
+    assert all(row["same_bits"] for row in against_c(rows))
+    # the same number of evaluations is part of it: seven of Yoshida's, eight of the pair's
+    assert {x["evaluations"] for x in against_c(rows) if x["method"] == "yoshida-verlet-6"} == {7.0}
+    assert {x["evaluations"] for x in against_c(rows) if x["method"] == "pair-6-8"} == {8.0}
+
+
+def test_explicit_kernels_are_at_least_as_fast_as_c_by_95_percent(rows):
+    swept = [row for row in rows if row["comparison"] == "sweep"]
+    assert {row["method"] for row in swept} > {"pair-4-6", "pair-6-8", "pair-rkn-6-8b"}
+    assert {row["level"] for row in swept} <= {"-O2", "-O3"}
+    assert min(row["c_over_engine"][1] for row in swept) >= 0.95
+    assert min(row["contracted_over_fused"][1] for row in swept) >= 0.95
+
+
+def test_the_sentences_about_c_are_those_of_the_data(rows):
+    page = " ".join(PAGE.read_text(encoding="utf-8").split())
+    least = min(row["c_over_engine"][1] for row in against_c(rows))
+    fused = min(row["contracted_over_fused"][1] for row in against_c(rows))
+    times = [{key: x[1] for key, x in row["nanoseconds"].items()} for row in against_c(rows)]
+    gain = max(1 - time["fused"] / time["engine"] for time in times)
+    assert f"no ratio is below {least:.2f}," in page
+    assert f"no ratio is below {fused:.2f} either" in page
+    assert f"Fused operations take up to {100 * gain:.0f} % less time" in page
+    assert f"no ratio is below {least + 0.01:.2f}," not in page
 
 
 def test_the_record_says_where_and_how_it_was_measured():
@@ -51,3 +90,27 @@ def test_the_record_says_where_and_how_it_was_measured():
     assert {"processor", "cores", "versions", "compiler", "flags"} <= record["where"].keys()
     assert {"python", "numpy", "llvmlite", "heyoka", "scipy"} <= record["where"]["versions"].keys()
     assert "-O3 -march=native" in record["where"]["flags"]
+
+
+@pytest.mark.compiler
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
+def test_the_loop_in_c_has_the_bits_of_the_kernel(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT))
+    from benchmarks import compare_c
+
+    case = compare_c.Case("pair-6-8", "kepler", tmp_path)
+    ours, theirs = case.engine(case.kernel, 1000), case.c(1000)
+    np.testing.assert_array_equal(ours[0], theirs[0])
+    assert ours[1] == theirs[1] == 8000
+    # the near miss: the first coupling, one unit in the last place larger
+    folder = tmp_path / "other"
+    folder.mkdir()
+    text = compare_c.sweep_table(case.kernel.form)
+    coupling = case.kernel.form.P.U[0][1]
+    changed = text.replace(coupling.hex(), np.nextafter(coupling, np.inf).hex(), 1)
+    assert changed != text
+    (folder / "table.h").write_text(changed, encoding="utf-8")
+    other = case.c(1000, compare_c.built("sweep", "KEPLER", folder))
+    assert not np.array_equal(other[0], theirs[0])
+    with pytest.raises(ValueError, match=r"written for V = 1 or diag\(1, -1\)"):
+        compare_c.sweep_table(compare_c.Case("stormer-verlet", "kepler", tmp_path).kernel.form)

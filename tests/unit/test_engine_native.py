@@ -58,6 +58,15 @@ def test_a_kernel_calls_nothing_but_functions_of_numbers(method, name, solver):
     assert allocations(text) == 0
 
 
+def test_operations_are_fused_only_where_asked_for():
+    source = "def kernel(x, n):\n    x[0] = x[1] + x[2]*x[3]\n    return 0\n"
+    arguments = {"x": "d*", "n": "i"}
+    plain, fused = translated(source, arguments), translated(source, arguments, fuse=True)
+    assert "contract" not in plain
+    assert fused.count("fmul contract") == fused.count("fadd contract") == 1
+    assert fused.replace(" contract", "") == plain
+
+
 def test_the_check_sees_an_allocation():
     planted = """
 def kernel(x, n):

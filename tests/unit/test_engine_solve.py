@@ -273,11 +273,32 @@ def test_a_finishing_method_is_applied_to_every_row_and_counted():
 def test_arithmetic_can_be_chosen():
     kernels = {
         arithmetic: solve("pendulum", "gauss-2", h=0.1, steps=10, arithmetic=arithmetic).kernel
-        for arithmetic in ("strict", "compensated", "naive")
+        for arithmetic in ("strict", "fused", "compensated", "naive")
     }
+    assert kernels["fused"] == kernels["strict"].replace(", scalar", ", fused, scalar")
     assert "mu form" in kernels["strict"]
     assert "standard form" in kernels["compensated"]
     assert "not compensated" in kernels["naive"]
+
+
+@pytest.mark.parametrize(("method", "steps"), [("gauss-5", 200), ("blanes-moan-rkn-6-14", 4000)])
+def test_fused_sums_are_compensated_all_the_same(method, steps):
+    """At these steps the error of the method is below round-off, so that the energy shows sums.
+
+    Uncompensated, each of N steps loses up to one unit of roundoff u for each of several values,
+    half of it in the mean: a random walk of more than sqrt(N) u/2. Compensated sums lose nothing
+    of size u in a step; what is left is the rounding of h f, which is smaller by a factor h.
+    """
+    p, walk = problem("kepler"), math.sqrt(400_000) / 2 * 2.0**-53
+
+    def deviation(arithmetic):
+        run = solve(p, method, h=2 * math.pi / steps, steps=400_000, every=400,
+                    arithmetic=arithmetic)  # fmt: skip
+        energy = [p.hamiltonian(y) for y in run.y]
+        return max(abs(x / energy[0] - 1) for x in energy)
+
+    assert deviation("fused") < walk
+    assert deviation("naive") > walk
 
 
 def test_digits_go_with_the_reference_engine():
@@ -306,6 +327,7 @@ def test_digits_go_with_the_reference_engine():
         ({"h": -0.1}, "going back in time"),
         ({"h": 0.1, "steps": 1, "engine": "fast"}, "`engine` must be one of"),
         ({"h": 0.1, "steps": 1, "digits": 30}, "`digits`"),
+        ({"h": 0.1, "steps": 1, "arithmetic": "Fused"}, "`arithmetic` must be one of"),
         ({"h": 0.1, "steps": 1, "arithmetic": "exact"}, "`arithmetic` must be one of"),
         ({"h": 0.1, "steps": 1, "solver": "magic"}, "`solver` must be one of"),
         ({"h": 0.1, "steps": 1, "form": "magic"}, "`form` must be"),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
 from fractions import Fraction
 
 import mpmath
@@ -134,3 +136,21 @@ def test_sign_of_a_tiny_difference_is_found() -> None:
     x = (exact(near) ** 2 + 1).sqrt() - near  # about 5e-201
     assert x.sign() == 1
     assert (-x).sign() == -1
+
+
+def test_a_rational_that_was_enclosed_is_copied_and_sent_and_others_say_why_not() -> None:
+    third, root = exact(Fraction(1, 3)), exact(2).sqrt()
+    for x in (third, root):
+        assert x.ball() is x.ball()  # computed once
+        assert copy.deepcopy(x) is copy.copy(x) is x
+    assert pickle.loads(pickle.dumps(third)) == third
+    with pytest.raises(TypeError, match="cannot leave its process"):
+        pickle.dumps(root)
+
+
+def test_a_number_that_turns_out_rational_gives_the_narrow_ball_of_a_rational() -> None:
+    x = exact(2).sqrt() * exact(2).sqrt() / 3
+    assert x.ball().overlaps(Fraction(2, 3))
+    assert x.as_fraction() == Fraction(2, 3)
+    assert x.ball().contains(Fraction(2, 3))
+    assert not x.ball().contains(Fraction(2, 3) + Fraction(1, 10**150))

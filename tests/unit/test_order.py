@@ -7,16 +7,13 @@ import pytest
 
 from glmref.catalogue import load
 from glmref.claims import Proof, UsageError
-from glmref.exact import Ball
+from glmref.exact import Ball, jets, lift
 from glmref.expression import parse
 from glmref.linalg import block_diagonal
 from glmref.method import GLM
 from glmref.theory.blocks import make_block
-from glmref.theory.jet import jets, lift
+from glmref.theory.error_constants import conjugate_error, error_max, error_norm
 from glmref.theory.order import (
-    conjugate_error,
-    error_max,
-    error_norm,
     order_of,
     order_residuals,
     residuals_of,

@@ -11,8 +11,10 @@ from glmref.catalogue import document, load, names
 from glmref.claims import Proof, UsageError
 from glmref.exact import Ball, exact
 from glmref.method import PartitionedGLM
-from glmref.theory.order import conjugate_error, error_norm, order_of
-from glmref.theory.pairs import pair_order_of, pair_residuals, parasitic_curvature, zero_start_order
+from glmref.theory.error_constants import conjugate_error, error_norm
+from glmref.theory.order import order_of
+from glmref.theory.pair_starting import zero_start_order
+from glmref.theory.pairs import pair_order_of, pair_residuals, parasitic_curvature
 from glmref.theory.stability import oscillator
 
 
@@ -245,10 +247,10 @@ def test_a_curvature_is_refused_where_it_has_no_meaning():
 
 
 @pytest.mark.parametrize(("name", "expected"), [("pair-4-4", 1), ("pair-6-7", 1), ("pair-6-8", 3)])
-def test_zero_starting_values_are_right_to_the_order_claimed(name, expected):
+def test_zero_starting_values_are_right_to_a_low_order(name, expected):
     result = pair_order_of(load(name), principal="identity", max_order=6)
     order, witness = zero_start_order(result)
-    assert order == expected == document(name)["claims"]["starting-order"]
+    assert order == expected < document(name)["claims"]["starting-order"]
     assert witness.endswith({1: "f[k]", 3: "f[kkk]"}[expected] if name != "pair-6-7" else "k[f]")
 
 

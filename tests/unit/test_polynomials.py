@@ -6,6 +6,13 @@ import pytest
 
 from glmref.exact import Exact, exact, root_of_unity
 from glmref.theory import polynomials as poly
+from glmref.theory.root_location import (
+    in_closed_disc,
+    is_nonnegative,
+    is_schur,
+    real_roots,
+    unimodular_roots,
+)
 
 SQRT2 = exact(2).sqrt()
 
@@ -52,10 +59,10 @@ def test_moebius_transformation():
 
 def test_sturm_counts_real_roots_in_half_open_intervals():
     p = poly.from_roots([exact(1), exact(1), exact(3), SQRT2])
-    assert poly.real_roots(p) == 3
-    assert poly.real_roots(p, low=exact(1)) == 2
-    assert poly.real_roots(p, low=exact(0), high=exact(1)) == 1
-    assert poly.real_roots(P(1, 0, 1)) == 0
+    assert real_roots(p) == 3
+    assert real_roots(p, low=exact(1)) == 2
+    assert real_roots(p, low=exact(0), high=exact(1)) == 1
+    assert real_roots(P(1, 0, 1)) == 0
 
 
 @pytest.mark.parametrize(
@@ -71,7 +78,7 @@ def test_sturm_counts_real_roots_in_half_open_intervals():
     ],
 )
 def test_nonnegative_polynomials(p, expected):
-    assert poly.is_nonnegative(p) is expected
+    assert is_nonnegative(p) is expected
 
 
 @pytest.mark.parametrize(
@@ -88,9 +95,9 @@ def test_nonnegative_polynomials(p, expected):
 )
 def test_roots_and_the_unit_circle(roots, schur, closed, on_circle):
     p = poly.from_roots(roots)
-    assert poly.is_schur(p) is schur
-    assert poly.in_closed_disc(p) is closed
-    assert poly.unimodular_roots(p) == on_circle
+    assert is_schur(p) is schur
+    assert in_closed_disc(p) is closed
+    assert unimodular_roots(p) == on_circle
 
 
 def test_approximate_roots_are_close():

@@ -149,3 +149,46 @@ def test_a_constant_that_stands_nowhere_is_refused() -> None:
     with pytest.raises(DataError, match="the constant 'g' is never used"):
         load_document(members)
     assert load_document({**members, "b": ["g/g/2", "1/2"]}).r == 1
+
+
+def test_the_start_of_a_pair_is_read() -> None:
+    method = load("pair-4-4")
+    assert isinstance(method, PartitionedGLM)
+    assert method.starting is not None
+    assert method.starting.stages == (5, 5)
+    assert (len(method.starting.B), len(method.starting.B_hat)) == (2, 2)
+    assert method.starting.claims["order"] == method.claims["starting-order"] == 4
+    assert load("stormer-verlet").starting is None
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "message"),
+    [
+        ("pair-4-4", {"A_hat": None}, "`starting.A_hat` is missing"),
+        ("pair-4-4", {"V": [["1"]]}, "`starting` has the unknown key 'V'"),
+        (
+            "pair-4-4",
+            {"A": [["0"] * 4] * 5},
+            r"`starting.A` must have shape \(5, 5\).*got \(5, 4\)",
+        ),
+        ("pair-4-4", {"B_hat": [["0"] * 5]}, r"`starting.B_hat` must have shape \(2, 5\)"),
+        ("pair-4-4", {"u_hat": ["1"]}, "`starting.u_hat` must have 2 entries, one for each value"),
+        ("pair-4-4", {"order": "4"}, "`starting.order` must be a whole number"),
+        (
+            "gsymplectic-n-pair",
+            {"A": [["0"] * 3], "A_hat": [["0"]] * 3, "B_hat": [["0"]] * 2},
+            "`starting` must have as many stages Q as stages P",
+        ),
+    ],
+)
+def test_a_start_of_a_pair_with_a_wrong_shape_is_refused(name, changes, message) -> None:
+    block = {**document(name)["starting"], **changes}
+    kept = {k: v for k, v in block.items() if v is not None}
+    with pytest.raises(DataError, match=message):
+        load_document({**document(name), "starting": kept})
+
+
+def test_a_method_of_one_value_has_no_start_to_read() -> None:
+    started = {**document("stormer-verlet"), "starting": document("pair-4-4")["starting"]}
+    with pytest.raises(DataError, match="the key 'starting' is unknown for class 'splitting'"):
+        load_document(started)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from html import unescape
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -11,12 +12,15 @@ from typing import Any
 import pytest
 
 from glmref import scenes
+from glmref.catalogue import data_root, document, names
 from glmref.claims import UsageError
 from glmref.cli import main
 from glmref.experiments.records import RecordFile
 from glmref.report import build, read
 from glmref.report.markup import number
+from glmref.report.orbits import MOST
 from glmref.report.runs import COLUMNS
+from glmref.report.stability import stability
 
 METHODS = ("rk4", "gauss-2", "gsymplectic-n", "pair-4-4")
 
@@ -99,6 +103,88 @@ def test_curves_over_time_are_those_of_the_records(tmp_path: Path, records) -> N
     site = pages(tmp_path / "site", stored(tmp_path / "in", "mine", changed))
     rows = table(site / "run-mine.html", "c-mine")
     assert [(float(x["t"]), float(x["value"])) for x in rows] == [(0.1, 1.23457e-9), (1.0, 2.5e-9)]
+
+
+def orbit(name: str, paths: list[Any], ended: str | None = None) -> dict[str, Any]:
+    task = {"kind": "method", "method": name, "h": 0.1}
+    block = {"axes": ["q_1", "q_2"], "paths": paths, "ended": ended}
+    return {
+        "format": "glmref-record-1", "key": "0" * 16, "task": task, "outcome": "completed",
+        "where": {}, "orbit": block,
+    }  # fmt: skip
+
+
+def drawn_orbits(records: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Of each method the record of the largest step whose orbit is whole."""
+    found: dict[str, dict[str, Any]] = {}
+    for record in sorted(records, key=lambda one: -one["task"]["h"]):
+        if record["orbit"]["ended"] is None:
+            found.setdefault(record["task"]["method"], record)
+    order = dict.fromkeys(record["task"]["method"] for record in records)
+    assert set(order) == set(found)
+    return [found[name] for name in order]
+
+
+def test_points_of_an_orbit_are_those_of_the_records(tmp_path: Path, records) -> None:
+    site = pages(tmp_path / "site", stored(tmp_path / "in", "oscillator-quick", records))
+    rows = table(site / "run-oscillator-quick.html", "o-oscillator-quick")
+    kept = [
+        (record["task"]["method"], record["task"]["h"], *point)
+        for record in drawn_orbits(records)
+        for path in record["orbit"]["paths"]
+        for point in path
+    ]
+    assert len(rows) == len(kept) >= 10 * 100
+    for row, (name, h, *point) in zip(rows, kept, strict=True):
+        assert row["method"] == name and row["h"] == number(h)
+        assert [float(row[k]) for k in "txy"] == pytest.approx(point, rel=5e-6, abs=0)
+
+
+def test_bodies_have_a_number_and_an_orbit_that_ends_early_says_so(tmp_path: Path) -> None:
+    near = [[0.0, 1.0, 2.0], [1.0, 2.0, 1.0]]
+    stored_records = [
+        orbit("two", [near, [[0.0, 3.0, 4.0]]]),
+        orbit("early", [near], "lost after t = 1"),
+        orbit("away", [[*near, [2.0, 1e9, 0.0]]]),
+        orbit("torn", [[*near, [2.0, None, 1.0], [3.0, 1.0, 1.0]]]),
+        orbit("third", [near]),
+    ]
+    site = pages(tmp_path / "site", stored(tmp_path / "in", "mine", stored_records))
+    rows = table(site / "run-mine.html", "o-mine")
+    assert [(x["method"], x["body"], x["x"]) for x in rows[:3]] == [
+        ("two", "1", "1"), ("two", "1", "2"), ("two", "2", "3"),
+    ]  # fmt: skip
+    assert sum(x["method"] == "torn" for x in rows) == 2
+    text = (site / "run-mine.html").read_text(encoding="utf-8")
+    (given,) = re.findall(r'data-plane="([^"]*)"', text)
+    assert json.loads(unescape(given)) == ["early", "away", "torn"]
+    for said in ("early</strong>: lost after t = 1", "torn</strong>: a stored point is not three"):
+        assert said in text
+    assert "away</strong>:" not in text
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"axes": ["q"]}, {"axes": 7}, {"axes": [1, 2]}, {"paths": []}, {"paths": 7},
+        {"paths": [7]}, {"ended": 7},
+    ],
+)  # fmt: skip
+def test_an_orbit_of_another_shape_breaks_nothing(tmp_path: Path, change: dict[str, Any]) -> None:
+    good, odd = (orbit(name, [[[0.0, 1.0, 2.0]]]) for name in ("good", "odd"))
+    odd["orbit"] |= change
+    site = pages(tmp_path / "site", stored(tmp_path / "in", "mine", [good, odd]))
+    rows = table(site / "run-mine.html", "o-mine")
+    assert [x["method"] for x in rows] == (["good", "odd"] if "ended" in change else ["good"])
+
+
+def test_a_page_has_room_for_so_many_points_and_says_what_is_left_out(tmp_path: Path) -> None:
+    path = [[float(k), 1.0, 2.0] for k in range(400)]
+    many = [orbit(f"m{k}", [path]) for k in range(16)]
+    site = pages(tmp_path / "site", stored(tmp_path / "in", "mine", many))
+    assert len(table(site / "run-mine.html", "o-mine")) == 14 * 400 <= MOST - 16
+    text = (site / "run-mine.html").read_text(encoding="utf-8")
+    assert "In the records and not drawn: orbits of 2 methods." in text and len(text) < 1_000_000
 
 
 def test_nan_an_unfinished_run_and_an_unknown_version_are_shown_as_such(
@@ -208,6 +294,91 @@ def test_the_overview_and_a_method_page_say_what_the_data_and_the_findings_say(
     assert claims["symplectic"]["verdict"] == "–"
     assert "1 of 1 checks hold" in page and 'id="drawn"' in page and "@article{kutta" in page
     assert (site / "data" / "rk4.json").is_file()
+
+
+def test_a_finding_about_another_value_than_the_file_claims_is_not_shown(tmp_path: Path) -> None:
+    source = tmp_path / "in"
+    source.mkdir()
+    findings = [
+        {"method": "rk4", "claim": "order", "declared": 5, "verdict": "holds", "proof": "exact"},
+        {"method": "rk4", "claim": "explicit", "declared": True, "verdict": "holds",
+         "proof": "exact"},
+    ]  # fmt: skip
+    document = {"format": "glmref-findings-1", "findings": findings}
+    (source / "found.json").write_text(json.dumps(document), encoding="utf-8")
+    site = pages(tmp_path / "site", source)
+    claims = {x["claim"]: x for x in table(site / "method-rk4.html", "claims-rk4")}
+    assert claims["order"]["verdict"] == "–" and claims["explicit"]["verdict"] == "holds"
+    rows = {row["method"]: row for row in table(site / "index.html", "methods")}
+    assert rows["rk4"]["verified"] == "1 of 1"
+
+
+def test_without_an_argument_every_method_has_verdict_proof_order_and_region(
+    tmp_path: Path,
+) -> None:
+    results = read([data_root() / "measurements"])
+    build(results, tmp_path / "site")
+    shipped = json.loads((data_root() / "measurements" / "stability.json").read_text("utf-8"))
+    seen = json.loads((data_root() / "measurements" / "observed-orders.json").read_text("utf-8"))
+    observed = {(x["method"], x["claim"]): x["observed"] for x in seen["orders"]}
+    rows = {row["method"]: row for row in table(tmp_path / "site" / "index.html", "methods")}
+    assert set(rows) == set(names("methods")) and len(rows) >= 165
+    for name, row in rows.items():
+        whole, _, of = row["verified"].partition(" of ")
+        assert whole == of and int(of) >= 3, name
+        assert row["proof"] != "–" and row["measured"] == number(observed[name, "order"]), name
+        page = (tmp_path / "site" / f"method-{name}.html").read_text(encoding="utf-8")
+        claims = table(tmp_path / "site" / f"method-{name}.html", f"claims-{name}")
+        # a claim that was added and is not stored yet is tests/suite/test_verification_stored.py's
+        assert {x["claim"] for x in claims} >= set(document(name)["claims"])
+        assert {x["verdict"] for x in claims} <= {"holds", "–"} and claims[0]["verdict"] == "holds"
+        region = shipped["methods"][name]
+        ends = [region.get(key) for key in ("imaginary", "real", "oscillation")]
+        told = re.findall(r"<dd>(?:no end up to )?([\d.e-]+)(?=<dt>|</dl></figcaption>)", page)
+        assert [float(x) for x in told] == [x for x in ends if x is not None], name
+        assert page.count('class="chart region"') == 1, name
+
+
+def test_a_region_is_drawn_where_its_polygon_lies() -> None:
+    square = "-2,-1 0,-1 0,1 -2,1 -2,-1"
+    text = stability("x", {"reach": 4, "rings": [square], "imaginary": 1.5, "real": 2.0})
+    (path,) = re.findall(r'class="area"[^>]*d="([^"]+)"', text)
+    corners = [tuple(map(float, x.split())) for x in re.findall(r"[-\d.]+ [-\d.]+", path)]
+    (left, low), (right, _), (_, high), *_ = corners
+    # 8 units are 320 px: two are 80, and zero is in the middle of the frame
+    assert right - left == pytest.approx(80) and low - high == pytest.approx(80)
+    assert right == pytest.approx(46 + 160)
+    assert "<dd>1.5" in text and "<dd>2" in text and "where it is shaded" in text
+
+
+@pytest.mark.parametrize(
+    "record",
+    [
+        None, {}, {"reach": 0}, {"reach": float("nan")}, {"reach": "3"},
+        {"reach": 3, "rings": ["<script>", 7, "1,2"]}, {"reach": 3, "moduli": [None, "0,1 x"]},
+        {"reach": 3, "rings": 7, "imaginary": "far", "real": None},
+    ],
+)  # fmt: skip
+def test_a_region_of_another_shape_breaks_nothing(record: Any) -> None:
+    text = stability("x", record)
+    assert "<script" not in text and 'class="area"' not in text and 'class="line' not in text
+    assert ("<svg" in text) == bool(record and record.get("reach") == 3)
+
+
+def test_menus_hold_every_page_once_and_mark_the_one_that_is_open(tmp_path: Path, records) -> None:
+    site = pages(tmp_path / "site", stored(tmp_path / "in", "oscillator-quick", records))
+    files = {path.name for path in site.glob("*.html")}
+    for path in site.glob("*.html"):
+        (bar,) = re.findall(r"<nav.*?</nav>", path.read_text(encoding="utf-8"), re.DOTALL)
+        links = re.findall(r'<a href="([^"]+)"( aria-current=page)?>', bar)
+        assert sorted(link for link, _ in links) == sorted(files)
+        assert [link for link, here in links if here] == [path.name]
+        menus = re.findall(r'<details name="menu"><summary>(\w+) <small>(\d+)', bar)
+        assert menus == [("scenes", "1"), ("methods", str(len(METHODS)))]
+    index = (site / "index.html").read_text(encoding="utf-8")
+    kinds = re.findall(r"<p>([^<]+)</p><ul>", index)
+    assert kinds[0] == "error against run time"
+    assert kinds[1:] == ["Runge-Kutta", "general linear", "explicit pairs"]
 
 
 def test_one_file_holds_everything(tmp_path: Path, records) -> None:

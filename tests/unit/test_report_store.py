@@ -79,6 +79,40 @@ def test_findings_portraits_and_measurements_are_told_apart(tmp_path: Path) -> N
     assert {x.where for x in found.odd} == {"other.json", "list.json", "bytes.json"}
 
 
+def test_what_is_read_first_wins_claim_by_claim(tmp_path: Path) -> None:
+    mine = {"method": "rk4", "claim": "order", "verdict": "fails"}
+    theirs = [
+        {"method": "rk4", "claim": "order", "verdict": "holds"},
+        {"method": "rk4", "claim": "explicit", "verdict": "holds"},
+    ]
+    paths = []
+    for name, findings in (("mine", [mine]), ("shipped", theirs)):
+        path = tmp_path / f"{name}.json"
+        document = {"format": "glmref-findings-1", "findings": findings}
+        path.write_text(json.dumps(document), encoding="utf-8")
+        paths.append(path)
+    assert read(paths).findings == {"rk4": [mine, theirs[1]]}
+    assert read(paths[::-1]).findings == {"rk4": theirs}
+
+
+def test_stability_regions_and_orders_seen_are_found_by_method(tmp_path: Path) -> None:
+    row = {"method": "rk4", "claim": "order", "observed": 3.99}
+    documents = {
+        "stability": {"format": "glmref-stability-1", "methods": {"rk4": {"reach": 3}, "x": 7}},
+        "observed-orders": {
+            "format": "glmref-measurement-1",
+            "orders": [row, 7, {**row, "claim": "effective-order", "observed": None}],
+        },
+    }
+    for name, document in documents.items():
+        (tmp_path / f"{name}.json").write_text(json.dumps(document), encoding="utf-8")
+    found = read([tmp_path])
+    assert found.regions == {"rk4": {"reach": 3}} and found.odd == []
+    assert found.observed("rk4") == {"order": row} and found.observed("euler") == {}
+    assert set(found.measurements) == {"observed-orders"}
+    assert Results(measurements={"observed-orders": {"orders": 7}}).observed("rk4") == {}
+
+
 @pytest.mark.parametrize(
     ("drawing", "why"),
     [

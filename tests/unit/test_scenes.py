@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from glmref.catalogue import data_root
 from glmref.claims import DataError, GlmrefError, UsageError
 from glmref.experiments.records import RecordFile
-from glmref.scenes import answer, charts, load_scene, names, plan, rows, run
+from glmref.scenes import answer, charts, load_scene, names, orbits, plan, rows, run
 from glmref.scenes.answers import duration, seconds_at
 
 SMALL = """\
@@ -389,6 +389,121 @@ def test_a_plan_says_where_the_right_state_comes_from(tmp_path, problem, t_end, 
     assert ("mpmath" in todo.modules) == (source == "closed form")
     assert plan(load_scene(write(tmp_path, text.replace('"state", ', "").replace(
         "at = 1e-2", 'at = 1e-2\nerror = "energy"')))).reference == ""  # fmt: skip
+
+
+# --- orbits ---------------------------------------------------------------------------------------
+
+ORBIT = SMALL.replace('"state", "energy", "picture"', '"state", "orbit", "picture"')
+
+
+def test_an_orbit_is_kept_where_it_is_asked_for(tmp_path):
+    scene = load_scene(write(tmp_path, ORBIT))
+    records = run(scene)
+    assert [len(r["orbit"]["paths"][0]) for r in records] == [21, 41, 21, 41]
+    block = records[0]["orbit"]
+    assert block["axes"] == ["q", "p"] and block["ended"] is None
+    (path,) = block["paths"]
+    assert len(path) == 21 and path[0] == [0.0, 1.0, 0.0]
+    assert path[-1][0] == pytest.approx(scene.t_end, abs=1e-6)
+    # on a unit circle: rk4 with h = 2 pi/20 loses 3e-4 of the energy in a revolution
+    assert all(x * x + y * y == pytest.approx(1, abs=1e-3) for _, x, y in path)
+
+
+def test_a_scene_that_does_not_ask_takes_no_points(tmp_path, monkeypatch):
+    import glmref.experiments.orbit as room
+
+    asked = []
+    monkeypatch.setattr(room, "orbit", lambda *a, **k: asked.append(k) or 1 / 0)
+    records = run(load_scene(write(tmp_path)))
+    assert not asked and all("orbit" not in record for record in records)
+    # and where it is asked, that is what runs
+    assert "internal error" in {r["outcome"] for r in run(load_scene(write(tmp_path, ORBIT)))}
+    assert [k["steps"] for k in asked] == [20, 40, 20, 40]
+
+
+def test_an_orbit_changes_no_other_number(tmp_path):
+    less = plan(load_scene(write(tmp_path, ORBIT.replace('"orbit", ', ""))))
+    more = plan(load_scene(write(tmp_path, ORBIT)))
+    assert more.evaluations - less.evaluations == (20 + 40) * (4 + 2)
+    assert set(more.recorded) - set(less.recorded) == {"at most 400 points of the path in a plane"}
+    for a, b in zip(run(less), run(more), strict=True):
+        assert (a["state_error"], a["evaluations"]) == (b["state_error"], b["evaluations"])
+
+
+def test_a_peer_keeps_no_orbit(tmp_path):
+    text = ORBIT.replace("repeats = 1", 'peers = ["scipy-rk45"]\ntolerances = [1e-6]')
+    tasks = plan(load_scene(write(tmp_path, text))).tasks
+    assert {t["kind"]: "orbit" in t["ask"] for t in tasks} == {
+        "method": True, "peer": False,
+    }  # fmt: skip
+
+
+def test_an_orbit_of_a_run_that_fails_is_its_good_part(tmp_path):
+    text = ORBIT.replace('"rk4", "heun-2"', '"euler"').replace("[20, 40]", "[100]")
+    text = text.replace('"2*pi"', "100")
+    (record,) = run(load_scene(write(tmp_path, text)))
+    assert record["orbit"]["ended"].startswith("lost after t = ")
+    assert len(record["orbit"]["paths"][0]) < 10
+    # too stiff for an explicit method: the values leave the numbers in the third step
+    text = ORBIT.replace('"harmonic-oscillator"\nfrequency = "1"', '"van-der-pol"')
+    text = text.replace('"2*pi"', '"1/50"').replace('"state", "orbit"', '"orbit"')
+    text = text.replace('kind = "fastest"\nat = 1e-2', 'kind = "ended"')
+    (record, *_) = run(load_scene(write(tmp_path, text)))
+    assert record["outcome"] == "not finite"
+    assert record["orbit"]["ended"].startswith("not finite after t = 0.002")
+    assert len(record["orbit"]["paths"][0]) == 3
+
+
+def test_one_component_has_no_orbit_to_ask_for(tmp_path):
+    text = ORBIT.replace('"harmonic-oscillator"\nfrequency = "1"', '"blow-up"')
+    with pytest.raises(DataError, match="line 8: the problem 'blow-up' has one component"):
+        load_scene(write(tmp_path, text))
+
+
+def test_an_orbit_of_a_sampled_run_is_its_own(tmp_path):
+    text = ORBIT.replace('"state", "orbit"', '"invariants", "energy", "orbit"')
+    text = text.replace('kind = "fastest"\nat = 1e-2', 'kind = "conserved"')
+    records = run(load_scene(write(tmp_path, text)))
+    assert all(r["drifts"] and r["series"] for r in records)
+    assert [len(r["orbit"]["paths"][0]) for r in records] == [21, 41] * 2
+
+
+def test_orbits_are_pictures_of_their_own(tmp_path):
+    scene = load_scene(write(tmp_path, ORBIT))
+    records = run(scene)
+    picture = orbits(scene, records)
+    assert picture is not None and (picture.x_label, picture.y_label) == ("q", "p")
+    # one path a method, at the largest step at which it is followed to its end
+    assert [(one.name, one.h) for one in picture.clouds] == [
+        (name, scene.t_end / 20) for name in ("rk4", "heun-2")
+    ]
+    records[2]["orbit"]["ended"] = "lost after t = 3"
+    again = orbits(scene, records)
+    assert again is not None and [one.h for one in again.clouds] == [
+        scene.t_end / 20, scene.t_end / 40,
+    ]  # fmt: skip
+    kept = records[0]["orbit"]["paths"][0]
+    assert picture.clouds[0].points == tuple((x, y) for _, x, y in kept)
+    assert orbits(scene, [{k: v for k, v in r.items() if k != "orbit"} for r in records]) is None
+    alone = load_scene(write(tmp_path, ORBIT.replace('"state", ', "").replace("fastest", "ended")))
+    assert charts(alone, records) == []
+
+
+def test_records_keep_their_schema(tmp_path):
+    jsonschema = pytest.importorskip("jsonschema")
+    schema = json.loads((data_root() / "schema" / "glmref-record-1.schema.json").read_text("utf-8"))
+    check = jsonschema.Draft202012Validator(schema)
+    records = run(load_scene(write(tmp_path, ORBIT)))
+    law = ORBIT.replace('"state"', '"energy", "law"').replace('"fastest"', '"law"')
+    records += run(load_scene(write(tmp_path, law)))
+    text = SMALL.replace('"harmonic-oscillator"\nfrequency = "1"', '"rigid-body"')
+    text = text.replace('"heun-2"', '"stormer-verlet"').replace('"state", "energy"', '"state"')
+    records += run(load_scene(write(tmp_path, text)))
+    for record in records:
+        check.validate(record)
+    long = {**records[0]["orbit"], "paths": [[[0.0, 1.0, 0.0]] * 401]}
+    for wrong in ({"orbit": long}, {"orbit": {"axes": ["q"]}}, {"format": "x"}, {"key": "7"}):
+        assert not check.is_valid({**records[0], **wrong}), wrong
 
 
 # --- answers and views ----------------------------------------------------------------------------

@@ -104,6 +104,14 @@ def test_linear_combination():
     assert a[single()] == 2
 
 
+def test_stages_on_which_no_weight_depends_change_nothing():
+    A, b = [[0, 0, 0], [F(1, 2), 0, 0], [7, 7, 7]], [0, 1, 0]
+    assert elementary_weights(A, b, 6) == elementary_weights([[0, 0], [F(1, 2), 0]], [0, 1], 6)
+    assert elementary_weights(A, [0, 1, F(1, 99)], 6) != elementary_weights(A, b, 6)
+    coupled = [A[0], [F(1, 2), 0, F(1, 99)], A[2]]
+    assert elementary_weights(coupled, b, 6) != elementary_weights(A, b, 6)
+
+
 def test_map_and_truncate():
     assert flow(5).truncate(3) == flow(3)
     assert flow(3).map(lambda x: 2 * x) == combine([(2, flow(3))])

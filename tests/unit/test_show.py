@@ -84,7 +84,8 @@ def test_a_pair_shows_both_methods() -> None:
     text = show(load("gsymplectic-n-pair"), style=UNICODE)
     assert "q:  Q = h A f(P) + U q" in text
     assert "p:  P = h A^ k(Q) + U^ p" in text
-    assert text.count("┼") == 4
+    assert text.count("┼") == 4 + 2  # two methods, each in four blocks; a start, for q and for p
+    assert "and for p:  P = h A^ k(Q) + p0" in text
     assert "D_P =" in text
     assert "D_Q =" in text
 

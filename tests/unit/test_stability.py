@@ -24,11 +24,12 @@ from glmref.families import (
 )
 from glmref.method import GLM
 from glmref.theory import polynomials as poly
+from glmref.theory.a_stability import a_stability, is_a_stable, is_l_stable
 from glmref.theory.stability import (
-    a_stability,
+    _is_explicit_in_some_order,
+    _through_powers,
+    _through_values,
     at_infinity,
-    is_a_stable,
-    is_l_stable,
     oscillator,
     stability_function,
     stability_matrix,
@@ -190,3 +191,37 @@ def test_oscillator_matches_the_step_by_hand():
     M = stability_matrix(m, y)
     # q+ = q + y p, p+ = p - y q+
     assert M == ((1, y), (-y, 1 - y * y))
+
+
+def shuffled(m, order):
+    """The same method with its stages in another order."""
+    A = [[m.A[i][j] for j in order] for i in order]
+    return GLM(
+        A=A, U=[m.U[i] for i in order], B=[[row[j] for j in order] for row in m.B], V=m.V
+    )  # fmt: skip
+
+
+def test_powers_and_values_give_the_same_polynomial_whatever_the_order_of_the_stages():
+    halves = [f"{k}/28" for k in range(1, 8)], [f"{k}/21" for k in range(1, 7)]  # both sum to 1
+    m = oscillator(splitting(*halves))
+    assert m.s == 13
+    assert _through_powers(m) == _through_values(m) == stability_polynomial(m)
+    other = shuffled(m, [*range(1, 13, 2), *range(12, -1, -2)])
+    assert _through_powers(other) == _through_powers(m)
+    # near miss: one stage that needs itself, or two that need each other
+    assert _is_explicit_in_some_order(other.A)
+    itself = [[*row] for row in other.A]
+    itself[3][3] = exact(1)
+    each = [[*row] for row in other.A]
+    i, j = next((i, j) for i in range(13) for j in range(13) if not other.A[i][j].is_zero())
+    each[j][i] = exact(1)
+    assert not _is_explicit_in_some_order(itself)
+    assert not _is_explicit_in_some_order(each)
+
+
+def test_published_decimals_keep_their_digits_through_49_stages():
+    m = oscillator(glmref.load("pair-8-24"))
+    assert m.s == 49
+    radii = [x.ball().radius() for p in _through_powers(m) for x in p]
+    # 75 digits, amplified by at most 1e15 in products of matrices with entries below 100
+    assert max(radii) < 1e-60

@@ -161,3 +161,14 @@ def test_the_exact_series_goes_as_far_as_the_order():
         exact_start_series(n, 5)
     with pytest.raises(UsageError, match="order is 2"):
         exact_start_series(load("g4123"), 3, principal="identity")
+
+
+def test_an_order_that_is_known_is_taken_and_not_computed_again():
+    method = load("g4123")
+    blocks = method.finishing, method.starting
+    alone = finishing_order(method, blocks[0], starting=blocks[1])
+    known = finishing_order(method, blocks[0], starting=blocks[1], known=order_of(method))
+    assert (known.order, known.witness) == (alone.order, alone.witness)
+    less = order_of(method, max_order=2)
+    assert finishing_order(method, blocks[0], starting=blocks[1], known=less).order == 2
+    assert alone.order > 2

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...catalogue import load
-from ...engine.reference import Stepper, apply_finish, apply_start, stepper
+from ...engine.reference import Stepper, apply_finish, stepper
 from ...engine.start import starting_values
 from ...method import GLM, PartitionedGLM
 from ..vectors import file_names
@@ -63,7 +63,7 @@ class Adapter:
             if engine.shape[0] > 1:
                 raise NotImplementedError(f"the data of {method} give no starting method")
             return y0[None, :]
-        return apply_start(starting, engine, t, y0, h)[0]
+        return starting_values(engine, starting, t=t, y0=y0, h=h).values
 
     def finish(self, method: str, problem: Any, t: float, y: np.ndarray, h: float) -> np.ndarray:
         """Solution that belongs to the values."""

@@ -26,7 +26,7 @@ _B = {"b1": "-17/168", "b2": "3375/9464", "b3": str(1 + Fraction(17, 84) - Fract
 _ABSCISSAE = {"abscissae": ["0", "1/15", "1/2", "14/15", "1"]}
 
 
-def _thesis(name: str, z: Value, gamma: Value, start: list[str]) -> Rough:
+def _thesis(name: str, z: Value, gamma: Value, start: list[str], grows: str = "") -> Rough:
     """The thesis's own b and c, without stage order 2 and with a conjugation."""
     growth = [f"growth {z.eigenvalue}", "growth -1"]
     common = ["order [oo[o]]", "order [[o][o]]", *growth]
@@ -43,17 +43,13 @@ def _thesis(name: str, z: Value, gamma: Value, start: list[str]) -> Rough:
         "b and c of Khan (2018), section 3.4, kept; stage order 2 dropped, principal start a "
         "conjugation"
     )
-    return Rough(ansatz, start, where, _ABSCISSAE)
-
-
-def _family(ansatz: Ansatz, start: list[str], where: str) -> Rough:
-    return Rough(ansatz, start, where)
+    return Rough(ansatz, start, where, _ABSCISSAE, grows)
 
 
 ROUGH: Mapping[str, Rough] = {
     x.ansatz.name: x
     for x in [
-        _family(
+        Rough(
             Ansatz(
                 "s5t-w3",
                 5,
@@ -78,7 +74,7 @@ ROUGH: Mapping[str, Rough] = {
             "four-parameter family, gamma antisymmetric, at alpha1 = -0.104, beta1 = 1.372, "
             "beta2 = 0.87, beta3 = -0.493",
         ),
-        _family(
+        Rough(
             Ansatz(
                 "s5i2-w3",
                 5,
@@ -101,7 +97,7 @@ ROUGH: Mapping[str, Rough] = {
             "three-parameter family with stages 1, 3 and 5 explicit, at alpha2 = -0.039, "
             "beta1 = -0.24, gamma1 = 0.609",
         ),
-        _family(
+        Rough(
             Ansatz(
                 "s5i1-w3",
                 5,
@@ -123,8 +119,9 @@ ROUGH: Mapping[str, Rough] = {
             ],
             "three-parameter family with only stage 3 implicit, at b3 = 2.554, "
             "beta1 = -0.739, gamma1 = -0.692",
+            grows="thirtyfold",
         ),
-        _family(
+        Rough(
             Ansatz(
                 "s5i1-i",
                 5,
@@ -146,8 +143,9 @@ ROUGH: Mapping[str, Rough] = {
             ],
             "three-parameter family with only stage 3 implicit, at b3 = 0.786, "
             "beta1 = 0.484, beta2 = 0.811",
+            grows="thirtyfold",
         ),
-        _family(
+        Rough(
             Ansatz(
                 "s4-w3",
                 4,
@@ -165,8 +163,9 @@ ROUGH: Mapping[str, Rough] = {
                 "0.4720206276329117",
             ],
             "two-parameter family with stage order 2, at b2 = -0.873, alpha2 = 0.545",
+            grows="threefold",
         ),
-        _family(
+        Rough(
             Ansatz(
                 "s3-w3",
                 3,
@@ -184,8 +183,9 @@ ROUGH: Mapping[str, Rough] = {
                 "2.391269743248006",
             ],
             "one-parameter family with stage order 2, at beta2 = -3.713",
+            grows="threefold",
         ),
-        _family(
+        Rough(
             Ansatz(
                 "s3i1-w3",
                 3,
@@ -204,6 +204,7 @@ ROUGH: Mapping[str, Rough] = {
                 "-2.866482225519755",
             ],
             "isolated solution with stage order 2 and only stage 2 implicit",
+            grows="thirtyfold",
         ),
         _thesis(
             "t115-w3",
@@ -233,6 +234,7 @@ ROUGH: Mapping[str, Rough] = {
                 "0.4858908330782037",
                 "-0.2588266568018778",
             ],
+            grows="threefold",
         ),
         _thesis(
             "t115-i",

@@ -18,7 +18,7 @@ from ...expression import parse
 from ...method import GLM
 from ..recognise import exact_text
 from .order6_family import Family, Forms, family, solve_forms
-from .record import Derivation, Progress, Statement, derived_source, thesis_source
+from .record import GROWS, Derivation, Progress, Statement, derived_source, thesis_source
 from .solved import rough_starts
 
 __all__ = ["OPTIONS", "derive"]
@@ -125,15 +125,21 @@ def _least(member: Family) -> Exact | None:
     return least_growth(member)
 
 
+#: How much the parasitic part grows in data/measurements/long-runs.json, in a word.
+_GROWTH = {"g6245-w3": "thirtyfold", "c2-3-10-w3": "thirtyfold"}
+
+
 def _document(member: Family, forms: Forms, z_text: str, z: Exact) -> dict[str, Any]:
     b = [str(x) for x in member.b]
     alpha1 = Exact(forms.alpha_square).sqrt()
-    half = z_text == "i"
+    half, name = z_text == "i", _name(member.c2, z_text)
+    notes = {"notes": [GROWS.format(_GROWTH[name])]} if name in _GROWTH else {}
     return {
         "format": "glmref-method-1",
-        "name": _name(member.c2, z_text),
+        "name": name,
         "title": _title(member.c2, z_text),
         "class": "glm",
+        **notes,
         "constants": {
             "alpha1": exact_text(alpha1),
             "alpha2": exact_text(alpha1 * forms.alpha_ratio),

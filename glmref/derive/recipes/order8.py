@@ -1,9 +1,10 @@
-"""Order 8, parasitism-free, symmetric, G-symplectic: three to seven stages, one to five implicit.
+"""Order 8, parasitism-free, symmetric, G-symplectic: three to five stages, one to five implicit.
 
 Stage order 2 or 3 makes nearly all conditions follow from others (:mod:`glmref.derive.classes`):
 of the 200 trees up to order 8 there remain [oooo] of order 5 and three trees of order 7 at stage
 order 2, or one at stage order 3. With the stage-order equations s = 5, r = 4 leaves two free
-parameters, or none when only the middle stage is implicit; s = 3 needs two complex pairs (r = 6).
+parameters, or none when only the middle stage is implicit; s = 3 needs two complex pairs (r = 6),
+and with these s = 4 at stage order 3 has one free parameter when stages 1 and 4 are explicit.
 ``name`` picks one method, all are derived without; ``start`` says whether start and finish are
 derived too (45 or 95 stages, seven of them coupled, and an exact inverse for the first value).
 """
@@ -59,6 +60,7 @@ ROUGH: Mapping[str, Rough] = {
                 "-3.00220178516e-05",
             ),
             "two-parameter family with stage order 2, at b2 = 1.146, alpha1 = -0.452",
+            grows="threefold",
         ),
         Rough(
             Ansatz(
@@ -76,6 +78,7 @@ ROUGH: Mapping[str, Rough] = {
                 *("-0.29899293020984", "1.8489705631702"),
             ),
             "one-parameter family with stage order 3, at alpha2 = 0.09",
+            grows="thirtyfold",
         ),
         Rough(
             Ansatz(
@@ -94,6 +97,7 @@ ROUGH: Mapping[str, Rough] = {
                 *("0.21553156539475", "0.00052376424906192"),
             ),
             "isolated solution with stage order 2 and only stage 3 implicit",
+            grows="thirtyfold",
         ),
         Rough(
             Ansatz(
@@ -111,6 +115,27 @@ ROUGH: Mapping[str, Rough] = {
                 *("-0.13071382419301", "0.23366879454443"),
             ),
             "one-parameter family with stage order 3 and r = 6, at b1 = 0.728",
+            grows="thirtyfold",
+        ),
+        Rough(
+            Ansatz(
+                "order8-s4i2-w3-i",
+                4,
+                8,
+                (Value("exp(2*pi*i/3)", 1), _I, Value("-1", -1, -1)),
+                stage_order=3,
+                explicit=(1,),
+                fixed={"b1": "-7/50"},
+                title="Order 8 with four stages, two of them implicit, and six values",
+            ),
+            (
+                *("0.0359234601796268", "-0.153166075038863", "1.17387550968441"),
+                *("-0.527500129183244", "1.34971696203506", "-0.284843456134963"),
+                *("0.228265781788632", "-0.573382033123746", "0.710938156584241"),
+                "-0.332510875640359",
+            ),
+            "one-parameter family with stage order 3, r = 6 and stages 1 and 4 explicit, at "
+            "b1 = -0.14",
         ),
     ]
 }

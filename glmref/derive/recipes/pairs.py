@@ -8,13 +8,16 @@ has no place among the equations.
 
 The shipped pairs come from such searches. Each is kept here as an ansatz whose free parameters are
 fixed rationally and a dozen digits of the other unknowns; the recipe polishes them to 75 digits and
-proves what their files claim.
+proves what their files claim. Likewise the starts, ``pair_starts.json``.
 """
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cache
+from importlib.resources import files
 from typing import Any
 
 from ...claims import GlmrefError, Proof, UsageError
@@ -22,6 +25,7 @@ from ...method import PartitionedGLM
 from ...reader import load_document
 from ...theory.pairs import parasitic_curvature
 from ..pair_enclosure import PairEnclosure
+from ..pair_start import with_start
 from ..pairs import PairAnsatz, complete_pair, fix_parameters, search_pairs
 from .record import Derivation, Progress, Statement
 from .shipped_pairs import SHIPPED, Shipped
@@ -78,14 +82,25 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
 
 
 def complete(shipped: Shipped) -> tuple[dict[str, Any], PairEnclosure]:
-    """Document and proof of a shipped pair."""
-    return complete_pair(
+    """Document and proof of a shipped pair, with its start where one is on record."""
+    document, enclosure = complete_pair(
         shipped.ansatz,
         shipped.start.split(),
         source=source(f"recipe pairs, name = {shipped.ansatz.name}"),
         claims=shipped.claims,
         notes=shipped.notes,
     )
+    half = rough_pair_starts().get(shipped.ansatz.name)
+    if half is not None:
+        document = with_start(document, enclosure.numbers, half)
+    return document, enclosure
+
+
+@cache
+def rough_pair_starts() -> Mapping[str, Any]:
+    """One stage of each pair of every start, see :func:`~glmref.derive.pair_start.expanded`."""
+    place = files("glmref.derive.recipes").joinpath("pair_starts.json")
+    return json.loads(place.read_text(encoding="utf-8"))
 
 
 def _statement(document: Mapping[str, Any], enclosure: PairEnclosure) -> Statement:
@@ -97,6 +112,9 @@ def _statement(document: Mapping[str, Any], enclosure: PairEnclosure) -> Stateme
         f"{enclosure.contraction:.1e}); {order}, G-symplectic, symmetric, explicit and "
         f"parasitism-free there; redundant conditions enclosed to {enclosure.width:.1e}"
     )
+    if "starting" in document:
+        q, p = (len(document["starting"][x]) for x in ("A", "A_hat"))
+        text += f"; start of {q} stages Q and {p} stages P exact within the digits, of full order"
     return Statement(text, Proof.ENCLOSED)
 
 

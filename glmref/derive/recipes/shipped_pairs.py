@@ -42,8 +42,13 @@ _LEAVES = (
 )
 #: A label that `tests/unit/test_pair_needs.py` compares with data/measurements/pairs-long.json.
 _GROWS = (
-    "Over ten million steps its energy error or its carried values grow on {}, see "
-    "data/measurements/pairs-long.json."
+    "Over ten million steps from zero values its energy error or its carried values grow on {}, "
+    "see data/measurements/pairs-long.json."
+)
+#: A label that `tests/evidence/test_pair_starts.py` compares with its measurements.
+_STAYS = (
+    "Over as many steps from the starting method of this file they stay bounded, see "
+    "data/measurements/pairs-starts.json."
 )
 
 SHIPPED: Mapping[str, Shipped] = {
@@ -73,7 +78,7 @@ SHIPPED: Mapping[str, Shipped] = {
             },
         ),
         "0.0673605816682 -0.0334573194165 0.200983455503 -0.208313166578",
-        notes=[_GROWS.format("pendulum")],
+        notes=[_GROWS.format("pendulum"), _STAYS],
     ),
     "pair-6-7": Shipped(
         PairAnsatz(
@@ -95,7 +100,7 @@ SHIPPED: Mapping[str, Shipped] = {
         ),
         "0.251090885793 0.280911879666 0.0405045113845 0.487998301098 0.813267657402 "
         "0.169709559807 1.12828447308 -0.0758723903025 0.240865316 0.160207480514 -0.34319691946",
-        notes=[_LEAVES.format("1.12e-06"), _GROWS.format("henon-heiles")],
+        notes=[_LEAVES.format("1.12e-06"), _GROWS.format("henon-heiles"), _STAYS],
     ),
     "pair-6-8": Shipped(
         PairAnsatz(
@@ -105,7 +110,7 @@ SHIPPED: Mapping[str, Shipped] = {
         "0.0397332988605 0.172023548463 0.340545533412 -0.125319674888 0.383222306583 "
         "0.115842014381 0.196433425565 -0.21231867203 -0.131590990914 0.413191214356 "
         "0.577833811431 -0.297259314141",
-        notes=[_GROWS.format("pendulum")],
+        notes=[_GROWS.format("pendulum"), _STAYS],
     ),
     "pair-6-9": Shipped(
         PairAnsatz(
@@ -118,7 +123,27 @@ SHIPPED: Mapping[str, Shipped] = {
         "0.0757193856936 0.251825760571 -0.185860742049 0.077352974819 0.364507765322 "
         "-1.1150122129 0.493851284673 0.224118607845 0.23928932166 0.21803099273 0.438660650759 "
         "1.68193872504",
-        notes=[_GROWS.format("pendulum")],
+        notes=[_GROWS.format("pendulum"), _STAYS],
+    ),
+    "pair-8-24": Shipped(
+        PairAnsatz(
+            "pair-8-24", 24, 8, starts="qp",
+            title="Explicit G-symplectic pair of order 8 with 24 force evaluations, for separable "
+            "systems",
+            fixed={
+                "b3": "887/2500", "b8": "1349/5000", "b11": "-19/10000", "w1": "3559/2000",
+                "w7": "7093/10000", "w8": "1789/2000", "w11": "-6381/5000", "w12": "-5239/10000",
+                "c3": "1691/2500", "c11": "-3673/5000", "v3": "-13279/10000", "v5": "457/5000",
+                "v9": "-9789/2500",
+            },
+        ),
+        "0.0533388478245 0.279396319577 -0.113994669511 -0.453474961673 0.489427801154 "
+        "-0.0576816255224 -0.360895876877 0.0493345149163 -0.0115291018601 -0.436864820946 "
+        "0.562006484765 0.667586728144 -0.554356239762 -0.0013321223135 1.25523343526 "
+        "2.22362650974 0.190887835931 0.368303534835 -0.774766370554 -0.0449812343454 "
+        "-0.164595668063 0.116596135717 -0.309617551154 0.00844684491874 0.913074622804 "
+        "0.214520591179 -0.161951060525 -1.29069675005 0.158445537105 0.452382160135 "
+        "-0.781219965219 0.0803606904258 0.0780878522042 -0.681004973978",
     ),
     "pair-rkn-6-7": Shipped(
         PairAnsatz(
@@ -169,7 +194,7 @@ SHIPPED: Mapping[str, Shipped] = {
         ),
         "0.0474484580842 0.0941482672928 0.144056474897 -0.028700674393 -1.07495108804 "
         "0.554776019563 0.343305116342 0.201013320487 1.74414245872 -0.419256551579",
-        notes=[_GROWS.format("pendulum")],
+        notes=[_GROWS.format("pendulum"), _STAYS],
     ),
     "pair-rkn-8-16": Shipped(
         PairAnsatz(

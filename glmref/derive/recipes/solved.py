@@ -20,7 +20,7 @@ from ..parity_start import complete, finishing_block, starting_block
 from ..starting import Target
 from ..system import SweepSystem
 from ..write import DIGITS, fill
-from .record import Statement, derived_source
+from .record import GROWS, Statement, derived_source
 
 __all__ = ["Rough", "finish", "rough_starts", "with_start"]
 
@@ -33,12 +33,14 @@ class Rough:
     ----------
         ansatz: what is solved. start: value of each unknown, in the order of the document.
         where: what the method is, for its source record. claims: claims besides the usual ones.
+        grows: how much its parasitic part grows in data/measurements/long-runs.json, in a word.
     """
 
     ansatz: Ansatz
     start: Sequence[str]
     where: str
     claims: Mapping[str, Any] = field(default_factory=dict)
+    grows: str = ""
 
 
 def rough_starts() -> Mapping[str, Any]:
@@ -112,6 +114,8 @@ def finish(
         "growth": ["0"] * (r - 1),
     }
     document["source"] = derived_source(rough.where)
+    if rough.grows:
+        document["notes"] = [GROWS.format(rough.grows)]
     statements = [_statement(document, enclosure)]
     if start and document["name"] in rough_starts():
         target = Target.of(document, enclosure)

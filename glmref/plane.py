@@ -1,0 +1,234 @@
+"""Paths in a plane without a plotting library: one panel a method, equal axes, the same range.
+
+Points are not joined: they are far apart in time. The range is that of the paths which were
+followed to their end and are not much larger than the others; what leaves it is counted under its
+panel. PNG and PDF are left to matplotlib, if it is installed (the extra ``plots``).
+
+Public names::
+
+    Cloud(name, points, ended)      svg(clouds, title=, x_label=, y_label=) -> str
+    one_each(clouds)                ranging(clouds), box_of(clouds)
+    write_figures(path, clouds, ...) -> str | None
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from statistics import median
+from textwrap import shorten
+from xml.sax.saxutils import escape, quoteattr
+
+from .chart import COLORS
+
+__all__ = ["Cloud", "box_of", "one_each", "ranging", "round_ticks", "svg", "write_figures"]
+
+Point = tuple[float, float]
+Box = tuple[float, float, float, float]
+_ACROSS = 3  # panels in a row
+_PANEL, _GAP = 250.0, 60.0  # px
+_LEFT, _TOP = 62.0, 66.0
+_LARGE = 3.0  # times the median size: a path that flies away
+_WORDS = 60  # characters under a panel
+
+
+@dataclass(frozen=True)
+class Cloud:
+    """Points of one run.
+
+    Attributes
+    ----------
+        name: of the method. points: (x, y), finite.
+        ended: why they stop before the run does, or nothing.
+        h: step size, where it is to be told.
+    """
+
+    name: str
+    points: tuple[Point, ...]
+    ended: str | None = None
+    h: float | None = None
+
+    @property
+    def title(self) -> str:
+        """Name with the step size."""
+        return self.name if self.h is None else f"{self.name}, h = {self.h:.4g}"
+
+
+def one_each(clouds: Sequence[Cloud]) -> list[Cloud]:
+    """One path a name: of the largest step it was followed to its end with, else of the smallest.
+
+    At smaller steps a path looks the same; at larger ones there is none.
+    """
+    groups: dict[str, list[Cloud]] = {}
+    for cloud in clouds:
+        groups.setdefault(cloud.name, []).append(cloud)
+    found = []
+    for group in groups.values():
+        ordered = sorted(group, key=lambda one: -(one.h or 0.0))
+        found.append(next((one for one in ordered if not one.ended), ordered[-1]))
+    return found
+
+
+def ranging(clouds: Sequence[Cloud]) -> list[Cloud]:
+    """Paths that set the range: those that were followed to their end.
+
+    One that is more than three times as large as their median has flown away and does not count.
+    """
+    whole = [one for one in clouds if one.points and not one.ended]
+    if not whole:
+        return list(clouds)
+    sizes = [max(max(v) - min(v) for v in zip(*one.points, strict=True)) for one in whole]
+    most = _LARGE * median(sizes)
+    return [one for one, size in zip(whole, sizes, strict=True) if size <= most]
+
+
+def box_of(clouds: Sequence[Cloud]) -> Box:
+    """Low and high x, low and high y of the paths that set the range, with a margin."""
+    whole = [p for one in ranging(clouds) for p in one.points]
+    points = whole or [p for one in clouds for p in one.points] or [(0.0, 0.0)]
+    xs, ys = [x for x, _ in points], [y for _, y in points]
+    middle = ((min(xs) + max(xs)) / 2, (min(ys) + max(ys)) / 2)
+    size = max(max(xs) - min(xs), max(ys) - min(ys)) or max(map(abs, middle)) or 1.0
+    wide, high = (max(max(v) - min(v), size / 3) * 0.54 for v in (xs, ys))
+    return middle[0] - wide, middle[0] + wide, middle[1] - high, middle[1] + high
+
+
+def round_ticks(low: float, high: float, most: int = 5) -> list[float]:
+    """Round numbers of a range, as many as that or fewer."""
+    rough = (high - low) / most
+    power = 10.0 ** math.floor(math.log10(rough))
+    step = next(m * power for m in (1, 2, 5, 10) if m * power >= rough * (1 - 1e-12))
+    return [k * step for k in range(math.ceil(low / step), math.floor(high / step) + 1)]
+
+
+def _notes(cloud: Cloud, box: Box) -> list[str]:
+    """What a panel does not show."""
+    notes = [cloud.ended] if cloud.ended else []
+    outside = sum(not _inside(point, box) for point in cloud.points)
+    if outside:
+        notes.append(f"{outside} of {len(cloud.points)} points outside")
+    return notes
+
+
+def _inside(point: Point, box: Box) -> bool:
+    return box[0] <= point[0] <= box[1] and box[2] <= point[1] <= box[3]
+
+
+def svg(clouds: Sequence[Cloud], *, title: str, x_label: str, y_label: str) -> str:
+    """Return a complete SVG document, readable without any style sheet or script."""
+    box = box_of(clouds)
+    scale = _PANEL / max(box[1] - box[0], box[3] - box[2])
+    wide, high = (box[1] - box[0]) * scale, (box[3] - box[2]) * scale
+    across = min(_ACROSS, max(len(clouds), 1))
+    rows = math.ceil(len(clouds) / across)
+    noted = any(_notes(one, box) for one in clouds)
+    pitch = (_PANEL + _GAP, high + _GAP + (22 if noted else 6))
+    width = max(_LEFT + across * pitch[0] - _GAP + 20, 60 + 8.2 * len(title))
+    height = _TOP + rows * pitch[1] + 8
+    parts = [
+        (
+            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:.0f} {height:.0f}" '
+            f'width="{width:.0f}" height="{height:.0f}" role="img" aria-label={quoteattr(title)} '
+            f'font-family="Helvetica, Arial, sans-serif" font-size="12">'
+        ),
+        f"<title>{escape(title)}</title>",
+        f'<rect width="{width:.0f}" height="{height:.0f}" fill="#ffffff"/>',
+        (
+            f'<text x="{_LEFT:.0f}" y="24" font-size="14" font-weight="bold" fill="#111">'
+            f"{escape(title)}</text>"
+        ),
+    ]
+    for k, cloud in enumerate(clouds):
+        left = _LEFT + (k % across) * pitch[0] + (_PANEL - wide) / 2
+        top = _TOP + (k // across) * pitch[1]
+        parts += _panel(cloud, box, (left, top, scale), (x_label, y_label), COLORS[k % len(COLORS)])
+    return "\n".join([*parts, "</svg>"]) + "\n"
+
+
+def _panel(
+    cloud: Cloud, box: Box, place: tuple[float, float, float], labels: tuple[str, str], color: str
+) -> list[str]:
+    left, top, scale = place
+    wide, high = (box[1] - box[0]) * scale, (box[3] - box[2]) * scale
+    parts = [f'<text x="{left:.1f}" y="{top - 8:.1f}" fill="#111">{escape(cloud.title)}</text>']
+    for x in round_ticks(box[0], box[1]):
+        u = left + (x - box[0]) * scale
+        parts.append(
+            f'<path d="M{u:.1f} {top:.1f}v{high:.1f}" stroke="#e3e3e3"/>'
+            f'<text x="{u:.1f}" y="{top + high + 15:.1f}" text-anchor="middle" font-size="10" '
+            f'fill="#333">{x:.6g}</text>'
+        )
+    for y in round_ticks(box[2], box[3]):
+        v = top + (box[3] - y) * scale
+        parts.append(
+            f'<path d="M{left:.1f} {v:.1f}h{wide:.1f}" stroke="#e3e3e3"/>'
+            f'<text x="{left - 5:.1f}" y="{v + 3.5:.1f}" text-anchor="end" font-size="10" '
+            f'fill="#333">{y:.6g}</text>'
+        )
+    dots = "".join(
+        f"M{left + (x - box[0]) * scale:.1f} {top + (box[3] - y) * scale:.1f}h0"
+        for x, y in cloud.points
+        if _inside((x, y), box)
+    )
+    size = f'width="{wide:.1f}" height="{high:.1f}"'
+    words = 'text-anchor="middle" fill="#111"'
+    turned = f"translate({left - 42:.1f} {top + high / 2:.1f}) rotate(-90)"
+    below = f'x="{left + wide / 2:.1f}" y="{top + high + 29:.1f}"'
+    parts += [
+        f'<rect x="{left:.1f}" y="{top:.1f}" {size} fill="none" stroke="#555"/>',
+        f'<path d="{dots}" stroke="{color}" stroke-width="2.4" stroke-linecap="round"/>',
+        f"<text {below} {words}>{escape(labels[0])}</text>",
+        f'<text transform="{turned}" {words}>{escape(labels[1])}</text>',
+    ]
+    notes = "; ".join(_notes(cloud, box))
+    if notes:
+        parts.append(
+            f'<text x="{left:.1f}" y="{top + high + 45:.1f}" font-size="10" fill="#555">'
+            f"{escape(shorten(notes, _WORDS, placeholder=' …'))}</text>"
+        )
+    return parts
+
+
+def write_figures(
+    path: Path, clouds: Sequence[Cloud], *, title: str, x_label: str, y_label: str
+) -> str | None:
+    """Write the picture as PNG and PDF; return a notice where matplotlib is not installed.
+
+    Args:
+        path: of the PNG file; the PDF file stands beside it. Both come out the same every time.
+    """
+    try:
+        agg = import_module("matplotlib.backends.backend_agg")
+        figures = import_module("matplotlib.figure")
+    except ImportError:
+        return "no PNG and PDF: matplotlib is not installed; pip install 'glmref[plots]'"
+    box = box_of(clouds)
+    across = min(_ACROSS, max(len(clouds), 1))
+    rows = max(math.ceil(len(clouds) / across), 1)
+    shape = min((box[3] - box[2]) / (box[1] - box[0]), 1.0)
+    size = (1 + 2.6 * across, 0.6 + rows * (2.4 * shape + 0.75))
+    figure = figures.Figure(figsize=size, dpi=120, layout="constrained")
+    agg.FigureCanvasAgg(figure)
+    figure.suptitle(title, fontsize=11, wrap=True)
+    for k, cloud in enumerate(clouds):
+        axes = figure.add_subplot(rows, across, k + 1)
+        inside = [point for point in cloud.points if _inside(point, box)]
+        axes.plot(
+            [x for x, _ in inside], [y for _, y in inside], ".", markersize=2.5,
+            color=COLORS[k % len(COLORS)],
+        )  # fmt: skip
+        axes.set(xlim=box[:2], ylim=box[2:], aspect="equal")
+        axes.set_xticks(round_ticks(box[0], box[1]))
+        axes.set_yticks(round_ticks(box[2], box[3]))
+        axes.tick_params(labelsize=7)
+        axes.set_title(cloud.title, fontsize=9)
+        notes = shorten("; ".join(_notes(cloud, box)), _WORDS, placeholder=" …")
+        axes.set_xlabel("\n".join(filter(None, (x_label, notes))), fontsize=8)
+        axes.set_ylabel(y_label, fontsize=8)
+        axes.grid(visible=True, color="#e3e3e3")
+    figure.savefig(path, format="png", metadata={"Software": None})
+    figure.savefig(path.with_suffix(".pdf"), format="pdf", metadata={"CreationDate": None})
+    return None

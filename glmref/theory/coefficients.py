@@ -1,0 +1,69 @@
+"""Coefficients of series: numbers of any kind, or tuples of them, and what is done with them.
+
+The ints 0 and 1 stand for numbers that are certain, and cost nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import Any
+
+from ..exact import Ball, Exact, Jet, sum_of_products
+
+__all__ = ["Coefficient", "is_zero", "plus", "pointwise", "times", "weighted"]
+
+#: An int, a Fraction, a Scalar, or a tuple of them.
+Coefficient = Any
+
+_WHOLE = (int, Fraction)
+
+
+def is_zero(value: Any) -> bool | None:
+    """Decide whether a coefficient is zero: ``None`` where a ball contains zero."""
+    if isinstance(value, tuple):
+        answers = [is_zero(x) for x in value]
+        return False if False in answers else (None if None in answers else True)
+    return value == 0 if type(value) in _WHOLE else value.is_zero()
+
+
+def plus(a: Coefficient, b: Coefficient) -> Coefficient:
+    """Sum; an exact zero costs nothing."""
+    if isinstance(a, tuple):
+        return tuple([plus(x, y) for x, y in zip(a, b, strict=True)])
+    if type(a) is int and a == 0:
+        return b
+    return a if type(b) is int and b == 0 else a + b
+
+
+def times(factor: Any, a: Coefficient) -> Coefficient:
+    """Product of a number and a coefficient; factors 0 and 1 cost nothing."""
+    if isinstance(a, tuple):
+        return tuple([times(factor, x) for x in a])
+    if type(factor) in _WHOLE and (factor == 0 or factor == 1):
+        return a if factor == 1 else 0
+    if type(a) in _WHOLE and (a == 0 or a == 1):
+        return factor if a == 1 else 0
+    return factor * a
+
+
+def pointwise(a: Coefficient, b: Coefficient) -> Coefficient:
+    """Product of two coefficients of one kind, vectors component by component."""
+    if isinstance(a, tuple):
+        return tuple(times(x, y) for x, y in zip(a, b, strict=True))
+    return times(a, b)
+
+
+#: Numbers whose sums of products are computed as a whole.
+_NUMBERS = frozenset({Ball, Exact, Jet})
+
+
+def weighted(row: Sequence[tuple[int, Any]], x: Sequence[Any]) -> Any:
+    """Sum of ``factor * x[j]`` over the pairs (j, factor) of a row; the int 0 costs nothing."""
+    pairs = [(factor, x[j]) for j, factor in row if type(x[j]) is not int or x[j] != 0]
+    if pairs and all(type(x) in _NUMBERS and type(y) in _NUMBERS for x, y in pairs):
+        return sum_of_products(pairs)
+    total: Any = 0
+    for factor, y in pairs:
+        total = plus(total, times(factor, y))
+    return total

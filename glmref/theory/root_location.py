@@ -1,0 +1,175 @@
+"""Where the roots of a polynomial lie: on the real line, in the unit disc; decided by signs.
+
+Exact numbers only are decided; a ball whose sign is open raises
+:class:`~glmref.claims.ExactnessError`.
+
+Public names::
+
+    real_roots(p, low=None, high=None) -> int  is_nonnegative(p) -> bool
+    is_schur(p) -> bool                        in_closed_disc(p) -> bool
+    unimodular_roots(p) -> int
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+from ..exact import Exact, Scalar
+from .polynomials import (
+    Polynomial,
+    compose_moebius,
+    derivative,
+    divide,
+    evaluate,
+    gcd,
+    is_self_reciprocal,
+    monic,
+    mul,
+    reciprocal,
+    scale,
+    squarefree,
+    sub,
+    trim,
+)
+
+__all__ = ["in_closed_disc", "is_nonnegative", "is_schur", "real_roots", "unimodular_roots"]
+
+_ZERO, _ONE = Exact(0), Exact(1)
+
+
+def _sturm_chain(p: Polynomial) -> list[Polynomial]:
+    chain = [p, derivative(p)]
+    while len(chain[-1]) > 1:
+        remainder = divide(chain[-2], chain[-1])[1]
+        if not remainder:
+            break
+        # division by |leading coefficient| keeps the signs and keeps the numbers small
+        chain.append(scale(-remainder[-1].sign(), monic(remainder)))
+    return [q for q in chain if q]
+
+
+def _sign_changes(signs: list[int]) -> int:
+    kept = [s for s in signs if s]
+    return sum(a != b for a, b in pairwise(kept))
+
+
+def _signs_at(chain: list[Polynomial], x: Scalar | None, infinity: int) -> list[int]:
+    if x is not None:
+        return [evaluate(q, x).sign() for q in chain]
+    return [q[-1].sign() * (infinity if len(q) % 2 == 0 else 1) for q in chain]
+
+
+def real_roots(p: Polynomial, low: Scalar | None = None, high: Scalar | None = None) -> int:
+    """Number of distinct real roots in ``(low, high]`` by Sturm's theorem; ``None`` is infinite.
+
+    Args:
+        p: not zero, with real coefficients.
+        low, high: ends of the interval.
+    """
+    p = squarefree(p)
+    if len(p) <= 1:
+        return 0
+    chain = _sturm_chain(p)
+    return _sign_changes(_signs_at(chain, low, -1)) - _sign_changes(_signs_at(chain, high, 1))
+
+
+def _odd_part(p: Polynomial) -> Polynomial:
+    """Product of the factors of odd multiplicity (Yun's algorithm)."""
+    result: Polynomial = (_ONE,)
+    common = gcd(p, derivative(p))
+    rest, other = divide(p, common)[0], divide(derivative(p), common)[0]
+    multiplicity = 1
+    while len(rest) > 1:
+        other = sub(other, derivative(rest))
+        factor = gcd(rest, other) if other else monic(rest)
+        if multiplicity % 2:
+            result = mul(result, factor)
+        rest = divide(rest, factor)[0]
+        other = divide(other, factor)[0] if other else ()
+        multiplicity += 1
+    return result
+
+
+def is_nonnegative(p: Polynomial) -> bool:
+    """Whether a polynomial with real coefficients is nowhere negative on the real line."""
+    p = trim(p)
+    if not p:
+        return True
+    if len(p) % 2 == 0 or p[-1].sign() < 0:
+        return False
+    low = 0
+    while p[low].is_zero() is True:
+        low += 1
+    if low % 2:
+        return False
+    p = p[low:]
+    if all(a.is_zero() is True for a in p[1::2]):  # even: half the degree in x^2, on x^2 > 0
+        return real_roots(_odd_part(p[::2]), low=_ZERO) == 0
+    return real_roots(_odd_part(p)) == 0
+
+
+def is_schur(p: Polynomial) -> bool:
+    """Whether all roots lie inside the unit circle (Schur, Cohn), decided by signs.
+
+    References: Marden, "Geometry of Polynomials" (1966), section 42.
+    """
+    p = trim(p)
+    while len(p) > 1:
+        low, high = p[0], p[-1]
+        if low.is_zero() is True:
+            p = p[1:]
+            continue
+        if (high * high.conjugate() - low * low.conjugate()).real.sign() <= 0:
+            return False
+        mirrored = tuple(a.conjugate() for a in reversed(p))
+        p = monic(
+            trim([high.conjugate() * a - low * b for a, b in zip(p, mirrored, strict=True)][1:])
+        )
+    return True
+
+
+def in_closed_disc(p: Polynomial) -> bool:
+    """Whether all roots lie inside or on the unit circle.
+
+    Where the Schur-Cohn step degenerates the polynomial is its own mirror image up to a factor, and
+    then its roots lie on the circle exactly if those of its derivative lie in the closed disc.
+
+    References: Cohn, Math. Z. 14 (1922) 110; Marden, "Geometry of Polynomials" (1966), section 45.
+    """
+    p = trim(p)
+    while len(p) > 1:
+        low, high = p[0], p[-1]
+        if low.is_zero() is True:
+            p = p[1:]
+            continue
+        sign = (high * high.conjugate() - low * low.conjugate()).real.sign()
+        if sign < 0:
+            return False
+        if sign == 0:
+            if not is_self_reciprocal(p):
+                return False
+            p = derivative(p)
+            continue
+        mirrored = tuple(a.conjugate() for a in reversed(p))
+        p = monic(
+            trim([high.conjugate() * a - low * b for a, b in zip(p, mirrored, strict=True)][1:])
+        )
+    return True
+
+
+def unimodular_roots(p: Polynomial) -> int:
+    """Number of distinct roots on the unit circle.
+
+    They are shared by ``p`` and its mirror image. On that common factor w = (1 + i t)/(1 - i t)
+    carries the circle to the real line (and w = -1 to infinity), where Sturm's theorem counts.
+    """
+    p = trim(p)
+    while p and p[0].is_zero() is True:
+        p = p[1:]
+    common = squarefree(p if is_self_reciprocal(p) else gcd(p, reciprocal(p)))
+    if len(common) <= 1:
+        return 0
+    i = Exact(-1).sqrt()
+    moved = trim(compose_moebius(common, i, 1, -i, 1))
+    at_infinity = len(common) - len(moved)
+    return real_roots(tuple(a.real for a in monic(moved))) + at_infinity if moved else at_infinity

@@ -1,0 +1,198 @@
+"""Sums of products, jets and matrices of balls: as narrow as the loops, and never beside the truth.
+
+Every test puts balls around rationals, computes the same in exact arithmetic, and asks that the
+true number lies in the enclosure and that a number slightly beside it does not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import Any
+
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from glmref import linalg
+from glmref.claims import DataError, ExactnessError
+from glmref.exact import Ball, BallMatrix, Exact, Jet, ball, exact, jets, sum_of_products
+from glmref.expression import parse
+from glmref.theory.coefficients import weighted
+
+LAWS = settings(max_examples=60, deadline=None)
+fractions = st.fractions(min_value=-4, max_value=4, max_denominator=12)
+RADIUS = Fraction(1, 10**40)
+KINDS = ("whole", "rational", "surd", "ball", "narrow")
+
+
+def enclosed(x: Fraction) -> Ball:
+    """A ball of radius 1e-40 around a rational, its midpoint 1e-41 beside it."""
+    return Ball.around(ball(x + RADIUS / 10), RADIUS)
+
+
+@st.composite
+def numbers(draw: st.DrawFn) -> tuple[Exact, Exact | Ball]:
+    """A true number, and what stands for it."""
+    kind = draw(st.sampled_from(KINDS))
+    x = Fraction(draw(st.integers(0, 1))) if kind == "whole" else draw(fractions)
+    if kind == "surd":
+        value = exact(x) + exact(2).sqrt()
+        return value, value
+    if kind in ("whole", "rational"):
+        return exact(x), exact(x)
+    return exact(x), enclosed(x) if kind == "ball" else ball(x)
+
+
+terms = st.lists(st.tuples(numbers(), numbers()), max_size=8)
+
+
+def looped(pairs: Sequence[tuple[Any, Any]]) -> Any:
+    """The sum, operator by operator."""
+    total: Any = Exact(0)
+    for x, y in pairs:
+        total = total + x * y
+    return total
+
+
+@LAWS
+@given(terms)
+def test_a_sum_of_products_contains_the_true_one_and_is_as_narrow_as_the_loop(
+    drawn: list[tuple[tuple[Exact, Exact | Ball], tuple[Exact, Exact | Ball]]],
+) -> None:
+    pairs = [(x, y) for (_, x), (_, y) in drawn]
+    truth = looped([(x, y) for (x, _), (y, _) in drawn])
+    found, loop = sum_of_products(pairs), looped(pairs)
+    assert isinstance(found, Ball) == any(isinstance(z, Ball) for pair in pairs for z in pair)
+    if isinstance(found, Exact):
+        assert found == truth
+        assert found != truth + Fraction(1, 10**200)
+        return
+    assert found.overlaps(truth)  # the true number may be irrational, and is a narrow ball here
+    # the radii of both are sums of the same products; 1e-150 covers the roundings to 512 bits
+    assert found.radius() <= loop.radius() * 1.001 + 1e-150
+    assert not found.overlaps(truth + Fraction(3 * found.radius()) + Fraction(1, 10**150))
+
+
+@LAWS
+@given(terms)
+def test_a_weighted_sum_over_a_sparse_row_is_the_loop(
+    drawn: list[tuple[tuple[Exact, Exact | Ball], tuple[Exact, Exact | Ball]]],
+) -> None:
+    # Certain zeros and ones stand as ints in vectors of the order conditions.
+    row = [(j, x) for j, ((_, x), _) in enumerate(drawn)]
+    vector: list[Any] = [
+        int(float(y)) if isinstance(z, Exact) and (y == 0 or y == 1) else z for _, (y, z) in drawn
+    ]
+    truth = looped([(x, y) for (x, _), (y, _) in drawn])
+    found = weighted(row, vector)
+    number = ball(found)
+    assert number.overlaps(truth)
+    assert not number.overlaps(truth + Fraction(1, 10**30))  # eight terms of width below 1e-38
+
+
+@LAWS
+@given(
+    st.lists(st.tuples(fractions, fractions, fractions, fractions), min_size=1, max_size=6),
+    fractions,
+    fractions,
+)
+def test_gradients_of_a_sum_of_products_contain_the_true_ones(
+    coefficients: list[tuple[Fraction, Fraction, Fraction, Fraction]], x: Fraction, y: Fraction
+) -> None:
+    # f = sum (a X + b Y) (c X + d Y), df/dX = sum a (c x + d y) + c (a x + b y)
+    X, Y = jets([enclosed(x), enclosed(y)])
+    found = sum_of_products([(X * a + Y * b, X * c + Y * d) for a, b, c, d in coefficients])
+    by_x = sum(a * (c * x + d * y) + c * (a * x + b * y) for a, b, c, d in coefficients)
+    by_y = sum(b * (c * x + d * y) + d * (a * x + b * y) for a, b, c, d in coefficients)
+    value = sum((a * x + b * y) * (c * x + d * y) for a, b, c, d in coefficients)
+    assert isinstance(found, Jet)
+    # six terms, 16 products each below 4^3 times the radius: less than 1e-35 wide
+    for enclosure, truth in zip((found.value, *found.gradient), (value, by_x, by_y), strict=True):
+        assert ball(enclosure).contains(truth)
+        assert not ball(enclosure).contains(truth + Fraction(1, 10**35))
+
+
+@LAWS
+@given(fractions, fractions)
+def test_quotients_and_roots_of_jets_contain_the_true_derivatives(x: Fraction, y: Fraction) -> None:
+    assume(abs(x) > 0 and abs(y) > 0)
+    X, Y = jets([enclosed(abs(x)), enclosed(abs(y))])
+    a, b = exact(abs(x)), exact(abs(y))
+    expected = [
+        (X / Y, (1 / b, -a / (b * b))),
+        (1 / Y, (exact(0), -1 / (b * b))),
+        ((X * Y).sqrt(), ((b / a).sqrt() / 2, (a / b).sqrt() / 2)),
+        (X - Y * Y, (exact(1), b * -2)),
+    ]
+    for found, truths in expected:
+        for enclosure, truth in zip(map(ball, found.gradient), truths, strict=True):
+            assert enclosure.overlaps(truth)
+            assert not enclosure.overlaps(truth + Fraction(1, 10**30))
+
+
+def test_a_zero_that_is_certain_is_told_from_one_that_is_possible() -> None:
+    x, y = jets([ball(0), ball(1)])
+    hidden = exact(2).sqrt() * exact(3).sqrt() - exact(6).sqrt()
+    for zero in (ball(0), exact(0), hidden, y - y, x * 0):
+        assert zero.vanishes()
+        assert zero.is_zero() is True
+    near = (enclosed(Fraction(0)), exact(Fraction(1, 10**99)), ball(Fraction(1, 10**99)), x, y - 1)
+    for number in near:
+        assert not number.vanishes()
+        assert number.is_zero() is not True
+
+
+matrices = st.integers(1, 4).flatmap(
+    lambda n: st.lists(st.lists(fractions, min_size=n, max_size=n), min_size=n, max_size=n)
+)
+
+
+def beside(rows: Sequence[Sequence[Ball]], truth: linalg.Matrix, step: Fraction) -> bool:
+    """Whether every entry excludes the true number moved by a step."""
+    pairs = [(x, y) for a, b in zip(rows, truth, strict=True) for x, y in zip(a, b, strict=True)]
+    return not any(x.contains(y + step) for x, y in pairs)
+
+
+@LAWS
+@given(matrices)
+def test_products_of_ball_matrices_contain_the_exact_product(rows: list[list[Fraction]]) -> None:
+    true = tuple(tuple(map(exact, row)) for row in rows)
+    balls = BallMatrix([[enclosed(x) for x in row] for row in rows])
+    truth = linalg.sub(linalg.identity(len(rows)), linalg.matmul(true, true))
+    found = (BallMatrix.identity(len(rows)) - balls @ balls).rows()
+    pairs = [(x, y) for a, b in zip(found, truth, strict=True) for x, y in zip(a, b, strict=True)]
+    assert all(x.contains(y) for x, y in pairs)
+    assert beside(found, truth, Fraction(1, 10**37))  # 4 terms of 2 * 4 radii each: below 4e-39
+
+
+@LAWS
+@given(matrices)
+def test_the_inverse_of_a_ball_matrix_contains_the_exact_one(rows: list[list[Fraction]]) -> None:
+    true = tuple(tuple(map(exact, row)) for row in rows)
+    assume(linalg.rank(true) == len(rows))
+    truth = linalg.inverse(true)
+    found = BallMatrix([[enclosed(x) for x in row] for row in rows]).inverse().rows()
+    pairs = [(x, y) for a, b in zip(found, truth, strict=True) for x, y in zip(a, b, strict=True)]
+    assert all(x.contains(y) for x, y in pairs)
+    # an entry of the inverse is below 12^4 * 4^3 * 6 = 8e6, its change below (4 * 8e6)^2 radii
+    assert beside(found, truth, Fraction(1, 10**20))
+
+
+def test_a_matrix_of_balls_that_may_be_singular_has_no_inverse() -> None:
+    one, near = ball(1), enclosed(Fraction(1))
+    with pytest.raises(ExactnessError, match="singular"):
+        BallMatrix([[one, near], [one, one]]).inverse()
+    BallMatrix([[one, near + Fraction(1, 10**39)], [one, one]]).inverse()
+
+
+@LAWS
+@given(st.integers(-(10**9), 10**9), st.integers(0, 10**9))
+def test_the_short_way_for_rationals_reads_what_the_grammar_reads(n: int, d: int) -> None:
+    assert parse(str(n)) == n
+    if d == 0:
+        with pytest.raises(DataError, match="division by zero"):
+            parse(f"{n}/0")
+        return
+    assert parse(f"{n}/{d}") == parse(f"({n})/({d})") == Fraction(n, d)
+    assert parse(f"{n}/{d}") != Fraction(n + 1, d)

@@ -1,0 +1,84 @@
+"""Panels of paths: equal axes, one range, nothing hidden without a word."""
+
+import re
+from xml.etree import ElementTree
+
+import pytest
+
+from glmref.plane import Cloud, box_of, one_each, round_ticks, svg, write_figures
+
+CIRCLE = tuple((x / 10, y / 10) for x, y in ((10, 0), (0, 10), (-10, 0), (0, -10)))
+WORDS = {"title": "Two & more", "x_label": "q_1", "y_label": "q_2"}
+
+
+def dots(text):
+    """Places of the points, one list a panel."""
+    found = re.findall(r'<path d="((?:M[-\d.]+ [-\d.]+h0)+)"', text)
+    return [
+        [tuple(map(float, one)) for one in re.findall(r"M([-\d.]+) ([-\d.]+)h0", path)]
+        for path in found
+    ]
+
+
+def test_one_unit_is_as_long_on_both_axes_in_every_panel():
+    text = svg([Cloud("a", CIRCLE), Cloud("b", CIRCLE)], **WORDS)
+    first, second = dots(text)
+    (right, _), (_, top), (left, _), (_, bottom) = first
+    assert right - left == pytest.approx(bottom - top, abs=0.2) and right - left > 200
+    # the same points have the same place in every panel
+    moves = {(round(b[0] - a[0]), round(b[1] - a[1])) for a, b in zip(first, second, strict=True)}
+    assert len(moves) == 1
+
+
+def test_the_range_is_that_of_paths_followed_to_their_end():
+    lost = Cloud("lost", ((0.0, 0.0), (50.0, 0.0)), "lost after t = 3")
+    low, high, down, up = box_of([Cloud("a", CIRCLE), lost])
+    assert (low, high, down, up) == pytest.approx((-1.08, 1.08, -1.08, 1.08))
+    text = svg([Cloud("a", CIRCLE), lost], **WORDS)
+    assert [len(panel) for panel in dots(text)] == [4, 1]
+    assert "lost after t = 3; 1 of 2 points outside" in text
+    far = Cloud("away", ((0.0, 0.0), (50.0, 0.0)))
+    assert box_of([Cloud("a", CIRCLE), Cloud("b", CIRCLE), far])[1] == pytest.approx(1.08)
+    assert box_of([Cloud("a", CIRCLE), Cloud("b", ((0.0, 0.0), (5.0, 0.0)))])[1] > 5
+    # where none was followed to its end, all of it is shown
+    assert box_of([lost])[1] > 50
+
+
+def test_one_path_a_method_of_the_largest_step_that_holds():
+    fine, coarse = Cloud("a", CIRCLE, h=0.1), Cloud("a", CIRCLE, h=0.2)
+    lost = Cloud("a", CIRCLE[:1], "lost after t = 1", h=0.4)
+    assert one_each([lost, coarse, fine, Cloud("b", ())]) == [coarse, Cloud("b", ())]
+    # nowhere followed to its end: at the smallest step
+    early = Cloud("a", CIRCLE[:2], "lost after t = 2", h=0.3)
+    assert one_each([lost, early]) == [early]
+    assert [one.title for one in (coarse, Cloud("b", ()))] == ["a, h = 0.2", "b"]
+
+
+def test_flat_and_empty_paths_have_a_picture():
+    for points in ((), ((3.0, 3.0),), ((0.0, 0.0), (1.0, 0.0))):
+        low, high, down, up = box_of([Cloud("a", points)])
+        assert high > low and up > down
+        ElementTree.fromstring(svg([Cloud("a", points)], **WORDS))
+    ElementTree.fromstring(svg([], **WORDS))
+
+
+def test_words_are_escaped_and_every_panel_is_named():
+    text = svg([Cloud("<b>", CIRCLE), Cloud("c", CIRCLE)], **WORDS)
+    words = [x.text for x in ElementTree.fromstring(text).iter() if x.text]
+    assert {"<b>", "c", "Two & more", "q_1", "q_2"} <= set(words)
+
+
+def test_ticks_are_round_and_inside():
+    assert round_ticks(-1.08, 1.08) == [-1.0, -0.5, 0.0, 0.5, 1.0]
+    assert round_ticks(2e-150, 9e-150) == pytest.approx([2e-150, 4e-150, 6e-150, 8e-150])
+
+
+def test_figures_are_the_same_every_time(tmp_path):
+    pytest.importorskip("matplotlib")
+    written = []
+    for name in ("one", "two"):
+        path = tmp_path / f"{name}.png"
+        assert write_figures(path, [Cloud("a", CIRCLE), Cloud("b", (), "lost")], **WORDS) is None
+        written.append((path.read_bytes(), path.with_suffix(".pdf").read_bytes()))
+    assert written[0] == written[1]
+    assert written[0][0].startswith(b"\x89PNG") and written[0][1].startswith(b"%PDF")
