@@ -52,6 +52,10 @@ def _decision(facts: Facts, holds: bool | None, residual: float) -> bool | None:
     return holds
 
 
+def _joined(witnesses: Iterable[str]) -> str:
+    return "; ".join(x for x in witnesses if x)
+
+
 def _compare(found: bool | None, declared: object, residual: float, witness: str) -> Outcome:
     return Outcome(None if found is None else found == declared, found, residual, witness)
 
@@ -119,7 +123,7 @@ def _check_consistent(facts: Facts, declared: object, *, which: str = "consisten
     parts = facts.consistencies
     answers = [_decision(facts, getattr(c, which), c.residual) for c in parts]
     residual = max(c.residual for c in parts)
-    witness = "; ".join(c.witness for c in parts if c.witness)
+    witness = _joined(c.witness for c in parts)
     return _compare(all_of(answers), declared, residual, witness)
 
 
@@ -138,7 +142,7 @@ def all_of(answers: Iterable[bool | None]) -> bool | None:
 def _check_zero_stable(facts: Facts, declared: object) -> Outcome:
     parts = facts.zero_stabilities
     return _compare(
-        all_of(b.holds for b in parts), declared, 0.0, "; ".join(b.witness for b in parts)
+        all_of(b.holds for b in parts), declared, 0.0, _joined(b.witness for b in parts)
     )
 
 

@@ -26,6 +26,8 @@ _DECIMAL = re.compile(r"(-?\d+(\.\d*)?)?$")
 def decimal_text(x: Scalar, digits: int) -> str:
     """Return a number in decimals: as it is where it ends within them, else rounded to them.
 
+    A ball that contains zero has no significant digit and is ``0``.
+
     Args:
         x: the number.
         digits: significant digits, of each of the two parts of a complex number.
@@ -39,6 +41,8 @@ def decimal_text(x: Scalar, digits: int) -> str:
 
 def _real_text(x: Scalar, digits: int) -> str:
     fraction = x.as_fraction() if isinstance(x, Exact) else None
+    if fraction is None and x.is_zero() is None:
+        return "0"
     if fraction is None:
         value = Decimal(x.ball().decimal_text(digits))
     else:

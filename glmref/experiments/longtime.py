@@ -24,7 +24,10 @@ from ..engine.solve import solve
 from ..method import GLM, PartitionedGLM
 from ..problems.model import Problem
 
-__all__ = ["Drift", "along", "drift", "exponent", "follow", "g_form", "watch"]
+__all__ = [
+    "Drift", "along", "drift", "energy_deviation", "energy_scale", "exponent", "follow", "g_form",
+    "watch",
+]  # fmt: skip
 
 #: Fewest samples from which an exponent is read.
 FEWEST = 32
@@ -82,6 +85,27 @@ def along(function: Callable[[Any], Any], y: np.ndarray) -> np.ndarray:
         except Exception:
             pass
         return np.array([float(function(row)) for row in y])
+
+
+def energy_scale(problem: Problem, y: np.ndarray) -> float:
+    """Size of the energy of a state (d,); where that is zero but for rounding, of its terms.
+
+    An energy that cancels at a state, as in a transformed time, does not where the state is a
+    little larger: ``y . grad H`` stands for its terms.
+    """
+    assert problem.hamiltonian is not None
+    step = 2.0**-20
+    energy, more = along(problem.hamiltonian, np.array([y, (1 + step) * np.asarray(y)]))
+    terms = abs(more - energy) / step
+    return float(abs(energy) if not abs(energy) <= 1e-9 * terms else terms) or 1.0
+
+
+def energy_deviation(problem: Problem, y: np.ndarray) -> np.ndarray:
+    """How far the energy of each row of y, shape (m, d), is from that of the first, relative."""
+    assert problem.hamiltonian is not None
+    energy = along(problem.hamiltonian, y)
+    with np.errstate(all="ignore"):
+        return np.abs(energy - energy[0]) / energy_scale(problem, y[0])
 
 
 def follow(
@@ -248,7 +272,8 @@ def watch(
     if not len(t):
         return found
     if energy and problem.hamiltonian is not None:
-        found.append(drift("energy", t, along(problem.hamiltonian, y), kind="hamiltonian"))
+        energies, scale = along(problem.hamiltonian, y), energy_scale(problem, y[0])
+        found.append(drift("energy", t, energies, kind="hamiltonian", scale=scale))
     if quadratic:
         for name, form in problem.quadratic.items():
             scale = float(np.abs(y[0]) @ np.abs(form.matrix) @ np.abs(y[0]))

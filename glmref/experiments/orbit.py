@@ -21,7 +21,7 @@ from ..claims import UsageError
 from ..engine.solve import solve
 from ..method import GLM, PartitionedGLM
 from ..problems.model import Problem
-from .longtime import along
+from .longtime import energy_deviation
 
 __all__ = ["POINTS", "Orbit", "marks", "orbit", "plane_of"]
 
@@ -127,24 +127,11 @@ def _good(problem: Problem, y: np.ndarray) -> tuple[int, str]:
     finite = np.all(np.isfinite(y), axis=1)
     bad, why = ~finite, "not finite"
     if problem.hamiltonian is not None:
-        energy = along(problem.hamiltonian, y)
-        with np.errstate(all="ignore"):
-            near = np.abs(energy - energy[0]) < LOST * _scale(problem, y[:1], energy[0])
-        bad = bad | ~near
+        bad = bad | ~(energy_deviation(problem, y) < LOST)
     if not bad.any():
         return len(y), ""
     first = max(int(np.argmax(bad)), 1)  # the start is shown whatever it is
     return first, why if not finite[first] else "lost"
-
-
-def _scale(problem: Problem, start: np.ndarray, energy: float) -> float:
-    """Size of the energy; where it is zero but for rounding, of its terms.
-
-    Terms of an energy that cancel at the start do not where the start is a little larger.
-    """
-    more = along(problem.hamiltonian, (1 + 2.0**-20) * start)[0]
-    terms = abs(float(more) - energy) * 2.0**20
-    return abs(energy) if abs(energy) > 1e-9 * terms else terms or 1.0
 
 
 def _short(value: float) -> float:

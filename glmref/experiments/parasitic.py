@@ -363,7 +363,7 @@ def loss(problem: Problem, solution: Solution, u: np.ndarray) -> Loss:
     Args:
         u: (r,) right eigenvector of V at 1, for what of the values is the solution itself.
     """
-    from .longtime import along
+    from .longtime import energy_deviation
 
     t = np.asarray(solution.t, dtype=float)
     unit = float(np.linalg.norm(np.asarray(solution.y[0]))) or 1.0
@@ -374,10 +374,8 @@ def loss(problem: Problem, solution: Solution, u: np.ndarray) -> Loss:
     if len(over):
         events.append((float(t[over[0]]), "parasitic"))
     if problem.hamiltonian is not None:
-        energy = along(problem.hamiltonian, np.real(np.asarray(solution.y)).astype(float))
-        scale = abs(energy[0]) or 1.0
-        with np.errstate(all="ignore"):
-            wrong = np.flatnonzero(~(np.abs(energy - energy[0]) < scale))
+        y = np.real(np.asarray(solution.y)).astype(float)
+        wrong = np.flatnonzero(~(energy_deviation(problem, y) < 1.0))
         if len(wrong):
             events.append((float(t[wrong[0]]), "energy"))
     if solution.outcome not in (Outcome.COMPLETED, Outcome.CANCELLED, Outcome.STEP_LIMIT):

@@ -21,7 +21,7 @@ import numpy as np
 
 from ..claims import UsageError
 from ..problems.model import Problem
-from .longtime import along
+from .longtime import energy_deviation
 from .measure import repeat
 from .records import finite
 from .work_precision import SAMPLES, reference_state, state_error
@@ -299,7 +299,6 @@ def measure_peer(
         record["state_error"] = finite(state_error(run.y[-1], reference))
         record["reference"], record["reference_error"] = reference.kind, reference.error
     if finished and "energy" in ask and problem.hamiltonian is not None:
-        energy = along(problem.hamiltonian, np.vstack([problem.y0, run.y]))
-        scale = abs(energy[0]) or 1.0
-        record["energy_error"] = finite(float(np.max(np.abs(energy - energy[0]))) / scale)
+        deviation = energy_deviation(problem, np.vstack([problem.y0, run.y]))
+        record["energy_error"] = finite(float(np.max(deviation)))
     return record

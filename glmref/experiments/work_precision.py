@@ -21,7 +21,7 @@ from ..engine.outcome import Outcome, Solution
 from ..engine.solve import solve
 from ..method import GLM, PartitionedGLM
 from ..problems.model import Problem
-from .longtime import along
+from .longtime import energy_deviation
 from .measure import Timing
 from .records import finite
 
@@ -273,8 +273,7 @@ def _timed(
 def energy_error(problem: Problem, solution: Solution) -> float:
     """Largest relative error of H over the samples of a solution."""
     y = np.real(np.asarray(solution.y)).astype(float)
-    energy = along(problem.hamiltonian, np.vstack([problem.y0, y]))
-    return float(np.max(np.abs(energy - energy[0]))) / (abs(energy[0]) or 1.0)
+    return float(np.max(energy_deviation(problem, np.vstack([problem.y0, y]))))
 
 
 def state_error(y: np.ndarray, reference: Reference) -> float:

@@ -164,17 +164,40 @@ def _long(task: Mapping[str, Any], method: Any, subject: Any) -> dict[str, Any]:
     """One sampled run that answers about invariants and parasitic parts."""
     import numpy as np
 
-    from ..experiments.longtime import follow, watch
-    from ..experiments.measure import Timing
-    from ..experiments.parasitic import loss, solution_direction
-    from ..experiments.work_precision import (
-        Deadline,
-        check_interruption,
-        reference_state,
-        state_error,
-    )
+    from ..experiments.longtime import watch
+    from ..experiments.parasitic import solution_direction
+    from ..experiments.work_precision import reference_state, state_error
 
-    u = solution_direction(method)
+    u, asked = solution_direction(method), set(task["ask"])
+    solution, record = _sampled(task, method, subject, u)
+    if "invariants" in asked:
+        G = _form(method)
+        drifts = watch(subject, solution, G=G)
+        record["drifts"] = [one.as_json() for one in drifts]
+        record["series"] = _kept_series(subject, solution, G)
+    if "energy" in asked and subject.hamiltonian is not None:
+        (energy,) = watch(subject, solution, quadratic=False, invariants=False)
+        record["energy_error"] = energy.as_json()["largest"]
+    if "state" in asked and solution.completed and solution.steps == task["steps"]:
+        reference = reference_state(subject, float(solution.t[-1]))
+        record["state_error"] = state_error(np.asarray(solution.y[-1]), reference)
+        record["reference"], record["reference_error"] = reference.kind, reference.error
+    if "law" in asked:
+        record |= _law(method, subject, solution)
+    if "parasitic" in asked:
+        record |= _parasitic(task, method, subject, solution, u)
+    return _spent(record, task)
+
+
+def _sampled(
+    task: Mapping[str, Any], method: Any, subject: Any, u: Any
+) -> tuple[Any, dict[str, Any]]:
+    """Run as often as asked: the last solution, with samples, and what every record has."""
+    from ..experiments.longtime import follow
+    from ..experiments.measure import Timing
+    from ..experiments.parasitic import loss
+    from ..experiments.work_precision import Deadline, check_interruption
+
     parasitic = "parasitic" in task["ask"]
     stop = (lambda part: loss(subject, part, u).time is not None) if parasitic else None
     seconds: list[float] = []
@@ -188,7 +211,7 @@ def _long(task: Mapping[str, Any], method: Any, subject: Any) -> dict[str, Any]:
         seconds.append(solution.seconds)
         if len(seconds) >= task["repeats"] or sum(seconds) > task["budget"]:
             break
-    record: dict[str, Any] = {
+    return solution, {
         "method": method.name,
         "problem": subject.name,
         "h": task["h"],
@@ -205,23 +228,6 @@ def _long(task: Mapping[str, Any], method: Any, subject: Any) -> dict[str, Any]:
         "kernel": solution.kernel,
         "notices": list(solution.notices),
     }
-    if "invariants" in task["ask"]:
-        G = _form(method)
-        drifts = watch(subject, solution, G=G)
-        record["drifts"] = [one.as_json() for one in drifts]
-        record["series"] = _kept_series(subject, solution, G)
-    if "energy" in task["ask"] and subject.hamiltonian is not None:
-        (energy,) = watch(subject, solution, quadratic=False, invariants=False)
-        record["energy_error"] = energy.as_json()["largest"]
-    if "state" in task["ask"] and solution.completed and solution.steps == task["steps"]:
-        reference = reference_state(subject, float(solution.t[-1]))
-        record["state_error"] = state_error(np.asarray(solution.y[-1]), reference)
-        record["reference"], record["reference_error"] = reference.kind, reference.error
-    if "law" in task["ask"]:
-        record |= _law(method, subject, solution)
-    if parasitic:
-        record |= _parasitic(task, method, subject, solution, u)
-    return _spent(record, task)
 
 
 def _law(method: Any, subject: Any, solution: Any) -> dict[str, Any]:
@@ -296,7 +302,7 @@ def _kept_series(subject: Any, solution: Any, G: Any) -> list[list[float]]:
     """Largest relative deviation of what the method should keep, over time."""
     import numpy as np
 
-    from ..experiments.longtime import along, g_form
+    from ..experiments.longtime import along, energy_deviation, g_form
 
     t, y = np.asarray(solution.t, dtype=float), np.real(np.asarray(solution.y)).astype(float)
     worst = np.zeros(len(t))
@@ -310,8 +316,7 @@ def _kept_series(subject: Any, solution: Any, G: Any) -> list[list[float]]:
             scale = abs(values[0])
         worst = np.maximum(worst, np.abs(values - values[0]) / (scale or 1.0))
     if not subject.quadratic and subject.hamiltonian is not None:
-        energy = along(subject.hamiltonian, y)
-        worst = np.abs(energy - energy[0]) / (abs(energy[0]) or 1.0)
+        worst = energy_deviation(subject, y)
     return _thinned(t, worst)
 
 

@@ -8,7 +8,16 @@ import pytest
 from glmref.catalogue import load
 from glmref.claims import UsageError
 from glmref.engine.solve import solve
-from glmref.experiments.longtime import along, drift, exponent, follow, g_form, watch
+from glmref.experiments.longtime import (
+    along,
+    drift,
+    energy_deviation,
+    energy_scale,
+    exponent,
+    follow,
+    g_form,
+    watch,
+)
 from glmref.problems import Problem, problem
 
 T = np.linspace(0.0, 1000.0, 2001)
@@ -137,3 +146,27 @@ def test_watch_needs_history_for_the_form():
 def test_watch_of_a_problem_without_invariants_is_empty():
     plain = Problem(f=("y[1]", "-y[0]"), y0=(1, 0))
     assert watch(plain, solve(plain, "rk4", h=0.1, steps=3, engine="reference")) == []
+
+
+def test_an_energy_that_cancels_is_measured_by_its_terms():
+    """In Sundman's time the energy is H - H_0 times a factor: zero at the start but for rounding.
+
+    With e = 0.9 the terms of Kepler's energy are of size 1 to 20, not 1e-16 and not 1e5.
+    """
+    transformed = problem("kepler-sundman", eccentricity=0.9)
+    start = np.asarray(transformed.y0, dtype=float)
+    assert abs(along(transformed.hamiltonian, start[None])[0]) < 1e-14
+    assert 0.1 < energy_scale(transformed, start) < 100
+    # where nothing cancels it is the energy itself, to the last bit
+    plain = problem("kepler", eccentricity=0.9)
+    start = np.asarray(plain.y0, dtype=float)
+    assert energy_scale(plain, start) == abs(plain.hamiltonian(start))
+
+
+def test_the_deviation_of_the_energy_is_relative_to_the_first_row():
+    p = problem("harmonic-oscillator")
+    y = np.array([[1.0, 0.0], [0.0, 1.0], [2.0, 0.0]])
+    energy = along(p.hamiltonian, y)
+    expected = np.abs(energy - energy[0]) / abs(energy[0])
+    np.testing.assert_array_equal(energy_deviation(p, y), expected)
+    assert expected[2] == 3.0

@@ -219,7 +219,9 @@ def step_matrix(pair, y):
     return V + y * B @ np.linalg.solve(np.eye(len(A)) - y * A, U)
 
 
-@pytest.mark.parametrize("name", ["pair-4-4", "pair-6-7", "pair-rkn-6-8b", "pair-rkn-8-16"])
+@pytest.mark.parametrize(
+    "name", ["pair-4-4", "pair-6-7", "pair-8-24", "pair-rkn-6-8b", "pair-rkn-8-16"]
+)
 def test_the_curvature_is_what_the_eigenvalues_of_a_step_show(name):
     pair, y = load(name), 2.0**-3
     kappa, M = float(parasitic_curvature(pair)), step_matrix(pair, y)

@@ -8,7 +8,7 @@ from fractions import Fraction
 import pytest
 
 from glmref.catalogue import load, names
-from glmref.exact import exact
+from glmref.exact import ball, exact
 from glmref.expression import parse
 from glmref.method import GLM
 from glmref.show import show
@@ -175,6 +175,14 @@ def test_complex_numbers_show_both_parts() -> None:
     assert decimal_text(parse("1/2-i*sqrt(3)/2"), 4) == "0.5-0.8660i"
     assert decimal_text(parse("i/3"), 4) == "0.3333i"
     assert decimal_text(parse("2*i"), 4) == "2i"
+
+
+def test_a_ball_around_zero_has_no_digit() -> None:
+    root = ball(exact(2).sqrt())
+    around = root * root - 2
+    assert around.is_zero() is None
+    assert decimal_text(around, 5) == "0"
+    assert decimal_text(around + Fraction(1, 10**20), 5) == "1.0000e-20"
 
 
 def test_one_hundred_digits_are_right() -> None:
