@@ -11,9 +11,8 @@ measures what the file lacks: a method that is new, or whose coefficients or ord
 
 from __future__ import annotations
 
-import json
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -22,20 +21,13 @@ from ..catalogue import document, load, names
 from ..method import GLM, PartitionedGLM
 from ..problems import problem
 from ..problems.model import Problem
-from ..strict_json import write_json
+from ..renewal import ORDERS, fingerprint, renew
 from .convergence import ConvergenceRecord, effective_order, isochronous, method_order
-from .measure import circumstances
-from .records import key_of
 
-__all__ = ["KINDS", "Case", "cases", "fingerprint", "main", "observe", "row"]
+__all__ = ["KINDS", "Case", "cases", "main", "observe", "row"]
 
 #: Claims that are seen in runs.
-KINDS = ("order", "order-identity", "effective-order")
-#: Keys of a method file that no run depends on.
-_WORDS = frozenset(
-    {"$schema", "format", "name", "title", "claims", "source", "notes", "enclosure"}
-    | {"starting", "finishing"}  # these runs are started by iteration
-)
+KINDS = ORDERS
 
 
 @dataclass(frozen=True)
@@ -85,42 +77,20 @@ def observe(case: Case) -> ConvergenceRecord:
     return effective_order(method, expected=case.order)
 
 
-def fingerprint(name: str) -> str:
-    """Hash of what a run of a method depends on: its coefficients and the orders it claims."""
-    doc = document(name)
-    parts: dict[str, Any] = {key: x for key, x in doc.items() if key not in _WORDS}
-    parts["claims"] = {kind: doc["claims"].get(kind) for kind in KINDS}
-    if "base" in doc:
-        parts["base"] = fingerprint(doc["base"])
-    return key_of(parts)
-
-
 def row(case: Case) -> dict[str, Any]:
-    """Measure a case and return its row of the file."""
+    """Measure a case: its row of the file but for what says which case it is."""
     found = observe(case)
     return {
-        "method": case.method,
-        "claim": case.claim,
         "proved": case.order,
         "observed": round(found.order, 4),
         "steps": found.steps[-1],
         "settled": found.settled,
-        "fingerprint": fingerprint(case.method),
     }
 
 
 def main(path: Path) -> int:
     """Bring the file up to date and return how many cases were measured."""
-    stored: list[Mapping[str, Any]] = []
-    if path.is_file():
-        stored = json.loads(path.read_text(encoding="utf-8"))["orders"]
-    kept = {(x["method"], x["claim"], x["fingerprint"]): x for x in stored}
-    rows, measured = [], 0
-    for case in cases():
-        known = kept.get((case.method, case.claim, fingerprint(case.method)))
-        measured += known is None
-        rows.append(known or row(case))
-    write_json(
+    return renew(
         path,
         {
             "format": "glmref-measurement-1",
@@ -131,11 +101,16 @@ def main(path: Path) -> int:
             "problems, base-2 logarithms of ratios of differences, Richardson extrapolation until "
             "two agree to 0.01; steps: of the finest run. An order that a start and a finish can "
             "reach is seen after a period of an isochronous problem.",
-            "where": circumstances(),
-            "orders": rows,
         },
+        "orders",
+        cases(),
+        lambda case: {
+            "method": case.method,
+            "claim": case.claim,
+            "fingerprint": fingerprint(case.method),
+        },
+        row,
     )
-    return measured
 
 
 if __name__ == "__main__":

@@ -208,7 +208,8 @@ def method_page(site: Site, results: Results, name: str) -> Page:
     if drawn.legend:
         rows = "".join(f"<dt>{typeset(k)}<dd>{typeset(x)}" for k, x in drawn.legend.items())
         body.append(f"<p>with</p>{scrolling(f'<dl>{rows}</dl>', 'constants')}")
-    body += [_claims(doc, results), stability(name, results.regions.get(name))]
+    body += [_claims(doc, results), _error_constants(name, results.constants(name))]
+    body.append(stability(name, results.regions.get(name)))
     body.append(_portrait(results, name))
     body += [_records(site, results, name), _source(site, doc)]
     text = "\n".join(x for x in body if x)
@@ -247,6 +248,35 @@ def _claims(doc: Record, results: Results) -> str:
     if not known:
         text += "<p>No verdict is stored: <code>glmref verify --format json</code> writes them.</p>"
     return f"<h2>Claims</h2>{text}"
+
+
+def _error_constants(name: str, row: Record) -> str:
+    """The largest residuals of the trees one order beyond, and all of them as one number."""
+    if not row:
+        return ""
+    found = {"": row, ", on second-order systems": row.get("nystrom")}
+    parts = [
+        _constants(f"constants-{name}-{n}", where, one)
+        for n, (where, one) in enumerate(found.items())
+        if isinstance(one, Mapping)
+    ]
+    return f"<h2>Error constants</h2>{''.join(parts)}"
+
+
+def _constants(id_: str, where: str, found: Record) -> str:
+    largest = found.get("largest")
+    cells = [
+        [f"<code>{escape(str(x[0]))}</code>", number(x[1])]
+        for x in (largest if isinstance(largest, list) else ())
+        if isinstance(x, list) and len(x) == 2
+    ]
+    told = (
+        f"<p>Order {number(found.get('order'))}{where}. Trees one order beyond: "
+        f"{number(found.get('trees'))}, with a residual: {number(found.get('nonzero'))}; "
+        f"Euclidean norm of residual over symmetry: {number(found.get('norm'))}.</p>"
+    )
+    columns = [Column("tree", "tree"), Column("residual", "residual")]
+    return told + (Table(id_, "The largest residuals", columns, cells).html() if cells else "")
 
 
 def _verdict(word: str) -> str:

@@ -24,8 +24,8 @@ __all__ = ["MARK", "Odd", "Record", "Results", "RunFile", "method_of", "read"]
 
 #: Formats of the records, of the findings and of stability regions that are understood.
 RECORD, FINDINGS, REGIONS = "glmref-record-1", "glmref-findings-1", "glmref-stability-1"
-#: Name of the document with the orders that runs show.
-ORDERS = "observed-orders"
+#: Names of the documents with the orders that runs show, and with error constants.
+ORDERS, CONSTANTS = "observed-orders", "error-constants"
 #: File by which a folder of pages is known: only such a folder, or an empty one, is written over.
 MARK = "glmref-report.txt"
 Record = Mapping[str, Any]
@@ -89,6 +89,19 @@ class Results:
     def observed(self, method: str) -> dict[str, Record]:
         """Orders that runs of a method show: claim -> row."""
         return self._orders.get(method, {})
+
+    def constants(self, method: str) -> Record:
+        """Error constants of a method, an empty record where none are stored."""
+        return self._constants.get(method, {})
+
+    @cached_property
+    def _constants(self) -> dict[str, Record]:
+        rows = self.measurements.get(CONSTANTS, {}).get("methods")
+        return {
+            str(row.get("method")): row
+            for row in (rows if isinstance(rows, list) else ())
+            if isinstance(row, Mapping)
+        }
 
     @cached_property
     def _orders(self) -> dict[str, dict[str, Record]]:

@@ -19,7 +19,9 @@ def rational(name):
     """A shipped pair's document with its unknowns cut to short fractions: symmetric, of order 2."""
     doc = document(name)
     cut = {k: str(Fraction(v).limit_denominator(50)) for k, v in doc["unknowns"].items()}
-    rest = {k: v for k, v in doc.items() if k not in ("unknowns", "enclosure", "digits", "starting")}
+    rest = {
+        k: v for k, v in doc.items() if k not in ("unknowns", "enclosure", "digits", "starting")
+    }
     return {**rest, "constants": {**cut, **doc["constants"]}, "claims": {"order": 2}}
 
 

@@ -321,6 +321,8 @@ def test_without_an_argument_every_method_has_verdict_proof_order_and_region(
     shipped = json.loads((data_root() / "measurements" / "stability.json").read_text("utf-8"))
     seen = json.loads((data_root() / "measurements" / "observed-orders.json").read_text("utf-8"))
     observed = {(x["method"], x["claim"]): x["observed"] for x in seen["orders"]}
+    told = json.loads((data_root() / "measurements" / "error-constants.json").read_text("utf-8"))
+    constants = {x["method"]: x for x in told["methods"]}
     rows = {row["method"]: row for row in table(tmp_path / "site" / "index.html", "methods")}
     assert set(rows) == set(names("methods")) and len(rows) >= 165
     for name, row in rows.items():
@@ -337,6 +339,11 @@ def test_without_an_argument_every_method_has_verdict_proof_order_and_region(
         told = re.findall(r"<dd>(?:no end up to )?([\d.e-]+)(?=<dt>|</dl></figcaption>)", page)
         assert [float(x) for x in told] == [x for x in ends if x is not None], name
         assert page.count('class="chart region"') == 1, name
+        largest = table(tmp_path / "site" / f"method-{name}.html", f"constants-{name}-0")
+        assert [[x["tree"], x["residual"]] for x in largest] == [
+            [tree, number(x)] for tree, x in constants[name]["largest"]
+        ]
+        assert f"over symmetry: {number(constants[name]['norm'])}.</p>" in page
 
 
 def test_a_region_is_drawn_where_its_polygon_lies() -> None:

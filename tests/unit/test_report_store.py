@@ -109,7 +109,10 @@ def test_stability_regions_and_orders_seen_are_found_by_method(tmp_path: Path) -
     found = read([tmp_path])
     assert found.regions == {"rk4": {"reach": 3}} and found.odd == []
     assert found.observed("rk4") == {"order": row} and found.observed("euler") == {}
-    assert set(found.measurements) == {"observed-orders"}
+    assert set(found.measurements) == {"observed-orders"} and found.constants("rk4") == {}
+    constants = {"error-constants": {"methods": [7, {"method": "rk4", "order": 4}]}}
+    assert Results(measurements=constants).constants("rk4")["order"] == 4
+    assert Results(measurements={"error-constants": {"methods": 7}}).constants("rk4") == {}
     assert Results(measurements={"observed-orders": {"orders": 7}}).observed("rk4") == {}
 
 

@@ -1,0 +1,72 @@
+"""Files of rows about every method: measure what such a file lacks, keep what it has.
+
+A row belongs to a case (a method, or a method and a claim) and carries the fingerprint of what it
+depends on; where that has changed, the row is measured again.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any, TypeVar
+
+from .catalogue import document
+from .experiments.measure import circumstances
+from .experiments.records import key_of
+from .strict_json import write_json
+
+__all__ = ["ORDERS", "fingerprint", "renew"]
+
+#: Claims of order, on which the runs and the numbers depend.
+ORDERS = ("order", "order-identity", "effective-order")
+#: Keys of a method file that nothing depends on; orders are seen in runs that start by iteration.
+_WORDS = frozenset(
+    {"$schema", "format", "name", "title", "claims", "source", "notes", "enclosure"}
+    | {"starting", "finishing"}
+)
+Case = TypeVar("Case")
+
+
+def fingerprint(name: str) -> str:
+    """Hash of the coefficients of a method and of the orders it claims."""
+    doc = document(name)
+    parts: dict[str, Any] = {key: x for key, x in doc.items() if key not in _WORDS}
+    parts["claims"] = {kind: doc["claims"].get(kind) for kind in ORDERS}
+    if "base" in doc:
+        parts["base"] = fingerprint(doc["base"])
+    return key_of(parts)
+
+
+def renew(
+    path: Path,
+    head: Mapping[str, Any],
+    field: str,
+    cases: Iterable[Case],
+    identity: Callable[[Case], Mapping[str, Any]],
+    row: Callable[[Case], Mapping[str, Any]],
+) -> int:
+    """Bring a file up to date.
+
+    Args:
+        path: the file; it need not exist.
+        head: the keys before the rows.
+        field: key of the rows.
+        cases: what there is to be a row about.
+        identity: keys and values of a row by which it is known to be of this case and current;
+            among them its ``fingerprint``.
+        row: measures the row of a case, without its identity.
+
+    Returns
+    -------
+        How many rows were measured.
+    """
+    stored = json.loads(path.read_text(encoding="utf-8"))[field] if path.is_file() else []
+    rows, measured = [], 0
+    for case in cases:
+        mine = identity(case)
+        known = next((x for x in stored if all(x.get(k) == v for k, v in mine.items())), None)
+        measured += known is None
+        rows.append(known if known is not None else {**mine, **row(case)})
+    write_json(path, {**head, "where": circumstances(), field: rows})
+    return measured
