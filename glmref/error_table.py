@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import Any
 
 from .catalogue import load, names
+from .experiments.renewal import fingerprint, renew
 from .facts import PairFacts, facts_of
-from .renewal import fingerprint, renew
 from .theory.error_constants import error_norm
 from .theory.order import OrderResult
 

@@ -22,9 +22,9 @@ import numpy as np
 
 from .catalogue import load, names
 from .experiments.measure import circumstances
+from .experiments.renewal import fingerprint
 from .experiments.stability import amplification, bounded, interval, locus, radius
 from .method import GLM, PartitionedGLM
-from .renewal import fingerprint
 from .strict_json import write_json
 from .theory.stability import oscillator
 

@@ -21,8 +21,8 @@ from ..catalogue import document, load, names
 from ..method import GLM, PartitionedGLM
 from ..problems import problem
 from ..problems.model import Problem
-from ..renewal import ORDERS, fingerprint, renew
 from .convergence import ConvergenceRecord, effective_order, isochronous, method_order
+from .renewal import ORDERS, fingerprint, renew
 
 __all__ = ["KINDS", "Case", "cases", "main", "observe", "row"]
 

@@ -12,7 +12,7 @@ import pytest
 from glmref.catalogue import data_root, load
 from glmref.experiments.convergence import isochronous, method_order
 from glmref.experiments.observed_orders import Case, cases, main, observe
-from glmref.renewal import fingerprint
+from glmref.experiments.renewal import fingerprint
 
 CLOSE = 0.05
 FILE = data_root() / "measurements" / "observed-orders.json"

@@ -66,6 +66,7 @@ ROOMS: dict[str, str] = {
     # what people see
     "portrait": "experiments linalg method theory",
     "regions": "catalogue experiments method strict_json theory",
+    "error_table": "catalogue experiments facts theory",
     "tableau_text": "exact tables",
     "show": "checks exact facts linalg method tableau_text tables theory",
     "bibtex": "__init__ catalogue reader tables",

@@ -7,7 +7,7 @@ import pytest
 
 from glmref.catalogue import data_root, names
 from glmref.error_table import LARGEST, main, row
-from glmref.renewal import fingerprint
+from glmref.experiments.renewal import fingerprint
 
 FILE = data_root() / "measurements" / "error-constants.json"
 ROWS = {x["method"]: x for x in json.loads(FILE.read_text(encoding="utf-8"))["methods"]}

@@ -6,8 +6,8 @@ import math
 import pytest
 
 from glmref.catalogue import data_root, load, names
+from glmref.experiments.renewal import fingerprint
 from glmref.regions import FAR, FORMAT, GRID, NEARNESS, main, row, simplified
-from glmref.renewal import fingerprint
 
 FILE = data_root() / "measurements" / "stability.json"
 STORED = json.loads(FILE.read_text(encoding="utf-8"))

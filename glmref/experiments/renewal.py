@@ -11,10 +11,10 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
-from .catalogue import document
-from .experiments.measure import circumstances
-from .experiments.records import key_of
-from .strict_json import write_json
+from ..catalogue import document
+from ..strict_json import write_json
+from .measure import circumstances
+from .records import key_of
 
 __all__ = ["ORDERS", "fingerprint", "renew"]
 
