@@ -114,6 +114,9 @@ def fault_of_texts(doc: Mapping[str, Any]) -> str:
             return f"`{key}` must be a string, got {shown(doc[key])}"
     if not isinstance(doc.get("enclosure", {}), dict):
         return f"`enclosure` must be an object, got {shown(doc['enclosure'])}"
+    equations = doc.get("enclosure", {}).get("equations", [])
+    if not isinstance(equations, list) or not all(isinstance(x, str) for x in equations):
+        return f"`enclosure.equations` must be a list of strings, got {shown(equations)}"
     return _fault_of_broken(doc) or _fault_of_source(doc["source"])
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from .catalogue import document, path_of
 from .checks import CHECKS, FOR_ONE_METHOD, Outcome
-from .claims import DataError, ExactnessError, Finding, Proof, Verdict
+from .claims import DataError, ExactnessError, Finding, GlmrefError, Proof, Verdict
 from .exact import Exact
 from .facts import Facts, PairFacts, facts_of
 from .linalg import Vector
@@ -50,12 +50,23 @@ def verify(method: Method, *, only: Collection[str] = ()) -> list[Finding]:
 
 
 def claims_of(method: Method) -> Mapping[str, Any]:
-    """Add the orders that the starting and finishing blocks of a file declare to its claims."""
+    """Add the orders that the starting and finishing blocks of a file declare to its claims.
+
+    Raises
+    ------
+        DataError: where a block and a claim disagree.
+    """
     claims = dict(method.claims)
     for kind in ("starting", "finishing"):
         block = getattr(method, kind, None)
-        if block is not None and "order" in block.claims:
-            claims.setdefault(f"{kind}-order", block.claims["order"])
+        if block is None or "order" not in block.claims:
+            continue
+        order = block.claims["order"]
+        if claims.setdefault(f"{kind}-order", order) != order:
+            raise DataError(
+                f"`{kind}.order` is {order} and the claim `{kind}-order` "
+                f"{claims[f'{kind}-order']}; they must agree"
+            )
     return claims
 
 
@@ -140,14 +151,19 @@ def verify_file(name: str | Path, *, only: Collection[str] = ()) -> list[Finding
     doc = document(path)
     method = load_document(doc, where=path.name)
     broken = doc.get("broken")
-    if broken is None:
-        return verify(method, only=only)
-    if only and broken["claim"] not in only:
+    if broken is not None and only and broken["claim"] not in only:
         return []
-    return [_refute(method, broken, path.name)]
+    try:
+        if broken is None:
+            return verify(method, only=only)
+        return [_refute(method, broken)]
+    except GlmrefError as error:
+        if path.name in str(error):
+            raise
+        raise type(error)(f"{path.name}: {error}") from error
 
 
-def _refute(method: Method, broken: Mapping[str, Any], where: str) -> Finding:
+def _refute(method: Method, broken: Mapping[str, Any]) -> Finding:
     """Turn the failure of the named claim into a finding that the refutation holds.
 
     A file may say in ``broken.found`` which witness the refutation must give, word for word.
@@ -155,7 +171,7 @@ def _refute(method: Method, broken: Mapping[str, Any], where: str) -> Finding:
     claim = broken["claim"]
     claims = claims_of(method)
     if claim not in claims:
-        raise DataError(f"{where}: `broken.claim` names {claim!r}, which is not among the claims")
+        raise DataError(f"`broken.claim` names {claim!r}, which is not among the claims")
     inner = _check(facts_of(method), claim, claims[claim])
     refuted = {Verdict.FAILS: Verdict.HOLDS, Verdict.HOLDS: Verdict.FAILS}
     verdict, witness = refuted.get(inner.verdict, Verdict.OPEN), inner.witness

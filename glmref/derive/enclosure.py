@@ -29,6 +29,7 @@ References
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
@@ -48,10 +49,11 @@ from .equations import Blocks, Series, starting_series
 from .implications import covered
 from .system import SweepSystem
 
-__all__ = ["Enclosure", "Krawczyk", "Outcome", "krawczyk", "prove"]
+__all__ = ["Enclosure", "Krawczyk", "Outcome", "is_rounding", "krawczyk", "prove", "radius_of"]
 
 #: Redundant identities are enclosed in balls around zero no wider than this.
 WIDTH = 1e-50
+_RADIUS = re.compile(r"\d{1,99}(\.\d{1,99})?(e-\d{1,3})?")
 
 
 class Outcome(StrEnum):
@@ -199,14 +201,15 @@ def prove(document: Mapping[str, Any]) -> Enclosure:
     growths = [system.growth(e.what, D, X) for e in system.equations if e.kind == "growth"]
     small = [x for t, x in series.residual.items() if t.order <= order] + growths
     width = max(ball(x).magnitude() for x in small)
-    if not all(ball(x).contains_zero() for x in small) or not width < WIDTH:
+    # one by one: the largest of numbers that are no numbers may be any of the others
+    if not all(ball(x).contains_zero() and ball(x).magnitude() < WIDTH for x in small):
         raise ExactnessError(
             f"a redundant condition is not enclosed: the largest residual is {width:.3g}, "
             f"and it must be a ball around zero below {WIDTH}"
         )
     record = Enclosure(
         values=values,
-        radius=_radius(document),
+        radius=radius_of(document),
         contraction=root.contraction,
         order=order,
         proves=_consequences(system, order, series),
@@ -249,17 +252,29 @@ def _checked_signs(system: SweepSystem, order: int) -> tuple[int, ...]:
     return signs
 
 
-def _radius(document: Mapping[str, Any]) -> Fraction:
+def radius_of(document: Mapping[str, Any]) -> Fraction:
+    """Radius of the box of the interval test of a file.
+
+    Raises
+    ------
+        DataError: for anything but a decimal from 1e-999 to 1e-60.
+    """
     text = document.get("enclosure", {}).get("radius", "1e-60")
-    try:
-        radius = Fraction(text)
-    except ValueError:
-        raise DataError(
-            f"`enclosure.radius` must be a number such as '1e-60', got {text!r}"
-        ) from None
+    if not isinstance(text, str) or not _RADIUS.fullmatch(text):
+        raise DataError(f"`enclosure.radius` must be a number such as '1e-60', got {text!r}")
+    radius = Fraction(text)
     if not 0 < radius <= Fraction(1, 10**60):
         raise DataError(f"`enclosure.radius` must be positive and at most 1e-60, got {text!r}")
     return radius
+
+
+def is_rounding(published: Ball, exact: Ball, digits: int) -> bool:
+    """Whether digits are those of a number, rounded to nearest, and not of one beside it.
+
+    Args:
+        published: ball around the digits. exact: encloses the number. digits: behind the point.
+    """
+    return Ball.around(published.midpoint(), Fraction(1, 2 * 10**digits)).contains(exact)
 
 
 def _root(document: Mapping[str, Any], system: SweepSystem) -> Krawczyk:
@@ -272,16 +287,16 @@ def _root(document: Mapping[str, Any], system: SweepSystem) -> Krawczyk:
             f"`enclosure.equations` must be as many as the unknowns ({len(texts)}), "
             f"got {len(system.equations)}"
         )
-    result = krawczyk(system.residuals, published, _radius(document))
+    result = krawczyk(system.residuals, published, radius_of(document))
     if result.outcome is not Outcome.UNIQUE:
         raise ExactnessError(
             f"{document.get('name', 'the file')}: the interval test gives {result.outcome!s} "
             f"within {document['enclosure'].get('radius')} of the digits ({result.witness})"
         )
     for name, x, y in zip(system.unknowns, published, result.box, strict=True):
-        if not x.contains(y):
+        if not is_rounding(x, y, digits):
             raise ExactnessError(
-                f"the root lies further than one unit of the last digit from `unknowns.{name}`"
+                f"the root lies further than half a unit of the last digit from `unknowns.{name}`"
             )
     return result
 

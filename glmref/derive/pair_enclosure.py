@@ -23,13 +23,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from fractions import Fraction
 from typing import Any
 
 from ..claims import DataError, ExactnessError
 from ..exact import Ball, ball
 from ..expression import parse
-from .enclosure import WIDTH, Krawczyk, Outcome, krawczyk
+from .enclosure import WIDTH, Krawczyk, Outcome, is_rounding, krawczyk, radius_of
 from .pair_series import PairNumbers
 from .pair_start import pair_target, prove_pair_start, start_orders, start_system
 from .pair_system import PairSystem
@@ -101,7 +100,7 @@ def prove_pair(document: Mapping[str, Any]) -> PairEnclosure:
     residuals = [x for series in all_series for x in series.residual.values()]
     small = [ball(x) for x in (*residuals, *growths)]
     width = max(x.magnitude() for x in small)
-    if not all(x.contains_zero() for x in small) or not width < WIDTH:
+    if not all(x.contains_zero() and x.magnitude() < WIDTH for x in small):
         raise ExactnessError(
             f"a redundant condition is not enclosed: the largest residual is {width:.3g}, and it "
             f"must be a ball around zero below {WIDTH}"
@@ -110,7 +109,7 @@ def prove_pair(document: Mapping[str, Any]) -> PairEnclosure:
         system.identity_through(order - 1, nystrom=nystrom) for order, nystrom in wanted if order
     )
     if started:
-        target = pair_target(system, all_series, start_orders(document["claims"]))
+        target = pair_target(system, all_series, start_orders(document["claims"], block))
         prove_pair_start(block, target, digits=document.get("digits", DIGITS))
     return PairEnclosure(
         values=dict(zip(system.unknowns, root.box, strict=True)),
@@ -142,10 +141,7 @@ def _check_covered(system: PairSystem, orders: range, nystrom: bool) -> None:
 
 def _root(document: Mapping[str, Any], system: PairSystem) -> Krawczyk:
     """Run the interval test around the digits of the file."""
-    text = document.get("enclosure", {}).get("radius", "1e-60")
-    radius, digits = Fraction(text), document.get("digits", 75)
-    if not 0 < radius <= Fraction(1, 10**60):
-        raise DataError(f"`enclosure.radius` must be positive and at most 1e-60, got {text!r}")
+    radius, digits = radius_of(document), document.get("digits", 75)
     if len(system.equations) != len(system.unknowns):
         raise DataError(
             f"`enclosure.equations` must be as many as the unknowns ({len(system.unknowns)}), "
@@ -163,11 +159,10 @@ def _root(document: Mapping[str, Any], system: PairSystem) -> Krawczyk:
     if result.outcome is not Outcome.UNIQUE:
         raise ExactnessError(
             f"{document.get('name', 'the file')}: the interval test gives {result.outcome!s} "
-            f"within {text} of the digits ({result.witness})"
+            f"within {float(radius):g} of the digits ({result.witness})"
         )
-    half = Fraction(1, 2 * 10**digits)
     for name, x, y in zip(system.unknowns, published, result.box, strict=True):
-        if not Ball.around(x.midpoint(), half).contains(y):
+        if not is_rounding(x, y, digits):
             raise ExactnessError(
                 f"`unknowns.{name}` is not the root rounded to {digits} digits after the point"
             )

@@ -30,7 +30,7 @@ from ..exact import Exact, ball
 from ..expression import parse
 from ..theory.nystrom import is_nystrom
 from ..theory.trees import SEPARABLE, Tree, trees
-from .enclosure import Krawczyk, Outcome, krawczyk
+from .enclosure import Krawczyk, Outcome, is_rounding, krawczyk
 from .newton import polish
 from .pair_series import PairNumbers, PairSeries
 from .pair_system import PairSystem
@@ -106,9 +106,16 @@ def pair_target(
     return PairTarget(zeta, {"f": len(system.V), "k": len(system.V_hat)})
 
 
-def start_orders(claims: Mapping[str, Any]) -> tuple[int, int]:
-    """Orders of a start that the claims of a file name: on all trees, on second-order systems."""
-    return claims.get("starting-order", 0), claims.get("nystrom-starting-order", 0)
+def start_orders(
+    claims: Mapping[str, Any], block: Mapping[str, Any] | None = None
+) -> tuple[int, int]:
+    """Orders of a start that a file names: on all trees, on second-order systems.
+
+    Args:
+        claims: of the file. block: its ``"starting"``, whose order is a claim as well.
+    """
+    own = 0 if block is None else block.get("order", 0)
+    return claims.get("starting-order", own), claims.get("nystrom-starting-order", 0)
 
 
 def start_system(block: Mapping[str, Any]) -> StartingSystem:
@@ -233,6 +240,12 @@ def prove_pair_start(
     """
     _check_form(block, target)
     published = start_system(block).published(digits)
+    asked = sum(len(values) - 1 for values in target.zeta.values())
+    if asked != len(published):
+        raise DataError(
+            f"`starting` has {len(published)} unknowns, and the orders claimed ask for {asked} "
+            f"conditions; there must be as many"
+        )
     result = krawczyk(start_function(block, target), published, RADIUS)
     if result.outcome is not Outcome.UNIQUE:
         raise ExactnessError(
@@ -240,7 +253,7 @@ def prove_pair_start(
             f"({result.witness})"
         )
     for x, y in zip(published, result.box, strict=True):
-        if not x.contains(y):
+        if not is_rounding(x, y, digits):
             raise ExactnessError("`starting`: the exact start lies outside the digits")
     return result
 

@@ -149,7 +149,8 @@ class Jet:
 
     def vanishes(self) -> bool:
         """Whether the value and every derivative are exact zeros."""
-        return self.value.vanishes() and not any(x != _NIL for x in self._row.values())
+        # "not !=" would not do: balls that overlap are neither equal nor unequal
+        return self.value.vanishes() and all(x == _NIL for x in self._row.values())
 
     def is_zero(self) -> bool | None:
         """``True`` only where the value and every derivative are exact zeros."""

@@ -77,6 +77,8 @@ class StartingResult:
         """One sentence: what decides the order."""
         if self.residual is None:
             return f"agrees on all trees of order {self.order} or less"
+        if not self.component:
+            return "the method has no starting series to agree with"
         where = "the multiple of y" if self.failing_tree is None else f"tree {self.failing_tree}"
         size = self.residual.magnitude()
         return f"{where} differs by {size:.6g} in value {self.component}"

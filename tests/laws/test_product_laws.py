@@ -137,7 +137,10 @@ def test_a_zero_that_is_certain_is_told_from_one_that_is_possible() -> None:
     for zero in (ball(0), exact(0), hidden, y - y, x * 0):
         assert zero.vanishes()
         assert zero.is_zero() is True
-    near = (enclosed(Fraction(0)), exact(Fraction(1, 10**99)), ball(Fraction(1, 10**99)), x, y - 1)
+    # zero, with a derivative that is a ball around zero: to drop it would claim 3 y = 0
+    around = x * (y - 1 + enclosed(Fraction(0)))
+    near = (enclosed(Fraction(0)), exact(Fraction(1, 10**99)), ball(Fraction(1, 10**99)), x, y - 1,
+            around)  # fmt: skip
     for number in near:
         assert not number.vanishes()
         assert number.is_zero() is not True

@@ -38,6 +38,14 @@ def _replaced(old: str, new: str, base: str = "gsymplectic-n") -> bytes:
     return text.replace(old, new, 1).encode()
 
 
+def _enclosure(base: str, **changes: Any) -> bytes:
+    return _with(base, enclosure={**document(base)["enclosure"], **changes})
+
+
+def _opening(base: str, **changes: Any) -> bytes:
+    return _with(base, starting={**document(base)["starting"], **changes})
+
+
 def _claim(base: str = "gsymplectic-n", **claims: Any) -> bytes:
     named = {key.replace("_", "-"): value for key, value in claims.items()}
     return _with(base, claims={**document(base)["claims"], **named})
@@ -104,6 +112,16 @@ FILES: dict[str, bytes | Callable[[], bytes]] = {
     "title-is-a-list": _with(title=["a"]),
     "field-is-wrong": _with(field="quaternion"),
     "enclosure-is-a-list": _with(enclosure=[1]),
+    "enclosure-equation-is-a-number": _enclosure("pair-4-4", equations=[5]),
+    "enclosure-equations-are-a-word": _enclosure("s5t-w3", equations="order [o]"),
+    **{
+        f"enclosure-radius-{base}-{number}": _enclosure(base, radius=radius)
+        for base in ("pair-4-4", "s5t-w3")
+        for number, radius in enumerate(("x", "nan", "1/0", [1], None, "1e-99999999", "1", "0"))
+    },
+    "start-of-another-order-than-claimed": _opening("gsymplectic-n-pair", order=9),
+    "start-of-another-order-than-claimed-enclosed": _opening("pair-4-4", order=2),
+    "start-of-fewer-conditions": _claim("pair-4-4", starting_order=2),
     # shapes
     "ragged-matrix": _with(A=[["0", "0"], ["0"]]),
     "empty-matrix": _with(A=[]),
@@ -258,6 +276,10 @@ ARGUMENTS: dict[str, list[str]] = {
 }
 
 
+#: Kinds of files in which only claims, or their proofs, are wrong.
+CLAIMED = ("broken-names-no-claim", "enclosure-radius", "start-of-another", "start-of-fewer")
+
+
 def _assert_one_sentence(code: int, out: str, err: str) -> None:
     assert code == 2
     assert out == ""
@@ -279,7 +301,7 @@ def test_at_least_45_kinds_of_bad_input_are_tried() -> None:
 def test_bad_file_gives_one_sentence_and_exit_2(
     kind: str, command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    if command == "show" and kind == "broken-names-no-claim":
+    if command == "show" and kind.startswith(CLAIMED):
         pytest.skip("what is claimed plays no part in show")
     content = FILES[kind]
     file = tmp_path / "method.json"

@@ -99,6 +99,26 @@ def test_there_are_as_many_conditions_as_unknowns(name, count):
     assert all(x.radius() < 1e-90 for x in result.box)
 
 
+@pytest.mark.parametrize("unit", [1, -1])
+def test_one_unit_of_the_last_digit_beside_the_start_is_refused(unit):
+    block, target = blocks("pair-4-4"), target_of("pair-4-4")
+    prove_pair_start(block, target)
+    (old, *_) = start_system(block).unknowns
+    digits = str(int(old.replace("0.", "")) + unit).zfill(len(old) - 2)
+    for name in ("A", "B", "A_hat", "B_hat"):
+        block[name] = [[x.replace(old, f"0.{digits}") for x in row] for row in block[name]]
+    with pytest.raises(ExactnessError, match="outside the digits"):
+        prove_pair_start(block, target)
+
+
+def test_an_order_that_the_block_alone_names_is_proved_too():
+    doc = copy.deepcopy(dict(document("pair-4-4")))
+    del doc["claims"]["starting-order"]
+    found = {x.claim: x for x in verify(load_document(doc), only=["starting-order"])}
+    assert found["starting-order"].verdict is Verdict.HOLDS
+    assert found["starting-order"].proof is Proof.ENCLOSED
+
+
 def test_the_series_of_one_stage_of_each_pair_is_that_of_all_stages():
     block = expanded(RATIONAL)
     matrices = {
