@@ -7,7 +7,9 @@ output follows it must be the output; ``# exit N`` after a command is its exit c
 
 from __future__ import annotations
 
+import json
 import re
+import statistics
 import subprocess
 import sys
 from pathlib import Path
@@ -19,6 +21,8 @@ PAGES = sorted(page.name for page in DOCS.glob("*.md"))
 FENCE = re.compile(r"^```(python|json|toml|console)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 #: A page whose commands take more than a few seconds.
 SLOW = {"derive.md"}
+MEASURED = DOCS.parent / "data" / "measurements"
+WORDS = {2: "two", 4: "four", 8: "eight", 16: "sixteen"}
 
 
 def text(page: str) -> str:
@@ -113,3 +117,10 @@ def test_the_site_builds_without_a_warning(tmp_path: Path) -> None:
     )
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "quickstart.html").is_file()
+
+
+def test_the_time_of_a_verification_is_that_of_the_record():
+    record = json.loads((MEASURED / "verify-time.json").read_text("utf-8"))
+    told = " ".join(text("quickstart.md").split())
+    assert f"takes some {record['wall']:.0f} seconds on {WORDS[record['cores']]} cores" in told
+    assert record["wall"] == statistics.median(run["wall"] for run in record["runs"]) < 20
