@@ -124,8 +124,8 @@ class Entries:
         for i, row in enumerate(result):
             if len(row) != len(result[0]):
                 raise self.error(
-                    f"`{where}` is ragged: row {i + 1} has {len(row)} entries and row 1 has "
-                    f"{len(result[0])}"
+                    f"`{where}` is ragged: row {i + 1} is {len(row)} long and row 1 is "
+                    f"{len(result[0])} long"
                 )
         return result
 

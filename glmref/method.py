@@ -76,8 +76,8 @@ def as_matrix(rows: Sequence[Sequence[Entry]], name: str) -> Matrix:
     for i, row in enumerate(matrix):
         if len(row) != len(matrix[0]) or not row:
             raise DataError(
-                f"`{name}` must be rectangular, but row {i + 1} has {len(row)} entries "
-                f"and row 1 has {len(matrix[0])}"
+                f"`{name}` must be rectangular, but row {i + 1} is {len(row)} long "
+                f"and row 1 is {len(matrix[0])} long"
             )
     return matrix
 

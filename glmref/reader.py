@@ -59,6 +59,8 @@ class _Reader(Entries):
                 f"`format` must be {FORMAT!r}, got {shown(self.doc.get('format'))}; "
                 f"this version reads only that format"
             )
+        if "class" not in self.doc:
+            raise self.error(f"the key `class` is missing; it is one of {', '.join(BLOCKS)}")
         kind = self.text("class")
         if kind not in BLOCKS:
             raise self.error(f"`class` must be one of {', '.join(BLOCKS)}, got {kind!r}")

@@ -47,7 +47,7 @@ def test_other_entries_are_refused_by_place(entry: object) -> None:
         ({"A": "1/2"}, "`A` must be a list of rows"),
         ({"A": [[]]}, "`A` must be rectangular"),
         ({"A": ["1/2"]}, r"`A\[1\]` must be a list of entries"),
-        ({"A": [["1", "1"], ["1"]]}, "row 2 has 1 entries and row 1 has 2"),
+        ({"A": [["1", "1"], ["1"]]}, "row 2 is 1 long and row 1 is 2 long"),
     ],
 )
 def test_wrong_shape_is_named(changes: dict[str, Any], message: str) -> None:
