@@ -15,11 +15,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
 
+from .figures import NO_FIGURES, blank_figure, save_figure
+
 __all__ = [
+    "COLORS",
     "Series",
     "decades",
     "place_labels",
@@ -347,15 +349,11 @@ def write_figures(
     """Write the chart as PNG and PDF; return a notice where matplotlib is not installed.
 
     Args:
-        path: of the PNG file; the PDF file stands beside it. Both come out the same every time.
+        path: of the PNG file; the PDF file stands beside it.
     """
-    try:
-        agg = import_module("matplotlib.backends.backend_agg")
-        figures = import_module("matplotlib.figure")
-    except ImportError:
-        return "no PNG and PDF: matplotlib is not installed; pip install 'glmref[plots]'"
-    figure = figures.Figure(figsize=(8.2, 4.8), dpi=120, layout="constrained")
-    agg.FigureCanvasAgg(figure)
+    figure = blank_figure(8.2, 4.8)
+    if figure is None:
+        return NO_FIGURES
     axes = figure.add_subplot()
     for number, one in enumerate(one for one in series if one.drawn):
         x, y, _ = zip(*one.drawn, strict=True)
@@ -383,6 +381,5 @@ def write_figures(
     axes.grid(visible=True, color="#e3e3e3")
     if axes.lines:
         figure.legend(loc="outside right upper", fontsize=8, frameon=False)
-    figure.savefig(path, format="png", metadata={"Software": None})
-    figure.savefig(path.with_suffix(".pdf"), format="pdf", metadata={"CreationDate": None})
+    save_figure(figure, path)
     return None

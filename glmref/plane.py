@@ -16,13 +16,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
 from statistics import median
 from textwrap import shorten
 from xml.sax.saxutils import escape, quoteattr
 
 from .chart import COLORS
+from .figures import NO_FIGURES, blank_figure, save_figure
 
 __all__ = ["Cloud", "box_of", "one_each", "ranging", "round_ticks", "svg", "write_figures"]
 
@@ -198,20 +198,15 @@ def write_figures(
     """Write the picture as PNG and PDF; return a notice where matplotlib is not installed.
 
     Args:
-        path: of the PNG file; the PDF file stands beside it. Both come out the same every time.
+        path: of the PNG file; the PDF file stands beside it.
     """
-    try:
-        agg = import_module("matplotlib.backends.backend_agg")
-        figures = import_module("matplotlib.figure")
-    except ImportError:
-        return "no PNG and PDF: matplotlib is not installed; pip install 'glmref[plots]'"
     box = box_of(clouds)
     across = min(_ACROSS, max(len(clouds), 1))
     rows = max(math.ceil(len(clouds) / across), 1)
     shape = min((box[3] - box[2]) / (box[1] - box[0]), 1.0)
-    size = (1 + 2.6 * across, 0.6 + rows * (2.4 * shape + 0.75))
-    figure = figures.Figure(figsize=size, dpi=120, layout="constrained")
-    agg.FigureCanvasAgg(figure)
+    figure = blank_figure(1 + 2.6 * across, 0.6 + rows * (2.4 * shape + 0.75))
+    if figure is None:
+        return NO_FIGURES
     figure.suptitle(title, fontsize=11, wrap=True)
     for k, cloud in enumerate(clouds):
         axes = figure.add_subplot(rows, across, k + 1)
@@ -229,6 +224,5 @@ def write_figures(
         axes.set_xlabel("\n".join(filter(None, (x_label, notes))), fontsize=8)
         axes.set_ylabel(y_label, fontsize=8)
         axes.grid(visible=True, color="#e3e3e3")
-    figure.savefig(path, format="png", metadata={"Software": None})
-    figure.savefig(path.with_suffix(".pdf"), format="pdf", metadata={"CreationDate": None})
+    save_figure(figure, path)
     return None
