@@ -221,8 +221,11 @@ class PipeAdapter:
         try:
             self.process.stdin.write(json.dumps(line).encode() + b"\n")
         except OSError:
-            code = self.process.wait()
-            raise BrokenPipe(f"the program has ended ({_code(code)})") from None
+            raise self._ended() from None
+
+    def _ended(self) -> BrokenPipe:
+        """Say that the program is gone: seen when it is written to or read from, as it happens."""
+        return BrokenPipe(f"the program ended without an answer ({_code(self.process.wait())})")
 
     def _receive(self) -> dict[str, Any]:
         assert self.process.stdout is not None
@@ -235,8 +238,7 @@ class PipeAdapter:
                     raise BrokenPipe(f"the program did not answer within {PATIENCE:g} seconds")
                 chunk = os.read(self.process.stdout.fileno(), 1 << 16)
                 if not chunk:
-                    code = self.process.wait()
-                    raise BrokenPipe(f"the program ended without an answer ({_code(code)})")
+                    raise self._ended()
                 self._pending += chunk
         text, _, self._pending = self._pending.partition(b"\n")
         try:
