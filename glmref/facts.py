@@ -274,7 +274,9 @@ class PairFacts(Facts):
         """The same on second-order systems."""
         from .theory.nystrom import is_nystrom
 
-        return self._start_against(self.nystrom_order, counts=is_nystrom)
+        return self._start_against(
+            self.nystrom_order, counts=is_nystrom, compared="all trees of second-order systems"
+        )
 
     def _start_against(self, known: OrderResult, **options: Any) -> tuple[int, str]:
         from .theory.pair_starting import pair_starting_order, zero_start_order

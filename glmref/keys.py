@@ -55,6 +55,8 @@ BLOCKS: Mapping[str, frozenset[str]] = {
 PAIRS = frozenset(["splitting", "partitioned-rk", "partitioned", "pair-sweep"])
 #: Keys a file may leave out; ``D`` is one for class ``glm`` only.
 OPTIONAL = frozenset(["G", "D", "D_P", "D_Q", "separable", "starting", "finishing", "w", "v"])
+#: Keys of ``enclosure``.
+ENCLOSURE = frozenset(["equations", "radius", "xi"])
 #: Keys that are shown and not computed with, and what their values may be.
 TEXTS: Mapping[str, tuple[type, ...]] = {"$schema": (str,), "title": (str,), "notes": (str, list)}
 #: Keys of ``source``, and what their values may be.
@@ -114,7 +116,11 @@ def fault_of_texts(doc: Mapping[str, Any]) -> str:
             return f"`{key}` must be a string, got {shown(doc[key])}"
     if not isinstance(doc.get("enclosure", {}), dict):
         return f"`enclosure` must be an object, got {shown(doc['enclosure'])}"
-    equations = doc.get("enclosure", {}).get("equations", [])
+    enclosure = doc.get("enclosure", {})
+    unknown = sorted(enclosure.keys() - ENCLOSURE)
+    if unknown:
+        return f"`enclosure` has the unknown key {unknown[0]!r}"
+    equations = enclosure.get("equations", [])
     if not isinstance(equations, list) or not all(isinstance(x, str) for x in equations):
         return f"`enclosure.equations` must be a list of strings, got {shown(equations)}"
     return _fault_of_broken(doc) or _fault_of_source(doc["source"])

@@ -251,9 +251,10 @@ def _moduli(whole: GLM, reach: float) -> list[list[Point]]:
 
 def main(path: Path) -> int:
     """Bring the file up to date and return how many methods were measured."""
-    stored: Mapping[str, Any] = {}
+    file: Mapping[str, Any] = {}
     if path.is_file():
-        stored = json.loads(path.read_text(encoding="utf-8"))["methods"]
+        file = json.loads(path.read_text(encoding="utf-8"))
+    stored = file.get("methods", {})
     rows, measured = {}, 0
     for name in names("methods"):
         mark = fingerprint(name)
@@ -270,7 +271,7 @@ def main(path: Path) -> int:
         "measured": f"Where no eigenvalue of M(z) is larger than one by 1e-7, on {GRID} x {GRID} "
         f"points of a box with half side `reach`; polygons are right to {NEARNESS:g} of it, and "
         f"what is thinner than a cell is not seen. Axes are looked at up to {FAR:g}.",
-        "where": circumstances(),
+        "where": circumstances() if measured else file.get("where"),
         "methods": rows,
     }
     write_json(path, document)

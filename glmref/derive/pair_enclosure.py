@@ -159,7 +159,7 @@ def _root(document: Mapping[str, Any], system: PairSystem) -> Krawczyk:
     if result.outcome is not Outcome.UNIQUE:
         raise ExactnessError(
             f"{document.get('name', 'the file')}: the interval test gives {result.outcome!s} "
-            f"within {float(radius):g} of the digits ({result.witness})"
+            f"within {document.get('enclosure', {}).get('radius')} of the digits ({result.witness})"
         )
     for name, x, y in zip(system.unknowns, published, result.box, strict=True):
         if not is_rounding(x, y, digits):

@@ -30,11 +30,11 @@ from ..exact import Exact, ball
 from ..expression import parse
 from ..theory.nystrom import is_nystrom
 from ..theory.trees import SEPARABLE, Tree, trees
-from .enclosure import Krawczyk, Outcome, is_rounding, krawczyk
+from .enclosure import Krawczyk
 from .newton import polish
 from .pair_series import PairNumbers, PairSeries
 from .pair_system import PairSystem
-from .starting import RADIUS, StartingSystem
+from .starting import StartingSystem, enclosed_block
 from .write import DIGITS, decimal
 
 __all__ = [
@@ -239,23 +239,14 @@ def prove_pair_start(
         ExactnessError: when the interval test does not succeed.
     """
     _check_form(block, target)
-    published = start_system(block).published(digits)
+    system = start_system(block)
     asked = sum(len(values) - 1 for values in target.zeta.values())
-    if asked != len(published):
+    if asked != len(system.unknowns):
         raise DataError(
-            f"`starting` has {len(published)} unknowns, and the orders claimed ask for {asked} "
-            f"conditions; there must be as many"
+            f"`starting` has {len(system.unknowns)} unknowns, and the orders claimed ask for "
+            f"{asked} conditions; there must be as many"
         )
-    result = krawczyk(start_function(block, target), published, RADIUS)
-    if result.outcome is not Outcome.UNIQUE:
-        raise ExactnessError(
-            f"`starting`: the interval test gives {result.outcome!s} near the digits "
-            f"({result.witness})"
-        )
-    for x, y in zip(published, result.box, strict=True):
-        if not is_rounding(x, y, digits):
-            raise ExactnessError("`starting`: the exact start lies outside the digits")
-    return result
+    return enclosed_block(system, start_function(block, target), digits, "starting")
 
 
 def expanded(half: Mapping[str, Sequence[Sequence[str]]]) -> dict[str, Any]:

@@ -38,6 +38,7 @@ from .tableau_series import outputs, slopes, stage_order, weights
 __all__ = [
     "StartingSystem",
     "Target",
+    "enclosed_block",
     "finishing_function",
     "finishing_system",
     "first_value",
@@ -271,7 +272,7 @@ def prove_starting(block: Mapping[str, Any], target: Target, *, digits: int = 75
         for row in L
     ]  # fmt: skip
     _check_parity(system, size, images)
-    return _test(system, starting_function(block, target), digits, "starting")
+    return enclosed_block(system, starting_function(block, target), digits, "starting")
 
 
 def finishing_system(block: Mapping[str, Any]) -> StartingSystem:
@@ -315,7 +316,7 @@ def prove_finishing(
     """
     system = finishing_system(block)
     _check_parity(system, len(block["A"]), [system.affine()[len(block["A"])]])
-    return _test(system, finishing_function(block, base, order), digits, "finishing")
+    return enclosed_block(system, finishing_function(block, base, order), digits, "finishing")
 
 
 def prove_blocks(document: Mapping[str, Any], target: Target) -> list[str]:
@@ -355,7 +356,20 @@ def start_is_enclosed(method: GLM) -> bool:
         return False
 
 
-def _test(system: StartingSystem, conditions: Conditions, digits: int, key: str) -> Krawczyk:
+def enclosed_block(
+    system: StartingSystem, conditions: Conditions, digits: int, key: str
+) -> Krawczyk:
+    """Prove that one exact block lies near the digits of a file, and that these are its rounding.
+
+    Args:
+        system: unknowns of the block. conditions: what they must make vanish.
+        digits: behind the point. key: name of the block, for messages.
+
+    Raises
+    ------
+        DataError: when there are not as many conditions as unknowns.
+        ExactnessError: when the interval test does not succeed, or the digits are others.
+    """
     published = system.published(digits)
     result = krawczyk(conditions, published, RADIUS)
     if result.outcome is not Outcome.UNIQUE:

@@ -201,7 +201,7 @@ def _build_around(
     """Compile with a user's functions among the callees, in memory."""
     try:
         import numba
-        from numba.core.errors import NumbaError
+        from numba.core.errors import NumbaError, UnsupportedBytecodeError
     except ImportError as error:
         return interpret(source, functions, f"numba cannot be imported ({error})")
     namespace: dict[str, Any] = {}
@@ -211,7 +211,10 @@ def _build_around(
             namespace[name] = function if jitted else numba.njit(error_model="numpy")(function)
         text = _numba_head(signature, cache=False, fuse=fuse) + source
         exec(compile(text, "<glmref kernel>", "exec"), namespace)
-    except (NumbaError, TypeError, AttributeError, NotImplementedError) as error:
+    except (
+        *(NumbaError, UnsupportedBytecodeError, AssertionError),  # numba's own, of three kinds
+        *(TypeError, AttributeError, NotImplementedError),
+    ) as error:
         reason = next(
             (line for line in str(error).splitlines() if line.strip()), type(error).__name__
         )

@@ -29,12 +29,12 @@ from .newton import INLINE_LIMIT
 from .outcome import KERNEL_OUTCOMES, Outcome
 from .pair_forms import PairForm, pair_form
 from .pairs import pair_source
+from .plan import check_arithmetic
 from .shape import Shape, jacobian_block, shape_of
 from .sweep import step_form
 
-__all__ = ["ARITHMETIC", "SOLVERS", "Kernel", "State", "choose_solver", "contraction", "prepare"]
+__all__ = ["SOLVERS", "Kernel", "State", "choose_solver", "contraction", "prepare"]
 
-ARITHMETIC = ("strict", "fused", "compensated", "naive")
 SOLVERS = ("auto", "fixed-point", "newton")
 
 POOR = 0.25  # a fixed point that contracts less than this per round is slow
@@ -212,8 +212,7 @@ def prepare(
         UsageError: when the method does not fit the problem or the form.
     """
     begin = time.perf_counter()
-    if arithmetic not in ARITHMETIC:
-        raise UsageError(f"`arithmetic` must be one of {', '.join(ARITHMETIC)}, got {arithmetic!r}")
+    check_arithmetic(arithmetic)
     if solver not in SOLVERS:
         raise UsageError(f"`solver` must be one of {', '.join(SOLVERS)}, got {solver!r}")
     wanted = form if form != "auto" else form_of(arithmetic)

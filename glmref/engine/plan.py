@@ -13,7 +13,9 @@ from ..claims import UsageError
 from ..method import GLM, PartitionedGLM
 from ..problems.model import Problem
 
-__all__ = ["Plan", "plan_of", "resolved", "step_size"]
+__all__ = ["ARITHMETIC", "Plan", "check_arithmetic", "plan_of", "resolved", "step_size"]
+
+ARITHMETIC = ("strict", "fused", "compensated", "naive")
 
 _WHOLE = 1e-9  # how far (t_end - t0) / h may be from an integer, per step
 
@@ -34,6 +36,17 @@ class Plan:
     every: int
     rows: tuple[int, ...] | range
     limited: bool
+
+
+def check_arithmetic(arithmetic: str) -> None:
+    """Refuse a word that names no arithmetic, see :func:`.kernel.prepare`.
+
+    Raises
+    ------
+        UsageError: for anything but one of :data:`ARITHMETIC`.
+    """
+    if arithmetic not in ARITHMETIC:
+        raise UsageError(f"`arithmetic` must be one of {', '.join(ARITHMETIC)}, got {arithmetic!r}")
 
 
 def resolved(problem: Any, method: Any) -> tuple[Problem, GLM | PartitionedGLM]:

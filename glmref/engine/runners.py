@@ -17,7 +17,6 @@ from . import compiled, native
 from .codegen import Options
 from .forms import StepForm
 from .kernel import (
-    ARITHMETIC,
     Kernel,
     choose_form,
     choose_solver,
@@ -29,6 +28,7 @@ from .lanes import LANE_ARGUMENTS, LaneSource, lane_source
 from .native import Tuning
 from .newton import INLINE_LIMIT
 from .outcome import KERNEL_OUTCOMES, Outcome
+from .plan import check_arithmetic
 
 __all__ = ["WIDTHS", "EnsembleSolution", "Lanes", "Runner", "Singles", "slopes_at"]
 
@@ -282,8 +282,7 @@ class Lanes(Runner):
 
 def prepare_options(runner: Lanes, arithmetic: str, solver: str) -> Any:
     """Options of a lane kernel: the solver by the rule for single runs, as far as lanes have it."""
-    if arithmetic not in ARITHMETIC:
-        raise UsageError(f"`arithmetic` must be one of {', '.join(ARITHMETIC)}, got {arithmetic!r}")
+    check_arithmetic(arithmetic)
     options = Options.of(arithmetic)
     form, shape = runner.form, runner.shape
     if isinstance(runner.method, PartitionedGLM):

@@ -11,7 +11,7 @@ from ..claims import UsageError
 from ..method import GLM, PartitionedGLM
 from ..problems.model import Problem
 from .outcome import Outcome, Solution, StartFailed
-from .plan import plan_of, resolved, step_size
+from .plan import check_arithmetic, plan_of, resolved, step_size
 from .reference import stepper
 from .run import Run
 from .start import problem_start, starting_values
@@ -64,6 +64,7 @@ def solve(
         raise UsageError(f"`engine` must be one of {', '.join(ENGINES)}, got {engine!r}")
     if digits is not None and (engine != "reference" or digits < 1):
         raise UsageError("`digits` must be positive and goes with engine='reference' only")
+    check_arithmetic(arithmetic)
     h = step_size(h)
     plan = plan_of(problem, h, t_end, steps, every, times, step_limit)
     reference = stepper(method, problem, digits=digits)

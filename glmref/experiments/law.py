@@ -22,7 +22,7 @@ from ..engine.outcome import Solution
 from ..engine.solve import solve
 from ..method import GLM, PartitionedGLM
 from ..problems.model import Problem
-from .longtime import along, exponent, g_form
+from .longtime import along, energy_scale, exponent, g_form
 from .parasitic import parasitic_size, solution_direction
 from .records import finite
 
@@ -154,7 +154,10 @@ def samples_of(
             if function is None:
                 listed = ", ".join(k for k, v in known.items() if v is not None)
                 raise UsageError(f"{problem.name} conserves no {quantity!r}; it has {listed}")
-            values = along(function, np.real(np.asarray(solution.y)).astype(float))
+            y = np.real(np.asarray(solution.y)).astype(float)
+            values = along(function, y)
+            if function is problem.hamiltonian:
+                return (values - values[0]) / energy_scale(problem, y[0])
         return (values - values[0]) / (abs(values[0]) or 1.0)
 
 

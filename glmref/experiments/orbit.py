@@ -117,7 +117,7 @@ def orbit(
     y = np.real(np.asarray(solution.y)).astype(float).reshape(len(t), -1)
     good, why = _good(problem, y)
     if not why and not solution.completed:
-        why = solution.message
+        why = str(solution.outcome)
     paths = np.array([y[:good][:, list(pair)] for pair in pairs])
     return Orbit(axes, t[:good], paths, f"{why} after t = {t[good - 1]:.6g}" if why else "")
 

@@ -47,6 +47,8 @@ SUBJECTS: Mapping[str, Mapping[str, str]] = {
     "kepler": {"eccentricity": "1/5"},
 }
 SIZES = (Fraction(1, 32), Fraction(1, 64))
+#: How many times longer a run is taken that is bounded: slow growth shows late.
+FURTHER = 10
 
 
 @dataclass(frozen=True)
@@ -129,13 +131,16 @@ NOTE = (
     "the exact starting values; first: largest difference of q_1, p_1 at t = 1 to the run from "
     "exact starting values, over two steps; order: log2 of the ratio to h = 1/32. evaluations: of "
     "k and of f by the starting method of the file. runs: as in pairs-long.json, from the starting "
-    "method of the file instead of zero values."
+    "method of the file instead of zero values. further: those of them that are bounded, ten times "
+    "as long; bounded: no growth by more than a factor 10 in the last two decades of steps."
 )
 
 
 def main(path: Path, cases: Sequence[Case] = CASES, steps: int = STEPS) -> None:
     """Measure all pairs that have a starting method and write the file."""
     pairs = started_pairs()
+    runs = [follow_pair(name, case, steps, start=None) for name in pairs for case in cases]
+    known = {case.problem: case for case in cases}
     record = {
         "format": "glmref-measurement-1",
         "name": "pairs-starts",
@@ -144,8 +149,11 @@ def main(path: Path, cases: Sequence[Case] = CASES, steps: int = STEPS) -> None:
         "notes": [NOTE],
         "circumstances": circumstances(),
         "starts": [observed(name) for name in pairs],
-        "runs": [
-            follow_pair(name, case, steps, start=None).as_json() for name in pairs for case in cases
+        "runs": [run.as_json() for run in runs],
+        "further": [
+            follow_pair(run.pair, known[run.problem], FURTHER * steps, start=None).as_json()
+            for run in runs
+            if run.bounded
         ],
     }
     write_json(path, record)

@@ -59,14 +59,16 @@ def renew(
 
     Returns
     -------
-        How many rows were measured.
+        How many rows were measured; ``where`` says on what the last ones were.
     """
-    stored = json.loads(path.read_text(encoding="utf-8"))[field] if path.is_file() else []
+    file = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
+    stored = file.get(field, [])
     rows, measured = [], 0
     for case in cases:
         mine = identity(case)
         known = next((x for x in stored if all(x.get(k) == v for k, v in mine.items())), None)
         measured += known is None
         rows.append(known if known is not None else {**mine, **row(case)})
-    write_json(path, {**head, "where": circumstances(), field: rows})
+    where = circumstances() if measured else file.get("where")
+    write_json(path, {**head, "where": where, field: rows})
     return measured

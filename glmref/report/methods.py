@@ -72,7 +72,7 @@ def overview(site: Site, results: Results, names: Sequence[str]) -> Page:
 
 
 def _row(site: Site, results: Results, name: str, evaluations: Mapping[str, float]) -> list[str]:
-    doc = document(name)
+    doc = _document(name)
     claims, method = doc["claims"], _loaded(name)
     found = results.findings.get(name, [])
     proved = _of_this_file(doc, found)
@@ -102,6 +102,11 @@ def _listed(values: Any) -> str:
     if not isinstance(values, list):
         return number(values)
     return ", ".join(typeset(str(x)) for x in values) or "none"
+
+
+@cache
+def _document(name: str) -> Record:
+    return document(name)
 
 
 @cache
@@ -160,7 +165,7 @@ def _declared(doc: Record) -> Record:
 def _seen(results: Results, name: str, claim: str) -> Any:
     """Order that runs show, as it is stored; one with identity that is the order stands once."""
     found = results.observed(name)
-    claims = document(name)["claims"]
+    claims = _document(name)["claims"]
     if claim == "order-identity" and claims.get(claim) == claims.get("order"):
         claim = "order"
     return found.get(claim, {}).get("observed")
@@ -192,12 +197,12 @@ def _evaluations(results: Results) -> dict[str, float]:
 def by_class(names: Sequence[str]) -> list[str]:
     """Names in the order of the menu: class by class."""
     ranks = {kind: k for k, kind in enumerate(_CLASSES)}
-    return sorted(names, key=lambda name: ranks.get(document(name)["class"], len(ranks)))
+    return sorted(names, key=lambda name: ranks.get(_document(name)["class"], len(ranks)))
 
 
 def method_page(site: Site, results: Results, name: str) -> Page:
     """Page of one method: tableau, claims, start, source, records."""
-    doc, method = document(name), _loaded(name)
+    doc, method = _document(name), _loaded(name)
     drawn = parts(method, lambda grid: [typeset_table(grid)])  # type: ignore[arg-type,list-item]
     body = [
         f"<p><strong>{escape(name)}</strong>, class {escape(doc['class'])}: {_said(method)}</p>"

@@ -70,6 +70,7 @@ def pair_starting_order(
     known: OrderResult,
     *,
     counts: Callable[[Tree], bool] = lambda t: True,
+    compared: str = "all trees",
 ) -> StartingResult:
     """Decide through which order a start agrees with the starting series of a pair.
 
@@ -77,7 +78,7 @@ def pair_starting_order(
         pair: the pair that is started. start: gives r values of q and r^ values of p.
         known: its order with ``principal="identity"``, with the starting series; on second-order
             systems that of :func:`~glmref.theory.nystrom.nystrom_order_of`.
-        counts: which trees are compared.
+        counts: which trees are compared. compared: the same in words.
 
     Returns
     -------
@@ -88,11 +89,7 @@ def pair_starting_order(
     ------
         UsageError: when the number of values differs.
     """
-    if (len(start.u), len(start.u_hat)) != (pair.r, pair.r_hat):
-        raise UsageError(
-            f"a start of {pair.r} values of q and {pair.r_hat} of p must have as many entries in "
-            f"`u` and `u_hat`, got {len(start.u)} and {len(start.u_hat)}"
-        )
+    _check_sizes(pair, start)
     enclosed = known.proof is Proof.ENCLOSED or any(
         isinstance(x, Ball) for row in start.rows() for x in row
     )
@@ -122,7 +119,17 @@ def pair_starting_order(
                 method_order=p,
             )
         largest = max(largest, *(x.magnitude() for x in gap))
-    return StartingResult(p, proof=proof, largest_residual=largest, method_order=p)
+    return StartingResult(
+        p, proof=proof, largest_residual=largest, method_order=p, compared=compared
+    )
+
+
+def _check_sizes(pair: PartitionedGLM, start: PairStartingMethod) -> None:
+    if (len(start.u), len(start.u_hat)) != (pair.r, pair.r_hat):
+        raise UsageError(
+            f"a start of {pair.r} values of q and {pair.r_hat} of p must have as many entries in "
+            f"`u` and `u_hat`, got {len(start.u)} and {len(start.u_hat)}"
+        )
 
 
 def _difference(x: Iterable[Any], y: Iterable[Any]) -> tuple[Any, ...]:

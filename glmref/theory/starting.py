@@ -61,6 +61,7 @@ class StartingResult:
         proof: exact, or enclosed where balls took part.
         largest_residual: upper bound of the differences through ``order``; 0.0 when exact.
         method_order: order p of the method, which is the largest order that has a meaning.
+        compared: which trees were compared, in words.
     """
 
     order: int
@@ -71,12 +72,13 @@ class StartingResult:
     proof: Proof = Proof.EXACT
     largest_residual: float = 0.0
     method_order: int = 0
+    compared: str = "all trees"
 
     @property
     def witness(self) -> str:
         """One sentence: what decides the order."""
         if self.residual is None:
-            return f"agrees on all trees of order {self.order} or less"
+            return f"agrees on {self.compared} of order {self.order} or less"
         if not self.component:
             return "the method has no starting series to agree with"
         where = "the multiple of y" if self.failing_tree is None else f"tree {self.failing_tree}"

@@ -112,6 +112,7 @@ FILES: dict[str, bytes | Callable[[], bytes]] = {
     "title-is-a-list": _with(title=["a"]),
     "field-is-wrong": _with(field="quaternion"),
     "enclosure-is-a-list": _with(enclosure=[1]),
+    "enclosure-with-an-unknown-key": _enclosure("s5t-w3", equation=[]),
     "enclosure-equation-is-a-number": _enclosure("pair-4-4", equations=[5]),
     "enclosure-equations-are-a-word": _enclosure("s5t-w3", equations="order [o]"),
     **{

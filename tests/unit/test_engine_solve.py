@@ -328,6 +328,7 @@ def test_digits_go_with_the_reference_engine():
         ({"h": 0.1, "steps": 1, "engine": "fast"}, "`engine` must be one of"),
         ({"h": 0.1, "steps": 1, "digits": 30}, "`digits`"),
         ({"h": 0.1, "steps": 1, "arithmetic": "Fused"}, "`arithmetic` must be one of"),
+        ({"h": 0.1, "steps": 1, "engine": "reference", "arithmetic": "x"}, "`arithmetic` must be"),
         ({"h": 0.1, "steps": 1, "arithmetic": "exact"}, "`arithmetic` must be one of"),
         ({"h": 0.1, "steps": 1, "solver": "magic"}, "`solver` must be one of"),
         ({"h": 0.1, "steps": 1, "form": "magic"}, "`form` must be"),

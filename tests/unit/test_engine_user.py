@@ -80,6 +80,26 @@ def test_a_function_that_returns_another_number_of_components_is_refused(returne
         solve(wrong, "rk4", h=0.1, steps=2, engine=engine)
 
 
+def importing(t, y):
+    import math
+
+    return [y[1], -math.sin(y[0])]
+
+
+def collecting(*state, **options):
+    return [state[1][1], -np.sin(state[1][0])]
+
+
+@pytest.mark.parametrize("f", [importing, collecting])
+@pytest.mark.parametrize("arithmetic", ["strict", "fused"])
+def test_what_numba_refuses_in_a_way_of_its_own_is_interpreted_too(f, arithmetic):
+    run = solve(Problem(f=f, y0=(1.0, 0.0)), "rk4", h=0.1, steps=5, arithmetic=arithmetic)
+    assert run.completed and run.kernel.startswith("python")
+    assert any("numba cannot compile" in x for x in run.notices)
+    pendulum = Problem(f=lambda t, y: [y[1], -np.sin(y[0])], y0=(1.0, 0.0))
+    np.testing.assert_allclose(run.y, solve(pendulum, "rk4", h=0.1, steps=5).y, rtol=1e-14)
+
+
 def test_what_numba_cannot_compile_is_interpreted_with_a_notice_for_pairs_too():
     state = {"k": 1.0}
 
