@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks import compare_c
-from glmref.catalogue import load
+from glmref.catalogue.lookup import load
 from glmref.engine.codegen import ARGUMENTS, Options, kernel_source
 from glmref.engine.ensemble import solve_ensemble
 from glmref.engine.kernel import prepare

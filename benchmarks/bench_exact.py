@@ -1,12 +1,12 @@
 """Exact theory: arithmetic with nested roots, orders, starting methods, proofs by enclosure."""
 
-from glmref.catalogue import load
-from glmref.expression import parse
+from glmref.catalogue.lookup import load
+from glmref.exact.expression import parse
 from glmref.theory.error_constants import conjugate_error
 from glmref.theory.order import order_of
-from glmref.theory.pairs import pair_order_of
+from glmref.theory.partitioned import pair_order_of
 from glmref.theory.starting import starting_order
-from glmref.verification import verify_file
+from glmref.verification.verifier import verify_file
 
 
 class Arithmetic:

@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 
-from glmref.catalogue import load
+from glmref.catalogue.lookup import load
 from glmref.engine.kernel import prepare
 from glmref.engine.reference import stepper
 from glmref.engine.start import zero_start
-from glmref.experiments.work_precision import measure
+from glmref.measure.work_precision import measure
 from glmref.problems import problem
 
 

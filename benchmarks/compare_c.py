@@ -27,9 +27,9 @@ from typing import Any
 import numpy as np
 
 from benchmarks.timing import interleaved, quartiles, ratios
-from glmref.catalogue import load
+from glmref.catalogue.lookup import load
 from glmref.engine.kernel import Kernel, prepare
-from glmref.engine.pair_forms import PairForm
+from glmref.engine.partitioned_forms import PairForm
 from glmref.engine.reference import stepper
 from glmref.engine.start import zero_start
 from glmref.problems import problem

@@ -19,15 +19,15 @@ import mpmath
 import numpy as np
 
 from benchmarks.timing import interleaved, quartiles
-from glmref.catalogue import load
+from glmref.catalogue.lookup import load
 from glmref.engine.kernel import prepare
 from glmref.engine.outcome import StartFailed
 from glmref.engine.reference import stepper
 from glmref.engine.solve import solve
 from glmref.engine.start import starting_values
-from glmref.experiments.longtime import along
-from glmref.families import collocation, runge_kutta
+from glmref.measure.longtime import along
 from glmref.method import GLM, PartitionedGLM
+from glmref.method.families import collocation, runge_kutta
 from glmref.problems import problem
 
 __all__ = ["GOALS", "METHODS", "PERIODS", "Row", "gauss", "measure_all", "settings"]

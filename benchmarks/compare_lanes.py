@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from benchmarks.timing import interleaved, quartiles
-from glmref.catalogue import load
+from glmref.catalogue.lookup import load
 from glmref.engine.ensemble import solve_ensemble
 from glmref.engine.kernel import prepare
 from glmref.engine.reference import stepper

@@ -20,8 +20,8 @@ from typing import Any
 
 from benchmarks import compare_c, compare_kepler, compare_lanes
 from benchmarks.engine_tables import PAIR_TABLES, TABLES, filled
-from glmref.experiments.measure import circumstances
-from glmref.strict_json import write_json
+from glmref.catalogue.strict_json import write_json
+from glmref.measure.timing import circumstances
 
 ROOT = Path(__file__).resolve().parents[1]
 RECORD = ROOT / "data" / "measurements" / "engine.json"

@@ -15,9 +15,9 @@ import time
 from pathlib import Path
 from typing import Any
 
-from glmref.catalogue import names
-from glmref.experiments.measure import circumstances
-from glmref.strict_json import write_json
+from glmref.catalogue.lookup import names
+from glmref.catalogue.strict_json import write_json
+from glmref.measure.timing import circumstances
 
 RUNS = 5
 NOTE = (

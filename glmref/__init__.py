@@ -9,10 +9,10 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .analysis import Analysis, analyze
-    from .catalogue import load, names
-    from .claims import DataError, ExactnessError, Finding, GlmrefError, Proof, UsageError, Verdict
+    from .catalogue.lookup import load, names
     from .engine.solve import Solution, solve
+    from .errors import DataError, ExactnessError, GlmrefError, UsageError
+    from .findings import Finding, Proof, Verdict
     from .method import (
         GLM,
         FinishingMethod,
@@ -21,23 +21,16 @@ if TYPE_CHECKING:
         StartingMethod,
     )
     from .problems import Problem, problem
-    from .verification import verify
+    from .verification.analysis import Analysis, analyze
+    from .verification.verifier import verify
 
 __version__ = "0.1.0"
 
 _HOMES = {
-    "analysis": ("Analysis", "analyze"),
-    "catalogue": ("load", "names"),
-    "claims": (
-        "DataError",
-        "ExactnessError",
-        "Finding",
-        "GlmrefError",
-        "Proof",
-        "UsageError",
-        "Verdict",
-    ),
+    "catalogue.lookup": ("load", "names"),
     "engine.solve": ("Solution", "solve"),
+    "errors": ("DataError", "ExactnessError", "GlmrefError", "UsageError"),
+    "findings": ("Finding", "Proof", "Verdict"),
     "method": (
         "GLM",
         "FinishingMethod",
@@ -46,7 +39,8 @@ _HOMES = {
         "StartingMethod",
     ),
     "problems": ("Problem", "problem"),
-    "verification": ("verify",),
+    "verification.analysis": ("Analysis", "analyze"),
+    "verification.verifier": ("verify",),
 }
 _HOME_OF = {name: home for home, public in _HOMES.items() for name in public}
 

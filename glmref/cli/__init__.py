@@ -14,7 +14,7 @@ from collections.abc import Sequence
 import click
 
 from .. import __version__
-from ..claims import GlmrefError
+from ..errors import GlmrefError
 from .benching import bench
 from .browsing import cite, list_, show
 from .checking import verify

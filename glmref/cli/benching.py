@@ -11,8 +11,8 @@ from typing import Any
 
 import click
 
-from ..claims import UsageError
-from ..tables import Style, columns, csv_text, json_text
+from ..errors import UsageError
+from ..views.tables import Style, columns, csv_text, json_text
 from .output import FAILED, HOLDS, complain, say
 
 __all__ = ["bench"]
@@ -39,7 +39,7 @@ def bench(pattern: str | None, commits: str, quick: bool, stored: bool, form: st
     Results stay in .asv/results, where `glmref report` finds them. asv's own pages, in .asv/html,
     load scripts from the network; the report does not.
     """
-    from ..asv_results import read_results
+    from ..report.asv_results import read_results
 
     code = HOLDS
     if not stored:

@@ -9,9 +9,9 @@ from typing import Any
 
 import click
 
-from ..claims import UsageError
-from ..keys import BLOCKS
-from ..tables import Style, columns, csv_text, json_text
+from ..catalogue.keys import BLOCKS
+from ..errors import UsageError
+from ..views.tables import Style, columns, csv_text, json_text
 from .output import HOLDS, say
 
 __all__ = ["LISTS", "cite", "list_", "show"]
@@ -29,7 +29,7 @@ _BROKEN = ("name", "class", "refutes", "flag", "title")
 )
 def list_(kind: str | None, broken: bool, form: str) -> int:
     """List the shipped methods: name, class, order claimed, status of the source, title."""
-    from ..catalogue import document, names
+    from ..catalogue.lookup import document, names
 
     rows = [_row(document(name)) for name in names("broken" if broken else "methods")]
     rows = [row for row in rows if kind in (None, row["class"])]
@@ -76,13 +76,13 @@ def _row(doc: Mapping[str, Any]) -> dict[str, Any]:
 )
 def show(name: str, decimal: int | None, plot: Path | None) -> int:
     """Show a method's tableau as one reads it in a paper, with its source."""
-    from ..catalogue import load
-    from ..show import show as page
+    from ..catalogue.lookup import load
+    from ..views.show import show as page
 
     method = load(name)
     say(page(method, decimal=decimal, style=Style.of(sys.stdout)))
     if plot is not None:
-        from ..portrait import portrait
+        from ..views.portrait import portrait
 
         if plot.suffix != ".svg":
             raise UsageError(f"--plot writes SVG; give a name such as {plot.stem}.svg")
@@ -98,7 +98,7 @@ def show(name: str, decimal: int | None, plot: Path | None) -> int:
 @click.argument("names", nargs=-1, required=True, metavar="NAME|FILE...")
 def cite(names: tuple[str, ...]) -> int:
     """Write BibTeX for methods: the source of each, and the data file itself."""
-    from ..bibtex import entries
+    from ..views.bibtex import entries
 
     say("\n\n".join(entries(dict.fromkeys(names))))
     return HOLDS

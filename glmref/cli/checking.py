@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..claims import Finding, UsageError, Verdict
-from ..keys import CLAIMS
-from ..tables import FORMATS, Style
+from ..catalogue.keys import CLAIMS
+from ..errors import UsageError
+from ..findings import Finding, Verdict
+from ..views.tables import FORMATS, Style
 from .output import BAD_INPUT, FAILED, HOLDS, INTERNAL, INTERRUPTED, complain, say
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ def verify(names: tuple[str, ...], form: str, only: tuple[str, ...]) -> int:
     Without a name all shipped methods are checked, and all files that are wrong on purpose are
     refuted, one line a file. A NAME is one of `glmref list`; a FILE is your own method file.
     """
-    from ..catalogue import names as shipped
+    from ..catalogue.lookup import names as shipped
 
     asked = list(dict.fromkeys(names)) or shipped()
     report = _Report(form, every=bool(names), width=max(map(len, asked), default=0))
@@ -76,7 +77,7 @@ class _Report:
 
     def add(self, checked: Checked) -> None:
         """Take in one file, and write what can be written now."""
-        from .. import tables
+        from ..views import tables
 
         if checked.error:
             self.errors.append((checked.name, checked.error))
@@ -102,7 +103,7 @@ class _Report:
 
     def finish(self, asked: int, *, interrupted: bool = False) -> None:
         """Write the end of the report: everything that was found so far, complete in itself."""
-        from .. import tables
+        from ..views import tables
 
         if interrupted:
             complain(f"interrupted after {self.files + len(self.errors)} of {asked} files")

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..claims import UsageError
-from ..tables import json_text
+from ..errors import UsageError
+from ..views.tables import json_text
 from .output import FAILED, HOLDS, say
 
 if TYPE_CHECKING:
@@ -151,7 +151,7 @@ def _record(found: Derivation) -> dict[str, Any]:
 
 def _report(found: Derivation, output: Path | None) -> None:
     """Statements to stderr where a file takes stdout, else to stdout; files where they belong."""
-    from ..canonical import canonical
+    from ..catalogue.canonical import canonical
 
     to_stdout = output is None and len(found.documents) == 1
     for statement in found.statements:
@@ -165,7 +165,7 @@ def _report(found: Derivation, output: Path | None) -> None:
 
 
 def _write(document: Mapping[str, Any], output: Path | None) -> None:
-    from ..canonical import canonical
+    from ..catalogue.canonical import canonical
 
     if output is None:
         say(f"derived {document['name']}; give --output DIR to keep the file")

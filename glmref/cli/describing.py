@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..claims import UsageError
-from ..tables import Style, columns, csv_text, json_text, one_line, shown_value
+from ..errors import UsageError
+from ..views.tables import Style, columns, csv_text, json_text, one_line, shown_value
 from .browsing import LISTS
 from .output import HOLDS, INTERNAL, say
 
 if TYPE_CHECKING:
-    from ..errata import Erratum
+    from ..catalogue.errata import Erratum
 
 __all__ = ["analyze", "errata"]
 
@@ -43,8 +43,8 @@ def analyze(name: str, form: str) -> int:
 
     Exit code 3 when something could not be decided.
     """
-    from ..analysis import analyze as examine
-    from ..catalogue import load
+    from ..catalogue.lookup import load
+    from ..verification.analysis import analyze as examine
 
     record = examine(load(name)).as_json()
     if form == "json":
@@ -102,7 +102,7 @@ def _largest(residuals: Mapping[str, float]) -> str:
 @_FORM
 def errata(text: str, verdict: str | None, method: str | None, form: str) -> int:
     """Show what the thesis prints and whether it is right: one ID, or all that mention TEXT."""
-    from ..errata import erratum, find_errata, load_errata
+    from ..catalogue.errata import erratum, find_errata, load_errata
 
     known = {record.id for record in load_errata()}
     found = find_errata("" if text in known else text, verdict=verdict, method=method)

@@ -7,7 +7,7 @@ import os
 import sys
 import traceback
 
-from ..tables import one_line
+from ..views.tables import one_line
 
 __all__ = [
     "BAD_INPUT",

@@ -13,8 +13,9 @@ from multiprocessing import get_context
 from threading import current_thread, main_thread
 from time import perf_counter
 
-from ..claims import Finding, GlmrefError
-from ..tables import plain
+from ..errors import GlmrefError
+from ..findings import Finding
+from ..views.tables import plain
 from .output import internal_sentence
 
 __all__ = ["Checked", "check", "check_all"]
@@ -48,7 +49,7 @@ Check = Callable[[str, Sequence[str]], Checked]
 
 def check(name: str, only: Sequence[str] = ()) -> Checked:
     """Check one data file; every outcome, good or bad, is a record."""
-    from ..verification import verify_file
+    from ..verification.verifier import verify_file
 
     try:
         found = verify_file(name, only=only)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..tables import Style, columns, json_text, one_line, shown_value
+from ..views.tables import Style, columns, json_text, one_line, shown_value
 from .output import HOLDS, INTERNAL, say
 
 if TYPE_CHECKING:

@@ -30,8 +30,8 @@ def report(results: tuple[Path, ...], output: Path | None, single: bool) -> int:
     asv. By default the folder report and .asv/results. What comes with the data is shown as well,
     where RESULTS say nothing else: verdicts, orders seen in runs, stability regions, measurements.
     """
-    from ..catalogue import names
-    from ..data_files import data_root
+    from ..catalogue.files import data_root
+    from ..catalogue.lookup import names
     from ..report import build, read
     from ..report.markup import counted
 

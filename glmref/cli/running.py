@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..claims import UsageError
-from ..tables import Style, columns, csv_text, json_text, one_line
+from ..errors import UsageError
+from ..views.tables import Style, columns, csv_text, json_text, one_line
 from .browsing import LISTS
 from .output import HOLDS, INTERNAL, say
 
@@ -139,7 +139,7 @@ def _show_plans(plans: Sequence[Plan], form: str) -> None:
 def _carry_out(plan: Plan, output: Path, *, quick: bool) -> dict[str, Any]:
     """Run what is missing, write the pictures, and return everything as one document."""
     from .. import scenes as rooms
-    from ..experiments.records import RecordFile
+    from ..measure.records import RecordFile
 
     scene = plan.scene
     stem = scene.name + ("-quick" if quick else "")
@@ -175,8 +175,8 @@ def _draw(
     scene: Scene, records: Sequence[Mapping[str, Any]], output: Path, stem: str
 ) -> tuple[list[str], list[str]]:
     """Write SVG, and PNG and PDF where matplotlib is there; return file names and notices."""
-    from .. import chart, plane
     from .. import scenes as rooms
+    from ..views import chart, plane
 
     names: list[str] = []
     notices: list[str] = []
@@ -202,7 +202,7 @@ def _draw(
 def _page(scene: Scene, document: Mapping[str, Any], output: Path) -> str:
     """Return what a terminal shows of one scene."""
     from .. import scenes as rooms
-    from ..chart import text
+    from ..views.chart import text
 
     style = Style.of(sys.stdout)
     records = document["records"]

@@ -12,7 +12,8 @@ from contextlib import redirect_stdout
 from dataclasses import replace
 from typing import Any
 
-from ..claims import Finding, GlmrefError, Verdict
+from ..errors import GlmrefError
+from ..findings import Finding, Verdict
 
 HOLDS, FAILED, BAD_ADAPTER = 0, 1, 4
 #: Beginning of the witness of a check that was not judged because of another one.
@@ -83,7 +84,7 @@ def _judged(finding: Finding, known: dict[str, str]) -> Finding:
 
 
 def _write(found: list[Finding], form: str) -> None:
-    from .. import tables
+    from ..views import tables
 
     if form == "json":
         text = tables.findings_json(found)
@@ -98,7 +99,7 @@ def _write(found: list[Finding], form: str) -> None:
 
 def _page(found: list[Finding]) -> str:
     """Return what does not hold, method by method; checks that rest on another one are counted."""
-    from .. import tables
+    from ..views import tables
 
     style, parts = tables.Style.of(sys.stdout), []
     for method in dict.fromkeys(finding.method for finding in found):

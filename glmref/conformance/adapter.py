@@ -23,7 +23,7 @@ from collections.abc import Mapping, Sequence
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Protocol
 
-from ..claims import UsageError
+from ..errors import UsageError
 from .subject import said
 
 if TYPE_CHECKING:

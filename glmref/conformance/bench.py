@@ -9,14 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from ..claims import GlmrefError
 from ..engine.reference import Stepper, apply_finish, apply_start, stepper
 from ..engine.start import enhanced_start
 from ..engine.tableau import method_abscissae, preconsistency
+from ..errors import GlmrefError
 from ..exact import Ball, Exact
-from ..facts import facts_of
-from ..linalg import Matrix
+from ..exact.linalg import Matrix
 from ..method import GLM, PartitionedGLM
+from ..verification.facts import facts_of
 from .numbers import decimal_of, decimals, rounded_up
 from .scheme import Scheme, error_bound, error_field
 from .traps import reversal

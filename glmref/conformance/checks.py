@@ -17,7 +17,8 @@ from typing import Any
 
 import numpy as np
 
-from ..claims import Finding, Proof, UsageError, Verdict
+from ..errors import UsageError
+from ..findings import Finding, Proof, Verdict
 from .compare import Comparison
 from .judgement import Judgement
 from .measure import Measurement

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ..claims import GlmrefError
+from ..errors import GlmrefError
 from .identify import matches
 from .probe import read
 from .subject import AdapterError, NotOffered, Subject

@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
-from ..claims import DataError
+from ..errors import DataError
 from ..exact import Ball, ball
 
 __all__ = ["BALL_FUNCTIONS", "Bounded", "bounded_functions", "evaluate"]

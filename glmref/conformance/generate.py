@@ -14,8 +14,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..claims import DataError
 from ..engine.tableau import preconsistency
+from ..errors import DataError
 from ..method import GLM, PartitionedGLM
 from .bench import DIGITS, SHOWN, Bench
 from .run_cases import RunCases
@@ -109,7 +109,7 @@ def checksums(folder: Path) -> str:
 
 def write(folder: Path, names: Sequence[str] = METHODS) -> None:
     """Make the files of these methods anew, and the list of hashes."""
-    from ..catalogue import load
+    from ..catalogue.lookup import load
 
     for name in names:
         text = layout(document_of(load(name), name))

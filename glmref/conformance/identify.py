@@ -18,10 +18,10 @@ from typing import Any
 
 import numpy as np
 
-from ..catalogue import load, names
-from ..claims import DataError, ExactnessError, UsageError
+from ..catalogue.lookup import load, names
+from ..errors import DataError, ExactnessError, UsageError
 from ..exact import Ball
-from ..expression import parse
+from ..exact.expression import parse
 from ..method import GLM, PartitionedGLM
 from .probe import Reading, read
 from .subject import Subject
@@ -153,7 +153,7 @@ def _identify(subject: Subject, name: str) -> Probe:
 
 
 def _analysis(method: GLM | PartitionedGLM, notes: list[str]) -> Any:
-    from ..analysis import analyze
+    from ..verification.analysis import analyze
 
     try:
         return analyze(method)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from ..claims import UsageError
+from ..errors import UsageError
 
 __all__ = ["read_known_failures"]
 

@@ -91,7 +91,7 @@ def _measured_claim(gap: float, allowed: float, said: str) -> Judgement:
 
 @cache
 def _taylor_end(name: str, time: float) -> np.ndarray:
-    from ..problems.taylor import taylor_states
+    from .taylor import taylor_states
 
     task = problems()[name]
     (end,) = taylor_states(task.problem, [float(task.t0) + time], digits=25)

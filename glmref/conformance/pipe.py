@@ -39,7 +39,7 @@ from typing import Any
 
 import numpy as np
 
-from ..claims import GlmrefError, UsageError
+from ..errors import GlmrefError, UsageError
 
 __all__ = ["OFFERS", "PipeAdapter", "PipeError"]
 
@@ -296,6 +296,6 @@ def _shaped(answer: Any, shape: tuple[int, ...]) -> np.ndarray:
 
 
 def _known(method: str) -> Any:
-    from ..catalogue import load
+    from ..catalogue.lookup import load
 
     return load(method)

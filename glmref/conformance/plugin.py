@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from ..claims import Finding
+    from ..findings import Finding
     from .checks import Check, Suite
 
 VARIABLE = "GLMREF_ADAPTER"
@@ -68,7 +68,7 @@ def _ours(config: pytest.Config) -> bool:
 
 
 def _session(named: str, known: str | None) -> Session:
-    from ..claims import GlmrefError
+    from ..errors import GlmrefError
     from .adapter import load_adapter
     from .checks import Suite
     from .known import read_known_failures

@@ -19,9 +19,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..claims import UsageError
+from ..errors import UsageError
 from ..problems import Problem
-from .probe_pair import read_pair
+from .probe_partitioned import read_pair
 from .subject import AdapterError, NotOffered, Subject
 from .watch import (
     MARKERS,

@@ -6,9 +6,9 @@ from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from typing import Any
 
-from ..claims import DataError
+from ..errors import DataError
 from ..exact import Exact, ball
-from ..linalg import Matrix
+from ..exact.linalg import Matrix
 from .numbers import decimals, rounded_up
 from .traps import Wrong
 

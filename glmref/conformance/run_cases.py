@@ -10,8 +10,8 @@ from typing import Any
 import mpmath
 import numpy as np
 
-from ..claims import DataError
 from ..engine.reference import Stepper
+from ..errors import DataError
 from ..exact import ball
 from .bench import DIGITS, SAFETY, SHOWN, TRAP_DIGITS, Bench
 from .numbers import decimal_text, decimals, exact_decimal, fraction_of, rounded_up
@@ -177,7 +177,7 @@ def _pendulum_end(task: TestProblem) -> list[str]:
     By Jacobi's elliptic functions, confirmed by a Taylor series of another module.
     """
     from ..problems import problem
-    from ..problems.taylor import taylor_states
+    from .taylor import taylor_states
 
     known = problem("pendulum", q0=task.y0[0], p0=task.y0[1])
     context = mpmath.MPContext()

@@ -14,7 +14,7 @@ from typing import Any
 
 from ..engine.tableau import StageBlock, dependency_blocks, method_abscissae
 from ..exact import Ball, Exact, Scalar, ball
-from ..linalg import Matrix
+from ..exact.linalg import Matrix
 from ..method import GLM, FinishingMethod, PartitionedGLM, StartingMethod
 from .expressions import BALL_FUNCTIONS, Bounded, bounded_functions, evaluate
 

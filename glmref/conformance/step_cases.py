@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ..claims import DataError
 from ..engine.reference import apply_finish, apply_start
+from ..errors import DataError
 from ..exact import ball
 from ..method import GLM
 from .bench import SHOWN, TRAP_DIGITS, Bench

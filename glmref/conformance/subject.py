@@ -6,7 +6,7 @@ import traceback
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ..claims import GlmrefError, UsageError
+from ..errors import GlmrefError, UsageError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -219,7 +219,7 @@ def _problems(given: Any, name: str) -> tuple[str, ...] | None:
 
 def _methods(adapter: Any, name: str) -> dict[str, dict[str, Any]]:
     """Read ``methods``: catalogue names, paths, or name -> claims."""
-    from ..catalogue import path_of
+    from ..catalogue.lookup import path_of
 
     given = getattr(adapter, "methods", None)
     if isinstance(given, str):

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..engine.reference import Stepper, apply_finish, apply_start, stepper
 from ..exact import Exact
-from ..linalg import Matrix, matmul, transpose
+from ..exact.linalg import Matrix, matmul, transpose
 from ..method import GLM, PartitionedGLM
 from ..problems import Problem
 
@@ -295,7 +295,7 @@ def reversal(method: GLM | PartitionedGLM) -> Matrix | None:
     """Return the involution L of a symmetric method, ``None`` for others and for pairs."""
     if isinstance(method, PartitionedGLM):
         return None
-    from ..facts import facts_of
+    from ..verification.facts import facts_of
 
     symmetry = facts_of(method).symmetry
     if not symmetry.holds or symmetry.L is None:

@@ -14,11 +14,11 @@ from typing import Any
 
 import numpy as np
 
-from ..catalogue import data_root, load
-from ..claims import DataError
+from ..catalogue.lookup import data_root, load
+from ..catalogue.strict_json import read_json
+from ..errors import DataError
 from ..method import GLM, PartitionedGLM
 from ..problems import Problem
-from ..strict_json import read_json
 
 __all__ = [
     "FORMAT",

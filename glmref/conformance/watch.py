@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..claims import UsageError
+from ..errors import UsageError
 from ..problems import Problem
 from .subject import AdapterError
 

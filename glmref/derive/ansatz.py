@@ -1,7 +1,7 @@
 """What to look for: stages, values, symmetry, what is fixed; turned into a document to be solved.
 
 An ansatz is a symmetric, diagonally implicit, G-symplectic method in the sweep form
-(:mod:`glmref.sweep_form`) with V = diag(1, blocks), each block a complex pair on the unit circle
+(:mod:`glmref.method.sweep`) with V = diag(1, blocks), each block a complex pair on the unit circle
 or -1:
 
     D        palindromic                                       b1, b2, ..
@@ -23,10 +23,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ..claims import DataError, UsageError
+from ..errors import DataError, UsageError
 from ..exact import Exact
-from ..expression import parse
-from .classes import plan, representatives
+from ..exact.expression import parse
+from ..prove.classes import plan, representatives
 from .recognise import exact_text
 
 __all__ = ["Ansatz", "Value"]

@@ -14,18 +14,17 @@ from typing import Any
 
 import numpy as np
 
-from .. import linalg
-from ..claims import ExactnessError
-from ..exact import Exact
-from ..linalg import Matrix
+from ..catalogue.writer import decimal
+from ..errors import ExactnessError
+from ..exact import Exact, linalg
+from ..exact.linalg import Matrix
+from ..prove.classes import classes
+from ..prove.inverse_finish import inverse_block
+from ..prove.starting import Target, functionals, prove_starting
+from ..prove.tableau_series import stage_order, weights
 from ..theory.trees import Tree
-from .classes import classes
-from .inverse_finish import inverse_block
 from .parameters import RankError, pivots
 from .parity_start import add_terms, negated
-from .starting import Target, functionals, prove_starting
-from .tableau_series import stage_order, weights
-from .write import decimal
 
 __all__ = ["collocation", "linear_start", "tableau"]
 

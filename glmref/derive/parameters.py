@@ -8,11 +8,11 @@ from fractions import Fraction
 
 import numpy as np
 
-from ..claims import GlmrefError
+from ..errors import GlmrefError
+from ..prove.newton import ConvergenceError
+from ..prove.system import SweepSystem
 from .ansatz import Ansatz
-from .newton import ConvergenceError
 from .search import evaluate, levenberg_marquardt
-from .system import SweepSystem
 
 __all__ = ["RankError", "fix_parameters", "pivots"]
 

@@ -12,9 +12,10 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
+from ..catalogue.writer import DIGITS, decimal
 from ..exact import Ball, ball
-from .newton import polish
-from .starting import (
+from ..prove.newton import polish
+from ..prove.starting import (
     StartingSystem,
     Target,
     finishing_function,
@@ -25,7 +26,6 @@ from .starting import (
     starting_function,
     starting_system,
 )
-from .write import DIGITS, decimal
 
 __all__ = ["add_terms", "complete", "finishing_block", "negated", "starting_block"]
 
@@ -173,7 +173,7 @@ def _substitute(rows: Any, system: StartingSystem, found: Sequence[Ball]) -> Any
 def complete(
     start: Mapping[str, Any], finish: Mapping[str, Any] | None, target: Target
 ) -> tuple[dict[str, Any], dict[str, Any] | None]:
-    """Polish a start and a finish to :data:`~glmref.derive.write.DIGITS` digits and prove them.
+    """Polish a start and a finish to :data:`~glmref.catalogue.writer.DIGITS` digits and prove them.
 
     Raises
     ------

@@ -10,9 +10,9 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
-from ..claims import ExactnessError
+from ..errors import ExactnessError
 from ..exact import Ball, Exact
-from ..expression import parse, to_text
+from ..exact.expression import parse, to_text
 
 __all__ = ["exact_text", "minimal_polynomial", "root_text", "surd", "surds"]
 

@@ -1,6 +1,6 @@
 """Newton from many starts at once, in double precision, reproducible from a seed and resumable.
 
-The system is written once, for any scalar (:mod:`glmref.derive.system`). Here a scalar is a numpy
+The system is written once, for any scalar (:mod:`glmref.prove.system`). Here a scalar is a numpy
 array: axis 0 runs over starts, axis 1 over the unknowns, each perturbed by an imaginary ``STEP``;
 the imaginary part of a result divided by it is the derivative, exact to round-off (complex step,
 Squire and Trapp 1998). One evaluation of Python code so serves all starts and the whole Jacobian.

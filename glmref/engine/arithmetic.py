@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..linalg import Matrix
+from ..exact.linalg import Matrix
 from ..problems.model import Problem
 
 __all__ = ["Arithmetic", "StageSolver", "size"]

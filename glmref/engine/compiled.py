@@ -21,7 +21,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from ..claims import UsageError
+from ..errors import UsageError
 from . import native
 from .native import PLAIN, Tuning
 

@@ -15,13 +15,13 @@ from typing import Any
 
 import numpy as np
 
-from ..claims import UsageError
-from ..linalg import Vector
+from ..errors import UsageError
+from ..exact.linalg import Vector
 from ..method import GLM, PairStartingMethod, PartitionedGLM, StartingMethod
 from ..problems.model import Problem
 from .codegen import SCALAR_LIMIT
 from .kernel import choose_form
-from .pair_start import explicit_order
+from .partitioned_start import explicit_order
 from .plan import plan_of, resolved, step_size
 from .reference import stepper
 from .runners import WIDTHS, EnsembleSolution, Lanes, Runner, Singles, rows_at, slopes_at

@@ -21,11 +21,10 @@ from fractions import Fraction
 
 import numpy as np
 
-from .. import linalg
-from ..exact import Scalar, exact
-from ..linalg import Matrix
+from ..exact import Scalar, exact, linalg
+from ..exact.linalg import Matrix
 from ..method import GLM
-from ..rounding import split_float
+from ..method.rounding import split_float
 from .tableau import StageBlock, as_balls, method_abscissae, preconsistency, stage_blocks
 
 __all__ = [

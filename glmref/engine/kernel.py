@@ -18,7 +18,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..claims import UsageError
+from ..errors import UsageError
 from ..method import GLM, PartitionedGLM
 from ..problems.formula import Formula
 from ..problems.model import Problem
@@ -27,8 +27,8 @@ from .codegen import ARGUMENTS, KernelSource, Options, kernel_source
 from .forms import StepForm
 from .newton import INLINE_LIMIT
 from .outcome import KERNEL_OUTCOMES, Outcome
-from .pair_forms import PairForm, pair_form
-from .pairs import pair_source
+from .partitioned import pair_source
+from .partitioned_forms import PairForm, pair_form
 from .plan import check_arithmetic
 from .shape import Shape, jacobian_block, shape_of
 from .sweep import step_form

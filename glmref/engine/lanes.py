@@ -12,12 +12,12 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
-from ..claims import UsageError
+from ..errors import UsageError
 from .codegen import Builder, Options
 from .emit import LaneTarget, Writer
 from .forms import StepForm
-from .pair_forms import PairForm
-from .pairs import PairBuilder
+from .partitioned import PairBuilder
+from .partitioned_forms import PairForm
 from .shape import Shape
 from .stages import NOISE, ROUND_OFF, ROUNDS, STALLS
 from .values import Values

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING
 
-from ..claims import UsageError
+from ..errors import UsageError
 
 if TYPE_CHECKING:
     import numpy as np

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..claims import UsageError
+from ..errors import UsageError
 from ..method import GLM, PartitionedGLM
 from ..problems.model import Problem
 
@@ -61,7 +61,7 @@ def resolved(problem: Any, method: Any) -> tuple[Problem, GLM | PartitionedGLM]:
 
         problem = by_name(problem)
     if isinstance(method, str):
-        from ..catalogue import load
+        from ..catalogue.lookup import load
 
         method = load(method)
     if not isinstance(problem, Problem):

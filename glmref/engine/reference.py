@@ -18,9 +18,9 @@ from typing import Any
 
 import numpy as np
 
-from ..claims import UsageError
+from ..errors import UsageError
 from ..exact import exact
-from ..linalg import Matrix
+from ..exact.linalg import Matrix
 from ..method import GLM, FinishingMethod, PartitionedGLM, StartingMethod
 from ..problems.model import Problem
 from .arithmetic import Arithmetic, StageSolver, size

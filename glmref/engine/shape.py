@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ..claims import UsageError
+from ..errors import UsageError
 from ..problems.derivative import Jacobian
 from ..problems.formula import Formula, subscripts
 from ..problems.loops import Loops, PhaseSpace

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..claims import UsageError
+from ..errors import UsageError
 from ..method import GLM, PartitionedGLM
 from ..problems.model import Problem
 from .outcome import Outcome, Solution, StartFailed

@@ -17,12 +17,12 @@ from typing import Any
 
 import numpy as np
 
-from ..claims import UsageError
-from ..linalg import Matrix
+from ..errors import UsageError
+from ..exact.linalg import Matrix
 from ..method import GLM, PairStartingMethod, PartitionedGLM, StartingMethod
 from ..problems.model import Problem
 from .outcome import StartFailed
-from .pair_start import apply_pair_start
+from .partitioned_start import apply_pair_start
 from .reference import PairStepper, Stepper, apply_start
 from .tableau import preconsistency
 

@@ -19,10 +19,9 @@ from fractions import Fraction
 
 import numpy as np
 
-from .. import linalg
-from ..claims import UsageError
-from ..exact import Scalar, ball, exact
-from ..linalg import Matrix
+from ..errors import UsageError
+from ..exact import Scalar, ball, exact, linalg
+from ..exact.linalg import Matrix
 from ..method import GLM
 from .forms import (
     CLOSE,

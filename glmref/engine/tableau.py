@@ -10,10 +10,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from .. import linalg
-from ..claims import ExactnessError
-from ..exact import Scalar, ball, exact
-from ..linalg import Matrix, Vector
+from ..errors import ExactnessError
+from ..exact import Scalar, ball, exact, linalg
+from ..exact.linalg import Matrix, Vector
 from ..method import GLM
 
 __all__ = [

@@ -8,7 +8,7 @@ Two number types share one set of operations, so that the theory is written once
 
 Mixing the two gives a ball. A Python int or Fraction mixes with both; a float never does. A
 :class:`Jet` is either with its gradient.
-Reading and writing the text form is the business of :mod:`glmref.expression`.
+Reading and writing the text form is the business of :mod:`glmref.exact.expression`.
 """
 
 from .ball import Ball, ball

@@ -8,7 +8,7 @@ from typing import Any
 
 import flint
 
-from ..claims import ExactnessError
+from ..errors import ExactnessError
 from .field import BALL_BITS, Arithmetic, as_fmpq
 from .number import Exact, exact
 

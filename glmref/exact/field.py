@@ -11,7 +11,7 @@ from typing import Any
 import flint
 from flint.types import _gr  # pyright: ignore[reportAttributeAccessIssue]
 
-from ..claims import ExactnessError
+from ..errors import ExactnessError
 
 #: Working precision of balls, in bits: 75 published digits and their proofs fit several times over.
 BALL_BITS = 512

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import flint
 
-from ..claims import ExactnessError
+from ..errors import ExactnessError
 from .field import (
     BALL_BITS,
     FIELD,

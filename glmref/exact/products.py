@@ -10,7 +10,7 @@ from typing import Any
 
 import flint
 
-from ..claims import ExactnessError
+from ..errors import ExactnessError
 from .ball import Ball, ball
 from .jet import Jet
 from .number import Exact

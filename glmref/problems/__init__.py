@@ -11,7 +11,7 @@ from collections.abc import Callable
 from difflib import get_close_matches
 from importlib import import_module
 
-from ..claims import UsageError
+from ..errors import UsageError
 from .model import Problem
 
 __all__ = ["Problem", "names", "parameters_of", "problem"]

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from ..claims import UsageError
+from ..errors import UsageError
 
 __all__ = ["FUNCTIONS", "Formula", "Number", "exact_number", "functions", "to_number"]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..claims import UsageError
+from ..errors import UsageError
 from .formula import Formula
 from .loops import QuadraticForm
 from .model import Problem

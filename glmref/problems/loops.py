@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ..claims import UsageError
+from ..errors import UsageError
 from .formula import Formula, Number, exact_number, functions, to_number
 from .precision import on_context
 

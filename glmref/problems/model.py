@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..claims import UsageError
+from ..errors import UsageError
 from .derivative import Jacobian
 from .formula import Formula, Number, exact_number, functions, to_number
 from .loops import Loops, PhaseSpace, QuadraticForm, join

@@ -18,7 +18,7 @@ from math import sqrt
 from random import Random
 from typing import Any
 
-from ..claims import UsageError
+from ..errors import UsageError
 from .formula import Formula, Number, exact_number
 from .loops import Loops, QuadraticForm
 from .model import Problem

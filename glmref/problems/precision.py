@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..claims import UsageError
+from ..errors import UsageError
 from .formula import Number, to_number
 
 __all__ = ["Flow", "on_context"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..claims import UsageError
+from ..errors import UsageError
 from .formula import Number, exact_number
 
 __all__ = ["count", "number"]

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..claims import DataError
+from ..errors import DataError
 
 __all__ = ["FORMAT", "Reference", "read_references", "references_of"]
 
@@ -44,7 +44,7 @@ class Reference:
 
 def references_of(name: str, parameters: Mapping[str, Any]) -> tuple[Reference, ...]:
     """Return the shipped references of a problem with these parameters, sorted by time."""
-    from ..catalogue import data_root
+    from ..catalogue.lookup import data_root
 
     path = data_root() / "solutions" / f"{name}.json"
     if not path.is_file():
@@ -62,7 +62,7 @@ def read_references(path: Path) -> tuple[tuple[dict[str, float], Reference], ...
     ------
         DataError: for a file that is not what it must be.
     """
-    from ..strict_json import read_json
+    from ..catalogue.strict_json import read_json
 
     document = read_json(path)
     if not isinstance(document, dict) or document.get("format") != FORMAT:

@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
-from ..claims import UsageError
+from ..errors import UsageError
 from .formula import Formula
 from .model import Problem
 from .precision import Flow

@@ -23,7 +23,7 @@ import ast
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..claims import UsageError
+from ..errors import UsageError
 from .derivative import differentiated
 from .formula import Formula
 from .loops import QuadraticForm

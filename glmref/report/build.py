@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from .. import __version__
-from ..catalogue import names, path_of
-from ..claims import UsageError
+from ..catalogue.lookup import names, path_of
+from ..errors import UsageError
 from .markup import Page, Site
 from .measurements import measurement_pages
 from .methods import by_class, method_page, overview

@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Any
 
-from ..bibtex import source_entry
-from ..catalogue import document, load
-from ..errata import find_errata
+from ..catalogue.errata import find_errata
+from ..catalogue.lookup import document, load
 from ..method import GLM, PartitionedGLM
-from ..show import parts
+from ..views.bibtex import source_entry
+from ..views.show import parts
 from .markup import Column, Page, Site, Table, counted, escape, number, scrolling, wrapped
 from .measurements import title_of
 from .runs import answer_of, tab_of

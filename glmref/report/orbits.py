@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ..plane import Cloud, one_each, ranging
+from ..views.plane import Cloud, one_each, ranging
 from .markup import Column, Table, counted, escape, figure, number
 from .store import Record, RunFile, is_number, method_of
 

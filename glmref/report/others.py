@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from ..errata import VERDICTS, load_errata
+from ..catalogue.errata import VERDICTS, load_errata
 from .markup import Column, Page, Site, Table, counted, escape, figure, flat, number
 from .store import Results
 

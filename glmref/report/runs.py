@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any
 
-from ..claims import GlmrefError
+from ..errors import GlmrefError
 from .markup import Column, Page, Site, Table, counted, escape, figure, number
 from .orbits import orbits
 from .store import Record, RunFile, method_of, path_in

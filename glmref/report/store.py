@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import Any, TypeGuard
 from xml.etree import ElementTree
 
-from ..asv_results import Cell, read_results
-from ..claims import DataError, UsageError
+from ..errors import DataError, UsageError
+from .asv_results import Cell, read_results
 from .markup import counted
 
 __all__ = ["MARK", "Odd", "Record", "Results", "RunFile", "method_of", "read"]

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from ..claims import GlmrefError
+from ..errors import GlmrefError
 from .endings import KINDS
 from .model import Scene
 from .words import grouped, listed, method_of
@@ -100,7 +100,7 @@ def _times(ratio: float) -> str:
 
 def _carries_several(records: Sequence[Record], name: str) -> bool:
     """Whether a method carries more than one value from step to step."""
-    from ..catalogue import load
+    from ..catalogue.lookup import load
 
     task = next(record["task"] for record in records if method_of(record) == name)
     if task["kind"] == "peer":

@@ -8,9 +8,9 @@ from importlib.util import find_spec
 from typing import Any
 
 from .. import __version__
-from ..catalogue import document, load
-from ..claims import GlmrefError
-from ..experiments.records import key_of
+from ..catalogue.lookup import document, load
+from ..errors import GlmrefError
+from ..measure.records import key_of
 from ..method import GLM, PartitionedGLM
 from ..problems.model import Problem
 from .model import ASK, TIMED, Scene
@@ -128,7 +128,7 @@ def plan(scene: Scene) -> Plan:
     if shape_of(subject).opaque:
         modules.append("numba")  # a right-hand side in Python is compiled by numba alone
     if scene.peers:
-        from ..experiments.peers import package_of
+        from ..measure.peers import package_of
 
         for peer in scene.peers:
             package = package_of(peer)

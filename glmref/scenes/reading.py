@@ -10,11 +10,11 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
-from ..catalogue import data_root, document
-from ..catalogue import names as method_names
-from ..catalogue import path_of as method_path
-from ..claims import DataError, UsageError
-from ..strict_json import shown
+from ..catalogue.lookup import data_root, document
+from ..catalogue.lookup import names as method_names
+from ..catalogue.lookup import path_of as method_path
+from ..catalogue.strict_json import shown
+from ..errors import DataError, UsageError
 from .model import ANSWERS, ASK, FORMAT, JUDGING, KINDS, STARTS, Answer, Scene
 
 __all__ = ["load_scene", "names"]
@@ -369,7 +369,7 @@ class _Reader:
     def _peers(
         self, given: Mapping[str, Any], tolerances: tuple[float, ...], at: Any
     ) -> tuple[str, ...]:
-        from ..experiments.peers import NAMES
+        from ..measure.peers import NAMES
 
         peers = self._list(at("peers"), given, "peers", empty=True)
         if peers and not tolerances:

@@ -7,9 +7,9 @@ import warnings
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from ..claims import GlmrefError
-from ..experiments.attempt import FUNCTION_FAILED
-from ..experiments.records import RecordFile
+from ..errors import GlmrefError
+from ..measure.attempt import FUNCTION_FAILED
+from ..measure.records import RecordFile
 from ..method import GLM
 from .model import Scene
 from .planning import SAMPLED, Plan, plan
@@ -70,7 +70,7 @@ def perform(task: Mapping[str, Any]) -> dict[str, Any]:
         KeyboardInterrupt: when the user stops the run, and nothing else.
     """
     from ..engine.outcome import StartFailed
-    from ..experiments.measure import circumstances
+    from ..measure.timing import circumstances
 
     try:
         with warnings.catch_warnings():
@@ -92,15 +92,15 @@ def perform(task: Mapping[str, Any]) -> dict[str, Any]:
 
 def _user_function(task: Mapping[str, Any]) -> bool:
     """Whether the problem's right-hand side is a Python function: not ours to answer for."""
-    from ..experiments.attempt import given_by_user
+    from ..measure.attempt import given_by_user
     from ..problems import problem
 
     return given_by_user(problem(task["problem"], **_parameters(task)))
 
 
 def _method(task: Mapping[str, Any]) -> dict[str, Any]:
-    from ..catalogue import load
-    from ..experiments.attempt import check_function
+    from ..catalogue.lookup import load
+    from ..measure.attempt import check_function
     from ..problems import problem
 
     method = load(task["file"] or task["method"])
@@ -117,7 +117,7 @@ def _orbit(
     task: Mapping[str, Any], method: Any, subject: Any, record: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Take the steps once more, as many as there were, for the path: it is never timed."""
-    from ..experiments.orbit import orbit
+    from ..measure.orbit import orbit
 
     if not record["steps"]:
         return {}
@@ -130,7 +130,7 @@ def _orbit(
 
 def _short(task: Mapping[str, Any], method: Any, subject: Any) -> dict[str, Any]:
     """One run, timed, that answers about the error of the state and of the energy."""
-    from ..experiments.work_precision import measure
+    from ..measure.work_precision import measure
 
     work = measure(
         subject,
@@ -164,9 +164,9 @@ def _long(task: Mapping[str, Any], method: Any, subject: Any) -> dict[str, Any]:
     """One sampled run that answers about invariants and parasitic parts."""
     import numpy as np
 
-    from ..experiments.longtime import watch
-    from ..experiments.parasitic import solution_direction
-    from ..experiments.work_precision import reference_state, state_error
+    from ..measure.longtime import watch
+    from ..measure.parasitic import solution_direction
+    from ..measure.work_precision import reference_state, state_error
 
     u, asked = solution_direction(method), set(task["ask"])
     solution, record = _sampled(task, method, subject, u)
@@ -193,10 +193,10 @@ def _sampled(
     task: Mapping[str, Any], method: Any, subject: Any, u: Any
 ) -> tuple[Any, dict[str, Any]]:
     """Run as often as asked: the last solution, with samples, and what every record has."""
-    from ..experiments.longtime import follow
-    from ..experiments.measure import Timing
-    from ..experiments.parasitic import loss
-    from ..experiments.work_precision import Deadline, check_interruption
+    from ..measure.longtime import follow
+    from ..measure.parasitic import loss
+    from ..measure.timing import Timing
+    from ..measure.work_precision import Deadline, check_interruption
 
     parasitic = "parasitic" in task["ask"]
     stop = (lambda part: loss(subject, part, u).time is not None) if parasitic else None
@@ -234,7 +234,7 @@ def _law(method: Any, subject: Any, solution: Any) -> dict[str, Any]:
     """By which law the first conserved quantity of the solution deviates, and how far over time."""
     import numpy as np
 
-    from ..experiments.law import fit_law, samples_of
+    from ..measure.law import fit_law, samples_of
 
     known = ("energy",) if subject.hamiltonian is not None else ()
     quantity = (*known, *subject.quadratic, *subject.invariants)[0]
@@ -258,7 +258,7 @@ def _parasitic(
     """When the run was lost, when mu f' says so, and the size of the rest over time."""
     import numpy as np
 
-    from ..experiments.parasitic import loss, modes, parasitic_size, period_of, predicted_loss
+    from ..measure.parasitic import loss, modes, parasitic_size, period_of, predicted_loss
 
     found = loss(subject, solution, u)
     size = parasitic_size(solution, u) / (float(np.linalg.norm(solution.y[0])) or 1.0)
@@ -302,7 +302,7 @@ def _kept_series(subject: Any, solution: Any, G: Any) -> list[list[float]]:
     """Largest relative deviation of what the method should keep, over time."""
     import numpy as np
 
-    from ..experiments.longtime import along, energy_deviation, g_form
+    from ..measure.longtime import along, energy_deviation, g_form
 
     t, y = np.asarray(solution.t, dtype=float), np.real(np.asarray(solution.y)).astype(float)
     worst = np.zeros(len(t))
@@ -321,7 +321,7 @@ def _kept_series(subject: Any, solution: Any, G: Any) -> list[list[float]]:
 
 
 def _peer(task: Mapping[str, Any]) -> dict[str, Any]:
-    from ..experiments.peers import measure_peer
+    from ..measure.peers import measure_peer
     from ..problems import problem
 
     subject = problem(task["problem"], **_parameters(task))

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ..chart import Series
-from ..plane import Cloud, one_each
+from ..views.chart import Series
+from ..views.plane import Cloud, one_each
 from .answers import duration
 from .model import Scene
 from .planning import SAMPLED

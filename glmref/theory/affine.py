@@ -17,7 +17,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ..exact import Ball, Exact, Scalar
-from ..linalg import Matrix, Vector
+from ..exact.linalg import Matrix, Vector
 
 __all__ = ["Affine", "Residual", "independent_rows", "solve_affine", "verdict_of"]
 

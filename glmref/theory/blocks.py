@@ -11,10 +11,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from .. import linalg
-from ..claims import ExactnessError
-from ..exact import Exact, Scalar
-from ..linalg import Matrix, Vector
+from ..errors import ExactnessError
+from ..exact import Exact, Scalar, linalg
+from ..exact.linalg import Matrix, Vector
 from .coefficients import is_zero, plus, times, weighted
 
 __all__ = [

@@ -14,9 +14,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 
-from .. import linalg
-from ..exact import Exact
-from ..linalg import Matrix
+from ..exact import Exact, linalg
+from ..exact.linalg import Matrix
 from ..method import GLM
 
 __all__ = ["complex_pairs", "rotation_pairs", "to_complex", "to_real"]

@@ -21,9 +21,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .. import linalg
-from ..exact import Exact, Scalar
-from ..linalg import Matrix, Vector
+from ..exact import Exact, Scalar, linalg
+from ..exact.linalg import Matrix, Vector
 from ..method import GLM, PartitionedGLM
 from .affine import solve_affine, verdict_of
 from .spectrum import Boundedness, power_bounded

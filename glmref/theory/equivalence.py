@@ -20,10 +20,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import islice, product
 
-from .. import linalg
-from ..claims import UsageError
-from ..exact import Exact, Scalar
-from ..linalg import Matrix, Vector
+from ..errors import UsageError
+from ..exact import Exact, Scalar, linalg
+from ..exact.linalg import Matrix, Vector
 from ..method import GLM
 from .affine import independent_rows, solve_affine
 from .complex_form import complex_pairs, rotation_pairs, to_complex, to_real

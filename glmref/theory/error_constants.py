@@ -16,7 +16,7 @@ from fractions import Fraction
 from math import sqrt
 from typing import Any
 
-from ..claims import UsageError
+from ..errors import UsageError
 from ..exact import Scalar
 from .blocks import as_scalar
 from .coefficients import plus, times

@@ -11,10 +11,9 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 
-from .. import linalg
-from ..claims import ExactnessError
-from ..exact import Exact, Scalar
-from ..linalg import Matrix, Vector
+from ..errors import ExactnessError
+from ..exact import Exact, Scalar, linalg
+from ..exact.linalg import Matrix, Vector
 
 __all__ = ["Form", "FormSpace", "choose_form", "combine", "cut_down", "invariant_matrices"]
 

@@ -13,7 +13,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from ..exact import Ball, Scalar
-from ..linalg import Matrix
+from ..exact.linalg import Matrix
 
 __all__ = ["Relation", "involutions", "matchings"]
 

@@ -23,8 +23,9 @@ from __future__ import annotations
 
 from functools import cache
 
-from ..claims import ExactnessError, Proof
+from ..errors import ExactnessError
 from ..exact import Ball, Scalar
+from ..findings import Proof
 from ..method import PartitionedGLM
 from .blocks import NotPreconsistent, as_scalar, make_block
 from .coefficients import is_zero

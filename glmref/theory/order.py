@@ -27,9 +27,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
-from ..claims import ExactnessError, Proof, UsageError
+from ..errors import ExactnessError, UsageError
 from ..exact import Ball, Scalar
-from ..linalg import Vector
+from ..exact.linalg import Vector
+from ..findings import Proof
 from ..method import GLM
 from .blocks import Block, NotPreconsistent, as_scalar, make_block
 from .coefficients import is_zero, plus, times

@@ -22,10 +22,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .. import linalg
-from ..claims import ExactnessError
-from ..exact import Exact, Scalar
-from ..linalg import Matrix, Vector
+from ..errors import ExactnessError
+from ..exact import Exact, Scalar, linalg
+from ..exact.linalg import Matrix, Vector
 from ..method import GLM, PartitionedGLM
 from .affine import verdict_of
 from .consistency import preconsistency_vector

@@ -1,7 +1,7 @@
 """Polynomials over exact numbers: what stability questions need, decided without a tolerance.
 
 A polynomial is a tuple of scalars, constant term first. Over balls the ring operations enclose; a
-decision that a ball leaves open raises :class:`~glmref.claims.ExactnessError`.
+decision that a ball leaves open raises :class:`~glmref.errors.ExactnessError`.
 
 Public names::
 
@@ -23,10 +23,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 
-from .. import linalg
-from ..claims import ExactnessError
-from ..exact import Exact, Scalar, exact
-from ..linalg import Matrix
+from ..errors import ExactnessError
+from ..exact import Exact, Scalar, exact, linalg
+from ..exact.linalg import Matrix
 
 __all__ = [
     "Polynomial",

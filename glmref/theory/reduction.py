@@ -22,8 +22,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .. import linalg
-from ..linalg import Matrix
+from ..exact import linalg
+from ..exact.linalg import Matrix
 from ..method import PartitionedGLM
 from .blocks import kernel
 from .consistency import Blocks, halves, preconsistency_vector

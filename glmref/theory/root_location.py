@@ -1,7 +1,7 @@
 """Where the roots of a polynomial lie: on the real line, in the unit disc; decided by signs.
 
 Exact numbers only are decided; a ball whose sign is open raises
-:class:`~glmref.claims.ExactnessError`.
+:class:`~glmref.errors.ExactnessError`.
 
 Public names::
 

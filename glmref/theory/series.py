@@ -31,7 +31,7 @@ from fractions import Fraction
 from math import factorial
 from typing import Any
 
-from ..claims import UsageError
+from ..errors import UsageError
 from .coefficients import Coefficient, is_zero, plus, pointwise, times, weighted
 from .trees import ROOTED, Palette, Tree, coproduct, pruned, trees, trees_up_to
 

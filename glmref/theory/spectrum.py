@@ -15,10 +15,9 @@ from fractions import Fraction
 from functools import cmp_to_key, lru_cache
 from math import gcd as integer_gcd
 
-from .. import linalg
-from ..claims import ExactnessError
-from ..exact import Ball, Exact, Scalar, exact, root_of_unity
-from ..linalg import Matrix, Vector
+from ..errors import ExactnessError
+from ..exact import Ball, Exact, Scalar, exact, linalg, root_of_unity
+from ..exact.linalg import Matrix, Vector
 from . import polynomials as poly
 from .polynomials import Polynomial
 from .root_location import is_schur, unimodular_roots

@@ -21,10 +21,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from .. import linalg
-from ..claims import ExactnessError, UsageError
-from ..exact import Exact, Scalar, exact
-from ..linalg import Matrix
+from ..errors import ExactnessError, UsageError
+from ..exact import Exact, Scalar, exact, linalg
+from ..exact.linalg import Matrix
 from ..method import GLM, PartitionedGLM
 from . import polynomials as poly
 from .polynomials import Polynomial

@@ -28,8 +28,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from ..claims import Proof, UsageError
+from ..errors import UsageError
 from ..exact import Ball, Exact, Scalar
+from ..findings import Proof
 from ..method import GLM, FinishingMethod, StartingMethod
 from .blocks import as_scalar
 from .coefficients import is_zero, plus, times

@@ -28,10 +28,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import islice, product
 
-from .. import linalg
-from ..claims import ExactnessError
-from ..exact import Exact, exact
-from ..linalg import Matrix
+from ..errors import ExactnessError
+from ..exact import Exact, exact, linalg
+from ..exact.linalg import Matrix
 from ..method import GLM, PartitionedGLM
 from .affine import independent_rows, solve_affine
 from .consistency import Blocks, halves

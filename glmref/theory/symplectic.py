@@ -18,7 +18,7 @@ stages with d_i = 0 and the values in K feed nothing back, and what is left is a
 nonsingular G and D that carries the principal solution. ``nondegenerate`` says whether that is the
 whole method. A method without u (not pre-consistent) is held to nonsingular G and D instead.
 
-For pairs see :mod:`glmref.theory.pair_symplectic`.
+For pairs see :mod:`glmref.theory.partitioned_symplectic`.
 
 Public names::
 
@@ -33,10 +33,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from .. import linalg
-from ..claims import ExactnessError, UsageError
-from ..exact import Exact, Scalar
-from ..linalg import Matrix, Vector
+from ..errors import ExactnessError, UsageError
+from ..exact import Exact, Scalar, linalg
+from ..exact.linalg import Matrix, Vector
 from ..method import GLM
 from .affine import verdict_of
 from .consistency import preconsistency_vector

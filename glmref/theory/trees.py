@@ -33,7 +33,7 @@ from math import comb, factorial
 from types import MappingProxyType
 from typing import Any, NoReturn
 
-from ..claims import UsageError
+from ..errors import UsageError
 
 __all__ = [
     "GENERAL",

@@ -15,8 +15,8 @@ from typing import Any
 import pytest
 
 from glmref import scenes
-from glmref.catalogue import data_root, names
-from glmref.experiments.records import RecordFile
+from glmref.catalogue.lookup import data_root, names
+from glmref.measure.records import RecordFile
 from glmref.report import build, read
 from glmref.report.markup import number
 

@@ -7,9 +7,9 @@ commutes with every rounding.
 import numpy as np
 import pytest
 
-from glmref.catalogue import load, names
+from glmref.catalogue.lookup import load, names
 from glmref.engine.solve import solve
-from glmref.experiments.attempt import FUNCTION_FAILED, attempt
+from glmref.measure.attempt import FUNCTION_FAILED, attempt
 from glmref.method import PartitionedGLM
 from glmref.problems import Problem, problem
 from glmref.problems.formula import Formula
@@ -33,7 +33,7 @@ def mostly_slow(names):
 
 def power(method, n):
     """V^n in exact arithmetic, rounded once."""
-    from glmref import linalg
+    from glmref.exact import linalg
 
     result = linalg.identity(method.r)
     for _ in range(n):

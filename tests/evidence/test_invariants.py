@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from glmref.catalogue import document, load, names
+from glmref.catalogue.keys import PAIRS
+from glmref.catalogue.lookup import document, load, names
 from glmref.engine.solve import solve
-from glmref.experiments.longtime import along, g_form
-from glmref.facts import facts_of
-from glmref.keys import PAIRS
+from glmref.measure.longtime import along, g_form
 from glmref.problems import problem
+from glmref.verification.facts import facts_of
 
 STEPS = 1000
 SEEDS = (1, 7, 23)

@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from glmref.catalogue import data_root, load
-from glmref.experiments.longtime import follow, watch
-from glmref.experiments.parasitic import parasitic_size, solution_direction
-from glmref.experiments.roundoff import METHODS, SIZE, VARIANTS, bodies, options_of, round_off
+from campaigns.roundoff import METHODS, SIZE, VARIANTS, bodies, options_of, round_off
+from glmref.catalogue.lookup import data_root, load
+from glmref.measure.longtime import follow, watch
+from glmref.measure.parasitic import parasitic_size, solution_direction
 from glmref.problems import problem
 
 RECORD = json.loads((data_root() / "measurements" / "roundoff.json").read_text(encoding="utf-8"))

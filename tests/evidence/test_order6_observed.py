@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from glmref.catalogue import document, load, names
+from glmref.catalogue.lookup import document, load, names
 from glmref.engine.reference import apply_finish, apply_start, stepper
-from glmref.experiments.convergence import ConvergenceRecord, observed_order
+from glmref.measure.convergence import ConvergenceRecord, observed_order
 from glmref.method import GLM
 from glmref.problems import problem
 

@@ -7,8 +7,8 @@ are nonlinear.
 
 import pytest
 
-from glmref.catalogue import document, load, names
-from glmref.experiments.convergence import method_order
+from glmref.catalogue.lookup import document, load, names
+from glmref.measure.convergence import method_order
 from glmref.problems import problem
 
 CLOSE = 0.05

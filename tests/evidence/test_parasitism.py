@@ -9,9 +9,10 @@ import math
 import numpy as np
 import pytest
 
-from glmref.catalogue import document, load, names
-from glmref.experiments.longtime import follow, watch
-from glmref.experiments.parasitic import (
+from glmref.catalogue.lookup import document, load, names
+from glmref.exact.expression import parse
+from glmref.measure.longtime import follow, watch
+from glmref.measure.parasitic import (
     growth,
     loss,
     modes,
@@ -19,7 +20,6 @@ from glmref.experiments.parasitic import (
     predicted_loss,
     solution_direction,
 )
-from glmref.expression import parse
 from glmref.problems import problem
 
 PENDULUM = problem("pendulum", q0="23/10")

@@ -139,7 +139,7 @@ def test_one_question_less_takes_no_more_evaluations_and_gives_no_more_numbers()
 
 def test_evaluations_counted_are_evaluations_made():
     """The counter of a run against a right-hand side that counts its calls."""
-    from glmref.catalogue import load
+    from glmref.catalogue.lookup import load
     from glmref.engine.solve import solve
     from glmref.problems import Problem
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from glmref.catalogue import load
-from glmref.claims import UsageError
-from glmref.experiments.work_precision import _computed, measure, reference_state, state_error
+from glmref.catalogue.lookup import load
+from glmref.errors import UsageError
+from glmref.measure.work_precision import _computed, measure, reference_state, state_error
 from glmref.problems import problem
 
 # problem, parameters, time: with a closed form, or with a stored reference

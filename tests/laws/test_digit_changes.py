@@ -13,12 +13,12 @@ from typing import Any
 
 import pytest
 
-from glmref.catalogue import document, names
-from glmref.checks import CHECKS
-from glmref.claims import GlmrefError
-from glmref.facts import facts_of
-from glmref.reader import load_document
-from glmref.verification import claims_of, proven_claims
+from glmref.catalogue.lookup import document, names
+from glmref.catalogue.reader import load_document
+from glmref.errors import GlmrefError
+from glmref.verification.checks import CHECKS
+from glmref.verification.facts import facts_of
+from glmref.verification.verifier import claims_of, proven_claims
 
 pytestmark = pytest.mark.slow
 

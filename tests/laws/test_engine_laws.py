@@ -16,13 +16,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from glmref import Problem
-from glmref.catalogue import document, load, names
+from glmref.catalogue.keys import PAIRS
+from glmref.catalogue.lookup import document, load, names
 from glmref.engine.kernel import prepare
 from glmref.engine.reference import stepper
 from glmref.engine.shape import shape_of
 from glmref.engine.start import zero_start
-from glmref.facts import facts_of
-from glmref.keys import PAIRS
+from glmref.verification.facts import facts_of
 
 EPS = 2.0**-52
 STEPS = 1000

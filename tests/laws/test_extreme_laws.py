@@ -13,10 +13,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from glmref.catalogue import load
-from glmref.catalogue import names as method_names
-from glmref.claims import GlmrefError
-from glmref.experiments.attempt import FUNCTION_FAILED, OUTCOMES, REFUSED, attempt
+from glmref.catalogue.lookup import load
+from glmref.catalogue.lookup import names as method_names
+from glmref.errors import GlmrefError
+from glmref.measure.attempt import FUNCTION_FAILED, OUTCOMES, REFUSED, attempt
 from glmref.method import GLM, PartitionedGLM
 from glmref.problems import Problem, problem
 from glmref.problems.extreme import PRESETS
@@ -204,7 +204,7 @@ def test_the_law_has_teeth():
 
 
 def test_defects_of_the_engine_are_not_hidden(monkeypatch):
-    import glmref.experiments.attempt as room
+    import glmref.measure.attempt as room
 
     def broken(*args, **options):
         raise KeyError("a defect")

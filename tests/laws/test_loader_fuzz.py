@@ -11,14 +11,14 @@ from typing import Any
 from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 
-from glmref.catalogue import document, names
-from glmref.claims import DataError
+from glmref.catalogue.keys import BLOCKS, CLAIMS, COMMON
+from glmref.catalogue.lookup import document, names
+from glmref.catalogue.reader import load_document
+from glmref.catalogue.strict_json import read_json
+from glmref.errors import DataError
 from glmref.exact import Ball, Exact
-from glmref.expression import parse
-from glmref.keys import BLOCKS, CLAIMS, COMMON
+from glmref.exact.expression import parse
 from glmref.method import GLM, PartitionedGLM
-from glmref.reader import load_document
-from glmref.strict_json import read_json
 
 #: One small document of each class, with and without starting methods, constants, decimals.
 BASES = (

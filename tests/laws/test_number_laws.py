@@ -8,11 +8,10 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from glmref import linalg
-from glmref.claims import ExactnessError
-from glmref.exact import Ball, Exact, exact
-from glmref.expression import parse, to_text
-from glmref.linalg import Matrix
+from glmref.errors import ExactnessError
+from glmref.exact import Ball, Exact, exact, linalg
+from glmref.exact.expression import parse, to_text
+from glmref.exact.linalg import Matrix
 
 LAWS = settings(max_examples=60, deadline=None)
 fractions = st.fractions(min_value=-4, max_value=4, max_denominator=12)

@@ -11,10 +11,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from glmref.catalogue import document, load, names
-from glmref.claims import GlmrefError, Verdict
-from glmref.reader import load_document
-from glmref.verification import verify
+from glmref.catalogue.lookup import document, load, names
+from glmref.catalogue.reader import load_document
+from glmref.errors import GlmrefError
+from glmref.findings import Verdict
+from glmref.verification.verifier import verify
 
 PAIRS = [x for x in names("methods") if document(x)["class"] == "pair-sweep"]
 EPSILON = 2.0**-52

@@ -14,10 +14,9 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from glmref import linalg
-from glmref.claims import DataError, ExactnessError
-from glmref.exact import Ball, BallMatrix, Exact, Jet, ball, exact, jets, sum_of_products
-from glmref.expression import parse
+from glmref.errors import DataError, ExactnessError
+from glmref.exact import Ball, BallMatrix, Exact, Jet, ball, exact, jets, linalg, sum_of_products
+from glmref.exact.expression import parse
 from glmref.theory.coefficients import weighted
 
 LAWS = settings(max_examples=60, deadline=None)

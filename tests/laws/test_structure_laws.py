@@ -10,10 +10,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import glmref
-from glmref import linalg
-from glmref.exact import Exact, exact
-from glmref.families import linear_multistep
+from glmref.exact import Exact, exact, linalg
 from glmref.method import GLM, as_matrix
+from glmref.method.families import linear_multistep
 from glmref.theory.consistency import consistency, is_zero_stable
 from glmref.theory.equivalence import equivalence, reduce
 from glmref.theory.parasitism import growth_parameters

@@ -1,6 +1,6 @@
 """Small exact tools the literature tests share: identities, step maps, expansions.
 
-Everything here is exact arithmetic on :mod:`glmref.linalg` matrices. A polynomial identity of
+Everything here is exact arithmetic on :mod:`glmref.exact.linalg` matrices. A polynomial identity of
 degree at most d in each of k variables is proved by evaluating it on a grid of (d + 1)^k points.
 """
 
@@ -11,9 +11,8 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from itertools import product
 
-from glmref import linalg
-from glmref.exact import Scalar, exact
-from glmref.linalg import Matrix, Vector
+from glmref.exact import Scalar, exact, linalg
+from glmref.exact.linalg import Matrix, Vector
 from glmref.method import GLM, Entry, as_matrix, as_vector
 from glmref.theory.order import order_of
 from glmref.theory.series import Series

@@ -14,9 +14,9 @@ from typing import Any
 import pytest
 
 from glmref.exact import Ball, Scalar
-from glmref.expression import parse
-from glmref.families import runge_kutta
+from glmref.exact.expression import parse
 from glmref.method import GLM
+from glmref.method.families import runge_kutta
 from glmref.theory.order import order_of
 
 pytestmark = pytest.mark.peers

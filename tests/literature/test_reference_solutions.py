@@ -12,11 +12,11 @@ import mpmath
 import numpy as np
 import pytest
 
-from glmref.catalogue import data_root
+from glmref.catalogue.lookup import data_root
+from glmref.conformance.taylor import taylor_states
 from glmref.problems import names, problem
-from glmref.problems.collocation import collocation_states
 from glmref.problems.reference import Reference
-from glmref.problems.taylor import taylor_states
+from tools.collocation import collocation_states
 
 # 200 bits: (problem, t) -> state
 OTHER = {

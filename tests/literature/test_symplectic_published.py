@@ -10,8 +10,8 @@ import re
 
 import pytest
 
-from glmref.catalogue import document, load, names
-from glmref.facts import facts_of
+from glmref.catalogue.lookup import document, load, names
+from glmref.verification.facts import facts_of
 
 #: Pattern of names, whether the methods are symplectic, and who says so.
 PUBLISHED = [

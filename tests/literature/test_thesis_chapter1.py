@@ -7,8 +7,7 @@ from math import factorial
 
 import pytest
 
-from glmref import linalg
-from glmref.exact import exact
+from glmref.exact import exact, linalg
 from glmref.method import GLM
 
 from .exactly import (

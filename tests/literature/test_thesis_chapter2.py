@@ -6,8 +6,7 @@ from fractions import Fraction
 
 import pytest
 
-from glmref import linalg
-from glmref.exact import exact
+from glmref.exact import exact, linalg
 from glmref.method import GLM
 
 from .exactly import (

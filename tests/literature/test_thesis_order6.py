@@ -7,9 +7,8 @@ from fractions import Fraction
 
 import pytest
 
-from glmref import linalg
-from glmref.exact import Exact, exact, root_of_unity
-from glmref.linalg import Matrix, Vector
+from glmref.exact import Exact, exact, linalg, root_of_unity
+from glmref.exact.linalg import Matrix, Vector
 from glmref.method import GLM
 from glmref.theory.order import order_of
 from glmref.theory.series import Series, compose

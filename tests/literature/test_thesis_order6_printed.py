@@ -7,9 +7,8 @@ from itertools import pairwise
 
 import pytest
 
-from glmref import linalg
-from glmref.exact import exact
-from glmref.linalg import Matrix
+from glmref.exact import exact, linalg
+from glmref.exact.linalg import Matrix
 
 from .exactly import determinant, dot, matrix, order, same, vector
 from .thesis import (

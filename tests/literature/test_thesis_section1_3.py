@@ -7,9 +7,8 @@ from itertools import pairwise
 
 import pytest
 
-from glmref import linalg
-from glmref.exact import Exact, exact
-from glmref.linalg import Matrix, Vector
+from glmref.exact import Exact, exact, linalg
+from glmref.exact.linalg import Matrix, Vector
 
 from .exactly import (
     J,

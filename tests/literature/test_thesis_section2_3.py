@@ -9,9 +9,8 @@ from functools import cache
 
 import pytest
 
-from glmref import linalg
-from glmref.exact import exact
-from glmref.linalg import Matrix
+from glmref.exact import exact, linalg
+from glmref.exact.linalg import Matrix
 from glmref.method import GLM
 
 from .exactly import grid, matrix, order, random_matrix, same, step_matrix, vector

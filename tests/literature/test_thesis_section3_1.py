@@ -8,9 +8,8 @@ from itertools import product
 
 import pytest
 
-from glmref import linalg
-from glmref.exact import Exact, exact, root_of_unity
-from glmref.linalg import Matrix, Vector
+from glmref.exact import Exact, exact, linalg, root_of_unity
+from glmref.exact.linalg import Matrix, Vector
 from glmref.method import GLM
 
 from .exactly import (

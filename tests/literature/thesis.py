@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from glmref import linalg
-from glmref.exact import Exact, Scalar, exact, root_of_unity
-from glmref.linalg import Matrix, Vector
+from glmref.exact import Exact, Scalar, exact, linalg, root_of_unity
+from glmref.exact.linalg import Matrix, Vector
 from glmref.method import GLM, Entry, StartingMethod
 
 from .exactly import matrix, vector

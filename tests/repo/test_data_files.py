@@ -10,13 +10,13 @@ from pathlib import Path
 
 import pytest
 
-from glmref.canonical import canonical, checksums, datapackage
+from glmref.catalogue.canonical import canonical, checksums, datapackage
 
 DATA = Path(__file__).resolve().parents[2] / "data"
 METHODS = sorted((DATA / "methods").rglob("*.json"))
 BROKEN = sorted((DATA / "broken").rglob("*.json"))
 FILES = METHODS + BROKEN
-REFRESH = "run `python -m glmref.canonical data`"
+REFRESH = "run `python -m glmref.catalogue.canonical data`"
 
 FOLDERS = {
     "rk": {"rk", "composition", "sweep"},  # one value: a composition in sweep form

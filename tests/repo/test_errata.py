@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from glmref.catalogue import data_root, names
-from glmref.errata import Erratum, load_errata
+from glmref.catalogue.errata import Erratum, load_errata
+from glmref.catalogue.lookup import data_root, names
 
 ROOT = Path(__file__).resolve().parents[2]
 ERRATA = load_errata()

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from glmref.catalogue import data_root, document, names
-from glmref.reader import load_document
+from glmref.catalogue.lookup import data_root, document, names
+from glmref.catalogue.reader import load_document
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")

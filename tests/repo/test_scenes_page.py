@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from glmref.catalogue import data_root
+from glmref.catalogue.lookup import data_root
 from glmref.scenes import load_scene, names
 
 PAGE = Path(__file__).parents[2] / "docs" / "scenes.md"
@@ -111,7 +111,7 @@ def test_the_answers_are_to_the_questions_that_the_scenes_ask() -> None:
 
 
 def test_every_run_of_every_scene_ended_in_a_name() -> None:
-    from glmref.experiments.attempt import OUTCOMES
+    from glmref.measure.attempt import OUTCOMES
     from glmref.scenes.running import BUDGET_SPENT, LOST, NOT_APPLICABLE, START_FAILED
 
     known = {*OUTCOMES, BUDGET_SPENT, LOST, NOT_APPLICABLE, START_FAILED, "gave up"}

@@ -4,7 +4,7 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from glmref.catalogue import data_root
+from glmref.catalogue.lookup import data_root
 
 FILE = data_root() / "measurements" / "verification.json"
 RENEW = (

@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from glmref.catalogue import document
+from glmref.catalogue.lookup import document
 from glmref.cli import main
 
 LIMIT = 2.0  # seconds a user waits for the sentence; the slowest kind takes about a tenth of it

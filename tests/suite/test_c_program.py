@@ -8,12 +8,13 @@ from pathlib import Path
 
 import pytest
 
-from glmref.catalogue import data_root
-from glmref.claims import UsageError, Verdict
+from glmref.catalogue.lookup import data_root
 from glmref.conformance.adapter import load_adapter
 from glmref.conformance.checks import Suite
 from glmref.conformance.identify import identify
 from glmref.conformance.subject import Subject
+from glmref.errors import UsageError
+from glmref.findings import Verdict
 
 SOURCE = Path(__file__).parent / "c_program" / "glm.c"
 pytestmark = pytest.mark.compiler

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from glmref.catalogue import document, load, names
-from glmref.claims import Proof, Verdict
-from glmref.facts import facts_of
+from glmref.catalogue.lookup import document, load, names
+from glmref.findings import Proof, Verdict
 from glmref.method import GLM
-from glmref.verification import proven_claims, verify_file
+from glmref.verification.facts import facts_of
+from glmref.verification.verifier import proven_claims, verify_file
 
 from .stored import RENEW, same, stored
 

@@ -7,13 +7,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from glmref.claims import UsageError, Verdict
 from glmref.conformance.adapter import SHIPPED, load_adapter
 from glmref.conformance.adapters.compiled import Adapter as Compiled
 from glmref.conformance.adapters.reference import Adapter as Reference
 from glmref.conformance.checks import Suite
 from glmref.conformance.subject import Subject
 from glmref.conformance.vectors import file_names
+from glmref.errors import UsageError
+from glmref.findings import Verdict
 
 
 def all_hold(adapter: Any) -> int:

@@ -9,10 +9,11 @@ from typing import Any
 
 import pytest
 
-from glmref.claims import UsageError, Verdict
 from glmref.conformance.adapter import load_adapter
 from glmref.conformance.checks import Suite
 from glmref.conformance.subject import AdapterError, Subject
+from glmref.errors import UsageError
+from glmref.findings import Verdict
 
 SERVER = """
 import json, sys

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from glmref.catalogue import data_root, load
+from glmref.catalogue.lookup import data_root, load
 from glmref.conformance.generate import METHODS, checksums, document_of, layout
 from glmref.conformance.scheme import Scheme, ball_field, enclosed_step
 from glmref.conformance.traps import NOTES

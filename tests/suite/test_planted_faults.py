@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from glmref.claims import Verdict
 from glmref.conformance.adapters.reference import Adapter as Reference
 from glmref.conformance.checks import Suite
 from glmref.conformance.subject import Subject
 from glmref.conformance.traps import NOTES
+from glmref.findings import Verdict
 
 from .planted_runs import PLANTED, Foreign
 

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from glmref.catalogue import load
-from glmref.claims import UsageError
+from glmref.catalogue.lookup import load
 from glmref.cli import main
 from glmref.conformance.adapters.reference import Adapter as Reference
 from glmref.conformance.identify import as_method, identify, recognised
 from glmref.conformance.probe import read
 from glmref.conformance.subject import Subject
+from glmref.errors import UsageError
 from glmref.exact import Exact
 from glmref.method import PartitionedGLM
 
@@ -173,7 +173,7 @@ def test_an_adapter_that_iterates_without_end_is_refused() -> None:
     "text", ["1/2", "-7/24", "19372/6561", "sqrt(3)/6", "1/4-sqrt(3)/6", "(5+2*sqrt(15))/10"]
 )
 def test_closed_forms_are_recognised_from_doubles(text: str) -> None:
-    from glmref.expression import parse
+    from glmref.exact.expression import parse
 
     value = parse(text)
     found = recognised(float(value))

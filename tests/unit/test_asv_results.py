@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
-from glmref.asv_results import read_results
-from glmref.claims import DataError
 from glmref.cli import main
+from glmref.errors import DataError
+from glmref.report.asv_results import read_results
 
 COLUMNS = ["result", "params", "version", "started_at", "duration", "stats_ci_99_a"]
 COLUMNS += ["stats_ci_99_b", "stats_q_25", "stats_q_75"]

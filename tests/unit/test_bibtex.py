@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from glmref.bibtex import entries, escape, file_entry, source_entry
-from glmref.catalogue import document, names, path_of
-from glmref.claims import DataError, UsageError
+from glmref.catalogue.lookup import document, names, path_of
+from glmref.errors import DataError, UsageError
+from glmref.views.bibtex import entries, escape, file_entry, source_entry
 
 
 def keys(texts: list[str]) -> list[str]:

@@ -4,9 +4,9 @@ from fractions import Fraction as F
 
 import pytest
 
-from glmref.catalogue import load
+from glmref.catalogue.lookup import load
 from glmref.exact import Ball, Exact, exact
-from glmref.linalg import identity, matmul, matvec, sub, transpose
+from glmref.exact.linalg import identity, matmul, matvec, sub, transpose
 from glmref.method import GLM, as_matrix
 from glmref.theory.blocks import (
     NotPreconsistent,

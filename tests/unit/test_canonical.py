@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from glmref.canonical import IN_ORDER, canonical, checksums, datapackage, refresh
+from glmref.catalogue.canonical import IN_ORDER, canonical, checksums, datapackage, refresh
 
 DOCUMENT = {
     "source": {"where": "here", "citation": "Nyström", "errata": ["one", "two"]},

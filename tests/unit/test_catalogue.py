@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from glmref.catalogue import data_root, document, load, names, path_of
-from glmref.claims import DataError, UsageError
-from glmref.strict_json import read_json
+from glmref.catalogue.lookup import data_root, document, load, names, path_of
+from glmref.catalogue.strict_json import read_json
+from glmref.errors import DataError, UsageError
 
 
 def test_names_are_the_stems_of_the_files_and_the_two_folders_share_none() -> None:

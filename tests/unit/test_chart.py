@@ -8,7 +8,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from glmref.chart import Series, decades, place_labels, svg, text, tick_texts, ticks, write_figures
+from glmref.views.chart import (
+    Series,
+    decades,
+    place_labels,
+    svg,
+    text,
+    tick_texts,
+    ticks,
+    write_figures,
+)
 
 SVG = "{http://www.w3.org/2000/svg}"
 WORDS = {"x_label": "seconds", "y_label": "relative error"}

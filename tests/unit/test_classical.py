@@ -4,8 +4,10 @@ from fractions import Fraction
 
 import pytest
 
-from glmref.claims import DataError, UsageError
-from glmref.classical import (
+from glmref.errors import DataError, UsageError
+from glmref.exact import Exact
+from glmref.exact.linalg import dot
+from glmref.method.classical import (
     collocation,
     gauss,
     lobatto_iiia,
@@ -13,8 +15,6 @@ from glmref.classical import (
     lobatto_iiic,
     radau_iia,
 )
-from glmref.exact import Exact
-from glmref.linalg import dot
 
 
 def quadrature_order(A, b):

@@ -11,10 +11,11 @@ from xml.etree import ElementTree
 
 import pytest
 
-from glmref import __version__, verification
-from glmref.catalogue import document, names
-from glmref.claims import Finding, Verdict
+from glmref import __version__
+from glmref.catalogue.lookup import document, names
 from glmref.cli import main
+from glmref.findings import Finding, Verdict
+from glmref.verification import verifier as verification
 
 
 class Run:

@@ -12,10 +12,10 @@ from pathlib import Path
 
 import pytest
 
-from glmref import verification
-from glmref.claims import Finding, Verdict
 from glmref.cli import main
 from glmref.cli.parallel import Checked, check, check_all
+from glmref.findings import Finding, Verdict
+from glmref.verification import verifier as verification
 
 COMMAND = [sys.executable, "-m", "glmref"]
 posix = pytest.mark.skipif(os.name != "posix", reason="uses POSIX signals and devices")
@@ -62,7 +62,7 @@ def test_debugging_shows_the_traceback_of_an_internal_error(
 def test_an_exception_outside_any_file_is_one_sentence_too(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from glmref import catalogue
+    from glmref.catalogue import lookup as catalogue
 
     def fail(name: object) -> None:
         raise ZeroDivisionError("of the program")

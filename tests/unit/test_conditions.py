@@ -5,7 +5,7 @@ from fractions import Fraction as F
 import pytest
 
 from glmref.exact import exact
-from glmref.linalg import rank
+from glmref.exact.linalg import rank
 from glmref.method import GLM
 from glmref.theory.blocks import make_block
 from glmref.theory.conditions import Conditions

@@ -6,8 +6,8 @@ import pytest
 
 import glmref
 from glmref.exact import exact
-from glmref.families import adams_moulton, gauss, linear_multistep, one_leg, runge_kutta
 from glmref.method import GLM
+from glmref.method.families import adams_moulton, gauss, linear_multistep, one_leg, runge_kutta
 from glmref.theory.consistency import (
     abscissae,
     consistency,

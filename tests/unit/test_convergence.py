@@ -7,9 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mp, mpf
 
-from glmref.catalogue import load
+from glmref.catalogue.lookup import load
 from glmref.engine.reference import stepper
-from glmref.experiments.convergence import (
+from glmref.measure.convergence import (
     effective_order,
     isochronous,
     isochronous_separable,
@@ -18,7 +18,7 @@ from glmref.experiments.convergence import (
     observed_order,
     parasitic_order,
 )
-from glmref.experiments.underlying import Underlying
+from glmref.measure.underlying import Underlying
 from glmref.problems import problem
 
 

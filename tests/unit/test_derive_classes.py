@@ -7,9 +7,11 @@ from fractions import Fraction
 
 import pytest
 
-from glmref import linalg
-from glmref.claims import DataError
-from glmref.derive.classes import (
+from glmref.errors import DataError
+from glmref.exact import Exact, linalg
+from glmref.exact.linalg import Matrix
+from glmref.method.sweep import sweep_blocks
+from glmref.prove.classes import (
     attach,
     classes,
     follows,
@@ -20,10 +22,7 @@ from glmref.derive.classes import (
     reduce_tree,
     representatives,
 )
-from glmref.derive.equations import Blocks, Series, starting_series
-from glmref.exact import Exact
-from glmref.linalg import Matrix
-from glmref.sweep_form import sweep_blocks
+from glmref.prove.equations import Blocks, Series, starting_series
 from glmref.theory.trees import Tree, parse_tree, pruned, trees
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from glmref.canonical import canonical
+from glmref.catalogue.canonical import canonical
 from glmref.cli import main
 from glmref.derive import recipes
 

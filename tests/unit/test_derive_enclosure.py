@@ -9,21 +9,22 @@ from typing import Any
 
 import pytest
 
-from glmref import catalogue, linalg
-from glmref.catalogue import load
-from glmref.checks import _order
-from glmref.claims import DataError, ExactnessError, Proof, Verdict
-from glmref.derive.enclosure import Outcome, krawczyk, obstruction, prove, shift_matrix
-from glmref.derive.equations import Blocks, starting_series
-from glmref.exact import Exact, ball
-from glmref.expression import parse
-from glmref.facts import facts_of
+from glmref.catalogue import lookup as catalogue
+from glmref.catalogue.lookup import load
+from glmref.catalogue.reader import load_document
+from glmref.errors import DataError, ExactnessError
+from glmref.exact import Exact, ball, linalg
+from glmref.exact.expression import parse
+from glmref.findings import Proof, Verdict
 from glmref.method import GLM
-from glmref.reader import load_document
-from glmref.sweep_form import sweep_blocks
+from glmref.method.sweep import sweep_blocks
+from glmref.prove.enclosure import Outcome, krawczyk, obstruction, prove, shift_matrix
+from glmref.prove.equations import Blocks, starting_series
 from glmref.theory.order import order_of
 from glmref.theory.trees import parse_tree, single, trees
-from glmref.verification import verify
+from glmref.verification.checks import _order
+from glmref.verification.facts import facts_of
+from glmref.verification.verifier import verify
 
 TINY = Fraction(1, 10**60)
 

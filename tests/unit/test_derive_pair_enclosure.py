@@ -4,11 +4,12 @@ import copy
 
 import pytest
 
-from glmref.catalogue import document, names
-from glmref.claims import DataError, ExactnessError, Proof, Verdict
-from glmref.derive.pair_enclosure import WIDTH, prove_pair
-from glmref.reader import load_document
-from glmref.verification import verify
+from glmref.catalogue.lookup import document, names
+from glmref.catalogue.reader import load_document
+from glmref.errors import DataError, ExactnessError
+from glmref.findings import Proof, Verdict
+from glmref.prove.partitioned_enclosure import WIDTH, prove_pair
+from glmref.verification.verifier import verify
 
 ENCLOSED = [x for x in names("methods") if "enclosure" in document(x)]
 PAIRS = [x for x in ENCLOSED if document(x)["class"] in ("pair-sweep", "splitting")]

@@ -4,14 +4,14 @@ from fractions import Fraction
 
 import pytest
 
-from glmref.catalogue import document
-from glmref.claims import DataError
-from glmref.derive.pair_series import pair_series
-from glmref.derive.pair_system import PairEquation, PairSystem
-from glmref.derive.pair_trees import moves
+from glmref.catalogue.lookup import document
+from glmref.catalogue.reader import load_document
+from glmref.errors import DataError
 from glmref.exact import exact
-from glmref.reader import load_document
-from glmref.theory.pairs import pair_residuals
+from glmref.prove.partitioned_series import pair_series
+from glmref.prove.partitioned_system import PairEquation, PairSystem
+from glmref.prove.partitioned_trees import moves
+from glmref.theory.partitioned import pair_residuals
 from glmref.theory.trees import SEPARABLE, trees
 
 

@@ -5,8 +5,9 @@ from itertools import combinations
 
 import pytest
 
-from glmref.catalogue import document
-from glmref.derive.pair_trees import (
+from glmref.catalogue.lookup import document
+from glmref.method.families import splitting
+from glmref.prove.partitioned_trees import (
     SPLITTING,
     VERLET_F,
     VERLET_K,
@@ -21,8 +22,7 @@ from glmref.derive.pair_trees import (
     verlet_logarithm,
     words,
 )
-from glmref.families import splitting
-from glmref.theory.pairs import pair_residuals
+from glmref.theory.partitioned import pair_residuals
 from glmref.theory.trees import SEPARABLE, parse_tree, trees
 
 

@@ -2,14 +2,14 @@
 
 import pytest
 
-from glmref.catalogue import document
-from glmref.claims import UsageError
+from glmref.catalogue.lookup import document
+from glmref.catalogue.reader import load_document
 from glmref.derive import recipes
-from glmref.derive.pair_system import PairSystem
-from glmref.derive.pairs import PairAnsatz, complete_pair, fix_parameters, search_pairs
+from glmref.derive.partitioned import PairAnsatz, complete_pair, fix_parameters, search_pairs
 from glmref.derive.recipes.shipped_pairs import SHIPPED
-from glmref.reader import load_document
-from glmref.theory.pairs import parasitic_curvature
+from glmref.errors import UsageError
+from glmref.prove.partitioned_system import PairSystem
+from glmref.theory.partitioned import parasitic_curvature
 
 SOURCE = {"citation": "a test", "where": "here", "status": "derived"}
 

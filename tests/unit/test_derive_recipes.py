@@ -9,17 +9,18 @@ from typing import Any
 
 import pytest
 
-from glmref.canonical import canonical
-from glmref.catalogue import document, load, path_of
-from glmref.claims import Proof, UsageError
+from glmref.catalogue.canonical import canonical
+from glmref.catalogue.lookup import document, load, path_of
+from glmref.catalogue.reader import load_document
 from glmref.derive import recipes
 from glmref.derive.recipes import conjugation, order8
 from glmref.derive.recipes.order6_family import Quadratic, family, least_growth, solve_forms
 from glmref.derive.recipes.two_stage import condition
+from glmref.errors import UsageError
 from glmref.exact import Exact
-from glmref.linalg import Matrix
+from glmref.exact.linalg import Matrix
+from glmref.findings import Proof
 from glmref.method import GLM
-from glmref.reader import load_document
 
 
 def text_of(name: str) -> str:

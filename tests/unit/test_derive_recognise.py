@@ -8,7 +8,7 @@ import pytest
 
 from glmref.derive.recognise import exact_text, minimal_polynomial, surd, surds
 from glmref.exact import Exact, ball, root_of_unity
-from glmref.expression import parse
+from glmref.exact.expression import parse
 
 
 @pytest.mark.parametrize(

@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from glmref.claims import DataError, UsageError
 from glmref.derive.ansatz import Ansatz, Value
-from glmref.derive.newton import ConvergenceError, polish
 from glmref.derive.parameters import RankError, fix_parameters, pivots
 from glmref.derive.search import evaluate, levenberg_marquardt, search
-from glmref.derive.system import SweepSystem
+from glmref.errors import DataError, UsageError
 from glmref.exact import Exact, Jet, ball, jets
+from glmref.prove.newton import ConvergenceError, polish
+from glmref.prove.system import SweepSystem
 
 S3 = Ansatz("x", 3, 6, stage_order=2)
 

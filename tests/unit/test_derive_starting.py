@@ -8,15 +8,17 @@ from typing import Any
 
 import pytest
 
-from glmref.canonical import canonical
-from glmref.catalogue import document, load
-from glmref.claims import DataError, ExactnessError
-from glmref.derive.enclosure import Enclosure, Outcome, prove
-from glmref.derive.inverse_finish import inverse_block, is_inverse
+from glmref.catalogue.canonical import canonical
+from glmref.catalogue.lookup import document, load
 from glmref.derive.linear_start import collocation, linear_start, tableau
 from glmref.derive.parity_start import finishing_block, starting_block
 from glmref.derive.recipes.solved import rough_starts
-from glmref.derive.starting import (
+from glmref.errors import DataError, ExactnessError
+from glmref.exact import Exact
+from glmref.method import GLM, as_matrix
+from glmref.prove.enclosure import Enclosure, Outcome, prove
+from glmref.prove.inverse_finish import inverse_block, is_inverse
+from glmref.prove.starting import (
     StartingSystem,
     Target,
     first_value,
@@ -24,9 +26,7 @@ from glmref.derive.starting import (
     prove_starting,
     starting_system,
 )
-from glmref.derive.tableau_series import stage_order, weights
-from glmref.exact import Exact
-from glmref.method import GLM, as_matrix
+from glmref.prove.tableau_series import stage_order, weights
 from glmref.theory.series import elementary_weights
 from glmref.theory.trees import trees
 

@@ -25,7 +25,7 @@ from glmref import Problem, load, names, problem
 from glmref.engine.codegen import kernel_source
 from glmref.engine.compiled import interpret
 from glmref.engine.kernel import Kernel, prepare
-from glmref.engine.pairs import pair_source
+from glmref.engine.partitioned import pair_source
 from glmref.engine.reference import stepper
 from glmref.engine.start import zero_start
 from glmref.method import PartitionedGLM

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from glmref import PairStartingMethod, UsageError, load, problem, solve
-from glmref.catalogue import document
+from glmref.catalogue.lookup import document
+from glmref.catalogue.reader import load_document
 from glmref.engine.ensemble import solve_ensemble
-from glmref.engine.pair_start import apply_pair_start, explicit_order, used_stages
+from glmref.engine.partitioned_start import apply_pair_start, explicit_order, used_stages
 from glmref.engine.reference import stepper
 from glmref.engine.start import starting_values
 from glmref.method import as_matrix, as_vector
-from glmref.reader import load_document
 
 H = 0.1
 

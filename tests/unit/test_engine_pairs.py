@@ -10,8 +10,8 @@ from glmref.engine.codegen import Options
 from glmref.engine.compiled import interpret
 from glmref.engine.kernel import Kernel, prepare
 from glmref.engine.outcome import Outcome
-from glmref.engine.pair_forms import pair_form
-from glmref.engine.pairs import pair_source
+from glmref.engine.partitioned import pair_source
+from glmref.engine.partitioned_forms import pair_form
 from glmref.engine.shape import shape_of
 
 H = 0.05

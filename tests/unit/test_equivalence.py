@@ -3,10 +3,10 @@
 import pytest
 
 import glmref
-from glmref.claims import UsageError
+from glmref.errors import UsageError
 from glmref.exact import exact, root_of_unity
-from glmref.families import adams_moulton, gauss, linear_multistep, runge_kutta
 from glmref.method import GLM, as_matrix
+from glmref.method.families import adams_moulton, gauss, linear_multistep, runge_kutta
 from glmref.theory.equivalence import (
     complex_pairs,
     drop_idle_stages,

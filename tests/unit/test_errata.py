@@ -1,4 +1,4 @@
-"""glmref.errata: the records, their selection, and bad files."""
+"""glmref.catalogue.errata: the records, their selection, and bad files."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
-from glmref.claims import DataError, UsageError
-from glmref.errata import PROOFS, VERDICTS, Erratum, erratum, find_errata, load_errata
+from glmref.catalogue.errata import PROOFS, VERDICTS, Erratum, erratum, find_errata, load_errata
+from glmref.errors import DataError, UsageError
 
 GOOD: dict[str, Any] = {
     "id": "2.1-example",
@@ -127,7 +127,7 @@ def test_records_are_frozen() -> None:
 
 def test_import_loads_nothing_heavy() -> None:
     code = (
-        "import sys, glmref.errata as e; e.load_errata(); "
+        "import sys, glmref.catalogue.errata as e; e.load_errata(); "
         "print([m for m in ('numpy', 'mpmath', 'numba') if m in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -9,7 +9,7 @@ from fractions import Fraction
 import mpmath
 import pytest
 
-from glmref.claims import ExactnessError
+from glmref.errors import ExactnessError
 from glmref.exact import Ball, Exact, ball, exact, root_of_unity
 
 BETA = ((exact(330).sqrt() * 65274 - 347009) / 1265902).sqrt()  # of the order-6 method

@@ -7,9 +7,9 @@ from fractions import Fraction
 
 import pytest
 
-from glmref.claims import DataError, ExactnessError
+from glmref.errors import DataError, ExactnessError
 from glmref.exact import Ball, exact, root_of_unity
-from glmref.expression import MAX_LENGTH, MAX_RADICALS, Text, Weight, parse, to_text, weigh
+from glmref.exact.expression import MAX_LENGTH, MAX_RADICALS, Text, Weight, parse, to_text, weigh
 
 
 @pytest.mark.parametrize(

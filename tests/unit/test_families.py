@@ -4,9 +4,10 @@ from fractions import Fraction
 
 import pytest
 
-from glmref.claims import DataError
+from glmref.errors import DataError
 from glmref.exact import Exact, exact
-from glmref.families import (
+from glmref.exact.linalg import solve
+from glmref.method.families import (
     adams_bashforth,
     adams_moulton,
     bdf,
@@ -20,7 +21,6 @@ from glmref.families import (
     runge_kutta,
     splitting,
 )
-from glmref.linalg import solve
 
 LAMBDA = Fraction(-2, 3)  # h lambda of the linear problem the recursions are run on
 

@@ -3,7 +3,7 @@
 from itertools import permutations
 
 from glmref.exact import exact
-from glmref.linalg import zeros
+from glmref.exact.linalg import zeros
 from glmref.theory.involutions import Relation, involutions, matchings
 
 

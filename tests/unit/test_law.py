@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from glmref.catalogue import load
-from glmref.claims import UsageError
-from glmref.experiments.law import diagnose, fit_law, samples_of
+from glmref.catalogue.lookup import load
+from glmref.errors import UsageError
+from glmref.measure.law import diagnose, fit_law, samples_of
 from glmref.problems import problem
 
 T = np.arange(0, 4097.0)

@@ -6,10 +6,9 @@ from fractions import Fraction
 
 import pytest
 
-from glmref import linalg
-from glmref.claims import ExactnessError
-from glmref.exact import Ball, Exact, exact
-from glmref.expression import parse
+from glmref.errors import ExactnessError
+from glmref.exact import Ball, Exact, exact, linalg
+from glmref.exact.expression import parse
 from glmref.method import as_matrix
 
 

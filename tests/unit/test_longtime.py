@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from glmref.catalogue import load
-from glmref.claims import UsageError
+from glmref.catalogue.lookup import load
 from glmref.engine.solve import solve
-from glmref.experiments.longtime import (
+from glmref.errors import UsageError
+from glmref.measure.longtime import (
     along,
     drift,
     energy_deviation,

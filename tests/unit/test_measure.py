@@ -5,7 +5,7 @@ import os
 import platform
 import time
 
-from glmref.experiments.measure import Timing, circumstances, repeat
+from glmref.measure.timing import Timing, circumstances, repeat
 
 
 def test_one_duration_is_its_own_quartiles():

@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from glmref import linalg
-from glmref.catalogue import load
-from glmref.claims import DataError, ExactnessError
-from glmref.exact import exact
+from glmref.catalogue.lookup import load
+from glmref.errors import DataError, ExactnessError
+from glmref.exact import exact, linalg
 from glmref.method import GLM, PartitionedGLM, as_matrix, as_vector
 
 HALF: dict[str, Any] = {"A": [["1/2"]], "U": [["1"]], "B": [["1"]], "V": [["1"]]}

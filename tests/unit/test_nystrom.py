@@ -2,10 +2,10 @@
 
 import pytest
 
-from glmref.catalogue import load
-from glmref.families import splitting
+from glmref.catalogue.lookup import load
+from glmref.method.families import splitting
 from glmref.theory.nystrom import is_nystrom, nystrom_order_of, nystrom_trees
-from glmref.theory.pairs import pair_order_of
+from glmref.theory.partitioned import pair_order_of
 from glmref.theory.trees import SEPARABLE, parse_tree, trees
 
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from glmref.catalogue import load
-from glmref.claims import UsageError
-from glmref.experiments.orbit import DIGITS, POINTS, marks, orbit, plane_of
+from glmref.catalogue.lookup import load
+from glmref.errors import UsageError
+from glmref.measure.orbit import DIGITS, POINTS, marks, orbit, plane_of
 from glmref.problems import Problem, problem
 
 

@@ -5,11 +5,12 @@ from fractions import Fraction as F
 
 import pytest
 
-from glmref.catalogue import load
-from glmref.claims import Proof, UsageError
+from glmref.catalogue.lookup import load
+from glmref.errors import UsageError
 from glmref.exact import Ball, jets, lift
-from glmref.expression import parse
-from glmref.linalg import block_diagonal
+from glmref.exact.expression import parse
+from glmref.exact.linalg import block_diagonal
+from glmref.findings import Proof
 from glmref.method import GLM
 from glmref.theory.blocks import make_block
 from glmref.theory.error_constants import conjugate_error, error_max, error_norm

@@ -4,10 +4,16 @@ import copy
 
 import pytest
 
-from glmref.catalogue import document, load, names
-from glmref.claims import DataError, ExactnessError, Proof, UsageError, Verdict
-from glmref.derive.pair_enclosure import prove_pair
-from glmref.derive.pair_start import (
+from campaigns.partitioned.start_search import fixed_start, general_start, search_start
+from glmref.catalogue.lookup import document, load, names
+from glmref.catalogue.reader import load_document
+from glmref.derive.recipes.pairs import rough_pair_starts
+from glmref.errors import DataError, ExactnessError, UsageError
+from glmref.exact import Exact
+from glmref.exact.expression import parse
+from glmref.findings import Proof, Verdict
+from glmref.prove.partitioned_enclosure import prove_pair
+from glmref.prove.partitioned_starting import (
     complete_start,
     even_weights,
     expanded,
@@ -17,16 +23,11 @@ from glmref.derive.pair_start import (
     start_system,
     with_start,
 )
-from glmref.derive.pair_start_search import fixed_start, general_start, search_start
-from glmref.derive.pair_system import PairSystem
-from glmref.derive.recipes.pairs import rough_pair_starts
-from glmref.exact import Exact
-from glmref.expression import parse
-from glmref.reader import load_document
-from glmref.theory.pair_starting import pair_starting_order, pair_starting_series
-from glmref.theory.pairs import pair_order_of
+from glmref.prove.partitioned_system import PairSystem
+from glmref.theory.partitioned import pair_order_of
+from glmref.theory.partitioned_starting import pair_starting_order, pair_starting_series
 from glmref.theory.trees import SEPARABLE, trees
-from glmref.verification import verify
+from glmref.verification.verifier import verify
 
 STARTED = [
     x

@@ -6,16 +6,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from glmref import linalg
-from glmref.catalogue import document, load
-from glmref.claims import DataError
-from glmref.exact import exact
-from glmref.families import splitting
+from glmref.catalogue.lookup import document, load
+from glmref.catalogue.reader import load_document
+from glmref.errors import DataError
+from glmref.exact import exact, linalg
 from glmref.method import as_matrix, as_vector
-from glmref.pair_sweep import build, columns, stage_word
-from glmref.reader import load_document
-from glmref.theory.pair_symplectic import pair_symplectic_residual
+from glmref.method.families import splitting
+from glmref.method.partitioned_sweep import build, columns, stage_word
 from glmref.theory.parasitism import pair_growth
+from glmref.theory.partitioned_symplectic import pair_symplectic_residual
 from glmref.theory.symmetry import pair_symmetry
 
 SIGNS = as_matrix([["1", "0"], ["0", "-1"]], "V")

@@ -6,15 +6,15 @@ import pytest
 
 import glmref
 from glmref.exact import exact
-from glmref.families import (
+from glmref.method import PartitionedGLM
+from glmref.method.families import (
     gauss,
     lobatto_iiia,
     lobatto_iiib,
     partitioned_runge_kutta,
     splitting,
 )
-from glmref.method import PartitionedGLM
-from glmref.theory.pair_symplectic import find_pair_forms, pair_symplectic
+from glmref.theory.partitioned_symplectic import find_pair_forms, pair_symplectic
 
 
 def pair_of(q, p, *, separable=False):

@@ -7,14 +7,15 @@ from fractions import Fraction as F
 import numpy as np
 import pytest
 
-from glmref.catalogue import document, load, names
-from glmref.claims import Proof, UsageError
+from glmref.catalogue.lookup import document, load, names
+from glmref.errors import UsageError
 from glmref.exact import Ball, exact
+from glmref.findings import Proof
 from glmref.method import PartitionedGLM
 from glmref.theory.error_constants import conjugate_error, error_norm
 from glmref.theory.order import order_of
-from glmref.theory.pair_starting import zero_start_order
-from glmref.theory.pairs import pair_order_of, pair_residuals, parasitic_curvature
+from glmref.theory.partitioned import pair_order_of, pair_residuals, parasitic_curvature
+from glmref.theory.partitioned_starting import zero_start_order
 from glmref.theory.stability import oscillator
 
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from mpmath import ellipk, sin
 
-from glmref.catalogue import load
-from glmref.claims import UsageError
-from glmref.experiments.longtime import follow
-from glmref.experiments.parasitic import (
+from glmref.catalogue.lookup import load
+from glmref.errors import UsageError
+from glmref.measure.longtime import follow
+from glmref.measure.parasitic import (
     LOST,
     growth,
     loss,

@@ -3,10 +3,10 @@
 import pytest
 
 import glmref
-from glmref.claims import ExactnessError
+from glmref.errors import ExactnessError
 from glmref.exact import exact, root_of_unity
-from glmref.families import linear_multistep, partitioned_runge_kutta
 from glmref.method import GLM, PartitionedGLM
+from glmref.method.families import linear_multistep, partitioned_runge_kutta
 from glmref.theory.parasitism import (
     growth,
     growth_parameter,

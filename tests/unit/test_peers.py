@@ -7,9 +7,9 @@ import sys
 import numpy as np
 import pytest
 
-from glmref.claims import UsageError
-from glmref.experiments import peers
-from glmref.experiments.peers import NAMES, Run, measure_peer, package_of, runner
+from glmref.errors import UsageError
+from glmref.measure import peers
+from glmref.measure.peers import NAMES, Run, measure_peer, package_of, runner
 from glmref.problems import Problem, problem
 
 TIMES = np.array([1.0, 2.0])

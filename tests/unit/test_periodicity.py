@@ -6,7 +6,7 @@ import pytest
 
 import glmref
 from glmref.exact import Ball, ball, exact
-from glmref.families import gauss, linear_multistep, radau_iia, runge_kutta, splitting
+from glmref.method.families import gauss, linear_multistep, radau_iia, runge_kutta, splitting
 from glmref.theory.periodicity import periodicity
 
 

@@ -5,7 +5,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from glmref.plane import Cloud, box_of, one_each, round_ticks, svg, write_figures
+from glmref.views.plane import Cloud, box_of, one_each, round_ticks, svg, write_figures
 
 CIRCLE = tuple((x / 10, y / 10) for x, y in ((10, 0), (0, 10), (-10, 0), (0, -10)))
 WORDS = {"title": "Two & more", "x_label": "q_1", "y_label": "q_2"}

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from glmref.catalogue import load
+from glmref.catalogue.lookup import load
 from glmref.cli import main
-from glmref.portrait import portrait
+from glmref.views.portrait import portrait
 
 SVG = "{http://www.w3.org/2000/svg}"
 NAMES = ["rk4", "gauss-2", "g6245-w3", "bdf-3", "pair-4-4", "stormer-verlet", "leapfrog"]

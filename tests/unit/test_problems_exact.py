@@ -6,10 +6,10 @@ import mpmath
 import numpy as np
 import pytest
 
-from glmref.claims import UsageError
+from glmref.conformance.taylor import taylor_states
+from glmref.errors import UsageError
 from glmref.problems import names, problem
 from glmref.problems.kepler import eccentric_anomaly
-from glmref.problems.taylor import taylor_states
 
 CASES = [(name, {}) for name in names() if problem(name).exact and name != "long-chain"] + [
     ("kepler", {"eccentricity": 0}),

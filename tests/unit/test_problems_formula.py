@@ -6,7 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from glmref.claims import UsageError
+from glmref.errors import UsageError
 from glmref.problems.formula import Formula, exact_number
 
 

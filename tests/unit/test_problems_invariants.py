@@ -6,8 +6,8 @@ import mpmath
 import numpy as np
 import pytest
 
+from glmref.conformance.taylor import Tape
 from glmref.problems import names, problem
-from glmref.problems.taylor import Tape
 
 SMALL = {
     "fput": {"sites": 5, "beta": "1/2"},

@@ -4,7 +4,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from glmref.claims import UsageError
+from glmref.errors import UsageError
 from glmref.problems import Problem, problem
 
 

@@ -5,10 +5,10 @@ import json
 import mpmath
 import pytest
 
-from glmref.claims import DataError
+from glmref.errors import DataError
 from glmref.problems import problem
 from glmref.problems.reference import FORMAT, read_references
-from glmref.problems.regenerate import solution_document, solution_entries
+from tools.reference_solutions import solution_document, solution_entries
 
 GOOD = {
     "parameters": {"q0": "5/2", "p0": "0"},

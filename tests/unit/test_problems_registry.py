@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import glmref
-from glmref.claims import UsageError
+from glmref.errors import UsageError
 from glmref.problems import names, parameters_of, problem
 
 

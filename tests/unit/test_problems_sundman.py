@@ -6,9 +6,9 @@ import mpmath
 import numpy as np
 import pytest
 
-from glmref.catalogue import load
-from glmref.claims import UsageError
+from glmref.catalogue.lookup import load
 from glmref.engine.solve import solve
+from glmref.errors import UsageError
 from glmref.problems import Problem, problem
 from glmref.problems.sundman import time_transformed
 

@@ -6,10 +6,10 @@ import mpmath
 import numpy as np
 import pytest
 
-from glmref.claims import UsageError
+from glmref.conformance.taylor import taylor_states
+from glmref.errors import UsageError
 from glmref.problems import Problem, problem
-from glmref.problems.collocation import collocation_states, radau_nodes
-from glmref.problems.taylor import taylor_states
+from tools.collocation import collocation_states, radau_nodes
 
 
 def size(y):

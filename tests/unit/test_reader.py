@@ -6,12 +6,12 @@ from typing import Any
 
 import pytest
 
-from glmref.catalogue import document, load, names
-from glmref.claims import DataError
-from glmref.expression import Text
-from glmref.keys import BLOCKS, CLAIMS, PAIRS, SOURCE, without_meaning
+from glmref.catalogue.keys import BLOCKS, CLAIMS, PAIRS, SOURCE, without_meaning
+from glmref.catalogue.lookup import document, load, names
+from glmref.catalogue.reader import load_document
+from glmref.errors import DataError
+from glmref.exact.expression import Text
 from glmref.method import GLM, PartitionedGLM
-from glmref.reader import load_document
 
 SOURCE_BLOCK = {"citation": "Nobody (1900)", "where": "p. 1", "status": "derived"}
 

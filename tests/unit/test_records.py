@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from glmref.claims import DataError
-from glmref.experiments.records import FORMAT, RecordFile, finite, key_of, read_records
+from glmref.errors import DataError
+from glmref.measure.records import FORMAT, RecordFile, finite, key_of, read_records
 
 TASKS = [{"method": "a", "h": h} for h in (0.1, 0.2, 0.3)]
 

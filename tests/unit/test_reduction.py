@@ -1,9 +1,9 @@
 """Which values a pair needs: those that are reached and seen."""
 
-from glmref import linalg
-from glmref.catalogue import load
+from glmref.catalogue.lookup import load
+from glmref.exact import linalg
 from glmref.method import as_matrix, as_vector
-from glmref.pair_sweep import build
+from glmref.method.partitioned_sweep import build
 from glmref.theory.reduction import is_reducible, pair_reduction
 
 SIGNS = as_matrix([["1", "0"], ["0", "-1"]], "V")

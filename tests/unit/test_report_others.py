@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from glmref.asv_results import Cell
-from glmref.errata import load_errata
+from glmref.catalogue.errata import load_errata
+from glmref.report.asv_results import Cell
 from glmref.report.markup import Site
 from glmref.report.measurements import measurement_pages
 from glmref.report.others import errata_page, history_page, measured_page

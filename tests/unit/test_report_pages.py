@@ -12,10 +12,10 @@ from typing import Any
 import pytest
 
 from glmref import scenes
-from glmref.catalogue import data_root, document, names
-from glmref.claims import UsageError
+from glmref.catalogue.lookup import data_root, document, names
 from glmref.cli import main
-from glmref.experiments.records import RecordFile
+from glmref.errors import UsageError
+from glmref.measure.records import RecordFile
 from glmref.report import build, read
 from glmref.report.markup import number
 from glmref.report.orbits import MOST

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from glmref.claims import UsageError
+from glmref.errors import UsageError
 from glmref.report import read
 from glmref.report.store import Results
 

@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from glmref.data_files import data_root
+from glmref.catalogue.files import data_root
 from glmref.report.markup import number
 from glmref.report.typeset import typeset, typeset_table
 

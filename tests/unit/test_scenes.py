@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from glmref.catalogue import data_root
-from glmref.claims import DataError, GlmrefError, UsageError
-from glmref.experiments.records import RecordFile
+from glmref.catalogue.lookup import data_root
+from glmref.errors import DataError, GlmrefError, UsageError
+from glmref.measure.records import RecordFile
 from glmref.scenes import answer, charts, load_scene, names, orbits, plan, rows, run
 from glmref.scenes.answers import duration, seconds_at
 
@@ -243,7 +243,7 @@ def test_a_plan_names_what_is_recorded_and_nothing_else(tmp_path):
 
 
 def test_tasks_differ_by_everything_that_can_change_a_result(tmp_path):
-    from glmref.experiments.records import key_of
+    from glmref.measure.records import key_of
 
     base = {key_of(task) for task in plan(load_scene(write(tmp_path))).tasks}
     assert len(base) == 4
@@ -309,7 +309,7 @@ def test_a_run_over_its_budget_is_a_record(tmp_path):
 
 
 def test_an_error_nobody_expected_is_a_record(tmp_path, monkeypatch):
-    import glmref.experiments.work_precision as room
+    import glmref.measure.work_precision as room
 
     def broken(*args, **options):
         raise ZeroDivisionError("by design")
@@ -321,7 +321,7 @@ def test_an_error_nobody_expected_is_a_record(tmp_path, monkeypatch):
 
 
 def test_an_interruption_is_obeyed(tmp_path, monkeypatch):
-    import glmref.experiments.work_precision as room
+    import glmref.measure.work_precision as room
 
     def interrupted(*args, **options):
         raise KeyboardInterrupt
@@ -410,7 +410,7 @@ def test_an_orbit_is_kept_where_it_is_asked_for(tmp_path):
 
 
 def test_a_scene_that_does_not_ask_takes_no_points(tmp_path, monkeypatch):
-    import glmref.experiments.orbit as room
+    import glmref.measure.orbit as room
 
     asked = []
     monkeypatch.setattr(room, "orbit", lambda *a, **k: asked.append(k) or 1 / 0)

@@ -4,9 +4,9 @@ from fractions import Fraction as F
 
 import pytest
 
-from glmref.claims import UsageError
+from glmref.errors import UsageError
 from glmref.exact import Ball, exact
-from glmref.expression import parse
+from glmref.exact.expression import parse
 from glmref.theory.series import (
     Series,
     combine,

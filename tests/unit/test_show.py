@@ -7,13 +7,13 @@ from fractions import Fraction
 
 import pytest
 
-from glmref.catalogue import load, names
+from glmref.catalogue.lookup import load, names
 from glmref.exact import ball, exact
-from glmref.expression import parse
+from glmref.exact.expression import parse
 from glmref.method import GLM
-from glmref.show import show
-from glmref.tableau_text import decimal_text, tableau
-from glmref.tables import Style
+from glmref.views.show import show
+from glmref.views.tableau_text import decimal_text, tableau
+from glmref.views.tables import Style
 
 UNICODE = Style(unicode=True, width=100)
 
@@ -71,7 +71,7 @@ def test_names_of_long_entries_never_clash_with_constants() -> None:
         "claims": {"order": 1},
         "source": {"citation": "c", "where": "w", "status": "derived"},
     }
-    from glmref.reader import load_document
+    from glmref.catalogue.reader import load_document
 
     text = show(load_document(document))
     assert f"= {long}" in text

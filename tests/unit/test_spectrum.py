@@ -2,11 +2,11 @@
 
 import pytest
 
-from glmref.claims import ExactnessError
+from glmref.errors import ExactnessError
 from glmref.exact import Ball, exact, root_of_unity
-from glmref.families import bdf, linear_multistep
-from glmref.linalg import diagonal, dot, matvec, vecmat
+from glmref.exact.linalg import diagonal, dot, matvec, vecmat
 from glmref.method import as_matrix
+from glmref.method.families import bdf, linear_multistep
 from glmref.theory.spectrum import eigenvectors, power_bounded, unimodular_eigenvalues
 
 

@@ -5,9 +5,10 @@ from fractions import Fraction
 import pytest
 
 import glmref
-from glmref.claims import UsageError
+from glmref.errors import UsageError
 from glmref.exact import exact
-from glmref.families import (
+from glmref.method import GLM
+from glmref.method.families import (
     adams_bashforth,
     adams_moulton,
     bdf,
@@ -22,7 +23,6 @@ from glmref.families import (
     runge_kutta,
     splitting,
 )
-from glmref.method import GLM
 from glmref.theory import polynomials as poly
 from glmref.theory.a_stability import a_stability, is_a_stable, is_l_stable
 from glmref.theory.stability import (

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from glmref.catalogue import load
-from glmref.claims import UsageError
-from glmref.experiments.resonances import resonances
-from glmref.experiments.stability import (
+from glmref.catalogue.lookup import load
+from glmref.errors import UsageError
+from glmref.measure.resonances import resonances
+from glmref.measure.stability import (
     amplification,
     bounded,
     interval,

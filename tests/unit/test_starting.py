@@ -4,9 +4,10 @@ from fractions import Fraction as F
 
 import pytest
 
-from glmref.catalogue import load
-from glmref.claims import Proof, UsageError
+from glmref.catalogue.lookup import load
+from glmref.errors import UsageError
 from glmref.exact import Ball
+from glmref.findings import Proof
 from glmref.method import GLM, FinishingMethod, StartingMethod, as_matrix, as_vector
 from glmref.theory.order import order_of
 from glmref.theory.starting import (

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from glmref.claims import DataError
-from glmref.strict_json import MAX_BYTES, MAX_NESTING, read_json, shown, write_json
+from glmref.catalogue.strict_json import MAX_BYTES, MAX_NESTING, read_json, shown, write_json
+from glmref.errors import DataError
 
 
 @pytest.fixture

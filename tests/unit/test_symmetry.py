@@ -6,7 +6,9 @@ import pytest
 
 import glmref
 from glmref.exact import exact
-from glmref.families import (
+from glmref.exact.linalg import diagonal, identity, inverse, matmul
+from glmref.method import GLM
+from glmref.method.families import (
     adams_moulton,
     bdf,
     gauss,
@@ -21,8 +23,6 @@ from glmref.families import (
     runge_kutta,
     splitting,
 )
-from glmref.linalg import diagonal, identity, inverse, matmul
-from glmref.method import GLM
 from glmref.theory.symmetry import (
     adjoint,
     check_symmetry,

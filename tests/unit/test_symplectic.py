@@ -6,9 +6,11 @@ from fractions import Fraction
 import pytest
 
 import glmref
-from glmref.claims import UsageError
+from glmref.errors import UsageError
 from glmref.exact import exact
-from glmref.families import (
+from glmref.exact.linalg import identity
+from glmref.method import GLM
+from glmref.method.families import (
     adams_bashforth,
     adams_moulton,
     bdf,
@@ -20,8 +22,6 @@ from glmref.families import (
     radau_iia,
     runge_kutta,
 )
-from glmref.linalg import identity
-from glmref.method import GLM
 from glmref.theory.equivalence import to_complex, to_real
 from glmref.theory.symplectic import (
     check_g_symplectic,

@@ -9,8 +9,8 @@ from xml.etree import ElementTree
 
 import pytest
 
-from glmref.claims import Finding, Proof, Verdict
-from glmref.tables import (
+from glmref.findings import Finding, Proof, Verdict
+from glmref.views.tables import (
     Style,
     columns,
     csv_text,

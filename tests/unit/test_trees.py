@@ -6,7 +6,7 @@ from math import factorial, prod
 
 import pytest
 
-from glmref.claims import UsageError
+from glmref.errors import UsageError
 from glmref.theory.trees import (
     GENERAL,
     MAX_ORDER,

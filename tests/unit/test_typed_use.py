@@ -10,8 +10,8 @@ from dataclasses import fields
 from fractions import Fraction
 
 import glmref
-import glmref.method
-from glmref.claims import DataError
+import glmref.method.glm
+from glmref.errors import DataError
 from glmref.exact import Exact
 from glmref.method import GLM, PartitionedGLM
 

@@ -6,9 +6,9 @@ import math
 import numpy as np
 import pytest
 
-from glmref.catalogue import load
-from glmref.claims import UsageError
-from glmref.experiments.work_precision import (
+from glmref.catalogue.lookup import load
+from glmref.errors import UsageError
+from glmref.measure.work_precision import (
     Deadline,
     Reference,
     check_interruption,

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ...catalogue import load
+from ...catalogue.lookup import load
 from ...engine.solve import Solution, solve
 from ..vectors import file_names
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ...catalogue import load
+from ...catalogue.lookup import load
 from ...engine.reference import Stepper, apply_finish, stepper
 from ...engine.start import starting_values
 from ...method import GLM, PartitionedGLM

@@ -14,7 +14,7 @@ import re
 from collections.abc import Callable, Mapping
 from importlib import import_module
 
-from ...claims import UsageError
+from ...errors import UsageError
 from .record import Derivation, Progress, Statement
 
 __all__ = [

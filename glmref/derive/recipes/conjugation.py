@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from fractions import Fraction
 
-from ...claims import UsageError
+from ...errors import UsageError
 from ..ansatz import Ansatz, Value
 from .record import Derivation, Progress, Statement
 from .solved import Rough, finish

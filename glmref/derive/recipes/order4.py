@@ -19,14 +19,15 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
-from ...claims import ExactnessError, Proof, UsageError
+from ...catalogue.writer import fill
+from ...errors import ExactnessError, UsageError
 from ...exact import Exact, ball
-from ...expression import parse
-from ..enclosure import prove
-from ..newton import polish
+from ...exact.expression import parse
+from ...findings import Proof
+from ...prove.enclosure import prove
+from ...prove.newton import polish
+from ...prove.system import SweepSystem
 from ..recognise import exact_text, surds
-from ..system import SweepSystem
-from ..write import fill
 from .record import Derivation, Progress, Statement, derived_source, thesis_source
 
 __all__ = ["OPTIONS", "derive"]
@@ -111,8 +112,8 @@ def _verified(document: Mapping[str, Any], recipe: str) -> Derivation:
     ------
         ExactnessError: naming the claims that fail.
     """
-    from ...reader import load_document
-    from ...verification import verify
+    from ...catalogue.reader import load_document
+    from ...verification.verifier import verify
 
     findings = verify(load_document(document, where=document["name"]))
     failing = [x.claim for x in findings if str(x.verdict) != "holds"]

@@ -12,9 +12,10 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
-from ...claims import ExactnessError, Proof, UsageError
+from ...errors import ExactnessError, UsageError
 from ...exact import Exact
-from ...expression import parse
+from ...exact.expression import parse
+from ...findings import Proof
 from ...method import GLM
 from ..recognise import exact_text
 from .order6_family import Family, Forms, family, solve_forms
@@ -61,8 +62,8 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
 
 def _started(document: Mapping[str, Any]) -> tuple[dict[str, Any], Statement]:
     """Add the explicit start on record."""
-    from ...reader import load_document
-    from ..starting import target_of
+    from ...catalogue.reader import load_document
+    from ...prove.starting import target_of
     from .solved import with_start
 
     method = load_document(document, where=document["name"])
@@ -272,8 +273,8 @@ def _prove(document: Mapping[str, Any]) -> Statement:
     ------
         ExactnessError: when one of them fails, which would be an error of this module.
     """
-    from ...reader import load_document
-    from ...verification import verify
+    from ...catalogue.reader import load_document
+    from ...verification.verifier import verify
 
     findings = verify(load_document(document, where=document["name"]))
     failing = [x.claim for x in findings if str(x.verdict) != "holds"]

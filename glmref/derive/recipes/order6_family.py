@@ -29,7 +29,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import isqrt, lcm
 
-from ...claims import UsageError
+from ...errors import UsageError
 from ...exact import Exact
 
 __all__ = ["Family", "Forms", "Quadratic", "family", "least_growth", "solve_forms"]

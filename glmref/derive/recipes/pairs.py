@@ -3,7 +3,7 @@
 Options: ``name`` one shipped pair (all of them by default); or ``n``, ``order``, ``nystrom``,
 ``starts`` of an ansatz with ``seed`` and ``tries`` for a search, ``wanted`` how many to complete;
 ``circle = yes`` passes over pairs whose parasitic eigenvalues leave the unit circle on the
-oscillator at small steps (:func:`glmref.theory.pairs.parasitic_curvature`): an inequality, which
+oscillator at small steps (:func:`.partitioned.parasitic_curvature`): an inequality, which
 has no place among the equations.
 
 The shipped pairs come from such searches. Each is kept here as an ansatz whose free parameters are
@@ -20,13 +20,14 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
-from ...claims import GlmrefError, Proof, UsageError
+from ...catalogue.reader import load_document
+from ...errors import GlmrefError, UsageError
+from ...findings import Proof
 from ...method import PartitionedGLM
-from ...reader import load_document
-from ...theory.pairs import parasitic_curvature
-from ..pair_enclosure import PairEnclosure
-from ..pair_start import with_start
-from ..pairs import PairAnsatz, complete_pair, fix_parameters, search_pairs
+from ...prove.partitioned_enclosure import PairEnclosure
+from ...prove.partitioned_starting import with_start
+from ...theory.partitioned import parasitic_curvature
+from ..partitioned import PairAnsatz, complete_pair, fix_parameters, search_pairs
 from .record import Derivation, Progress, Statement
 from .shipped_pairs import SHIPPED, Shipped
 
@@ -98,7 +99,7 @@ def complete(shipped: Shipped) -> tuple[dict[str, Any], PairEnclosure]:
 
 @cache
 def rough_pair_starts() -> Mapping[str, Any]:
-    """One stage of each pair of every start, see :func:`~glmref.derive.pair_start.expanded`."""
+    """One stage of each pair of every start, see :func:`~.partitioned_starting.expanded`."""
     place = files("glmref.derive.recipes").joinpath("pair_starts.json")
     return json.loads(place.read_text(encoding="utf-8"))
 

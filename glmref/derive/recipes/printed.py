@@ -10,9 +10,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from fractions import Fraction
 
-from ... import linalg
-from ...claims import Proof
-from ...exact import Exact
+from ...exact import Exact, linalg
+from ...findings import Proof
 from ...method import as_matrix, as_vector
 from .record import Derivation, Progress, Statement
 

@@ -6,11 +6,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ...claims import Proof
+from ...findings import Proof
 
 __all__ = ["GROWS", "Derivation", "Progress", "Statement", "derived_source", "thesis_source"]
 
-#: A note that `tests/unit/test_order6_measurements.py` compares with the data it names.
+#: A note that `campaigns/order6/test_measurements.py` compares with the data it names.
 GROWS = (
     "On the pendulum from 2.3 radians at h = 0.1 its parasitic part grows more than {} within ten "
     "million steps, although its growth parameters are 0: see data/measurements/long-runs.json."

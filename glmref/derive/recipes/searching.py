@@ -15,11 +15,12 @@ from pathlib import Path
 
 import numpy as np
 
-from ...claims import GlmrefError, Proof, UsageError
+from ...errors import GlmrefError, UsageError
+from ...findings import Proof
+from ...prove.system import SweepSystem
 from ..ansatz import Ansatz
 from ..parameters import fix_parameters
 from ..search import Found, search
-from ..system import SweepSystem
 from .record import Derivation, Progress, Statement
 from .solved import Rough, finish
 

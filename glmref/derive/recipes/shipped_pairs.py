@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from ..pairs import PairAnsatz
+from ..partitioned import PairAnsatz
 
 __all__ = ["SHIPPED", "Shipped"]
 
@@ -40,17 +40,17 @@ _LEAVES = (
     "{} (h omega)^3, although its growth parameters are 0: errors of the carried values grow, see "
     "docs/pairs.md."
 )
-#: A label that `tests/unit/test_pair_needs.py` compares with data/measurements/pairs-long.json.
+#: A label that `campaigns/partitioned/test_work.py` compares with `pairs-long.json`.
 _GROWS = (
     "Over ten million steps from zero values its energy error or its carried values grow on {}, "
     "see data/measurements/pairs-long.json."
 )
-#: A label that `tests/evidence/test_pair_starts.py` compares with its measurements.
+#: A label that `campaigns/partitioned/test_starts.py` compares with its measurements.
 _STAYS = (
     "Over as many steps from the starting method of this file they stay bounded, see "
     "data/measurements/pairs-starts.json."
 )
-#: A label that `tests/evidence/test_pair_starts.py` compares with the longer of its measurements.
+#: A label that `campaigns/partitioned/test_starts.py` compares with the longer of its measurements.
 _LATER = (
     "Over a hundred million steps from the starting method of this file its energy error or its "
     "carried values grow on {}, see data/measurements/pairs-starts.json."

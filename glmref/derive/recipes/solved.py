@@ -10,16 +10,16 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
-from ...claims import Proof
+from ...catalogue.writer import DIGITS, fill
 from ...exact import ball
+from ...findings import Proof
+from ...prove.enclosure import Enclosure, prove
+from ...prove.newton import polish
+from ...prove.starting import Target
+from ...prove.system import SweepSystem
 from ..ansatz import Ansatz
-from ..enclosure import Enclosure, prove
 from ..linear_start import linear_start
-from ..newton import polish
 from ..parity_start import complete, finishing_block, starting_block
-from ..starting import Target
-from ..system import SweepSystem
-from ..write import DIGITS, fill
 from .record import GROWS, Statement, derived_source
 
 __all__ = ["Rough", "finish", "rough_starts", "with_start"]

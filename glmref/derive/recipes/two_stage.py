@@ -1,9 +1,9 @@
 """The two-stage family of section 3.2: N and P fall out, and no growth is impossible there.
 
 Two stages, two values, V = diag(1, -1), A lower triangular, G-symplectic: by
-:mod:`glmref.sweep_form` the method is D = (b1, b2), X = [[1, 1], [x1, x2]], G = diag(1, g). Only
+:mod:`glmref.method.sweep` the method is D = (b1, b2), X = [[1, 1], [x1, x2]], G = diag(1, g). Only
 p = g x1^2, q = g x1 x2 and r = g x2^2 matter, p r = q^2. Order 1 is b1 + b2 = 1, and then the
-only condition of order 3 and 4 (theorem 1 of :mod:`glmref.derive.equations`; a conjugation
+only condition of order 3 and 4 (theorem 1 of :mod:`glmref.prove.equations`; a conjugation
 removes the one of order 4 that theorem 2 leaves) is
 
     4 R([oo]) = b1 b2 (1 + q^2) - b1^2 p - b2^2 r - 1/3 = 0.                                  (*)
@@ -26,12 +26,12 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
-from ... import linalg
-from ...claims import ExactnessError, Proof
-from ...exact import Exact
-from ...sweep_form import sweep_blocks
+from ...errors import ExactnessError
+from ...exact import Exact, linalg
+from ...findings import Proof
+from ...method.sweep import sweep_blocks
+from ...prove.equations import Blocks, starting_series
 from ...theory.trees import parse_tree
-from ..equations import Blocks, starting_series
 from .record import Derivation, Progress, Statement, thesis_source
 
 __all__ = ["OPTIONS", "condition", "derive"]

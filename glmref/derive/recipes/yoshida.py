@@ -2,7 +2,7 @@
 
 A composition of midpoint steps is the sweep form with r = 1: D holds the step lengths, X is a row
 of ones. Symmetry leaves three unknowns; the conditions are those of the trees [oo], [oooo] and
-[[o][o]] (:mod:`glmref.derive.implications` says why the third free tree of order 5 is not
+[[o][o]] (:mod:`glmref.prove.order_conditions` says why the third free tree of order 5 is not
 needed).
 """
 
@@ -12,13 +12,14 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
-from ...claims import Proof, UsageError
+from ...catalogue.writer import fill
+from ...errors import UsageError
 from ...exact import ball
+from ...findings import Proof
+from ...prove.enclosure import prove
+from ...prove.newton import polish
+from ...prove.system import SweepSystem
 from ..ansatz import Ansatz
-from ..enclosure import prove
-from ..newton import polish
-from ..system import SweepSystem
-from ..write import fill
 from .record import Derivation, Progress, Statement
 
 __all__ = ["OPTIONS", "derive"]

@@ -1,0 +1,1 @@
+"""Measurements behind pages of the documentation, one file of `data/measurements` each."""

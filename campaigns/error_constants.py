@@ -1,0 +1,86 @@
+"""Error constants of all methods: ``data/measurements/error-constants.json``.
+
+    python -m campaigns.error_constants data/measurements/error-constants.json
+
+The local error of a method of order p is ``h^(p+1)`` times a sum over the trees of order p + 1:
+residual over symmetry, times the elementary differential (Hairer, Norsett, Wanner (1993), II.1).
+The residuals are computed in the arithmetic of the proofs and stored as rounded numbers, for pages
+that compute nothing; what the file lacks is computed anew.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+from campaigns.driver import fingerprint, renew
+from glmref.catalogue.lookup import load, names
+from glmref.theory.error_constants import error_norm
+from glmref.theory.order import OrderResult
+from glmref.verification.facts import PairFacts, facts_of
+
+__all__ = ["LARGEST", "main", "row"]
+
+#: So many trees are named, those with the largest residuals.
+LARGEST = 8
+
+
+def row(name: str) -> dict[str, Any]:
+    """Error constants of one method.
+
+    Returns
+    -------
+        ``order`` p; ``trees``, those of order p + 1, and ``nonzero``, how many have a residual;
+        ``norm``, Euclidean, of residual over symmetry; ``largest``, pairs of a tree and its
+        residual (its modulus where it is complex). Of a pair with an order of its own on
+        second-order systems, ``nystrom`` has the same on the trees that count there.
+    """
+    facts = facts_of(load(name))
+    found = _constants(facts.classical_order)
+    if isinstance(facts, PairFacts) and "nystrom-order" in facts.method.claims:
+        found["nystrom"] = _constants(facts.nystrom_order)
+    return found
+
+
+def _constants(result: OrderResult) -> dict[str, Any]:
+    sized = [(x.magnitude(), str(t), x) for t, x in result.residuals.items()]
+    there = [item for item in sized if item[2].is_zero() is False]
+    ranked = sorted(there, key=lambda item: (-item[0], item[1]))[:LARGEST]
+    return {
+        "order": result.order,
+        "trees": len(sized),
+        "nonzero": len(there),
+        "norm": _short(error_norm(result)),
+        "largest": [
+            [tree, _short(complex(x).real if x.is_real() else size)] for size, tree, x in ranked
+        ],
+    }
+
+
+def _short(value: float) -> float:
+    return float(f"{value:.6g}")
+
+
+def main(path: Path) -> int:
+    """Bring the file up to date and return how many methods were computed."""
+    return renew(
+        path,
+        {
+            "format": "glmref-measurement-1",
+            "name": "error-constants",
+            "title": "Error constants: residuals of the trees one order beyond",
+            "how": "python -m campaigns.error_constants FILE",
+            "measured": "Computed exactly or in balls, rounded to six digits. norm: Euclidean, of "
+            "residual over symmetry. Where the principal part is free, it is chosen so that trees "
+            "with a leaf at the root have no residual.",
+        },
+        "methods",
+        names("methods"),
+        lambda name: {"method": name, "fingerprint": fingerprint(name)},
+        row,
+    )
+
+
+if __name__ == "__main__":
+    sys.stdout.write(f"computed {main(Path(sys.argv[1]))}\n")

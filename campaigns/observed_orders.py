@@ -1,0 +1,117 @@
+"""The order that runs show, for every method that claims one: the second witness, stored.
+
+``order`` of a one-step method, and ``order-identity`` of any, is the order of the solution itself;
+``order`` of a method with several values whose identity costs order, and ``effective-order``, is
+what start and finish can reach, seen where a conjugation drops out (see :mod:`.convergence`).
+
+    python -m campaigns.observed_orders data/measurements/observed-orders.json
+
+measures what the file lacks: a method that is new, or whose coefficients or orders have changed.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from campaigns.driver import ORDERS, fingerprint, renew
+from glmref.catalogue.lookup import document, load, names
+from glmref.measure.convergence import ConvergenceRecord, effective_order, isochronous, method_order
+from glmref.method import GLM, PartitionedGLM
+from glmref.problems import problem
+from glmref.problems.model import Problem
+
+__all__ = ["KINDS", "Case", "cases", "main", "observe", "row"]
+
+#: Claims that are seen in runs.
+KINDS = ORDERS
+
+
+@dataclass(frozen=True)
+class Case:
+    """A method and one of its claims of order."""
+
+    method: str
+    claim: str
+    order: int
+
+
+def cases() -> Iterator[Case]:
+    """Every claim of an order of 1 or more; an order with identity that equals it stands once."""
+    for name in names("methods"):
+        claims = document(name)["claims"]
+        for claim in KINDS:
+            order = claims.get(claim)
+            same = claim == "order-identity" and order == claims.get("order")
+            if isinstance(order, int) and order >= 1 and not same:
+                yield Case(name, claim, order)
+
+
+def nonlinear(method: GLM | PartitionedGLM) -> Problem:
+    """Return the problem on which the order of a solution is seen.
+
+    Both halves of a pair need nonlinear functions, or too many trees vanish.
+    """
+    pair = isinstance(method, PartitionedGLM)
+    return problem("lotka-volterra-logarithmic") if pair else isochronous()
+
+
+def own_order(method: GLM | PartitionedGLM) -> int | None:
+    """Order claimed of the solution itself, or ``None`` where only an effective one is."""
+    one_step = method.r == 1 and getattr(method, "r_hat", 1) == 1
+    found = method.claims["order"] if one_step else method.claims.get("order-identity")
+    return found if isinstance(found, int) else None
+
+
+def observe(case: Case) -> ConvergenceRecord:
+    """Measure the order that a claim is about."""
+    method = load(case.method)
+    solution = case.claim == "order-identity" or (
+        case.claim == "order" and own_order(method) == case.order
+    )
+    if solution:
+        return method_order(method, nonlinear(method), expected=case.order)
+    return effective_order(method, expected=case.order)
+
+
+def row(case: Case) -> dict[str, Any]:
+    """Measure a case: its row of the file but for what says which case it is."""
+    found = observe(case)
+    return {
+        "proved": case.order,
+        "observed": round(found.order, 4),
+        "steps": found.steps[-1],
+        "settled": found.settled,
+    }
+
+
+def main(path: Path) -> int:
+    """Bring the file up to date and return how many cases were measured."""
+    return renew(
+        path,
+        {
+            "format": "glmref-measurement-1",
+            "name": "observed-orders",
+            "title": "Orders seen in runs, beside those that are proved",
+            "how": "python -m campaigns.observed_orders FILE",
+            "measured": "Runs at doubled numbers of steps in extended precision on nonlinear "
+            "problems, base-2 logarithms of ratios of differences, Richardson extrapolation until "
+            "two agree to 0.01; steps: of the finest run. An order that a start and a finish can "
+            "reach is seen after a period of an isochronous problem.",
+        },
+        "orders",
+        cases(),
+        lambda case: {
+            "method": case.method,
+            "claim": case.claim,
+            "fingerprint": fingerprint(case.method),
+        },
+        row,
+    )
+
+
+if __name__ == "__main__":
+    sys.stdout.write(f"measured {main(Path(sys.argv[1]))}\n")

@@ -1,0 +1,1 @@
+"""The methods of order 6 and 8: compared, run for long, started."""

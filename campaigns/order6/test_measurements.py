@@ -1,0 +1,225 @@
+"""The measurements of order 6 and 8: interpolation, long runs and growth on known cases."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pytest
+
+from campaigns.order6.compare import METHODS, Case, Comparison, Run, at_error, bracket
+from campaigns.order6.long_runs import growth_rate, long_run
+from campaigns.order6.starts import begin, kinds, loss_times
+from campaigns.order6.survey import frequencies, methods, record
+from campaigns.order8_search import ANSATZES, SOLVED, STARTS
+from glmref.catalogue.lookup import data_root, document, load, names
+from glmref.derive.ansatz import Ansatz
+from glmref.derive.recipes.record import GROWS
+from glmref.method import GLM
+from glmref.problems import problem
+from glmref.prove.system import SweepSystem
+
+
+def runs(order: int) -> list[Run]:
+    """Runs of a method of some order whose time is proportional to its steps."""
+    steps = [100, 200, 400, 800]
+    return [Run(n, (n / 1000) ** -order * 1e-8, 7 * n, 0, [n * 1e-6] * 3) for n in steps]
+
+
+def test_time_at_an_error_is_exact_where_error_and_time_are_powers() -> None:
+    # error = 1e-8 (n/1000)^-6 is 1e-6 at n = 1000 * 10^(-1/3)
+    at = at_error(runs(6), 1e-6)
+    steps = 1000 * 10 ** (-1 / 3)
+    assert at is not None
+    # four digits are kept
+    assert at["steps"] == pytest.approx(steps, rel=1e-3)
+    assert at["seconds"] == pytest.approx(steps * 1e-6, rel=1e-3)
+    assert at["evaluations"] == pytest.approx(7 * steps, rel=1e-3)
+
+
+def test_an_error_outside_the_ladder_is_not_extrapolated() -> None:
+    assert bracket(runs(6), 1e-12) == ()
+    assert at_error(runs(6), 1e-12) is None
+    assert at_error(runs(6), 1.0) is None
+
+
+def test_a_disturbed_round_does_not_move_the_median() -> None:
+    calm, disturbed = runs(6), runs(6)
+    for run in disturbed:
+        run.seconds[1] = 10.0
+    assert at_error(calm, 1e-6) == at_error(disturbed, 1e-6)
+
+
+def test_a_comparison_finds_both_targets_and_the_order() -> None:
+    case = Case("pendulum", lambda: problem("pendulum", q0="1/2"), 5.0, 8)
+    found = Comparison(case, ["gauss-3", "s5i1-w3"])
+    found.time(rounds=2)
+    record = found.as_json()
+    assert [(t["method"], t["solver"]) for t in record["tracks"]] == [
+        (m, s) for m in ("gauss-3", "s5i1-w3") for s in ("fixed-point", "newton")
+    ]
+    for track in record["tracks"]:
+        first, last = track["runs"][0], track["runs"][-1]
+        slope = math.log(first["error"] / last["error"]) / math.log(last["steps"] / first["steps"])
+        assert 5.5 < slope < 6.8  # order 6, from above on a coarse ladder
+        assert track["at"]["1e-06"]["steps"] < track["at"]["1e-09"]["steps"]
+
+
+def test_every_method_of_order_6_and_8_is_compared() -> None:
+    compared = {*METHODS["order 6, general linear"], *METHODS["order 8, general linear"]}
+    assert compared == set(methods())
+
+
+def test_a_method_with_growth_is_lost_and_one_without_is_not() -> None:
+    good = long_run("g6245", "pendulum-2.3", steps=3000)
+    assert good.bounded and good.lost is None
+    assert good.energy < 1e-9  # 2.9e-10 over ten million steps
+    bad = long_run("gsymplectic-p", "pendulum-2.3", steps=3000)
+    assert not bad.bounded
+    assert bad.lost is not None and bad.lost < 14  # lost for good at t = 13.8
+
+
+def test_the_rate_of_growth_of_a_method_with_growth_is_seen() -> None:
+    # mu of N is 1 - 2/sqrt(3) = -0.1547; on this orbit N is lost at t = 1059 from 1e-4: a rate of
+    # about ln(1e4)/1059 = 0.009. Without growth nothing of that size is left.
+    assert 0.005 < growth_rate("gsymplectic-n", "pendulum-2.3", steps=4000) < 0.02
+    assert abs(growth_rate("g6245", "pendulum-2.3", steps=4000)) < 1e-3
+
+
+def test_parasitic_frequencies_are_those_of_the_stability_polynomial() -> None:
+    # At -1 the exponent is odd in y, because M(-iy) is the conjugate of M(iy): no c2. At
+    # exp(2 pi i/3) the reference is the eigenvalue at y = 0.1 from its characteristic polynomial.
+    method = load("g6245-w3")
+    assert isinstance(method, GLM)
+    pair, real = frequencies(method)
+    assert pair["argument"] == pytest.approx(2 * math.pi / 3)
+    assert real["argument"] == pytest.approx(math.pi)
+    assert abs(real["c2"]) < 1e-12  # the polynomial is real
+    rounded = method.to_float()
+    z = 0.1j
+    M = rounded.V + z * rounded.B @ np.linalg.solve(np.eye(5) - z * rounded.A, rounded.U)
+    roots = np.roots(np.poly(M))
+    near = roots[np.argmin(abs(roots - np.exp(2j * np.pi / 3)))]
+    angle = float(np.angle(near)) - 2 * math.pi / 3
+    # what c2 and c3 leave out is c4 y^4, about 1e-2 c2 y^2 or less
+    assert pair["c2"] * 0.01 + pair["c3"] * 0.001 == pytest.approx(angle, rel=2e-2)
+
+
+def test_a_record_holds_what_was_traded() -> None:
+    found = record("gauss-3")
+    assert found["order"] == 6 and found["implicit"] == [1, 2, 3]
+    assert found["periodicity"] is None and found["parasitic"] == []
+    assert found["error"]["after_conjugation"] < found["error"]["identity"]
+
+
+def test_starts_cost_what_they_take() -> None:
+    from glmref.engine.reference import stepper
+
+    method, subject = load("g6245-w3"), problem("kepler", eccentricity="1/5")
+    assert isinstance(method, GLM)
+    engine = stepper(method, subject)
+    y0 = engine.problem.y0
+    costs = {kind: begin(kind, engine, y0, 0.1)[1] for kind in kinds("g6245-w3")}
+    assert costs["zero"] == 0
+    assert costs["explicit"] == 17
+    # 2^k - 1 steps against k (k + 1)/2
+    assert costs["enhanced 4"] > costs["iterated 4"] > costs["explicit"]
+
+
+def test_a_better_start_is_lost_later() -> None:
+    zero, explicit = (loss_times("gsymplectic-p", kind) for kind in ("zero", "explicit"))
+    assert zero is not None and explicit is not None
+    assert zero < explicit
+
+
+def grown(runs: Sequence[Mapping[str, Any]]) -> dict[tuple[str, str], str]:
+    """(method, run) -> how much the parasitic part grew, where it did."""
+    return {
+        (x["method"], x["run"]): "threefold" if x["bounded"] else "thirtyfold"
+        for x in runs
+        if x["parasitic"] > 3 * x["parasitic_early"] or not x["bounded"]
+    }
+
+
+def labelled() -> dict[tuple[str, str], str]:
+    """(method, run) -> what the notes of the files say."""
+    texts = {GROWS.format(word): word for word in ("threefold", "thirtyfold")}
+    found = {}
+    for name in names("methods"):
+        notes = document(name).get("notes", [])
+        for note in [notes] if isinstance(notes, str) else notes:
+            if "long-runs.json" in note:
+                found[name, "pendulum-2.3"] = texts[note]
+    return found
+
+
+LONG_RUNS = json.loads(
+    (data_root() / "measurements" / "long-runs.json").read_text(encoding="utf-8")
+)
+
+
+def test_the_rate_of_growth_goes_with_the_square_of_h_and_not_with_the_nudge() -> None:
+    """The scan of docs/order6.md; that the rates are those of the code, see tests/evidence."""
+    scan = LONG_RUNS["scan"]
+    rates = {x["h"]: x["rate"] for x in scan if x["nudge"] == LONG_RUNS["nudge"]}
+    # exp(c h^2 t + O(h^3) t) with one c: what is left is the sampling of the maxima, which moves
+    # the logarithm of 2 or so factors of e by a few thousandths
+    c = [rate / h**2 for h, rate in rates.items() if h <= 0.16]
+    assert len(c) >= 5 and max(c) < 1.015 * min(c)
+    # no other whole power of h: over a factor of 3.2 in h it would spread by that factor
+    for power in (1, 3):
+        other = [rate / h**power for h, rate in rates.items() if h <= 0.16]
+        assert max(other) > 3 * min(other)
+    # linear: a nudge a hundred times as large grows alike
+    alike = [x["rate"] for x in scan if x["h"] == 0.1]
+    assert len(alike) == 3 and max(alike) < 1.01 * min(alike)
+    # each run saw its part grow enough for that: more than e in the whole
+    assert all(x["rate"] * x["h"] * x["steps"] > 1 for x in scan)
+
+
+def test_a_file_is_labelled_exactly_where_ten_million_steps_show_growth() -> None:
+    assert LONG_RUNS["factor"] == 30
+    assert {x["steps"] for x in LONG_RUNS["runs"] if x["outcome"] == "completed"} == {10**7}
+    assert labelled() == grown(LONG_RUNS["runs"])
+
+
+@pytest.mark.parametrize(
+    ("method", "run", "change"),
+    [
+        ("g6245", "pendulum-2.3", {"parasitic": 3.1 * 3.197e-09}),  # grew, no note
+        ("s4-w3", "pendulum-2.3", {"parasitic": 2.9 * 4.8e-09}),  # a note, did not grow
+        ("s4-w3", "pendulum-2.3", {"bounded": False}),  # the other note
+        ("g6245", "henon-heiles", {"bounded": False}),  # grew where no note speaks of
+    ],
+)
+def test_a_note_that_differs_from_the_data_is_seen(
+    method: str, run: str, change: dict[str, Any]
+) -> None:
+    runs = [
+        {**x, **change} if (x["method"], x["run"]) == (method, run) else x
+        for x in LONG_RUNS["runs"]
+    ]
+    assert runs != LONG_RUNS["runs"]
+    assert labelled() != grown(runs)
+
+
+def test_the_search_on_record_is_that_of_the_ansatzes() -> None:
+    """The ends of the search are stored; what was searched is written out again and counted."""
+    path = data_root() / "measurements" / "order8-search.json"
+    stored = json.loads(path.read_text(encoding="utf-8"))["ansatzes"]
+    assert len(stored) == len(ANSATZES)
+    for row, (stages, values, stage_order, explicit) in zip(stored, ANSATZES, strict=True):
+        ansatz = Ansatz("x", stages, 8, values, stage_order=stage_order, explicit=explicit)
+        system = SweepSystem(ansatz.document())
+        assert row["signs"] == [x.sign for x in values]
+        assert (row["stages"], row["stage_order"]) == (stages, stage_order)
+        assert row["explicit"] == list(explicit)
+        assert (row["unknowns"], row["conditions"]) == (
+            len(system.unknowns),
+            len(system.equations),
+        )
+        assert row["starts"] == STARTS
+        assert (row["solved"] > 0) == (row["smallest_residual"] < SOLVED)

@@ -1,0 +1,105 @@
+"""How far the search for order 8 went: for each ansatz its conditions and what random starts gave.
+
+``python -m campaigns.order8_search FILE`` searches and writes ``FILE`` (the one shipped is
+``data/measurements/order8-search.json``). A start counts as solved when all residuals fall below
+:data:`SOLVED` in double precision with no unknown above :data:`LARGEST`; what is solved may belong
+to a family that contains other solutions. That nothing was found is no proof.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from glmref.catalogue.strict_json import write_json
+from glmref.derive.ansatz import Ansatz, Value
+from glmref.derive.search import search
+from glmref.prove.system import SweepSystem
+
+__all__ = ["ANSATZES", "attempt", "main"]
+
+SOLVED, LARGEST = 1e-11, 10.0
+STARTS, SCALE, SEED = 128, 0.7, 1
+
+_W3, _I = Value("exp(2*pi*i/3)"), Value("i")
+_EVEN, _ODD = Value("-1", 1, 1), Value("-1", 1, -1)
+#: The same with the other signs in G.
+_W3P, _MINUS = Value("exp(2*pi*i/3)", 1), Value("-1", -1, -1)
+
+#: Stages, values, stage order, explicit stages.
+ANSATZES: Sequence[tuple[int, Sequence[Value], int, Sequence[int]]] = (
+    (3, (_W3, _EVEN), 3, ()),
+    (3, (_W3, _I), 3, ()),
+    (3, (_W3, _I, _EVEN), 2, ()),
+    (3, (_W3, _I, _EVEN), 3, ()),
+    (3, (_W3, _I, _EVEN), 3, (1,)),
+    (4, (_W3, _EVEN), 2, ()),
+    (4, (_W3, _ODD), 2, ()),
+    (4, (_W3, _EVEN), 3, ()),
+    (4, (_W3, _I, _EVEN), 2, ()),
+    (4, (_W3, _I, _EVEN), 2, (1,)),
+    (4, (_W3, _I, _EVEN), 3, (1,)),
+    (4, (_W3P, _I, _MINUS), 3, (1,)),
+    (5, (_W3, _EVEN), 1, ()),
+    (5, (_W3, _EVEN), 2, ()),
+    (5, (_W3, _ODD), 2, ()),
+    (5, (_W3, _EVEN), 2, (1, 2)),
+    (5, (_W3, _EVEN), 3, ()),
+)
+
+
+def attempt(
+    stages: int, values: Sequence[Value], stage_order: int, explicit: Sequence[int]
+) -> dict[str, Any]:
+    """Search one ansatz of order 8 and say what came out."""
+    ansatz = Ansatz("x", stages, 8, values, stage_order=stage_order, explicit=explicit)
+    system = SweepSystem(ansatz.document())
+    size = len(system.unknowns)
+
+    def draw(generator: np.random.Generator) -> np.ndarray:
+        return generator.normal(size=size) * SCALE
+
+    ends = list(search(system.residuals, draw, seed=SEED, starts=STARTS))
+    good = [x for x in ends if max(abs(v) for v in x.point) < LARGEST]
+    return {
+        "stages": stages,
+        "values": system.r,
+        "eigenvalues": [x.eigenvalue for x in values],
+        "signs": [x.sign for x in values],
+        "parity": [x.parity for x in values if not x.is_pair],
+        "stage_order": stage_order,
+        "explicit": list(explicit),
+        "unknowns": size,
+        "conditions": len(system.equations),
+        "starts": len(ends),
+        "solved": sum(x.residual < SOLVED for x in good),
+        "smallest_residual": float(f"{min((x.residual for x in good), default=np.inf):.2g}"),
+    }
+
+
+def main(path: Path) -> None:
+    """Search every ansatz and write the file."""
+    found = []
+    for ansatz in ANSATZES:
+        found.append(attempt(*ansatz))
+        sys.stderr.write(f"{json.dumps(found[-1])}\n")
+    document = {
+        "format": "glmref-measurement-1",
+        "name": path.stem,
+        "what": "Order 8: conditions and what random starts gave",
+        "how": "python -m campaigns.order8_search",
+        "seed": SEED,
+        "scale": SCALE,
+        "solved_below": SOLVED,
+        "ansatzes": found,
+    }
+    write_json(path, document)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))

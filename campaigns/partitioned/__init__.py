@@ -1,0 +1,1 @@
+"""Explicit partitioned methods: evaluations, long runs, starting methods."""

@@ -1,0 +1,93 @@
+"""The second witness for starts of pairs: observed orders, and the stored measurements.
+
+A start of order p with parity errs by O(h^(p+2)) in the values carried. The alternating terms in
+the first values are smaller by h^2 where one of the equations `start` fails, by h^4 where both
+hold (docs/pairs.md, Starting). Observed orders at h = 1/32 and 1/64 agree with these to 0.1: the
+next term is smaller by h^2 times the ratio of the constants, 1e-3 times some ten.
+"""
+
+import copy
+import json
+from pathlib import Path
+
+import pytest
+
+from campaigns.partitioned.starts import observed, runs_table, started_pairs, starts_table
+from glmref.catalogue.lookup import document, names
+
+ROOT = Path(__file__).resolve().parents[2]
+MEASURED = ROOT / "data" / "measurements"
+CLOSE = 0.1
+
+
+def expected(name):
+    """Orders of (carried from zero, carried from the start, first from zero, first from it)."""
+    doc = document(name)
+    claims, equations = doc["claims"], doc["enclosure"]["equations"]
+    both = {"start f[k] 2", "start k[f] 2"} <= set(equations)
+    order = claims.get("nystrom-order", claims["order"])
+    below = 4 if both else 2
+    return below, order + 2, below + (4 if both else 2), order + 2 + (4 if both else 2)
+
+
+@pytest.mark.parametrize(
+    ("name", "of"),
+    [
+        ("pair-4-4", "pendulum"),
+        ("pair-6-8", "pendulum"),
+        ("pair-4-4", "kepler"),
+        ("pair-6-8", "kepler"),
+        ("pair-rkn-6-7b", "kepler"),
+    ],
+)
+def test_the_values_carried_agree_two_orders_above_the_claim(name, of):
+    found = observed(name, of)
+    orders = [found[what][x]["order"] for what in ("carried", "first") for x in ("zero", "own")]
+    assert orders[:2] == pytest.approx(expected(name)[:2], abs=CLOSE)
+    assert orders[2:] == pytest.approx(expected(name)[2:], abs=CLOSE)
+
+
+def stored():
+    return json.loads((MEASURED / "pairs-starts.json").read_text(encoding="utf-8"))
+
+
+def test_the_stored_orders_are_those_of_the_claims():
+    rows = stored()["starts"]
+    assert [x["method"] for x in rows] == started_pairs()
+    for row in rows:
+        orders = [row[what][x]["order"] for what in ("carried", "first") for x in ("zero", "own")]
+        # carried values: exactly these orders; first values: at least, a symmetry may give more
+        assert orders[:2] == pytest.approx(expected(row["method"])[:2], abs=CLOSE), row
+        least = expected(row["method"])[2:]
+        assert all(x > y - CLOSE for x, y in zip(orders[2:], least, strict=True)), row
+
+
+def test_the_tables_of_the_page_are_those_of_the_data():
+    page = (ROOT / "docs" / "pairs.md").read_text(encoding="utf-8")
+    zero = json.loads((MEASURED / "pairs-long.json").read_text(encoding="utf-8"))
+    record = stored()
+    assert starts_table(record) in page
+    assert runs_table(record, zero) in page
+    other = copy.deepcopy(record)
+    other["starts"][0]["carried"]["own"]["size"] *= 2
+    other["runs"][0]["energy"][-1] *= 2
+    assert starts_table(other) not in page
+    assert runs_table(other, zero) not in page
+
+
+def test_every_pair_with_a_start_is_measured():
+    record = stored()
+    pairs = {x for x in names("methods") if document(x)["class"] == "pair-sweep"}
+    assert {x["method"] for x in record["runs"]} == set(started_pairs()) <= pairs
+    assert len(record["runs"]) == 2 * len(started_pairs())
+
+
+def test_a_file_says_so_exactly_where_its_start_stops_the_growth():
+    zero = json.loads((MEASURED / "pairs-long.json").read_text(encoding="utf-8"))["runs"]
+    own = {(x["method"], x["problem"]): x["bounded"] for x in stored()["runs"]}
+    for name in started_pairs():
+        growing = [x["problem"] for x in zero if x["method"] == name and not x["bounded"]]
+        notes = " ".join(document(name).get("notes", []))
+        stopped = bool(growing) and all(own[name, x] for x in growing)
+        assert ("the starting method of this file they stay bounded" in notes) is stopped, name
+    assert any(x["bounded"] is False for x in stored()["runs"])  # no start stops it everywhere

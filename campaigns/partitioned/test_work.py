@@ -1,0 +1,197 @@
+"""What methods need for an accuracy: crossings of error curves, counts, and their tables."""
+
+import copy
+import json
+import math
+from pathlib import Path
+
+import pytest
+
+from campaigns.partitioned.long_runs import Case as LongCase
+from campaigns.partitioned.long_runs import Long, follow_pair, pair_names
+from campaigns.partitioned.long_runs import add as add_runs
+from campaigns.partitioned.tables import (
+    best,
+    long_table,
+    needs_table,
+    one_pair_table,
+    start_table,
+    time_table,
+)
+from campaigns.partitioned.work import (
+    CASES,
+    LEFT_OUT,
+    METHODS,
+    Case,
+    _crossing,
+    _per_step,
+    add,
+    needs,
+    timed,
+    write,
+)
+from glmref.catalogue.lookup import document
+from glmref.errors import UsageError
+from glmref.problems import names, problem
+
+ROOT = Path(__file__).resolve().parents[2]
+SHORT = Case("short", "harmonic-oscillator", 6.0, 40, timed=True)
+
+
+def test_a_crossing_is_interpolated_in_logarithms():
+    # error = n^-6: 1e-9 at n = 10^1.5
+    curve = [(10, 1e-6), (100, 1e-12)]
+    assert _crossing(curve, 1e-9) == pytest.approx(10**1.5)
+
+
+def test_a_lucky_dip_of_the_error_does_not_count():
+    curve = [(10, 1e-6), (12, 1e-10), (20, 1e-7), (40, 1e-10)]
+    found = _crossing(curve, 1e-9)
+    assert found is not None
+    assert 20 < found < 40
+    assert _crossing([*curve, (80, math.nan)], 1e-9) is None
+    assert _crossing([(10, 1e-6)], 1e-9) is None
+    assert _crossing([(10, 1e-10)], 1e-9) == 10.0
+    assert _crossing([(10, math.inf), (20, 1e-10)], 1e-9) == 20.0
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_the_evaluations_of_a_step_are_those_the_engine_counts(name):
+    from glmref.engine.solve import solve
+
+    taken = solve("kepler", name, h=0.01, steps=100, start="zero")
+    # one more where the first force of a run is not the last of a step before
+    assert taken.evaluations - 100 * _per_step(name) in (0, 1)
+
+
+def test_every_separable_problem_is_measured_or_left_out_with_a_reason():
+    # a problem without a time to end is no problem to measure: only the separable ones count
+    separable = {name for name in names() if problem(name).separable}
+    assert separable == {case.problem for case in CASES} | set(LEFT_OUT)
+
+
+def test_the_need_of_a_method_of_order_6_is_below_that_of_order_2(tmp_path):
+    found = timed(SHORT, needs(SHORT, ["forest-ruth-4", "pair-rkn-6-8b"]), rounds=1)
+    by_name = {(x.method, x.start): x for x in found}
+    pair, four = by_name["pair-rkn-6-8b", "zero"], by_name["forest-ruth-4", ""]
+    assert pair.needed[1e-9] < four.needed[1e-9]
+    assert pair.start_evaluations == 0
+    assert by_name["pair-rkn-6-8b", "enhanced"].start_evaluations == 7 * 8
+    assert pair.seconds[1e-9] > 0
+    write(tmp_path / "pairs.json", {SHORT: found})
+    record = json.loads((tmp_path / "pairs.json").read_text())
+    assert best(record["cases"][0], ["forest-ruth-4"], "1e-09") is not None
+    assert "(rkn-6-8b)" in needs_table(record, "1e-09")
+    assert "| short |" in time_table(record, "1e-09")
+
+
+def test_one_more_method_is_counted_and_the_rest_of_the_file_is_kept(tmp_path):
+    path = tmp_path / "pairs.json"
+    write(path, {SHORT: timed(SHORT, needs(SHORT, ["forest-ruth-4", "pair-rkn-6-8b"]), rounds=1)})
+    before = json.loads(path.read_text())
+    for _ in range(2):  # the second time its rows are replaced
+        add(path, "mclachlan-4", [SHORT])
+    after = json.loads(path.read_text())
+    rows, old = after["cases"][0]["methods"], before["cases"][0]["methods"]
+    assert [x for x in rows if x["method"] != "mclachlan-4"] == old
+    (new,) = (x for x in rows if x["method"] == "mclachlan-4")
+    assert new == {**new, "needed": {f"{t:.0e}": round(n) for t, n in need_of("mclachlan-4")}}
+    assert new["seconds"] == {}
+    assert rows.index(new) == 1  # as in METHODS, after forest-ruth-4
+    assert after["notes"] == [
+        *before["notes"],
+        "mclachlan-4 was counted in a later run, without times.",
+    ]
+    assert after["circumstances"] == before["circumstances"]
+    with pytest.raises(UsageError, match="must be one of"):
+        add(path, "rk4", [SHORT])
+
+
+def need_of(method):
+    return needs(SHORT, [method])[0].needed.items()
+
+
+def test_one_more_pair_is_run_and_the_rest_of_the_file_is_kept(tmp_path):
+    path, case = tmp_path / "pairs-long.json", LongCase("harmonic-oscillator", 1 / 16)
+    other = {"method": "pair-6-7", "kept": True}
+    path.write_text(json.dumps({"notes": [], "runs": [other, {"method": "pair-4-4"}]}))
+    add_runs(path, "pair-4-4", [case], 10_000)
+    runs = json.loads(path.read_text())["runs"]
+    assert runs == [follow_pair("pair-4-4", case, 10_000).as_json(), other]
+    with pytest.raises(UsageError, match="must be one of"):
+        add_runs(path, "stormer-verlet", [case], 10_000)
+
+
+def test_ten_thousand_steps_are_followed_and_growth_is_seen():
+    case = LongCase("harmonic-oscillator", 1 / 16)
+    good = follow_pair("pair-rkn-6-8b", case, 10_000)
+    assert (good.outcome, good.steps, good.bounded) == ("completed", 10_000, True)
+    # kappa < 0: |w| - 1 = 1.7e-3 y^3 with y = 7/16, 1.4e-4 a step, exp(1.4) in 10^4 steps
+    wild = follow_pair("pair-6-7", LongCase("harmonic-oscillator", 1 / 16), 100_000)
+    assert wild.carried[-1] > 100 * wild.carried[0]
+    assert not wild.bounded
+
+
+def test_bounded_looks_at_energy_at_carried_values_and_at_the_end():
+    def run(energy, carried, steps=10**7):
+        return Long("x", "y", 0.1, steps, "completed", (10**5, 10**6, 10**7), energy, carried)
+
+    assert run((1e-9, 1e-9, 2e-9), (1e-7, 1e-7, 1e-7)).bounded
+    assert not run((1e-9, 1e-9, 2e-8), (1e-7, 1e-7, 1e-7)).bounded
+    assert not run((1e-9, 1e-9, 1e-9), (1e-7, 1e-7, 2e-6)).bounded
+    assert not run((1e-9, 1e-9, 1e-9), (1e-7, 1e-7, 1e-7), steps=999).bounded
+    assert run((1e-16, 1e-15, 1e-14), (0.0, 0.0, 1e-14)).bounded  # round-off
+
+
+MEASURED = ROOT / "data" / "measurements"
+
+
+def changed(record, method, key):
+    """The record with one method's numbers at 1e-9 a tenth larger in the first case."""
+    other = copy.deepcopy(record)
+    for row in other["cases"][0]["methods"]:
+        if row["method"] == method:
+            number = row[key]["1e-09"]
+            row[key]["1e-09"] = type(number)(1.1 * number)  # a count stays a whole number
+    return other
+
+
+def test_the_tables_of_the_page_are_those_of_the_data():
+    page = (ROOT / "docs" / "pairs.md").read_text(encoding="utf-8")
+    record = json.loads((MEASURED / "pairs.json").read_text(encoding="utf-8"))
+    singles = ["pair-6-7", "pair-6-8", "pair-8-24"]
+    singles += ["pair-rkn-6-7b", "pair-rkn-6-8b", "pair-rkn-8-16"]
+    assert needs_table(record, "1e-09") in page
+    assert needs_table(record, "1e-06") in page
+    assert one_pair_table(record, singles, "1e-09") in page
+    assert time_table(record, "1e-09") in page
+    assert start_table(record, [x.name for x in CASES if x.timed], "1e-09") in page
+    long = json.loads((MEASURED / "pairs-long.json").read_text(encoding="utf-8"))
+    assert long_table(long) in page
+    # near misses: one number of one method more or less, and the page is no longer of the data
+    assert needs_table(changed(record, "pair-6-8", "needed"), "1e-09") not in page
+    assert one_pair_table(changed(record, "pair-6-8", "needed"), singles, "1e-09") not in page
+    assert time_table(changed(record, "pair-6-8", "seconds"), "1e-09") not in page
+    timed_cases = [x.name for x in CASES if x.timed]
+    assert start_table(changed(record, "pair-6-8", "needed"), timed_cases, "1e-09") not in page
+    long["runs"][0]["energy"][-1] *= 1.1
+    assert long_table(long) not in page
+
+
+def test_a_pair_is_labelled_exactly_where_ten_million_steps_show_growth():
+    runs = json.loads((MEASURED / "pairs-long.json").read_text(encoding="utf-8"))["runs"]
+    assert {x["method"] for x in runs} == set(pair_names())
+    for run in runs:
+        notes = [
+            x for x in document(run["method"]).get("notes", []) if x.startswith("Over ten million")
+        ]
+        notes = " ".join(notes)
+        assert (f"grow on {run['problem']}," in notes) is not run["bounded"], run
+        assert run["steps"] == 10**7 or (run["outcome"] == "not finite" and not run["bounded"])
+
+
+def test_the_file_holds_every_case_and_every_method():
+    record = json.loads((MEASURED / "pairs.json").read_text(encoding="utf-8"))
+    assert [x["case"] for x in record["cases"]] == [case.name for case in CASES]
+    for case in record["cases"]:
+        assert {row["method"] for row in case["methods"]} == set(METHODS)

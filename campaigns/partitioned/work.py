@@ -1,0 +1,339 @@
+"""Force evaluations that splittings and pairs need for a given accuracy, problem by problem.
+
+For each case and method the error is taken on a grid of step sizes, a quarter of an octave apart.
+The evaluations *needed* for a tolerance are where the error falls below it for good: between the
+last grid point above and the first after it, interpolated in logarithms. So a lucky zero of the
+error at one step size counts for nothing. Times are taken afterwards, at the step sizes found, all
+methods in turn, several rounds.
+
+    python -m campaigns.partitioned.work data/measurements/pairs.json
+    python -m campaigns.partitioned.work data/measurements/pairs.json METHOD
+
+The second form counts evaluations of one more method and keeps the rest of the file: counts do not
+depend on the run. It takes no times, which mean something only beside those of the same run.
+
+Public names::
+
+    needs(case, methods) -> list of Need          timed(case, needs) -> list of Need
+    CASES, METHODS, PAIRS                         write(path, needs by case), main(path)
+                                                  add(path, method)
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import statistics
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from campaigns.partitioned.long_runs import three_digits
+from glmref.catalogue.lookup import load
+from glmref.catalogue.strict_json import write_json
+from glmref.engine.outcome import Solution, StartFailed
+from glmref.engine.solve import solve
+from glmref.errors import UsageError
+from glmref.measure.timing import circumstances
+from glmref.measure.work_precision import energy_error, reference_state, state_error
+from glmref.method import PartitionedGLM
+from glmref.problems import problem
+from glmref.problems.model import Problem
+
+__all__ = ["CASES", "METHODS", "PAIRS", "Case", "Need", "add", "main", "needs", "timed", "write"]
+
+TOLERANCES = (1e-6, 1e-9)
+#: Grid points to an octave of step sizes.
+DENSITY = 3
+#: No run takes more force evaluations than this.
+MOST = 2_000_000
+#: Rounds of the timing.
+ROUNDS = 9
+#: Samples of the energy where the energy is what is measured.
+SAMPLES = 64
+
+SPLITTINGS = (
+    *("stormer-verlet", "forest-ruth-4", "mclachlan-4", "yoshida-verlet-6", "kahan-li-6"),
+    *("blanes-moan-6", "blanes-moan-rkn-6-11", "blanes-moan-rkn-6-14", "kahan-li-8"),
+    "suzuki-umeno-8",
+)
+PAIRS = (
+    *("pair-4-4", "pair-4-5", "pair-4-6", "pair-6-7", "pair-6-8", "pair-6-9", "pair-6-10"),
+    *("pair-8-24", "pair-rkn-6-7", "pair-rkn-6-7b", "pair-rkn-6-8", "pair-rkn-6-8b"),
+    *("pair-rkn-6-9", "pair-rkn-8-16"),
+)
+#: Pairs that are measured from the enhanced start too.
+ENHANCED = ("pair-6-7", "pair-6-8", "pair-rkn-6-7b", "pair-rkn-6-8b")
+METHODS = SPLITTINGS + PAIRS
+
+
+@dataclass(frozen=True)
+class Case:
+    """A problem, how far it is solved, and what is measured.
+
+    Attributes
+    ----------
+        name: one word. problem, parameters: of the catalogue. t_end: time, from its beginning.
+        least: evaluations at which the grid begins.
+        measure: ``"state"``: Euclidean error of the last state, relative; ``"energy"``: largest
+            error of H over 64 samples, relative (where the motion is chaotic or the time long).
+        timed: whether times are taken too.
+    """
+
+    name: str
+    problem: str
+    t_end: float
+    least: int
+    parameters: tuple[tuple[str, str], ...] = ()
+    measure: str = "state"
+    timed: bool = False
+
+    def built(self) -> Problem:
+        """Return the problem."""
+        return _problem(self.problem, self.parameters)
+
+
+@cache
+def _problem(name: str, parameters: tuple[tuple[str, str], ...]) -> Problem:
+    return problem(name, **dict(parameters))
+
+
+_PERIOD = 2 * math.pi
+_E2, _E6 = (("eccentricity", "1/5"),), (("eccentricity", "3/5"),)
+CASES = (
+    Case("kepler-0.2", "kepler", 10 * _PERIOD, 300, _E2, timed=True),
+    Case("kepler-0.2-long", "kepler", 300 * _PERIOD, 9000, _E2),
+    Case("kepler-0.6", "kepler", 10 * _PERIOD, 900, _E6, timed=True),
+    Case("kepler-0.6-long", "kepler", 300 * _PERIOD, 27000, _E6),
+    Case("henon-heiles", "henon-heiles", 50.0, 150, timed=True),
+    Case("henon-heiles-long", "henon-heiles", 5000.0, 10000, measure="energy"),
+    Case("outer-solar-system", "outer-solar-system", 200_000.0, 500, timed=True),
+    Case("outer-solar-system-long", "outer-solar-system", 2_000_000.0, 5000),
+    Case("pendulum", "pendulum", 50.0, 150, timed=True),
+    Case("pendulum-long", "pendulum", 5000.0, 15000),
+    Case("toda", "toda", 50.0, 150),
+    Case("toda-long", "toda", 1000.0, 3000),
+    Case("fput", "fput", 200.0, 400),
+    Case("fput-stiff", "fput-stiff", 10.0, 1000),
+    Case("figure-eight", "figure-eight", 20.0, 150),
+    Case("pleiades", "pleiades", 1.5, 1000),
+    Case("n-body", "n-body", 1.0, 100),
+    Case("harmonic-oscillator", "harmonic-oscillator", 100.0, 100),
+    Case("lotka-volterra", "lotka-volterra-logarithmic", 50.0, 200),
+)
+#: Separable problems of the catalogue that are not measured, and why.
+LEFT_OUT = {
+    "long-chain": "100,000 components, linear: it asks about memory, not about accuracy",
+    "pythagorean": "close encounters: no constant step size reaches 1e-9",
+    "scaled-kepler": "Kepler's problem in other units",
+    "stiff-spring-pendulum": "stiff: stability, not accuracy, bounds the step of explicit methods",
+}
+
+
+@dataclass(frozen=True)
+class Need:
+    """What one method needs in one case.
+
+    Attributes
+    ----------
+        method: its name. start: ``"zero"`` or ``"enhanced"`` for pairs, ``""`` for splittings.
+        curve: (evaluations of the steps, error) for each step size, coarse to fine.
+        start_evaluations: what the start costs.
+        needed: tolerance -> evaluations of the steps; missing where it was not reached.
+        seconds: tolerance -> median time of the steps at that many evaluations.
+    """
+
+    method: str
+    start: str
+    curve: tuple[tuple[int, float], ...]
+    start_evaluations: int
+    needed: dict[float, float]
+    seconds: dict[float, float] = field(default_factory=dict)
+
+
+@cache
+def _method(name: str) -> PartitionedGLM:
+    found = load(name)
+    assert isinstance(found, PartitionedGLM)
+    return found
+
+
+def _run(case: Case, method: str, steps: int, start: str) -> Solution:
+    target = case.built()
+    options: dict[str, Any] = {"steps": steps, "h": case.t_end / steps}
+    if case.measure == "energy":
+        options["every"] = max(1, steps // SAMPLES)
+    if start:
+        options["start"] = ("enhanced", 3) if start == "enhanced" else start
+    return solve(target, _method(method), **options)
+
+
+def _error(case: Case) -> Callable[[Solution], float]:
+    """Return the function that takes the error of a solution of the case."""
+    target = case.built()
+    if case.measure == "state":
+        reference = reference_state(target, float(target.t_span[0]) + case.t_end)
+        return lambda s: state_error(np.asarray(s.y[-1]), reference)
+
+    return lambda s: energy_error(target, s)
+
+
+def _per_step(method: str) -> int:
+    """Evaluations of a step; one less where the last of a step is the first of the next."""
+    pair = _method(method)
+    document = pair.document or {}
+    reused = document.get("class") == "splitting" and document.get("first") == "p"
+    return max(1, pair.n_Q - 1 if reused and len(document["b"]) > len(document["a"]) else pair.n_Q)
+
+
+def needs(case: Case, methods: Sequence[str] = METHODS) -> list[Need]:
+    """Measure the error of each method on the grid of step sizes.
+
+    Pairs start from zero values, those of :data:`ENHANCED` from the enhanced start of three passes
+    (seven steps) too.
+    """
+    error, result = _error(case), []
+    for method in methods:
+        starts = ("zero", "enhanced") if method in ENHANCED else ("zero",)
+        for start in starts if method.startswith("pair-") else ("",):
+            result.append(_need(case, method, start, error))
+    return result
+
+
+def _need(case: Case, method: str, start: str, error: Callable[[Solution], float]) -> Need:
+    per_step, curve, cost = _per_step(method), [], 0
+    for k in range(200):
+        steps = math.ceil(case.least * 2 ** (k / DENSITY) / per_step)
+        if steps * per_step > MOST:
+            break
+        try:
+            solution = _run(case, method, steps, start)
+        except StartFailed:  # the step is too long for a start: the next one is shorter
+            continue
+        cost = solution.start_evaluations
+        if solution.completed:
+            curve.append((solution.evaluations, error(solution)))
+            below = [e < min(TOLERANCES) / 2 for _, e in curve[-DENSITY // 2 :]]
+            if len(below) == DENSITY // 2 and all(below):
+                break
+    found = {t: _crossing(curve, t) for t in TOLERANCES}
+    needed = {t: n for t, n in found.items() if n is not None}
+    return Need(method, start, tuple(curve), cost, needed)
+
+
+def _crossing(curve: Sequence[tuple[int, float]], tolerance: float) -> float | None:
+    """Evaluations from which the error stays below a tolerance, interpolated in logarithms."""
+    above = [k for k, (_, e) in enumerate(curve) if not e < tolerance]
+    last = above[-1] if above else -1
+    if last == len(curve) - 1:
+        return None
+    if last < 0:
+        return float(curve[0][0])
+    (n, e), (m, d) = curve[last], curve[last + 1]
+    if not (math.isfinite(e) and d > 0):
+        return float(m)
+    part = math.log(e / tolerance) / math.log(e / d)
+    return n * (m / n) ** part
+
+
+def timed(case: Case, found: Sequence[Need], rounds: int = ROUNDS) -> list[Need]:
+    """Add the times: the steps alone, all methods in turn in each round, the median of rounds.
+
+    They are taken at the number of steps that the sharpest tolerance needs.
+    """
+    tolerance = min(TOLERANCES)
+    samples: dict[int, list[float]] = {}
+    for _ in range(rounds):
+        for k, need in enumerate(found):
+            if tolerance in need.needed:
+                steps = max(1, round(need.needed[tolerance] / _per_step(need.method)))
+                solution = _run(replace(case, measure="state"), need.method, steps, need.start)
+                samples.setdefault(k, []).append(solution.seconds)
+    return [
+        replace(need, seconds={tolerance: statistics.median(samples[k])} if k in samples else {})
+        for k, need in enumerate(found)
+    ]
+
+
+def _as_json(case: Case, found: Sequence[Need]) -> dict[str, Any]:
+    return {
+        "case": case.name,
+        "problem": case.problem,
+        "parameters": dict(case.parameters),
+        "time": case.t_end,
+        "measure": case.measure,
+        "methods": [
+            {
+                "method": need.method,
+                "start": need.start or "none",
+                "start_evaluations": need.start_evaluations,
+                "needed": {f"{t:.0e}": round(n) for t, n in need.needed.items()},
+                "seconds": {f"{t:.0e}": three_digits(x) for t, x in need.seconds.items()},
+                "curve": [[n, three_digits(e)] for n, e in need.curve],
+            }
+            for need in found
+        ],
+    }
+
+
+NOTE = (
+    "needed: force evaluations of the steps from which the error stays below the tolerance, "
+    "interpolated between step sizes a third of an octave apart; start_evaluations come on top. "
+    "seconds: median of nine rounds over all methods in turn, compiled engine, steps alone. "
+    "Pairs start from zero values (no cost), some from the enhanced start of three passes too."
+)
+
+
+def main(path: Path, cases: Sequence[Case] = CASES, methods: Sequence[str] = METHODS) -> None:
+    """Measure all cases, then the times of those that ask for it, and write the file."""
+    found = {case: needs(case, methods) for case in cases}
+    write(path, {case: timed(case, x) if case.timed else x for case, x in found.items()})
+
+
+def write(path: Path, found: Mapping[Case, Sequence[Need]]) -> None:
+    """Write the records of all cases as one JSON document."""
+    document = {
+        "format": "glmref-measurement-1",
+        "name": "pairs",
+        "title": "Force evaluations and time that splittings and explicit pairs need",
+        "how": "python -m campaigns.partitioned.work FILE",
+        "notes": [NOTE, *(f"{name} is left out: {why}" for name, why in LEFT_OUT.items())],
+        "circumstances": circumstances(),
+        "cases": [_as_json(case, rows) for case, rows in found.items()],
+    }
+    write_json(path, document)
+
+
+def add(path: Path, method: str, cases: Sequence[Case] = CASES) -> None:
+    """Count the evaluations of one method, without times, and put its rows into a file.
+
+    Rows of the method that are there are replaced; the order is that of :data:`METHODS`.
+
+    Raises
+    ------
+        UsageError: when the method is not one of :data:`METHODS`.
+    """
+    if method not in METHODS:
+        raise UsageError(f"the method must be one of {', '.join(METHODS)}, got {method!r}")
+    document = json.loads(path.read_text(encoding="utf-8"))
+    named = {case.name: case for case in cases}
+    for entry in document["cases"]:
+        case = named[entry["case"]]
+        new = _as_json(case, needs(case, [method]))["methods"]
+        rows = [x for x in entry["methods"] if x["method"] != method] + new
+        entry["methods"] = sorted(rows, key=lambda x: METHODS.index(x["method"]))
+    note = f"{method} was counted in a later run, without times."
+    document["notes"] = [x for x in document["notes"] if x != note] + [note]
+    write_json(path, document)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) > 2:
+        add(Path(sys.argv[1]), sys.argv[2])
+    else:
+        main(Path(sys.argv[1]))

@@ -1,0 +1,228 @@
+"""Brouwer's law: how round-off grows, with the truncation error out of the way.
+
+A quadratic invariant that the method keeps exactly (y^T C y for a symplectic Runge-Kutta method,
+``sum g_ij y_i^T C y_j`` for a G-symplectic one) changes by round-off alone. Over several problems
+its root mean square tells a random walk, exponent 1/2, from a drift, exponent 1.
+
+``python -m campaigns.roundoff FILE`` measures all variants of :data:`VARIANTS` over ten
+million steps and writes them to a file; ``data/measurements/roundoff.json`` was made so.
+
+References
+----------
+Brouwer, On the accumulation of errors in numerical integration, Astron. J. 46 (1937) 149-153.
+Hairer, McLachlan, Razakarivony, Achieving Brouwer's law with implicit Runge-Kutta methods, BIT 48
+(2008) 231-243.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from glmref.catalogue.lookup import load
+from glmref.catalogue.strict_json import write_json
+from glmref.engine.solve import solve
+from glmref.errors import UsageError
+from glmref.measure.law import samples_of
+from glmref.measure.timing import circumstances
+from glmref.method import GLM
+from glmref.problems import problem
+from glmref.problems.model import Problem
+
+__all__ = ["METHODS", "VARIANTS", "RoundOff", "bodies", "options_of", "round_off", "rows"]
+
+#: Samples over the run.
+SAMPLES = 8192
+#: How the same method is computed: structurally exact coefficients (the sweep of a G-symplectic
+#: method, the mu-form of a Runge-Kutta method) or A, U, B, V rounded; compensated summation (with
+#: the rounding residue of the tableau) or none. Options of :func:`glmref.solve`.
+VARIANTS: Mapping[str, Mapping[str, str]] = {
+    "exact form, compensated": {"form": "auto", "arithmetic": "strict"},
+    "exact form, plain sums": {"form": "exact", "arithmetic": "naive"},
+    "rounded tableau, compensated": {"form": "standard", "arithmetic": "compensated"},
+    "rounded tableau, plain sums": {"form": "standard", "arithmetic": "naive"},
+}
+#: Methods of the record: two of order 6 with several values, two Gauss methods.
+METHODS = ("g6245", "g6245-w3", "gauss-2", "gauss-3")
+#: Step size and length of the record.
+SIZE, STEPS = 1 / 16, 10_000_000
+#: What the record says of itself.
+HEAD: Mapping[str, str] = {
+    "format": "glmref-measurement-1",
+    "name": "roundoff",
+    "question": "By which law does round-off grow in invariants that the method keeps exactly?",
+    "command": "python -m campaigns.roundoff data/measurements/roundoff.json",
+    "problem": "Free rigid bodies, first moment of inertia 2, 17/8, 18/8, ..",
+    "measured": "Relative deviation of both quadratic invariants; for several values, of their "
+    "G-form. `rms`: over n/2 .. n steps and all invariants, for n in `steps`. `exponent`: slope of "
+    "log rms against log n. `mean`: over the last stretch. `runs`: number of invariants.",
+}
+
+Row = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class RoundOff:
+    """Growth of the round-off in invariants that are exact but for it.
+
+    Attributes
+    ----------
+        method, kernel, h: what ran.
+        steps: numbers of steps n, each twice the one before.
+        rms: root mean square of the relative deviations over n/2 .. n steps, over all invariants.
+        exponent: least squares slope of log rms against log n.
+        mean: mean deviation over the last stretch, with its sign; a drift shows here.
+        runs: how many invariants of how many problems went into it.
+    """
+
+    method: str
+    kernel: str
+    h: float
+    steps: tuple[int, ...]
+    rms: tuple[float, ...]
+    exponent: float
+    mean: float
+    runs: int
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the record in JSON's types."""
+        from glmref.measure.records import finite
+
+        record = {key: getattr(self, key) for key in self.__dataclass_fields__}
+        record |= {"steps": list(self.steps), "rms": [finite(x) for x in self.rms]}
+        return record | {"exponent": finite(self.exponent), "mean": finite(self.mean)}
+
+
+def round_off(
+    method: GLM,
+    problems: Sequence[Problem],
+    *,
+    h: float,
+    steps: int,
+    first: int = 10_000,
+    **options: Any,
+) -> RoundOff:
+    """Measure how the round-off in exactly kept quadratic invariants grows.
+
+    Args:
+        method: symplectic with one value, or with a form G.
+        problems: with quadratic invariants; several, because one walk tells little.
+        h: step size. steps: number of steps.
+        first: number of steps from which growth is fitted.
+        **options: ``engine``, ``arithmetic``, ``form`` and ``solver`` of :func:`glmref.solve`.
+
+    Raises
+    ------
+        UsageError: for a method without a form, problems without invariants, or a run that fails.
+    """
+    if method.r > 1 and method.G is None:
+        raise UsageError(
+            f"{method.name or 'the method'} gives no form G; its round-off is not seen"
+        )
+    rows, kernel, counts = [], "", np.zeros(0)
+    for subject in problems:
+        found = solve(
+            subject, method, h=h, steps=steps, every=max(1, steps // SAMPLES), history=True,
+            **options,
+        )  # fmt: skip
+        if not found.completed:
+            raise UsageError(f"{subject.name}: {found.message}")
+        kernel, counts = found.kernel, np.round(np.asarray(found.t, dtype=float) / h)
+        watched = [x if method.r == 1 else f"form of {x}" for x in subject.quadratic]
+        rows += [samples_of(subject, method, found, x) for x in watched]
+    if not rows:
+        raise UsageError("the problems have no quadratic invariants; give others")
+    square = np.mean(np.array(rows) ** 2, axis=0)
+    marks = [steps // 2**k for k in range(64) if steps // 2**k >= max(first, 4)][::-1]
+    rms = [
+        float(np.sqrt(np.mean(square[(counts > mark / 2) & (counts <= mark)]))) for mark in marks
+    ]
+    last = counts > steps / 2
+    return RoundOff(
+        method=method.name,
+        kernel=kernel,
+        h=h,
+        steps=tuple(marks),
+        rms=tuple(rms),
+        exponent=_slope(marks, rms),
+        mean=float(np.mean(np.array(rows)[:, last])),
+        runs=len(rows),
+    )
+
+
+def _slope(steps: Sequence[int], rms: Sequence[float]) -> float:
+    points = [(math.log(n), math.log(x)) for n, x in zip(steps, rms, strict=True) if x > 0]
+    if len(points) < 3:
+        return math.nan
+    x, y = np.array(points).T
+    x = x - x.mean()
+    return float(x @ y / (x @ x))
+
+
+def bodies(count: int = 8) -> list[Problem]:
+    """Free rigid bodies with first moments of inertia 2, 17/8, ..: two invariants each."""
+    return [problem("rigid-body", inertia1=f"{16 + k}/8") for k in range(count)]
+
+
+def options_of(method: GLM, variant: str) -> dict[str, Any]:
+    """Options of :func:`glmref.solve` for one of :data:`VARIANTS`."""
+    options: dict[str, Any] = {**VARIANTS[variant], "solver": "fixed-point"}
+    if options["form"] == "exact":
+        options["form"] = "mu" if method.r == 1 else "sweep"
+    return options
+
+
+def rows(
+    *, methods: Sequence[str] = METHODS, steps: int = STEPS, known: Sequence[Row] = ()
+) -> Iterator[Row]:
+    """Measure every variant of some methods, one row in JSON's types after another.
+
+    The exact form, compensated, is measured on eight bodies, because the exponent of a random walk
+    takes many of them; the others, which drift or are far larger, on three.
+
+    Args:
+        methods: names. steps: number of steps.
+        known: rows that exist; they are passed on as they are.
+    """
+    done = {(row["method"], row["variant"], row["steps"][-1]): row for row in known}
+    for name in methods:
+        method = load(name)
+        if not isinstance(method, GLM):
+            raise UsageError(f"{name} is a pair of methods; give methods of one kind of value")
+        for variant in VARIANTS:
+            if (name, variant, steps) in done:
+                yield done[name, variant, steps]
+                continue
+            subjects = bodies(8 if VARIANTS[variant]["arithmetic"] == "strict" else 3)
+            found = round_off(method, subjects, h=SIZE, steps=steps, **options_of(method, variant))
+            yield {"variant": variant, **found.as_json()}
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Measure and write a document, which is kept up to date; rows that it holds are not redone."""
+    if not arguments:
+        sys.stderr.write("usage: python -m campaigns.roundoff FILE [METHOD ...]\n")
+        return 2
+    path, methods = Path(arguments[0]), arguments[1:] or METHODS
+    known = json.loads(path.read_text(encoding="utf-8"))["rows"] if path.exists() else []
+    document: dict[str, Any] = {**HEAD, "where": circumstances(), "rows": []}
+    found: list[Row] = []
+    for row in rows(methods=methods, known=known):
+        found.append(row)
+        # what was known and has not been passed on yet must survive a kill
+        document["rows"] = found + [row for row in known if row not in found]
+        write_json(path, document)
+        exponent = math.nan if row["exponent"] is None else row["exponent"]
+        sys.stderr.write(f"{row['method']}, {row['variant']}: exponent {exponent:.3f}\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,207 @@
+"""What stiff problems cost: evaluations, Jacobians and matrices, beside scipy's Radau and BDF.
+
+A diagonally implicit method solves one stage at a time: its matrices are n by n, n the number of
+unknowns of a stage (half of the components for q'' = g(q)), one for each Jacobian and each distinct
+diagonal entry; a fully implicit one with s stages needs a matrix of s n unknowns. What is measured
+here is a fixed step against an adaptive one, and says so.
+
+    python -m campaigns.stiff data/measurements/stiff-cost.json
+"""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from glmref.catalogue.lookup import load
+from glmref.catalogue.strict_json import write_json
+from glmref.engine.kernel import Kernel, prepare
+from glmref.errors import UsageError
+from glmref.measure.attempt import attempt
+from glmref.measure.records import finite
+from glmref.measure.timing import circumstances
+from glmref.measure.work_precision import reference_state, state_error
+from glmref.method import GLM
+from glmref.problems import problem
+from glmref.problems.model import Problem
+
+__all__ = ["CASES", "Matrices", "StiffCost", "main", "matrices_of", "peer_cost", "stiff_cost"]
+
+#: Problem, its parameters, end, and the numbers of steps that are tried.
+CASES: tuple[tuple[str, dict[str, Any], float, tuple[int, ...]], ...] = (
+    ("fput-stiff", {"omega": 5000}, 1.0, (100, 5000, 20000)),
+    ("van-der-pol", {"mu": 10**6}, 0.5, (1000, 10000)),
+    ("van-der-pol", {"mu": 10**6}, 2.0, (2_000_000,)),
+)
+METHODS = (
+    "sdirk-2", "sdirk-4", "tr-bdf2", "dimsim-2-type-2", "gsymplectic-p", "gsymplectic-n",
+    "s4-symmetric", "g6245", "g6245-w3", "gauss-2", "radau-iia-3",
+)  # fmt: skip
+#: Budget of evaluations: no limit at these numbers of steps.
+ENOUGH = 10**12
+PEERS = (("Radau", 1e-4), ("Radau", 1e-6), ("BDF", 1e-4), ("BDF", 1e-6))
+
+
+@dataclass(frozen=True)
+class Matrices:
+    """Newton matrices of a compiled kernel.
+
+    Attributes
+    ----------
+        size: rows of the largest. distinct: how many are factored for each Jacobian.
+        inline: whether they are written out and inverted in place, afresh at every stage (up to
+            three unknowns), instead of kept from step to step.
+    """
+
+    size: int
+    distinct: int
+    inline: bool
+
+
+@dataclass(frozen=True)
+class StiffCost:
+    """What one run cost, and how good it was.
+
+    Attributes
+    ----------
+        name: method or solver. problem: what was solved. t_end: end of the run.
+        h: step size, or ``None`` for an adaptive solver. tolerance: relative, of an adaptive one.
+        outcome: how it ended. error: of the last state, relative.
+        evaluations: of the right-hand side. jacobians: evaluated. matrices: factored, each of
+            ``size`` rows.
+    """
+
+    name: str
+    problem: str
+    t_end: float
+    h: float | None
+    tolerance: float | None
+    outcome: str
+    error: float | None
+    evaluations: int
+    jacobians: int
+    matrices: int
+    size: int
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the record in JSON's types."""
+        record = {key: getattr(self, key) for key in self.__dataclass_fields__}
+        return record | {"error": finite(self.error)}
+
+
+def matrices_of(method: GLM, problem: Problem, *, h: float) -> Matrices:
+    """Read off a kernel which Newton matrices it uses.
+
+    Raises
+    ------
+        UsageError: for a method without implicit stages.
+    """
+    kernel = prepare(method, problem, h=h, solver="newton")
+    return _matrices(kernel)
+
+
+def _matrices(kernel: Kernel) -> Matrices:
+    if not kernel.form.implicit_stages:
+        raise UsageError("an explicit method has no Newton matrices")
+    unknowns = kernel.shape.half if kernel.shape.halved else kernel.shape.dimension
+    places = [
+        line.strip()
+        for line in kernel.source.text.splitlines()
+        if line.strip().startswith("factor(")
+    ]
+    if not places:
+        return Matrices(unknowns, 1, True)
+    rows = {int(place.partition("reshape((")[2].partition(",")[0]) for place in places}
+    return Matrices(max(rows), len(set(places)), False)
+
+
+def stiff_cost(problem: Problem, method: GLM, *, h: float, steps: int) -> StiffCost:
+    """Run a method with Newton's method at a fixed step and count.
+
+    Where stages are solved inline every solve has a Jacobian and a matrix of its own.
+    """
+    found = attempt(problem, method, h=h, steps=steps, solver="newton", evaluations=ENOUGH)
+    matrices = matrices_of(method, problem, h=h)
+    run = found.solution
+    if run is None:
+        return StiffCost(
+            method.name, problem.name, steps * h, h, None, found.outcome, None, 0, 0, 0,
+            matrices.size,
+        )  # fmt: skip
+    implicit = len(method.implicit_stages)
+    jacobians = run.steps * implicit if matrices.inline else run.factorisations
+    error = None
+    if run.completed:
+        reference = reference_state(problem, float(run.t[-1]))
+        error = state_error(np.asarray(run.y[-1]), reference)
+    return StiffCost(
+        name=method.name,
+        problem=problem.name,
+        t_end=steps * h,
+        h=h,
+        tolerance=None,
+        outcome=found.outcome,
+        error=error,
+        evaluations=run.total_evaluations,
+        jacobians=jacobians,
+        matrices=jacobians * matrices.distinct,
+        size=matrices.size,
+    )
+
+
+def peer_cost(problem: Problem, solver: str, *, tolerance: float, t_end: float) -> StiffCost:
+    """Run scipy's ``"Radau"`` or ``"BDF"`` with the problem's Jacobian and count."""
+    integrate = import_module("scipy.integrate")
+    start = float(problem.t_span[0])
+    floor = tolerance * 1e-2 * float(np.max(np.abs(problem.y0)))
+    solved = integrate.solve_ivp(
+        problem.f, (start, start + t_end), problem.y0, method=solver, rtol=tolerance, atol=floor,
+        jac=problem.jacobian,
+    )  # fmt: skip
+    error = None
+    if solved.success:
+        error = state_error(solved.y[:, -1], reference_state(problem, start + t_end))
+    return StiffCost(
+        name=f"scipy {solver}",
+        problem=problem.name,
+        t_end=t_end,
+        h=None,
+        tolerance=tolerance,
+        outcome="completed" if solved.success else "gave up",
+        error=error,
+        evaluations=int(solved.nfev),
+        jacobians=int(solved.njev),
+        matrices=int(solved.nlu),
+        size=problem.dimension,
+    )
+
+
+def main(path: str) -> None:
+    """Measure every case and write the file."""
+    rows = []
+    for name, parameters, t_end, counts in CASES:
+        subject = problem(name, **parameters)
+        for method in map(load, METHODS):
+            assert isinstance(method, GLM)
+            rows += [stiff_cost(subject, method, h=t_end / n, steps=n) for n in counts]
+        for solver, tolerance in PEERS:
+            rows.append(peer_cost(subject, solver, tolerance=tolerance, t_end=t_end))
+    document = {
+        "format": "glmref-measurement-1",
+        "what": "counts on stiff problems: Newton at a fixed step beside scipy's Radau and BDF",
+        "how": "python -m campaigns.stiff; error: of the last state, relative; matrices: "
+        "factored, each of `size` rows; up to three unknowns they are written out and inverted "
+        "afresh at every implicit stage",
+        "where": circumstances(),
+        "rows": [row.as_json() for row in rows],
+    }
+    write_json(Path(path), document)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

@@ -1,0 +1,164 @@
+"""The one way a JSON document of this project is written: the same document, the same bytes.
+
+Objects have one key a line, in the order of :data:`KEY_ORDER` and then of the alphabet; a list of
+plain values stands on one line, so that a matrix shows one row a line; sentences (:data:`PROSE`)
+have a line each; a file ends with a newline. Constants keep their order (:data:`IN_ORDER`), because
+a constant may use those above it. Only the standard library is used, so that any script can format
+data without this package's dependencies.
+
+Public names::
+
+    canonical(document) -> str          the text of one file
+    checksums(root) -> str              the text of SHA256SUMS for a data folder
+    datapackage(root, head) -> dict     the datapackage document with every file listed
+    refresh(root) -> list of paths      write method files anew and then the two lists
+
+After a change of the data run ``python -m glmref.catalogue.canonical data``.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import sys
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+__all__ = [
+    "IN_ORDER",
+    "KEY_ORDER",
+    "PROSE",
+    "canonical",
+    "checksums",
+    "datapackage",
+    "refresh",
+]
+
+#: Keys of method files in reading order: what it is, its coefficients, what is claimed, from where.
+KEY_ORDER: tuple[str, ...] = (
+    *("$schema", "$id", "format", "name", "title", "class", "field", "broken", "notes"),
+    *("digits", "unknowns", "constants", "base", "first", "separable", "stages", "kind"),
+    *("alpha", "beta", "a", "A", "U", "B", "V", "V_hat", "b", "w", "c", "v"),
+    *("omega", "gamma", "q", "p", "A_hat", "B_hat", "b_hat"),
+    *("u", "u_hat", "G", "D", "X", "D_P", "D_Q", "enclosure", "starting", "finishing", "claims"),
+    *("order", "order-identity", "effective-order", "nystrom-order", "stage-order"),
+    *("starting-order", "nystrom-starting-order"),
+    *("error-constant", "abscissae"),
+    *("preconsistent", "consistent", "zero-stable", "explicit", "symplectic", "g-symplectic"),
+    *("symmetric", "parasitism-free", "reducible", "growth", "a-stable", "l-stable"),
+    *("claim", "flag", "why", "found"),
+    *("source", "citation", "doi", "where", "status", "errata", "bibtex"),
+)
+#: Objects whose keys keep the order they are given in.
+IN_ORDER = frozenset(["constants", "unknowns"])
+#: Lists of sentences.
+PROSE = frozenset(["errata", "notes"])
+_RANK: Mapping[str, int] = {key: rank for rank, key in enumerate(KEY_ORDER)}
+
+#: Files that list the others and so cannot list themselves.
+_SUMS, _PACKAGE = "SHA256SUMS", "datapackage.json"
+
+
+def canonical(document: Mapping[str, Any]) -> str:
+    """Return the text of a document; two equal documents have the same text, whatever their order.
+
+    Raises
+    ------
+        TypeError: for a value JSON does not have.
+        ValueError: for NaN or an infinity.
+    """
+    return _write(document, "") + "\n"
+
+
+def _write(value: Any, margin: str, name: str = "") -> str:
+    deeper = margin + "  "
+    if isinstance(value, Mapping) and value:
+        keys = list(value)
+        if name not in IN_ORDER:
+            keys.sort(key=lambda key: (_RANK.get(key, len(_RANK)), key))
+        rows = [f"{json.dumps(key)}: {_write(value[key], deeper, key)}" for key in keys]
+        return _lines("{", rows, "}", margin)
+    if isinstance(value, list | tuple) and value:
+        nested = any(isinstance(x, list | tuple | Mapping) for x in value)
+        if nested or name in PROSE:
+            return _lines("[", [_write(x, deeper) for x in value], "]", margin)
+    return json.dumps(value, ensure_ascii=False, allow_nan=False)
+
+
+def _lines(left: str, rows: Iterable[str], right: str, margin: str) -> str:
+    inner = ",\n".join(f"{margin}  {row}" for row in rows)
+    return f"{left}\n{inner}\n{margin}{right}"
+
+
+def _files(root: Path, *without: str) -> list[Path]:
+    """Every file of the data folder but hidden ones and those named, sorted by path."""
+    found = (x for x in root.rglob("*") if x.is_file())
+    shown = (x for x in found if not any(p[0] in "._" for p in x.relative_to(root).parts))
+    places = {x.relative_to(root).as_posix(): x for x in shown}
+    return [places[name] for name in sorted(places) if name not in without]
+
+
+def checksums(root: Path) -> str:
+    """Return the text of SHA256SUMS: what ``sha256sum -c SHA256SUMS`` reads, one line a file."""
+    lines = (
+        f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.relative_to(root).as_posix()}\n"
+        for path in _files(root, _SUMS)
+    )
+    return "".join(lines)
+
+
+def datapackage(root: Path, head: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the datapackage document: its ``head`` and every file with size and hash.
+
+    Args:
+        root: the data folder.
+        head: the document without ``resources``, or an older one whose ``resources`` are replaced.
+
+    References: Data Package (v2), https://datapackage.org/standard/data-package/.
+    """
+    resources = []
+    for path in _files(root, _SUMS, _PACKAGE):
+        content, place = path.read_bytes(), path.relative_to(root)
+        resources.append(
+            {
+                "name": "-".join((*place.parent.parts, place.stem)).lower(),
+                "path": place.as_posix(),
+                "format": place.suffix.removeprefix(".") or "text",
+                "bytes": len(content),
+                "hash": f"sha256:{hashlib.sha256(content).hexdigest()}",
+            }
+        )
+    return {**head, "resources": resources}
+
+
+def refresh(root: Path) -> list[Path]:
+    """Bring the method files into canonical form, then datapackage.json and SHA256SUMS up to date.
+
+    Returns
+    -------
+        The files that were written: those whose text was another one.
+
+    Raises
+    ------
+        FileNotFoundError: when the folder has no datapackage.json to take the head from.
+    """
+    written: list[Path] = []
+
+    def put(path: Path, text: str) -> None:
+        if not path.is_file() or path.read_text(encoding="utf-8") != text:
+            path.write_text(text, encoding="utf-8")
+            written.append(path)
+
+    for folder in ("methods", "broken"):
+        for path in sorted((root / folder).rglob("*.json")):
+            put(path, canonical(json.loads(path.read_text(encoding="utf-8"))))
+    package = root / _PACKAGE
+    head = json.loads(package.read_text(encoding="utf-8"))
+    put(package, canonical(datapackage(root, head)))
+    put(root / _SUMS, checksums(root))
+    return written
+
+
+if __name__ == "__main__":
+    sys.stdout.writelines(f"wrote {path}\n" for path in refresh(Path(sys.argv[1])))

@@ -1,0 +1,139 @@
+"""The entries of a method document: numbers, vectors and matrices, each named in its errors."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
+
+from ..errors import DataError, ExactnessError
+from ..exact import Scalar
+from ..exact.expression import Weight, parse, weigh
+from ..exact.linalg import Matrix, Vector
+from .keys import MAX_SIZE, RESERVED
+from .strict_json import shown
+
+__all__ = ["Entries"]
+
+
+_NAME = re.compile("[A-Za-z_][A-Za-z_0-9]*")
+#: Keys whose strings are prose or name other things: a constant is not used there.
+_PROSE = frozenset({"name", "title", "source", "notes", "broken"})
+
+
+def _strings(value: object) -> Iterator[str]:
+    """Every string in the expressions of a document."""
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, Mapping):
+        for key, inner in value.items():
+            if key not in _PROSE:
+                yield from _strings(inner)
+    elif isinstance(value, list):
+        for inner in value:
+            yield from _strings(inner)
+
+
+class Entries:
+    """Reads entries of one document, with the constants and digits it declares.
+
+    Args:
+        doc: the parsed JSON object.
+        where: file name, for messages.
+    """
+
+    def __init__(self, doc: Mapping[str, Any], where: str) -> None:
+        self.doc, self.where = doc, where
+        self.constants: dict[str, Scalar] = {}
+        self.weights: dict[str, Weight] = {}
+        self.digits: int | None = None
+
+    def error(self, what: str) -> DataError:
+        """Return an error that names the file."""
+        return DataError(f"{self.where}: {what}")
+
+    def text(self, key: str, pattern: str = "") -> str:
+        """Return a string of the document."""
+        value = self.doc.get(key)
+        if not isinstance(value, str) or (pattern and not re.fullmatch(pattern, value)):
+            kind = f"a string matching {pattern}" if pattern else "a string"
+            raise self.error(f"`{key}` must be {kind}, got {shown(value)}")
+        return value
+
+    def read_constants(self) -> None:
+        """Read the declared digits, then the unknowns and constants, each using those above it."""
+        digits = self.doc.get("digits")
+        if digits is not None and (isinstance(digits, bool) or not isinstance(digits, int)):
+            raise self.error(f"`digits` must be a whole number, got {shown(digits)}")
+        if digits is not None and not 1 <= digits <= 150:
+            raise self.error(f"`digits` must lie between 1 and 150, got {digits}")
+        self.digits = digits
+        for key in ("unknowns", "constants"):
+            block = self.doc.get(key, {})
+            if not isinstance(block, dict):
+                raise self.error(f"`{key}` must be an object of names and expressions")
+            for name, text in block.items():
+                if not re.fullmatch(r"[A-Za-z_][A-Za-z_0-9]*", name) or name in RESERVED:
+                    raise self.error(
+                        f"`{key}` has the name {shown(name)}, which cannot be used; take letters, "
+                        f"digits and _, but none of {', '.join(sorted(RESERVED))}"
+                    )
+                if name in self.constants:
+                    raise self.error(f"the constant {name!r} stands twice; keep one of them")
+                value = self.scalar(text, f"{key}.{name}")
+                self.weights[name] = weigh(text, self.weights)
+                self.constants[name] = value
+
+    def check_constants_used(self) -> None:
+        """Refuse a constant that stands nowhere: the name where it should stand is wrong."""
+        used = set(_NAME.findall(" ".join(_strings(self.doc))))
+        for name in self.constants:
+            if name not in used:
+                raise self.error(
+                    f"the constant {name!r} is never used; take it out, or correct the name "
+                    f"where it should stand"
+                )
+
+    def scalar(self, text: object, where: str) -> Scalar:
+        """Read one entry."""
+        if not isinstance(text, str):
+            raise self.error(
+                f"`{where}` must be a string such as '1/2', got {shown(text)}; quote the number"
+            )
+        try:
+            weigh(text, self.weights)
+            return parse(text, constants=self.constants, digits=self.digits)
+        except (DataError, ExactnessError) as error:
+            raise self.error(f"`{where}`: {error}") from None
+
+    def vector(self, values: object, where: str) -> Vector:
+        """Read a list of entries."""
+        if not isinstance(values, list) or not values:
+            raise self.error(f"`{where}` must be a list of strings, got {shown(values)}")
+        if len(values) > MAX_SIZE:
+            raise self.error(f"`{where}` has {len(values)} entries and at most {MAX_SIZE} are read")
+        return tuple(self.scalar(x, f"{where}[{i + 1}]") for i, x in enumerate(values))
+
+    def matrix(self, rows: object, where: str) -> Matrix:
+        """Read a list of rows of equal length."""
+        if not isinstance(rows, list) or not rows:
+            raise self.error(f"`{where}` must be a list of rows, got {shown(rows)}")
+        if len(rows) > MAX_SIZE:
+            raise self.error(f"`{where}` has {len(rows)} rows and at most {MAX_SIZE} are read")
+        result = tuple(self.vector(row, f"{where}[{i + 1}]") for i, row in enumerate(rows))
+        for i, row in enumerate(result):
+            if len(row) != len(result[0]):
+                raise self.error(
+                    f"`{where}` is ragged: row {i + 1} is {len(row)} long and row 1 is "
+                    f"{len(result[0])} long"
+                )
+        return result
+
+    def square(
+        self, block: Mapping[str, Any], letters: Iterable[str], where: str = ""
+    ) -> dict[str, Matrix]:
+        """Read the named matrices of a block."""
+        missing = [x for x in letters if x not in block]
+        if missing:
+            raise self.error(f"`{where}{missing[0]}` is missing; give all of {', '.join(letters)}")
+        return {x: self.matrix(block[x], where + x) for x in letters}

@@ -1,0 +1,100 @@
+"""Find data files: shipped ones by name, the user's by path; read them as JSON, no more."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from ..errors import DataError, UsageError
+from .strict_json import read_json, shown
+
+__all__ = ["data_root", "document", "names", "path_of"]
+
+FOLDERS = ("methods", "broken")
+
+
+def data_root() -> Path:
+    """Folder that holds methods/, broken/, schema/ ...: beside the package or inside a wheel.
+
+    Raises
+    ------
+        DataError: when neither is there, that is, when the installation is incomplete.
+    """
+    package = Path(str(files("glmref")))
+    for candidate in (package / "data", package.parent / "data"):
+        if (candidate / "methods").is_dir():
+            return candidate
+    raise DataError(f"the data folder is missing beside {package}; install glmref again")
+
+
+@cache
+def _index(root: Path) -> Mapping[str, Path]:
+    found: dict[str, Path] = {}
+    for folder in FOLDERS:
+        for path in sorted((root / folder).rglob("*.json")):
+            found[path.stem] = path
+    return found
+
+
+def names(folder: str | None = None) -> list[str]:
+    """Names of the shipped files, sorted; ``folder`` is ``"methods"``, ``"broken"`` or both."""
+    root = data_root()
+    return sorted(
+        name
+        for name, path in _index(root).items()
+        if folder is None or path.relative_to(root).parts[0] == folder
+    )
+
+
+def path_of(name: str | Path) -> Path:
+    """Path of a shipped method's file, or of the user's file.
+
+    Raises
+    ------
+        UsageError: when there is neither, naming the nearest shipped names.
+    """
+    text = str(name)
+    known = _index(data_root())
+    if text in known:
+        return known[text]
+    path = Path(text)
+    try:
+        kind = _kind(path) if text else "no file"
+    except (OSError, ValueError) as error:  # a name too long, a folder one may not enter
+        raise UsageError(f"the file {shown(text)} cannot be read ({_reason(error)})") from None
+    if kind == "file":
+        return path
+    if kind != "no file" or path.suffix == ".json" or path.parent != Path():
+        what = "does not exist" if kind == "no file" else f"is {kind}"
+        raise UsageError(
+            f"the file {shown(text)} {what}; give a method file or a name of `glmref list`"
+        )
+    from difflib import get_close_matches
+
+    near = get_close_matches(text[:80].lower(), known, n=3)
+    hint = f"did you mean {' or '.join(near)}?" if near else "see `glmref list`"
+    raise UsageError(f"there is no method named {shown(text)}; {hint}")
+
+
+def _kind(path: Path) -> str:
+    if path.is_file():
+        return "file"
+    if path.is_dir():
+        return "a folder"
+    return "not a regular file" if path.exists() else "no file"
+
+
+def _reason(error: OSError | ValueError) -> str:
+    return getattr(error, "strerror", None) or str(error)
+
+
+def document(name: str | Path) -> dict[str, Any]:
+    """Return the JSON document of a method file, checked for syntax only."""
+    path = path_of(name)
+    value = read_json(path)
+    if not isinstance(value, dict):
+        raise DataError(f"{path.name}: a method file must hold one JSON object, got {shown(value)}")
+    return value

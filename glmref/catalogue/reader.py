@@ -1,0 +1,383 @@
+"""From a method document to a method: every key and entry checked on the way.
+
+The document is the JSON object of a file in the format ``glmref-method-1`` (``data/README.md`` is
+its contract). Each problem is a :class:`~glmref.errors.DataError` of one sentence.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+from ..errors import DataError, ExactnessError
+from ..exact.expression import Text
+from ..exact.linalg import Matrix, Vector, diagonal
+from ..method import (
+    GLM,
+    FinishingMethod,
+    PairStartingMethod,
+    PartitionedGLM,
+    StartingMethod,
+    families,
+)
+from .entries import Entries
+from .files import document, names
+from .keys import (
+    BLOCKS,
+    CLAIMS,
+    COMMON,
+    FORMAT,
+    MAX_ORDER,
+    MAX_SIZE,
+    OPTIONAL,
+    PAIRS,
+    fault_of_texts,
+    without_meaning,
+)
+from .strict_json import shown
+
+__all__ = ["CLAIMS", "FORMAT", "load_document"]
+
+
+def load_document(doc: Mapping[str, Any], *, where: str = "document") -> GLM | PartitionedGLM:
+    """Turn a method document into a method, checking everything on the way.
+
+    Args:
+        doc: the parsed JSON object.
+        where: file name, for messages.
+
+    Raises
+    ------
+        DataError: for anything that is not as the format asks.
+    """
+    return _Reader(doc, where).method()
+
+
+class _Reader(Entries):
+    """Checks one document and builds its method."""
+
+    def method(self) -> GLM | PartitionedGLM:
+        if not isinstance(self.doc, Mapping):
+            raise self.error(f"a method must be a JSON object, got {shown(self.doc)}")
+        if self.doc.get("format") != FORMAT:
+            raise self.error(
+                f"`format` must be {FORMAT!r}, got {shown(self.doc.get('format'))}; "
+                f"this version reads only that format"
+            )
+        if "class" not in self.doc:
+            raise self.error(f"the key `class` is missing; it is one of {', '.join(BLOCKS)}")
+        kind = self.text("class")
+        if kind not in BLOCKS:
+            raise self.error(f"`class` must be one of {', '.join(BLOCKS)}, got {kind!r}")
+        self._check_keys(kind)
+        self.text("name", pattern=r"[a-z0-9][a-z0-9.-]{0,99}")
+        fault = fault_of_texts(self.doc)
+        if fault:
+            raise self.error(fault)
+        self.read_constants()
+        build: Callable[[], GLM | PartitionedGLM] = getattr(self, "_" + kind.replace("-", "_"))
+        try:
+            built = build()
+        except DataError as error:
+            prefix = f"{self.where}: "
+            text = str(error)
+            raise DataError(text if text.startswith(prefix) else prefix + text) from None
+        except (ExactnessError, ZeroDivisionError) as error:
+            raise self.error(f"the coefficients do not define a method ({error})") from None
+        self._check_real(built)
+        self.check_constants_used()
+        return built
+
+    def _check_keys(self, kind: str) -> None:
+        allowed = COMMON | BLOCKS[kind]
+        for key in self.doc:
+            if key not in allowed:
+                raise self.error(
+                    f"the key {key!r} is unknown for class {kind!r}; allowed are "
+                    f"{', '.join(sorted(allowed))}"
+                )
+        for key in ("name", "claims", "source", *sorted(BLOCKS[kind] - OPTIONAL)):
+            if key not in self.doc:
+                raise self.error(f"the key {key!r} is missing; a file of class {kind!r} needs it")
+
+    def _forms(self, r: int) -> dict[str, Any]:
+        """Read the optional G and D. G may be given by its diagonal."""
+        forms: dict[str, Any] = {}
+        if "G" in self.doc:
+            rows = self.doc["G"]
+            if isinstance(rows, list) and rows and all(isinstance(x, str) for x in rows):
+                forms["G"] = diagonal(self.vector(rows, "G"))
+            else:
+                forms["G"] = self.matrix(rows, "G")
+        for key in ("D", "D_P", "D_Q"):
+            if key in self.doc:
+                forms[key] = self.vector(self.doc[key], key)
+        return forms
+
+    def _record(self, r: int) -> dict[str, Any]:
+        """What every class shares: name, start, finish, claims, source."""
+        return {
+            "name": self.doc["name"],
+            "starting": self._starting(r),
+            "finishing": self._finishing(),
+            "claims": self._claims(),
+            "source": self._source(),
+            "document": self.doc,
+        }
+
+    def _one_step(self, base: GLM) -> GLM:
+        return replace(base, **self._record(base.r))
+
+    def _glm(self) -> GLM:
+        blocks = self.square(self.doc, "AUBV")
+        r = len(blocks["V"])
+        return GLM(**blocks, **self._forms(r), **self._record(r))
+
+    def _rk(self) -> GLM:
+        return self._one_step(
+            families.runge_kutta(self.matrix(self.doc["A"], "A"), self.vector(self.doc["b"], "b"))
+        )
+
+    def _sweep(self) -> GLM:
+        from ..method.sweep import build, explicit_stages
+
+        D, blocks = self.vector(self.doc.get("D"), "D"), self.square(self.doc, "XVG")
+        explicit = explicit_stages(self.doc.get("enclosure", {}), len(D))
+        return self._one_step(build(D, **blocks, explicit=explicit))
+
+    def _pair_sweep(self) -> PartitionedGLM:
+        from ..method.partitioned_sweep import build
+
+        rows = {x: self.matrix(self.doc[x], x) for x in ("w", "v") if x in self.doc}
+        blocks = self.square(self.doc, ("V", "V_hat"))
+        built = build(
+            self.vector(self.doc["b"], "b"),
+            self.vector(self.doc["c"], "c"),
+            **rows,
+            **blocks,
+            G=self._pair_form(),
+            stages=self.text("stages", pattern=r"[PQ]+"),
+        )
+        return self._pair(built)
+
+    def _pair_form(self) -> Matrix:
+        if "G" not in self.doc:
+            raise self.error("`G` is missing; give the form or its diagonal")
+        return self._forms(0)["G"]
+
+    def _lmm(self) -> GLM:
+        return self._one_step(families.linear_multistep(*self._alpha_beta()))
+
+    def _one_leg(self) -> GLM:
+        built = families.one_leg(*self._alpha_beta())
+        return replace(built, **self._forms(built.r), **self._record(built.r))
+
+    def _alpha_beta(self) -> tuple[Vector, Vector]:
+        alpha = self.vector(self.doc["alpha"], "alpha")
+        beta = self.vector(self.doc["beta"], "beta")
+        if len(alpha) != len(beta):
+            raise self.error(
+                f"`alpha` and `beta` must have the same length, got {len(alpha)} and {len(beta)}"
+            )
+        return alpha, beta
+
+    def _composition(self) -> GLM:
+        name = self.text("base")
+        if name not in names("methods"):  # never a path: a file stands for itself
+            raise self.error(f"`base` must be the name of a shipped method, got {shown(name)}")
+        base = document(name)
+        if base.get("class") != "rk":
+            raise self.error(f"`base` must name a method of class 'rk', got {self.doc['base']!r}")
+        built = load_document(base, where=f"{self.doc['base']}.json")
+        assert isinstance(built, GLM)
+        return self._one_step(families.composition(built, self.vector(self.doc["gamma"], "gamma")))
+
+    def _splitting(self) -> PartitionedGLM:
+        first = self.text("first", pattern="q|p")
+        built = families.splitting(
+            self.vector(self.doc["a"], "a"), self.vector(self.doc["b"], "b"), first=first
+        )
+        return self._pair(built)
+
+    def _partitioned_rk(self) -> PartitionedGLM:
+        built = families.partitioned_runge_kutta(
+            self.matrix(self.doc["A"], "A"),
+            self.vector(self.doc["b"], "b"),
+            self.matrix(self.doc["A_hat"], "A_hat"),
+            self.vector(self.doc["b_hat"], "b_hat"),
+        )
+        return self._pair(built)
+
+    def _partitioned(self) -> PartitionedGLM:
+        for key in ("q", "p"):
+            if not isinstance(self.doc[key], dict):
+                raise self.error(f"`{key}` must be an object with A, U, B and V")
+        q = self.square(self.doc["q"], "AUBV", "q.")
+        p = {f"{x}_hat": y for x, y in self.square(self.doc["p"], "AUBV", "p.").items()}
+        separable = self.doc.get("separable", False)
+        if not isinstance(separable, bool):
+            raise self.error(f"`separable` must be true or false, got {shown(separable)}")
+        built = PartitionedGLM(**q, **p, **self._forms(len(q["V"])), separable=separable)
+        return self._pair(built)
+
+    def _pair(self, built: PartitionedGLM) -> PartitionedGLM:
+        return replace(
+            built,
+            name=self.doc["name"],
+            starting=self._pair_starting(built),
+            claims=self._claims(),
+            source=self._source(),
+            document=self.doc,
+        )
+
+    def _pair_starting(self, pair: PartitionedGLM) -> PairStartingMethod | None:
+        block = self._tableau_block("starting", "A B u A_hat B_hat u_hat")
+        if block is None:
+            return None
+        m: dict[str, Any] = {
+            x: self.matrix(block[x], f"starting.{x}") for x in ("A", "B", "A_hat", "B_hat")
+        }
+        m |= {x: self.vector(block[x], f"starting.{x}") for x in ("u", "u_hat")}
+        n_q, n_p = len(m["A"]), len(m["A_hat"])
+        wanted = {"A": (n_q, n_p), "A_hat": (n_p, n_q)}
+        wanted |= {"B": (pair.r, n_p), "B_hat": (pair.r_hat, n_q)}
+        for x, shape in wanted.items():
+            if (len(m[x]), len(m[x][0])) != shape:
+                raise self.error(
+                    f"`starting.{x}` must have shape {shape} for {n_q} rows of `starting.A`, {n_p} "
+                    f"rows of `starting.A_hat`, r = {pair.r} and r^ = {pair.r_hat}, got "
+                    f"({len(m[x])}, {len(m[x][0])})"
+                )
+        for x, r in (("u", pair.r), ("u_hat", pair.r_hat)):
+            if len(m[x]) != r:
+                raise self.error(
+                    f"`starting.{x}` must have {r} entries, one for each value, got {len(m[x])}"
+                )
+        if n_q != n_p and not pair.separable:
+            raise self.error(
+                f"`starting` must have as many stages Q as stages P, which are evaluated together "
+                f"where the pair is not separable, got {n_q} and {n_p}"
+            )
+        claims = {"order": block["order"]} if "order" in block else {}
+        return PairStartingMethod(**m, name=str(block.get("name", "")), claims=claims)
+
+    def _starting(self, r: int) -> StartingMethod | None:
+        block = self._tableau_block("starting", "A B u")
+        if block is None:
+            return None
+        B = self.matrix(block["B"], "starting.B")
+        A = self.matrix(block["A"], "starting.A")
+        u = self.vector(block["u"], "starting.u")
+        shapes = {len(A), len(A[0]), len(B[0])}
+        if len(shapes) > 1 or len(B) != r or len(u) != r:
+            raise self.error(
+                f"`starting` must have A (m, m), B (r, m) and u (r) with r = {r}, got "
+                f"A ({len(A)}, {len(A[0])}), B ({len(B)}, {len(B[0])}) and u ({len(u)})"
+            )
+        claims = {"order": block["order"]} if "order" in block else {}
+        return StartingMethod(A=A, B=B, u=u, name=str(block.get("name", "")), claims=claims)
+
+    def _finishing(self) -> FinishingMethod | None:
+        block = self._tableau_block("finishing", "A b")
+        if block is None:
+            return None
+        A = self.matrix(block["A"], "finishing.A")
+        b = self.vector(block["b"], "finishing.b")
+        if not len(A) == len(A[0]) == len(b):
+            raise self.error(
+                f"`finishing` must have A (m, m) and b (m), got A ({len(A)}, {len(A[0])}) and "
+                f"b ({len(b)})"
+            )
+        claims = {"order": block["order"]} if "order" in block else {}
+        return FinishingMethod(A=A, b=b, name=str(block.get("name", "")), claims=claims)
+
+    def _tableau_block(self, key: str, needed: str) -> Mapping[str, Any] | None:
+        block = self.doc.get(key)
+        if block is None:
+            return None
+        allowed = {*needed.split(), "order", "name", "kind"}
+        if not isinstance(block, dict):
+            raise self.error(f"`{key}` must be an object with {needed.replace(' ', ', ')}")
+        for name in block:
+            if name not in allowed:
+                raise self.error(f"`{key}` has the unknown key {name!r}")
+        for name in needed.split():
+            if name not in block:
+                raise self.error(f"`{key}.{name}` is missing")
+        if block.get("kind", "runge-kutta") != "runge-kutta":
+            raise self.error(f"`{key}.kind` must be 'runge-kutta', got {shown(block['kind'])}")
+        self._whole_number(block.get("order", 0), f"`{key}.order`")
+        return block
+
+    def _whole_number(self, value: object, what: str) -> None:
+        if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= MAX_ORDER:
+            raise self.error(
+                f"{what} must be a whole number from 0 to {MAX_ORDER}, got {shown(value)}"
+            )
+
+    def _claims(self) -> Mapping[str, Any]:
+        claims = self.doc["claims"]
+        if not isinstance(claims, dict) or not claims:
+            raise self.error(
+                f"`claims` must be an object with at least one claim, got {shown(claims)}"
+            )
+        for key, value in claims.items():
+            if key not in CLAIMS:
+                raise self.error(
+                    f"the claim {key!r} is unknown; known are {', '.join(sorted(CLAIMS))}"
+                )
+            if key in without_meaning(self.doc["class"]):
+                kind = "a pair" if self.doc["class"] in PAIRS else "one method"
+                raise self.error(f"the claim {key!r} has no meaning for {kind}; take it out")
+            if CLAIMS[key] is int:
+                self._whole_number(value, f"the claim {key!r}")
+            elif not isinstance(value, CLAIMS[key]):
+                kind = {bool: "true or false", list: "a list of strings"}
+                wanted = kind.get(CLAIMS[key], "a string")
+                raise self.error(f"the claim {key!r} must be {wanted}, got {shown(value)}")
+        return {key: self._claimed(value, f"claims.{key}") for key, value in claims.items()}
+
+    def _claimed(self, value: Any, where: str) -> Any:
+        """Attach their values to the expressions of a claim."""
+        if isinstance(value, bool | int):
+            return value
+        if isinstance(value, list):
+            if len(value) > MAX_SIZE:
+                raise self.error(f"`{where}` has {len(value)} entries and at most {MAX_SIZE}")
+            pairs = [(text, self.scalar(text, f"{where}[{i + 1}]")) for i, text in enumerate(value)]
+            return [Text(text, number) for text, number in pairs]
+        return Text(value, self.scalar(value, where))
+
+    def _source(self) -> Mapping[str, Any]:
+        return dict(self.doc["source"])
+
+    def _check_real(self, built: GLM | PartitionedGLM) -> None:
+        """A real tableau has real entries; a complex one says ``"field": "complex"``."""
+        field = self.doc.get("field", "real")
+        if field not in ("real", "complex"):
+            raise self.error(f"`field` must be 'real' or 'complex', got {shown(field)}")
+        if field == "complex":
+            return
+        hats = ("", "_hat") if isinstance(built, PartitionedGLM) else ("",)
+        blocks = {x + hat: getattr(built, x + hat) for x in "AUBV" for hat in hats}
+        blocks |= {x: getattr(built, x, None) for x in ("G", "D", "D_P", "D_Q")}
+        for letter, block in blocks.items():
+            for i, row in enumerate(block or ()):
+                for j, x in enumerate(row if isinstance(row, tuple) else (row,)):
+                    if not x.is_real():
+                        place = f"[{i + 1}][{j + 1}]" if isinstance(row, tuple) else f"[{i + 1}]"
+                        raise self.error(
+                            f"{self._entry_named(letter, place)} is complex ({complex(x):.6g}) in "
+                            f"a real tableau; a square root of a negative number, or say "
+                            f'"field": "complex"'
+                        )
+
+    def _entry_named(self, letter: str, place: str) -> str:
+        """Name an entry as the file writes it; it may have b or other numbers for B."""
+        if letter in self.doc or letter in ("A_hat", "D", "D_P", "D_Q"):
+            return f"`{letter}{place}`"
+        weights = letter.replace("B", "b")
+        if weights in self.doc and self.doc["class"] in ("rk", "partitioned-rk"):
+            return f"`{weights}{place.removeprefix('[1]')}`"
+        return f"the entry {letter}{place} of the general linear form"

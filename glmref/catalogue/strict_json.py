@@ -1,0 +1,120 @@
+"""Strict JSON: every problem of a file is one sentence that names the place and the remedy.
+
+No float, no NaN, no duplicate key, no deep nesting, no file of unreasonable size; nothing is ever
+evaluated as code.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Sequence
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from ..errors import DataError
+
+__all__ = ["read_json", "shown", "write_json"]
+
+MAX_BYTES = 4_000_000  # a method file has some kilobytes; the largest vectors some hundred
+MAX_NESTING = 40
+
+# a string without its closing quote counts as one too: else its search would be quadratic
+_STRING = re.compile(r'"(?:[^"\\]++|\\.)*+"?', re.DOTALL)
+_BRACKET = re.compile(r"[\[\]{}]")
+
+
+def write_json(path: Path, document: object) -> None:
+    """Write a document of measurements, in a folder that is made where it is missing.
+
+    Raises
+    ------
+        ValueError: for NaN or an infinity, which JSON has not; the file stays as it was.
+    """
+    text = json.dumps(document, indent=1, allow_nan=False, ensure_ascii=False)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text + "\n", encoding="utf-8")
+
+
+def read_json(path: Path) -> Any:
+    """Read a JSON file strictly: UTF-8, no float, no NaN, no duplicate key, no deep nesting.
+
+    Raises
+    ------
+        DataError: naming the file, the place and the remedy.
+    """
+    name = path.name
+    try:
+        if path.stat().st_size > MAX_BYTES:
+            raise DataError(
+                f"{name}: the file has {path.stat().st_size} bytes and at most {MAX_BYTES} are "
+                f"read; a method file holds one method"
+            )
+        text = path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise DataError(f"{name}: the file cannot be read ({error.strerror})") from None
+    except UnicodeDecodeError as error:
+        raise DataError(
+            f"{name}: byte {error.start} is not UTF-8; save the file as UTF-8"
+        ) from None
+    if text.startswith("\ufeff"):
+        raise DataError(f"{name}: the file begins with a byte order mark; save it as UTF-8 without")
+    if _too_deep(text):
+        raise DataError(f"{name}: brackets are nested deeper than {MAX_NESTING}; flatten the file")
+    try:
+        return json.loads(
+            text,
+            parse_float=lambda x: _refuse(name, f"the number {shown(x)[1:-1]} is a float", x),
+            parse_constant=lambda x: _refuse(name, f"{x} is not a number JSON allows", "0"),
+            parse_int=lambda x: _integer(name, x),
+            object_pairs_hook=lambda pairs: _unique(name, pairs),
+        )
+    except json.JSONDecodeError as error:
+        raise DataError(
+            f"{name}: line {error.lineno}, column {error.colno} is not JSON ({error.msg})"
+        ) from None
+
+
+def _too_deep(text: str) -> bool:
+    """Whether brackets outside strings are nested too deep, without recursion."""
+    depth = 0
+    for match in _BRACKET.finditer(_STRING.sub("", text)):
+        if match[0] in "[{":
+            depth += 1
+            if depth > MAX_NESTING:
+                return True
+        else:
+            depth -= 1
+    return False
+
+
+def _refuse(name: str, what: str, value: str) -> Any:
+    raise DataError(f"{name}: {what}; write an exact string such as {_fraction_hint(value)!r}")
+
+
+def _fraction_hint(text: str) -> str:
+    if len(text) > 20 or "e" in text.lower():
+        return "1/4"
+    return str(Fraction(text))
+
+
+def _integer(name: str, text: str) -> int:
+    if len(text) > 20:
+        raise DataError(f"{name}: the integer {text[:12]}... is too long; write it as a string")
+    return int(text)
+
+
+def _unique(name: str, pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:
+    result: dict[str, Any] = {}
+    for key, value in pairs:
+        if key in result:
+            raise DataError(f"{name}: the key {key!r} stands twice; keep one of them")
+        result[key] = value
+    return result
+
+
+def shown(value: object) -> str:
+    """A value as JSON, shortened for a message."""
+    text = json.dumps(value, default=repr)
+    return text if len(text) <= 60 else text[:57] + "..."

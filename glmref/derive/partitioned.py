@@ -1,0 +1,300 @@
+"""Symmetric explicit pairs: what to look for, free parameters, and complete, proved documents.
+
+An ansatz is a pair in the sweep form (:mod:`.partitioned_sweep`) with V = V^ = diag(1, -1),
+G = diag(1, g), stages P Q P .. P or Q P Q .. Q and palindromic
+
+    b, c    weights                                b1, b2, ..   c1, c2, ..
+    w, v    couplings, antisymmetric               w1, w2, ..   v1, v2, ..
+
+The last of b1, b2, .. that is not fixed follows from sum b_i = 1, likewise for c. The equations are
+one tree of every free tree of odd order below the order (:mod:`.pair_series`), both growth
+parameters, and as many starts as make every principal part zero. Scaling q_2 by a number and p_2 by
+its inverse changes nothing but w and v: one parameter is always free.
+
+Public names::
+
+    PairAnsatz(name, n, order, ...)             .document() -> dict, its unknowns empty
+    fix_parameters(ansatz, point) -> (square ansatz, point)
+    complete_pair(ansatz, start, source, claims) -> (document, PairEnclosure)
+    search_pairs(ansatz, seed=.., starts=..) -> iterator of Found
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+from ..catalogue.writer import fill
+from ..errors import UsageError
+from ..exact import ball
+from ..prove.newton import polish
+from ..prove.partitioned_enclosure import PairEnclosure, prove_pair
+from ..prove.partitioned_system import PairSystem
+from ..prove.partitioned_trees import representatives
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from .search import Found
+
+__all__ = ["PairAnsatz", "complete_pair", "fix_parameters", "search_pairs"]
+
+#: Values of zeta that are asked to vanish, by number: none, one of them, or both.
+STARTS = {
+    "": (),
+    "q": ("start f[k] 2",),
+    "p": ("start k[f] 2",),
+    "qp": ("start f[k] 2", "start k[f] 2"),
+}
+
+
+@dataclass(frozen=True)
+class PairAnsatz:
+    """What to look for.
+
+    Attributes
+    ----------
+        name: name of the method to be.
+        n: stages Q, that is evaluations of k in a step.
+        order: even. nystrom: whether it is meant for second-order systems only.
+        outer: ``"P"`` (n + 1 stages P) or ``"Q"`` (n - 1 stages P).
+        g: +1 or -1, the second entry of G.
+        starts: ``"q"``, ``"p"``, ``"qp"`` or ``""``: whose first starting value is asked to vanish.
+        fixed: exact expressions for some of the unknowns.
+        title: one line for the file.
+    """
+
+    name: str
+    n: int
+    order: int
+    nystrom: bool = False
+    outer: str = "P"
+    g: int = 1
+    starts: str = ""
+    fixed: Mapping[str, str] = field(default_factory=dict)
+    title: str = ""
+
+    def __post_init__(self) -> None:
+        if not 2 <= self.n <= 40:
+            raise UsageError(f"`n` must lie between 2 and 40, got {self.n}")
+        if self.order not in (2, 4, 6, 8):
+            raise UsageError(f"`order` must be 2, 4, 6 or 8, got {self.order}")
+        for key, allowed in (("outer", "PQ"), ("g", (1, -1)), ("starts", STARTS)):
+            if getattr(self, key) not in allowed:
+                raise UsageError(f"`{key}` must be one of {', '.join(map(str, allowed))}")
+
+    @property
+    def stages(self) -> str:
+        """The word of the stages."""
+        inner = "Q" if self.outer == "P" else "P"
+        outer = self.n + 1 if self.outer == "P" else self.n
+        return (self.outer + inner) * (outer - 1) + self.outer
+
+    def _row(self, name: str, parity: int) -> list[str]:
+        size = self.stages.count("P" if name in "bw" else "Q")
+        half = [f"{name}{i + 1}" for i in range(size // 2)]
+        middle = [f"{name}{size // 2 + 1}" if parity > 0 else "0"] * (size % 2)
+        return half + middle + [x if parity > 0 else f"-{x}" for x in reversed(half)]
+
+    def equations(self) -> list[str]:
+        """Names of the equations, see :mod:`.pair_system`."""
+        odd = range(3, self.order, 2)
+        trees = [t for n in odd for t in representatives(n, nystrom=self.nystrom)]
+        return [*(f"order {t}" for t in trees), "growth q -1", "growth p -1", *STARTS[self.starts]]
+
+    def document(self) -> dict[str, Any]:
+        """Return the method document: entries, unknowns (their values empty), equations.
+
+        Raises
+        ------
+            UsageError: when a fixed name is not in the ansatz.
+        """
+        rows = {name: self._row(name, 1 if name in "bc" else -1) for name in "bwcv"}
+        names = [x for row in rows.values() for x in dict.fromkeys(row) if x[0].isalpha()]
+        for name in self.fixed:
+            if name not in names:
+                raise UsageError(f"`fixed` names {name!r}, and the ansatz has {', '.join(names)}")
+        constants = dict(self.fixed)
+        for name in "bc":
+            free = [x for x in dict.fromkeys(rows[name]) if x not in self.fixed]
+            if free:
+                constants[free[-1]] = _remainder(free[-1], rows[name])
+        signs = [["1", "0"], ["0", "-1"]]
+        claims = (
+            {"order": 4, "nystrom-order": self.order} if self.nystrom else {"order": self.order}
+        )
+        return {
+            "format": "glmref-method-1",
+            "name": self.name,
+            "title": self.title,
+            "class": "pair-sweep",
+            "constants": constants,
+            "unknowns": {x: "" for x in names if x not in constants},
+            "stages": self.stages,
+            "b": rows["b"],
+            "w": [rows["w"]],
+            "c": rows["c"],
+            "v": [rows["v"]],
+            "V": signs,
+            "V_hat": signs,
+            "G": ["1", str(self.g)],
+            "enclosure": {"equations": self.equations(), "radius": "1e-60"},
+            "claims": claims,
+        }
+
+
+def _remainder(name: str, row: Sequence[str]) -> str:
+    """The entry ``name`` from the condition that the row sums to 1."""
+    others = [(x, row.count(x)) for x in dict.fromkeys(row) if x != name]
+    total = "1" + "".join(f"-{x}" if k == 1 else f"-{k}*{x}" for x, k in others)
+    return total if row.count(name) == 1 else f"({total})/{row.count(name)}"
+
+
+def fix_parameters(
+    ansatz: PairAnsatz, point: Sequence[float], *, digits: int = 4
+) -> tuple[PairAnsatz, list[float]]:
+    """Fix as many unknowns rationally as there are free parameters, and keep the rest as a start.
+
+    One unknown after another is fixed, each time the one whose loss leaves the largest smallest
+    singular value to the Jacobian.
+
+    Args:
+        ansatz: with more unknowns than equations. point: a solution, in the order of the document.
+        digits: after the point, of the numbers that are fixed.
+    """
+    import numpy as np
+
+    from .search import evaluate
+
+    document = ansatz.document()
+    names = list(document["unknowns"])
+    _, jacobians = evaluate(PairSystem(document).residuals, np.array([point], dtype=float))
+    left = list(range(len(names)))
+    for _ in range(len(names) - len(document["enclosure"]["equations"])):
+        smallest = [
+            np.linalg.svd(jacobians[0][:, [i for i in left if i != j]], compute_uv=False)[-1]
+            for j in left
+        ]
+        del left[int(np.argmax(smallest))]
+    fixed = {
+        name: str(round(Fraction(x), digits))
+        for i, (name, x) in enumerate(zip(names, point, strict=True))
+        if i not in left
+    }
+    square = replace(ansatz, fixed={**ansatz.fixed, **fixed})
+    known = dict(zip(names, point, strict=True))
+    return square, [known[x] for x in square.document()["unknowns"]]
+
+
+def complete_pair(
+    ansatz: PairAnsatz,
+    start: Sequence[str | float],
+    *,
+    source: Mapping[str, Any],
+    claims: Mapping[str, Any] | None = None,
+    notes: Sequence[str] = (),
+) -> tuple[dict[str, Any], PairEnclosure]:
+    """Polish, prove and complete one pair.
+
+    Args:
+        ansatz: with as many unknowns as equations.
+        start: about ten digits of each unknown, in the order of the document.
+        source: the source record. claims: claims besides the usual ones, or instead of them.
+        notes: sentences for the reader of the file.
+
+    Raises
+    ------
+        ConvergenceError, ExactnessError: when the start leads to no root, or the proof fails.
+    """
+    document = ansatz.document()
+    values = [ball(Fraction(str(x))) for x in start]
+    document = fill(document, polish(PairSystem(document).residuals, values))
+    enclosure = prove_pair(document)
+    orders: dict[str, Any] = dict(document["claims"])
+    if enclosure.identity:
+        orders["order-identity"] = orders["order"]
+    document["claims"] = {
+        **orders,
+        # odd orders vanish by symmetry, and order 2 where both starts are equations
+        "starting-order": 3 if ansatz.starts == "qp" else 1,
+        "preconsistent": True,
+        "consistent": True,
+        "zero-stable": True,
+        "explicit": True,
+        "g-symplectic": True,
+        "symmetric": True,
+        "parasitism-free": True,
+        "growth": ["0", "0"],
+        "reducible": False,
+        **(claims or {}),
+    }
+    document["source"] = dict(source)
+    if notes:
+        document["notes"] = list(notes)
+    return document, enclosure
+
+
+def search_pairs(
+    ansatz: PairAnsatz,
+    *,
+    seed: int,
+    starts: int,
+    first: int = 0,
+    iterations: int = 200,
+    progress: Callable[[int, int], None] | None = None,
+) -> Iterator[Found]:
+    """Solve the equations from random starts, reproducibly (:func:`glmref.derive.search.search`).
+
+    A start has weights of both signs and couplings scaled so that ``sum b_i w_i^2 = sum c_j v_j^2 =
+    0`` nearly holds: with positive weights only w = v = 0 would, which is a splitting method and a
+    singular point of the equations.
+    """
+    import numpy as np
+
+    from .search import search
+
+    document = ansatz.document()
+    system = PairSystem(document)
+    names = list(document["unknowns"])
+    rows = {"b": document["b"], "c": document["c"]}
+    # R(T) is of the size of 1 / gamma(T): without weights high orders would hardly count
+    weights = [e.tree.density if e.kind == "order" and e.tree else 1 for e in system.equations]
+
+    def weighted(values: Sequence[Any]) -> list[Any]:
+        return [x * w for x, w in zip(system.residuals(values), weights, strict=True)]
+
+    def draw(generator: np.random.Generator) -> np.ndarray:
+        values: dict[str, float] = {}
+        for weight, coupling in (("b", "w"), ("c", "v")):
+            size = len(rows[weight])
+            for x in dict.fromkeys(rows[weight]):
+                values[x] = 1 / size + generator.normal() * float(generator.choice([0.1, 0.35]))
+            for i in range(size // 2):
+                values[f"{coupling}{i + 1}"] = generator.normal()
+            _balance(values, weight, coupling, size)
+        return np.array([values[x] for x in names])
+
+    return search(
+        weighted,
+        draw,
+        seed=seed,
+        starts=starts,
+        first=first,
+        iterations=iterations,
+        progress=progress,
+    )
+
+
+def _balance(values: dict[str, float], weight: str, coupling: str, size: int) -> None:
+    """Scale the couplings so that positive and negative weights balance in sum b_i w_i^2."""
+    parts = {1: 0.0, -1: 0.0}
+    signs = {i: 1 if values[f"{weight}{i + 1}"] > 0 else -1 for i in range(size // 2)}
+    for i, sign in signs.items():
+        parts[sign] += abs(values[f"{weight}{i + 1}"]) * values[f"{coupling}{i + 1}"] ** 2
+    if min(parts.values()) <= 0:
+        return
+    ratio = min((parts[1] / parts[-1]) ** 0.25, 3.0)
+    for i, sign in signs.items():
+        values[f"{coupling}{i + 1}"] *= ratio if sign < 0 else 1 / ratio

@@ -1,0 +1,202 @@
+"""Kernels for partitioned pairs on separable problems: q' = dq(p), p' = dp(q).
+
+Stages Q (where dp is evaluated) and P (where dq is) come one after another; each function is called
+only where its stage is due. The coefficients are those of :mod:`.pair_forms`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from .codegen import Builder, KernelSource, Options, choose_kind, header
+from .emit import ArrayTarget, ScalarTarget, Target, Writer
+from .partitioned_forms import Half, PairForm
+from .shape import Shape
+from .values import Values, linear
+
+__all__ = ["PairBuilder", "pair_source"]
+
+
+def pair_source(form: PairForm, shape: Shape, options: Options) -> KernelSource:
+    """Generate the module for a pair on a separable problem."""
+    kind = choose_kind(form.Q.n + form.P.n, shape, options)
+    writer = Writer()
+    target: Target = (ScalarTarget if kind == "scalar" else ArrayTarget)(shape, writer)
+    PairBuilder(form, shape, options, target).kernel()
+    title = f'"""Generated kernel: pair, {form.kind} form, {form.P.n} P and {form.Q.n} Q stages."""'
+    head = header(shape, kind, newton=False)
+    text, rows = title + "\n\n" + head + writer.text, max(form.r, form.r_hat)
+    return KernelSource(text, target.work_size, rows, len(form.memory), kind)
+
+
+class PairBuilder(Builder):
+    """Writes one kernel for a pair; y{k} holds q_k in its left and p_k in its right half.
+
+    Stage vectors are numbered by node: Q_j is j, P_i is n_Q + i. L of a Q stage lives in the right
+    half (it updates p), L of a P stage in the left.
+    """
+
+    form: PairForm  # type: ignore[assignment]
+
+    def __init__(self, form: PairForm, shape: Shape, options: Options, target: Target) -> None:
+        super().__init__(form, shape, options, target)  # type: ignore[arg-type]
+        m, d = shape.half, shape.dimension
+        kinds = {"running": form.running, "compensated": options.compensated}
+        P, Q = form.P, form.Q
+        self.in_place = False
+        if isinstance(target, ArrayTarget) and form.running:
+            self.in_place = True
+            # what a stage sees and its increment serve the values at once, and nothing later; new
+            # values are written where the old ones were
+            target.passing |= {f"{x}{i}" for x in "aL" for i in range(Q.n + P.n)}
+            target.passing |= {f"{x}{k}" for x in "nr" for k in range(self._rows())}
+        self.sides = (
+            Values(target, form.V, P.R, P.R_residue, form.large, (0, m), **kinds),
+            Values(target, form.V_hat, Q.R, Q.R_residue, form.large_hat, (m, d), **kinds),
+        )
+
+    def _rows(self) -> int:
+        return max(self.form.r, self.form.r_hat)
+
+    def _declare(self) -> None:
+        if isinstance(self.t, ScalarTarget):
+            at_q = [
+                j for b in self.form.blocks if b.implicit for j in b.stages if j < self.form.Q.n
+            ]
+            self.w(*(f"{self.t.ref(f'Y{j}', c)} = 0.0" for j in at_q for c in range(*self.watched)))
+
+    def _state(self) -> list[str]:
+        letters = "ye" if self.options.compensated else "y"
+        names = [f"{letter}{k}" for letter in letters for k in range(self._rows())]
+        return names + [name for name, _ in self.form.memory]
+
+    def _scaled_weights(self) -> None:
+        for half, shift in ((self.form.Q, 0), (self.form.P, self.form.Q.n)):
+            for i, weight in enumerate(half.weights):
+                self.w(f"hw{i + shift} = h" if weight == 1.0 else f"hw{i + shift} = h*{weight!r}")
+
+    def _record(self) -> None:
+        for part, basis in zip((0, 1), self.form.from_form, strict=True):
+            low, high = ((0, self.shape.half), (self.shape.half, self.shape.dimension))[part]
+            for k in range(len(basis)) if self.options.history else range(1):
+                terms = [(x, f"@y{j}") for j, x in enumerate(basis[k])]
+                self._output(k, terms, (low, high))
+
+    def _begin(self) -> None:
+        for values in self.sides:
+            values.begin()
+
+    def _blocks(self) -> None:
+        done: list[int] = []
+        for block in self.form.blocks:
+            if block.implicit:
+                self._implicit(block.stages, done)
+            else:
+                self._node(block.stages[0], done)
+            done += block.stages
+        self._evaluations_of_explicit_stages()
+
+    def _side(self, node: int) -> tuple[Half, int, int]:
+        """(half, index within it, side of the values it is read from: 0 for q, 1 for p)."""
+        n = self.form.Q.n
+        return (self.form.Q, node, 0) if node < n else (self.form.P, node - n, 1)
+
+    def _base_of(self, node: int, done: Sequence[int]) -> tuple[str, str]:
+        """z and a of a stage from values and from increments already known."""
+        half, i, side = self._side(node)
+        big, small = self.sides[side].read(half.U[i])
+        if not self.form.running:
+            # a Q stage reads increments of P stages, and the other way round
+            n = self.form.Q.n
+            others = [j for j in done if (j < n) != (node < n)]
+            small += [(half.M[i][j if j < n else j - n], f"@L{j}") for j in others]
+        return self._named(node, big, small, self.sides[side].part)
+
+    def _node(self, node: int, done: Sequence[int]) -> None:
+        """One explicit stage: its value, its function, its increment.
+
+        A force that is kept from step to step is G: at the first stage it is known, at the last one
+        it is evaluated anew.
+        """
+        _, i, side = self._side(node)
+        ends = {self.form.blocks[k].stages[0] for k in (0, -1)} if self.form.reuses_force else ()
+        slope = "G" if node in ends else f"F{node}"
+        if slope != "G" or done:
+            z, a = self._base_of(node, done)
+            text = z if a == "0.0" else f"{z} + {a}"
+            self.t.vec([f"@Y{node} = {text}"], self.sides[side].part)
+            self.t.call(self.shape.parts[1 - side], f"Y{node}", slope, f"s{node}")
+        lines = [f"@L{node} = hw{node}*@{slope}"]
+        if self.form.running:
+            lines += self.sides[1 - side].adding(i, f"@L{node}")
+        self.t.vec(lines, self.sides[1 - side].part)
+
+    def _call(self, node: int) -> None:
+        """L of a stage from its value Y."""
+        _, _, side = self._side(node)
+        self.t.call(self.shape.parts[1 - side], f"Y{node}", f"F{node}", f"s{node}")
+        self.t.vec([f"@L{node} = hw{node}*@F{node}"], self.sides[1 - side].part)
+
+    def _evaluations_of_explicit_stages(self) -> None:
+        n = self.form.Q.n
+        single = [b.stages[0] for b in self.form.blocks if not b.implicit]
+        forces = sum(1 for node in single if node < n) - self.form.reuses_force
+        self.w(f"evaluations += {forces}")
+        if not self.shape.parts[0].identity:
+            self.w(f"velocities += {sum(1 for node in single if node >= n)}")
+
+    def _implicit(self, nodes: Sequence[int], done: Sequence[int]) -> None:
+        """Stages that depend on each other: rounds P -> dq -> Q -> dp until Q is settled."""
+        w, n = self.w, self.form.Q.n
+        at_q, at_p = [j for j in nodes if j < n], [j for j in nodes if j >= n]
+        bases = {node: self._base_of(node, done) for node in nodes}
+
+        def values(group: Sequence[int], others: Sequence[int], name: str) -> None:
+            for node in group:
+                half, i, side = self._side(node)
+                z, a = bases[node]
+                terms = [(half.M[i][j if j < n else j - n], f"@L{j}") for j in others]
+                text = linear(terms if a == "0.0" else [(1.0, a), *terms])
+                self.t.vec([f"@{name}{node} = {z} + ({text})"], self.sides[side].part)
+
+        self._sizes(at_p, [bases[j][0] for j in at_q])
+        w("last_change = 1e300", "stalls = 0", "rounds = 0")
+        with w.block("while True:"):
+            values(at_p, at_q, "Y")
+            for node in at_p:
+                self._call(node)
+            values(at_q, at_p, "N")
+            self._compare(at_q)
+            for node in at_q:
+                self._call(node)
+        w("iterations += rounds", f"evaluations += {len(at_q)}*rounds")
+        if not self.shape.parts[0].identity:
+            w(f"velocities += {len(at_p)}*(rounds + 1)")
+        with w.block("if outcome != 0:"):
+            w("break")
+
+    def _commit(self) -> None:
+        n = self.form.Q.n
+        names = ([f"@L{n + i}" for i in range(self.form.P.n)], [f"@L{j}" for j in range(n)])
+        if self.in_place:
+            self._commit_in_place(names)
+            return
+        for values, increments, check in zip(
+            self.sides, names, ("check_q", "check_p"), strict=True
+        ):
+            values.finish(increments)
+            values.check(check)
+        self._finite("check_q + check_p")
+        for values in self.sides:
+            self._accept(values)
+
+    def _commit_in_place(self, names: tuple[list[str], list[str]]) -> None:
+        """Check the sum first: then new values go where the old ones were, in one pass."""
+        whole = self.sides[0].coming() == self.sides[1].coming()
+        for values, check in zip(self.sides, ("check_q", "check_p"), strict=True):
+            if check == "check_q" or not whole:
+                self.t.total(check, f"({values.coming()})", self.all if whole else values.part)
+        self._finite("check_q" if whole else "check_q + check_p")
+        for values, increments in zip(self.sides, names, strict=True):
+            accepted = [f"{old} = {new}" for old, new in values.pairs()]
+            self.t.vec(values.finishing(increments) + accepted, values.part)

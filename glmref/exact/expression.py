@@ -1,0 +1,395 @@
+"""The text form of exact numbers: a small whitelisted grammar, parsed by hand, never evaluated.
+
+    sum     = product (("+" | "-") product)*
+    product = factor (("*" | "/") factor)*
+    factor  = ("+" | "-") factor | atom
+    atom    = integer | decimal | name | "(" sum ")"
+            | "sqrt(" sum ")" | "root(" sum "," integer ")" | "exp(" angle ")"
+
+``decimal`` is read only where the file declares its digits, and gives a ball. ``name`` is ``i`` or
+a constant the file declares. ``root(x, n)`` is the positive n-th root of a positive real number.
+``angle`` is a rational multiple of ``pi*i``, as in ``exp(2*pi*i/3)``.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from math import isfinite
+from typing import NamedTuple
+
+from ..errors import DataError, ExactnessError
+from . import Ball, Exact, Scalar, root_of_unity
+
+__all__ = ["Text", "Weight", "parse", "to_text", "weigh"]
+
+MAX_LENGTH = 4000  # characters of one entry, its constants written out; published ones have 200
+MAX_DEPTH = 40  # nested parentheses and signs
+MAX_INTEGER_DIGITS = 1000
+MAX_TURN_DENOMINATOR = 30  # of a root of unity exp(2*pi*i*k/n), whose degree is up to n - 1
+MAX_ROOT = 12  # n of root(x, n)
+MAX_RADICALS = 40  # in one entry, its constants written out: each may double the field's degree
+MAX_RADICAL_DEPTH = 4  # sqrt inside sqrt, constants written out
+
+_SPACES = " \t\r\n\f\v"
+_RATIONAL = re.compile(r"(-?[0-9]{1,40})(?:/([0-9]{1,40}))?", re.ASCII)  # most entries
+_TOKEN = re.compile(
+    r"\s*(?:([0-9]+\.[0-9]*|\.[0-9]+|[0-9]+)|([A-Za-z_][A-Za-z_0-9]*)|([-+*/(),]))", re.ASCII
+)
+
+
+class Weight(NamedTuple):
+    """Size of an entry when its constants are written out: what its arithmetic may cost.
+
+    A file may build constants from constants; a square of a square of a square costs more than
+    memory has, however short its text.
+    """
+
+    length: int
+    radicals: int
+    depth: int
+
+
+class Text(str):
+    """An entry as it is written, with the number it stands for.
+
+    Claims are kept this way: the text is what a reader sees, the value what is compared. Constants
+    of the file are already in the value.
+    """
+
+    __slots__ = ("value",)
+    value: Scalar
+
+    def __new__(cls, text: str, value: Scalar) -> Text:
+        """Attach a value to a text."""
+        self = super().__new__(cls, text)
+        self.value = value
+        return self
+
+    def __reduce__(self) -> tuple[type[str], tuple[str]]:
+        """Leave the value behind in a copy that is sent to another process: plain text goes."""
+        return str, (str(self),)
+
+
+def weigh(text: str, weights: Mapping[str, Weight]) -> Weight:
+    """Add up the size of an entry whose constants have the given sizes, before it is computed.
+
+    Raises
+    ------
+        DataError: when it is more than this module computes.
+    """
+    if _RATIONAL.fullmatch(text):
+        return Weight(len(text), 0, 0)
+    if len(text) > MAX_LENGTH:
+        raise DataError(
+            f"an entry has {len(text)} characters and at most {MAX_LENGTH} are read: "
+            f"{text[:30]!r}...; declare a constant for the repeated part"
+        )
+    length = radicals = depth = 0
+    open_roots: list[bool] = []
+    before = ""
+    for match in _TOKEN.finditer(text):
+        token = match[1] or match[2] or match[3]
+        if token == "(":
+            open_roots.append(before in ("sqrt", "root"))
+            radicals += open_roots[-1]
+            depth = max(depth, sum(open_roots))
+        elif token == ")" and open_roots:
+            open_roots.pop()
+        inner = weights.get(token, Weight(len(token), 0, 0))
+        length += inner.length
+        radicals += inner.radicals
+        depth = max(depth, sum(open_roots) + inner.depth)
+        before = token
+    if length > MAX_LENGTH or radicals > MAX_RADICALS or depth > MAX_RADICAL_DEPTH:
+        raise DataError(
+            f"the entry {_shortened(text)} stands for {length} characters and {radicals} roots "
+            f"nested {depth} deep when its constants are written out, and at most {MAX_LENGTH}, "
+            f"{MAX_RADICALS} and {MAX_RADICAL_DEPTH} are computed; simplify it"
+        )
+    return Weight(length, radicals, depth)
+
+
+def _shortened(text: str) -> str:
+    return repr(text if len(text) <= 60 else text[:57] + "...")
+
+
+def parse(
+    text: str,
+    *,
+    constants: Mapping[str, Scalar] | None = None,
+    digits: int | None = None,
+) -> Scalar:
+    """Read one entry.
+
+    Args:
+        text: the expression, for example ``"(3-sqrt(3))/6"``.
+        constants: names the entry may use, with their values.
+        digits: digits after the point that published decimals of this file carry; ``None`` where
+            decimals are not allowed.
+
+    Returns
+    -------
+        An :class:`Exact`, or a :class:`Ball` where a decimal took part.
+
+    Raises
+    ------
+        DataError: with one sentence that names the entry and what to do.
+    """
+    rational = _RATIONAL.fullmatch(text)
+    if rational and (rational[2] is None or int(rational[2])):
+        return Exact(int(rational[1])) / Exact(int(rational[2] or 1))
+    return _Parser(text, constants or {}, digits).read()
+
+
+class _Parser:
+    """Recursive descent over the tokens of one entry."""
+
+    def __init__(self, text: str, constants: Mapping[str, Scalar], digits: int | None) -> None:
+        weigh(text, {})
+        self.text, self.constants, self.digits = text, constants, digits
+        self.tokens: list[str] = []
+        self.position = 0
+        self.depth = 0
+        self._split()
+
+    def _split(self) -> None:
+        position, text = 0, self.text.rstrip(_SPACES)
+        while position < len(text):
+            match = _TOKEN.match(text, position)
+            if match is None:
+                wrong = text[position:].lstrip(_SPACES)[0]
+                raise self._error(f"the character {wrong!r} is not allowed")
+            self.tokens.append(match[0].strip())
+            position = match.end()
+
+    def _error(self, what: str) -> DataError:
+        return DataError(
+            f"{what} in the entry {_shortened(self.text)}; write integers, + - * / ( ), sqrt(), "
+            f"root(x,n), i, exp(2*pi*i/n) or a declared constant"
+        )
+
+    def read(self) -> Scalar:
+        if not self.tokens:
+            raise self._error("an empty string stands for no number")
+        try:
+            value = self._sum()
+        except ZeroDivisionError:
+            raise self._error("there is a division by zero") from None
+        except ExactnessError as error:
+            raise self._error(f"{error}, so there is no exact value") from None
+        if self.position < len(self.tokens):
+            raise self._error(f"{self.tokens[self.position]!r} is out of place")
+        if isinstance(value, Ball) and not isfinite(value.magnitude()):
+            raise self._error("a quotient, a root or a size that its decimals do not bound stands")
+        return value
+
+    def _peek(self) -> str:
+        return self.tokens[self.position] if self.position < len(self.tokens) else ""
+
+    def _take(self, expected: str = "") -> str:
+        token = self._peek()
+        if expected and token != expected:
+            raise self._error(f"{expected!r} is missing")
+        if not token:
+            raise self._error("the expression ends too early")
+        self.position += 1
+        return token
+
+    def _deeper(self) -> None:
+        self.depth += 1
+        if self.depth > MAX_DEPTH:
+            raise self._error(f"parentheses and signs are nested deeper than {MAX_DEPTH}")
+
+    def _sum(self) -> Scalar:
+        value = self._product()
+        while self._peek() in ("+", "-"):
+            sign = self._take()
+            term = self._product()
+            value = value + term if sign == "+" else value - term
+        return value
+
+    def _product(self) -> Scalar:
+        value = self._factor()
+        while self._peek() in ("*", "/"):
+            operator = self._take()
+            factor = self._factor()
+            value = value * factor if operator == "*" else value / factor
+        return value
+
+    def _factor(self) -> Scalar:
+        if self._peek() in ("+", "-"):
+            sign = self._take()
+            self._deeper()
+            value = self._factor()
+            self.depth -= 1
+            return value if sign == "+" else -value
+        return self._atom()
+
+    def _atom(self) -> Scalar:
+        token = self._take()
+        if token == "(":
+            return self._parenthesis()
+        if token[0].isdigit() or token[0] == ".":
+            return self._number(token)
+        if token in ("sqrt", "root"):
+            return self._radical(token)
+        if token == "exp":
+            return self._exponential()
+        if token in self.constants:
+            return self.constants[token]
+        if token == "i":
+            return Exact(-1).sqrt()
+        if token[0].isalpha() or token[0] == "_":
+            raise self._error(f"the name {token!r} is not known")
+        raise self._error(f"{token!r} is out of place")
+
+    def _parenthesis(self) -> Scalar:
+        self._deeper()
+        value = self._sum()
+        self._take(")")
+        self.depth -= 1
+        return value
+
+    def _radical(self, kind: str) -> Scalar:
+        """``sqrt(x)`` or ``root(x, n)``; how many and how deep was bounded by :func:`weigh`."""
+        self._take("(")
+        degree = 2
+        self._deeper()
+        radicand = self._sum()
+        if kind == "root":
+            self._take(",")
+            degree = self._root_degree()
+        self._take(")")
+        self.depth -= 1
+        if kind == "sqrt":
+            return radicand.sqrt()
+        if not radicand.is_real() or radicand.sign() <= 0:
+            raise self._error("root(x, n) takes a positive real x; something else stands")
+        return radicand.root(degree)
+
+    def _root_degree(self) -> int:
+        token = self._take()
+        if not token.isdigit() or not 2 <= int(token) <= MAX_ROOT:
+            raise self._error(
+                f"root(x, n) takes a whole number n from 2 to {MAX_ROOT}, not {token!r},"
+            )
+        return int(token)
+
+    def _number(self, token: str) -> Scalar:
+        if len(token) > MAX_INTEGER_DIGITS:
+            raise self._error(f"a number has more than {MAX_INTEGER_DIGITS} digits")
+        if "." not in token:
+            return Exact(int(token))
+        if self.digits is None:
+            raise self._error(
+                f"the decimal {token!r} is not exact (write a fraction, "
+                f"or declare `digits` for published decimals)"
+            )
+        if len(token.partition(".")[2]) > self.digits + 2:
+            raise self._error(
+                f"the decimal {token!r} has more digits than the declared {self.digits}"
+            )
+        return Ball.decimal("0" + token if token[0] == "." else token, self.digits)
+
+    def _exponential(self) -> Scalar:
+        """Exp of a rational multiple of pi*i: the angle is read with ``pi`` as the unit."""
+        self._take("(")
+        outer, self.constants = self.constants, {"pi": Exact(1)}
+        angle = self._parenthesis()
+        self.constants = outer
+        turns = (angle / (Exact(-1).sqrt() * 2)) if isinstance(angle, Exact) else None
+        fraction = turns.as_fraction() if turns is not None else None
+        if fraction is None or fraction.denominator > MAX_TURN_DENOMINATOR:
+            raise self._error(
+                f"exp() takes a rational multiple of pi*i with denominator at most "
+                f"{MAX_TURN_DENOMINATOR}, as exp(2*pi*i/3),"
+            )
+        return root_of_unity(fraction.numerator, fraction.denominator)
+
+
+_GENERATOR = re.compile(
+    r"(?P<name>[a-z]\d*) = [^\[]*\[(?:Sqrt\([^{]*\{(?P<radicand>[^}]*)\}\)"
+    r"|Pow\((?:[^{,]*\{)?(?P<base>[^},]*)\}?, [^{]*\{1/(?P<degree>\d+)\}\)"
+    r"|(?P<minpoly>[^\]]*)=0)\]"
+)
+_QUADRATIC = re.compile(r"(?P<name>[a-z]\d*)\^2(?P<constant>[-+]\d+)$")
+_POWER = re.compile(r"([a-z]\d*)\^(\d+)")
+
+
+def to_text(value: Scalar) -> str:
+    """Write a number in the grammar of :func:`parse`, so that parsing it gives the same number.
+
+    Raises
+    ------
+        ExactnessError: for a ball, and for an algebraic number without square-root form.
+    """
+    if isinstance(value, Ball):
+        raise ExactnessError("a ball has no exact text; write its decimals and declare `digits`")
+    fraction = value.as_fraction()
+    if fraction is not None:
+        if max(abs(fraction.numerator), fraction.denominator).bit_length() > 3 * MAX_LENGTH:
+            raise ExactnessError(
+                f"a fraction with more than {MAX_LENGTH} digits is not written out"
+            )
+        return str(fraction)
+    description = value.description()
+    body, _, where = description[description.index("{") + 1 : -1].partition(" where ")
+    names: dict[str, str] = {}
+    for match in reversed(list(_GENERATOR.finditer(where))):
+        names[match["name"]] = _generator_text(match, names, value)
+    text = _tidy(_substitute(body, names, value))
+    if not _stands_for(text, value):  # e.g. the other root of the generator's polynomial
+        raise ExactnessError(f"no square-root form found for {value!r}")
+    return text
+
+
+def _tidy(text: str) -> str:
+    """Write ``(-sqrt(3)+3)/6`` as ``(3-sqrt(3))/6`` and ``(-sqrt(3))/2`` as ``-sqrt(3)/2``."""
+    over = re.fullmatch(r"\((.*)\)(/\d+)", text)
+    body, rest = (over[1], over[2]) if over else (text, "")
+    terms: list[str] = [""]
+    depth = 0
+    for character in body:
+        depth += {"(": 1, ")": -1}.get(character, 0)
+        if depth < 0:  # the first parenthesis is not the one that closes last
+            return text
+        if character in "+-" and depth == 0 and terms[-1]:
+            terms.append("")
+        terms[-1] += character
+    if len(terms) > 1 and re.fullmatch(r"\+[\d/]+", terms[-1]):
+        terms = [terms[-1][1:], *(x if x[0] in "+-" else f"+{x}" for x in terms[:-1])]
+    joined = "".join(terms)
+    return f"({joined}){rest}" if rest and len(terms) > 1 else joined + rest
+
+
+def _stands_for(text: str, value: Exact) -> bool:
+    try:
+        return parse(text) == value
+    except DataError:  # longer or deeper than this module reads
+        return False
+
+
+def _generator_text(match: re.Match[str], names: Mapping[str, str], value: Exact) -> str:
+    if match["radicand"] is not None:
+        return f"sqrt({_substitute(match['radicand'], names, value)})"
+    if match["base"] is not None:
+        return f"root({_substitute(match['base'], names, value)},{match['degree']})"
+    quadratic = _QUADRATIC.match(match["minpoly"])
+    if quadratic is None or quadratic["name"] != match["name"]:
+        raise ExactnessError(f"no square-root form found for {value!r}")
+    radicand = -int(quadratic["constant"])
+    return (
+        "i" if radicand == -1 else f"sqrt({radicand})" if radicand > 0 else f"(i*sqrt({-radicand}))"
+    )
+
+
+def _substitute(body: str, names: Mapping[str, str], value: Exact) -> str:
+    expanded = _POWER.sub(lambda m: "*".join([m[1]] * int(m[2])), body)
+
+    def generator(match: re.Match[str]) -> str:
+        if match[0] not in names:
+            raise ExactnessError(f"no square-root form found for {value!r}")
+        return names[match[0]]
+
+    return re.sub(r"(?<![A-Za-z_])[a-z]\d*(?![A-Za-z_(])", generator, expanded)

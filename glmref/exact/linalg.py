@@ -1,0 +1,228 @@
+"""Matrices over exact numbers: product, solve, nullspace, inverse, with no tolerance.
+
+A matrix is a tuple of rows, each a tuple of :class:`~glmref.exact.Exact` or
+:class:`~glmref.exact.Ball`. Over balls the same code encloses; where a decision (a pivot, a rank)
+cannot be made because a ball contains zero, :class:`~glmref.errors.ExactnessError` says so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from ..errors import ExactnessError
+from . import Ball, Exact, Scalar, sum_of_products
+
+__all__ = [
+    "Matrix",
+    "Vector",
+    "add",
+    "block_diagonal",
+    "conjugate_transpose",
+    "diagonal",
+    "entries",
+    "identity",
+    "inverse",
+    "is_lower_triangular",
+    "largest",
+    "matmul",
+    "matvec",
+    "nullspace",
+    "rank",
+    "scale",
+    "solve",
+    "sub",
+    "transpose",
+    "vecmat",
+    "zeros",
+]
+
+Vector = tuple[Scalar, ...]
+Matrix = tuple[Vector, ...]
+
+_ZERO, _ONE = Exact(0), Exact(1)
+
+
+def zeros(rows: int, columns: int) -> Matrix:
+    """Zero matrix."""
+    return ((_ZERO,) * columns,) * rows
+
+
+def identity(size: int) -> Matrix:
+    """Identity matrix."""
+    return diagonal([_ONE] * size)
+
+
+def diagonal(values: Sequence[Scalar]) -> Matrix:
+    """Square matrix with the given diagonal."""
+    return tuple(
+        tuple(x if i == j else _ZERO for j in range(len(values))) for i, x in enumerate(values)
+    )
+
+
+def block_diagonal(*blocks: Matrix) -> Matrix:
+    """Matrix with the given blocks down the diagonal."""
+    width = sum(len(b[0]) for b in blocks)
+    rows: list[Vector] = []
+    left = 0
+    for block in blocks:
+        columns = len(block[0])
+        rows += [
+            (_ZERO,) * left + tuple(row) + (_ZERO,) * (width - left - columns) for row in block
+        ]
+        left += columns
+    return tuple(rows)
+
+
+def transpose(a: Matrix) -> Matrix:
+    """Transpose."""
+    return tuple(zip(*a, strict=True))
+
+
+def conjugate_transpose(a: Matrix) -> Matrix:
+    """Conjugate transpose."""
+    return tuple(tuple(x.conjugate() for x in column) for column in zip(*a, strict=True))
+
+
+def dot(a: Iterable[Scalar], b: Iterable[Scalar]) -> Scalar:
+    """Sum of products; exact zeros are skipped, so sparse rows cost nothing."""
+    return sum_of_products(
+        [(x, y) for x, y in zip(a, b, strict=True) if not (x.vanishes() or y.vanishes())]
+    )
+
+
+def matmul(*factors: Matrix) -> Matrix:
+    """Product of one or more matrices, from the left."""
+    result = factors[0]
+    for factor in factors[1:]:
+        columns = transpose(factor)
+        result = tuple(tuple(dot(row, column) for column in columns) for row in result)
+    return result
+
+
+def matvec(a: Matrix, x: Sequence[Scalar]) -> Vector:
+    """Matrix times column."""
+    return tuple(dot(row, x) for row in a)
+
+
+def vecmat(x: Sequence[Scalar], a: Matrix) -> Vector:
+    """Row times matrix."""
+    return tuple(dot(x, column) for column in zip(*a, strict=True))
+
+
+def add(a: Matrix, b: Matrix) -> Matrix:
+    """Sum."""
+    return tuple(tuple(x + y for x, y in zip(r, s, strict=True)) for r, s in zip(a, b, strict=True))
+
+
+def sub(a: Matrix, b: Matrix) -> Matrix:
+    """Difference."""
+    return tuple(tuple(x - y for x, y in zip(r, s, strict=True)) for r, s in zip(a, b, strict=True))
+
+
+def scale(factor: Scalar | int, a: Matrix) -> Matrix:
+    """Multiple."""
+    return tuple(tuple(factor * x for x in row) for row in a)
+
+
+def entries(a: Matrix) -> list[tuple[int, int, Scalar]]:
+    """All entries as ``(row, column, value)``."""
+    return [(i, j, x) for i, row in enumerate(a) for j, x in enumerate(row)]
+
+
+def largest(a: Matrix) -> float:
+    """Largest magnitude of an entry (an upper bound where entries are balls)."""
+    return max((x.magnitude() for row in a for x in row if not x.vanishes()), default=0.0)
+
+
+def is_lower_triangular(a: Matrix) -> bool:
+    """Whether every entry above the diagonal is an exact zero."""
+    return all(x.vanishes() for i, j, x in entries(a) if j > i)
+
+
+def _pivot_row(rows: list[list[Scalar]], start: int, column: int) -> int | None:
+    """Return the row to pivot on, ``None`` if the column is zero from ``start`` on.
+
+    Exact entries: the first nonzero one. Balls: the one furthest from zero; an undecided column
+    cannot be called zero, so it is an error.
+    """
+    candidates = [i for i in range(start, len(rows)) if rows[i][column].is_zero() is False]
+    if candidates:
+        if any(isinstance(rows[i][column], Ball) for i in candidates):
+            return max(candidates, key=lambda i: rows[i][column].ball().lower_magnitude())
+        return candidates[0]
+    if any(rows[i][column].is_zero() is None for i in range(start, len(rows))):
+        raise ExactnessError(
+            f"column {column + 1} holds balls around zero: its rank is not decided; "
+            f"give more digits or exact entries"
+        )
+    return None
+
+
+def _reduce(a: Sequence[Sequence[Scalar]], columns: int) -> tuple[list[list[Scalar]], list[int]]:
+    """Gauss-Jordan elimination on the first ``columns`` columns: rows and pivot columns."""
+    rows = [list(row) for row in a]
+    pivots: list[int] = []
+    for column in range(columns):
+        top = len(pivots)
+        if top == len(rows):
+            break
+        at = _pivot_row(rows, top, column)
+        if at is None:
+            continue
+        rows[top], rows[at] = rows[at], rows[top]
+        lead = rows[top][column]
+        rows[top] = [x if x.vanishes() else x / lead for x in rows[top]]
+        rows[top][column] = _ONE
+        for i, row in enumerate(rows):
+            factor = row[column]
+            if i == top or factor.vanishes():
+                continue
+            rows[i] = [
+                x if y.vanishes() else x - factor * y for x, y in zip(row, rows[top], strict=True)
+            ]
+            rows[i][column] = _ZERO
+        pivots.append(column)
+    return rows, pivots
+
+
+def solve(a: Matrix, right: Matrix) -> Matrix:
+    """Solve ``a x = right`` for square ``a``.
+
+    Raises
+    ------
+        ExactnessError: when ``a`` is singular.
+    """
+    size = len(a)
+    rows, pivots = _reduce([(*r, *s) for r, s in zip(a, right, strict=True)], size)
+    if len(pivots) < size:
+        raise ExactnessError(f"a matrix of size {size} and rank {len(pivots)} cannot be inverted")
+    return tuple(tuple(row[size:]) for row in rows)
+
+
+def inverse(a: Matrix) -> Matrix:
+    """Inverse of a square matrix.
+
+    Raises
+    ------
+        ExactnessError: when it is singular.
+    """
+    return solve(a, identity(len(a)))
+
+
+def rank(a: Matrix) -> int:
+    """Rank."""
+    return len(_reduce(a, len(a[0]))[1])
+
+
+def nullspace(a: Matrix) -> list[Vector]:
+    """Basis of ``{x : a x = 0}``, one vector for each free column, that column's entry 1."""
+    columns = len(a[0])
+    rows, pivots = _reduce(a, columns)
+    basis: list[Vector] = []
+    for free in (j for j in range(columns) if j not in pivots):
+        vector: list[Scalar] = [_ZERO] * columns
+        vector[free] = _ONE
+        for row, pivot in zip(rows, pivots, strict=False):
+            vector[pivot] = -row[free]
+        basis.append(tuple(vector))
+    return basis

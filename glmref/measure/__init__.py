@@ -1,0 +1,1 @@
+"""What is measured: convergence, long runs, parasitic growth, work-precision, stability."""

@@ -1,0 +1,292 @@
+"""Drift of what should be conserved: energy, quadratic invariants, and the G-form of all values.
+
+A G-symplectic method carries every quadratic invariant Q of the equations exactly as the form
+``sum g_ij Q(y_i, y_j)`` of *all* the values; the invariant of the solution y_1 alone, and the
+Hamiltonian, only stay near. So the three are watched apart.
+
+The law by which a deviation grows is told from its root mean square over longer and longer
+stretches: an exponent near 0 is bounded, 1/2 a random walk of round-off, 1 a drift, 2 a quadratic
+one.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ..engine.outcome import Solution
+from ..engine.solve import solve
+from ..errors import UsageError
+from ..method import GLM, PartitionedGLM
+from ..problems.model import Problem
+
+__all__ = [
+    "Drift", "along", "drift", "energy_deviation", "energy_scale", "exponent", "follow", "g_form",
+    "watch",
+]  # fmt: skip
+
+#: Fewest samples from which an exponent is read.
+FEWEST = 32
+#: Rows kept of each stretch of a long run; stretches double, so times are known to 1/ROWS.
+ROWS = 1000
+
+
+@dataclass(frozen=True, slots=True)
+class Drift:
+    """How far one conserved quantity went from its first value.
+
+    Attributes
+    ----------
+        quantity: its name, as the problem gives it.
+        kind: ``"hamiltonian"``, ``"quadratic"`` or ``"invariant"`` of the solution, or ``"form"``:
+            the G-form, of a quadratic invariant, of all values.
+        start: the value at the first sample.
+        scale: what deviations are measured against: |start|, or the size of its largest term.
+        largest: largest deviation over the samples, relative to ``scale``.
+        last: deviation of the last sample, relative to ``scale``, with its sign.
+        slope: least squares slope of the relative deviation, per time unit of the problem.
+        exponent: exponent of growth of the root mean square with time; NaN where it is all zero.
+    """
+
+    quantity: str
+    kind: str
+    start: float
+    scale: float
+    largest: float
+    last: float
+    slope: float
+    exponent: float
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the record in JSON's types."""
+        from .records import finite
+
+        numbers = {
+            k: finite(getattr(self, k)) for k in self.__slots__ if k not in ("quantity", "kind")
+        }
+        return {"quantity": self.quantity, "kind": self.kind, **numbers}
+
+
+def along(function: Callable[[Any], Any], y: np.ndarray) -> np.ndarray:
+    """Evaluate a function of the state at every row of y, shape (m, d) -> (m,).
+
+    The functions of shipped problems take states in columns; a user's may not, and is then called
+    row by row.
+    """
+    with np.errstate(all="ignore"):
+        try:
+            values = np.asarray(function(y.T), dtype=float)
+            if values.shape == (len(y),) and len(y) != y.shape[1]:
+                return values
+        except Exception:
+            pass
+        return np.array([float(function(row)) for row in y])
+
+
+def energy_scale(problem: Problem, y: np.ndarray) -> float:
+    """Size of the energy of a state (d,); where that is zero but for rounding, of its terms.
+
+    An energy that cancels at a state, as in a transformed time, does not where the state is a
+    little larger: ``y . grad H`` stands for its terms.
+    """
+    assert problem.hamiltonian is not None
+    step = 2.0**-20
+    energy, more = along(problem.hamiltonian, np.array([y, (1 + step) * np.asarray(y)]))
+    terms = abs(more - energy) / step
+    return float(abs(energy) if not abs(energy) <= 1e-9 * terms else terms) or 1.0
+
+
+def energy_deviation(problem: Problem, y: np.ndarray) -> np.ndarray:
+    """How far the energy of each row of y, shape (m, d), is from that of the first, relative."""
+    assert problem.hamiltonian is not None
+    energy = along(problem.hamiltonian, y)
+    with np.errstate(all="ignore"):
+        return np.abs(energy - energy[0]) / energy_scale(problem, y[0])
+
+
+def follow(
+    problem: Problem,
+    method: GLM | PartitionedGLM,
+    *,
+    h: float,
+    steps: int,
+    start: Any = None,
+    engine: str = "compiled",
+    cancel: Callable[[], bool] | None = None,
+    lost: Callable[[Solution], bool] | None = None,
+) -> Solution:
+    """Run for long, with samples that thin out as time goes: memory grows with log(steps) only.
+
+    The run is taken in stretches, each as long as all before it; :data:`ROWS` samples are kept of
+    each, so that the time of an event is known to a thousandth of itself.
+
+    Args:
+        problem: autonomous, because each stretch restarts the clock.
+        h, steps: step size and number of steps.
+        start, engine, cancel: as in :func:`glmref.solve`.
+        lost: called with each finished stretch; true ends the run there.
+
+    Returns
+    -------
+        A solution with history; its counts and seconds are those of the whole run.
+    """
+    done, length = 0, min(steps, ROWS)
+    rows: list[Solution] = []
+    while True:
+        every = max(1, length // ROWS)
+        part = solve(
+            problem, method, h=h, steps=length, every=every, start=start, engine=engine,
+            history=True, cancel=cancel,
+        )  # fmt: skip
+        rows.append(replace(part, t=np.asarray(part.t, dtype=float) + done * h))
+        done += part.steps
+        if not part.completed or done >= steps or (lost is not None and lost(rows[-1])):
+            break
+        values = part.values
+        start = lambda _problem, _h, values=values: values  # noqa: E731
+        length = min(done, steps - done)
+    return _joined(rows, done)
+
+
+def _joined(rows: list[Solution], steps: int) -> Solution:
+    """Put stretches together; the first row of each but the first repeats the one before."""
+    keep = [part if k == 0 else replace(part, t=part.t[1:]) for k, part in enumerate(rows)]
+    counted = ("evaluations", "velocity_evaluations", "iterations", "factorisations", "seconds")
+    return replace(
+        rows[-1],
+        t=np.concatenate([part.t for part in keep]),
+        y=np.concatenate([p.y if k == 0 else p.y[1:] for k, p in enumerate(rows)]),
+        history=np.concatenate([np.asarray(p.history)[min(k, 1) :] for k, p in enumerate(rows)]),
+        steps=steps,
+        start_evaluations=rows[0].start_evaluations,
+        build_seconds=rows[0].build_seconds,
+        notices=tuple(dict.fromkeys(n for part in rows for n in part.notices)),
+        **{key: sum(getattr(part, key) for part in rows) for key in counted},
+    )
+
+
+def drift(
+    quantity: str,
+    t: np.ndarray,
+    values: np.ndarray,
+    *,
+    kind: str = "invariant",
+    scale: float | None = None,
+) -> Drift:
+    """Summarize a conserved quantity sampled at times t.
+
+    Args:
+        quantity, kind: what it is, see :class:`Drift`.
+        t: (m,) times. values: (m,) samples, the first of which is the reference.
+        scale: unit of the deviations; by default |values[0]|, or 1 where that is zero.
+    """
+    if len(t) != len(values) or not len(t):
+        raise UsageError(f"`values` must have as many samples as `t`, {len(t)}, got {len(values)}")
+    start = float(values[0])
+    unit = abs(start) if scale is None else float(scale)
+    unit = unit if unit > 0 and math.isfinite(unit) else 1.0
+    deviation = (np.asarray(values, dtype=float) - start) / unit
+    elapsed = np.asarray(t, dtype=float) - float(t[0])
+    with np.errstate(all="ignore"):
+        square = float(elapsed @ elapsed)
+        slope = float(elapsed @ deviation) / square if square else math.nan
+    return Drift(
+        quantity=quantity,
+        kind=kind,
+        start=start,
+        scale=unit,
+        largest=float(np.max(np.abs(deviation))),
+        last=float(deviation[-1]),
+        slope=slope,
+        exponent=exponent(elapsed, deviation),
+    )
+
+
+def exponent(elapsed: np.ndarray, deviation: np.ndarray) -> float:
+    """Exponent of growth of a deviation: slope of log rms against log time over dyadic stretches.
+
+    Stretch k covers ``T/2^(k+1) < t <= T/2^k``; a fit through the last five of them weighs every
+    stretch equally. NaN where there are too few samples or where the deviation vanishes.
+    """
+    if len(elapsed) < FEWEST or not np.all(np.isfinite(deviation)):
+        return math.nan
+    end = abs(float(elapsed[-1]))
+    points: list[tuple[float, float]] = []
+    for k in range(5):
+        inside = (np.abs(elapsed) <= end / 2**k) & (np.abs(elapsed) > end / 2 ** (k + 1))
+        if inside.sum() < 4:
+            break
+        rms = float(np.sqrt(np.mean(deviation[inside] ** 2)))
+        if rms > 0:
+            points.append((-k * math.log(2.0), math.log(rms)))
+    if len(points) < 3:
+        return math.nan
+    x, y = np.array(points).T
+    x = x - x.mean()
+    return float(x @ y / (x @ x))
+
+
+def g_form(history: np.ndarray, G: np.ndarray, C: np.ndarray) -> np.ndarray:
+    """Return ``sum_ij g_ij y_i^* C y_j`` at every sample.
+
+    Args:
+        history: (m, r, d) all the values. G: (r, r) Hermitian. C: (d, d) symmetric.
+
+    The sum is formed with compensation of its rounding: one evaluation then errs by a few units of
+    the last place of its largest term, and what is seen over a long run is the method's.
+    """
+    products = np.einsum("mid,de,mje->mij", history.conj(), C, history)
+    terms = (products * G).reshape(len(history), -1).real
+    return np.array([math.fsum(row) for row in terms])
+
+
+def _g_scale(first: np.ndarray, G: np.ndarray, C: np.ndarray) -> float:
+    """Size of the largest terms of the form at the start, (r, d) values."""
+    products = np.abs(np.einsum("id,de,je->ij", np.abs(first), np.abs(C), np.abs(first)))
+    return float(np.sum(products * np.abs(G)))
+
+
+def watch(
+    problem: Problem,
+    solution: Solution,
+    *,
+    G: np.ndarray | None = None,
+    energy: bool = True,
+    quadratic: bool = True,
+    invariants: bool = True,
+) -> list[Drift]:
+    """Drifts of what a problem conserves along a solution.
+
+    Args:
+        problem: the problem that was solved.
+        solution: with several rows; with ``history`` where the G-form is wanted.
+        G: (r, r) form of the method; ``None`` leaves the G-forms out.
+        energy, quadratic, invariants: which conserved quantities of y_1 to watch.
+    """
+    found: list[Drift] = []
+    t, y = np.asarray(solution.t, dtype=float), np.real(np.asarray(solution.y)).astype(float)
+    if not len(t):
+        return found
+    if energy and problem.hamiltonian is not None:
+        energies, scale = along(problem.hamiltonian, y), energy_scale(problem, y[0])
+        found.append(drift("energy", t, energies, kind="hamiltonian", scale=scale))
+    if quadratic:
+        for name, form in problem.quadratic.items():
+            scale = float(np.abs(y[0]) @ np.abs(form.matrix) @ np.abs(y[0]))
+            found.append(drift(name, t, along(form, y), kind="quadratic", scale=scale))
+    if invariants:
+        for name, function in problem.invariants.items():
+            found.append(drift(name, t, along(function, y)))
+    if G is not None:
+        if solution.history is None:
+            raise UsageError("the G-form needs all values; solve with history=True")
+        history = np.asarray(solution.history)
+        for name, form in problem.quadratic.items():
+            values = g_form(history, G, form.matrix)
+            scale = _g_scale(history[0], G, form.matrix)
+            found.append(drift(name, t, values, kind="form", scale=scale))
+    return found

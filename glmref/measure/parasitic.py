@@ -1,0 +1,386 @@
+"""Parasitic growth: the rate measured, the rate that mu f' gives, and when a run is lost.
+
+To each eigenvalue zeta != 1, |zeta| = 1, of V belongs a parasitic component phi. By theory it
+follows ``phi' = mu f'(y) phi`` to leading order in h. Here it is *measured*: the method is run
+twice from starting values that differ by a small amount along the eigenvector of zeta, and the
+difference, read off by the left eigenvector and turned back by ``zeta^-n``, is phi.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..engine.outcome import Outcome, Solution
+from ..engine.reference import Stepper, stepper
+from ..engine.start import starting_values
+from ..engine.tableau import preconsistency
+from ..errors import UsageError
+from ..method import GLM, PartitionedGLM
+from ..problems.model import Problem
+from .underlying import Underlying
+
+__all__ = [
+    "Growth",
+    "Loss",
+    "Mode",
+    "growth",
+    "loss",
+    "modes",
+    "parasitic_size",
+    "period_of",
+    "predicted_loss",
+    "predicted_propagator",
+    "solution_direction",
+    "start_amplitude",
+]
+
+#: A run is lost when the values beyond ``u y_1`` reach this part of the first solution value.
+LOST = 1 / 3
+#: Size of the perturbation that makes a parasitic component visible: its square is what linear
+#: growth neglects, its inverse times 2e-16 is the round-off; both stay far below one per cent.
+NUDGE = 1e-7
+
+
+@dataclass(frozen=True, eq=False)
+class Mode:
+    """One parasitic mode of V.
+
+    Attributes
+    ----------
+        zeta: eigenvalue, |zeta| = 1.
+        right: (r,) eigenvector whose largest entry is 1. left: (r,), with ``left right = 1``.
+        mu: growth parameter ``zeta^-1 left B U right``, from the rounded tableau.
+    """
+
+    zeta: complex
+    right: np.ndarray
+    left: np.ndarray
+    mu: complex
+
+
+def modes(method: GLM) -> list[Mode]:
+    """Parasitic modes of a method, by increasing argument of zeta in (0, 2 pi).
+
+    Computed from the tableau rounded to double precision; a multiple eigenvalue has no single
+    parasitic equation and is left out.
+    """
+    rounded = method.to_float()
+    values = np.linalg.eigvals(rounded.V)
+    found = []
+    for zeta in values:
+        alone = sum(abs(zeta - other) < 1e-6 for other in values) == 1
+        if not alone or abs(abs(zeta) - 1) > 1e-9 or abs(zeta - 1) < 1e-9:
+            continue
+        # V may be defective elsewhere (past values make Jordan blocks at 0): null vectors are not
+        u, _, vh = np.linalg.svd(rounded.V - zeta * np.eye(method.r))
+        right, left = vh[-1].conj(), u[:, -1].conj()
+        right = right / right[np.argmax(np.abs(right))]
+        left = left / (left @ right)
+        mu = left @ rounded.B @ rounded.U @ right / zeta
+        found.append(Mode(complex(zeta), right, left, complex(mu)))
+    return sorted(found, key=lambda mode: np.angle(mode.zeta) % (2 * math.pi))
+
+
+@dataclass(frozen=True, eq=False)
+class Growth:
+    """Growth of one parasitic mode over some time, measured and predicted.
+
+    Attributes
+    ----------
+        zeta, mu: eigenvalue of V and growth parameter used for the prediction.
+        time: length of the interval, time units of the problem.
+        measured, predicted: (d, d) propagators of phi over that time.
+        rate, predicted_rate: ``log(spectral radius)/time`` of each, per time unit.
+        discrepancy: largest difference of the propagators, relative to the predicted one's norm.
+    """
+
+    zeta: complex
+    mu: complex
+    time: float
+    measured: np.ndarray
+    predicted: np.ndarray
+    rate: float
+    predicted_rate: float
+    discrepancy: float
+
+
+def growth(
+    method: GLM, problem: Problem, *, h: float, time: float, mode: Mode | None = None
+) -> Growth:
+    """Measure one parasitic propagator with the reference engine, and predict it from mu f'.
+
+    Args:
+        method: a GLM with a parasitic mode.
+        problem: nonlinear, autonomous.
+        h: step size. time: length of the interval, rounded to whole steps.
+        mode: one of :func:`modes`; the first by default.
+
+    Raises
+    ------
+        UsageError: for a method without parasitic modes.
+        ArithmeticError: when a stage equation could not be solved.
+    """
+    found = modes(method)
+    if mode is None:
+        if not found:
+            raise UsageError(f"{method.name or 'the method'} has no parasitic mode on the circle")
+        mode = found[0]
+    steps = max(1, round(time / h))
+    engine = stepper(method, problem)
+    y0 = np.array(problem.y0)
+    start = starting_values(engine, None, t=0.0, y0=y0, h=h).values
+    measured = _measured_propagator(engine, mode, start, h, steps)
+    predicted = predicted_propagator(mode.mu, problem, time=steps * h)
+    length = steps * h
+    scale = float(np.linalg.norm(predicted, 2))
+    return Growth(
+        zeta=mode.zeta,
+        mu=mode.mu,
+        time=length,
+        measured=measured,
+        predicted=predicted,
+        rate=_rate(measured, length),
+        predicted_rate=_rate(predicted, length),
+        discrepancy=float(np.linalg.norm(measured - predicted, 2)) / scale,
+    )
+
+
+def _rate(propagator: np.ndarray, time: float) -> float:
+    radius = float(np.max(np.abs(np.linalg.eigvals(propagator))))
+    return math.log(radius) / time
+
+
+def _measured_propagator(
+    engine: Stepper, mode: Mode, start: np.ndarray, h: float, steps: int
+) -> np.ndarray:
+    d = engine.problem.dimension
+    real = abs(mode.zeta.imag) < 1e-9
+    # Re(v e) carries half of the mode and half of its conjugate; the left vector takes its own
+    direction = np.real(mode.right) if real else 2 * np.real(mode.right)
+    base = Underlying(engine).run(0.0, start, h, steps)
+    columns = []
+    for k in range(d):
+        nudged = start.copy()
+        nudged[:, k] += NUDGE * direction
+        end = Underlying(engine).run(0.0, nudged, h, steps)
+        columns.append(mode.left @ (end - base) / (NUDGE * mode.zeta**steps))
+    propagator = np.stack(columns, axis=1)
+    return np.real(propagator) if real else propagator
+
+
+def predicted_propagator(
+    mu: complex, problem: Problem, *, time: float, steps: int | None = None
+) -> np.ndarray:
+    """Solve ``Phi' = mu f'(y) Phi``, ``Phi(0) = I``, along the solution y; return Phi(time).
+
+    Args:
+        mu: growth parameter.
+        problem: with a Jacobian (given, or derived from expressions), autonomous.
+        time: length of the interval.
+        steps: number of steps; by default 400 per time unit of the problem's scale, which leaves an
+            error near 1e-9 of the result.
+
+    Raises
+    ------
+        UsageError: where the problem has no Jacobian.
+    """
+    return _propagators(mu, problem, time=time, pieces=1, steps=steps)[-1]
+
+
+def _propagators(
+    mu: complex, problem: Problem, *, time: float, pieces: int, steps: int | None = None
+) -> list[np.ndarray]:
+    """Propagators to the ends of equal pieces of an interval, by the classical fourth order."""
+    if problem.jacobian is None:
+        raise UsageError(f"{problem.name} gives no Jacobian; mu f' cannot be formed")
+    if steps is None:
+        steps = math.ceil(400 * time / float(problem.scales.get("time", 1.0)))
+    each = max(1, math.ceil(steps / pieces))
+    k = time / (each * pieces)
+    real = abs(complex(mu).imag) < 1e-12
+    factor: Any = float(np.real(mu)) if real else mu
+    y = np.array(problem.y0, dtype=float)
+    phi = np.eye(len(y), dtype=float if real else complex)
+    found = []
+
+    def slope(t: float, y: np.ndarray, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return np.asarray(problem.f(t, y)), factor * (np.asarray(problem.jacobian(t, y)) @ phi)
+
+    for n in range(each * pieces):
+        t = n * k
+        a, b = slope(t, y, phi)
+        c, d = slope(t + k / 2, y + k / 2 * a, phi + k / 2 * b)
+        e, g = slope(t + k / 2, y + k / 2 * c, phi + k / 2 * d)
+        i, j = slope(t + k, y + k * e, phi + k * g)
+        y = y + k / 6 * (a + 2 * c + 2 * e + i)
+        phi = phi + k / 6 * (b + 2 * d + 2 * g + j)
+        if (n + 1) % each == 0:
+            found.append(phi)
+    return found
+
+
+def start_amplitude(
+    method: GLM, problem: Problem, *, h: float, mode: Mode, start: Any = None
+) -> np.ndarray:
+    """Amplitude phi(0) of a mode that a start leaves, shape (d,): its starting error.
+
+    Args:
+        start: as in :func:`glmref.solve`.
+    """
+    engine = stepper(method, problem)
+    y0 = np.array(problem.y0)
+    values = starting_values(engine, start, t=0.0, y0=y0, h=h).values
+    # ten orders of h beyond the start: what is left of it in double precision is round-off
+    rest = Underlying(engine).parasitic(0.0, values, h, order=10)
+    phi = mode.left @ rest
+    return np.real(phi) if abs(mode.zeta.imag) < 1e-9 else phi
+
+
+def predicted_loss(
+    method: GLM, problem: Problem, *, h: float, t_end: float, period: float, start: Any = None
+) -> float | None:
+    """Time at which a run is predicted to be lost, or ``None`` when not before ``t_end``.
+
+    The starting error of every mode is carried on by ``phi' = mu f'(y) phi`` along the periodic
+    solution: one period's propagator gives all of them.
+
+    Args:
+        period: period of the solution.
+        start: as in :func:`glmref.solve`.
+    """
+    level = LOST * float(np.linalg.norm(problem.y0))
+    pieces = 64
+    earliest: float | None = None
+    for mode in modes(method):
+        if mode.zeta.imag < -1e-9:  # the conjugate of one already followed
+            continue
+        phi = start_amplitude(method, problem, h=h, mode=mode, start=start)
+        weight = float(np.linalg.norm(mode.right)) * (1 if abs(mode.zeta.imag) < 1e-9 else 2)
+        inside = _propagators(mode.mu, problem, time=period, pieces=pieces)
+        for turn in range(math.ceil(t_end / period)):
+            sizes = [weight * float(np.linalg.norm(step @ phi)) for step in inside]
+            over = next((k for k, size in enumerate(sizes) if not size < level), None)
+            if over is not None:
+                time = period * (turn + (over + 1) / pieces)
+                earliest = time if earliest is None else min(earliest, time)
+                break
+            phi = inside[-1] @ phi
+    return earliest if earliest is None or earliest <= t_end else None
+
+
+def period_of(problem: Problem, *, most: float = 1000.0) -> float | None:
+    """Period of a solution: as the problem states it, or found for two components.
+
+    A solution in the plane that comes back through the line across f(y0), near y0 and in the same
+    direction, is periodic. ``None`` where no return is seen within ``most`` of the time scale.
+    """
+    if "period" in problem.scales:
+        return float(problem.scales["period"])
+    if problem.dimension != 2:
+        return None
+    y0 = np.array(problem.y0, dtype=float)
+    normal = np.asarray(problem.f(0.0, y0), dtype=float)
+    k = float(problem.scales.get("time", 1.0)) / 200
+    y, t, away = y0.copy(), 0.0, False
+
+    def advanced(y: np.ndarray, k: float) -> np.ndarray:
+        a = np.asarray(problem.f(t, y))
+        b = np.asarray(problem.f(t, y + k / 2 * a))
+        c = np.asarray(problem.f(t, y + k / 2 * b))
+        d = np.asarray(problem.f(t, y + k * c))
+        return y + k / 6 * (a + 2 * b + 2 * c + d)
+
+    while t < most * 200 * k:
+        new = advanced(y, k)
+        before, after = (y - y0) @ normal, (new - y0) @ normal
+        away = away or before < 0
+        near = np.linalg.norm(new - y0) < 0.1 * np.linalg.norm(y0)
+        if away and before < 0 <= after and near:
+            low, high = 0.0, k  # the crossing inside this step, by bisection to the last bit
+            for _ in range(60):
+                middle = (low + high) / 2
+                if (advanced(y, middle) - y0) @ normal < 0:
+                    low = middle
+                else:
+                    high = middle
+            return t + high
+        y, t = new, t + k
+    return None
+
+
+def solution_direction(method: GLM | PartitionedGLM) -> np.ndarray:
+    """Right eigenvector u of V at 1, (r,), scaled to u_1 = 1: what the solution is in the values.
+
+    (1, 0, ...) for a method that is not pre-consistent; for a pair, that of its q half.
+    """
+    r = max(method.r, getattr(method, "r_hat", 0))
+    out = np.zeros(r)
+    out[0] = 1.0
+    u = preconsistency(method.U, method.V)
+    if u is not None and u[0].is_zero() is False:
+        values = np.array([float(x.real) for x in u])
+        out[: len(values)] = values / values[0]
+    return out
+
+
+def parasitic_size(solution: Solution, u: np.ndarray) -> np.ndarray:
+    """Norm of the values beyond ``u y_1`` at every sample of a solution with history, (m,).
+
+    Smooth values are part of it: it is a bound of the parasitic part where that has grown, and of
+    order h before.
+    """
+    if solution.history is None:
+        raise UsageError("the parasitic size needs all values; solve with history=True")
+    history = np.asarray(solution.history)
+    rest = history - u[None, :, None] * history[:, :1] / u[0]
+    with np.errstate(all="ignore"):
+        return np.sqrt(np.sum(np.abs(rest) ** 2, axis=(1, 2)))
+
+
+@dataclass(frozen=True, slots=True)
+class Loss:
+    """Whether and when a run was lost.
+
+    Attributes
+    ----------
+        time: time of the first sample at which it was, ``None`` where it was not.
+        reason: ``"parasitic"``, ``"energy"`` or the outcome by name, ``""`` where it was not.
+        largest: largest size of the values beyond ``u y_1``, relative to the first solution value.
+    """
+
+    time: float | None
+    reason: str
+    largest: float
+
+
+def loss(problem: Problem, solution: Solution, u: np.ndarray) -> Loss:
+    """Find when a run was lost: parasitic part or energy error too large, or an early end.
+
+    Args:
+        u: (r,) right eigenvector of V at 1, for what of the values is the solution itself.
+    """
+    from .longtime import energy_deviation
+
+    t = np.asarray(solution.t, dtype=float)
+    unit = float(np.linalg.norm(np.asarray(solution.y[0]))) or 1.0
+    with np.errstate(all="ignore"):
+        sizes = parasitic_size(solution, u) / unit
+    events: list[tuple[float, str]] = []
+    over = np.flatnonzero(~(sizes < LOST))
+    if len(over):
+        events.append((float(t[over[0]]), "parasitic"))
+    if problem.hamiltonian is not None:
+        y = np.real(np.asarray(solution.y)).astype(float)
+        wrong = np.flatnonzero(~(energy_deviation(problem, y) < 1.0))
+        if len(wrong):
+            events.append((float(t[wrong[0]]), "energy"))
+    if solution.outcome not in (Outcome.COMPLETED, Outcome.CANCELLED, Outcome.STEP_LIMIT):
+        events.append((float(t[-1]), str(solution.outcome)))
+    finite = sizes[np.isfinite(sizes)]
+    largest = float(np.max(finite)) if len(finite) else math.nan
+    time, reason = min(events, default=(None, ""), key=lambda event: event[0])
+    return Loss(time, reason, largest)

@@ -1,0 +1,341 @@
+"""Stability as it is measured: regions, intervals, eigenvalue paths and thresholds.
+
+For y' = lambda y, z = h lambda, one step multiplies the r values by ``M(z) = V + z B (I - z A)^-1
+U``. Here M is formed in double precision from the rounded tableau; what is proved about it is in
+:mod:`glmref.theory.stability`, which shares nothing with this module but the tableau.
+
+The boundary of the region is traced, not searched: w is an eigenvalue of M(z) exactly where 1/z is
+an eigenvalue of ``A + U (w I - V)^-1 B``, so that a walk of w around the unit circle gives every
+point at which an eigenvalue has modulus one.
+
+Public names::
+
+    amplification(method, z) -> (..., r, r)      radius(method, z) -> (...)
+    interval(method, direction) -> float         how far along a ray all powers stay bounded
+    locus(method) -> Locus                       boundary of the region, traced
+    region(method, box) -> Region                adaptive sampling of a rectangle
+    paths(method, y) -> (m, r)                   eigenvalues on the imaginary axis, continuously
+    threshold(problem, method, ...) -> Threshold largest h at which a run is not lost, by bisection
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise, product
+from typing import Any
+
+import numpy as np
+
+from ..engine.outcome import Solution
+from ..errors import UsageError
+from ..method import GLM, PartitionedGLM
+from ..problems.model import Problem
+from .attempt import attempt
+
+__all__ = [
+    "Locus",
+    "Region",
+    "Threshold",
+    "amplification",
+    "bounded",
+    "interval",
+    "locus",
+    "paths",
+    "radius",
+    "region",
+    "threshold",
+]
+
+#: Modulus of an eigenvalue, less one, that counts as growth. Where two eigenvalues meet, rounding
+#: moves them by the root of 2^-53 times the condition of M: about 1e-8, a tenth of this.
+GROWTH = 1e-7
+
+
+def amplification(method: GLM, z: Any) -> np.ndarray:
+    """Stability matrix M(z) in double precision.
+
+    Args:
+        method: a GLM.
+        z: complex numbers of any shape.
+
+    Returns
+    -------
+        (..., r, r); infinite where ``I - z A`` is singular.
+    """
+    rounded = method.to_float()
+    points = np.asarray(z, dtype=complex)
+    flat = points.reshape(-1, 1, 1)
+    eye = np.eye(method.s)
+    result = np.full((flat.size, method.r, method.r), np.inf, dtype=complex)
+    with np.errstate(all="ignore"):
+        inner = eye - flat * rounded.A
+        regular = np.abs(np.linalg.det(inner)) > 0 if method.s else np.ones(flat.size, dtype=bool)
+        stages = np.linalg.solve(
+            inner[regular], np.broadcast_to(rounded.U, inner.shape[:1] + rounded.U.shape)[regular]
+        )
+        result[regular] = rounded.V + flat[regular] * (rounded.B @ stages)
+    return result.reshape(*points.shape, method.r, method.r)
+
+
+def _eigenvalues(matrices: np.ndarray) -> np.ndarray:
+    """Eigenvalues (..., r); infinite for a matrix that is not finite."""
+    finite = np.isfinite(matrices).all(axis=(-1, -2))
+    values = np.full(matrices.shape[:-1], np.inf, dtype=complex)
+    values[finite] = np.linalg.eigvals(matrices[finite])
+    return values
+
+
+def radius(method: GLM, z: Any) -> np.ndarray:
+    """Spectral radius of M(z), shape of z; infinite at a pole."""
+    return np.max(np.abs(_eigenvalues(amplification(method, z))), axis=-1)
+
+
+def bounded(method: GLM, z: Any) -> np.ndarray:
+    """Whether no eigenvalue of M(z) is larger than one by :data:`GROWTH`; shape of z."""
+    return radius(method, z) <= 1 + GROWTH
+
+
+def interval(
+    method: GLM, direction: complex = 1j, *, most: float = 64.0, samples: int = 4096
+) -> float:
+    """Length of the part of a ray, from 0 on, on which no eigenvalue of M leaves the unit disc.
+
+    Args:
+        direction: of the ray: 1j the imaginary axis, -1 the negative real axis.
+        most: where to stop.
+        samples: points first looked at; a shorter escape is not seen. There are short ones: of
+            ``g6245`` the eigenvalues are off the circle from y = 1.829 to 1.851, and then on it
+            again to 2.504.
+
+    Returns
+    -------
+        The end; ``most`` where no eigenvalue leaves. It is late by the way on which an eigenvalue
+        grows by :data:`GROWTH`: 1e-14 where two eigenvalues meet and part, 1e-7 where one crosses
+        the circle, but more where it only grazes it: ``|w| = 1 + c y^k`` is seen from about
+        ``(1e-7/c)^(1/k)`` on.
+    """
+    unit = direction / abs(direction)
+    marks = np.linspace(0.0, most, samples + 1)[1:]
+    stays = bounded(method, marks * unit)
+    if stays.all():
+        return most
+    first = int(np.argmin(stays))
+    low, high = (float(marks[first - 1]) if first else 0.0), float(marks[first])
+    while True:
+        middle = (low + high) / 2
+        if not low < middle < high:
+            return low
+        if bool(bounded(method, middle * unit)):
+            low = middle
+        else:
+            high = middle
+
+
+@dataclass(frozen=True, eq=False)
+class Locus:
+    """Points at which some eigenvalue of M(z) has modulus one.
+
+    Attributes
+    ----------
+        z: (m,) points. w: (m,) that eigenvalue.
+        edge: (m,) whether all other eigenvalues lie in the closed disc: the boundary of the region.
+    """
+
+    z: np.ndarray
+    w: np.ndarray
+    edge: np.ndarray
+
+
+def locus(method: GLM, *, turns: int = 720) -> Locus:
+    """Trace the boundary of the stability region.
+
+    Args:
+        turns: points on the unit circle, halfway between multiples of ``2 pi/turns``, so that none
+            is an eigenvalue of V of small order.
+
+    Returns
+    -------
+        Every point of the boundary that belongs to these points: the eigenvalues x of ``A + U (w I
+        - V)^-1 B`` are the 1/z with w an eigenvalue of M(z), and there are no others.
+    """
+    rounded = method.to_float()
+    angles = (np.arange(turns) + 0.5) * (2 * math.pi / turns)
+    found_z, found_w = [], []
+    for w in np.exp(1j * angles):
+        feed = np.linalg.solve(w * np.eye(method.r) - rounded.V, rounded.B)
+        inverse = np.linalg.eigvals(rounded.A + rounded.U @ feed)
+        # a zero of x is a point at infinity
+        inverse = inverse[np.abs(inverse) > 1e-12]
+        found_z += list(1 / inverse)
+        found_w += [w] * len(inverse)
+    z, w = np.array(found_z, dtype=complex), np.array(found_w, dtype=complex)
+    return Locus(z, w, bounded(method, z))
+
+
+@dataclass(frozen=True, eq=False)
+class Region:
+    """A rectangle of the z plane, sampled adaptively.
+
+    Attributes
+    ----------
+        area: area of the part in which M(z) is power-bounded.
+        error: area of the cells that the boundary may cross: a bound, where no cell hides a hole.
+        cells: (m, 4) cells wholly inside: real and imaginary parts of two corners.
+        evaluations: points looked at.
+    """
+
+    area: float
+    error: float
+    cells: np.ndarray
+    evaluations: int
+
+
+def region(
+    method: GLM, box: tuple[complex, complex], *, coarse: int = 16, depth: int = 5
+) -> Region:
+    """Sample a rectangle, with more points near the boundary.
+
+    A cell is split in four where its corners and its middle do not agree.
+
+    Args:
+        box: lower left and upper right corner.
+        coarse: cells along each side at the start. depth: how often a cell may be split.
+    """
+    low, high = box
+    xs = np.linspace(low.real, high.real, coarse + 1)
+    ys = np.linspace(low.imag, high.imag, coarse + 1)
+    pairs = product(pairwise(xs), pairwise(ys))
+    cells = np.array([[a, b, c, d] for (a, c), (b, d) in pairs])
+    kept, area, count, mixed = [], 0.0, 0, cells
+    for level in range(depth + 1):
+        inside, agree = _corners(method, mixed)
+        count += 5 * len(mixed)
+        whole = mixed[agree & inside]
+        kept.append(whole)
+        area += float(_areas(whole).sum())
+        mixed = mixed[~agree]
+        if level < depth:
+            mixed = _quartered(mixed)
+    edge = float(_areas(mixed).sum())
+    return Region(area + edge / 2, edge / 2, np.concatenate(kept), count)
+
+
+def _corners(method: GLM, cells: np.ndarray) -> tuple[Any, Any]:
+    a, b, c, d = cells.T
+    points = np.stack([a + 1j * b, c + 1j * b, a + 1j * d, c + 1j * d, (a + c + 1j * (b + d)) / 2])
+    stays = bounded(method, points)
+    inside = np.all(stays, axis=0)
+    return inside, inside | ~np.any(stays, axis=0)
+
+
+def _areas(cells: np.ndarray) -> np.ndarray:
+    return (cells[:, 2] - cells[:, 0]) * (cells[:, 3] - cells[:, 1])
+
+
+def _quartered(cells: np.ndarray) -> np.ndarray:
+    a, b, c, d = cells.T
+    x, y = (a + c) / 2, (b + d) / 2
+    parts = ((a, b, x, y), (x, b, c, y), (a, y, x, d), (x, y, c, d))
+    return np.concatenate([np.stack(part, axis=1) for part in parts])
+
+
+def paths(method: GLM, y: np.ndarray) -> np.ndarray:
+    """Eigenvalues of M(i y) followed along y.
+
+    Args:
+        y: (m,) increasing, close enough that no eigenvalue moves by more than its distance to the
+            next one.
+
+    Returns
+    -------
+        (m, r): column k is continuous in y; the first row is ordered by argument.
+    """
+    values = _eigenvalues(amplification(method, 1j * np.asarray(y, dtype=float)))
+    rows = [values[0][np.argsort(np.angle(values[0]))]]
+    for row in values[1:]:
+        rows.append(_matched(rows[-1], row))
+    return np.array(rows)
+
+
+def _matched(before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """Reorder eigenvalues so that each stands where the nearest one before it stood."""
+    distance = np.abs(before[:, None] - after[None, :])
+    result = np.empty_like(after)
+    for _ in range(len(after)):
+        i, j = np.unravel_index(np.argmin(distance), distance.shape)
+        result[i] = after[j]
+        distance[i, :], distance[:, j] = np.inf, np.inf
+    return result
+
+
+@dataclass(frozen=True)
+class Threshold:
+    """Where a run stops being good as h grows.
+
+    Attributes
+    ----------
+        h: largest step size seen to be good. above: smallest seen to fail.
+        reason: how the run at ``above`` failed.
+        runs: how many runs it took.
+    """
+
+    h: float
+    above: float
+    reason: str
+    runs: int
+
+
+def threshold(
+    problem: Problem,
+    method: GLM | PartitionedGLM,
+    *,
+    low: float,
+    high: float,
+    steps: int,
+    good: Callable[[Solution], bool] | None = None,
+    width: float = 1e-6,
+    **options: Any,
+) -> Threshold:
+    """Bisect for the largest step size at which a run of so many steps is good.
+
+    Args:
+        low, high: step sizes between which good turns into bad.
+        steps: steps of each run.
+        good: judges a completed run; by default its values stay below three times their start.
+        width: relative width at which to stop.
+        **options: further arguments of :func:`glmref.solve`.
+
+    Raises
+    ------
+        UsageError: when the run at ``low`` fails or the one at ``high`` does not.
+    """
+    judge = good or _stays_near
+    every = max(1, steps // 256)
+
+    def fault(h: float) -> str:
+        found = attempt(problem, method, h=h, steps=steps, every=every, **options)
+        if found.solution is None or not found.solution.completed:
+            return found.outcome
+        return "" if judge(found.solution) else "lost"
+
+    if said := fault(low):
+        raise UsageError(f"`low` must be a step size at which the run is good, got {low}: {said}")
+    reason, runs = fault(high), 2
+    if not reason:
+        raise UsageError(f"`high` must be a step size at which the run fails, got {high}")
+    while high - low > width * low:
+        middle = (low + high) / 2
+        said = fault(middle)
+        runs += 1
+        if said:
+            high, reason = middle, said
+        else:
+            low = middle
+    return Threshold(low, high, reason, runs)
+
+
+def _stays_near(solution: Solution) -> bool:
+    sizes = np.linalg.norm(np.asarray(solution.y), axis=1)
+    return bool(np.max(sizes) < 3 * (sizes[0] or 1.0))

@@ -1,0 +1,167 @@
+"""The one-step method underlying a GLM, found by iteration alone: no series, no trees.
+
+A method that carries r values has, for small h, one starting map S whose first value is y itself
+and with ``M S(y) = S(P(y))`` for a one-step method P. Iterating that equation gives S to any order
+in h: every pass gains one. What values lack to ``S(y)`` of their own solution y is parasitic.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..engine.reference import PairStepper, Stepper
+from ..engine.tableau import preconsistency
+from ..errors import UsageError
+from ..exact.linalg import Matrix, identity
+
+__all__ = ["Underlying"]
+
+
+@dataclass(frozen=True, eq=False)
+class _Half:
+    """What is needed of one matrix V to start and to read off the solution.
+
+    Attributes
+    ----------
+        columns: the components of a state this half carries.
+        rows: number of values carried.
+        u: (r,), ``V u = u``.
+        e: (r,) with ``e u = 1``: the solution is ``e y``.
+        inverse: (r, r), ``(I - V + u e V)^-1``.
+        steady: whether ``e V = e``, as where the first value takes from no other, or by choice.
+    """
+
+    columns: slice
+    rows: int
+    u: np.ndarray
+    e: np.ndarray
+    inverse: np.ndarray
+    steady: bool
+
+
+def _half(engine: Stepper, U: Matrix, V: Matrix, columns: slice, *, conjugate: bool) -> _Half:
+    """Compute u, e and the inverse of one half in the engine's arithmetic."""
+    arithmetic, r = engine.arithmetic, len(V)
+    exact_u = preconsistency(U, V)
+    if exact_u is None:
+        raise UsageError("the method is not pre-consistent: no u has V u = u and U u = 1")
+    u = arithmetic.array((exact_u,))[0]
+    one = arithmetic.array(identity(r))
+    # the first value is the solution wherever it holds y at all
+    row = next(k for k in range(r) if exact_u[k].is_zero() is not True)
+    e = one[row] / u[row]
+    v = arithmetic.array(V)
+    steady = all((V[row][k] - int(k == row)).is_zero() is True for k in range(r))
+    try:
+        inverse = arithmetic.solve(one - v + np.outer(u, e.dot(v)), one.copy())
+        if conjugate and not steady:
+            # l V = l and l u = 1 give l (I - V + u e V) = e V
+            e, steady = e.dot(v).dot(inverse), True
+            inverse = arithmetic.solve(one - v + np.outer(u, e), one.copy())
+    except (np.linalg.LinAlgError, ZeroDivisionError):
+        raise UsageError(
+            "1 is not a simple eigenvalue of V; the underlying method is not unique"
+        ) from None
+    return _Half(columns, r, u, e, inverse, steady)
+
+
+class Underlying:
+    """Starting map, solution and parasitic part for one method on one problem.
+
+    Args:
+        engine: the reference stepper of the method on the problem.
+        conjugate: read the solution off by the left eigenvector of V at 1 instead of the first
+            value. Where that takes from others the underlying method becomes a conjugate one, and
+            starting it costs a quarter.
+
+    Raises
+    ------
+        UsageError: where V has no simple eigenvalue 1 with a common right eigenvector u.
+    """
+
+    def __init__(self, engine: Stepper, *, conjugate: bool = False) -> None:
+        self.engine = engine
+        d = engine.problem.dimension
+        if isinstance(engine, PairStepper):
+            m, pair = d // 2, engine.pair
+            self.halves = (
+                _half(engine, pair.U, pair.V, slice(0, m), conjugate=conjugate),
+                _half(engine, pair.U_hat, pair.V_hat, slice(m, d), conjugate=conjugate),
+            )
+        else:
+            method = engine.method
+            self.halves = (_half(engine, method.U, method.V, slice(0, d), conjugate=conjugate),)
+        self.evaluations = 0
+
+    @property
+    def one_step(self) -> bool:
+        """Whether a single value is carried, so that starting is trivial."""
+        return all(half.rows == 1 for half in self.halves)
+
+    def solution(self, values: np.ndarray) -> np.ndarray:
+        """Return the solution among the values, shape (d,)."""
+        parts = [half.e.dot(values[: half.rows, half.columns]) for half in self.halves]
+        return np.concatenate(parts)
+
+    def lifted(self, y: np.ndarray) -> np.ndarray:
+        """Return ``u y``, the values that hold the solution y and nothing else."""
+        values = self.engine.arithmetic.zeros(self.engine.shape, y)
+        if y.dtype.kind == "c":
+            values = values.astype(complex)
+        for half in self.halves:
+            values[: half.rows, half.columns] = np.outer(half.u, y[half.columns])
+        return values
+
+    def _correction(self, defect: np.ndarray) -> np.ndarray:
+        out = defect * 0
+        for half in self.halves:
+            rows = slice(0, half.rows)
+            out[rows, half.columns] = half.inverse.dot(defect[rows, half.columns])
+        return out
+
+    def start(self, t: Any, y0: np.ndarray, h: Any, *, order: int) -> np.ndarray:
+        """Return S(y0) to within O(h^(order + 1)).
+
+        A pass replaces ``S_n`` by ``S_n + (I - V + u e V)^-1 (M S_n - S_(n+1))``, which leaves the
+        first value alone, along the first few points of the underlying method's own trajectory.
+        It gains an order of h; where the first value takes from others, so that this trajectory
+        changes from pass to pass by as much as the values, two passes gain one. Cost:
+        ``passes (passes + 1)/2`` steps.
+        """
+        if self.one_step:
+            return self.lifted(np.asarray(y0))
+        passes = order if all(half.steady for half in self.halves) else 2 * order
+        rest = [self.lifted(np.asarray(y0)) * 0 for _ in range(passes + 1)]
+        for level in range(passes, 0, -1):
+            current = self.lifted(np.asarray(y0)) + rest[0]
+            improved = []
+            for n in range(level):
+                step = self.engine.step(t + n * h, current, h)
+                self.evaluations += step.evaluations + step.velocity_evaluations
+                following = self.lifted(self.solution(step.values)) + rest[n + 1]
+                improved.append(rest[n] + self._correction(step.values - following))
+                current = following
+            rest = improved
+        return self.lifted(np.asarray(y0)) + rest[0]
+
+    def run(self, t: Any, values: np.ndarray, h: Any, steps: int) -> np.ndarray:
+        """Take steps and return the values; an unsolved stage equation raises.
+
+        Raises
+        ------
+            ArithmeticError: when a stage equation could not be solved to round-off.
+        """
+        for n in range(steps):
+            step = self.engine.step(t + n * h, values, h)
+            self.evaluations += step.evaluations + step.velocity_evaluations
+            if not step.converged:
+                raise ArithmeticError(f"the stages of step {n + 1} could not be solved")
+            values = step.values
+        return values
+
+    def parasitic(self, t: Any, values: np.ndarray, h: Any, *, order: int) -> np.ndarray:
+        """Return the parasitic part of the values to within O(h^(order + 1)), shape (r, d)."""
+        return values - self.start(t, self.solution(values), h, order=order)

@@ -1,0 +1,327 @@
+"""Error against run time: one run of one method at one step size, as a record.
+
+The error of the state is taken against the closed form where there is one, else against a stored
+reference, else against a run of high order whose own error is estimated and recorded beside it.
+Only what is asked is computed: no energy and no samples for it, no reference for the state.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection
+from dataclasses import dataclass, field
+from functools import lru_cache
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from ..engine.outcome import Outcome, Solution
+from ..engine.solve import solve
+from ..errors import UsageError
+from ..method import GLM, PartitionedGLM
+from ..problems.model import Problem
+from .longtime import energy_deviation
+from .records import finite
+from .timing import Timing
+
+__all__ = [
+    "Deadline",
+    "Reference",
+    "Work",
+    "check_interruption",
+    "energy_error",
+    "measure",
+    "reference_state",
+    "state_error",
+]
+
+#: Samples over which the largest energy error is taken.
+SAMPLES = 64
+
+
+@dataclass(frozen=True, eq=False)
+class Reference:
+    """The state at one time, and how far to trust it.
+
+    Attributes
+    ----------
+        state: (d,) in double precision.
+        error: bound or estimate of its relative error.
+        kind: ``"exact"``, ``"stored"`` or ``"computed"``.
+    """
+
+    state: np.ndarray
+    error: float
+    kind: str
+
+
+@dataclass(frozen=True)
+class Work:
+    """What one method did on one problem at one step size, and what that cost.
+
+    Attributes
+    ----------
+        method, problem, h, steps, t_end: what was run; ``steps`` were completed.
+        outcome: how it ended, by name. message: one sentence where it did not complete.
+        state_error: Euclidean error of the last state, relative; ``None`` where not asked.
+        reference, reference_error: what it was measured against, and how good that is.
+        energy_error: largest relative error of H over the samples; ``None`` where not asked.
+        seconds: wall-clock time of the steps alone, repeated.
+        evaluations: right-hand-side evaluations of the steps; of a separable problem those of p'.
+        velocity_evaluations: evaluations of q' where counted apart.
+        iterations: rounds of the stage solver.
+        start_evaluations: evaluations of start and finish. start_seconds: time of the start.
+        build_seconds: time to generate and compile, or to load, the kernel.
+        kernel: what ran, in words. notices: sentences worth knowing.
+    """
+
+    method: str
+    problem: str
+    h: float
+    steps: int
+    t_end: float
+    outcome: str
+    message: str
+    seconds: Timing
+    evaluations: int
+    velocity_evaluations: int
+    iterations: int
+    start_evaluations: int
+    start_seconds: float
+    build_seconds: float
+    kernel: str
+    state_error: float | None = None
+    reference: str | None = None
+    reference_error: float | None = None
+    energy_error: float | None = None
+    notices: tuple[str, ...] = field(default=())
+
+    @property
+    def completed(self) -> bool:
+        """Whether every step was taken."""
+        return self.outcome == str(Outcome.COMPLETED)
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the record in JSON's types: no NaN, no infinity."""
+        record = {k: getattr(self, k) for k in self.__dataclass_fields__}
+        record["seconds"] = self.seconds.as_json()
+        record["notices"] = list(self.notices)
+        for key, value in record.items():
+            if isinstance(value, float):
+                record[key] = finite(value)
+        return record
+
+
+def measure(
+    problem: Problem,
+    method: GLM | PartitionedGLM,
+    *,
+    h: float,
+    t_end: float | None = None,
+    steps: int | None = None,
+    ask: Collection[str] = ("state", "energy"),
+    repeats: int = 5,
+    budget: float = 10.0,
+    engine: str = "compiled",
+    start: Any = None,
+) -> Work:
+    """Run a method, time it, and measure its errors.
+
+    Args:
+        problem: what to solve. method: with what.
+        h: step size. t_end or steps: how far, one of them.
+        ask: ``"state"`` for the error of the last state, ``"energy"`` for the largest of H.
+        repeats: runs to time at the most.
+        budget: seconds after which a run is cancelled, and after which none is repeated.
+        engine, start: as in :func:`glmref.solve`.
+
+    Raises
+    ------
+        UsageError: for a question the problem cannot answer, or arguments that do not fit.
+    """
+    _check_questions(problem, ask)
+    begin = _started(problem, method, h, start)
+    options: dict[str, Any] = {"h": h, "engine": engine, "start": lambda *_: begin.values}
+    options |= {"t_end": t_end} if steps is None else {"steps": steps}
+    if "energy" in ask:
+        end = float(problem.t_span[1] if t_end is None else t_end)
+        whole = steps if steps is not None else round((end - float(problem.t_span[0])) / h)
+        options["every"] = max(1, abs(whole) // SAMPLES)
+    solution, timing = _timed(problem, method, options, repeats, budget)
+    return Work(
+        method=method.name,
+        problem=problem.name,
+        h=float(h),
+        steps=solution.steps,
+        t_end=_last_time(problem, solution),
+        outcome=str(solution.outcome),
+        message="" if solution.completed else solution.message,
+        seconds=timing,
+        evaluations=solution.evaluations,
+        velocity_evaluations=solution.velocity_evaluations,
+        iterations=solution.iterations,
+        start_evaluations=begin.evaluations
+        + solution.start_evaluations
+        + solution.finish_evaluations,
+        start_seconds=begin.seconds,
+        build_seconds=solution.build_seconds,
+        kernel=solution.kernel,
+        notices=solution.notices,
+        **(_errors(problem, solution, ask) if solution.completed else {}),
+    )
+
+
+def _check_questions(problem: Problem, ask: Collection[str]) -> None:
+    """Refuse questions that are unknown, or that the problem cannot answer."""
+    unknown = set(ask) - {"state", "energy"}
+    if unknown:
+        raise UsageError(f"`ask` knows 'state' and 'energy', got {sorted(unknown)[0]!r}")
+    if "energy" in ask and problem.hamiltonian is None:
+        raise UsageError(f"{problem.name} has no Hamiltonian; do not ask for the energy")
+
+
+def _last_time(problem: Problem, solution: Solution) -> float:
+    return float(solution.t[-1]) if len(solution.t) else float(problem.t_span[0])
+
+
+def _errors(problem: Problem, solution: Solution, ask: Collection[str]) -> dict[str, Any]:
+    """Fields of :class:`Work` that answer the questions about a completed run."""
+    record: dict[str, Any] = {}
+    if "state" in ask:
+        reference = reference_state(problem, _last_time(problem, solution))
+        record["state_error"] = state_error(np.asarray(solution.y[-1]), reference)
+        record["reference"], record["reference_error"] = reference.kind, reference.error
+    if "energy" in ask:
+        record["energy_error"] = energy_error(problem, solution)
+    return record
+
+
+class Deadline:
+    """Says when ``budget`` seconds have passed since it was first asked.
+
+    A run asks for the first time after its first steps, so that neither compilation nor the start
+    are charged.
+
+    Attributes
+    ----------
+        passed: whether the answer has been yes; a run that was cancelled without it was cancelled
+            by the user.
+    """
+
+    def __init__(self, budget: float) -> None:
+        self.budget = budget
+        self.passed = False
+        self._end: float | None = None
+
+    def __call__(self) -> bool:
+        """Whether the time is over."""
+        now = perf_counter()
+        if self._end is None:
+            self._end = now + self.budget
+        self.passed = now >= self._end
+        return self.passed
+
+
+def check_interruption(solution: Solution, deadline: Deadline) -> None:
+    """Raise KeyboardInterrupt where a run was cancelled and not by its deadline."""
+    if solution.outcome is Outcome.CANCELLED and not deadline.passed:
+        raise KeyboardInterrupt
+
+
+@dataclass(frozen=True, eq=False)
+class _Started:
+    """Starting values, computed once for all repetitions, and what they cost."""
+
+    values: np.ndarray
+    evaluations: int
+    seconds: float
+
+
+def _started(problem: Problem, method: Any, h: float, start: Any) -> _Started:
+    """Compute the starting values in double precision."""
+    from ..engine.reference import stepper
+    from ..engine.start import starting_values
+
+    engine = stepper(method, problem)
+    begun = perf_counter()
+    with np.errstate(all="ignore"):
+        y0 = np.array(problem.y0, dtype=float)
+        found = starting_values(engine, start, t=float(problem.t_span[0]), y0=y0, h=float(h))
+    return _Started(found.values, found.evaluations, perf_counter() - begun)
+
+
+def _timed(
+    problem: Problem, method: Any, options: dict[str, Any], repeats: int, budget: float
+) -> tuple[Solution, Timing]:
+    """Run up to ``repeats`` times, while the budget lasts; the steps alone are timed."""
+    begun = perf_counter()
+    seconds: list[float] = []
+    first: Solution | None = None
+    while first is None or (
+        first.completed and len(seconds) < repeats and perf_counter() - begun < budget
+    ):
+        deadline = Deadline(budget)
+        solution = solve(problem, method, cancel=deadline, **options)
+        check_interruption(solution, deadline)
+        if first is None or solution.completed:
+            seconds.append(solution.seconds)
+        first = first or solution
+    return first, Timing.of(seconds)
+
+
+def energy_error(problem: Problem, solution: Solution) -> float:
+    """Largest relative error of H over the samples of a solution."""
+    y = np.real(np.asarray(solution.y)).astype(float)
+    return float(np.max(energy_deviation(problem, np.vstack([problem.y0, y]))))
+
+
+def state_error(y: np.ndarray, reference: Reference) -> float:
+    """Euclidean error of a state relative to the reference's norm."""
+    size = float(np.linalg.norm(reference.state)) or 1.0
+    return float(np.linalg.norm(np.real(y).astype(float) - reference.state)) / size
+
+
+def reference_state(problem: Problem, t: float) -> Reference:
+    """Find the state at time t: in closed form, stored, or computed.
+
+    Raises
+    ------
+        UsageError: when the computed reference does not reach the time.
+    """
+    if problem.exact is not None:
+        elapsed = t - float(problem.t_span[0])
+        return Reference(np.asarray(problem.solution(elapsed), dtype=float), 2.0**-52, "exact")
+    for stored in problem.references:
+        if abs(float(stored.t) - t) <= 1e-12 * max(1.0, abs(t)):
+            return Reference(stored.rounded(), max(stored.agreement, 2.0**-52), "stored")
+    return _computed(problem, t)
+
+
+@lru_cache(maxsize=32)
+def _computed(problem: Problem, t: float) -> Reference:
+    """Gauss-5 (order 10) at two step sizes; their difference bounds the error of the finer run.
+
+    The finer run's truncation error is 1/1023 of the difference; what remains is round-off, of
+    which the difference is a sample.
+    """
+    from ..catalogue.lookup import load
+
+    elapsed = t - float(problem.t_span[0])
+    scale = float(problem.scales.get("time", 1.0))
+    steps = max(16, math.ceil(abs(elapsed) / scale * 20))
+    runs = []
+    for n in (steps, 2 * steps):
+        solution = solve(problem, load("gauss-5"), h=elapsed / n, steps=n)
+        if not solution.completed:
+            raise UsageError(
+                f"no reference for {problem.name} at t = {t:g}: {solution.message}; "
+                f"ask for invariants instead"
+            )
+        runs.append(np.asarray(solution.y[-1], dtype=float))
+    size = float(np.linalg.norm(runs[1])) or 1.0
+    difference = float(np.linalg.norm(runs[0] - runs[1])) / size
+    # h is rounded: the end is another time by one part in 2^52, in both runs alike
+    speed = float(np.linalg.norm(np.asarray(problem.f(t, runs[1]), dtype=float))) / size
+    shared = 2.0**-52 * (1 + abs(elapsed) * speed)
+    return Reference(runs[1], max(difference, shared), "computed")

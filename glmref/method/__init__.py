@@ -1,0 +1,23 @@
+"""Methods as frozen records, the classical families, and forms they can be given in."""
+
+from __future__ import annotations
+
+from .glm import (
+    GLM,
+    FinishingMethod,
+    PairStartingMethod,
+    PartitionedGLM,
+    StartingMethod,
+    as_matrix,
+    as_vector,
+)
+
+__all__ = [
+    "GLM",
+    "FinishingMethod",
+    "PairStartingMethod",
+    "PartitionedGLM",
+    "StartingMethod",
+    "as_matrix",
+    "as_vector",
+]

@@ -1,0 +1,322 @@
+"""Families of methods as general linear methods; their classical members come derived exactly.
+
+Public names::
+
+    runge_kutta(A, b, name="") -> GLM
+    linear_multistep(alpha, beta, name="") -> GLM       one_leg(alpha, beta, name="") -> GLM
+    one_leg_twin(alpha, beta) -> (alpha, beta)          error_constant(alpha, beta) -> (order, C)
+    partitioned_runge_kutta(A, b, A_hat, b_hat, name="") -> PartitionedGLM
+    splitting(a, b, first="q", name="") -> PartitionedGLM
+    composition(base, gamma, name="") -> GLM
+
+and from :mod:`glmref.method.classical`::
+
+    adams_bashforth(k), adams_moulton(k), bdf(k) -> (alpha, beta)     for linear_multistep
+    collocation(c), gauss(s), radau_iia(s), lobatto_iiia(s), lobatto_iiib(s), lobatto_iiic(s)
+        -> (A, b)                                                     for runge_kutta
+
+So ``runge_kutta(*gauss(2))`` and ``linear_multistep(*bdf(3))`` are methods.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+
+from ..errors import DataError
+from ..exact import Exact, Scalar, exact
+from ..exact.linalg import Matrix, Vector, dot
+from .classical import (
+    adams_bashforth,
+    adams_moulton,
+    bdf,
+    collocation,
+    gauss,
+    lobatto_iiia,
+    lobatto_iiib,
+    lobatto_iiic,
+    radau_iia,
+)
+from .glm import GLM, PartitionedGLM, as_matrix, as_vector
+
+__all__ = [
+    "adams_bashforth",
+    "adams_moulton",
+    "bdf",
+    "collocation",
+    "composition",
+    "error_constant",
+    "gauss",
+    "linear_multistep",
+    "lobatto_iiia",
+    "lobatto_iiib",
+    "lobatto_iiic",
+    "one_leg",
+    "one_leg_twin",
+    "partitioned_runge_kutta",
+    "radau_iia",
+    "runge_kutta",
+    "splitting",
+]
+
+Entry = str | int | Fraction | Scalar
+_ZERO, _ONE = Exact(0), Exact(1)
+
+
+def runge_kutta(A: Sequence[Sequence[Entry]], b: Sequence[Entry], name: str = "") -> GLM:
+    """Runge-Kutta method as the GLM with r = 1, U = 1, V = 1.
+
+    Args:
+        A: (s, s) and b: (s,).
+
+    Raises
+    ------
+        DataError: for a wrong shape or an entry that cannot be read.
+
+    References: Butcher, "Numerical Methods for Ordinary Differential Equations" (2016), section
+    502.
+    """
+    A, b = as_matrix(A, "A"), as_vector(b, "b")
+    _check_length("b", b, len(A))
+    return GLM(A=A, U=((_ONE,),) * len(A), B=(b,), V=((_ONE,),), name=name)
+
+
+def _check_length(letter: str, values: Sequence[object], size: int) -> None:
+    if len(values) != size:
+        raise DataError(
+            f"`{letter}` must have {size} entries, one for each stage, got {len(values)}"
+        )
+
+
+def _multistep(alpha: Sequence[Entry], beta: Sequence[Entry]) -> tuple[Vector, Vector]:
+    """Check the coefficients of a multistep method and divide by ``alpha_k``."""
+    alpha, beta = as_vector(alpha, "alpha"), as_vector(beta, "beta")
+    if len(alpha) != len(beta) or len(alpha) < 2:
+        raise DataError(
+            f"`alpha` and `beta` must both have k + 1 entries, k at least 1, "
+            f"got {len(alpha)} and {len(beta)}"
+        )
+    lead = alpha[-1]
+    if lead.is_zero() is not False:
+        raise DataError(f"`alpha[{len(alpha)}]` must not be zero: it multiplies the new value")
+    if all(x.is_zero() is True for x in beta):
+        raise DataError("`beta` must have an entry other than zero")
+    return tuple(x / lead for x in alpha), tuple(x / lead for x in beta)
+
+
+def _first_nonzero(values: Vector) -> int:
+    return next((i for i, x in enumerate(values) if x.is_zero() is not True), len(values))
+
+
+def linear_multistep(alpha: Sequence[Entry], beta: Sequence[Entry], name: str = "") -> GLM:
+    """Linear multistep method ``sum alpha_m y_(n+m) = h sum beta_m f_(n+m)`` as a GLM with s = 1.
+
+    The values carried are ``y_(n+k-1), y_(n+k-2), ..`` as far back as alpha reaches, then ``h f``
+    as far back as beta reaches. An implicit method has the stage ``Y = y_(n+k)`` and carries
+    ``h f_(n+k-1), ..``; an explicit one has the stage ``Y = y_(n+k-1)`` (A = 0), so that its newest
+    derivative is the one evaluated and ``h f_(n+k-2), ..`` are carried. Either way f is evaluated
+    once in a step, and u is 1 on the y values and 0 on the h f values.
+
+    Args:
+        alpha, beta: (k + 1,), index m multiplies y_(n+m) and f_(n+m).
+
+    Raises
+    ------
+        DataError: for unequal lengths or alpha_k = 0.
+
+    References: Butcher (2016), section 502; Burrage and Butcher, BIT 20 (1980) 185.
+    """
+    a, b = _multistep(alpha, beta)
+    k = len(a) - 1
+    implicit = b[k].is_zero() is not True
+    newest = k - 1 if implicit else k - 2  # index m of the newest h f that is carried
+    ys = list(range(k - 1, min(_first_nonzero(a), k - 1) - 1, -1))
+    fs = list(range(newest, _first_nonzero(b) - 1, -1))
+    r = len(ys) + len(fs)
+
+    def unit(position: int) -> Vector:
+        return tuple(_ONE if j == position else _ZERO for j in range(r))
+
+    new_y = (*(-a[m] for m in ys), *(b[m] for m in fs))
+    newest_f = b[k] if implicit else b[k - 1]
+    # each value but the first of its kind is handed on to the next older place
+    V = (new_y, *(unit(j) for j in range(len(ys) - 1)))
+    B: Matrix = ((newest_f,), *(((_ZERO,),) * (len(ys) - 1)))
+    if fs:
+        V = (*V, (_ZERO,) * r, *(unit(len(ys) + j) for j in range(len(fs) - 1)))
+        B = (*B, (_ONE,), *(((_ZERO,),) * (len(fs) - 1)))
+    return GLM(A=((b[k],),), U=(new_y if implicit else unit(0),), B=B, V=V, name=name)
+
+
+def one_leg(alpha: Sequence[Entry], beta: Sequence[Entry], name: str = "") -> GLM:
+    """One-leg method ``sum alpha_m y_(n+m) = h f(sum beta_m y_(n+m))`` as a GLM with s = 1, r = k.
+
+    The values carried are ``y_(n+k-1), .., y_n``. Consistency asks for ``sum beta_m = 1``:
+    :func:`one_leg_twin` scales a multistep method to that.
+
+    Raises
+    ------
+        DataError: for unequal lengths or alpha_k = 0.
+
+    References: Dahlquist, Lecture Notes in Mathematics 506 (1976) 60; Hairer, Nørsett and Wanner,
+    "Solving Ordinary Differential Equations II" (1996), section V.6.
+    """
+    a, _ = _multistep(alpha, beta)
+    leg, lead = as_vector(beta, "beta"), as_vector(alpha, "alpha")[-1]
+    k = len(a) - 1
+    back = range(k - 1, -1, -1)
+    V = (
+        tuple(-a[m] for m in back),
+        *(tuple(_ONE if j == i else _ZERO for j in range(k)) for i in range(k - 1)),
+    )
+    return GLM(
+        A=((leg[k] / lead,),),
+        U=(tuple(leg[m] - leg[k] * a[m] for m in back),),
+        B=((1 / lead,), *(((_ZERO,),) * (k - 1))),
+        V=V,
+        name=name,
+    )
+
+
+def one_leg_twin(alpha: Sequence[Entry], beta: Sequence[Entry]) -> tuple[Vector, Vector]:
+    """Coefficients of the one-leg twin of a multistep method: scaled so that ``sum beta_m = 1``.
+
+    Raises
+    ------
+        DataError: when the sum is zero, so that there is no twin.
+
+    References: Hairer, Nørsett and Wanner (1996), section V.6, equation (6.4).
+    """
+    a, b = _multistep(alpha, beta)
+    total = sum(b, _ZERO)
+    if total.is_zero() is not False:
+        raise DataError("`beta` sums to zero: the multistep method has no one-leg twin")
+    return tuple(x / total for x in a), tuple(x / total for x in b)
+
+
+def error_constant(alpha: Sequence[Entry], beta: Sequence[Entry]) -> tuple[int, Exact]:
+    """Order p of a multistep method and its error constant ``C = C_(p+1) / sigma(1)``.
+
+    ``C_q = (sum alpha_m m^q - q sum beta_m m^(q-1)) / q!``; the division by sigma(1) makes C free
+    of the scaling of the coefficients (BDF with k steps: -1/(k + 1)). Order -1 means that not even
+    constants are reproduced.
+
+    Raises
+    ------
+        DataError: for coefficients that are not exact, or sigma(1) = 0.
+
+    References: Hairer, Nørsett and Wanner, "Solving Ordinary Differential Equations I" (1993),
+    section III.2, equations (2.6) and (2.13).
+    """
+    a, b = _multistep(alpha, beta)
+    if not all(isinstance(x, Exact) for x in (*a, *b)):
+        raise DataError("the order of a multistep method needs exact `alpha` and `beta`")
+    sigma = sum(b, _ZERO)
+    factorial = 1
+    for q in range(2 * len(a) + 2):
+        factorial *= max(q, 1)
+        defect = dot(a, [exact(m**q) for m in range(len(a))])
+        if q:
+            defect = defect - q * dot(b, [exact(m ** (q - 1)) for m in range(len(b))])
+        if defect.is_zero() is not True:
+            if sigma.is_zero() is True:
+                raise DataError("`beta` sums to zero: the method has no error constant")
+            return q - 1, exact(defect / sigma / factorial)  # type: ignore[arg-type]
+    raise DataError("a k-step method cannot have order above 2k; check `alpha` and `beta`")
+
+
+def partitioned_runge_kutta(
+    A: Sequence[Sequence[Entry]],
+    b: Sequence[Entry],
+    A_hat: Sequence[Sequence[Entry]],
+    b_hat: Sequence[Entry],
+    name: str = "",
+) -> PartitionedGLM:
+    """Pair of Runge-Kutta methods: (A, b) for q acts on f, (A_hat, b_hat) for p acts on k.
+
+    Raises
+    ------
+        DataError: for a wrong shape or an entry that cannot be read.
+
+    References: Hairer, Lubich and Wanner, "Geometric Numerical Integration" (2006), section II.2.1.
+    """
+    q, p = runge_kutta(A, b), runge_kutta(A_hat, b_hat)
+    _check_length("b_hat", p.B[0], q.s)
+    return PartitionedGLM(
+        A=q.A, U=q.U, B=q.B, V=q.V, A_hat=p.A, U_hat=p.U, B_hat=p.B, V_hat=p.V, name=name
+    )
+
+
+def splitting(
+    a: Sequence[Entry], b: Sequence[Entry], first: str = "q", name: str = ""
+) -> PartitionedGLM:
+    """Splitting method for q' = f(p), p' = k(q): ``q += a_i h f(p)``, ``p += b_j h k(q)`` in turn.
+
+    Args:
+        a: weights of the updates of q, one stage P each.
+        b: weights of the updates of p, one stage Q each.
+        first: ``"q"`` or ``"p"``, the variable that is updated first.
+
+    Raises
+    ------
+        DataError: when the numbers of weights do not alternate.
+
+    References: Hairer, Lubich and Wanner (2006), section II.5.
+    """
+    a, b = as_vector(a, "a"), as_vector(b, "b")
+    if first not in ("q", "p"):
+        raise DataError(f"`first` must be 'q' or 'p', got {first!r}")
+    leading, following = (a, b) if first == "q" else (b, a)
+    if len(leading) - len(following) not in (0, 1):
+        raise DataError(
+            f"updates must alternate beginning with {first!r}, but `a` has {len(a)} entries and "
+            f"`b` has {len(b)}; `{'a' if first == 'q' else 'b'}` needs as many as the other or one "
+            f"more"
+        )
+    early = 1 if first == "q" else 0  # stage Q_j has seen a_0 .. a_(j-1+early)
+    A = tuple(tuple(x if i < j + early else _ZERO for i, x in enumerate(a)) for j in range(len(b)))
+    A_hat = tuple(
+        tuple(x if j + early <= i else _ZERO for j, x in enumerate(b)) for i in range(len(a))
+    )
+    one: Matrix = ((_ONE,),)
+    return PartitionedGLM(
+        A=A,
+        U=one * len(b),
+        B=(a,),
+        V=one,
+        A_hat=A_hat,
+        U_hat=one * len(a),
+        B_hat=(b,),
+        V_hat=one,
+        separable=True,
+        name=name,
+    )
+
+
+def composition(base: GLM, gamma: Sequence[Entry], name: str = "") -> GLM:
+    """Composition of a one-step method with itself, with steps ``gamma_1 h, gamma_2 h, ..``.
+
+    Args:
+        base: a method with r = 1 and V = 1, such as a Runge-Kutta method.
+        gamma: fractions of h, the first one applied first.
+
+    Raises
+    ------
+        DataError: when the base carries more than one value.
+
+    References: Yoshida, Phys. Lett. A 150 (1990) 262; Hairer, Lubich and Wanner (2006), V.3.
+    """
+    gamma = as_vector(gamma, "gamma")
+    if base.r != 1:
+        raise DataError(f"only a one-step method can be composed, and the base has r = {base.r}")
+    blocks, s = len(gamma), base.s
+    A = [[_ZERO] * (blocks * s) for _ in range(blocks * s)]
+    for k, step in enumerate(gamma):
+        for i in range(s):
+            for j in range(s):
+                A[k * s + i][k * s + j] = step * base.A[i][j]
+            for earlier in range(k):
+                for j in range(s):
+                    A[k * s + i][earlier * s + j] = gamma[earlier] * base.B[0][j]
+    b = [step * x for step in gamma for x in base.B[0]]
+    return runge_kutta(A, b, name)

@@ -1,0 +1,397 @@
+"""Methods as frozen records: general linear, partitioned, starting and finishing.
+
+Arrays carry the letters of the literature. Entries are :mod:`glmref.exact` numbers; the one place
+where they are rounded to floating point is :meth:`GLM.to_float` (and its twins), which keeps the
+rounding residue so that a kernel can compensate it and a test can bound it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Self
+
+from ..errors import DataError
+from ..exact import Ball, Exact, Scalar, exact, linalg
+from ..exact.expression import parse
+from ..exact.linalg import Matrix, Vector
+from .starting import FinishingMethod, PairStartingMethod, StartingMethod
+
+if TYPE_CHECKING:
+    from .rounding import FloatGLM
+
+__all__ = [
+    "GLM",
+    "FinishingMethod",
+    "PairStartingMethod",
+    "PartitionedGLM",
+    "StartingMethod",
+    "as_matrix",
+    "as_vector",
+]
+
+Entry = str | int | Fraction | Scalar
+#: What constructors take for a matrix and turn into one.
+Rows = Sequence[Sequence[Entry]]
+
+
+def _as_scalar(value: Entry, where: str) -> Scalar:
+    if isinstance(value, Exact | Ball):
+        return value
+    if isinstance(value, str):
+        return parse(value)
+    if isinstance(value, int | Fraction) and not isinstance(value, bool):
+        return exact(value)
+    raise DataError(
+        f"{where} must be a string, an integer or a Fraction, got {value!r}; "
+        f"write '1/4' instead of 0.25"
+    )
+
+
+def as_vector(values: Sequence[Entry], name: str) -> Vector:
+    """Convert a sequence of strings, ints, Fractions or scalars to a vector.
+
+    Raises
+    ------
+        DataError: naming the entry that cannot be read.
+    """
+    if isinstance(values, str) or not isinstance(values, Sequence):
+        raise DataError(f"`{name}` must be a list of entries, got {values!r}")
+    return tuple(_as_scalar(x, f"`{name}[{i + 1}]`") for i, x in enumerate(values))
+
+
+def as_matrix(rows: Sequence[Sequence[Entry]], name: str) -> Matrix:
+    """Convert rows of strings, ints, Fractions or scalars to a matrix.
+
+    Raises
+    ------
+        DataError: for an empty or ragged matrix, naming the row.
+    """
+    if isinstance(rows, str) or not isinstance(rows, Sequence) or not rows:
+        raise DataError(f"`{name}` must be a list of rows, got {rows!r}")
+    matrix = tuple(as_vector(row, f"{name}[{i + 1}]") for i, row in enumerate(rows))
+    for i, row in enumerate(matrix):
+        if len(row) != len(matrix[0]) or not row:
+            raise DataError(
+                f"`{name}` must be rectangular, but row {i + 1} is {len(row)} long "
+                f"and row 1 is {len(matrix[0])} long"
+            )
+    return matrix
+
+
+def _check_shape(name: str, value: Matrix, rows: int, columns: int, meaning: str) -> None:
+    if (len(value), len(value[0])) != (rows, columns):
+        raise DataError(
+            f"`{name}` must have shape {meaning} = ({rows}, {columns}), "
+            f"got ({len(value)}, {len(value[0])})"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class GLM:
+    """A general linear method: ``Y = h A f(Y) + U y``, ``y+ = h B f(Y) + V y``.
+
+    Attributes
+    ----------
+        A: (s, s) stages on stages.
+        U: (s, r) values on stages.
+        B: (r, s) stages on values.
+        V: (r, r) values on values.
+        name: the name its file gives it.
+        G: (r, r) quadratic form its source gives, or ``None``; a claim, checked like the rest.
+        D: (s,) diagonal its source gives, or ``None``.
+        starting: starting method, or ``None``.
+        finishing: finishing method, or ``None`` where the first value is the solution.
+        claims: what its file claims, by key; empty for a method that was computed.
+        source: citation, place and status, as in the file.
+        document: the file's JSON object, ``None`` for a method that was computed.
+
+    The constructor takes strings, ints, Fractions or scalars and checks shapes.
+
+    Raises
+    ------
+        DataError: for a wrong shape or an entry that cannot be read.
+
+    References
+    ----------
+        Butcher, "Numerical Methods for Ordinary Differential Equations" (2016), section 502.
+    """
+
+    A: Matrix
+    U: Matrix
+    B: Matrix
+    V: Matrix
+    name: str = ""
+    G: Matrix | None = None
+    D: Vector | None = None
+    starting: StartingMethod | None = None
+    finishing: FinishingMethod | None = None
+    claims: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+    source: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+    document: Mapping[str, Any] | None = field(default=None, repr=False)
+
+    if TYPE_CHECKING:  # what is taken is wider than what is kept
+
+        def __init__(
+            self,
+            A: Rows,
+            U: Rows,
+            B: Rows,
+            V: Rows,
+            name: str = "",
+            G: Rows | None = None,
+            D: Sequence[Entry] | None = None,
+            starting: StartingMethod | None = None,
+            finishing: FinishingMethod | None = None,
+            claims: Mapping[str, Any] = ...,
+            source: Mapping[str, Any] = ...,
+            document: Mapping[str, Any] | None = None,
+        ) -> None: ...
+
+    def __post_init__(self) -> None:
+        for letter in "AUBV":
+            object.__setattr__(self, letter, as_matrix(getattr(self, letter), letter))
+        s, r = len(self.A), len(self.V)
+        _check_shape("A", self.A, s, s, "(s, s)")
+        _check_shape("V", self.V, r, r, "(r, r)")
+        _check_shape("U", self.U, s, r, "(s, r)")
+        _check_shape("B", self.B, r, s, "(r, s)")
+        if self.G is not None:
+            object.__setattr__(self, "G", as_matrix(self.G, "G"))
+            _check_shape("G", self.G, r, r, "(r, r)")
+        if self.D is not None:
+            object.__setattr__(self, "D", as_vector(self.D, "D"))
+            if len(self.D) != s:
+                raise DataError(f"`D` must have s = {s} entries, got {len(self.D)}")
+
+    @property
+    def s(self) -> int:
+        """Number of stages."""
+        return len(self.A)
+
+    @property
+    def r(self) -> int:
+        """Number of values carried from step to step."""
+        return len(self.V)
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether every coefficient is exact (no published decimal among them)."""
+        blocks = (self.A, self.U, self.B, self.V)
+        return all(isinstance(x, Exact) for m in blocks for row in m for x in row)
+
+    @property
+    def is_real(self) -> bool:
+        """Whether every coefficient is real."""
+        return all(x.is_real() for m in (self.A, self.U, self.B, self.V) for row in m for x in row)
+
+    @property
+    def is_diagonally_implicit(self) -> bool:
+        """Whether A is lower triangular (explicit methods included)."""
+        return linalg.is_lower_triangular(self.A)
+
+    @property
+    def implicit_stages(self) -> tuple[int, ...]:
+        """Numbers (from 1) of the stages that need an equation solved.
+
+        For lower triangular A those with a nonzero diagonal entry; otherwise all of them.
+        """
+        if not self.is_diagonally_implicit:
+            return tuple(range(1, self.s + 1))
+        return tuple(i + 1 for i in range(self.s) if self.A[i][i].is_zero() is not True)
+
+    @property
+    def is_explicit(self) -> bool:
+        """Whether no stage needs an equation solved."""
+        return not self.implicit_stages
+
+    def bare(self, **changes: Any) -> Self:
+        """Return a copy with other coefficients and without claims, source, start or finish."""
+        empty: dict[str, Any] = {
+            "claims": MappingProxyType({}),
+            "source": MappingProxyType({}),
+            "document": None,
+            "starting": None,
+            "finishing": None,
+            "G": None,
+            "D": None,
+        }
+        return replace(self, **{**empty, **changes})
+
+    def transform(self, T: Sequence[Sequence[Entry]]) -> Self:
+        """Carry the values ``T y`` instead of ``y``: an equivalent method.
+
+        Args:
+            T: (r, r) nonsingular.
+
+        Raises
+        ------
+            ExactnessError: when T is singular.
+        """
+        T = as_matrix(T, "T")
+        _check_shape("T", T, self.r, self.r, "(r, r)")
+        back = linalg.inverse(T)
+        G = self.G
+        if G is not None:
+            G = linalg.matmul(linalg.conjugate_transpose(back), G, back)
+        return self.bare(
+            U=linalg.matmul(self.U, back),
+            B=linalg.matmul(T, self.B),
+            V=linalg.matmul(T, self.V, back),
+            G=G,
+            D=self.D,
+        )
+
+    def permute_stages(self, order: Sequence[int]) -> Self:
+        """Number the stages anew: the new stage i is the old stage ``order[i]`` (from 0)."""
+        if sorted(order) != list(range(self.s)):
+            raise DataError(f"`order` must be a permutation of 0..{self.s - 1}, got {list(order)}")
+        return self.bare(
+            A=tuple(tuple(self.A[i][j] for j in order) for i in order),
+            U=tuple(self.U[i] for i in order),
+            B=tuple(tuple(row[j] for j in order) for row in self.B),
+            G=self.G,
+            D=None if self.D is None else tuple(self.D[i] for i in order),
+        )
+
+    def to_float(self) -> FloatGLM:
+        """Round every coefficient to double precision, once, and keep the residue."""
+        import numpy as np
+
+        from .rounding import FloatGLM, float_arrays
+
+        arrays: dict[str, Any] = {}
+        for letter in "AUBV":
+            arrays[letter], arrays[f"{letter}_residue"] = float_arrays(getattr(self, letter))
+        if self.G is not None:
+            arrays["G"] = float_arrays(self.G)[0]
+        if self.D is not None:
+            arrays["D"] = np.array([float(x) for x in self.D])
+        return FloatGLM(name=self.name, **arrays)
+
+
+@dataclass(frozen=True, eq=False)
+class PartitionedGLM:
+    """A pair of GLMs for ``q' = f(p)``, ``p' = k(q)`` (or ``f(q, p)``, ``k(q, p)``).
+
+    One step is::
+
+        Q  = h A f(P) + U q          q+ = h B f(P) + V q
+        P  = h A^ k(Q) + U^ p        p+ = h B^ k(Q) + V^ p
+
+    There are n_P stages P where f is evaluated and n_Q stages Q where k is evaluated. For a general
+    (not separable) system the two numbers agree and both functions take ``(Q_i, P_i)``.
+
+    Attributes
+    ----------
+        A, U, B, V: the method for q, (n_Q, n_P), (n_Q, r), (r, n_P), (r, r).
+        A_hat, U_hat, B_hat, V_hat: the method for p, (n_P, n_Q), (n_P, r^), (r^, n_Q), (r^, r^).
+        G: (r, r^) bilinear form its source gives, or ``None``.
+        D_P, D_Q: (n_P,) and (n_Q,) diagonals its source gives, or ``None``.
+        separable: whether the pair is meant for separable systems only (two stage sets).
+        starting: starting method of the pair, or ``None``. There is no finishing method: the first
+            values are the solution.
+        name, claims, source, document: as in :class:`GLM`.
+
+    Raises
+    ------
+        DataError: for a wrong shape or an entry that cannot be read.
+    """
+
+    A: Matrix
+    U: Matrix
+    B: Matrix
+    V: Matrix
+    A_hat: Matrix
+    U_hat: Matrix
+    B_hat: Matrix
+    V_hat: Matrix
+    name: str = ""
+    G: Matrix | None = None
+    D_P: Vector | None = None
+    D_Q: Vector | None = None
+    separable: bool = False
+    starting: PairStartingMethod | None = None
+    claims: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+    source: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+    document: Mapping[str, Any] | None = field(default=None, repr=False)
+
+    if TYPE_CHECKING:  # as for a GLM
+
+        def __init__(
+            self,
+            A: Rows,
+            U: Rows,
+            B: Rows,
+            V: Rows,
+            A_hat: Rows,
+            U_hat: Rows,
+            B_hat: Rows,
+            V_hat: Rows,
+            name: str = "",
+            G: Rows | None = None,
+            D_P: Sequence[Entry] | None = None,
+            D_Q: Sequence[Entry] | None = None,
+            separable: bool = False,
+            starting: PairStartingMethod | None = None,
+            claims: Mapping[str, Any] = ...,
+            source: Mapping[str, Any] = ...,
+            document: Mapping[str, Any] | None = None,
+        ) -> None: ...
+
+    def __post_init__(self) -> None:
+        for letter in "AUBV":
+            for name in (letter, f"{letter}_hat"):
+                object.__setattr__(self, name, as_matrix(getattr(self, name), name))
+        n_q, n_p = len(self.A), len(self.A_hat)
+        r, r_hat = len(self.V), len(self.V_hat)
+        _check_shape("A", self.A, n_q, n_p, "(n_Q, n_P)")
+        _check_shape("U", self.U, n_q, r, "(n_Q, r)")
+        _check_shape("B", self.B, r, n_p, "(r, n_P)")
+        _check_shape("V", self.V, r, r, "(r, r)")
+        _check_shape("A_hat", self.A_hat, n_p, n_q, "(n_P, n_Q)")
+        _check_shape("U_hat", self.U_hat, n_p, r_hat, "(n_P, r^)")
+        _check_shape("B_hat", self.B_hat, r_hat, n_q, "(r^, n_Q)")
+        _check_shape("V_hat", self.V_hat, r_hat, r_hat, "(r^, r^)")
+        if n_p != n_q and not self.separable:
+            raise DataError(
+                f"a pair with {n_p} stages P and {n_q} stages Q is for separable systems: "
+                f"say `separable: true`"
+            )
+        if self.G is not None:
+            object.__setattr__(self, "G", as_matrix(self.G, "G"))
+            _check_shape("G", self.G, r, r_hat, "(r, r^)")
+        for name, size in (("D_P", n_p), ("D_Q", n_q)):
+            value = getattr(self, name)
+            if value is not None:
+                object.__setattr__(self, name, as_vector(value, name))
+                if len(value) != size:
+                    raise DataError(f"`{name}` must have {size} entries, got {len(value)}")
+
+    @property
+    def n_P(self) -> int:
+        """Number of stages P, where f is evaluated."""
+        return len(self.A_hat)
+
+    @property
+    def n_Q(self) -> int:
+        """Number of stages Q, where k is evaluated."""
+        return len(self.A)
+
+    @property
+    def r(self) -> int:
+        """Number of q values carried."""
+        return len(self.V)
+
+    @property
+    def r_hat(self) -> int:
+        """Number of p values carried."""
+        return len(self.V_hat)
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether every coefficient is exact."""
+        names = [x + y for x in "AUBV" for y in ("", "_hat")]
+        return all(isinstance(x, Exact) for n in names for row in getattr(self, n) for x in row)

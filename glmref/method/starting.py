@@ -1,0 +1,97 @@
+"""Starting and finishing methods as frozen records: of one method, and of a pair."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any
+
+from ..exact.linalg import Matrix, Vector
+
+__all__ = ["FinishingMethod", "PairStartingMethod", "StartingMethod"]
+
+
+@dataclass(frozen=True, eq=False)
+class StartingMethod:
+    """Runge-Kutta-like start: ``Y = y0 + h A f(Y)``, ``y^[0]_k = u_k y0 + h B_k f(Y)``.
+
+    Attributes
+    ----------
+        A: (m, m) internal stages, ``m`` may be 0 (then B has no columns and only ``u`` acts).
+        B: (r, m) weights of the r starting values.
+        u: (r,) multiples of y0.
+        name: where it comes from, for messages.
+        kind: ``"runge-kutta"`` for this tableau form.
+        claims: what its data says, for example ``{"order": 3}``: agrees with the starting series
+            on all trees of that order.
+    """
+
+    A: Matrix
+    B: Matrix
+    u: Vector
+    name: str = ""
+    kind: str = "runge-kutta"
+    claims: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+
+    @property
+    def stages(self) -> int:
+        """Number of internal stages (right-hand-side evaluations when explicit)."""
+        return len(self.A)
+
+
+@dataclass(frozen=True, eq=False)
+class PairStartingMethod:
+    """Runge-Kutta-like start of a pair, from (q0, p0).
+
+    ``Q = q0 + h A f(P)``, ``P = p0 + h A^ k(Q)``, ``q^[0]_k = u_k q0 + h B_k f(P)`` and
+    ``p^[0]_k = u^_k p0 + h B^_k k(Q)``. For a system that is not separable stage i is the point
+    (Q_i, P_i), and f and k are evaluated there.
+
+    Attributes
+    ----------
+        A, A_hat: (n_Q, n_P) and (n_P, n_Q) internal stages.
+        B, B_hat: (r, n_P) and (r^, n_Q) weights of the starting values of q and of p.
+        u, u_hat: (r,) and (r^,) multiples of q0 and of p0.
+        name, kind, claims: as in :class:`StartingMethod`.
+    """
+
+    A: Matrix
+    B: Matrix
+    u: Vector
+    A_hat: Matrix
+    B_hat: Matrix
+    u_hat: Vector
+    name: str = ""
+    kind: str = "runge-kutta"
+    claims: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+
+    @property
+    def stages(self) -> tuple[int, int]:
+        """Numbers of stages Q, where k is evaluated, and of stages P, where f is."""
+        return len(self.A), len(self.A_hat)
+
+    def rows(self) -> tuple[Vector, ...]:
+        """Every coefficient, row by row."""
+        return (*self.A, *self.B, *self.A_hat, *self.B_hat, self.u, self.u_hat)
+
+
+@dataclass(frozen=True, eq=False)
+class FinishingMethod:
+    """Runge-Kutta-like finish on the first value: ``Y = y_1 + h A f(Y)``, ``y = y_1 + h b f(Y)``.
+
+    Attributes
+    ----------
+        A: (m, m) internal stages.
+        b: (m,) weights.
+    """
+
+    A: Matrix
+    b: Vector
+    name: str = ""
+    claims: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+
+    @property
+    def stages(self) -> int:
+        """Number of internal stages."""
+        return len(self.A)

@@ -1,0 +1,1 @@
+"""Proofs that a true method lies within published digits: equations, interval tests, starts."""

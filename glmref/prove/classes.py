@@ -1,0 +1,279 @@
+"""Trees up to stage order, pairs of trees, and what follows from what: rational linear algebra.
+
+Where every stage satisfies ``eta_i(t) = c_i^|t| / gamma(t)`` for |t| <= q (stage order q), a
+subtree t with |t| <= q below some vertex may be replaced by |t| leaves there, with the factor
+1/gamma(t): the ideal of these relations is mapped into itself by cutting (both sides are the
+exact flow at c_i), so by induction on the order zeta, eta and R take the factor too, as soon as
+zeta_1 does. Trees without such subtrees are the *classes*; with q = 1 every tree is one.
+
+On classes the theorems of :mod:`glmref.prove.equations` are linear statements with rational
+coefficients. Unknown to them are zeta_1 and the pair defects Q at an even order n, and the
+residuals R at n + 1:
+
+* :func:`plan` chooses pairs (t, u), as many as zeta_1 has independent values on them, where Q = 0
+  *defines* zeta_1, and classes where zeta_1 stays free. For q = 1 these are all pairs (theorem
+  2).
+* :func:`follows` decides whether the identities ``R(t*u) + R(u*t) = (E Q)(t, u) - Q(t, u)`` of
+  order n + 1 and some given equations R = 0 leave only the zero solution: then all of R at n + 1
+  and all of Q at n vanish, and the induction goes on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+from math import factorial
+
+from ..errors import DataError
+from ..exact import Exact, linalg
+from ..exact.linalg import Matrix
+from ..theory.trees import Tree, parse_tree, pruned, single, tree, trees
+
+__all__ = [
+    "Plan",
+    "attach",
+    "classes",
+    "follows",
+    "free_tree",
+    "moves",
+    "pairs",
+    "plan",
+    "reduce_tree",
+    "representatives",
+]
+
+Pair = tuple[Tree, Tree]
+
+#: Rooted versions that stand for their free trees where there is a choice.
+_PREFERRED = ("o", "[oo]", "[oooo]", "[oo[o]]", "[[o][o]]", "[ooo]")
+
+
+def attach(t: Tree, u: Tree) -> Tree:
+    """Return t*u: the tree t with ``u`` attached to its root."""
+    return tree([*t.children, u])
+
+
+@cache
+def moves(version: Tree) -> tuple[tuple[Tree, Tree, Tree], ...]:
+    """Return ``(t, u, u*t)`` for each way of writing the tree as t*u: the neighbouring roots."""
+    result = []
+    for u in dict.fromkeys(version.children):
+        rest = list(version.children)
+        rest.remove(u)
+        t = tree(rest)
+        result.append((t, u, attach(u, t)))
+    return tuple(result)
+
+
+@cache
+def free_tree(version: Tree) -> tuple[Tree, ...]:
+    """All rooted versions of the free tree under a rooted tree."""
+    found, waiting = {version}, [version]
+    while waiting:
+        for _, _, other in moves(waiting.pop()):
+            if other not in found:
+                found.add(other)
+                waiting.append(other)
+    return tuple(sorted(found, key=lambda t: t.key))
+
+
+@cache
+def reduce_tree(t: Tree, q: int) -> tuple[Tree, Fraction]:
+    """The class of a tree at stage order q, and its factor."""
+    children: list[Tree] = []
+    factor = Fraction(1)
+    for child in t.children:
+        if 1 < child.order <= q:
+            children += [single()] * child.order
+            factor /= child.density
+        else:
+            below, times = reduce_tree(child, q)
+            children.append(below)
+            factor *= times
+    return tree(children), factor
+
+
+@cache
+def classes(order: int, q: int) -> tuple[Tree, ...]:
+    """The trees of an order that are their own class."""
+    return tuple(t for t in trees(order) if reduce_tree(t, q)[0] is t)
+
+
+@cache
+def pairs(order: int, q: int) -> tuple[Pair, ...]:
+    """Unordered pairs of classes of total order ``order``."""
+    found: list[Pair] = []
+    for n in range(1, order // 2 + 1):
+        for i, t in enumerate(classes(n, q)):
+            for j, u in enumerate(classes(order - n, q)):
+                if n < order - n or i <= j:
+                    found.append((t, u))
+    return tuple(found)
+
+
+def _spread(pair: Pair, index: dict[Tree, int], q: int, size: int) -> list[Fraction]:
+    """Coefficients of ``x(t*u) + x(u*t)`` in the values of x at the classes."""
+    row = [Fraction(0)] * size
+    t, u = pair
+    for grown in (attach(t, u), attach(u, t)):
+        reduced, factor = reduce_tree(grown, q)
+        row[index[reduced]] += factor
+    return row
+
+
+class _Span:
+    """A growing set of independent rational rows, kept in echelon form."""
+
+    def __init__(self) -> None:
+        self.rows: dict[int, list[Fraction]] = {}
+
+    def add(self, row: Sequence[Fraction]) -> bool:
+        """Add a row; return whether it was independent of the others."""
+        rest = list(row)
+        for lead, known in self.rows.items():
+            if rest[lead]:
+                factor = rest[lead]
+                rest = [x - factor * y for x, y in zip(rest, known, strict=True)]
+        lead = next((j for j, x in enumerate(rest) if x), None)
+        if lead is None:
+            return False
+        rest = [x / rest[lead] for x in rest]
+        for other, known in self.rows.items():
+            if known[lead]:
+                factor = known[lead]
+                self.rows[other] = [x - factor * y for x, y in zip(known, rest, strict=True)]
+        self.rows[lead] = rest
+        return True
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How zeta_1 is found at one even order.
+
+    Attributes
+    ----------
+        classes: the unknown values, in this order.
+        defining: pairs with Q = 0 by definition. leftover: pairs where Q = 0 has to be proved.
+        free: classes whose value is given (by a file's ``xi``, else zero).
+        inverse: maps (zeta(t)^T G zeta(u) over ``defining``, values over ``free``) to zeta_1.
+    """
+
+    classes: tuple[Tree, ...]
+    defining: tuple[Pair, ...]
+    leftover: tuple[Pair, ...]
+    free: tuple[Tree, ...]
+    inverse: Matrix
+
+
+@cache
+def plan(order: int, q: int, given: tuple[Tree, ...] = ()) -> Plan:
+    """Choose the defining pairs and the free classes at an even order.
+
+    Args:
+        order: even. q: stage order.
+        given: trees at which zeta_1 is given; other free classes are chosen after them.
+
+    Raises
+    ------
+        DataError: when zeta_1 cannot be given at these trees.
+    """
+    unknown = classes(order, q)
+    index = {t: i for i, t in enumerate(unknown)}
+    size, span = len(unknown), _Span()
+    rows: list[list[Fraction]] = []
+    defining: list[Pair] = []
+    leftover: list[Pair] = []
+    for pair in pairs(order, q):
+        row = _spread(pair, index, q, size)
+        if span.add(row):
+            rows.append(row)
+            defining.append(pair)
+        else:
+            leftover.append(pair)
+    free: list[Tree] = []
+    for t in dict.fromkeys((*given, *unknown)):
+        reduced, factor = reduce_tree(t, q)
+        row = [factor if i == index[reduced] else Fraction(0) for i in range(size)]
+        if span.add(row):
+            rows.append(row)
+            free.append(t)
+        elif t in given:
+            raise DataError(
+                f"zeta_1({t}) is not free at stage order {q}: it follows from the others"
+            )
+    matrix = tuple(tuple(Exact(x) for x in row) for row in rows)
+    return Plan(unknown, tuple(defining), tuple(leftover), tuple(free), linalg.inverse(matrix))
+
+
+@cache
+def _cuts(t: Tree, q: int) -> tuple[tuple[Tree, Fraction], ...]:
+    """Classes left when t is cut with its root kept (t included), with the sum of 1/prod gamma."""
+    found: dict[Tree, Fraction] = {}
+    for kept, ways in pruned(t).items():
+        reduced, factor = reduce_tree(kept, q)
+        weight = factor * Fraction(ways, factorial(t.order - kept.order))
+        found[reduced] = found.get(reduced, Fraction(0)) + weight
+    return tuple(found.items())
+
+
+def _identities(order: int, q: int) -> tuple[dict[object, int], list[list[Fraction]]]:
+    """The identities of an odd order: unknowns (R at classes, leftover Q below) and rows."""
+    leftover = plan(order - 1, q).leftover
+    index: dict[object, int] = {t: i for i, t in enumerate(classes(order, q))}
+    by_class = {t: i for i, t in enumerate(classes(order, q))}
+    for pair in leftover:
+        index[pair] = len(index)
+    rows = []
+    for t, u in pairs(order, q):
+        row = _spread((t, u), by_class, q, len(index))
+        for a, x in _cuts(t, q):
+            for b, y in _cuts(u, q):
+                at = index.get((a, b), index.get((b, a)))
+                if a.order + b.order == order - 1 and at is not None:
+                    row[at] -= x * y
+        rows.append(row)
+    return index, rows
+
+
+def follows(order: int, q: int, given: Collection[Tree]) -> bool:
+    """Whether R = 0 at the given trees of an odd order gives R = 0 at all trees of that order.
+
+    Supposed are stage order q, R = 0 and Q = 0 below, Q = 0 on the defining pairs of ``order -
+    1``. Then all of Q at ``order - 1`` vanishes too.
+    """
+    if order == 1:
+        return any(t.order == 1 for t in given)
+    index, rows = _identities(order, q)
+    span = _Span()
+    rank = sum(span.add(row) for row in rows)
+    for t in given:
+        if t.order == order:
+            reduced, _ = reduce_tree(t, q)
+            rank += span.add([Fraction(int(i == index[reduced])) for i in range(len(index))])
+    return rank == len(index)
+
+
+@cache
+def representatives(order: int, q: int) -> tuple[Tree, ...]:
+    """Trees of an odd order whose conditions give all others: as few as there can be.
+
+    One for each free tree at stage order 1: 1, 1, 3, 11 for the orders 1, 3, 5, 7; at stage order
+    2: 1, 0, 1, 3; at stage order 3: 1, 0, 1, 1, 3 (order 9).
+    """
+    if order == 1:
+        return (single(),)
+    index, rows = _identities(order, q)
+    span = _Span()
+    rank = sum(span.add(row) for row in rows)
+    preferred = [t for t in map(parse_tree, _PREFERRED) if t.order == order]
+    chosen: list[Tree] = []
+    for t in dict.fromkeys([*preferred, *classes(order, q)]):
+        reduced, _ = reduce_tree(t, q)
+        if rank < len(index) and span.add(
+            [Fraction(int(i == index[reduced])) for i in range(len(index))]
+        ):
+            chosen.append(t)
+            rank += 1
+    return tuple(chosen)

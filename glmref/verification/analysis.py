@@ -1,0 +1,164 @@
+"""Say what a method is when nothing is claimed: the ``glmref-analysis-1`` record."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from ..exact import Scalar
+from ..exact.linalg import Matrix, Vector
+from ..findings import Proof
+from ..method import GLM, PartitionedGLM
+from .checks import all_of, shown_number
+from .facts import GLMFacts, PairFacts, facts_of
+
+__all__ = ["FORMAT", "Analysis", "analyze"]
+
+FORMAT = "glmref-analysis-1"
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """Facts of one method, JSON-ready. ``None`` stands for what could not be decided.
+
+    Attributes
+    ----------
+        method: its name. stages, values: s and r (pairs: of both halves).
+        order: the order; with ``principal`` = ``"identity"`` the first value is the solution,
+            with ``"free"`` a start and a finish belong to the method.
+        order_identity: order of the first value taken as the solution.
+        order_witness: the tree that decides.
+        error_constants: residuals at order p + 1 by tree, as floats.
+        g_symplectic: ``{"holds", "G", "D"}``. symmetric: ``{"holds", "L", "P"}``.
+        growth: ``[{"eigenvalue", "mu"}, ...]``.
+        proof: the kind of proof all of this has.
+    """
+
+    method: str
+    stages: int | list[int]
+    values: int | list[int]
+    explicit: bool
+    implicit_stages: list[int]
+    preconsistent: bool | None
+    consistent: bool | None
+    zero_stable: bool | None
+    order: int
+    principal: str
+    order_identity: int
+    stage_order: int
+    order_witness: str
+    error_constants: dict[str, float]
+    g_symplectic: dict[str, Any]
+    symmetric: dict[str, Any]
+    growth: list[dict[str, Any]]
+    parasitism_free: bool | None
+    abscissae: list[str] | None
+    proof: Proof
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the record, with its format, as JSON-ready values."""
+        return {"format": FORMAT, **asdict(self), "proof": str(self.proof)}
+
+
+def analyze(method: GLM | PartitionedGLM) -> Analysis:
+    """Compute everything there is to know of a method; claims play no part.
+
+    Args:
+        method: a GLM or a pair, from a file or made by hand.
+    """
+    from .verifier import proven_claims
+
+    facts = facts_of(method, proven=proven_claims(method))
+    return _analyze_pair(facts) if isinstance(facts, PairFacts) else _analyze_glm(facts)
+
+
+def _shared(facts: GLMFacts | PairFacts) -> dict[str, Any]:
+    free, identity = facts.order, facts.order_identity
+    order = facts.classical_order
+    same = free.order == identity.order or facts.is_one_step
+    return {
+        "method": facts.method.name,
+        "explicit": facts.is_explicit,
+        "preconsistent": all_of(c.preconsistent for c in facts.consistencies),
+        "consistent": all_of(c.consistent for c in facts.consistencies),
+        "zero_stable": all_of(b.holds for b in facts.zero_stabilities),
+        "order": order.order,
+        "principal": "identity" if same else "free",
+        "order_identity": identity.order,
+        "stage_order": order.stage_order,
+        "order_witness": order.witness,
+        "error_constants": {str(t): _real(x) for t, x in order.residuals.items()},
+        "parasitism_free": facts.parasitism.free,
+        "proof": facts.proof,
+    }
+
+
+def _analyze_glm(facts: GLMFacts) -> Analysis:
+    form, symmetry = facts.g_symplecticity, facts.symmetry
+    return Analysis(
+        **_shared(facts),
+        stages=facts.method.s,
+        values=facts.method.r,
+        implicit_stages=list(facts.method.implicit_stages),
+        g_symplectic={"holds": form.holds, "G": _matrix(form.G), "D": _vector(form.D)},
+        symmetric={
+            "holds": symmetry.holds,
+            "L": _matrix(symmetry.L),
+            "P": None if symmetry.P is None else [i + 1 for i in symmetry.P],
+        },
+        growth=[
+            {
+                "eigenvalue": shown_number(g.eigenvalue),
+                "mu": shown_number(g.mu) if g.mu is not None else _matrix(g.matrix),
+            }
+            for g in facts.parasitism.growths
+        ],
+        abscissae=_vector(facts.abscissae),
+    )
+
+
+def _analyze_pair(facts: PairFacts) -> Analysis:
+    form, symmetry, pair = facts.g_symplecticity, facts.symmetry, facts.method
+    return Analysis(
+        **_shared(facts),
+        stages=[pair.n_Q, pair.n_P],
+        values=[pair.r, pair.r_hat],
+        implicit_stages=[],
+        g_symplectic={
+            "holds": form.holds,
+            "G": _matrix(form.G),
+            "D": {"D_P": _vector(form.D_P), "D_Q": _vector(form.D_Q)},
+        },
+        symmetric={
+            "holds": symmetry.holds,
+            "L": _matrix(symmetry.L),
+            "L_hat": _matrix(symmetry.L_hat),
+            "P": [_stages(symmetry.P_P), _stages(symmetry.P_Q)],
+        },
+        growth=[
+            {
+                "eigenvalue": shown_number(g.eigenvalue),
+                "mu_q": _matrix(g.mu_q),
+                "mu_p": _matrix(g.mu_p),
+            }
+            for g in facts.parasitism.growths
+        ],
+        abscissae=None,
+    )
+
+
+def _real(x: Scalar) -> float:
+    return complex(x).real
+
+
+def _vector(values: Vector | None) -> list[str] | None:
+    return None if values is None else [shown_number(x) for x in values]
+
+
+def _matrix(rows: Matrix | None) -> list[list[str]] | None:
+    return None if rows is None else [[shown_number(x) for x in row] for row in rows]
+
+
+def _stages(order: Sequence[int] | None) -> list[int] | None:
+    return None if order is None else [i + 1 for i in order]

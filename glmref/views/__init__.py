@@ -1,0 +1,1 @@
+"""Methods and results as text, tables and pictures; nothing here computes a verdict."""

@@ -1,0 +1,110 @@
+"""BibTeX for a method: what its source says, and the data file itself.
+
+Public names::
+
+    entries(names) -> list[str]          all entries for some shipped names or files, each once
+    source_entry(document) -> str        the source of a method
+    file_entry(name) -> str              the data file, with the hash that identifies it
+    escape(text) -> str                  a text as BibTeX reads it
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from .. import __version__
+from ..catalogue.lookup import data_root, document, path_of
+from .tables import one_line
+
+__all__ = ["entries", "escape", "file_entry", "source_entry"]
+
+_SPECIAL = {
+    "\\": r"\textbackslash{}",
+    "{": r"\{",
+    "}": r"\}",
+    "~": r"\textasciitilde{}",
+    "^": r"\textasciicircum{}",
+    **{x: "\\" + x for x in "&%$#_"},
+}
+_YEAR = re.compile(r"\b(1[5-9]\d\d|20\d\d)\b")
+_KEY = re.compile(r"@\s*(\w+)\s*\{\s*([^,\s]+)\s*,")
+
+
+def escape(text: str) -> str:
+    """Return a text with the characters TeX gives a meaning to made harmless."""
+    return "".join(_SPECIAL.get(x, x) for x in one_line(text))
+
+
+def source_entry(method: Mapping[str, Any]) -> str:
+    """Return the BibTeX entry of a method's source: that of its file, or one made of its citation.
+
+    Args:
+        method: a method document.
+    """
+    source = method["source"]
+    if source.get("bibtex", "").strip():
+        return str(source["bibtex"]).strip()
+    years = _YEAR.findall(source["citation"])
+    fields = {"note": escape(source["citation"]), "howpublished": escape(source["where"])}
+    if years:
+        fields["year"] = years[-1]
+    if source.get("doi"):
+        fields["doi"] = one_line(source["doi"])
+    return _entry("misc", f"{method['name']}-source", fields)
+
+
+def file_entry(name: str | Path) -> str:
+    """Return the BibTeX entry of a data file; its SHA-256 identifies it wherever it lies.
+
+    Raises
+    ------
+        UsageError, DataError: for a name or a file that cannot be read.
+    """
+    path, method = path_of(name), document(name)
+    root = data_root()
+    shipped = path.is_relative_to(root)
+    place = (
+        f"glmref {__version__}, data/{path.relative_to(root).as_posix()}" if shipped else path.name
+    )
+    fields = {
+        "author": "{The glmref authors}" if shipped else "",
+        "title": f"{{{escape(method.get('title', method['name']))}: method data file "
+        f"{escape(path.name)}}}",
+        "howpublished": escape(place),
+        "note": f"SHA-256 {hashlib.sha256(path.read_bytes()).hexdigest()}",
+    }
+    return _entry("misc", f"glmref-{method['name']}", {k: x for k, x in fields.items() if x})
+
+
+def _entry(kind: str, key: str, fields: Mapping[str, str]) -> str:
+    rows = "".join(f"  {name} = {{{text}}},\n" for name, text in fields.items())
+    return f"@{kind}{{{key},\n{rows}}}"
+
+
+def entries(names: Iterable[str | Path]) -> list[str]:
+    """Return source and data file of each method; an entry that several share stands once.
+
+    Two sources that differ and have the same key get different keys, since BibTeX refuses twins.
+
+    Raises
+    ------
+        UsageError, DataError: for a name or a file that cannot be read.
+    """
+    from ..catalogue.reader import load_document
+
+    found: dict[str, str] = {}
+    for name in names:
+        method = document(name)
+        load_document(method, where=path_of(name).name)  # cite nothing that is not a method
+        for text in (source_entry(method), file_entry(name)):
+            match = _KEY.match(text)
+            key = match[2] if match else text
+            if match and found.get(key, text) != text:
+                key = f"{key}-{method['name']}"
+                text = f"{text[: match.start(2)]}{key}{text[match.end(2) :]}"
+            found.setdefault(key, text)
+    return list(found.values())

@@ -1,0 +1,348 @@
+"""A method as a person expects to see it: the partitioned tableau, in plain text.
+
+A one-step method is shown as its Butcher tableau, c | A over b; any other as c | A | U over B | V;
+a pair as the tableaux of its two halves. Entries are the expressions of the file, or decimals. What
+is too long for a tableau is named in it and written out below.
+
+Public names::
+
+    show(method, decimal=None, style=Style()) -> str
+    parts(method, draw) -> Parts             the same blocks, drawn by somebody else
+"""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ..exact import Ball, Scalar
+from ..exact.linalg import Matrix, Vector
+from ..method import GLM, PartitionedGLM
+from ..verification.checks import shown_number
+from ..verification.facts import GLMFacts, PairFacts, facts_of
+from .tableau_text import Cells, decimal_text, tableau
+from .tables import Style, one_line
+
+__all__ = ["Draw", "Parts", "parts", "show"]
+
+#: Draws a partitioned matrix, rows of blocks of cells, as lines.
+Draw = Callable[[Sequence[Sequence[Cells]]], list[str]]
+
+DIGITS = 10  # of a published decimal that is too long for a tableau
+_LONG = (32, 24, 16, 12)  # an entry longer than this is named; the first that fits is taken
+_WORD = re.compile(r"[A-Za-z_]\w*")
+#: What defines a class, where that is not its tableau.
+_DEFINED_BY: Mapping[str, tuple[str, ...]] = {
+    "lmm": ("alpha", "beta"),
+    "one-leg": ("alpha", "beta"),
+    "splitting": ("a", "b"),
+    "composition": ("gamma",),
+}
+
+
+def show(
+    method: GLM | PartitionedGLM, *, decimal: int | None = None, style: Style | None = None
+) -> str:
+    """Return a method as text: title, tableau, legend, forms, starting method, source.
+
+    Args:
+        method: a loaded or computed method.
+        decimal: significant digits of decimals; exact expressions by default.
+        style: what the terminal shows.
+    """
+    style = style or Style()
+    page = _Page(method, decimal, style, _LONG[-1])
+    for long in _LONG if decimal is None else _LONG[-1:]:
+        page = _Page(method, decimal, style, long)
+        if page.width <= style.width:
+            break
+    return page.text()
+
+
+@dataclass(frozen=True)
+class Parts:
+    """What a method's page is made of.
+
+    Attributes
+    ----------
+        blocks: (heading, lines that were drawn), the tableau first.
+        legend: name in a tableau -> what it stands for.
+        rounded: whether published decimals were rounded.
+    """
+
+    blocks: tuple[tuple[str, tuple[str, ...]], ...]
+    legend: Mapping[str, str]
+    rounded: bool
+
+
+def parts(method: GLM | PartitionedGLM, draw: Draw) -> Parts:
+    """Return the blocks of a method, each drawn by ``draw``; long entries are named."""
+    page = _Page(method, None, Style(), _LONG[0], draw)
+    blocks = tuple((heading, tuple(lines)) for heading, lines in page.body)
+    return Parts(blocks, page.names_used(), page.rounded)
+
+
+class _Page:
+    """One method, laid out with entries of at most ``long`` characters."""
+
+    def __init__(
+        self, method: GLM | PartitionedGLM, decimal: int | None, style: Style, long: int,
+        draw: Draw | None = None,
+    ) -> None:  # fmt: skip
+        self.method, self.decimal, self.style, self.long = method, decimal, style, long
+        self.draw: Draw = draw or (lambda grid: tableau(grid, style))
+        self.document: Mapping[str, Any] = method.document or {}
+        unknowns, constants = self.document.get("unknowns", {}), self.document.get("constants", {})
+        self.constants: dict[str, str] = {**unknowns, **constants}
+        self.names: dict[str, str] = {}  # long text -> name
+        self.texts: set[str] = set()
+        self.rounded = False
+        facts = facts_of(method)
+        self.body = self._pair(facts) if isinstance(facts, PairFacts) else self._glm(facts)
+
+    @property
+    def width(self) -> int:
+        """Columns the tableaux need, colours not counted."""
+        lines = "\n".join(line for _, lines in self.body for line in lines)
+        return max((len(x) for x in re.sub("\x1b\\[\\d*m", "", lines).split("\n")), default=0)
+
+    def text(self) -> str:
+        parts = ["\n".join(self._title())]
+        for heading, lines in self.body:
+            parts.append("\n".join([*([heading] if heading else []), *lines]))
+        legend = self._legend()
+        if legend:
+            parts.append("\n".join(["with", *legend]))
+        parts.append("\n".join(self._source()))
+        return "\n\n".join(part for part in parts if part)
+
+    # numbers ------------------------------------------------------------------------------------
+
+    def cell(self, x: Scalar, text: object = None) -> str:
+        """Return an entry: the text of the file where there is one, a name where it is long."""
+        if self.decimal is not None:
+            return decimal_text(x, self.decimal)
+        written = text if isinstance(text, str) else ""
+        if isinstance(x, Ball) and not 0 < len(written) <= self.long:
+            self.rounded = True
+            return decimal_text(x, DIGITS)
+        return self.entry(written or shown_number(x))
+
+    def entry(self, text: str) -> str:
+        """Return an expression, or the name it goes by where it is long."""
+        text = one_line(re.sub(r"\s+", "", text), limit=4000)
+        self.texts.add(text)
+        if len(text) <= self.long:
+            return text
+        if text not in self.names:
+            taken = {*self.constants, *self.names.values()}
+            numbers = (f"x{k}" for k in range(1, len(taken) + 2))
+            self.names[text] = next(name for name in numbers if name not in taken)
+        return self.names[text]
+
+    def matrix(self, rows: Matrix, texts: object = None) -> Cells:
+        """Return the cells of a matrix, from the texts of the file if they have its shape."""
+        known: Any = texts if _same_shape(texts, rows) else None
+        return [
+            [self.cell(x, known[i][j] if known else None) for j, x in enumerate(row)]
+            for i, row in enumerate(rows)
+        ]
+
+    def vector(self, values: Vector, texts: object = None) -> Cells:
+        """Return the cells of a vector, as one row."""
+        return self.matrix((tuple(values),), [texts])
+
+    def abscissae(self, values: Vector | None, count: int) -> Cells:
+        """Return the column c as the file writes it, if it does; empty where there is none."""
+        if values is None:
+            return [[""]] * count
+        texts: Any = self.method.claims.get("abscissae", ())
+        if len(texts) != len(values) or any(
+            (x - text.value).is_zero() is not True for x, text in zip(values, texts, strict=True)
+        ):
+            texts = [None] * len(values)
+        return [[self.cell(x, text)] for x, text in zip(values, texts, strict=True)]
+
+    # parts --------------------------------------------------------------------------------------
+
+    def _title(self) -> list[str]:
+        method, document = self.method, self.document
+        name = one_line(method.name or "(unnamed)")
+        title = one_line(document.get("title", ""))
+        if isinstance(method, PartitionedGLM):
+            size = f"pair with {_count(method.n_Q, 'stage')} Q and {method.n_P} P"
+            size += f", {_count(method.r, 'value')} of q and {method.r_hat} of p"
+        else:
+            size = f"{_count(method.s, 'stage')}, {_count(method.r, 'value')}"
+            size += "" if not method.is_explicit else ", explicit"
+        lines = [self.style.paint(name, "bold") + (f"  {title}" if title else "")]
+        lines.append(f"class {document.get('class', 'glm')}: {size}")
+        if "base" in document:
+            lines.append(f"{document['base']} composed with itself, in steps gamma h")
+        if "first" in document:
+            lines.append(
+                f"updates in turn, {document['first']} first: q += a h f(p), p += b h k(q)"
+            )
+        return lines
+
+    def _lists(self) -> list[tuple[str, list[str]]]:
+        """Return the lists that define the class, one row each."""
+        keys = _DEFINED_BY.get(str(self.document.get("class")), ())
+        if not keys or self.decimal is not None:
+            return []
+        cells = [[key, *map(self.entry, self.document[key])] for key in keys]
+        longest = max(map(len, cells))
+        cells = [row + [""] * (longest - len(row)) for row in cells]
+        grid = [[[row[:1] for row in cells], [row[1:] for row in cells]]]
+        return [("", self.draw(grid))]
+
+    def _glm(self, facts: GLMFacts) -> list[tuple[str, list[str]]]:
+        method, doc = facts.method, self.document
+        own = doc if doc.get("class") in ("glm", "rk") else {}
+        body = self._lists()
+        body.append(("", self._half(method, own, facts.abscissae)))
+        for letter in "GD":
+            values = getattr(method, letter)
+            if values is not None:
+                rows = values if letter == "G" else (values,)
+                texts = [own.get(letter)] if letter == "D" else own.get(letter)
+                body.append((f"{letter} =", self.draw([[self.matrix(rows, texts)]])))
+        return body + self._start_and_finish()
+
+    def _half(self, half: Any, texts: Mapping[str, Any], c: Vector | None) -> list[str]:
+        """Draw one method: Butcher's tableau for one-step methods, else the partitioned one."""
+        column = self.abscissae(c, len(half.A))
+        A = self.matrix(half.A, texts.get("A"))
+        if _is_one_step(half):
+            b = [texts["b"]] if "b" in texts else texts.get("B")
+            return self.draw([[column, A], [[[""]], self.matrix(half.B, b)]])
+        U, B, V = (self.matrix(getattr(half, x), texts.get(x)) for x in "UBV")
+        return self.draw([[column, A, U], [[[""]] * len(B), B, V]])
+
+    def _start_and_finish(self) -> list[tuple[str, list[str]]]:
+        assert isinstance(self.method, GLM)
+        body = []
+        start, finish = self.method.starting, self.method.finishing
+        if start is not None:
+            block = self.document.get("starting", {})
+            ones = [["1"]] * len(start.A)
+            u = [[x] for x in self.vector(start.u, block.get("u"))[0]]
+            grid = [
+                [self.matrix(start.A, block.get("A")), ones],
+                [self.matrix(start.B, block.get("B")), u],
+            ]
+            body.append((_named("starting method", start), self.draw(grid)))
+        if finish is not None:
+            block = self.document.get("finishing", {})
+            grid = [
+                [self.matrix(finish.A, block.get("A")), [["1"]] * len(finish.A)],
+                [self.vector(finish.b, block.get("b")), [["1"]]],
+            ]
+            body.append((_named("finishing method", finish), self.draw(grid)))
+        return body
+
+    def _pair(self, facts: PairFacts) -> list[tuple[str, list[str]]]:
+        from ..theory.consistency import halves
+
+        doc, pair = self.document, facts.method
+        texts: tuple[Mapping[str, Any], Mapping[str, Any]] = (
+            {x: doc[x] for x in ("A", "b") if x in doc and doc["class"] == "partitioned-rk"},
+            {x: doc[f"{x}_hat"] for x in ("A", "b") if f"{x}_hat" in doc},
+        )
+        if doc.get("class") == "partitioned":
+            texts = doc["q"], doc["p"]
+        body = self._lists()
+        headings = ("q:  Q = h A f(P) + U q", "p:  P = h A^ k(Q) + U^ p")
+        for heading, half, own, known in zip(
+            headings, halves(pair), texts, facts.consistency, strict=True
+        ):
+            body.append((heading, self._half(half, own, known.c)))
+        if pair.G is not None:
+            body.append(("G =", self.draw([[self.matrix(pair.G, doc.get("G"))]])))
+        for letter in ("D_P", "D_Q"):
+            values = getattr(pair, letter)
+            if values is not None:
+                cells = self.vector(values, doc.get(letter))
+                body.append((f"{letter} =", self.draw([[cells]])))
+        return body + self._pair_start()
+
+    def _pair_start(self) -> list[tuple[str, list[str]]]:
+        """Draw the start of a pair: for q and for p the stages above the values, u at the right."""
+        assert isinstance(self.method, PartitionedGLM)
+        start, block = self.method.starting, self.document.get("starting", {})
+        if start is None:
+            return []
+        body, named = [], _named("starting method", start, "Q = h A f(P) + q0")
+        for heading, hat, other in (
+            (named, "", start.A),
+            ("  and for p:  P = h A^ k(Q) + p0", "_hat", start.A_hat),
+        ):
+            B, u = getattr(start, f"B{hat}"), getattr(start, f"u{hat}")
+            right = [[x] for x in self.vector(u, block.get(f"u{hat}"))[0]]
+            grid = [
+                [self.matrix(other, block.get(f"A{hat}")), [["1"]] * len(other)],
+                [self.matrix(B, block.get(f"B{hat}")), right],
+            ]
+            body.append((heading, self.draw(grid)))
+        return body
+
+    def _legend(self) -> list[str]:
+        """Return the lines that say what the names in the tableau stand for."""
+        names = {} if self.decimal is not None else self.names_used()
+        width = max(map(len, names), default=0)
+        return [f"  {name:<{width}} = {text}" for name, text in names.items()]
+
+    def names_used(self) -> dict[str, str]:
+        """Return what the names in the tableau stand for."""
+        wanted: set[str] = set()
+        words = _words(self.texts)
+        while words - wanted:
+            wanted |= words
+            words = _words(text for name, text in self.constants.items() if name in wanted)
+        found = {name: text for text, name in self.names.items()}
+        return found | {
+            k: one_line(x, limit=4000) for k, x in self.constants.items() if k in wanted
+        }
+
+    def _source(self) -> list[str]:
+        source = self.method.source
+        sentences = (
+            [f"{source['citation']}, {source['where']} ({source['status']})"] if source else []
+        )
+        sentences += source.get("errata", [])
+        if "broken" in self.document:
+            sentences.append(f"Wrong on purpose: {self.document['broken']['why']}")
+        if self.rounded:
+            sentences.append(f"Decimals are rounded to {DIGITS} digits; --decimal N shows more.")
+        width = max(self.style.width, 40)
+        return [line for x in sentences for line in textwrap.wrap(one_line(x, limit=4000), width)]
+
+
+def _same_shape(texts: object, rows: Matrix) -> bool:
+    """Whether texts of the file are the rows of this matrix."""
+    if not isinstance(texts, list) or len(texts) != len(rows):
+        return False
+    return all(isinstance(t, list) and len(t) == len(r) for t, r in zip(texts, rows, strict=True))
+
+
+def _is_one_step(half: Any) -> bool:
+    """Whether one value is carried, as it is: U and V hold ones only."""
+    entries = [x for row in (*half.U, *half.V) for x in row]
+    return len(half.V) == 1 and all((x - 1).is_zero() is True for x in entries)
+
+
+def _words(texts: Iterable[str]) -> set[str]:
+    return {word for text in texts for word in _WORD.findall(text)}
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}" if number == 1 else f"{number} {what}s"
+
+
+def _named(kind: str, method: Any, stages: str = "Y = h A f(Y) + y0") -> str:
+    order = f", order {method.claims['order']}" if "order" in method.claims else ""
+    name = f" {one_line(method.name)}" if method.name else ""
+    return f"{kind}{name}{order}:  {stages}"

@@ -1,0 +1,101 @@
+"""Blocks of cells with rules between them, and numbers as decimals: the letters of a tableau.
+
+Public names::
+
+    tableau(grid, style) -> list[str]       a partitioned matrix, one line a row
+    decimal_text(x, digits) -> str          a number as a decimal
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from decimal import Context, Decimal
+
+from ..exact import Exact, Scalar
+from .tables import Style
+
+__all__ = ["Cells", "decimal_text", "tableau"]
+
+Cells = list[list[str]]
+
+_GAP = "  "
+_DECIMAL = re.compile(r"(-?\d+(\.\d*)?)?$")
+
+
+def decimal_text(x: Scalar, digits: int) -> str:
+    """Return a number in decimals: as it is where it ends within them, else rounded to them.
+
+    A ball that contains zero has no significant digit and is ``0``.
+
+    Args:
+        x: the number.
+        digits: significant digits, of each of the two parts of a complex number.
+    """
+    if x.is_real():
+        return _real_text(x, digits)
+    real, imaginary = _real_text(x.real, digits), _real_text(x.imag, digits)
+    sign = "" if imaginary.startswith("-") else "+"
+    return f"{imaginary}i" if real == "0" else f"{real}{sign}{imaginary}i"
+
+
+def _real_text(x: Scalar, digits: int) -> str:
+    fraction = x.as_fraction() if isinstance(x, Exact) else None
+    if fraction is None and x.is_zero() is None:
+        return "0"
+    if fraction is None:
+        value = Decimal(x.ball().decimal_text(digits))
+    else:
+        value = Context(prec=digits).divide(
+            Decimal(fraction.numerator), Decimal(fraction.denominator)
+        )
+    if value and not -15 <= value.adjusted() <= 20:
+        return f"{value:e}"
+    return f"{value:f}"
+
+
+def tableau(grid: Sequence[Sequence[Cells]], style: Style) -> list[str]:
+    """Draw a partitioned matrix.
+
+    Args:
+        grid: rows of blocks. Blocks side by side have as many rows, those above each other as many
+            columns.
+        style: decides the characters of the rules.
+    """
+    flat, bar, cross = style.rules
+    aligned = _on_the_point(grid)
+    widths = [
+        [
+            max(map(len, column))
+            for column in zip(*(line for row in aligned for line in row[j]), strict=True)
+        ]
+        for j in range(len(grid[0]))
+    ]
+    spans = [sum(w) + len(_GAP) * (len(w) - 1) for w in widths]
+    lines: list[str] = []
+    for i, row in enumerate(aligned):
+        if i:
+            rule = cross.join(flat * (w + 2) for w in spans)
+            lines.append(" " + style.paint(rule[:-1], "dim"))
+        for pieces in zip(*row, strict=True):
+            parts = (
+                _GAP.join(x.rjust(w) for x, w in zip(cells, width, strict=True))
+                for cells, width in zip(pieces, widths, strict=True)
+            )
+            lines.append(("  " + f" {style.paint(bar, 'dim')} ".join(parts)).rstrip())
+    return lines
+
+
+def _on_the_point(grid: Sequence[Sequence[Cells]]) -> list[list[Cells]]:
+    """Pad decimals on the right, so that the points of a column stand below each other."""
+    result = [[[list(cells) for cells in block] for block in row] for row in grid]
+    for j in range(len(grid[0])):
+        stacked = [cells for row in result for cells in row[j]]
+        for k in range(len(stacked[0])):
+            column = [cells[k] for cells in stacked]
+            if not any("." in x for x in column) or not all(_DECIMAL.match(x) for x in column):
+                continue
+            tails = [len(x) - len(x.partition(".")[0]) for x in column]
+            for cells, x, tail in zip(stacked, column, tails, strict=True):
+                cells[k] = x + " " * (max(tails) - tail)
+    return result
