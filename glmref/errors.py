@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-__all__ = ["DataError", "ExactnessError", "GlmrefError", "UsageError"]
+from collections.abc import Iterable
+
+__all__ = ["DataError", "ExactnessError", "GlmrefError", "UsageError", "did_you_mean"]
 
 
 class GlmrefError(Exception):
@@ -22,3 +24,29 @@ class DataError(GlmrefError):
 
 class ExactnessError(GlmrefError):
     """An exact answer was asked for and does not exist in the field of algebraic numbers used."""
+
+
+def did_you_mean(word: object, known: Iterable[str], before: str = "", otherwise: str = "") -> str:
+    """Ask for the nearest of some names.
+
+    Parameters
+    ----------
+    word : object
+        What was given instead of a name.
+    known : iterable of str
+        The names there are.
+    before : str
+        What stands before the question.
+    otherwise : str
+        What is said where nothing is near.
+
+    Returns
+    -------
+    str
+        Such as ``"did you mean rk4 or ark-4?"``.
+    """
+    from difflib import get_close_matches
+
+    text = str(word)[:80].lower()
+    near = get_close_matches(text, [*known], n=3)
+    return f"{before}did you mean {' or '.join(near)}?" if near else otherwise

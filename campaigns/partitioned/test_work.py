@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from campaigns.partitioned import work as pair_needs
 from campaigns.partitioned.long_runs import Case as LongCase
 from campaigns.partitioned.long_runs import Long, follow_pair, pair_names
 from campaigns.partitioned.long_runs import add as add_runs
@@ -20,11 +21,15 @@ from campaigns.partitioned.tables import (
 )
 from campaigns.partitioned.work import (
     CASES,
+    DENSITY,
     LEFT_OUT,
     METHODS,
+    NOTE,
+    TOLERANCES,
     Case,
     _crossing,
     _per_step,
+    _settled,
     add,
     needs,
     timed,
@@ -53,6 +58,37 @@ def test_a_lucky_dip_of_the_error_does_not_count():
     assert _crossing([(10, 1e-6)], 1e-9) is None
     assert _crossing([(10, 1e-10)], 1e-9) == 10.0
     assert _crossing([(10, math.inf), (20, 1e-10)], 1e-9) == 20.0
+
+
+def test_a_curve_ends_an_octave_below_the_sharpest_tolerance():
+    low, high = (10, 4e-10), (10, 6e-10)
+    assert not _settled([]) and not _settled([low]) and not _settled([low] * (DENSITY - 1))
+    assert _settled([high, *[low] * DENSITY])
+    assert not _settled([high, *[low] * (DENSITY - 1)])
+    assert not _settled([low, low, (10, math.nan)])
+    # a run of its own stops there: the last octave is below, the point before it is not
+    (need,) = needs(SHORT, ["blanes-moan-6"])
+    assert max(e for _, e in need.curve[-DENSITY:]) < 5e-10 <= need.curve[-DENSITY - 1][1]
+    assert need.curve[-1][0] < 10_000
+
+
+def test_no_count_of_the_stored_curves_lies_behind_the_point_where_a_curve_ends():
+    record = json.loads((MEASURED / "pairs.json").read_text(encoding="utf-8"))
+    ended = 0
+    for row in (row for case in record["cases"] for row in case["methods"]):
+        curve = [(n, math.nan if e is None else e) for n, e in row["curve"]]
+        short = next((curve[:k] for k in range(len(curve)) if _settled(curve[:k])), curve)
+        ended += len(short) < len(curve)
+        for tolerance in TOLERANCES:
+            assert _crossing(curve, tolerance) == _crossing(short, tolerance)
+    assert ended > 100
+
+
+def test_the_texts_say_how_dense_the_grid_is():
+    assert DENSITY == 3 and "a third of an octave" in NOTE
+    page = (ROOT / "docs" / "pairs.md").read_text(encoding="utf-8")
+    for text in (pair_needs.__doc__ or "", page):
+        assert "a third of an octave" in text and "quarter of an octave" not in text
 
 
 @pytest.mark.parametrize("name", METHODS)

@@ -12,7 +12,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from ..errors import DataError, UsageError
+from ..errors import DataError, UsageError, did_you_mean
 from .files import data_root
 from .strict_json import read_json, shown
 
@@ -134,10 +134,7 @@ def erratum(name: str) -> Erratum:
     known = {record.id: record for record in load_errata()}
     if name in known:
         return known[name]
-    from difflib import get_close_matches
-
-    near = get_close_matches(name.lower(), known, n=3)
-    hint = f"did you mean {' or '.join(near)}?" if near else "see `glmref errata`"
+    hint = did_you_mean(name, known, otherwise="see `glmref errata`")
     raise UsageError(f"there is no erratum named {name!r}; {hint}")
 
 

@@ -8,10 +8,10 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from ..errors import DataError, UsageError
+from ..errors import DataError, UsageError, did_you_mean
 from .strict_json import read_json, shown
 
-__all__ = ["data_root", "document", "names", "path_of"]
+__all__ = ["data_root", "document", "is_broken", "names", "path_of"]
 
 FOLDERS = ("methods", "broken")
 
@@ -39,14 +39,38 @@ def _index(root: Path) -> Mapping[str, Path]:
     return found
 
 
-def names(folder: str | None = None) -> list[str]:
-    """Names of the shipped files, sorted; ``folder`` is ``"methods"``, ``"broken"`` or both."""
+def names(folder: str = "methods") -> list[str]:
+    """Names of the shipped files, sorted.
+
+    Parameters
+    ----------
+    folder : {"methods", "broken", "all"}
+        The methods; the files that are wrong on purpose, which are never listed unless asked for;
+        or both.
+
+    Raises
+    ------
+    UsageError
+        For another word.
+    """
+    if folder not in (*FOLDERS, "all"):
+        raise UsageError(
+            f"`folder` must be 'methods', 'broken' or 'all', got {shown(folder)}"
+            f"{did_you_mean(folder, (*FOLDERS, 'all'), ', ', '')}"
+        )
     root = data_root()
     return sorted(
         name
         for name, path in _index(root).items()
-        if folder is None or path.relative_to(root).parts[0] == folder
+        if folder in ("all", path.relative_to(root).parts[0])
     )
+
+
+def is_broken(name: str | Path) -> bool:
+    """Whether this is the name of a shipped file that is wrong on purpose."""
+    root = data_root()
+    path = _index(root).get(str(name))
+    return path is not None and path.relative_to(root).parts[0] == "broken"
 
 
 def path_of(name: str | Path) -> Path:
@@ -72,10 +96,8 @@ def path_of(name: str | Path) -> Path:
         raise UsageError(
             f"the file {shown(text)} {what}; give a method file or a name of `glmref list`"
         )
-    from difflib import get_close_matches
-
-    near = get_close_matches(text[:80].lower(), known, n=3)
-    hint = f"did you mean {' or '.join(near)}?" if near else "see `glmref list`"
+    # what is wrong on purpose is not proposed to somebody who did not ask for it
+    hint = did_you_mean(text, names("methods"), otherwise="see `glmref list`")
     raise UsageError(f"there is no method named {shown(text)}; {hint}")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -20,7 +21,11 @@ __all__ = [
     "SOURCE",
     "STATUS",
     "TEXTS",
+    "bare",
+    "class_of_keys",
+    "completed",
     "fault_of_texts",
+    "needed_keys",
     "without_meaning",
 ]
 
@@ -100,6 +105,54 @@ _OF_ONE_METHOD = frozenset(
 )
 
 
+def bare(doc: Mapping[str, Any]) -> bool:
+    """Whether a method document makes no claim, so that it need not say who made the method."""
+    return doc.get("claims", {}) == {} and "broken" not in doc
+
+
+def completed(doc: Mapping[str, Any], where: str) -> dict[str, Any]:
+    """Fill in what a tableau without claims may leave out.
+
+    Parameters
+    ----------
+    doc : Mapping
+        A document for which :func:`bare` holds.
+    where : str
+        Name of its file; the method is called after it.
+
+    Returns
+    -------
+    dict
+        The document with ``format``, ``name``, ``class``, ``claims`` and ``source``. ``class`` is
+        still missing where the keys do not tell it.
+    """
+    stem = re.sub(r"[^a-z0-9.-]+", "-", where.removesuffix(".json").lower()).lstrip(".-")
+    given = {"format": FORMAT, "name": stem[:100] or "unnamed", "claims": {}, "source": {}}
+    kind = class_of_keys(doc)
+    if kind:
+        given["class"] = kind
+    return {**given, **doc}
+
+
+def class_of_keys(doc: Mapping[str, Any]) -> str:
+    """Return the class whose keys these are, ``""`` where no class has them.
+
+    Where several classes fit, the one that uses the most keys is taken; ``alpha`` and ``beta``
+    alone are a linear multistep method, with ``G`` they are a one-leg method.
+    """
+    keys = doc.keys() - COMMON
+    fitting = [kind for kind in BLOCKS if needed_keys(kind) <= keys]
+    return max(
+        fitting, key=lambda kind: (len(keys & BLOCKS[kind]), len(needed_keys(kind))), default=""
+    )
+
+
+def needed_keys(kind: str) -> frozenset[str]:
+    """Keys of its blocks that a file of a class cannot leave out."""
+    needed = BLOCKS[kind] - OPTIONAL
+    return needed | {"D", "G"} if kind == "sweep" else needed
+
+
 def without_meaning(kind: str) -> frozenset[str]:
     """Claims that a class cannot make: those about one method for a pair, and the other way."""
     return _OF_ONE_METHOD if kind in PAIRS else _OF_A_PAIR
@@ -123,6 +176,8 @@ def fault_of_texts(doc: Mapping[str, Any]) -> str:
     equations = enclosure.get("equations", [])
     if not isinstance(equations, list) or not all(isinstance(x, str) for x in equations):
         return f"`enclosure.equations` must be a list of strings, got {shown(equations)}"
+    if bare(doc) and doc["source"] == {}:
+        return ""
     return _fault_of_broken(doc) or _fault_of_source(doc["source"])
 
 

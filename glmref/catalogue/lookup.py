@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from ..method import GLM, PartitionedGLM
-from .files import data_root, document, names, path_of
+from .files import data_root, document, is_broken, names, path_of
 from .reader import load_document
 
-__all__ = ["data_root", "document", "load", "names", "path_of"]
+__all__ = ["data_root", "document", "is_broken", "load", "names", "path_of"]
 
 
 def load(name: str | Path) -> GLM | PartitionedGLM:

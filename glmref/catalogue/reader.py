@@ -32,6 +32,8 @@ from .keys import (
     MAX_SIZE,
     OPTIONAL,
     PAIRS,
+    bare,
+    completed,
     fault_of_texts,
     without_meaning,
 )
@@ -43,6 +45,9 @@ __all__ = ["CLAIMS", "FORMAT", "load_document"]
 def load_document(doc: Mapping[str, Any], *, where: str = "document") -> GLM | PartitionedGLM:
     """Turn a method document into a method, checking everything on the way.
 
+    A document without claims may be a bare tableau: ``format``, ``name``, ``class`` and ``source``
+    may be missing, and the class is told from the keys.
+
     Args:
         doc: the parsed JSON object.
         where: file name, for messages.
@@ -51,6 +56,8 @@ def load_document(doc: Mapping[str, Any], *, where: str = "document") -> GLM | P
     ------
         DataError: for anything that is not as the format asks.
     """
+    if isinstance(doc, Mapping) and bare(doc):
+        doc = completed(doc, where)
     return _Reader(doc, where).method()
 
 
@@ -66,7 +73,7 @@ class _Reader(Entries):
                 f"this version reads only that format"
             )
         if "class" not in self.doc:
-            raise self.error(f"the key `class` is missing; it is one of {', '.join(BLOCKS)}")
+            raise self.error(self._class_missing())
         kind = self.text("class")
         if kind not in BLOCKS:
             raise self.error(f"`class` must be one of {', '.join(BLOCKS)}, got {kind!r}")
@@ -88,6 +95,16 @@ class _Reader(Entries):
         self._check_real(built)
         self.check_constants_used()
         return built
+
+    def _class_missing(self) -> str:
+        """Say that no class is named; of a bare tableau, that its keys do not tell it either."""
+        text = f"the key `class` is missing; it is one of {', '.join(BLOCKS)}"
+        if not bare(self.doc):
+            return text
+        return (
+            f"{text}; it is told from the keys of a tableau such as A, b or A, U, B, V or alpha, "
+            f"beta, and not from {', '.join(sorted(self.doc.keys() - COMMON)) or 'none'}"
+        )
 
     def _check_keys(self, kind: str) -> None:
         allowed = COMMON | BLOCKS[kind]
@@ -318,10 +335,8 @@ class _Reader(Entries):
 
     def _claims(self) -> Mapping[str, Any]:
         claims = self.doc["claims"]
-        if not isinstance(claims, dict) or not claims:
-            raise self.error(
-                f"`claims` must be an object with at least one claim, got {shown(claims)}"
-            )
+        if not isinstance(claims, dict):
+            raise self.error(f"`claims` must be an object of claims, got {shown(claims)}")
         for key, value in claims.items():
             if key not in CLAIMS:
                 raise self.error(

@@ -42,7 +42,7 @@ def verify(names: tuple[str, ...], form: str, only: tuple[str, ...]) -> int:
     """
     from ..catalogue.lookup import names as shipped
 
-    asked = list(dict.fromkeys(names)) or shipped()
+    asked = list(dict.fromkeys(names)) or shipped("all")
     report = _Report(form, every=bool(names), width=max(map(len, asked), default=0))
     try:
         with _progress(len(asked)) as advance:

@@ -111,6 +111,10 @@ def errata(text: str, verdict: str | None, method: str | None, form: str) -> int
     if not found:
         if text and not (verdict or method):
             erratum(text)  # names the nearest ids
+        if method:
+            from ..catalogue.lookup import path_of
+
+            path_of(method)  # names the nearest methods
         raise UsageError("no erratum is like that; see `glmref errata`")
     if form == "json":
         say(json_text({"format": "glmref-errata-1", "errata": [r.as_json() for r in found]}))

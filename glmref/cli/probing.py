@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterable
 from contextlib import redirect_stdout
 from typing import TYPE_CHECKING, Any
 
@@ -53,7 +54,11 @@ def _page(found: Probe, style: Style) -> str:
     """Return one method as lines of name and value."""
     rows: list[tuple[str, str]] = []
     reading = found.reading
-    if found.matches:
+    wrong = found.wrong_times
+    if wrong is not None:
+        rows.append(("is", f"not {wrong.name}: its coefficients, with f at other times"))
+        rows.append(("", f"those of {wrong.name}: c = {_numbers(wrong.times)}"))
+    elif found.matches:
         names = ", ".join(m.name for m in found.matches)
         rows.append(("is", f"{names} (to {max(m.difference for m in found.matches):.2g})"))
         if not found.matches[0].same_basis:
@@ -70,12 +75,19 @@ def _page(found: Probe, style: Style) -> str:
             for i, row in enumerate(matrix):
                 rows.append((name if i == 0 else "", "  ".join(f"{x:.15g}" for x in row)))
         if reading.c is not None:
-            rows.append(("c", "  ".join(f"{x:.15g}" for x in reading.c)))
+            rows.append(("c", _numbers(reading.c)))
         rows.append(("calls of f", str(reading.evaluations)))
         rows.append(("unexplained", f"{reading.unexplained:.2g} of a nonlinear step"))
     rows += _analysis(found)
     rows += [("not seen" if i == 0 else "", one_line(x)) for i, x in enumerate(found.notes)]
-    return "\n".join([style.paint(one_line(found.method), "bold"), columns(rows, style=style)])
+    head = one_line(found.method)
+    if wrong is not None:
+        head += " with wrong stage times"
+    return "\n".join([style.paint(head, "bold"), columns(rows, style=style)])
+
+
+def _numbers(values: Iterable[float]) -> str:
+    return "  ".join(f"{x:.15g}" for x in values)
 
 
 def _analysis(found: Probe) -> list[tuple[str, str]]:
@@ -83,6 +95,8 @@ def _analysis(found: Probe) -> list[tuple[str, str]]:
         return []
     record: dict[str, Any] = found.analysis.as_json()
     basis = "of the method it is" if found.matches else "of the closed forms of its numbers"
+    if found.wrong_times is not None:
+        basis = f"of {found.wrong_times.name}, which this is on autonomous systems only"
     if not (found.matches or found.recognised):
         basis = "of its numbers with the digits that were read"
     return [

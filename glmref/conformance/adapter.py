@@ -23,7 +23,7 @@ from collections.abc import Mapping, Sequence
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Protocol
 
-from ..errors import UsageError
+from ..errors import UsageError, did_you_mean
 from .subject import said
 
 if TYPE_CHECKING:
@@ -120,7 +120,7 @@ def load_adapter(text: str) -> Any:
     if not colon or not place or not name:
         raise UsageError(
             f"the adapter must be written package.module:Name, cmd:program, or one of "
-            f"{', '.join(SHIPPED)}; got {text!r}"
+            f"{', '.join(SHIPPED)}; got {text!r}{did_you_mean(text, SHIPPED, '; ')}"
         )
     if os.getcwd() not in sys.path:
         sys.path.insert(0, os.getcwd())  # plain pytest leaves it out

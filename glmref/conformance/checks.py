@@ -41,6 +41,7 @@ RESTS_ON: Mapping[str, tuple[str, ...]] = {
     "finish": ("repeatable",),
     "trajectory": ("step", "abscissae", "start", "finish"),
     "order": ("answer", "trajectory"),
+    "long": ("answer", "order"),
     "symplectic": ("answer",),
 }
 
@@ -173,6 +174,12 @@ def _compared(subject: Subject, vectors: Vectors) -> Iterator[Check]:
             )
         orders = [x for x in cases if x.kind == "order"]
         yield from (check(x, x.claim, judge.order) for x in orders)
+    conserving = int(vectors.document["values"]) > 1 and "G" in vectors.coefficients
+    if conserving and subject.starts == "own" and "solve" in offered:
+        tasks = {x.problem.name: x.problem for x in cases}
+        if (task := tasks.get("rigid-body")) is not None:
+            name = f"long/{vectors.name}/{task.name}"
+            yield Check(name, vectors.name, lambda: judge.long(task))
 
 
 def _first_offered(

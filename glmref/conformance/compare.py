@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from ..catalogue.lookup import load
 from ..method import PartitionedGLM
-from .diagnosis import known_bug, name_defect, residual_of_stages, stage_order
+from .diagnosis import known_bug, name_defect, residual_of_stages, stage_order, start_order
 from .judgement import Judgement, errors_of, order_judgement
 from .subject import AdapterError, NotOffered, Subject
 from .vectors import Case, TestProblem, Vectors, array
@@ -150,12 +152,22 @@ class Comparison:
             return Judgement(True, residual=gap)
         k, i = np.unravel_index(np.abs(found - right).argmax(), found.shape)
         said = name_defect(self.subject, self.vectors, case, found, allowed)
+        if not said and case.kind == "start":
+            said = start_order(self.subject, self.vectors, case.problem).removeprefix("; ")
         where = f"component {i + 1} of {what} {k + 1}"
         return Judgement(False, _sentence(where, found[k, i], right[k, i], allowed, said), gap)
 
     # --- runs -----------------------------------------------------------------------------------
 
+    @property
+    def _own(self) -> bool:
+        """Whether runs begin from starting values that the adapter makes itself."""
+        return self.subject.starts == "own" and "solve" in self.subject.offers
+
     def _given(self, row: Case | Mapping[str, Any]) -> np.ndarray | None:
+        """Starting values that a run is given; none where the adapter makes its own."""
+        if self._own:
+            return None
         data = row.data if isinstance(row, Case) else row
         return array(data["input"]) if "input" in data else None
 
@@ -217,8 +229,7 @@ class Comparison:
     def order(self, case: Case) -> Judgement:
         """The error falls with the order of the method."""
         right, end = int(case.data["order"]), float(case.data["t_end"])
-        own = self.subject.starts == "own" and "solve" in self.subject.offers
-        given = {int(row["steps"]): None if own else self._given(row) for row in case.data["rows"]}
+        given = {int(row["steps"]): self._given(row) for row in case.data["rows"]}
 
         def run(steps: int) -> np.ndarray:
             h = (end - case.number("t")) / steps
@@ -226,7 +237,90 @@ class Comparison:
 
         steps, errors = errors_of(run, list(given), case["exact"])
         shown_by = {int(row["steps"]): float(row["error"]) for row in case.data["rows"]}
-        return order_judgement(steps, errors, right, self.subject, self.name, shown_by)
+        found = order_judgement(steps, errors, right, self.subject, self.name, shown_by)
+        if (
+            found.holds is False
+            and self._own
+            and self._carried > 1
+            and isinstance(found.value, int)
+        ):
+            message = (
+                f"{found.message}; the run starts by itself: a method of order {right} needs "
+                f"starting values of that order, and these give order {found.value}"
+            )
+            return replace(found, message=message)
+        return found
+
+    @property
+    def _carried(self) -> int:
+        return int(self.vectors.document["values"])
+
+    def long(self, task: TestProblem) -> Judgement:
+        """A long run from the adapter's own start keeps a quadratic invariant as ours does.
+
+        The form sum G_ij y_i^T C y_j is conserved exactly, so that y^T C y of the solution moves by
+        what the other values hold. A start of too low an order leaves something in them for the
+        whole run, even where the error at one end still falls with the order of the method. A
+        start that is right moves the invariant by O(h^(p+1)) more than ours, which is below the
+        drift of the method itself, O(h^p): the ratio of the two drifts tends to 1. It is refused
+        above :data:`_DRIFT` at two step sizes.
+        """
+        assert task.quadratic is not None
+        C, ratios, drifts = array(task.quadratic), [], []
+        for steps in _LONG:
+            h = _TIME / steps
+            mine, found = self._sampled(task, h, steps)
+            right, moved = _drift(C, mine), _drift(C, found)
+            if not right < _LOST:
+                continue
+            ratios.append(moved / (right + steps * 30 * self.subject.unit(self.name)))
+            drifts.append(f"{moved:.2g} at h = {h:g} (ours {right:.2g})")
+        if not ratios:
+            return Judgement(None, f"not judged: the method itself does not keep {task.name}")
+        if min(ratios) <= _DRIFT:
+            return Judgement(True, residual=min(ratios))
+        return Judgement(
+            False,
+            f"in {_TIME:g} time units the quadratic invariant moves by {', '.join(drifts)}, "
+            f"{min(ratios):.2g} times as much as from starting values of the right order: what the "
+            f"own start leaves in values 2 to r stays there{self._start_order(task)}",
+            min(ratios),
+        )
+
+    def _sampled(self, task: TestProblem, h: float, steps: int) -> tuple[np.ndarray, np.ndarray]:
+        """Our run and the adapter's: every step, or the beginning and eight ends."""
+        mine = _our_run(self.name, task.problem, h, steps)
+        found = self.subject.solve(self.name, task.problem, h, steps)
+        if len(found) > 1:
+            return mine, found
+        counts = range(steps - 7, steps)
+        ends = [self.subject.solve(self.name, task.problem, h, n)[-1] for n in counts]
+        return mine[[0, *counts, steps]], np.array([array(task.y0), *ends, found[0]])
+
+    def _start_order(self, task: TestProblem) -> str:
+        """Name the order of starting values that the adapter shows, or ``""``."""
+        if "start" not in self.subject.offers:
+            return ""
+        return start_order(self.subject, self.vectors, task)
+
+
+#: Long runs: time, numbers of steps, the ratio of drifts that is too much, and a drift that says
+#: that the method itself is lost.
+_TIME, _LONG, _DRIFT, _LOST = 100.0, (250, 500), 3.0, 0.1
+
+
+def _drift(C: np.ndarray, rows: np.ndarray) -> float:
+    """Largest change of y^T C y along a run, relative to the sizes of its terms."""
+    values = np.einsum("na,ab,nb->n", rows, C, rows)
+    scale = np.einsum("na,ab,nb->n", np.abs(rows), np.abs(C), np.abs(rows)).max()
+    return float(np.abs(values - values[0]).max() / scale)
+
+
+def _our_run(name: str, problem: Any, h: float, steps: int) -> np.ndarray:
+    """Solution at every step, from the method's own start or the enhanced one."""
+    from ..engine.solve import solve
+
+    return np.asarray(solve(problem, load(name), h=h, steps=steps, every=1).y, dtype=float)
 
 
 def _ours(name: str) -> Any:

@@ -17,7 +17,7 @@ from .identify import matches
 from .probe import read
 from .subject import AdapterError, NotOffered, Subject
 from .traps import NOTES
-from .vectors import Case, Vectors, array
+from .vectors import Case, TestProblem, Vectors, array
 from .watch import needed
 
 __all__ = [
@@ -26,6 +26,7 @@ __all__ = [
     "name_defect",
     "residual_of_stages",
     "stage_order",
+    "start_order",
 ]
 
 _SHOWN = 3
@@ -187,6 +188,34 @@ def stage_order(found: np.ndarray, expected: np.ndarray, tolerance: float) -> st
     places = ", ".join(str(j + 1) for j in order)
     return (
         f"the stages are right but come in another order: they belong at {places} (StagesReordered)"
+    )
+
+
+def start_order(subject: Subject, vectors: Vectors, task: TestProblem) -> str:
+    """Name the order of an adapter's starting values beside those of the data file, or ``""``.
+
+    The difference of starting values of orders q < p is O(h^(q+1)); it is measured at four step
+    sizes.
+    """
+    from .adapters.reference import Adapter
+
+    ours, problem = Adapter((vectors.name,)), task.problem
+    shape, gaps = (int(vectors.document["values"]), problem.dimension), []
+    try:
+        for h in (2.0**-5, 2.0**-6, 2.0**-7, 2.0**-8):
+            right = ours.start(vectors.name, problem, h)
+            found = subject.start(vectors.name, problem, h, shape)
+            gaps.append(float(np.abs(found - right).max()))
+    except (GlmrefError, ArithmeticError, NotImplementedError):
+        return ""
+    if min(gaps) <= 1e3 * subject.unit(vectors.name):
+        return ""
+    slopes = np.log2(np.array(gaps[:-1]) / np.array(gaps[1:]))
+    if abs(slopes[-1] - slopes[-2]) > 0.25:
+        return ""
+    return (
+        f"; its starting values differ from those of the data file like h^{slopes[-1]:.1f}: it is "
+        f"a start of order {max(round(slopes[-1]) - 1, 0)}"
     )
 
 

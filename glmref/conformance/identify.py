@@ -19,13 +19,13 @@ from typing import Any
 import numpy as np
 
 from ..catalogue.lookup import load, names
-from ..errors import DataError, ExactnessError, UsageError
+from ..errors import DataError, ExactnessError, UsageError, did_you_mean
 from ..exact import Ball
 from ..exact.expression import parse
 from ..method import GLM, PartitionedGLM
 from .probe import Reading, read
 from .subject import Subject
-from .watch import needed
+from .watch import clean, needed
 
 __all__ = ["FORMAT", "Match", "Probe", "as_method", "identify", "matches"]
 
@@ -56,11 +56,14 @@ class Match:
     ----------
         name: its name. difference: largest difference of A and of U V^k B, k < r.
         same_basis: whether U, B and V agree as well, without a change of values.
+        times: abscissae of the method where f is evaluated at others, else empty: such a code is
+            the method on autonomous systems only.
     """
 
     name: str
     difference: float
     same_basis: bool
+    times: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,13 +104,25 @@ class Probe:
                 "unexplained": self.reading.unexplained,
             }
         row["matches"] = [
-            {"name": m.name, "difference": m.difference, "same_basis": m.same_basis}
+            {
+                "name": m.name,
+                "difference": m.difference,
+                "same_basis": m.same_basis,
+                "same_times": not m.times,
+            }
             for m in self.matches
         ]
         row["recognised"] = self.recognised
         row["analysis"] = None if self.analysis is None else self.analysis.as_json()
         row["notes"] = list(self.notes)
         return row
+
+    @property
+    def wrong_times(self) -> Match | None:
+        """The nearest method it would be if f were evaluated at the right times, else ``None``."""
+        if not self.matches or not all(m.times for m in self.matches):
+            return None
+        return self.matches[0]
 
 
 def identify(subject: Subject, method: str | None = None) -> list[Probe]:
@@ -123,6 +138,7 @@ def identify(subject: Subject, method: str | None = None) -> list[Probe]:
     if method is not None and method not in subject.methods:
         raise UsageError(
             f"{subject.name} has no method {method!r}, only {', '.join(subject.methods)}"
+            f"{did_you_mean(method, subject.methods, '; ')}"
         )
     return [_identify(subject, name) for name in ([method] if method else subject.methods)]
 
@@ -144,6 +160,11 @@ def _identify(subject: Subject, name: str) -> Probe:
     found = tuple(matches(reading))
     notes = list(reading.notes)
     if found:
+        said = any("at times other than" in note for note in notes)
+        if all(m.times for m in found) and not said:
+            notes.append(
+                f"f is evaluated at times other than t + c_i h with the c of {found[0].name}"
+            )
         return Probe(
             name, reading, found, True, _analysis(load(found[0].name), notes), tuple(notes)
         )
@@ -287,8 +308,36 @@ def _match(reading: Reading, name: str, other: Sequence[np.ndarray]) -> Match | 
         if gap < SAME:
             parts = ((reading.U, U[order]), (reading.B, B[:, order]), (reading.V, V))
             same = all(np.abs(x - y).max(initial=0.0) < SAME for x, y in parts)
-            return Match(name, float(gap), same)
+            return Match(name, float(gap), same, _other_times(reading, name, order, same))
     return None
+
+
+def _other_times(
+    reading: Reading, name: str, order: Sequence[int], same_basis: bool
+) -> tuple[float, ...]:
+    """Abscissae of a method, in the order of the reading, where those that were read differ.
+
+    After a change of values the times are not compared: where the values carried belong to other
+    times, so may the stages.
+    """
+    if reading.c is None or not (same_basis or len(reading.V) == 1):
+        return ()
+    right = _abscissae(name)[list(order)]
+    if np.abs(right - reading.c).max(initial=0.0) <= SAME:
+        return ()
+    return tuple(clean(right).tolist())
+
+
+@cache
+def _abscissae(name: str) -> np.ndarray:
+    """Abscissae of a method as doubles, without stages on which nothing depends."""
+    from ..engine.tableau import method_abscissae
+
+    method = load(name)
+    assert isinstance(method, GLM)
+    blocks = [np.array([[complex(x) for x in row] for row in m]) for m in (method.A, method.B)]
+    c = np.array([complex(x).real for x in method_abscissae(method)])
+    return c[needed(*blocks)]
 
 
 def _orders(mine: Sequence[np.ndarray], theirs: Sequence[np.ndarray]) -> Iterator[list[int]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import traceback
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import GlmrefError, UsageError
@@ -17,6 +18,8 @@ OPERATIONS = ("step", "stages", "start", "finish", "solve")
 #: Claims that an integrator outside the catalogue may make; ``values`` says how many it carries.
 CLAIMS = ("order", "symmetric", "symplectic", "values")
 _HIGHEST_ORDER = 30
+#: Folder of this package.
+_PACKAGE = Path(__file__).parents[1]
 
 
 class AdapterError(GlmrefError):
@@ -153,10 +156,20 @@ def said(error: BaseException) -> str:
 def _place(error: BaseException) -> str:
     """Where it was raised: the innermost line that is not of this package or of a library."""
     frames = traceback.extract_tb(error.__traceback__)[1:]
-    own = [x for x in frames if "site-packages" not in x.filename and "glmref" not in x.filename]
+    own = [x for x in frames if not _is_foreign(Path(x.filename))]
     if not own:
         return ""
     return f" (line {own[-1].lineno} of {own[-1].filename.rpartition('/')[2]})"
+
+
+def _is_foreign(file: Path) -> bool:
+    """Whether a file belongs to this package or to an installed library.
+
+    The folders count and not the words in a path: a clone may have any name.
+    """
+    return file.is_relative_to(_PACKAGE) or not {"site-packages", "dist-packages"}.isdisjoint(
+        file.parts
+    )
 
 
 # --- answers ------------------------------------------------------------------------------------

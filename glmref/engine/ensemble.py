@@ -22,7 +22,7 @@ from ..problems.model import Problem
 from .codegen import SCALAR_LIMIT
 from .kernel import choose_form
 from .partitioned_start import explicit_order
-from .plan import plan_of, resolved, step_size
+from .plan import notices_of, plan_of, resolved, step_size
 from .reference import stepper
 from .runners import WIDTHS, EnsembleSolution, Lanes, Runner, Singles, rows_at, slopes_at
 from .start import corrector, default_passes, zero_start
@@ -72,7 +72,8 @@ def solve_ensemble(
     )
     with np.errstate(all="ignore"):
         values, evaluations = _starts(runner, method, problem, y0, h, start)
-        return runner.run(values, evaluations, plan)
+        found = runner.run(values, evaluations, plan)
+    return replace(found, notices=(*found.notices, *notices_of(method)))
 
 
 def _has_lanes(method: GLM | PartitionedGLM, problem: Problem) -> bool:

@@ -13,7 +13,15 @@ from ..errors import UsageError
 from ..method import GLM, PartitionedGLM
 from ..problems.model import Problem
 
-__all__ = ["ARITHMETIC", "Plan", "check_arithmetic", "plan_of", "resolved", "step_size"]
+__all__ = [
+    "ARITHMETIC",
+    "Plan",
+    "check_arithmetic",
+    "notices_of",
+    "plan_of",
+    "resolved",
+    "step_size",
+]
 
 ARITHMETIC = ("strict", "fused", "compensated", "naive")
 
@@ -54,15 +62,21 @@ def resolved(problem: Any, method: Any) -> tuple[Problem, GLM | PartitionedGLM]:
 
     Raises
     ------
-        UsageError: for anything else, or a problem moved to another precision.
+        UsageError: for anything else, a problem moved to another precision, or the name of a
+            method that is wrong on purpose: such a one is taken as an object only.
     """
     if isinstance(problem, str):
         from ..problems import problem as by_name
 
         problem = by_name(problem)
     if isinstance(method, str):
-        from ..catalogue.lookup import load
+        from ..catalogue.lookup import is_broken, load
 
+        if is_broken(method):
+            raise UsageError(
+                f"the method {method!r} is wrong on purpose; to run it all the same give "
+                f"glmref.load({method!r})"
+            )
         method = load(method)
     if not isinstance(problem, Problem):
         raise UsageError(f"`problem` must be a Problem or its name, got {type(problem).__name__}")
@@ -71,6 +85,12 @@ def resolved(problem: Any, method: Any) -> tuple[Problem, GLM | PartitionedGLM]:
     if problem.context is not None:
         raise UsageError("`problem` must be the one in double precision; give `digits` instead")
     return problem, method
+
+
+def notices_of(method: GLM | PartitionedGLM) -> list[str]:
+    """Return what is to be said of every run with a method: that it is wrong on purpose."""
+    broken = (method.document or {}).get("broken")
+    return [f"{method.name} is wrong on purpose: {broken['why']}"] if broken else []
 
 
 def step_size(h: Any) -> float:

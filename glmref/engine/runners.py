@@ -52,7 +52,7 @@ class EnsembleSolution:
         evaluations: right-hand-side evaluations in all, start included.
         seconds: wall clock time of the steps; build_seconds: of generating and compiling.
         width: lanes per block (1: one by one). threads: how many.
-        kernel: what was built, in words.
+        kernel: what was built, in words. notices: sentences worth knowing.
     """
 
     t: np.ndarray
@@ -66,6 +66,7 @@ class EnsembleSolution:
     width: int
     threads: int
     kernel: str
+    notices: tuple[str, ...] = ()
 
     @property
     def completed(self) -> bool:

@@ -11,7 +11,7 @@ from ..errors import UsageError
 from ..method import GLM, PartitionedGLM
 from ..problems.model import Problem
 from .outcome import Outcome, Solution, StartFailed
-from .plan import check_arithmetic, plan_of, resolved, step_size
+from .plan import check_arithmetic, notices_of, plan_of, resolved, step_size
 from .reference import stepper
 from .run import Run
 from .start import problem_start, starting_values
@@ -33,7 +33,8 @@ def solve(
 
     Args:
         problem: the problem, or its name. Integration starts at ``problem.t_span[0]``.
-        method: a GLM or a pair, or its name.
+        method: a GLM or a pair, or its name. One that is wrong on purpose is refused by name; as an
+            object, ``glmref.load(name)``, it runs and the solution says so in ``notices``.
         h: step size; negative to go back in time.
         t_end: final time, a whole number of steps away; by default the problem's.
         steps: number of steps, instead of ``t_end``.
@@ -76,6 +77,7 @@ def solve(
         if digits is None and not np.isfinite(given.values).all():
             raise StartFailed("the starting values are not finite; use a smaller h")
         run = Run(problem, method, h, plan, reference, given, history, cancel, progress)
+        run.notices += notices_of(method)
         if engine == "reference":
             run.by_reference()
         else:

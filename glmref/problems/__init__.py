@@ -8,10 +8,9 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
-from difflib import get_close_matches
 from importlib import import_module
 
-from ..errors import UsageError
+from ..errors import UsageError, did_you_mean
 from .model import Problem
 
 __all__ = ["Problem", "names", "parameters_of", "problem"]
@@ -79,7 +78,10 @@ def problem(name: str, **parameters: object) -> Problem:
     for key in parameters:
         if key not in known:
             allowed = f"its parameters are {', '.join(known)}" if known else "it has no parameters"
-            raise UsageError(f"the problem {name!r} has no parameter {key!r}; {allowed}")
+            raise UsageError(
+                f"the problem {name!r} has no parameter {key!r}; {allowed}"
+                f"{did_you_mean(key, known, '; ')}"
+            )
     try:
         return build(**parameters)
     except ArithmeticError:  # each value is in range, a product or quotient of them is not
@@ -98,8 +100,7 @@ def parameters_of(name: str) -> dict[str, object]:
 
 def _builder(name: str) -> Callable[..., Problem]:
     if name not in _HOME:
-        near = get_close_matches(str(name), _HOME, n=3)
-        hint = f"did you mean {' or '.join(near)}?" if near else "see glmref.problems.names()"
+        hint = did_you_mean(name, _HOME, otherwise="see glmref.problems.names()")
         raise UsageError(f"there is no problem named {name!r}; {hint}")
     module = import_module(f".{_HOME[name]}", __name__)
     return getattr(module, name.replace("-", "_"))

@@ -10,11 +10,11 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
-from ..catalogue.lookup import data_root, document
+from ..catalogue.lookup import data_root, document, is_broken
 from ..catalogue.lookup import names as method_names
 from ..catalogue.lookup import path_of as method_path
 from ..catalogue.strict_json import shown
-from ..errors import DataError, UsageError
+from ..errors import DataError, UsageError, did_you_mean
 from .model import ANSWERS, ASK, FORMAT, JUDGING, KINDS, STARTS, Answer, Scene
 
 __all__ = ["load_scene", "names"]
@@ -65,8 +65,7 @@ def _path_of(text: str) -> Path:
         raise UsageError(
             f"the file {text!r} {what}; give a scene file or one of {', '.join(shipped)}"
         )
-    near = get_close_matches(text, shipped, n=3)
-    hint = f"did you mean {' or '.join(near)}?" if near else f"the scenes are {', '.join(shipped)}"
+    hint = did_you_mean(text, shipped, otherwise=f"the scenes are {', '.join(shipped)}")
     raise UsageError(f"there is no scene named {text!r}; {hint}")
 
 
@@ -361,9 +360,15 @@ class _Reader:
         if name.endswith(".json") and beside.is_file():
             return str(beside)
         try:
-            method_path(name)
+            path = method_path(name)
         except UsageError as error:
             raise self.fail(where, str(error)) from None
+        if is_broken(name):
+            raise self.fail(
+                where,
+                f"the method {name!r} is wrong on purpose; to run it all the same give the path "
+                f"of its file, {path}",
+            )
         return name
 
     def _peers(

@@ -154,6 +154,11 @@ def verify_file(name: str | Path, *, only: Collection[str] = ()) -> list[Finding
     broken = doc.get("broken")
     if broken is not None and only and broken["claim"] not in only:
         return []
+    if not method.claims:
+        raise DataError(
+            f"{path.name}: there is nothing to verify, since the file makes no claims; "
+            f"`glmref analyze {path.name}` says what the method is"
+        )
     try:
         if broken is None:
             return verify(method, only=only)

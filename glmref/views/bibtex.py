@@ -18,6 +18,7 @@ from typing import Any
 
 from .. import __version__
 from ..catalogue.lookup import data_root, document, path_of
+from ..errors import DataError
 from .tables import one_line
 
 __all__ = ["entries", "escape", "file_entry", "source_entry"]
@@ -44,8 +45,17 @@ def source_entry(method: Mapping[str, Any]) -> str:
 
     Args:
         method: a method document.
+
+    Raises
+    ------
+        DataError: for a bare tableau, which names no source.
     """
-    source = method["source"]
+    source = method.get("source", {})
+    if not source:
+        raise DataError(
+            f"the method {method['name']!r} has no source to cite; add `source` with citation, "
+            f"where and status to its file"
+        )
     if source.get("bibtex", "").strip():
         return str(source["bibtex"]).strip()
     years = _YEAR.findall(source["citation"])
@@ -98,8 +108,9 @@ def entries(names: Iterable[str | Path]) -> list[str]:
 
     found: dict[str, str] = {}
     for name in names:
-        method = document(name)
-        load_document(method, where=path_of(name).name)  # cite nothing that is not a method
+        # cite nothing that is not a method
+        method = load_document(document(name), where=path_of(name).name).document
+        assert method is not None
         for text in (source_entry(method), file_entry(name)):
             match = _KEY.match(text)
             key = match[2] if match else text

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+import glmref
+from glmref.catalogue.lookup import load
 from glmref.conformance.adapter import SHIPPED, load_adapter
 from glmref.conformance.adapters.compiled import Adapter as Compiled
 from glmref.conformance.adapters.reference import Adapter as Reference
 from glmref.conformance.checks import Suite
 from glmref.conformance.subject import Subject
 from glmref.conformance.vectors import file_names
+from glmref.engine.reference import stepper
+from glmref.engine.solve import solve
+from glmref.engine.start import starting_values
 from glmref.errors import UsageError
 from glmref.findings import Verdict
 
@@ -61,6 +67,61 @@ def test_the_order_of_runs_that_start_by_themselves_is_measured(name: str, holds
     finding = order.judge()
     assert finding.holds is holds
     assert holds or "falls like h^3" in finding.message
+
+
+class OwnStart:
+    """Runs of a method that make their starting values themselves, and take no others."""
+
+    starts = "own"
+
+    def __init__(self, name: str, start: Any, end_only: bool = False) -> None:
+        self.methods, self.begin, self.end_only = (name,), start, end_only
+
+    def solve(self, method: str, problem: Any, h: float, steps: int) -> Any:
+        found = solve(problem, method, h=h, steps=steps, every=1, start=self.begin)
+        return found.y[-1] if self.end_only else found.y
+
+    def start(self, method: str, problem: Any, h: float) -> Any:
+        known = load(method)
+        engine = stepper(known, problem)
+        begin = known.starting if self.begin is None else self.begin
+        y0 = np.array(problem.y0)
+        return starting_values(engine, begin, t=problem.t_span[0], y0=y0, h=h).values
+
+
+def failures(adapter: Any) -> dict[str, str]:
+    findings = Suite(Subject(adapter)).findings()
+    return {x.claim: x.witness for x in findings if x.verdict is Verdict.FAILS}
+
+
+@pytest.mark.parametrize(
+    ("name", "end_only"),
+    [("gsymplectic-n", False), ("gsymplectic-n", True), ("thesis-3-8", True),
+     ("s4-symmetric", False), ("g6245-w3", False)],
+)  # fmt: skip
+def test_a_zero_start_is_refused_though_its_order_is_that_of_the_method(
+    name: str, end_only: bool
+) -> None:
+    good = Suite(Subject(OwnStart(name, None, end_only))).findings()
+    assert [x for x in good if x.verdict is not Verdict.HOLDS] == []
+    assert f"long/{name}/rigid-body" in {x.claim for x in good}
+    zero = OwnStart(name, "zero", end_only)
+    found = failures(zero)
+    wrong = found[f"long/{name}/rigid-body"]
+    assert not any(x.startswith("order") for x in found)
+    assert "times as much as from starting values of the right order" in wrong
+    assert wrong.endswith(f"it is a start of order {2 if name == 'g6245-w3' else 1}")
+    del_start = type("Runs", (OwnStart,), {"start": None})(name, "zero", end_only)
+    assert list(failures(del_start)) == [f"long/{name}/rigid-body"]
+
+
+@pytest.mark.parametrize(("name", "order"), [("leapfrog", 1), ("ab-2", 1), ("g4123", 2)])
+def test_the_order_of_a_bad_own_start_is_named(name: str, order: int) -> None:
+    runs = type("Runs", (OwnStart,), {"start": None})
+    found = failures(runs(name, "zero"))
+    (wrong,) = [text for claim, text in found.items() if claim.startswith("order")]
+    assert wrong.endswith(f"and these give order {order}") and "TypeError" not in str(found)
+    assert failures(runs(name, None)) == {}
 
 
 @pytest.mark.parametrize("name", file_names())
@@ -155,6 +216,29 @@ def test_an_answer_that_cannot_be_used_fails_with_a_sentence(answer: Any, words:
 
     first = Suite(Subject(Odd())).findings()[0]
     assert first.verdict is Verdict.FAILS and words in first.witness
+
+
+@pytest.mark.parametrize(
+    ("file", "words"),
+    [
+        (
+            "/home/me/glmref/mine.py",
+            "KeyError: 'radius' (line 3 of mine.py)",
+        ),  # a clone of that name
+        ("/home/me/my-glmref-adapter.py", "KeyError: 'radius' (line 3 of my-glmref-adapter.py)"),
+        (str(Path(glmref.__file__).parent / "mine.py"), "KeyError: 'radius'"),
+        ("/usr/lib/python3/site-packages/other/mine.py", "KeyError: 'radius'"),
+    ],
+)
+def test_the_place_of_an_error_is_dropped_by_package_and_not_by_a_word_in_its_path(
+    file: str, words: str
+) -> None:
+    space: dict[str, Any] = {}
+    code = "def step(self, *_):\n    lengths = {}\n    return lengths['radius']\n"
+    exec(compile(code, file, "exec"), space)
+    odd = type("Odd", (Plain,), {"step": space["step"]})
+    first = Suite(Subject(odd())).findings()[0]
+    assert first.witness == f"step raised {words}"
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ import pytest
 
 from glmref.catalogue.lookup import load
 from glmref.cli import main
+from glmref.cli.probing import _page
 from glmref.conformance.adapters.reference import Adapter as Reference
 from glmref.conformance.identify import as_method, identify, recognised
 from glmref.conformance.probe import read
@@ -18,6 +19,7 @@ from glmref.conformance.subject import Subject
 from glmref.errors import UsageError
 from glmref.exact import Exact
 from glmref.method import PartitionedGLM
+from glmref.views.tables import Style
 
 
 class Opaque:
@@ -125,6 +127,41 @@ def test_times_that_are_not_c_are_said() -> None:
 
     (probe,) = identify(Subject(Frozen("rk4")))
     assert any("times other than" in note for note in probe.notes)
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "factor"), [("rk4", 1, 0.0), ("gauss-2", 1, 0.5), ("gsymplectic-n", 2, 0.0)]
+)
+def test_a_method_with_wrong_stage_times_is_headed_as_what_it_is(
+    name: str, values: int, factor: float, capsys: pytest.CaptureFixture[str]
+) -> None:
+    class Shifted(Opaque):
+        def step(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
+            engine = self.inner._engine(self.hidden, problem)
+            engine.c = factor * np.array(SHIFTED[name])
+            return super().step(method, problem, t, y, h)
+
+    (probe,) = identify(Subject(Shifted(name, values)))
+    wrong = probe.wrong_times
+    assert wrong is not None and wrong.name == name
+    assert wrong.times == pytest.approx(SHIFTED[name], abs=1e-14)
+    assert any("at times other than" in note for note in probe.notes)
+    assert [x["same_times"] for x in probe.as_json()["matches"]] == [False] * len(probe.matches)
+    page = _page(probe, Style())
+    head, first, second, *_ = page.splitlines()
+    assert head == "black-box with wrong stage times"
+    assert f"not {name}: its coefficients, with f at other times" in first
+    assert f"those of {name}: c = " in second
+    assert "autonomous systems only" in page
+    (right,) = identify(Subject(Opaque(name, values)))
+    assert right.wrong_times is None and _page(right, Style()).splitlines()[0] == "black-box"
+
+
+SHIFTED = {
+    "rk4": [0.0, 0.5, 0.5, 1.0],
+    "gauss-2": [0.5 - 3**0.5 / 6, 0.5 + 3**0.5 / 6],
+    "gsymplectic-n": [0.5 - 3**0.5 / 6, 0.5 + 3**0.5 / 6],
+}
 
 
 def test_what_cannot_be_read_is_said_and_not_guessed() -> None:

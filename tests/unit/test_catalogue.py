@@ -3,22 +3,26 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
 
+import glmref
 from glmref.catalogue.lookup import data_root, document, load, names, path_of
 from glmref.catalogue.strict_json import read_json
+from glmref.cli import main
+from glmref.engine.ensemble import solve_ensemble
 from glmref.errors import DataError, UsageError
 
 
 def test_names_are_the_stems_of_the_files_and_the_two_folders_share_none() -> None:
     stems = {p.stem for p in data_root().glob("methods/*/*.json")}
     assert set(names("methods")) == stems
-    assert set(names()) == set(names("methods")) | set(names("broken"))
+    assert set(names("all")) == set(names("methods")) | set(names("broken"))
     assert not set(names("methods")) & set(names("broken"))
-    assert names() == sorted(names())
-    for name in names():
+    assert names("all") == sorted(names("all"))
+    for name in names("all"):
         assert document(name)["name"] == name == path_of(name).stem
 
 
@@ -75,6 +79,72 @@ def test_a_file_without_an_object_is_a_data_error(tmp_path: Path) -> None:
 
 
 def test_documents_are_the_files_byte_for_byte() -> None:
-    for name in names():
+    for name in names("all"):
         path = path_of(name)
         assert document(name) == read_json(path) == json.loads(path.read_bytes())
+
+
+def test_what_is_wrong_on_purpose_is_named_only_where_it_is_asked_for() -> None:
+    wrong = set(names("broken"))
+    assert "yoshida-4-sign" in wrong and not wrong & set(glmref.names())
+    with pytest.raises(UsageError, match=r"no method named \"yoshida-4-sgin\"; .*") as refusal:
+        load("yoshida-4-sgin")
+    assert "yoshida-4-sign" not in str(refusal.value)
+    for name in wrong:  # one letter less: no file that is wrong on purpose is proposed
+        with pytest.raises(UsageError) as refusal:
+            path_of(name[:-1] + "_")
+        told = re.findall(r"[a-z0-9.-]+(?= or |\?)", str(refusal.value))
+        assert not wrong & set(told)
+    with pytest.raises(
+        UsageError,
+        match="did you mean broken",
+    ):
+        names("brokn")
+
+
+def test_a_method_that_is_wrong_on_purpose_is_refused_by_name_and_runs_as_an_object() -> None:
+    with pytest.raises(
+        UsageError, match=r"wrong on purpose; .* give glmref.load\('yoshida-4-sign'\)"
+    ):
+        glmref.solve("kepler", "yoshida-4-sign", h=0.01, steps=2)
+    found = glmref.solve("kepler", load("yoshida-4-sign"), h=0.01, steps=2)
+    why = document("yoshida-4-sign")["broken"]["why"]
+    assert found.notices == (f"yoshida-4-sign is wrong on purpose: {why}",)
+    assert glmref.solve("kepler", "yoshida-4", h=0.01, steps=2).notices == ()
+
+
+def test_an_ensemble_says_so_too() -> None:
+    initial = [glmref.problem("kepler").y0] * 3
+    with pytest.raises(UsageError, match="wrong on purpose"):
+        solve_ensemble("kepler", "yoshida-4-sign", initial, h=0.01, steps=2)
+    found = solve_ensemble("kepler", load("yoshida-4-sign"), initial, h=0.01, steps=2)
+    assert found.notices[0].startswith("yoshida-4-sign is wrong on purpose: ")
+    assert solve_ensemble("kepler", "yoshida-4", initial, h=0.01, steps=2).notices == ()
+
+
+@pytest.mark.parametrize(
+    ("words", "hint"),
+    [
+        (["show", "gaus-2"], "did you mean gauss-2"),
+        (["run", "keplr"], "did you mean kepler"),
+        (["derive", "ordr6"], "did you mean order6"),
+        (["derive", "order6", "--strt", "no"], "did you mean start"),
+        (["probe", "scpy"], "did you mean scipy"),
+        (["probe", "scipy", "--method", "dormand-prince"], "did you mean dormand-prince-5"),
+        (["errata", "--method", "gsymplectic-m"], "or gsymplectic-n"),
+        (["errata", "3.0.5-referense"], "did you mean 3.0.5-reference"),
+    ],
+)  # fmt: skip
+def test_a_name_that_is_not_known_is_answered_with_the_nearest(
+    words: list[str], hint: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(words) == 2
+    out, err = capsys.readouterr()
+    assert out == "" and hint in err and len(err.splitlines()) == 1
+
+
+def test_the_nearest_problem_and_parameter_are_named() -> None:
+    with pytest.raises(UsageError, match="did you mean kepler"):
+        glmref.problem("keppler")
+    with pytest.raises(UsageError, match="did you mean eccentricity"):
+        glmref.problem("kepler", excentricity="1/2")

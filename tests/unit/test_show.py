@@ -131,7 +131,7 @@ def test_a_computed_method_without_a_file_is_shown_too() -> None:
 
 @pytest.mark.parametrize("decimal", [None, 4])
 def test_every_shipped_method_can_be_shown_and_its_rules_line_up(decimal: int | None) -> None:
-    for name in names():
+    for name in names("all"):
         text = show(load(name), decimal=decimal, style=UNICODE)
         for part in text.split("\n\n"):
             rules = [line for line in part.splitlines() if line.startswith(" ─")]

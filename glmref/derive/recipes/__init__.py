@@ -14,7 +14,7 @@ import re
 from collections.abc import Callable, Mapping
 from importlib import import_module
 
-from ...errors import UsageError
+from ...errors import UsageError, did_you_mean
 from .record import Derivation, Progress, Statement
 
 __all__ = [
@@ -49,7 +49,8 @@ def names() -> list[str]:
 
 def _module(name: str) -> object:
     if name not in _MODULES:
-        raise UsageError(f"there is no recipe {name!r}; there are {', '.join(_MODULES)}")
+        hint = did_you_mean(name, _MODULES, "; ")
+        raise UsageError(f"there is no recipe {name!r}; there are {', '.join(_MODULES)}{hint}")
     return import_module(f"{__name__}.{_MODULES[name]}")
 
 
@@ -90,6 +91,7 @@ def run(
         if key not in known:
             raise UsageError(
                 f"the recipe {name!r} has no option {key!r}; it has {', '.join(known) or 'none'}"
+                f"{did_you_mean(key, known, '; ')}"
             )
     derive: Callable[[Mapping[str, str], Progress], Derivation]
     derive = _module(name).derive  # type: ignore[attr-defined]

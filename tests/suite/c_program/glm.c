@@ -1,63 +1,72 @@
-/* The method of a vector file as an adapter: coefficients from the file, f over the pipe.
+/* The method of a vector file as an adapter: coefficients from the file, f over the pipe. Explicit
+   and diagonally implicit methods of any size; others are refused with a sentence.
    cc -O1 -o glm glm.c -lm ; python -m glmref.conformance "cmd:./glm data/vectors/thesis-3-8.json" */
+#define _POSIX_C_SOURCE 200809L
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-enum { S = 8, R = 8, D = 64, LINE = 1 << 16 };
-static char line[LINE], file[1 << 20], name[64];
-static double A[S * S], U[S * R], B[R * S], V[R * R], c[S], SA[S * S], SB[R * S], su[R];
+static char *line, *file;
+static size_t room;
+static double *A, *U, *B, *V, *c, *SA, *SB, *su;
 static int s, r, m; /* stages, values, stages of the starting method */
-/* Numbers, quoted or not, of the array after a key; how many there are. */
-static int numbers(const char *text, const char *key, double *out) {
-  int n = 0, depth = 0;
+/* Numbers, quoted or not, of the array after a key: how many there are; at most `most` are kept. */
+static int numbers(const char *text, const char *key, double *out, int most) {
+  int n = 0, depth = 0, ended = 0;
   const char *p = text ? strstr(text, key) : NULL;
-  if (!p) return 0;
-  for (p += strlen(key); *p && !(n && depth == 0); p++) {
-    char *end;
+  for (p += p ? strlen(key) : 0; p && *p && !ended; p++) {
     depth += (*p == '[') - (*p == ']');
-    if (strchr("-0123456789", *p)) out[n++] = strtod(p, &end), p = end - 1;
+    if (*p && strchr("-0123456789", *p)) {
+      char *end;
+      double x = strtod(p, &end);
+      if (n++ < most) out[n - 1] = x;
+      p = end - 1;
+    } else if (*p != ']') continue;
+    ended = depth <= 0;
   }
   return n;
 }
+/* The numbers after a key in memory of their own, with room for at least one. */
+static double *array(const char *text, const char *key, int *n) {
+  *n = numbers(text, key, NULL, 0);
+  double *out = calloc(*n ? *n : 1, sizeof(double));
+  if (!out) exit(3);
+  numbers(text, key, out, *n);
+  return out;
+}
 /* The end of a line we send: a list. */
 static void list(const double *x, int n) {
-  for (int k = 0; k < n; k++) printf("%s%.17g", k ? ", " : "[", x[k]);
-  puts("]}");
-  fflush(stdout);
+  printf("[");
+  for (int k = 0; k < n; k++) printf("%s%.17g", k ? ", " : "", x[k]);
+  puts("]}"), fflush(stdout);
 }
 /* Ask for f(t, y). */
 static void f(double t, const double *y, int d, double *out) {
-  printf("{\"ask\": \"f\", \"t\": %.17g, \"y\": ", t);
-  list(y, d);
-  if (!fgets(line, LINE, stdin)) exit(1);
-  numbers(line, "\"values\":", out);
+  printf("{\"ask\": \"f\", \"t\": %.17g, \"y\": ", t), list(y, d);
+  if (getline(&line, &room, stdin) < 0 || numbers(line, "\"values\":", out, d) != d) exit(3);
 }
 /* Y = h A f(Y) + U y, one stage after the other; with a diagonal entry by fixed-point steps. */
 static void stages(const double *a, const double *u, const double *cc, int n, int rows, double t,
-                   double h, const double *y, int d, double *Y, double *F) {
+                   double h, const double *y, int d, double *Y, double *F, double *base) {
   for (int i = 0; i < n; i++) {
-    double base[D], *k = F + i * d;
     for (int e = 0; e < d; e++) {
       base[e] = 0;
       for (int j = 0; j < rows; j++) base[e] += u[i * rows + j] * y[j * d + e];
       for (int j = 0; j < i; j++) base[e] += h * a[i * n + j] * F[j * d + e];
+      Y[i * d + e] = base[e];
     }
-    memcpy(Y + i * d, base, d * sizeof(double));
-    f(t + cc[i] * h, base, d, k);
-    for (int round = 0; a[i * n + i] != 0 && round < 100; round++) {
-      double change = 0;
-      for (int e = i * d; e < i * d + d; e++) {
-        double old = Y[e];
-        Y[e] = base[e - i * d] + h * a[i * n + i] * F[e];
-        change = fmax(change, fabs(Y[e] - old));
+    f(t + cc[i] * h, base, d, F + i * d);
+    for (int round = 0, moved = a[i * n + i] != 0; moved && round < 100; round++) {
+      moved = 0;
+      for (int e = 0; e < d; e++) {
+        double next = base[e] + h * a[i * n + i] * F[i * d + e];
+        moved |= next != Y[i * d + e];
+        Y[i * d + e] = next;
       }
-      if (change > 0) f(t + cc[i] * h, Y + i * d, d, k);
-      else break;
+      if (moved) f(t + cc[i] * h, Y + i * d, d, F + i * d);
     }
   }
 }
-
 static void combine(const double *b, const double *v, int n, int rows, double h, const double *F,
                     const double *y, int d, double *out) {
   for (int i = 0; i < r * d; i++) {
@@ -66,34 +75,53 @@ static void combine(const double *b, const double *v, int n, int rows, double h,
     for (int j = 0; j < n; j++) out[i] += h * b[i / d * n + j] * F[j * d + i % d];
   }
 }
+/* Read the file; return what makes it one that this program does not run, or NULL. */
+static const char *unfit(const char *path) {
+  FILE *in = fopen(path, "r");
+  size_t size = 0;
+  if (!in || getdelim(&file, &size, 0, in) < 0) return "the vector file cannot be read";
+  if (strstr(file, "\"q\":")) return "a partitioned method: this program runs single methods";
+  int a, u, b, v, sa, sb, uu;
+  c = array(file, "\"c\":", &s), A = array(file, "\"A\":", &a), U = array(file, "\"U\":", &u);
+  B = array(file, "\"B\":", &b), V = array(file, "\"V\":", &v), r = s ? u / s : 0;
+  if (!r || a != s * s || u != s * r || b != r * s || v != r * r) return "no vector file of a method";
+  for (int i = 0; i < a; i++)
+    if (i % s > i / s && A[i] != 0) return "a stage needs later ones: they are to be solved together";
+  const char *start = strstr(file, "\"starting\":");
+  SA = array(start, "\"A\":", &sa), SB = array(start, "\"B\":", &sb), su = array(start, "\"u\":", &uu);
+  m = uu ? sb / uu : 0;
+  for (int i = 0; i < sa; i++)
+    if (sa != m * m || (i % m > i / m && SA[i] != 0)) return "the starting method is implicit";
+  return NULL;
+}
 
 int main(int count, char **arguments) {
-  FILE *in = fopen(count > 1 ? arguments[1] : "", "r");
-  double Y[S * D], F[S * D], y[R * D], out[R * D], one[S], sc[S] = {0};
-  if (!in || !fread(file, 1, sizeof file - 1, in)) return 1;
-  sscanf(strstr(file, "\"method\":"), "\"method\": \"%63[^\"]", name);
-  s = numbers(file, "\"c\":", c), r = numbers(file, "\"U\":", U) / s;
-  numbers(file, "\"A\":", A), numbers(file, "\"B\":", B), numbers(file, "\"V\":", V);
-  char *start = strstr(file, "\"starting\":");
-  m = (int)lround(sqrt(numbers(start, "\"A\":", SA)));
-  numbers(start, "\"B\":", SB), numbers(start, "\"u\":", su);
-  for (int i = 0; i < m * m; i++) sc[i / m] += SA[i], one[i / m] = 1;
-  while (fgets(line, LINE, stdin)) {
+  const char *why = unfit(count > 1 ? arguments[1] : "");
+  int n = s > m ? s : m, before = -1;
+  double *one = calloc(n + 1, sizeof(double)), *sc = calloc(n + 1, sizeof(double)), *work = NULL;
+  for (int i = 0; !why && i < m * m; i++) sc[i / m] += SA[i], one[i / m] = 1;
+  while (getline(&line, &room, stdin) >= 0) {
     int stage = strstr(line, "\"stages\"") != NULL, begin = strstr(line, "\"start\"") != NULL;
-    if (strstr(line, "\"describe\"")) {
-      printf("{\"offers\": [\"step\", \"stages\"%s], ", m ? ", \"start\"" : "");
-      printf("\"methods\": [\"%s\"]}\n", name), fflush(stdout);
+    if (why || strstr(line, "\"describe\"")) {
+      const char *name = why ? "" : strstr(file, "\"method\":") + 10;
+      if (why) printf("{\"error\": \"%s\"}\n", why);
+      else printf("{\"offers\": [\"step\", \"stages\"%s], \"methods\": [%.*s]}\n",
+                  m ? ", \"start\"" : "", (int)strcspn(name, ",\n"), name);
+      fflush(stdout);
       continue;
     }
-    double t, h, columns;
-    numbers(line, "\"t\":", &t), numbers(line, "\"h\":", &h);
-    int d = numbers(line, "\"columns\":", &columns) ? (int)columns : 0;
-    if (d > D) return 1; /* more components than there is room for */
-    numbers(line, begin ? "\"y0\":" : "\"values\":", y);
-    if (begin) stages(SA, one, sc, m, 1, t, h, y, d, Y, F), combine(SB, su, m, 1, h, F, y, d, out);
-    else stages(A, U, c, s, r, t, h, y, d, Y, F), combine(B, V, s, r, h, F, y, d, out);
-    printf("{\"values\": ");
-    list(stage ? Y : out, (stage ? s : r) * d);
+    double t = 0, h = 0, columns = 0;
+    numbers(line, "\"t\":", &t, 1), numbers(line, "\"h\":", &h, 1);
+    numbers(line, "\"columns\":", &columns, 1);
+    int d = (int)columns;
+    if (d < 1) return 3;
+    if (d > before) work = realloc(work, (2 * n + 2 * r + 1) * (size_t)d * sizeof(double)), before = d;
+    if (!work) return 3;
+    double *Y = work, *F = Y + n * d, *y = F + n * d, *out = y + r * d, *base = out + r * d;
+    if (numbers(line, begin ? "\"y0\":" : "\"values\":", y, r * d) != (begin ? 1 : r) * d) return 3;
+    if (begin) stages(SA, one, sc, m, 1, t, h, y, d, Y, F, base), combine(SB, su, m, 1, h, F, y, d, out);
+    else stages(A, U, c, s, r, t, h, y, d, Y, F, base), combine(B, V, s, r, h, F, y, d, out);
+    printf("{\"values\": "), list(stage ? Y : out, (stage ? s : r) * d);
   }
   return 0;
 }

@@ -1,0 +1,110 @@
+"""A file that holds a tableau and nothing else: every command but ``verify`` and ``cite`` reads it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import glmref
+from glmref.catalogue.keys import BLOCKS
+from glmref.catalogue.lookup import document
+from glmref.cli import main
+
+HEUN = {"A": [["0", "0"], ["1", "0"]], "b": ["1/2", "1/2"]}
+SAID = ("format", "name", "class", "claims", "source", "title", "notes", "$schema")
+
+
+def write(folder: Path, content: Any, name: str = "mine.json") -> Path:
+    path = folder / name
+    path.write_text(json.dumps(content), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["gsymplectic-n", "rk4", "ab-2", "bdf-2-one-leg", "suzuki-verlet-4", "g6245-w3", "pair-4-4"],
+)  # fmt: skip
+def test_the_class_is_told_from_the_keys(name: str, tmp_path: Path) -> None:
+    whole = document(name)
+    bare = {k: x for k, x in whole.items() if k not in SAID}
+    path = write(tmp_path, bare, "My Method (2).json")
+    method = glmref.load(path)
+    assert method.document is not None
+    wanted = "lmm" if set(bare) == {"alpha", "beta"} else whole["class"]
+    assert method.document["class"] == wanted
+    assert method.name == "my-method-2-"
+    assert not method.claims and not method.source
+    if wanted == whole["class"] and "enclosure" not in bare and name != "suzuki-verlet-4":
+        record = glmref.analyze(method).as_json() | {"method": name}
+        assert record == glmref.analyze(glmref.load(name)).as_json()
+
+
+def test_every_class_is_told_from_the_keys_it_needs() -> None:
+    from glmref.catalogue.keys import class_of_keys, needed_keys
+
+    for kind in BLOCKS:
+        keys = needed_keys(kind)
+        assert class_of_keys(dict.fromkeys(keys)) == ("lmm" if kind == "one-leg" else kind)
+    assert class_of_keys(dict.fromkeys(["alpha", "beta", "G"])) == "one-leg"
+    assert class_of_keys({"a": [], "b": []}) == ""
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        HEUN,
+        {**HEUN, "claims": {}},
+        {**HEUN, "format": "glmref-method-1", "name": "heun"},
+        {"A": HEUN["A"], "U": [["1"], ["1"]], "B": [["1/2", "1/2"]], "V": [["1"]]},
+    ],
+)
+def test_analyze_and_show_read_it_and_verify_and_cite_say_what_is_missing(
+    content: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = str(write(tmp_path, content))
+    assert main(["analyze", file]) == 0
+    assert "order with the identity" in capsys.readouterr().out
+    assert main(["analyze", file, "--format", "json"]) == 0
+    assert json.loads(capsys.readouterr().out)["order"] == 2
+    assert main(["show", file]) == 0
+    assert "1/2" in capsys.readouterr().out
+    assert main(["verify", file]) == 2
+    out, err = capsys.readouterr()
+    assert out == "" and err == (
+        "glmref: mine.json: there is nothing to verify, since the file makes no claims; "
+        "`glmref analyze mine.json` says what the method is\n"
+    )
+    assert main(["cite", file]) == 2
+    out, err = capsys.readouterr()
+    assert out == "" and "has no source to cite; add `source`" in err
+
+
+def test_it_is_solved_with(tmp_path: Path) -> None:
+    found = glmref.solve("kepler", str(write(tmp_path, HEUN)), h=0.01, steps=10)
+    assert found.y == pytest.approx(glmref.solve("kepler", "heun-2", h=0.01, steps=10).y, abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"c": ["0", "1"]}, "the key 'c' is unknown for class 'rk'"),
+        ({"b": None}, "the key `class` is missing; it is one of glm,"),
+        ({"b": None, "B": "x"}, "and not from A, B"),
+        ({"A": [["0", "x"], ["1", "0"]]}, "`A[1][2]`: the name 'x' is not known"),
+        ({"A": [["0", "0", "0"], ["1", "0", "0"]]}, "mine.json: "),
+        ({"format": "glmref-method-2"}, "`format` must be 'glmref-method-1'"),
+        ({"source": {"where": "page 1"}}, "`source.citation` must be a non-empty string"),
+        ({"claims": {"order": 2}}, "`format` must be 'glmref-method-1', got null"),
+        ({"claims": []}, "`format` must be"),
+    ],
+)
+def test_what_is_wrong_with_it_is_one_sentence(
+    changes: dict[str, Any], words: str, tmp_path: Path
+) -> None:
+    content = {k: x for k, x in {**HEUN, **changes}.items() if x is not None}
+    with pytest.raises(glmref.DataError) as refusal:
+        glmref.load(write(tmp_path, content))
+    assert words in str(refusal.value) and str(refusal.value).startswith("mine.json: ")
