@@ -227,7 +227,7 @@ def test_a_measurement_says_how_it_is_made_again(name: str) -> None:
     record = measured(name)
     assert record["format"] == "glmref-measurement-1"
     assert record["name"] == name
-    assert record["how"].startswith("python -m glmref.")
+    assert record["how"].startswith("python -m campaigns.")
 
 
 if __name__ == "__main__":
