@@ -13,6 +13,7 @@ import numpy as np
 
 from ..exact.linalg import Matrix
 from ..problems.model import Problem
+from .memory import NEWTON_BYTES
 
 __all__ = ["Arithmetic", "StageSolver", "size"]
 
@@ -115,11 +116,15 @@ class StageSolver:
     ) -> np.ndarray:
         """Iterate from x. A change below a few units of ``scale`` counts as round-off.
 
-        Fixed point first; where that does not contract, Newton with a difference quotient matrix.
+        Fixed point first; where that does not contract, Newton with a difference quotient matrix
+        (unless that matrix is beyond :data:`.memory.NEWTON_BYTES`: then it has not converged).
         """
         settled, result = self._settle(function, x, scale)
         if settled:
             return result
+        if 8 * x.size**2 > NEWTON_BYTES:
+            self.converged = False
+            return x
         settled, result = self._settle(self._newton(function, x), x, scale)
         self.converged &= settled
         return result

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..problems.formula import Formula
-from .emit import ArrayTarget, ScalarTarget, Target, Writer
+from .emit import ArrayTarget, ScalarTarget, Target, Writer, length_check
 from .forms import StepForm
 from .newton import HELPERS
 from .shape import Shape, inlined, jacobian_block, parameter_names, used_parameters
@@ -183,7 +183,7 @@ def _differences(w: Writer, shape: Shape) -> None:
             where = f"v[{low}:{high}]"
             count = part.stop - part.start
             if part.function is not None:
-                w(f"found = {part.role}({time}{where})")
+                w(f"found = {part.role}({time}{where}.copy())", *length_check(part))
                 with w.block(f"for c in range({count}):"):
                     w("scratch[place + c] = found[c]")
             elif part.body:
@@ -249,8 +249,8 @@ class Builder(StageWriter):
             return
         with self.w.block("try:"):
             yield
-        with self.w.block("except (ArithmeticError, ValueError):"):
-            self.w("outcome = 2", "break")
+        with self.w.block("except (ArithmeticError, ValueError) as error:"):
+            self.w("trouble.append(error)", "outcome = 2", "break")
 
     def _scaled_weights(self) -> None:
         for i, weight in enumerate(self.form.weights):

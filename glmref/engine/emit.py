@@ -23,7 +23,15 @@ from itertools import pairwise
 
 from .shape import Part, Shape, inlined, parameter_names, used_parameters
 
-__all__ = ["ArrayTarget", "LaneTarget", "ScalarTarget", "Target", "Writer", "tree_sum"]
+__all__ = [
+    "ArrayTarget",
+    "LaneTarget",
+    "ScalarTarget",
+    "Target",
+    "Writer",
+    "length_check",
+    "tree_sum",
+]
 
 _REFERENCE = re.compile(r"@(\w+)")
 _COUNTER = re.compile(r"\bcomponent\b")
@@ -52,6 +60,13 @@ class Writer:
     def text(self) -> str:
         """The source so far."""
         return "\n".join(self.lines) + "\n"
+
+
+def length_check(part: Part) -> tuple[str, str]:
+    """Lines that refuse a result of another length, which compiled code would read beyond."""
+    size = part.stop - part.start
+    says = f"it must return {size} numbers and returned another number of them"
+    return f"if len(found) != {size}:", f"    raise IndexError({says!r})"
 
 
 def tree_sum(terms: Sequence[str]) -> str:
@@ -166,7 +181,7 @@ class ScalarTarget(_Unrolled):
         else:
             arguments = ", ".join(self.ref(source, c) for c in range(part.source, part.source_stop))
             time = "time, " if part.timed else ""
-            self.w(f"found = {part.role}({time}array(({arguments},)))")
+            self.w(f"found = {part.role}({time}array(({arguments},)))", *length_check(part))
             for c in range(part.start, part.stop):
                 self.w(f"{self.ref(out, c)} = found[{c - part.start}]")
 
@@ -316,7 +331,8 @@ class ArrayTarget(Target):
             return
         time = "time, " if part.timed else ""
         if part.function is not None:
-            self.w(f"found = {part.role}({time}{where})")
+            # a copy: the function may compute in place
+            self.w(f"found = {part.role}({time}{where}.copy())", *length_check(part))
             with self.loop(0, part.stop - part.start) as c:
                 self.w(f"x[{low} + {c}] = found[{c}]")
             return

@@ -15,6 +15,7 @@ import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -22,10 +23,12 @@ from ..errors import UsageError
 from ..method import GLM, PartitionedGLM
 from ..problems.formula import Formula
 from ..problems.model import Problem
+from ..problems.user import FunctionFailed, NoValue, raised
 from . import compiled, native
 from .codegen import ARGUMENTS, KernelSource, Options, kernel_source
 from .forms import StepForm
-from .newton import INLINE_LIMIT
+from .memory import NEWTON_BYTES, gibibytes
+from .newton import INLINE_LIMIT, NewtonWriter
 from .outcome import KERNEL_OUTCOMES, Outcome
 from .partitioned import pair_source
 from .partitioned_forms import PairForm, pair_form
@@ -33,12 +36,14 @@ from .plan import check_arithmetic
 from .shape import Shape, jacobian_block, shape_of
 from .sweep import step_form
 
-__all__ = ["SOLVERS", "Kernel", "State", "choose_solver", "contraction", "prepare"]
+__all__ = ["SOLVERS", "Kernel", "State", "choose_solver", "contraction", "newton_bytes", "prepare"]
 
 SOLVERS = ("auto", "fixed-point", "newton")
 
 POOR = 0.25  # a fixed point that contracts less than this per round is slow
 _DIFFERENCES_UP_TO = 64  # dimension up to which a missing Jacobian is differenced for the estimate
+_DENSE_UP_TO = 256  # dimension up to which a known one is formed for its norm
+_NORM_ROUNDS = 2
 
 #: Stages solved together from which on their operations are worth packing into vectors.
 PACKED_STAGES = 3
@@ -50,6 +55,8 @@ _OTHER_CALL = 15
 _ROUND_LATENCY = 12  # forming Y and L around one evaluation
 _INLINE_SOLVE = {1: 6, 2: 14, 3: 40}
 _NEWTON_ROUNDS = 2.3
+
+_SAME_VALUE = 1e-9  # relative difference of a compiled function from the interpreted one
 
 _FIRST_CHUNK = 256
 _CHUNK_SECONDS = 0.05
@@ -66,12 +73,18 @@ class State:
     ----------
         work: the work array; ``y`` (r, d) and ``memory`` (rows, d) are views of its head.
         tally: evaluations, velocity evaluations, iterations, factorisations, steps, rows.
+        trouble: what the right-hand side raised in the step that ended the run, or ``None``.
     """
 
     work: np.ndarray
     y: np.ndarray
     memory: np.ndarray
     tally: np.ndarray = field(default_factory=lambda: np.zeros(6, dtype=np.int64))
+    trouble: Exception | None = None
+
+    def take_back(self, work: np.ndarray, tally: np.ndarray) -> None:
+        """Return to copies made earlier."""
+        self.work[:], self.tally[:] = work, tally
 
     @property
     def step(self) -> int:
@@ -163,23 +176,64 @@ class Kernel:
         chunk, seconds, flat = _FIRST_CHUNK, 0.0, out.reshape(-1)
         if self.built.engine == "python":
             chunk = 8
+        grows = True
         while state.step < last:
             until = min(last, state.step + chunk)
             begin = time.perf_counter()
             mark = (state.step // every + 1) * every if every else -1
-            code = self.built.kernel(
-                state.work, self.shape.values, t0, h, state.step, until, mark, every, flat,
-                int(state.tally[5]), state.tally,
-            )  # fmt: skip
+            code = self._called(state, t0, h, until, mark, every, flat)
             spent = time.perf_counter() - begin
             seconds += spent
+            if code is None:
+                # an exception came through: the same steps again in smaller pieces, up to the last
+                # one before it
+                chunk, grows = max(1, (until - state.step) // 2), False
+                continue
             if code:
                 return KERNEL_OUTCOMES[code], seconds
-            if spent < _CHUNK_SECONDS:
+            if grows and spent < _CHUNK_SECONDS:
                 chunk *= 8 if spent < _CHUNK_SECONDS / 8 else 2
             if state.step < last and pause(state.step):
                 return Outcome.CANCELLED, seconds
         return Outcome.COMPLETED, seconds
+
+    def _called(
+        self, state: State, t0: float, h: float, until: int, mark: int, every: int, flat: np.ndarray
+    ) -> int | None:
+        """Call the kernel for the steps up to ``until``.
+
+        Returns
+        -------
+        Its code; the one for a right-hand side that failed in the step after the state; ``None``
+        where it failed after some steps, which are taken back.
+        """
+        kernel, first = self.built.kernel, state.step
+        numbers = (t0, h, first, until, mark, every)
+        row = int(state.tally[5])
+        if self.built.engine == "native":
+            return kernel(state.work, self.shape.values, *numbers, flat, row, state.tally)
+        held = state.work.copy(), state.tally.copy()
+        self.built.trouble.clear()
+        try:
+            code = kernel(state.work, self.shape.values, *numbers, flat, row, state.tally)
+        except Exception as error:
+            state.take_back(*held)
+            own = isinstance(error, FunctionFailed)
+            if not own and (self.built.engine == "python" or not self.shape.opaque):
+                raise
+            if until - first > 1:
+                return None
+            names = {"full": "f", "velocity": "dq", "force": "dp"}
+            called = " or ".join(names[part.role] for part in self.shape.parts if part.function)
+            state.trouble = error if own else raised(called, error)
+            which = Outcome.NOT_FINITE if isinstance(state.trouble, NoValue) else None
+            return KERNEL_OUTCOMES.index(which or Outcome.FUNCTION_FAILED)
+        except BaseException:
+            state.take_back(*held)
+            raise
+        if code and self.built.trouble:
+            state.trouble = self.built.trouble[-1]
+        return code
 
 
 def remembered(slope: np.ndarray, weight: float | None, h: float) -> np.ndarray:
@@ -220,7 +274,39 @@ def prepare(
     coefficients, shape = choose_form(method, problem, wanted)
     if isinstance(coefficients, StepForm):
         options = replace(options, solver=choose_solver(coefficients, shape, problem, h, solver))
-    return _assembled(coefficients, shape, options, begin)
+    kernel = _assembled(coefficients, shape, options, begin)
+    strange = _computes_otherwise(kernel, problem)
+    if not strange:
+        return kernel
+    options = replace(kernel.options, interpreted=True)
+    return _assembled(coefficients, shape, options, begin, strange)
+
+
+def _computes_otherwise(kernel: Kernel, problem: Problem) -> str:
+    """Why a user's function must not be compiled: its value at the start is another then.
+
+    Compiled code has whole numbers of 64 bits, and the values that global names had at the time.
+    """
+    y, m = np.array(problem.y0, dtype=float), kernel.shape.half
+    points = {"full": (float(problem.t_span[0]), y), "velocity": (y[m:],), "force": (y[:m],)}
+    for part in kernel.shape.parts:
+        compiled_one = kernel.built.functions.get(part.role)
+        if compiled_one is None or part.function is None:
+            continue
+        point = points[part.role]
+        try:
+            expected = np.asarray(part.function(*point), dtype=float)
+            found = np.array(compiled_one(*point[:-1], point[-1].copy()), dtype=float)
+        except Exception:
+            continue  # no value at the start; the run itself says so
+        far = np.abs(found - expected) > _SAME_VALUE * np.abs(expected).max(initial=0.0)
+        if found.shape != expected.shape or far.any():
+            name = getattr(part.function, "__name__", "the right-hand side")
+            return (
+                f"{name} gives another value when it is compiled (whole numbers beyond 64 bits?); "
+                f"the kernel is interpreted, about 30 times slower"
+            )
+    return ""
 
 
 def form_of(arithmetic: str) -> str:
@@ -237,11 +323,13 @@ def choose_form(
     return _cached_form(method, form), shape_of(problem)
 
 
-def _assembled(form: StepForm | PairForm, shape: Shape, options: Options, begin: float) -> Kernel:
+def _assembled(
+    form: StepForm | PairForm, shape: Shape, options: Options, begin: float, notice: str = ""
+) -> Kernel:
     source = _source_of(form, shape, options)
     functions = {part.role: part.function for part in shape.parts if part.function is not None}
     if options.interpreted:
-        built = compiled.interpret(source.text, functions)
+        built = compiled.interpret(source.text, functions, notice)
     else:
         pack = source.side_by_side >= PACKED_STAGES or source.target == "array"
         tuning = native.Tuning(pack=pack, fuse=options.fused)
@@ -271,15 +359,13 @@ def with_newton(kernel: Kernel) -> Kernel:
 def contraction(form: StepForm, shape: Shape, problem: Problem, h: float) -> float:
     """Contraction per fixed-point round at the initial value: h rho(w M) |J|, squared if halved.
 
+    Beyond :data:`_DENSE_UP_TO` components the norm is estimated, see :func:`_norm_estimate`.
     rho(w M) is the largest spectral radius of a block of stages that are solved together: the norm
     of a block of Gauss stages would be too pessimistic by an order of magnitude. Zero for an
     explicit method; ``nan`` where the Jacobian is not known and too large to be differenced.
     """
     if not form.implicit_stages:
         return 0.0
-    matrix = _jacobian(problem)
-    if matrix is None:
-        return math.nan
     scaled = np.array(form.weights)[:, None] * np.array(form.M)
     radii = [
         np.abs(np.linalg.eigvals(scaled[np.ix_(block.stages, block.stages)])).max()
@@ -287,6 +373,12 @@ def contraction(form: StepForm, shape: Shape, problem: Problem, h: float) -> flo
         if block.implicit
     ]
     size = abs(h) * float(max(radii))
+    if shape.dimension > _DENSE_UP_TO and problem.jacobian is not None:
+        norm = _norm_estimate(shape, problem)
+        return size * size * norm if shape.halved else size * norm
+    matrix = _jacobian(problem)
+    if matrix is None:
+        return math.nan
     if shape.halved:
         m = shape.half
         # a product, not a power: beyond the range it is infinite and raises nothing
@@ -298,24 +390,87 @@ def _jacobian(problem: Problem) -> np.ndarray | None:
     t, y, d = problem.t_span[0], np.array(problem.y0, dtype=float), problem.dimension
     with np.errstate(all="ignore"):
         if problem.jacobian is not None:
-            return np.asarray(problem.jacobian(t, y), dtype=float)
+            try:
+                return np.asarray(problem.jacobian(t, y), dtype=float)
+            except (ArithmeticError, ValueError):
+                return None  # no value there
         if d > _DIFFERENCES_UP_TO:
             return None
-        base, columns = np.asarray(problem.f(t, y), dtype=float), []
-        for k in range(d):
-            moved = y.copy()
-            moved[k] += 1e-8 * (abs(y[k]) + 1)
-            slope = np.asarray(problem.f(t, moved), dtype=float)
-            columns.append((slope - base) / (moved[k] - y[k]))
+        columns = []
+        try:
+            base = np.asarray(problem.f(t, y), dtype=float)
+            for k in range(d):
+                moved = y.copy()
+                moved[k] += 1e-8 * (abs(y[k]) + 1)
+                slope = np.asarray(problem.f(t, moved), dtype=float)
+                columns.append((slope - base) / (moved[k] - y[k]))
+        except (ArithmeticError, ValueError):
+            return None
     return np.stack(columns, axis=1)
+
+
+def _norm_estimate(shape: Shape, problem: Problem) -> float:
+    """Lower bound of the row-sum norm of J, of K J_f on a separable problem, without a matrix.
+
+    Every |J v| is one for |v| = 1 in the maximum norm. The first v has random signs: some row of a
+    large sparse matrix meets the signs of its entries. Every further v has the signs of J v, as the
+    power iteration for this norm takes them. Each round costs a difference of two evaluations;
+    ``nan`` where one is no number.
+    """
+    t, y, m = problem.t_span[0], np.array(problem.y0, dtype=float), shape.half
+    maps: list[tuple[Callable[[np.ndarray], Any], np.ndarray]]
+    if not shape.halved:
+        maps = [(lambda x: problem.f(t, x), y)]
+    else:
+        assert problem.dq is not None and problem.dp is not None
+        velocity, force = problem.dq, problem.dp
+        maps = [] if shape.parts[0].identity else [(velocity, y[m:])]
+        maps.append((force, y[:m]))
+    found, signs = 0.0, np.random.default_rng(1).integers(0, 2, len(maps[0][1])) * 2.0 - 1.0
+    try:
+        with np.errstate(all="ignore"):
+            bases = [np.asarray(function(x), dtype=float) for function, x in maps]
+            for _ in range(_NORM_ROUNDS):
+                v = signs
+                for (function, x), base in zip(maps, bases, strict=True):
+                    step = 2.0**-26 * (np.abs(x).max() + 1) / max(np.abs(v).max(), 1e-300)
+                    v = (np.asarray(function(x + step * v), dtype=float) - base) / step
+                found = max(found, float(np.abs(v).max()))
+                signs = np.where(v < 0, -1.0, 1.0)
+    except (ArithmeticError, ValueError):
+        return math.nan
+    return found
+
+
+def newton_bytes(form: StepForm, shape: Shape) -> int:
+    """Memory that Newton's method needs for the Jacobian and its factored matrices."""
+    writer = NewtonWriter()
+    writer.form, writer.shape = form, shape
+    writer.unknowns = shape.half if shape.halved else shape.dimension
+    sizes = dict(writer._matrix_names(block.stages) for block in form.blocks if block.implicit)
+    return 8 * (shape.dimension**2 + sum(n * n for n in sizes.values()))
 
 
 def choose_solver(
     form: StepForm, shape: Shape, problem: Problem, h: float, solver: str = "auto"
 ) -> str:
-    """Fixed point or Newton, by predicted cost; see the module's docstring."""
+    """Fixed point or Newton, by predicted cost; see the module's docstring.
+
+    Raises
+    ------
+        UsageError: when Newton is asked for and its matrices are beyond :data:`NEWTON_BYTES`.
+    """
+    fits = not form.implicit_stages or newton_bytes(form, shape) <= NEWTON_BYTES
+    if solver == "newton" and not fits:
+        raise UsageError(
+            f"Newton's method on {shape.dimension} components needs "
+            f"{gibibytes(newton_bytes(form, shape))} for its matrices, and at most "
+            f"{gibibytes(NEWTON_BYTES)} are given to it; use solver='fixed-point'"
+        )
     if solver != "auto":
         return solver
+    if not fits:
+        return "fixed-point"
     rho = contraction(form, shape, problem, h)
     if rho == 0.0 or not math.isfinite(rho):
         return "fixed-point"

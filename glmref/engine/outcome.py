@@ -26,10 +26,16 @@ class Outcome(StrEnum):
     NOT_FINITE = "not finite"
     STEP_LIMIT = "step limit"
     CANCELLED = "cancelled"
+    FUNCTION_FAILED = "right-hand side failed"
 
 
-#: Codes a kernel returns, in this order.
-KERNEL_OUTCOMES = (Outcome.COMPLETED, Outcome.STAGE_SOLVE_FAILED, Outcome.NOT_FINITE)
+#: Codes a kernel returns, in this order; the last stands for an exception that came through it.
+KERNEL_OUTCOMES = (
+    Outcome.COMPLETED,
+    Outcome.STAGE_SOLVE_FAILED,
+    Outcome.NOT_FINITE,
+    Outcome.FUNCTION_FAILED,
+)
 
 
 @dataclass(frozen=True, eq=False)

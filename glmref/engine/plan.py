@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from ..problems.model import Problem
 
 __all__ = [
     "ARITHMETIC",
+    "Grid",
     "Plan",
     "check_arithmetic",
     "notices_of",
@@ -25,7 +27,36 @@ __all__ = [
 
 ARITHMETIC = ("strict", "fused", "compensated", "naive")
 
+#: Numbers of steps that a double holds exactly, as t0 + n h needs them.
+MOST_STEPS = 2**53
+
 _WHOLE = 1e-9  # how far (t_end - t0) / h may be from an integer, per step
+
+
+@dataclass(frozen=True)
+class Grid(Sequence[int]):
+    """Numbers 0, every, 2 every, ... up to ``last``, and ``last``; none of them is stored."""
+
+    last: int
+    every: int
+
+    def __len__(self) -> int:
+        return -(-self.last // self.every) + 1
+
+    @overload
+    def __getitem__(self, index: int) -> int: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[int]: ...
+    def __getitem__(self, index: int | slice) -> int | list[int]:
+        if isinstance(index, slice):
+            return [self[i] for i in range(*index.indices(len(self)))]
+        place = index if index >= 0 else len(self) + index
+        if not 0 <= place < len(self):
+            raise IndexError(index)
+        return min(place * self.every, self.last)
+
+    def __contains__(self, n: object) -> bool:
+        return isinstance(n, int) and 0 <= n <= self.last and (not n % self.every or n == self.last)
 
 
 @dataclass(frozen=True)
@@ -42,7 +73,7 @@ class Plan:
 
     steps: int
     every: int
-    rows: tuple[int, ...] | range
+    rows: Sequence[int]
     limited: bool
 
 
@@ -103,17 +134,45 @@ def step_size(h: Any) -> float:
     try:
         value = float(h)
     except (TypeError, ValueError):
-        raise UsageError(f"`h` must be a number, got {h!r}") from None
+        raise UsageError(f"`h` must be a number, got {h!r:.60}") from None
+    except OverflowError:
+        raise UsageError("`h` must be finite, got a number beyond double precision") from None
     if not math.isfinite(value) or value == 0.0:
         raise UsageError(f"`h` must be finite and not zero, got {h!r}")
     return value
 
 
-def _whole(x: float, what: str, h: float) -> int:
-    n = round(x) if math.isfinite(x) else -1
+def _time(value: Any, name: str) -> float:
+    """Read a time: a finite number."""
+    try:
+        time = float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise UsageError(f"`{name}` must be a number, got {value!r:.60}") from None
+    if not math.isfinite(time):
+        raise UsageError(f"`{name}` must be finite, got {value!r}")
+    return time
+
+
+def _whole(time: float, t0: float, what: str, h: float) -> int:
+    """Steps of h from t0 to a time."""
+    span = time - t0
+    x = span / h
+    if not abs(x) <= MOST_STEPS:
+        raise UsageError(
+            f"{what} is {abs(x):.3g} steps of h = {h!r} away from t0 = {t0!r}; at most 2**53 can "
+            f"be counted, give another h"
+        )
+    n = round(x)
+    if x < 0 and n < 0:
+        raise UsageError(
+            f"{what} is {'before' if h > 0 else 'after'} t0 = {t0!r}, which steps of h = {h!r} do "
+            f"not reach; change the sign of h"
+        )
     if n < 0 or abs(x - n) > _WHOLE * max(1, n):
-        hint = f"; with h = {h * x / max(1, round(x))!r} it would be" if x > 0.5 else ""
-        raise UsageError(f"{what} is not a whole number of steps of h = {h!r}{hint}")
+        hint = f"; with h = {span / max(1, round(x))!r} it would be" if x > 0.5 else ""
+        raise UsageError(
+            f"{what} is {span!r} from t0, which is not a whole number of steps of h = {h!r}{hint}"
+        )
     return n
 
 
@@ -129,24 +188,24 @@ def plan_of(
     for name, value in (("steps", steps), ("every", every), ("step_limit", limit)):
         whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
         if value is not None and not (whole and value >= 0):
-            raise UsageError(f"`{name}` must be a whole number >= 0, got {value!r}")
+            raise UsageError(f"`{name}` must be a whole number >= 0, got {value!r:.60}")
+    t0 = float(problem.t_span[0])
     if times is not None:
         if every or steps is not None or t_end is not None:
             raise UsageError("give `times`, or `every` with `t_end` or `steps`, not both")
-        t0 = float(problem.t_span[0])
-        marks = tuple(_whole((float(t) - t0) / h, f"t = {float(t)!r}", h) for t in times)
-        if not marks or any(b <= a for a, b in pairwise(marks)):
-            raise UsageError("`times` must be a nonempty list in the direction of h")
+        marks = _marks(times, t0, h)
     else:
         marks = (_total(problem, h, t_end, steps),)
     total = marks[-1] if limit is None else min(marks[-1], int(limit))
     limited = total < marks[-1]
+    _advances(t0, h, total)
     if every:
-        grid = range(0, total + 1, every)
-        rows = (*grid, total) if total % every else grid
+        # a longer stride than the run is one beyond its end; a kernel counts in 64 bits
+        every = min(int(every), total + 1)
+        rows: Sequence[int] = Grid(total, every)
     else:
         rows = (*(n for n in marks if n < total), total) if limited else marks
-    return Plan(total, int(every), rows, limited)
+    return Plan(total, int(every or 0), rows, limited)
 
 
 def _total(problem: Problem, h: float, t_end: Any, steps: Any) -> int:
@@ -154,8 +213,50 @@ def _total(problem: Problem, h: float, t_end: Any, steps: Any) -> int:
     if steps is not None:
         if t_end is not None:
             raise UsageError("give `steps` or `t_end`, not both")
+        if steps > MOST_STEPS:
+            raise UsageError(f"`steps` must be at most 2**53, got {_short(steps)}")
         return int(steps)
     if t_end is None and h < 0:
         raise UsageError("going back in time needs `t_end` or `steps`")
-    t0, end = float(problem.t_span[0]), float(problem.t_span[1] if t_end is None else t_end)
-    return _whole((end - t0) / h, f"t_end - t0 = {end - t0!r}", h)
+    t0 = float(problem.t_span[0])
+    end = _time(problem.t_span[1] if t_end is None else t_end, "t_end")
+    return _whole(end, t0, "t_end", h)
+
+
+def _marks(times: Any, t0: float, h: float) -> tuple[int, ...]:
+    """Step numbers of the times asked for."""
+    if isinstance(times, str) or not isinstance(times, Iterable):
+        raise UsageError(f"`times` must be a list of numbers, got {times!r:.60}")
+    wanted = [_time(t, "times") for t in times]
+    marks = tuple(_whole(t, t0, f"t = {t!r}", h) for t in wanted)
+    if not marks:
+        raise UsageError("`times` must be a nonempty list in the direction of h")
+    for (a, m), (b, n) in pairwise(zip(wanted, marks, strict=True)):
+        if n <= m:
+            raise UsageError(
+                f"`times` must be a nonempty list in the direction of h, each time once; "
+                f"{b!r} comes after {a!r}"
+            )
+    return marks
+
+
+def _advances(t0: float, h: float, total: int) -> None:
+    """Refuse a run whose time stands still or leaves the range of doubles."""
+    if not total:
+        return
+    end = t0 + total * h
+    if not math.isfinite(end):
+        raise UsageError(
+            f"{total} steps of h = {h!r} from t0 = {t0!r} lead beyond the range of double "
+            f"precision; take fewer or smaller steps"
+        )
+    if t0 + h == t0 or end - h == end:
+        where = t0 if t0 + h == t0 else end
+        raise UsageError(
+            f"h = {h!r} is lost in rounding when it is added to t = {where!r}; "
+            f"give a larger h, or begin nearer to t = 0"
+        )
+
+
+def _short(n: int) -> str:
+    return str(n) if n < 10**30 else f"a number of {n.bit_length()} bits"

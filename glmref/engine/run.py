@@ -5,12 +5,16 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..errors import UsageError
 from ..method import GLM, PartitionedGLM
 from ..problems.model import Problem
+from ..problems.user import FunctionFailed, NoValue
+from .forms import StepForm
+from .memory import NEWTON_BYTES, gibibytes, memory
 from .outcome import Outcome, Solution, StartFailed
 from .plan import Plan
 from .reference import Stepper, apply_finish
@@ -20,6 +24,13 @@ if TYPE_CHECKING:
     from .kernel import Kernel, State
 
 __all__ = ["Run"]
+
+
+def _picks(basis: Any) -> bool:
+    """Whether every value is one of the kernel's, or a multiple that is not larger."""
+    if not basis or isinstance(basis[0], int | float):
+        return sum(bool(x) for x in basis) <= 1 and all(abs(x) <= 1 for x in basis)
+    return all(_picks(row) for row in basis)
 
 
 class Run:
@@ -33,13 +44,16 @@ class Run:
         self.problem, self.method, self.h, self.plan = problem, method, h, plan
         self.reference, self.start, self.history = reference, start.values, history
         self.cancel, self.progress = cancel, progress
-        self.kept: list[tuple[int, np.ndarray]] = []
+        #: The rows (m, 1 or r, d) and how many there are so far; their step numbers where they do
+        #: not follow from ``every``.
+        self.rows, self.kept = self._room(), 0
+        self.marks: list[int] = []
         self.values, self.done = start.values, 0
         self.outcome, self.detail = Outcome.COMPLETED, ""
         self.counts = [0, 0, 0, 0]
         self.seconds = self.build_seconds = 0.0
         self.start_evaluations, self.finish_evaluations = start.evaluations, 0
-        self.kernel, self.notices = "", []
+        self.kernel, self.notices, self.too_large = "", [], False
 
     def _pause(self, done: int) -> bool:
         if self.progress is not None:
@@ -54,7 +68,8 @@ class Run:
         if self.reference.arithmetic.digits is not None:
             self.kernel = f"reference, {self.reference.arithmetic.digits} digits"
         t0 = self.reference.arithmetic.number(self.problem.t_span[0])
-        h, wanted = self.reference.arithmetic.number(self.h), set(self.plan.rows)
+        h, rows = self.reference.arithmetic.number(self.h), self.plan.rows
+        wanted = set(rows) if isinstance(rows, tuple) else rows
         if 0 in wanted:
             self._keep(0, self.values)
         begin = time.perf_counter()
@@ -81,6 +96,8 @@ class Run:
         except (ArithmeticError, ValueError) as error:
             # a right-hand side of plain Python numbers raises where an array would hold a NaN
             self.outcome, self.detail = Outcome.NOT_FINITE, f" ({error})"
+        except FunctionFailed as error:
+            self.outcome, self.detail = Outcome.FUNCTION_FAILED, f": {error}"
         self.seconds = time.perf_counter() - begin
 
     def _numbers(self, values: np.ndarray) -> bool:
@@ -88,8 +105,28 @@ class Run:
             return all(x == x and abs(x) != math.inf for x in values.ravel())
         return bool(np.isfinite(values).all())
 
+    def _room(self) -> np.ndarray:
+        """Space for every row asked for, which the system hands out as it is written."""
+        width = self.start.shape[0] if self.history else 1
+        shape = (max(1, len(self.plan.rows)), width, self.problem.dimension)
+        complex_ = np.iscomplexobj(self.start) or np.iscomplexobj(getattr(self.reference, "V", 0.0))
+        kind = self.start.dtype if self.start.dtype == object else complex if complex_ else float
+        needed = math.prod(shape) * np.dtype(kind).itemsize
+        try:
+            if needed > memory():
+                raise MemoryError
+            return np.empty(shape, dtype=kind)
+        except MemoryError:
+            raise UsageError(
+                f"the {shape[0]} rows asked for need {gibibytes(needed)}, more than this "
+                f"machine has; keep fewer with `every`"
+            ) from None
+
     def _keep(self, n: int, values: np.ndarray) -> None:
-        self.kept.append((n, np.array(values if self.history else values[:1])))
+        self.rows[self.kept] = values if self.history else values[:1]
+        self.kept += 1
+        if not self.plan.every:
+            self.marks.append(n)
 
     # --- kernel ---------------------------------------------------------------------------------
 
@@ -98,7 +135,10 @@ class Run:
         from .kernel import prepare
 
         t0 = float(self.problem.t_span[0])
-        slope = self.reference.slope(t0, self.start[0])
+        try:
+            slope = self.reference.slope(t0, self.start[0])
+        except (ArithmeticError, ValueError):
+            slope = np.full(self.problem.dimension, np.nan)  # a method may not evaluate there
         kernel = prepare(
             self.method, self.problem, h=self.h, arithmetic=arithmetic, form=form, solver=solver,
             history=self.history, interpreted=interpreted,
@@ -107,11 +147,10 @@ class Run:
         if kernel.form.memory:
             self.start_evaluations += 1
         state = kernel.state(self.start, slope, self.h)
-        if self.plan.rows and self.plan.rows[0] == 0:
+        if self.plan.rows[0] == 0:
             self._keep(0, self.start)
-        width = self.start.shape[0] if self.history else 1
-        regular = len(range(0, self.plan.steps + 1, self.plan.every)) - 1 if self.plan.every else 0
-        out = np.full((max(regular, 1), width, self.problem.dimension), np.nan)
+        # the kernel writes its rows where they stay
+        out = self.rows[self.kept :] if self.plan.every else self.rows[:0]
         marks = [self.plan.steps] if self.plan.every else [n for n in self.plan.rows if n]
         try:
             for mark in marks:
@@ -126,10 +165,48 @@ class Run:
             self.outcome = Outcome.CANCELLED
         self.done, self.values = state.step, kernel.values(state)
         self.counts = [int(x) for x in state.tally[:4]]
-        for row in range(int(state.tally[5])):
-            self.kept.append(((row + 1) * self.plan.every, out[row]))
-        if self.plan.every and self.done == self.plan.steps and self.done % self.plan.every:
+        every, written = self.plan.every, int(state.tally[5])
+        self.kept += written
+        self._within_range(kernel, slope, t0)
+        if every and self.done == self.plan.steps and self.done % every:
             self._keep(self.done, self.values)
+        if state.trouble is not None:
+            failed = self.outcome is Outcome.FUNCTION_FAILED
+            self.detail = f": {state.trouble}" if failed else f" ({state.trouble})"
+
+    def _within_range(self, kernel: Kernel, slope: np.ndarray, t0: float) -> None:
+        """Give up steps whose values are finite in the basis of the kernel only.
+
+        Near the end of the range the change of basis overflows; so may values at the start, where
+        the given ones are what is left.
+        """
+        last = self.done if np.isfinite(self.values).all() else self.done - 1
+        if not _picks(kernel.form.from_form):
+            written = self.rows[: self.kept]
+            wrong = ~np.isfinite(written).all(axis=(1, 2))
+            if wrong.any():
+                row = int(wrong.argmax())
+                last = min(last, (row * self.plan.every or self.marks[row]) - 1)
+        if last == self.done:
+            return
+        if self.outcome is not Outcome.STAGE_SOLVE_FAILED:
+            self.outcome = Outcome.NOT_FINITE
+        back = 1
+        while last > 0:
+            state = kernel.state(self.start, slope, self.h)
+            kernel.advance(state, last, t0=t0, h=self.h, every=0, out=self.rows[:0])
+            self.values = kernel.values(state)
+            if state.step == last and np.isfinite(self.values).all():
+                break
+            last, back = last - back, 2 * back
+        if last <= 0:
+            last, self.values = 0, self.start
+        self.done = last
+        if self.plan.every:
+            self.kept = min(self.kept, last // self.plan.every + 1)
+        else:
+            self.marks = [n for n in self.marks if n <= last]
+            self.kept = len(self.marks)
 
     def _advance(
         self, kernel: Kernel, state: State, mark: int, t0: float, out: np.ndarray
@@ -152,9 +229,17 @@ class Run:
         self, kernel: Kernel, state: State, mark: int, t0: float, out: np.ndarray
     ) -> tuple[Kernel, State]:
         """The fixed point failed: go on from the same step with Newton."""
-        from .kernel import with_newton
+        from .kernel import newton_bytes, with_newton
 
-        if kernel.options.solver == "newton" or isinstance(self.method, PartitionedGLM):
+        if kernel.options.solver == "newton" or not isinstance(kernel.form, StepForm):
+            return kernel, state
+        needed = newton_bytes(kernel.form, kernel.shape)
+        if needed > NEWTON_BYTES:
+            self.too_large = True
+            self.notices.append(
+                f"the fixed point did not converge at step {state.step + 1}, and Newton's matrices "
+                f"would take {gibibytes(needed)}"
+            )
             return kernel, state
         other = with_newton(kernel)
         self._adopt(other)
@@ -171,16 +256,17 @@ class Run:
         """Finish the rows and put everything together."""
         # where only the end was asked for, the last good step is the end that there is
         short = self.outcome is not Outcome.COMPLETED and not self.plan.every
-        if short and (not self.kept or self.kept[-1][0] != self.done):
+        if short and (not self.marks or self.marks[-1] != self.done):
             self._keep(self.done, self.values)
         if self.plan.limited and self.outcome is Outcome.COMPLETED:
             self.outcome = Outcome.STEP_LIMIT
         t0 = self.reference.arithmetic.number(self.problem.t_span[0])
         h = self.reference.arithmetic.number(self.h)
-        t = np.array([t0 + n * h for n, _ in self.kept])
-        rows = [np.array(values) for _, values in self.kept]
-        stacked = np.stack(rows) if rows else np.zeros((0, 1, self.problem.dimension))
-        y = self._finished(t, stacked[:, 0].copy())
+        t = self._times(t0, h)
+        stacked = self.rows[: self.kept]
+        if 2 * len(stacked) < len(self.rows):
+            stacked = stacked.copy()  # a run that ended early lets go of the rest
+        y = self._finished(t, stacked[:, 0].copy() if self.history else stacked[:, 0])
         t, stacked = t[: len(y)], stacked[: len(y)]
         return Solution(
             t=t, y=y, outcome=self.outcome,
@@ -193,6 +279,22 @@ class Run:
             h=self.h, kernel=self.kernel, notices=tuple(self.notices),
         )  # fmt: skip
 
+    def _times(self, t0: Any, h: Any) -> np.ndarray:
+        """Times t0 + n h of the rows kept; whole numbers n are exact in doubles."""
+        every = self.plan.every
+        if self.rows.dtype == object:
+            steps = [min(i * every, self.done) for i in range(self.kept)] if every else self.marks
+            return np.array([t0 + n * h for n in steps])
+        if not every:
+            return t0 + np.array(self.marks, dtype=float) * h
+        t = np.arange(self.kept, dtype=float)
+        t *= every
+        if self.kept:
+            t[-1] = min(t[-1], self.done)
+        t *= h
+        t += t0
+        return t
+
     def _finished(self, t: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Apply the finishing method to every row; where it fails, the rows before are kept."""
         finishing = getattr(self.method, "finishing", None)
@@ -202,13 +304,24 @@ class Run:
         for row in range(len(y)):
             try:
                 y[row], cost = apply_finish(finishing, self.reference, t[row], y[row], h)
-            except StartFailed:
-                if self.outcome is Outcome.COMPLETED:
-                    self.outcome = Outcome.STAGE_SOLVE_FAILED
-                self.detail = f" (of the finishing method at t = {float(t[row]):.6g})"
-                return y[:row]
+            except (StartFailed, FunctionFailed, ArithmeticError, ValueError) as error:
+                solved = isinstance(error, StartFailed)
+                how = Outcome.STAGE_SOLVE_FAILED if solved else Outcome.NOT_FINITE
+                if isinstance(error, FunctionFailed) and not isinstance(error, NoValue):
+                    how = Outcome.FUNCTION_FAILED
+                return self._unfinished(how, t, y, row, "" if solved else f": {error}")
+            if not self._numbers(y[row]):
+                return self._unfinished(Outcome.NOT_FINITE, t, y, row, "")
             self.finish_evaluations += cost
         return y
+
+    def _unfinished(
+        self, how: Outcome, t: np.ndarray, y: np.ndarray, row: int, why: str
+    ) -> np.ndarray:
+        if self.outcome is Outcome.COMPLETED:
+            self.outcome = how
+        self.detail = f" (of the finishing method at t = {float(t[row]):.6g}{why})"
+        return y[:row]
 
     def _message(self) -> str:
         where = f"step {self.done + 1} of {self.plan.steps}, t = {self._time(self.done):.6g}"
@@ -221,11 +334,12 @@ class Run:
             Outcome.STEP_LIMIT: f"stopped after step_limit = {self.done} steps, at "
             f"t = {self._time(self.done):.6g}",
             Outcome.CANCELLED: f"cancelled before {where}",
+            Outcome.FUNCTION_FAILED: f"the right-hand side failed in {where}{self.detail}",
         }[self.outcome]
 
     @property
     def _newton(self) -> bool:
-        return "newton" in self.kernel or "reference" in self.kernel
+        return self.too_large or "newton" in self.kernel or "reference" in self.kernel
 
     def _time(self, n: int) -> float:
         return float(self.problem.t_span[0]) + n * self.h

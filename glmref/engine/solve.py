@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from ..errors import UsageError
 from ..method import GLM, PartitionedGLM
 from ..problems.model import Problem
+from .inspection import inspected
 from .outcome import Outcome, Solution, StartFailed
 from .plan import check_arithmetic, notices_of, plan_of, resolved, step_size
 from .reference import stepper
@@ -73,7 +75,13 @@ def solve(
     if digits is None and not np.isfinite(y0).all():
         raise UsageError(f"`y0` must be finite, got {y0}")
     with np.errstate(all="ignore"):
-        given = starting_values(reference, start, t=t0, y0=y0, h=reference.arithmetic.number(h))
+        seen = inspected(reference, t0, y0)
+        try:
+            given = starting_values(reference, start, t=t0, y0=y0, h=reference.arithmetic.number(h))
+        except (ArithmeticError, ValueError) as error:
+            raise StartFailed(
+                f"the starting values could not be computed ({error}); use a smaller h"
+            ) from error
         if digits is None and not np.isfinite(given.values).all():
             raise StartFailed("the starting values are not finite; use a smaller h")
         run = Run(problem, method, h, plan, reference, given, history, cancel, progress)
@@ -82,4 +90,9 @@ def solve(
             run.by_reference()
         else:
             run.by_kernel(arithmetic, form, solver, interpreted=engine == "interpreted")
-        return run.solution()
+        solution = run.solution()
+        if not seen.seen:
+            return solution
+        at_end = (solution.t[-1], solution.y[-1]) if len(solution.t) else (t0, y0)
+        notices = seen.afterwards(*at_end)
+        return replace(solution, notices=(*solution.notices, *notices))

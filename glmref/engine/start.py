@@ -99,12 +99,25 @@ def default_passes(method: GLM | PartitionedGLM) -> int:
 
 
 def _checked(values: Any, engine: Stepper) -> np.ndarray:
-    array = np.array(values, dtype=object if engine.arithmetic.context else None)
+    try:
+        array = np.array(values, dtype=object if engine.arithmetic.context else None)
+    except ValueError:
+        raise UsageError(
+            "starting values must be an array (r, d), got rows of unlike length"
+        ) from None
     if array.shape != engine.shape:
         raise UsageError(
             f"starting values must have shape (r, d) = {engine.shape}, got {array.shape}"
         )
-    if engine.arithmetic.context is None and not np.isfinite(array).all():
+    if engine.arithmetic.context is not None:
+        return array
+    if np.iscomplexobj(array) and not np.iscomplexobj(_complex_like(engine)):
+        raise UsageError("starting values must be real for a real method, got complex ones")
+    try:
+        array = array.astype(complex if np.iscomplexobj(array) else float)
+    except (TypeError, ValueError):
+        raise UsageError(f"starting values must be numbers, got {values!r:.60}") from None
+    if not np.isfinite(array).all():
         raise StartFailed("starting values must be finite; give others, or use a smaller h")
     return array
 

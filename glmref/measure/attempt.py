@@ -17,12 +17,14 @@ from ..engine.solve import solve
 from ..errors import GlmrefError
 from ..method import GLM, PartitionedGLM
 from ..problems.model import Problem
+from ..problems.user import FunctionFailed
 
 __all__ = ["FUNCTION_FAILED", "REFUSED", "Attempt", "attempt", "check_function", "given_by_user"]
 
-#: Outcomes that :func:`attempt` adds to those of the engine.
+#: The outcome that :func:`attempt` adds to those of the engine.
 REFUSED = "refused"
-FUNCTION_FAILED = "right-hand side failed"
+#: The engine's, which a right-hand side that fails at the very start has here too.
+FUNCTION_FAILED = str(Outcome.FUNCTION_FAILED)
 
 #: Rounds after which a stage equation is given up, as both engines have it, and one to spare.
 MOST_ROUNDS = 201
@@ -74,6 +76,8 @@ def attempt(
         with np.errstate(all="ignore"):
             check_function(problem)
             solution = solve(problem, method, h=h, steps=steps, **options)
+    except FunctionFailed as error:
+        return Attempt(FUNCTION_FAILED, str(error))
     except GlmrefError as error:
         return Attempt(REFUSED, str(error))
     except Exception as error:
@@ -112,4 +116,4 @@ def check_function(problem: Problem) -> None:
 
 
 #: Every outcome there is, for those who list them.
-OUTCOMES = (*map(str, Outcome), REFUSED, FUNCTION_FAILED)
+OUTCOMES = (*map(str, Outcome), REFUSED)

@@ -49,7 +49,8 @@ class Loops:
         """Run the body on a state (d,), or on states in columns (d, m)."""
         *others, last = arguments
         dtype = float if self.context is None else object
-        vector = np.asarray(last, dtype=None if np.iscomplexobj(last) else dtype)
+        # a copy: a body that writes into its argument must not change the caller's state
+        vector = np.array(last, dtype=None if np.iscomplexobj(last) else dtype)
         if not self.shape:
             return self._function(*others, vector, self.params)
         out = np.zeros(self.shape + vector.shape[1:], dtype=vector.dtype)

@@ -15,6 +15,7 @@ from .formula import Formula, Number, exact_number, functions, to_number
 from .loops import Loops, PhaseSpace, QuadraticForm, join
 from .precision import on_context
 from .reference import Reference, references_of
+from .user import UserFunction, plain
 
 __all__ = ["Problem"]
 
@@ -88,6 +89,11 @@ class Problem:
         self._set("y0", _initial_value(self.y0, values, None))
         for key, variables in self._VECTORS.items():
             self._set(key, self._function(key, getattr(self, key), variables))
+        for key in ("jacobian", "exact"):
+            if getattr(self, key) is not None:
+                if not callable(getattr(self, key)):
+                    raise UsageError(f"`{key}` must be a function, got {getattr(self, key)!r}")
+                self._set(key, self._function(key, getattr(self, key), ()))
         self._set("hamiltonian", self._scalar("hamiltonian", self.hamiltonian))
         for key in ("invariants", "observables"):
             scalars = {k: self._scalar(k, v) for k, v in getattr(self, key).items()}
@@ -107,8 +113,12 @@ class Problem:
 
     def _function(self, key: str, value: Any, variables: tuple[str, ...]) -> Any:
         """Read a function-valued entry: a callable, or expressions."""
-        if value is None or callable(value):
-            return value
+        if value is None:
+            return None
+        if callable(value):
+            size = self.dimension if key in ("f", "jacobian", "exact") else self.dimension // 2
+            shape = (size, size) if key == "jacobian" else (size,)
+            return _protected(value, key, size, shape)
         texts = (value,) if isinstance(value, str) else value
         if isinstance(texts, Sequence) and texts and all(isinstance(x, str) for x in texts):
             return Formula(tuple(texts), variables=variables, parameters=self.parameters)
@@ -116,8 +126,10 @@ class Problem:
 
     def _scalar(self, key: str, value: Any) -> Any:
         """Read a conserved function: a callable, or one expression."""
-        if value is None or callable(value):
-            return value
+        if value is None:
+            return None
+        if callable(value):
+            return _protected(value, key, self.dimension, ())
         if isinstance(value, str):
             return Formula((value,), variables=("y",), parameters=self.parameters, shape=())
         raise UsageError(f"`{key}` must be a function or one expression, got {value!r}")
@@ -301,6 +313,13 @@ class Problem:
             if isinstance(function, Loops):
                 return function.params
         return np.zeros(0)
+
+
+def _protected(value: Any, name: str, size: int, shape: tuple[int, ...]) -> Any:
+    """A callable as the problem keeps it: what a user gave is called on copies and looked at."""
+    if value is _identity or hasattr(value, "on"):
+        return value
+    return UserFunction(plain(value), name, size, shape)
 
 
 def _identity(p: Any) -> Any:

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import UsageError
 from .formula import Number, to_number
+from .user import UserFunction
 
 __all__ = ["Flow", "on_context"]
 
@@ -61,28 +61,10 @@ class Flow:
         return replace(self, context=context)
 
 
-@dataclass(frozen=True)
-class _PlainFunction:
-    """A user's Python function in an mpmath context."""
-
-    function: Callable[..., Any]
-    context: Any
-
-    def __call__(self, *arguments: Any) -> Any:
-        try:
-            return self.function(*arguments)
-        except (TypeError, AttributeError) as error:
-            raise UsageError(
-                f"{getattr(self.function, '__name__', 'a function')} works in double precision "
-                f"only ({error}); give it as expressions for extended precision"
-            ) from None
-
-    def on(self, context: Any) -> _PlainFunction:
-        return replace(self, context=context)
-
-
 def on_context(function: Any, context: Any) -> Any:
     """Return a problem's function evaluated in an mpmath context; ``None`` stays ``None``."""
     if function is None:
         return None
-    return function.on(context) if hasattr(function, "on") else _PlainFunction(function, context)
+    if isinstance(function, UserFunction):
+        return function.in_context(context)
+    return function.on(context)

@@ -11,6 +11,7 @@ from ..errors import GlmrefError
 from ..measure.attempt import FUNCTION_FAILED
 from ..measure.records import RecordFile
 from ..method import GLM
+from ..problems.user import FunctionFailed
 from .model import Scene
 from .planning import SAMPLED, Plan, plan
 
@@ -76,6 +77,8 @@ def perform(task: Mapping[str, Any]) -> dict[str, Any]:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # overflow in a run that blows up is an outcome
             measured = _peer(task) if task["kind"] == "peer" else _method(task)
+    except FunctionFailed as error:
+        measured = {"outcome": FUNCTION_FAILED, "message": str(error)}
     except StartFailed as error:
         measured = {"outcome": START_FAILED, "message": str(error)}
     except GlmrefError as error:

@@ -1,0 +1,217 @@
+"""Python functions that users give: called on copies, and what they return is looked at.
+
+A right-hand side may compute in place, hand out the same array every time, return 32-bit numbers,
+raise, or return what is no state. A :class:`UserFunction` keeps the arguments of the caller, gives
+every caller numbers of its own, and turns what cannot be used into one sentence.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from ..errors import GlmrefError, UsageError
+
+__all__ = ["FunctionFailed", "NoValue", "UserFunction", "plain", "raised"]
+
+_SHOWN = 4  # components of a state that a message shows
+
+
+class FunctionFailed(UsageError):
+    """A function given by the user raised, or returned what is not of its type and shape."""
+
+
+class NoValue(FunctionFailed, ValueError):
+    """A function given by the user raised an arithmetic or value error: it has no value there."""
+
+
+def _place(arguments: tuple[Any, ...]) -> str:
+    """Where a function was called, for a message."""
+    *times, last = arguments
+    shown = ", ".join(_digits(x) for x in np.asarray(last).ravel()[:_SHOWN])
+    dots = ", ..." if np.size(last) > _SHOWN else ""
+    time = f"t = {_digits(times[0])}, " if times else ""
+    return f"{time}({shown}{dots})"
+
+
+def _digits(x: Any) -> str:
+    """Six digits of a number, real or complex, in doubles or of an mpmath context."""
+    return f"{complex(x) if np.iscomplexobj(x) else float(x):.6g}"
+
+
+def _sentence(error: BaseException) -> str:
+    """Type and message of an exception in one line of moderate length."""
+    text = " ".join(str(error).split())
+    name = type(error).__name__
+    return f"{name}: {text[:200]}" if text else name
+
+
+def raised(name: str, error: Exception, arguments: tuple[Any, ...] = ()) -> FunctionFailed:
+    """Return what stands for an exception that a user's function raised.
+
+    Parameters
+    ----------
+    name : str
+        What the problem calls the function.
+    error : Exception
+        What it raised.
+    arguments : tuple
+        What it was called with, where that is known.
+
+    Returns
+    -------
+    FunctionFailed
+        :class:`NoValue` for an arithmetic or value error.
+    """
+    at = f" at {_place(arguments)}" if arguments else ""
+    kind = NoValue if isinstance(error, ArithmeticError | ValueError) else FunctionFailed
+    return kind(f"`{name}` raised {_sentence(error)}{at}")
+
+
+def _kind(found: Any) -> str:
+    """What a result is, for a message: the shape of an array, else the type."""
+    if found is None:
+        return "None"
+    if hasattr(found, "__next__"):
+        return "an iterator, which can be read only once"
+    if isinstance(found, str | bytes | dict | set | frozenset):
+        return f"a {type(found).__name__}"
+    try:
+        return str(np.shape(found))
+    except ValueError:
+        return "rows of different lengths"
+
+
+@dataclass(frozen=True, eq=False)
+class UserFunction:
+    """A Python function of a problem, protected in both directions.
+
+    Attributes
+    ----------
+    function : callable
+        As the user gave it.
+    name : str
+        What the problem calls it: ``"f"``, ``"dp"``, ``"jacobian"``...
+    size : int
+        Length of the state it is called with.
+    shape : tuple of int
+        Shape of its result for one state.
+    context : object
+        The mpmath context it is evaluated in, ``None`` in double precision.
+    """
+
+    function: Callable[..., Any]
+    name: str
+    size: int
+    shape: tuple[int, ...]
+    context: Any = field(default=None, repr=False)
+
+    @property
+    def __name__(self) -> str:  # type: ignore[override]
+        """Name of the user's function."""
+        return str(getattr(self.function, "__name__", self.function))
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Value at a state (size,), or at states in columns (size, m), one after the other.
+
+        Raises
+        ------
+        NoValue
+            When the function raises an arithmetic or value error.
+        FunctionFailed
+            When it raises anything else, or returns what is not real numbers (complex ones for a
+            complex state) of :attr:`shape`.
+        """
+        *times, last = arguments
+        state = np.array(last)
+        if state.ndim == 2:
+            columns = [self(*times, column) for column in state.T]
+            return np.stack(columns, axis=-1) if columns else np.zeros((*self.shape, 0))
+        if state.dtype.kind not in "fcO":
+            state = state.astype(float)
+        found = self.raw(*times, state)
+        return self._numbers(found, state.dtype)
+
+    def examined(self, *arguments: Any) -> tuple[Any, set[np.dtype[Any]]]:
+        """The value at one state, and the types of numbers in which the function returned it.
+
+        Whole numbers in a list are meant as they are; an array of them has lost its fractions.
+        """
+        *times, last = arguments
+        state = np.array(last)
+        found = self.raw(*times, state.copy())
+        if isinstance(found, list | tuple):
+            kinds = {np.dtype(x.dtype) for x in found if isinstance(x, np.generic | np.ndarray)}
+            kinds = {k for k in kinds if k.kind not in "iub"}
+        else:
+            kinds = {getattr(found, "dtype", np.asarray(found).dtype)}
+        return self._numbers(found, state.dtype), {k for k in kinds if isinstance(k, np.dtype)}
+
+    def listed(self, *arguments: Any) -> list[float]:
+        """The value as a list of Python numbers, which plain Python computes with fastest."""
+        return self(*arguments).tolist()
+
+    def raw(self, *arguments: Any) -> Any:
+        """What the function itself returns for these very arguments."""
+        try:
+            return self.function(*arguments)
+        except GlmrefError:
+            raise
+        except Exception as error:
+            if self.context is not None and isinstance(error, TypeError | AttributeError):
+                raise UsageError(
+                    f"{self.__name__} works in double precision only ({error}); give it as "
+                    f"expressions for extended precision"
+                ) from None
+            raise raised(self.name, error, arguments) from error
+
+    def _numbers(self, found: Any, kind: np.dtype[Any]) -> Any:
+        try:
+            array = np.array(found, dtype=object if kind.kind == "O" else None)
+        except ValueError:
+            array = np.empty(0, dtype=object)
+        if array.shape != self.shape or isinstance(found, str | bytes):
+            raise FunctionFailed(
+                f"`{self.name}` must return shape {self.shape}, got {_kind(found)}"
+            )
+        letter = array.dtype.kind
+        if kind.kind == "O" or (letter == "c" and kind.kind == "c"):
+            return array if self.shape else array[()]
+        if letter == "c":
+            raise FunctionFailed(
+                f"`{self.name}` must return real numbers for a real state, got complex ones"
+            )
+        if letter not in "fiubO":
+            raise FunctionFailed(f"`{self.name}` must return numbers, got {array.dtype}")
+        try:
+            if letter == "O":  # entry by entry: numpy takes None for NaN
+                entries = [float(x) for x in array.ravel()]
+                array = np.array(entries).reshape(self.shape)
+            result = array.astype(complex if kind.kind == "c" else float, copy=False)
+        except (TypeError, ValueError, OverflowError):
+            raise FunctionFailed(
+                f"`{self.name}` must return real numbers, got {_entry(array)}"
+            ) from None
+        return result if self.shape else result[()]
+
+    def in_context(self, context: Any) -> UserFunction:
+        """Return the same function for states of numbers of an mpmath context."""
+        return replace(self, context=context)
+
+
+def _entry(array: np.ndarray) -> str:
+    """The first entry of an array of objects that is no number, for a message."""
+    for x in array.ravel():
+        try:
+            float(x)
+        except (TypeError, ValueError, OverflowError):
+            return f"an entry {x!r:.60}"
+    return "other objects"
+
+
+def plain(function: Any) -> Any:
+    """Return a function as the user gave it."""
+    return function.function if isinstance(function, UserFunction) else function

@@ -1,0 +1,1 @@
+"""Attacks on the package: seeded, counted, each also runnable as ``python -m tests.attack NAME``."""

@@ -1,0 +1,34 @@
+"""``python -m tests.attack NAME --count N --seed S``: run one attack and print what came of it.
+
+Every module of this package but this one is an attack. It offers ``attack(count, seed, say)``,
+which returns a :class:`Tally`; ``say`` prints a line while it goes on.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import sys
+from pathlib import Path
+
+ROOM = Path(__file__).parent
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the attack named; the exit code is 1 where something was violated."""
+    others = {"tally", "__main__", "__init__"}
+    names = sorted(p.stem for p in ROOM.glob("*.py") if p.stem not in others)
+    names = [name for name in names if not name.startswith("test_")]
+    parser = argparse.ArgumentParser(prog="python -m tests.attack", description=__doc__)
+    parser.add_argument("name", choices=names)
+    parser.add_argument("--count", type=int, default=200, help="cases to run")
+    parser.add_argument("--seed", type=int, default=1, help="seed of the cases")
+    given = parser.parse_args(arguments)
+    module = importlib.import_module(f".{given.name}", __package__)
+    tally = module.attack(given.count, given.seed, lambda line: print(line, flush=True))
+    print(tally.text(), flush=True)
+    return 1 if tally.violations else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,32 @@
+"""What came of an attack: how often each outcome, and every violation with its case."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field
+
+__all__ = ["Tally"]
+
+
+@dataclass
+class Tally:
+    """Counts of outcomes and the violations found.
+
+    Attributes
+    ----------
+    outcomes : Counter
+        Name of an outcome -> how often it came.
+    violations : list of str
+        One text for each, with the case that shows it.
+    """
+
+    outcomes: Counter[str] = field(default_factory=Counter)
+    violations: list[str] = field(default_factory=list)
+
+    def text(self) -> str:
+        """Counts and violations, one per line."""
+        lines = [f"{n:6}  {name}" for name, n in self.outcomes.most_common()]
+        lines += [f"VIOLATION {text}" for text in self.violations]
+        total = sum(self.outcomes.values())
+        lines.append(f"{total} cases, {len(self.violations)} violations")
+        return "\n".join(lines)

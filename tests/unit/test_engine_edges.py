@@ -1,0 +1,176 @@
+"""Step sizes, times, states and sizes at the edge: an outcome or one sentence, never a traceback."""
+
+import math
+import time
+
+import numpy as np
+import pytest
+
+from glmref import Problem, UsageError, load, problem, solve
+from glmref.engine import arithmetic, kernel, run
+from glmref.engine.kernel import contraction, newton_bytes
+from glmref.engine.outcome import Outcome
+from glmref.engine.plan import Grid
+from glmref.engine.shape import shape_of
+from glmref.engine.sweep import step_form
+
+REST = Problem(f=("0*y[0]", "0*y[1]"), y0=("1/3", "-2/7"), name="rest")
+ENGINES = ["compiled", "reference", "interpreted"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"h": 5e-324}, "at most 2\\*\\*53 can be counted"),
+        ({"h": 5e-324, "t_end": 1.0}, "t_end is inf steps of h = 5e-324"),
+        ({"h": 1e-30}, "t_end is 1e\\+32 steps"),
+        ({"h": 10**400, "steps": 1}, "`h` must be finite"),
+        ({"h": math.inf, "steps": 1}, "`h` must be finite"),
+        ({"h": None, "steps": 1}, "`h` must be a number"),
+        ({"h": 1e308, "steps": 9}, "beyond the range of double precision"),
+        ({"h": 0.1, "steps": 10**30}, "`steps` must be at most 2\\*\\*53"),
+        ({"h": 0.1, "steps": True}, "`steps` must be a whole number"),
+        ({"h": 0.1, "t_end": "soon"}, "`t_end` must be a number"),
+        ({"h": 0.1, "t_end": math.nan}, "`t_end` must be finite"),
+        ({"h": 0.1, "t_end": -1.0}, "t_end is before t0 = 0.0"),
+        ({"h": -0.1, "t_end": 1.0}, "t_end is after t0 = 0.0"),
+        ({"h": 0.3, "t_end": 1.0}, "with h = 0.3333333333333333 it would be"),
+        ({"h": 0.1, "times": 3.0}, "`times` must be a list of numbers"),
+        ({"h": 0.1, "times": "12"}, "`times` must be a list of numbers"),
+        ({"h": 0.1, "times": ["soon"]}, "`times` must be a number"),
+        ({"h": 0.1, "times": [math.nan]}, "`times` must be finite"),
+        ({"h": 0.1, "times": [0.2, 0.2]}, "0.2 comes after 0.2"),
+        ({"h": 0.1, "times": [0.2, 0.1]}, "0.1 comes after 0.2"),
+        ({"h": 0.1, "times": [-0.1]}, "t = -0.1 is before t0"),
+        ({"h": 0.1, "steps": 2**50, "every": 1}, "the 1125899906842625 rows asked for need"),
+        ({"h": 0.1, "steps": 1, "start": [[None, None]]}, "starting values must be finite"),
+        ({"h": 0.1, "steps": 1, "start": [[1.0], [1.0, 2.0]]}, "starting values"),
+        ({"h": 0.1, "steps": 1, "start": [[1j, 0.0]]}, "starting values must be real"),
+    ],
+)
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_request_at_the_edge_is_refused_in_one_sentence(arguments, message, engine):
+    with pytest.raises(UsageError, match=message) as error:
+        solve("pendulum", "rk4", engine=engine, **arguments)
+    assert "\n" not in str(error.value)
+
+
+def test_a_step_that_rounding_swallows_is_refused():
+    late = Problem(f=("-y[0]",), y0=(1.0,), t_span=(1e10, 2e10))
+    with pytest.raises(UsageError, match="h = 1e-09 is lost in rounding"):
+        solve(late, "rk4", h=1e-9, steps=5)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_no_steps_and_long_strides_are_fine(engine):
+    none = solve("pendulum", "gauss-2", h=0.1, steps=0, engine=engine)
+    assert none.completed and none.t.tolist() == [0.0] and none.steps == 0
+    np.testing.assert_array_equal(none.y[0], problem("pendulum").y0)
+    for every in (8, 10**25):
+        run = solve("pendulum", "gauss-2", h=0.1, steps=7, every=every, engine=engine)
+        assert run.t == pytest.approx([0.0, 0.7])
+    subnormal = solve(REST, "rk4", h=5e-324, steps=3, engine=engine)
+    assert subnormal.completed and subnormal.t.tolist() == [1.5e-323]
+    back = solve(REST, "gauss-2", h=-0.1, steps=3, every=2, engine=engine)
+    assert back.t == pytest.approx([0.0, -0.2, -0.3])
+
+
+@pytest.mark.parametrize(("last", "every"), [(0, 1), (6, 3), (7, 3), (5, 6), (7, 1), (2, 2)])
+def test_a_grid_is_the_list_it_stands_for(last, every):
+    listed = [*range(0, last + 1, every)]
+    listed += [last] if last % every else []
+    grid = Grid(last, every)
+    assert list(grid) == listed and len(grid) == len(listed) and grid[-1] == last
+    assert [n for n in range(-2, last + 3) if n in grid] == listed
+    assert grid[1:] == listed[1:]
+    with pytest.raises(IndexError):
+        grid[len(listed)]
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("name", ["s4-symmetric", "s3-w3", "g6245"])
+def test_values_near_the_end_of_the_range_stay_finite(name, engine):
+    method = load(name)
+    start = np.full((method.r, 2), 1.7e308)
+    start[::2] *= -1
+    ended = solve(REST, method, h=0.1, steps=3, every=1, start=start, engine=engine, history=True)
+    assert np.isfinite(ended.values).all() and np.isfinite(ended.y).all()
+    assert np.isfinite(ended.history).all() and len(ended.t) == ended.steps + 1
+    assert ended.completed == (ended.steps == 3)
+    if not ended.steps:
+        np.testing.assert_array_equal(ended.values, start)
+
+
+def test_a_basis_that_overflows_ends_the_run_before_it(monkeypatch):
+    # the values of the kernel stay in range, what they stand for does not from the third step on
+    growth = Problem(f=("y[0]",), y0=(1.0,), name="growth")
+    plain = solve(growth, "rk4", h=1.0, steps=6, every=1)
+
+    def beyond(self, state):
+        found = self.form.back(state.y)
+        return np.where(np.abs(found) > 8.0, np.inf, found)
+
+    monkeypatch.setattr(kernel.Kernel, "values", beyond)
+    ended = solve(growth, "rk4", h=1.0, steps=6, every=1)
+    assert ended.outcome is Outcome.NOT_FINITE and ended.steps == 2
+    np.testing.assert_array_equal(ended.y, plain.y[:3])
+    np.testing.assert_array_equal(ended.values, plain.y[2:3])
+
+
+# --- sizes --------------------------------------------------------------------------------------
+
+
+def test_the_norm_of_a_large_jacobian_is_estimated_without_it(monkeypatch):
+    gauss, chain = step_form(load("gauss-3")), problem("fput", sites=200)
+    shape = shape_of(chain)
+    estimated = contraction(gauss, shape, chain, 0.1)
+    monkeypatch.setattr(kernel, "_DENSE_UP_TO", 1000)
+    assert estimated == pytest.approx(contraction(gauss, shape, chain, 0.1), rel=0.1)
+    whole = shape_of(chain, split=False)
+    dense = contraction(gauss, whole, chain, 0.1)
+    monkeypatch.setattr(kernel, "_DENSE_UP_TO", 1)
+    assert contraction(gauss, whole, chain, 0.1) == pytest.approx(dense, rel=0.1)
+
+
+def test_a_large_chain_starts_at_once_in_little_memory():
+    chain = problem("fput", sites=20_000)
+    begin = time.process_time()
+    run = solve(chain, "gauss-3", h=0.1, steps=1)
+    assert run.completed and "fixed-point" in run.kernel
+    assert time.process_time() - begin < 5
+    with pytest.raises(UsageError, match=r"needs 38\.\d GiB for its matrices"):
+        solve(chain, "gauss-3", h=0.1, steps=1, solver="newton")
+
+
+def test_the_memory_of_newton_is_what_its_work_array_takes():
+    form, chain = step_form(load("gauss-3")), problem("fput", sites=30)
+    shape = shape_of(chain)
+    taken = kernel.prepare(load("gauss-3"), chain, h=0.1, solver="newton").source.work_size
+    least = kernel.prepare(load("gauss-3"), chain, h=0.1, solver="fixed-point").source.work_size
+    assert newton_bytes(form, shape) == pytest.approx(8 * (taken - least), rel=0.1)
+
+
+def test_newton_beyond_the_limit_is_not_tried(monkeypatch):
+    stiff = Problem(f=("-1000*(y[0] - cos(t))",), y0=(1.0,), name="stiff")
+    for room in (kernel, run, arithmetic):
+        monkeypatch.setattr(room, "NEWTON_BYTES", 8)
+    for engine in ENGINES:
+        ended = solve(stiff, "gauss-2", h=0.5, steps=10, engine=engine)
+        assert ended.outcome is Outcome.STAGE_SOLVE_FAILED
+        assert "newton" not in ended.message and "smaller h" in ended.message
+        assert engine == "reference" or any("Newton's matrices" in x for x in ended.notices)
+
+
+def test_rows_take_the_memory_of_the_data():
+    import tracemalloc
+
+    n = 200_000
+    solve("kepler", "stormer-verlet", h=0.01, steps=10, every=1)
+    tracemalloc.start()
+    run = solve("kepler", "stormer-verlet", h=0.01, steps=n, every=1)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 1.2 * (run.y.nbytes + run.t.nbytes)
+    picked = solve("kepler", "stormer-verlet", h=0.01, times=run.t[[5, 77_777, n]].tolist())
+    np.testing.assert_array_equal(picked.y, run.y[[5, 77_777, n]])
+    np.testing.assert_array_equal(picked.t, run.t[[5, 77_777, n]])
