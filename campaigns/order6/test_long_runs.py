@@ -64,7 +64,7 @@ def named(before: str, after: str) -> list[str]:
 def test_the_page_recommends_what_the_data_say() -> None:
     assert named("Recommended for long runs on this pendulum:", "whose rate") == recommended(RECORD)
     assert named("Of order 6,", "stayed") == steady(RECORD)
-    rates = re.search(r"grows when nudged \(rates (.*?)\)", PAGE, re.DOTALL)
+    rates = re.search(r"grows when perturbed \(rates (.*?)\)", PAGE, re.DOTALL)
     assert rates is not None
     said = [float(x) for x in re.findall(r"\d\.\de-\d", rates[1])]
     measured = [recorded(name, PENDULUM)["rate"] for name in steady(RECORD)]

@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from campaigns.partitioned.long_runs import kepler_table
 from glmref.catalogue.lookup import data_root
 
 PAGE = Path(__file__).parents[2] / "docs" / "order6.md"
@@ -126,6 +127,13 @@ def rate_scan() -> str:
     return table(["h", "steps", "nudge", "rate", "rate / h^2"], rows)
 
 
+def kepler() -> str:
+    """Ten million steps of Kepler's problem."""
+    names = [r["method"] for r in measured("long-runs")["runs"]]
+    shown = [*dict.fromkeys(names), BASE]
+    return kepler_table(measured("kepler-long")["runs"], shown).rstrip("\n")
+
+
 def starts() -> str:
     """What a start costs and buys."""
     found = measured("starts")
@@ -187,6 +195,7 @@ TABLES: Mapping[str, Callable[[], str]] = {
     "any-solver": lambda: comparison("", "nonseparable-chain-40", "fput-stiff-12", "fput-stiff-80"),
     "long-runs": long_runs,
     "rate-scan": rate_scan,
+    "kepler-long": kepler,
     "starts": starts,
     "losses": losses,
     "searches": searches,

@@ -1,4 +1,4 @@
-"""Ten million steps of every explicit pair: whether energy and carried values stay bounded.
+"""Ten million steps: whether the energy error and the values carried stay bounded.
 
 The step size is scaled with the number of stages, so that all pairs take equally many force
 evaluations in a unit of time. Pairs start from zero values, so that the carried values q_2 and p_2
@@ -10,9 +10,17 @@ and the largest carried value up to 10^4, 10^5, 10^6 and 10^7 steps.
 
 The second form runs one pair and keeps the runs of the others.
 
+    python -m campaigns.partitioned.long_runs kepler data/measurements/kepler-long.json
+
+runs Kepler's problem with three eccentricities, each method from its default start: all explicit
+partitioned methods, the general linear methods of order 6 and 8, Gauss methods and splittings.
+Runs that the file has already are kept.
+
 Public names::
 
     follow_pair(name, case, steps) -> Long          CASES, main(path), add(path, pair)
+    follow_method(name, case, steps) -> Long        KEPLER, kepler(path)
+    grown(runs) -> {method: text}                   kepler_table(runs) -> str
 """
 
 from __future__ import annotations
@@ -20,22 +28,44 @@ from __future__ import annotations
 import json
 import math
 import sys
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from campaigns.order6.compare import METHODS
+from campaigns.order6.long_runs import parasitic_part
 from glmref.catalogue.lookup import document, load, names
 from glmref.catalogue.strict_json import write_json
+from glmref.engine.outcome import Solution
+from glmref.engine.reference import stepper
 from glmref.engine.solve import solve
 from glmref.errors import UsageError
 from glmref.measure.longtime import along
 from glmref.measure.timing import circumstances
+from glmref.method import GLM, PartitionedGLM
 from glmref.problems import problem
+from glmref.problems.model import Problem
 
-__all__ = ["CASES", "Case", "Long", "add", "follow_pair", "main", "pair_names", "three_digits"]
+__all__ = [
+    "CASES",
+    "KEPLER",
+    "Case",
+    "Long",
+    "add",
+    "follow_method",
+    "follow_pair",
+    "grown",
+    "kepler",
+    "kepler_methods",
+    "kepler_table",
+    "main",
+    "pair_names",
+    "three_digits",
+]
 
 STEPS = 10_000_000
 #: Steps between samples: no divisor of a period in view.
@@ -59,6 +89,40 @@ CASES = (
     Case("pendulum", 1 / 64, (("q0", "23/10"),)),
     Case("henon-heiles", 1 / 64),
 )
+
+#: Kepler's problem at step sizes with a relative energy error between 1e-13 and 1e-5 at first.
+KEPLER = tuple(
+    Case("kepler", per_evaluation, (("eccentricity", eccentricity),))
+    for eccentricity, per_evaluation in (("1/10", 0.025), ("3/10", 0.015), ("3/5", 0.006))
+)
+#: Methods that carry one value, which the others are compared with on Kepler's problem.
+ONE_VALUE = (
+    *("gauss-3", "gauss-4", "gauss-5", "blanes-moan-rkn-6-11", "blanes-moan-rkn-6-14"),
+    *("blanes-moan-6", "kahan-li-8", "suzuki-umeno-8", "yoshida-verlet-6"),
+)
+#: Step size in units of a case's `per_evaluation`. Explicit methods that are not named have their
+#: number of evaluations here, implicit ones 4, so that energy errors are comparable at first.
+UNITS: Mapping[str, float] = {
+    "gauss-4": 8,
+    "gauss-5": 12,
+    "blanes-moan-rkn-6-14": 10.4,
+    "pair-8-24": 12,
+}
+#: Steps between new starts, in the runs that start again and again from the solution.
+RESTART = 10_000
+#: Methods of which such runs are recorded.
+RESTARTED = (
+    *("pair-6-8", "pair-6-9", "pair-rkn-6-7", "pair-rkn-6-7b", "pair-rkn-6-8b", "pair-rkn-6-9"),
+    "g6245-w3",
+)
+#: Methods that are run ten times as long besides: all their shorter runs are bounded.
+FURTHER = ("pair-6-10", "blanes-moan-rkn-6-14", "gauss-3")
+#: An orbit is lost when the relative error of its energy passes this.
+LOST = 0.1
+#: The parasitic part of a general linear method is formed at the first four samples and then at one
+#: of LOOK, because it takes a start in the interpreter; the second is for those of many stages.
+LOOK = (10, 100)
+MANY = 30
 
 
 @dataclass(frozen=True)
@@ -85,13 +149,14 @@ class Long:
     def bounded(self) -> bool:
         """Whether neither grew by more than :data:`BOUNDED` in the last two decades.
 
-        Energy errors within a hundred roundings of zero count as round-off.
+        Energy errors within a hundred roundings of zero count as round-off; an orbit that is lost
+        (:data:`LOST`) before these decades is not bounded.
         """
-        if self.steps < self.marks[-1]:
+        if self.steps < self.marks[-1] or not self.energy[-1] <= LOST:
             return False
         floor = 100 * 2.0**-52
         rows = (self.energy, self.carried)
-        return all(row[-1] <= BOUNDED * max(row[-3:][0], floor) for row in rows)
+        return all(row[-1] <= BOUNDED * max(row[-3:][0], floor) for row in rows if row)
 
     def as_json(self) -> dict[str, Any]:
         """Return the record in JSON's types, three digits; ``None`` for what is not finite."""
@@ -118,6 +183,13 @@ def pair_names() -> list[str]:
     return [x for x in names("methods") if document(x)["class"] == "pair-sweep"]
 
 
+def step_size(name: str, case: Case) -> float:
+    """Return the step size of a method on a case, see :data:`UNITS`."""
+    method = load(name)
+    own = method.n_Q if isinstance(method, PartitionedGLM) else 4
+    return float(f"{case.per_evaluation * UNITS.get(name, own):.6g}")
+
+
 def follow_pair(name: str, case: Case, steps: int = STEPS, *, start: str | None = "zero") -> Long:
     """Run a pair and record energy and carried values.
 
@@ -125,25 +197,74 @@ def follow_pair(name: str, case: Case, steps: int = STEPS, *, start: str | None 
         steps: a power of ten from 10^4 on. start: ``"zero"`` values, or ``None`` for the starting
             method of the file.
     """
-    pair, target = load(name), problem(case.problem, **dict(case.parameters))
-    h = case.per_evaluation * pair.n_Q  # type: ignore[union-attr]
-    solution = solve(
-        target, pair, h=h, steps=steps, every=min(EVERY, steps // 200), history=True, start=start
-    )
-    assert solution.history is not None
-    taken = np.round((solution.t - target.t_span[0]) / h)
-    first = float(along(target.hamiltonian, np.array([target.y0], dtype=float))[0])
-    error = np.abs(along(target.hamiltonian, solution.y) - first) / abs(first)
-    carried = np.abs(np.asarray(solution.history)[:, 1:]).max(axis=(1, 2))
+    h = case.per_evaluation * load(name).n_Q  # type: ignore[union-attr]
+    return _followed(name, case, h, steps, start=start)
+
+
+def follow_method(name: str, case: Case, steps: int = STEPS, *, restart: int = 0) -> Long:
+    """Run any method from its default start and record energy and carried values.
+
+    Parameters
+    ----------
+    name
+        Of a method of the catalogue.
+    case
+        The problem, with the step size in units of :data:`UNITS`.
+    steps
+        A power of ten from 10^4 on.
+    restart
+        Take the solution as a new initial value, from which the method starts anew, every so many
+        steps; 0: never. A divisor of `steps`.
+
+    Returns
+    -------
+    Long
+        Its ``carried`` is empty for methods that carry one value, and the norm of the parasitic
+        part (:func:`.long_order6.parasitic_part`) for general linear methods.
+    """
+    return _followed(name, case, step_size(name, case), steps, restart=restart)
+
+
+def _followed(
+    name: str, case: Case, h: float, steps: int, *, start: str | None = None, restart: int = 0
+) -> Long:
+    """Run a method in stretches of `restart` steps, or in one."""
+    method, target = load(name), problem(case.problem, **dict(case.parameters))
+    length, every = restart or steps, min(EVERY, (restart or steps // 50) // 4)
+    taken, energy, carried, done = [], [], [], 0
+    part, first = None, None
+    while done < steps and (part is None or part.completed):
+        here = target if part is None else replace(target, y0=tuple(map(float, part.y[-1])))
+        part = solve(here, method, h=h, steps=length, every=every, history=True, start=start)
+        energies = along(target.hamiltonian, part.y)  # type: ignore[arg-type]
+        first = float(energies[0]) if first is None else first
+        taken.append(done + np.round((part.t - target.t_span[0]) / h))
+        energy.append(np.abs(energies - first) / abs(first))
+        carried.append(_beyond(method, target, part, h))
+        done += part.steps
+    assert part is not None
     marks = tuple(10**k for k in range(4, 20) if 10**k <= steps)
-    largest = [
-        [float(np.max(np.nan_to_num(row[taken <= n], nan=np.inf))) for n in marks]
-        for row in (error, carried)
+    at = np.concatenate(taken)
+    rows = [
+        tuple(float(np.max(np.nan_to_num(row[at <= n], nan=np.inf))) for n in marks)
+        for row in (np.concatenate(energy), np.concatenate(carried))
     ]
-    return Long(
-        name, case.problem, h, solution.steps, str(solution.outcome), marks,
-        tuple(largest[0]), tuple(largest[1]),
-    )  # fmt: skip
+    if method.r == 1:
+        rows[1] = ()
+    return Long(name, case.problem, h, done, str(part.outcome), marks, rows[0], rows[1])
+
+
+def _beyond(method: GLM | PartitionedGLM, target: Problem, part: Solution, h: float) -> np.ndarray:
+    """Size of the values beyond the solution at each sample, (m,); 0 where it is not formed."""
+    history = np.asarray(part.history)
+    if isinstance(method, PartitionedGLM) or method.r == 1:
+        return np.abs(history[:, 1:]).max(axis=(1, 2), initial=0.0)
+    engine, sizes = stepper(method, target), np.zeros(len(history))
+    assert method.starting is not None
+    last, look = len(history) - 1, LOOK[len(method.starting.A) > MANY]
+    for k in {*range(min(5, last)), *range(0, last, look), last}:
+        sizes[k] = parasitic_part(engine, history[k], h)[1]
+    return sizes
 
 
 NOTE = (
@@ -185,8 +306,120 @@ def add(path: Path, name: str, cases: Sequence[Case] = CASES, steps: int = STEPS
     write_json(path, record)
 
 
+KEPLER_NOTE = (
+    "Largest relative energy error up to each mark, sampled every "
+    f"{EVERY} steps; carried: largest entry of q_2 and p_2, for general linear methods the norm of "
+    "what the values carried lack to the start of their own solution; each method from its default "
+    f"start; bounded: neither grows by more than a factor {BOUNDED:g} in the last two decades of "
+    f"steps, and the energy error stays below {LOST:g}. "
+    f"restarted: the same, started again from the solution every {RESTART:,} steps. further: ten "
+    "times as long."
+)
+
+
+def kepler_methods() -> list[str]:
+    """Names of the methods that are run on Kepler's problem."""
+    groups = ("order 6, general linear", "order 8, general linear")
+    return [*pair_names(), *(x for group in groups for x in METHODS[group]), *ONE_VALUE]
+
+
+def kepler(path: Path, cases: Sequence[Case] = KEPLER, steps: int = STEPS) -> None:
+    """Run what the file lacks of Kepler's problem, and write it after each run."""
+    old = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
+    record: dict[str, Any] = {
+        "format": "glmref-measurement-1",
+        "name": "kepler-long",
+        "title": "Kepler's problem over ten million steps",
+        "how": "python -m campaigns.partitioned.long_runs kepler FILE",
+        "notes": [KEPLER_NOTE],
+        "circumstances": circumstances(),
+        "runs": [],
+        "restarted": [],
+        "further": [],
+    }
+    plan = [("runs", name, 0, steps) for name in kepler_methods()]
+    plan += [("restarted", name, RESTART, steps) for name in RESTARTED]
+    plan += [("further", name, 0, 10 * steps) for name in FURTHER]
+    for key, name, restart, length in plan:
+        for case in cases:
+            mine = {
+                "method": name,
+                "eccentricity": str(float(Fraction(dict(case.parameters)["eccentricity"]))),
+                "h": step_size(name, case),
+            }
+            kept = [x for x in old.get(key, []) if {**x, **mine} == x and x["marks"][-1] == length]
+            if not kept:
+                found = follow_method(name, case, length, restart=restart)
+                kept = [{**mine, **found.as_json()}]
+            record[key].append(kept[0])
+        write_json(path, record)
+
+
+def grown(runs: Sequence[Mapping[str, Any]]) -> dict[str, str]:
+    """Say of each method with a run that is not bounded at which eccentricities that is so.
+
+    Parameters
+    ----------
+    runs
+        The rows ``runs`` of data/measurements/kepler-long.json.
+
+    Returns
+    -------
+    dict
+        Method -> text, such as ``"0.1 and 0.3 (the orbit is lost at 0.1)"``.
+    """
+    grows: dict[str, list[str]] = {}
+    lost: dict[str, list[str]] = {}
+    for run in runs:
+        if not run["bounded"]:
+            last = run["energy"][-1]
+            grows.setdefault(run["method"], []).append(run["eccentricity"])
+            if run["outcome"] != "completed" or last is None or last > LOST:
+                lost.setdefault(run["method"], []).append(run["eccentricity"])
+    return {
+        name: _listed(where)
+        + (f" (the orbit is lost at {_listed(lost[name])})" if name in lost else "")
+        for name, where in grows.items()
+    }
+
+
+def _listed(texts: Sequence[str]) -> str:
+    return " and ".join([", ".join(texts[:-1]), texts[-1]] if texts[1:] else texts)
+
+
+def kepler_table(runs: Sequence[Mapping[str, Any]], methods: Sequence[str]) -> str:
+    """Energy errors after 10^5, 10^6, .. steps, one line for each method, in Markdown.
+
+    Parameters
+    ----------
+    runs
+        Rows of data/measurements/kepler-long.json.
+    methods
+        Names of the methods shown, in order.
+    """
+    orbits = list(dict.fromkeys(run["eccentricity"] for run in runs))
+    marks = [n for n in runs[0]["marks"] if n >= 100_000]
+    shown = ", ".join(f"$10^{len(str(n)) - 1}$" for n in marks)
+    heads = ["method", *(f"e = {e}: {shown}" for e in orbits), "bounded"]
+    lines = [f"| {' | '.join(heads)} |", "|---" * len(heads) + "|"]
+    rows = {(run["method"], run["eccentricity"]): run for run in runs}
+    for name in methods:
+        mine = [rows[name, e] for e in orbits]
+        cells = [", ".join(_shown(x) for x in run["energy"][-len(marks) :]) for run in mine]
+        where = [run["eccentricity"] for run in mine if run["bounded"]]
+        verdict = "yes" if len(where) == len(orbits) else f"at {_listed(where)}" if where else "no"
+        lines.append(f"| `{name}` | {' | '.join(cells)} | {verdict} |")
+    return "\n".join(lines) + "\n"
+
+
+def _shown(x: float | None) -> str:
+    return "not finite" if x is None else f"{x:.1e}"
+
+
 if __name__ == "__main__":
-    if len(sys.argv) > 2:
+    if sys.argv[1] == "kepler":
+        kepler(Path(sys.argv[2]))
+    elif len(sys.argv) > 2:
         add(Path(sys.argv[1]), sys.argv[2])
     else:
         main(Path(sys.argv[1]))

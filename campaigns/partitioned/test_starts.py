@@ -91,3 +91,24 @@ def test_a_file_says_so_exactly_where_its_start_stops_the_growth():
         stopped = bool(growing) and all(own[name, x] for x in growing)
         assert ("the starting method of this file they stay bounded" in notes) is stopped, name
     assert any(x["bounded"] is False for x in stored()["runs"])  # no start stops it everywhere
+
+
+def later(record):
+    """Pair -> problems on which a run of a hundred million steps is not bounded."""
+    found = {}
+    for x in record["further"]:
+        if not x["bounded"]:
+            found.setdefault(x["method"], []).append(x["problem"])
+    return found
+
+
+def test_a_file_says_so_exactly_where_a_hundred_million_steps_show_growth():
+    labelled = {}
+    for name in started_pairs():
+        for note in document(name).get("notes", []):
+            if "hundred million" in note and "pairs-starts.json" in note:
+                labelled[name] = note.partition("grow on ")[2].partition(", see")[0].split(" and ")
+    record = stored()
+    assert labelled == later(record)
+    record["further"][0]["bounded"] = not record["further"][0]["bounded"]
+    assert labelled != later(record)

@@ -136,6 +136,38 @@ def test_a_near_miss_loses_the_bilinear_invariant(half):
     assert drift(1e-5) > 1e-8
 
 
+@pytest.mark.parametrize("name", [*PAIRS, "gsymplectic-n-pair"])
+def test_the_weights_of_a_consistent_method_have_equal_sums(name):
+    """sum D_P = sum D_Q = u^T G u_hat, see docs/pairs.md, in the exact field or within the digits."""
+    pair = load(name)
+    first, second = (sum(row[1:], row[0]) for row in (pair.D_P, pair.D_Q))
+    assert (first - second).is_zero() is not False
+    assert (first - second + pair.D_Q[-1]).is_zero() is False  # the last weight left out
+
+
+@pytest.mark.parametrize("name", PAIRS)
+def test_an_invariant_whose_halves_do_not_vanish_is_kept_too(name):
+    """H = ln p + ln q: f(p) p = 1, q k(q) = -1, and 0 lies in neither domain."""
+
+    def drift(factor):
+        sweep, rng = Sweep(name), np.random.default_rng(7)
+        sweep.c = factor * sweep.c
+        q, p = np.ones((2, 2, 1))
+        q[1:], p[1:] = 0.02 * rng.normal(size=(2, 1, 1))
+        before, h, largest = np.sum(sweep.G * (q @ p.T)), 1 / 512, 0.0
+        for _ in range(1000):
+            q, p = sweep.step(h, q, p, lambda x: 1 / x, lambda x: -1 / x)
+            largest = max(largest, np.abs(q).sum() * np.abs(p).sum())
+        size = (1 + np.abs(sweep.X).max()) * (1 + np.abs(sweep.Y).max())
+        bound = 1000 * len(sweep.word) * size * EPSILON * largest
+        return abs(np.sum(sweep.G * (q @ p.T)) - before), bound
+
+    kept, bound = drift(1.0)
+    assert kept < bound
+    # sum e_j larger by 1e-3: the form changes by h 1e-3 in each step, by 2e-3 in all
+    assert drift(1.001)[0] > 1e-3
+
+
 def hamiltonian(rng, d):
     """Gradients and Hessians of a random sum of cosines."""
     m = d + 2

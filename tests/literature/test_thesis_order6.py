@@ -124,6 +124,9 @@ def test_printed_list_of_a_ij_solves_3_12() -> None:
         square = omega[i] * omega[i].conjugate()
         printed[i][i] = (1 + square * g * 2 + gamma[i] * gamma[i]) * b[i] / 2
     assert same(method_of(parts).A, matrix(printed))
+    # (3.12) is printed with A^T where general complex methods need A*: A is real, as b is
+    assert all(x.is_real() for row in method_of(parts).A for x in row)
+    assert not all(x.is_real() for row in method_of(parts).U for x in row)
 
 
 def test_3_14_is_right_below_the_diagonal_and_3_15_lacks_one_half() -> None:

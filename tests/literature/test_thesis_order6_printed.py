@@ -134,6 +134,12 @@ def test_printed_hat_and_tilde_matrices_follow_from_the_printed_w() -> None:
 
 
 def test_printed_hat_matrix_is_indefinite_of_rank_2_where_rank_1_is_needed() -> None:
+    # printed as alphatilde alphatilde^T, with alphahat defined: gammahat^T leaves alphahat of alpha
+    # and nothing of beta and gamma
+    take = linalg.transpose(GAMMA_HAT)
+    alpha, even = vector([2, 5, 0, -5, -2]), vector([2, 5, 7, 5, 2])
+    assert [x.as_fraction() for x in linalg.matvec(take, alpha)] == [2, 5]
+    assert [x.as_fraction() for x in linalg.matvec(take, even)] == [0, 0]
     hat = W6_HAT_PRINTED
     value = determinant(hat)
     assert value == Fraction(-55795492455172729, 556329515625)

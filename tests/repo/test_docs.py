@@ -55,6 +55,39 @@ def commands(page: str) -> list[tuple[str, int, str]]:
     return found
 
 
+FORMULA = re.compile(r"\$\$.+?\$\$", re.DOTALL)
+
+
+def prose(source: str) -> str:
+    """Markdown without its fenced blocks."""
+    return re.sub(r"^(```|~~~).*?^\1", "", source, flags=re.MULTILINE | re.DOTALL)
+
+
+def run_on(source: str) -> list[str]:
+    """Displayed formulas that do not stand between blank lines: they are set within the text."""
+    source = "\n\n" + prose(source) + "\n\n"
+    return [
+        found[0]
+        for found in FORMULA.finditer(source)
+        if source[: found.start()].rstrip(" ")[-2:] != "\n\n"
+        or source[found.end() :].lstrip(" ")[:2] != "\n\n"
+    ]
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_displayed_formulas_stand_between_blank_lines(page: str) -> None:
+    assert run_on(text(page)) == []
+    assert "$$" not in FORMULA.sub("", prose(text(page)))  # each has an end
+
+
+def test_a_displayed_formula_within_a_paragraph_is_seen() -> None:
+    assert run_on("Insert:\n\n$$ a = b $$\n\nThe rest") == []
+    assert run_on("Insert:\n$$ a = b $$\n\nThe rest") == ["$$ a = b $$"]
+    assert run_on("Insert:\n\n$$ a = b $$\nThe rest") == ["$$ a = b $$"]
+    pairs = text("pairs.md")
+    assert run_on(pairs.replace("outputs:\n\n$$", "outputs:\n$$")) != run_on(pairs)
+
+
 def run(words: str, folder: Path) -> subprocess.CompletedProcess[str]:
     import shlex
 
@@ -117,6 +150,13 @@ def test_the_site_builds_without_a_warning(tmp_path: Path) -> None:
     )
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "quickstart.html").is_file()
+    for page in PAGES:
+        written = len(FORMULA.findall(prose(text(page))))
+        html = (tmp_path / page.replace(".md", ".html")).read_text(encoding="utf-8")
+        shown = re.findall(r'<div><math [^>]*display="block"', html)
+        if page != "api.md":  # docstrings have formulas, too
+            assert len(shown) == written, page
+    assert "$$" in text("pairs.md")
 
 
 def test_the_time_of_a_verification_is_that_of_the_record():

@@ -1,4 +1,4 @@
-"""Order 6 with stage order 2 and the identity start: any c2, any z on the unit circle, exactly.
+"""Order 6 with stage order 2 and the identity start at a rational c2 and a non-real z, exactly.
 
 The construction of Khan (2018), section 3.4, with its equations solved as they stand (tableau,
 forms and the test of admissibility: :mod:`glmref.derive.recipes.order6_family`). An explicit start
@@ -19,7 +19,15 @@ from ...findings import Proof
 from ...method import GLM
 from ..recognise import exact_text
 from .order6_family import Family, Forms, family, solve_forms
-from .record import GROWS, Derivation, Progress, Statement, derived_source, thesis_source
+from .record import (
+    GROWS,
+    Derivation,
+    Progress,
+    Statement,
+    derived_source,
+    kepler_notes,
+    thesis_source,
+)
 from .solved import rough_starts
 
 __all__ = ["OPTIONS", "derive"]
@@ -134,7 +142,9 @@ def _document(member: Family, forms: Forms, z_text: str, z: Exact) -> dict[str, 
     b = [str(x) for x in member.b]
     alpha1 = Exact(forms.alpha_square).sqrt()
     half, name = z_text == "i", _name(member.c2, z_text)
-    notes = {"notes": [GROWS.format(_GROWTH[name])]} if name in _GROWTH else {}
+    said = [GROWS.format(_GROWTH[name])] if name in _GROWTH else []
+    said += kepler_notes(name)
+    notes = {"notes": said} if said else {}
     return {
         "format": "glmref-method-1",
         "name": name,

@@ -28,7 +28,7 @@ from ...prove.partitioned_enclosure import PairEnclosure
 from ...prove.partitioned_starting import with_start
 from ...theory.partitioned import parasitic_curvature
 from ..partitioned import PairAnsatz, complete_pair, fix_parameters, search_pairs
-from .record import Derivation, Progress, Statement
+from .record import Derivation, Progress, Statement, kepler_notes
 from .shipped_pairs import SHIPPED, Shipped
 
 __all__ = ["OPTIONS", "derive"]
@@ -89,7 +89,7 @@ def complete(shipped: Shipped) -> tuple[dict[str, Any], PairEnclosure]:
         shipped.start.split(),
         source=source(f"recipe pairs, name = {shipped.ansatz.name}"),
         claims=shipped.claims,
-        notes=shipped.notes,
+        notes=[*shipped.notes, *kepler_notes(shipped.ansatz.name)],
     )
     half = rough_pair_starts().get(shipped.ansatz.name)
     if half is not None:

@@ -8,13 +8,87 @@ from typing import Any
 
 from ...findings import Proof
 
-__all__ = ["GROWS", "Derivation", "Progress", "Statement", "derived_source", "thesis_source"]
+__all__ = [
+    "GROWS",
+    "GROWS_LATER_ON_KEPLER",
+    "GROWS_ON_KEPLER",
+    "Derivation",
+    "Progress",
+    "Statement",
+    "derived_source",
+    "kepler_notes",
+    "thesis_source",
+]
 
 #: A note that `campaigns/order6/test_measurements.py` compares with the data it names.
 GROWS = (
     "On the pendulum from 2.3 radians at h = 0.1 its parasitic part grows more than {} within ten "
     "million steps, although its growth parameters are 0: see data/measurements/long-runs.json."
 )
+
+#: A note that `campaigns/partitioned/test_kepler_long.py` compares with the data it names.
+GROWS_ON_KEPLER = (
+    "Over ten million steps from its default start its energy error or its carried values grow on "
+    "Kepler's problem with eccentricity {}, see data/measurements/kepler-long.json."
+)
+GROWS_LATER_ON_KEPLER = (
+    "Over a hundred million steps from its default start its energy error or its carried values "
+    "grow on Kepler's problem with eccentricity {}, see data/measurements/kepler-long.json."
+)
+#: Eccentricities at which that is so, by method.
+_ON_KEPLER: Mapping[str, str] = {
+    "pair-4-4": "0.1 and 0.3 (the orbit is lost at 0.1)",
+    "pair-4-5": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1 and 0.3)",
+    "pair-4-6": "0.1 and 0.3 (the orbit is lost at 0.1 and 0.3)",
+    "pair-6-8": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1, 0.3 and 0.6)",
+    "pair-6-9": "0.6",
+    "pair-8-24": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1, 0.3 and 0.6)",
+    "pair-rkn-6-7": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1, 0.3 and 0.6)",
+    "pair-rkn-6-7b": "0.1, 0.3 and 0.6",
+    "pair-rkn-6-8": "0.6",
+    "pair-rkn-6-8b": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1, 0.3 and 0.6)",
+    "pair-rkn-6-9": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1 and 0.3)",
+    "g6245": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1 and 0.3)",
+    "g6245-w3": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1 and 0.3)",
+    "c2-3-10-w3": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1, 0.3 and 0.6)",
+    "s5t-w3": "0.1 and 0.3 (the orbit is lost at 0.1)",
+    "s5i2-w3": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1, 0.3 and 0.6)",
+    "s5i1-w3": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1, 0.3 and 0.6)",
+    "s5i1-i": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1, 0.3 and 0.6)",
+    "s4-w3": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1 and 0.3)",
+    "s3-w3": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1 and 0.3)",
+    "s3i1-w3": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1, 0.3 and 0.6)",
+    "t115-i": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1 and 0.3)",
+    "t115-w3": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1, 0.3 and 0.6)",
+    "t115a-i": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1 and 0.3)",
+    "t115a-w3": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1 and 0.3)",
+    "order8-s5-w3": "0.1 and 0.3 (the orbit is lost at 0.1)",
+    "order8-s5a-w3": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1 and 0.3)",
+    "order8-s5q3-w3": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1, 0.3 and 0.6)",
+    "order8-s5i1-w3": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1, 0.3 and 0.6)",
+    "order8-s3-w3-i": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1 and 0.3)",
+    "order8-s4i2-w3-i": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1 and 0.3)",
+}
+_LATER_ON_KEPLER: Mapping[str, str] = {"pair-6-10": "0.1 and 0.3"}
+
+
+def kepler_notes(name: str) -> list[str]:
+    """Return the note on long runs of Kepler's problem for a method file, or nothing.
+
+    Parameters
+    ----------
+    name
+        Of the method.
+
+    Returns
+    -------
+    list of str
+        A note where ten million steps of some run are not bounded, and one where a hundred million
+        are not.
+    """
+    kinds = ((GROWS_ON_KEPLER, _ON_KEPLER), (GROWS_LATER_ON_KEPLER, _LATER_ON_KEPLER))
+    return [text.format(where[name]) for text, where in kinds if name in where]
+
 
 #: Called with (what is done, steps done, steps in all).
 Progress = Callable[[str, int, int], None]

@@ -20,7 +20,7 @@ from ...prove.system import SweepSystem
 from ..ansatz import Ansatz
 from ..linear_start import linear_start
 from ..parity_start import complete, finishing_block, starting_block
-from .record import GROWS, Statement, derived_source
+from .record import GROWS, Statement, derived_source, kepler_notes
 
 __all__ = ["Rough", "finish", "rough_starts", "with_start"]
 
@@ -114,8 +114,10 @@ def finish(
         "growth": ["0"] * (r - 1),
     }
     document["source"] = derived_source(rough.where)
-    if rough.grows:
-        document["notes"] = [GROWS.format(rough.grows)]
+    notes = [GROWS.format(rough.grows)] if rough.grows else []
+    notes += kepler_notes(document["name"])
+    if notes:
+        document["notes"] = notes
     statements = [_statement(document, enclosure)]
     if start and document["name"] in rough_starts():
         target = Target.of(document, enclosure)

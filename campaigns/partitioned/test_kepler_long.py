@@ -1,0 +1,292 @@
+"""Ten million steps of Kepler's problem: the record, the labels of the files, and what pages recommend.
+
+``python campaigns/partitioned/test_kepler_long.py`` puts the tables into docs/pairs.md. What is repeated
+here takes seconds; ``python -m campaigns.partitioned.long_runs kepler FILE`` measures everything.
+"""
+
+import copy
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from campaigns.partitioned.long_runs import (
+    FURTHER,
+    KEPLER,
+    LOST,
+    ONE_VALUE,
+    RESTARTED,
+    follow_method,
+    grown,
+    kepler,
+    kepler_methods,
+    kepler_table,
+    pair_names,
+    step_size,
+)
+from glmref.catalogue.lookup import data_root, document, load, names
+from glmref.derive.recipes.record import (
+    GROWS_LATER_ON_KEPLER,
+    GROWS_ON_KEPLER,
+    kepler_notes,
+)
+
+ROOT = Path(__file__).resolve().parents[2]
+MEASURED = data_root() / "measurements"
+PAIRS, CHOOSE, ORDER6 = (ROOT / "docs" / f"{x}.md" for x in ("pairs", "choose", "order6"))
+LIMIT = "100,000 steps"
+
+
+def record(name="kepler-long"):
+    return json.loads((MEASURED / f"{name}.json").read_text(encoding="utf-8"))
+
+
+def changed(method, eccentricity, key="runs", **values):
+    """The record with one run changed."""
+    other = record()
+    found = [x for x in other[key] if (x["method"], x["eccentricity"]) == (method, eccentricity)]
+    assert len(found) == 1
+    found[0].update(values)
+    return other
+
+
+def bounded(runs):
+    """Methods all of whose runs are bounded."""
+    return [x for x in dict.fromkeys(r["method"] for r in runs) if x not in grown(runs)]
+
+
+def test_every_method_is_run_at_every_eccentricity():
+    stored = record()
+    wanted = {"runs": kepler_methods(), "restarted": RESTARTED, "further": FURTHER}
+    for key, methods in wanted.items():
+        expected = [
+            (name, e, step_size(name, case))
+            for name in methods
+            for e, case in zip(("0.1", "0.3", "0.6"), KEPLER, strict=True)
+        ]
+        assert [(x["method"], x["eccentricity"], x["h"]) for x in stored[key]] == expected
+        for x in stored[key]:
+            assert x["marks"][-1] == 10 ** (8 if key == "further" else 7)
+            assert x["steps"] == x["marks"][-1] or not x["bounded"]
+            # the step sizes are useful ones: an energy error between 1e-13 and 1e-5 at first
+            early = x["energy"][0]
+            assert 1e-14 < early < 1e-5 or x["method"] in ("s3i1-w3",), x
+
+
+def labels():
+    """Notes of the method files that name the record."""
+    found = {}
+    for name in names("methods"):
+        notes = document(name).get("notes", [])
+        for note in [notes] if isinstance(notes, str) else notes:
+            if "kepler-long.json" in note:
+                found.setdefault(name, []).append(note)
+    return found
+
+
+def expected_labels(stored):
+    found = {}
+    for text, key in ((GROWS_ON_KEPLER, "runs"), (GROWS_LATER_ON_KEPLER, "further")):
+        for name, where in grown(stored[key]).items():
+            found.setdefault(name, []).append(text.format(where))
+    return found
+
+
+def test_a_file_is_labelled_exactly_where_a_run_is_not_bounded():
+    assert labels() == expected_labels(record())
+    assert {name: kepler_notes(name) for name in labels()} == labels()  # what recipes write
+    assert kepler_notes("gauss-3") == []
+
+
+@pytest.mark.parametrize(
+    ("method", "eccentricity", "values"),
+    [
+        ("pair-6-10", "0.3", {"bounded": False}),  # would grow, no note
+        ("pair-6-9", "0.6", {"bounded": True}),  # a note, would not grow
+        ("pair-rkn-6-7b", "0.3", {"energy": [1e-9, 1e-9, 1e-9, 0.5]}),  # would be lost
+    ],
+)
+def test_a_label_that_differs_from_the_data_is_seen(method, eccentricity, values):
+    assert labels() != expected_labels(changed(method, eccentricity, **values))
+
+
+TABLES = {
+    "kepler-long": lambda x: kepler_table(x["runs"], [*pair_names(), *ONE_VALUE]),
+    "kepler-restarted": lambda x: kepler_table(x["restarted"], RESTARTED),
+    "kepler-further": lambda x: kepler_table(x["further"], FURTHER),
+}
+
+
+def filled(text, stored):
+    """The page with every table put in anew."""
+    for name, make in TABLES.items():
+        pattern = rf"(<!-- table: {name} -->\n).*?(<!-- end of table -->)"
+        text, count = re.subn(
+            pattern, lambda m, make=make: m[1] + make(stored) + m[2], text, flags=re.DOTALL
+        )
+        assert count == 1, f"docs/pairs.md has {count} places for the table {name!r}"
+    return text
+
+
+def test_the_tables_of_the_page_are_those_of_the_data():
+    text = PAIRS.read_text(encoding="utf-8")
+    assert filled(text, record()) == text, "run `python campaigns/partitioned/test_kepler_long.py`"
+    for key, method in (("runs", "pair-6-8"), ("restarted", "pair-6-8"), ("further", "gauss-3")):
+        other = changed(method, "0.3", key, energy=[1e-9] * 5)
+        assert filled(text, other) != text
+
+
+def named(path, before, after):
+    """Methods between two phrases of a page, in order."""
+    found = re.search(rf"{before}(.*?){after}", path.read_text(encoding="utf-8"), re.DOTALL)
+    assert found is not None, f"{path.name} lacks a sentence between {before!r} and {after!r}"
+    return re.findall(r"`([^`]+)`", found[1])
+
+
+def recommended(stored):
+    """Methods with one value whose runs, the longer ones too, are all bounded."""
+    safe = bounded(stored["runs"])
+    longer = {x["method"] for x in stored["further"]} - set(bounded(stored["further"]))
+    return sorted(x for x in safe if load(x).r == 1 and x not in longer)
+
+
+def steady_pairs(stored):
+    """Pairs bounded on Kepler's problem; of these, those bounded in every other long run, too."""
+    pairs = [x for x in bounded(stored["runs"]) if x in pair_names()]
+    starts = record("pairs-starts")
+    others = record("pairs-long")["runs"] + starts["runs"] + starts["further"]
+    own = starts["runs"] + starts["further"] + stored["further"]
+    unsteady = {x["method"] for x in own if not x["bounded"]}
+    assert {x["method"] for x in others} >= set(pairs)
+    return pairs, [x for x in pairs if x not in unsteady]
+
+
+def test_what_is_recommended_for_long_runs_survived_all_of_them():
+    stored = record()
+    page = named(CHOOSE, f"Recommended for more than {LIMIT}:", r"They carry one value")
+    assert sorted(page) == recommended(stored)
+    pairs, all_problems = steady_pairs(stored)
+    found = named(CHOOSE, "Of the explicit pairs", "stayed bounded on Kepler")
+    assert sorted(found) == sorted(pairs)
+    assert all_problems == []
+    assert "No pair is recommended for more than 100,000 steps." in CHOOSE.read_text("utf-8")
+    assert "on all problems of this page: no pair." in PAIRS.read_text("utf-8")
+
+
+def test_a_pair_that_stayed_bounded_everywhere_would_be_named():
+    stored = record()
+    for x in stored["further"]:
+        x["bounded"] = True
+    assert steady_pairs(stored)[1] == ["pair-6-10"]
+
+
+@pytest.mark.parametrize(
+    ("method", "key"),
+    [("kahan-li-8", "runs"), ("gauss-3", "further"), ("blanes-moan-rkn-6-14", "runs")],
+)
+def test_other_data_would_recommend_others(method, key):
+    assert recommended(changed(method, "0.1", key, bounded=False)) != recommended(record())
+
+
+def test_no_page_recommends_a_growing_method_without_a_limit():
+    """Each method of the table that grows in some run stands behind a limit it survived."""
+    stored = record()
+    grows = grown(stored["runs"])
+    rows = [x for x in CHOOSE.read_text(encoding="utf-8").splitlines() if x.startswith("| ")]
+    seen = set()
+    for row in rows:
+        take = row.split("|")[2]
+        before, _, behind = take.partition(f"for up to {LIMIT} also")
+        assert not set(re.findall(r"`([^`]+)`", before)) & set(grows), row
+        for name in set(re.findall(r"`([^`]+)`", behind)) & set(grows):
+            seen.add(name)
+            for x in stored["runs"]:
+                if x["method"] == name:
+                    at = x["marks"].index(100_000)
+                    assert x["energy"][at] < 1e-6, x
+    assert {"pair-rkn-6-8b", "pair-6-8", "s5i2-w3"} <= seen
+
+
+def test_the_counts_of_the_pages_are_those_of_the_data():
+    stored = record()
+    texts = grown(stored["runs"])
+    grows = [x for x in pair_names() if x in texts]
+    lost = [x for x in grows if "lost" in texts[x]]
+    page = PAIRS.read_text(encoding="utf-8")
+    assert (len(grows), len(pair_names()), len(lost)) == (11, 14, 8)
+    assert "Eleven of the fourteen pairs grow in at least one of these runs, and eight lose" in page
+    several = {x for x in kepler_methods() if x not in pair_names() and load(x).r > 1}
+    assert len(several) == 20
+    assert all("lost at 0.1" in texts[x] for x in several)
+    assert "all of them lose the orbit of eccentricity 0.1" in CHOOSE.read_text(encoding="utf-8")
+    early = {
+        x["method"]
+        for x in stored["runs"]
+        if x["method"] in several and not x["energy"][x["marks"].index(100_000)] < 1e-5
+    }
+    assert set(named(ORDER6, "the energy error of all but", "stays below 1e-5")) == early
+
+
+def test_new_starts_keep_every_run_bounded_but_those_the_page_names():
+    stored = record()
+    assert bounded(stored["restarted"]) == list(RESTARTED)
+    assert not set(bounded(stored["runs"])) & set(RESTARTED) - {"pair-6-10"}
+
+
+def test_the_beginning_of_a_run_is_that_of_the_record():
+    """The same path: rounding of other machines moves an energy error of 1e-10 by far less."""
+    for name in ("blanes-moan-rkn-6-14", "gauss-3", "pair-rkn-6-8b"):
+        again = follow_method(name, KEPLER[1], 100_000)
+        stored = next(
+            x for x in record()["runs"] if (x["method"], x["eccentricity"]) == (name, "0.3")
+        )
+        assert again.h == stored["h"]
+        # samples lie closer in a short run: its largest is no smaller but for rounding
+        assert again.energy[1] == pytest.approx(stored["energy"][1], rel=0.02)
+
+
+def test_growth_and_its_cure_are_seen_again_within_a_million_steps():
+    name = "pair-rkn-6-8b"
+    bare = follow_method(name, KEPLER[1], 1_000_000)
+    again = follow_method(name, KEPLER[1], 1_000_000, restart=10_000)
+    assert bare.energy[-1] > 1e-6 > 100 * again.energy[-1]
+    assert not bare.bounded
+    assert again.bounded
+
+
+def test_a_lost_orbit_is_not_bounded_though_its_energy_stays():
+    from campaigns.partitioned.long_runs import Long
+
+    marks = (10**4, 10**5, 10**6, 10**7)
+
+    def run(*energy):
+        return Long("x", "kepler", 0.1, 10**7, "completed", marks, energy, ())
+
+    assert run(1e-9, 1e-9, 1e-9, 2e-9).bounded
+    assert not run(1e-9, 2 * LOST, 2 * LOST, 2 * LOST).bounded
+    assert not run(1e-9, 1e-9, 1e-9, float("inf")).bounded
+
+
+def test_a_file_is_completed_and_what_it_has_is_kept(tmp_path, monkeypatch):
+    from campaigns.partitioned import long_runs as pair_long
+
+    monkeypatch.setattr(pair_long, "kepler_methods", lambda: ["stormer-verlet", "pair-4-4"])
+    monkeypatch.setattr(pair_long, "RESTARTED", ("pair-4-4",))
+    monkeypatch.setattr(pair_long, "FURTHER", ())
+    path = tmp_path / "kepler-long.json"
+    kepler(path, KEPLER[:1], 10_000)
+    first = json.loads(path.read_text(encoding="utf-8"))
+    assert [x["method"] for x in first["runs"]] == ["stormer-verlet", "pair-4-4"]
+    assert [x["method"] for x in first["restarted"]] == ["pair-4-4"]
+    mark = copy.deepcopy(first)
+    mark["runs"][0]["kept"] = True
+    mark["runs"][1]["h"] = 1.0  # of another step size: measured again
+    path.write_text(json.dumps(mark), encoding="utf-8")
+    kepler(path, KEPLER[:1], 10_000)
+    again = json.loads(path.read_text(encoding="utf-8"))
+    assert again["runs"] == [{**first["runs"][0], "kept": True}, first["runs"][1]]
+
+
+if __name__ == "__main__":
+    PAIRS.write_text(filled(PAIRS.read_text(encoding="utf-8"), record()), encoding="utf-8")
