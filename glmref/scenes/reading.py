@@ -25,7 +25,19 @@ _KEYS = (
     *("problem", "methods", "classes", "h", "steps", "t_end", "ask", "answer", "repeats", "budget"),
     *("start", "peers", "tolerances", "quick"),
 )
-_QUICK = ("methods", "classes", "h", "steps", "t_end", "ask", "repeats", "budget", "peers")
+_QUICK = (
+    "title",
+    "question",
+    "methods",
+    "classes",
+    "h",
+    "steps",
+    "t_end",
+    "ask",
+    "repeats",
+    "budget",
+    "peers",
+)
 _NAME = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*")
 _EXPRESSION = re.compile(r"[0-9eE+\-*/(). pisqrt]+")
 MAX_BYTES = 200_000
@@ -199,8 +211,7 @@ class _Reader:
         given = self.document
         self.known((), given, _KEYS)
         for key in _TEXTS:
-            if not isinstance(given.get(key), str) or not given[key].strip():
-                raise self.fail((key,), f"`{key}` must be a text, got {shown(given.get(key))}")
+            self._text((key,), given.get(key))
         if given["format"] != FORMAT:
             raise self.fail(
                 ("format",), f"`format` must be {FORMAT!r}, got {shown(given['format'])}"
@@ -216,8 +227,24 @@ class _Reader:
         self.known(("quick",), overrides, _QUICK)
         full = self._checked(given, ())
         merged = {k: v for k, v in given.items() if k not in self._replaced(overrides)} | overrides
+        if overrides:
+            for key in ("title", "question"):
+                if key in overrides:
+                    self._text(("quick", key), overrides[key])
+            merged["title"] = self._quick_title(merged["title"], overrides)
         quickened = self._checked(merged, ("quick",) if overrides else ())
         return quickened if quick else full
+
+    def _text(self, where: tuple[str, ...], value: Any) -> None:
+        if not isinstance(value, str) or not value.strip():
+            raise self.fail(where, f"`{'.'.join(where)}` must be a text, got {shown(value)}")
+
+    @staticmethod
+    def _quick_title(title: str, overrides: Mapping[str, Any]) -> str:
+        """Title of a quick run: it says so, and how far it goes where the scene goes further."""
+        horizon = "t_end" in overrides and "title" not in overrides
+        to = f", to t = {overrides['t_end']}" if horizon else ""
+        return f"{title} (quick run{to})"
 
     @staticmethod
     def _replaced(overrides: Mapping[str, Any]) -> set[str]:

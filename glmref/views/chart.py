@@ -13,6 +13,7 @@ Public names::
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -39,6 +40,7 @@ MARKERS = ("circle", "square", "up", "diamond", "down", "cross", "plus", "ring")
 _MATPLOTLIB_MARKERS = ("o", "s", "^", "D", "v", "x", "P", "h")
 _LETTERS = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
 _CHARACTER = 6.7  # width of a character of the label font at 12 px, in px
+_BOLD = 8.4  # the same of the title, bold and 14 px
 _SPACING = 15.0  # least distance of two labels, in px
 
 Point = tuple[float, float]
@@ -174,7 +176,13 @@ def svg(
     longest = max((len(one.name) for one in shown), default=0)
     margin = 30 + _CHARACTER * longest
     height = max(height, round(110 + _SPACING * len(shown)))
-    width = max(width, round(70 + margin + 420))
+    width = max(width, round(70 + margin + 420), round(90 + _BOLD * len(title)))
+    listed = textwrap.wrap(
+        f"not drawn, without a positive value: {', '.join(empty)}" if empty else "",
+        int((width - 90) / _CHARACTER),
+        break_on_hyphens=False,
+    )
+    height += 16 * max(len(listed) - 1, 0)
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" '
         f'height="{height}" role="img" aria-label={quoteattr(title)} '
@@ -189,14 +197,14 @@ def svg(
     if shown:
         xs = [x for one in shown for x, _, _ in one.drawn]
         ys = [y for one in shown for _, y, _ in one.drawn]
-        frame = _Frame(70, 40, width - margin, height - 58, decades(xs), decades(ys))
+        bottom = height - 58 - 16 * max(len(listed) - 1, 0)
+        frame = _Frame(70, 40, width - margin, bottom, decades(xs), decades(ys))
         parts += _axes(frame, x_label, y_label)
         parts += _lines(frame, shown)
     else:
         parts.append('<text x="70" y="60" fill="#111">nothing to draw</text>')
-    if empty:
-        listed = f"not drawn, without a positive value: {', '.join(empty)}"
-        parts.append(f'<text x="70" y="{height - 8}" fill="#555">{escape(listed)}</text>')
+    for k, line in enumerate(reversed(listed)):
+        parts.append(f'<text x="70" y="{height - 8 - 16 * k}" fill="#555">{escape(line)}</text>')
     return "\n".join([*parts, "</svg>"]) + "\n"
 
 

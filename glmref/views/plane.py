@@ -126,7 +126,7 @@ def svg(clouds: Sequence[Cloud], *, title: str, x_label: str, y_label: str) -> s
     rows = math.ceil(len(clouds) / across)
     noted = any(_notes(one, box) for one in clouds)
     pitch = (_PANEL + _GAP, high + _GAP + (22 if noted else 6))
-    width = max(_LEFT + across * pitch[0] - _GAP + 20, 60 + 8.2 * len(title))
+    width = max(_LEFT + across * pitch[0] - _GAP + 20, 80 + 8.4 * len(title))
     height = _TOP + rows * pitch[1] + 8
     parts = [
         (

@@ -26,7 +26,7 @@ from ..theory.stability import oscillator
 
 __all__ = ["portrait"]
 
-_WIDTH, _HEIGHT = 820, 430
+_WIDTH, _HEIGHT = 870, 430
 _INK, _FAINT, _FILL, _LINE = "#111", "#d9d9d9", "#9ecae9", "#0072b2"
 _REACH = 12.0  # a region that goes on is cut here
 _SAMPLES = 480
@@ -49,9 +49,14 @@ class _Panel:
         return self.left + u * self.width, self.top + (1 - v) * self.height
 
     def frame(self, title: str) -> list[str]:
-        """Border, title and ticks."""
+        """Border, title, one line of it below the other, and ticks."""
+        lines = title.split("\n")
         parts = [
-            f'<text x="{self.left}" y="{self.top - 9}" fill="{_INK}">{escape(title)}</text>',
+            *(
+                f'<text x="{self.left}" y="{self.top - 9 - 15 * k}" fill="{_INK}">{escape(line)}'
+                f"</text>"
+                for k, line in enumerate(reversed(lines))
+            ),
             (
                 f'<rect x="{self.left}" y="{self.top}" width="{self.width}" height="{self.height}" '
                 f'fill="none" stroke="#555"/>'
@@ -105,7 +110,7 @@ def portrait(method: GLM | PartitionedGLM) -> str:
         f"<title>{escape(name)}</title>",
         f'<rect width="{_WIDTH}" height="{_HEIGHT}" fill="#ffffff"/>',
         (
-            f'<text x="40" y="26" font-size="15" font-weight="bold" fill="{_INK}">'
+            f'<text x="40" y="20" font-size="15" font-weight="bold" fill="{_INK}">'
             f"{escape(name)}</text>"
         ),
     ]
@@ -182,7 +187,8 @@ def _moduli(
                 f'<polyline points="{points}" fill="none" stroke="{_LINE}" stroke-width="1.4"/>'
             )
     kept = "throughout" if end >= _REACH else f"up to {end:.4g}"
-    title = f"moduli of eigenvalues against {axis}; growth below 1e-7 {kept}"
+    # two lines: beside the digits of a bound, one would leave the picture
+    title = f"moduli of eigenvalues against {axis}\ngrowth below 1e-7 {kept}"
     return [*parts, *panel.frame(title)]
 
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import os
 import re
+import shutil
 import subprocess
 import sys
 from collections import Counter
@@ -74,22 +76,102 @@ def test_the_commands_are_found() -> None:
     assert len(COMMANDS) >= 11
 
 
+# --- the four promises, from a clone in a folder called glmref --------------------------------------
+
+
+@pytest.fixture(scope="module")
+def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What a newcomer has: a clone in a folder named as git names it."""
+    if shutil.which("git") is None or not (ROOT / ".git").exists():
+        pytest.skip("no git checkout")
+    folder = tmp_path_factory.mktemp("newcomer") / "glmref"
+    command = ["git", "clone", "--quiet", "--local", str(ROOT), str(folder)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
+    if done.returncode:
+        pytest.skip(f"git clone: {done.stderr.strip()}")
+    return folder
+
+
+def in_clone(clone: Path, *words: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+    """Run a command of the clone's package, from another folder."""
+    return subprocess.run(
+        [sys.executable, *words],
+        capture_output=True, text=True, check=False, timeout=300, cwd=cwd or clone.parent,
+        env={**os.environ, "PYTHONPATH": str(clone), "NUMBA_CACHE_DIR": str(clone.parent / "cache")},
+    )  # fmt: skip
+
+
+MY_HEUN = re.search(r"```json\n(.*?)```", README, re.DOTALL)
+BARE = '{"A": [["0", "0"], ["1", "0"]], "b": ["1/2", "1/2"]}'
+
+
+def test_the_clone_is_what_runs(clone: Path) -> None:
+    done = in_clone(clone, "-c", "import glmref; print(glmref.__file__)")
+    assert done.stdout.strip() == str(clone / "glmref" / "__init__.py"), done.stderr
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "said"),
+    [
+        (["verify", "g6245-w3"], 0, "0 fail, 0 open"),  # a name
+        (["verify", "my-heun.json"], 0, "1 claim of 1 file: 1 hold"),  # one's own file
+        (["verify", "my-slip.json"], 1, "declared 3, found 2"),
+        (["analyze", "bare.json"], 0, "order with the identity"),  # no claims
+        (["analyze", "noclaims.json"], 0, "order with the identity"),
+        (["verify", "bare.json"], 2, "nothing to verify"),
+        (["show", "bare.json"], 0, "1/2"),  # show and cite
+        (["show", "rk4"], 0, "1/6"),
+        (["cite", "rk4"], 0, "@"),
+        (["cite", "my-heun.json"], 0, "my notebook"),
+        (["cite", "bare.json"], 2, "has no source to cite"),
+        (["solve"], 2, "No such command"),
+        (["verify", "gaus-2"], 2, "did you mean gauss-2"),
+    ],
+)
+def test_the_promises_hold_from_a_clone_called_glmref(
+    clone: Path, tmp_path: Path, words: list[str], code: int, said: str
+) -> None:
+    assert MY_HEUN is not None
+    own = json.loads(MY_HEUN[1])
+    files = {
+        "my-heun": own, "my-slip": {**own, "name": "my-slip", "claims": {"order": 3}},
+        "noclaims": {k: x for k, x in own.items() if k not in ("claims", "source")},
+        "bare": json.loads(BARE),
+    }  # fmt: skip
+    for name, content in files.items():
+        (tmp_path / f"{name}.json").write_text(json.dumps(content), encoding="utf-8")
+    done = in_clone(clone, "-m", "glmref", *words, cwd=tmp_path)
+    assert done.returncode == code, done.stderr
+    assert said in done.stdout + done.stderr
+    assert "Traceback" not in done.stderr
+    assert code != 2 or (done.stdout == "" and len(done.stderr.splitlines()) == 1)
+
+
 @pytest.mark.parametrize("line", COMMANDS)
-def test_the_commands_exist(line: str, tmp_path: Path) -> None:
-    example = re.search(r"```json\n(.*?)```", README, re.DOTALL)
-    assert example is not None
-    (tmp_path / "my-method.json").write_text(example[1], encoding="utf-8")
+def test_the_commands_of_the_readme_run_from_the_clone(
+    clone: Path, tmp_path: Path, line: str
+) -> None:
+    assert MY_HEUN is not None
+    (tmp_path / "my-method.json").write_text(MY_HEUN[1], encoding="utf-8")
     words = line.partition("#")[0].split()[1:]
-    done = subprocess.run(
-        [sys.executable, "-m", "glmref", *words],
-        capture_output=True,
-        text=True,
-        check=False,
-        cwd=tmp_path,
-        timeout=120,
-    )
+    done = in_clone(clone, "-m", "glmref", *words, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert done.stdout.strip()
+
+
+def test_analyze_of_a_bare_tableau_in_python(clone: Path, tmp_path: Path) -> None:
+    (tmp_path / "bare.json").write_text(BARE, encoding="utf-8")
+    code = "import glmref; print(glmref.analyze(glmref.load('bare.json')).order)"
+    done = in_clone(clone, "-c", code, cwd=tmp_path)
+    assert done.stdout == "2\n", done.stderr
+
+
+def test_the_tests_that_name_places_in_files_pass_in_the_clone(clone: Path) -> None:
+    """Frames were once dropped by the word glmref in a path: in such a folder all of them."""
+    file = "tests/suite/test_conformance_adapters.py"
+    words = ["-m", "pytest", "-q", "-p", "no:cacheprovider", file]
+    done = in_clone(clone, *words, "-k", "cannot_be_used or place_of_an_error", cwd=clone)
+    assert done.returncode == 0, done.stdout[-2000:]
 
 
 def test_the_two_set_up_commands_are_those_ci_runs() -> None:

@@ -1,6 +1,7 @@
 """Scenes: read strictly with line numbers, planned before they run, answered from their records."""
 
 import json
+import re
 import tomllib
 from pathlib import Path
 
@@ -9,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from glmref.catalogue.lookup import data_root
+from glmref.cli import main
 from glmref.errors import DataError, GlmrefError, UsageError
 from glmref.measure.records import RecordFile
 from glmref.scenes import answer, charts, load_scene, names, orbits, plan, rows, run
@@ -82,6 +84,51 @@ def test_the_first_scenes_are_there():
     } <= set(names())  # fmt: skip
 
 
+#: How a title tells how far a scene goes: a number of periods or steps, or a time.
+HORIZON = re.compile(r"[\w,]+ (?:million )?(?:periods|steps|days)|t = [\d.]+")
+
+
+@pytest.mark.parametrize("name", names())
+def test_a_quick_run_is_titled_with_its_own_horizon(name):
+    full, quick = load_scene(name), load_scene(name, quick=True)
+    if quick == full:
+        return
+    assert quick.title.endswith(")") and " (quick run" in quick.title
+    shorter = quick.t_end < full.t_end
+    told = HORIZON.findall(full.title)
+    if shorter and told:
+        assert not set(told) & set(HORIZON.findall(quick.title))
+        assert not set(HORIZON.findall(full.question)) & set(HORIZON.findall(quick.question))
+    elif shorter:
+        assert f"to t = {quick.t_end:g}" in quick.title
+    for number in re.findall(r"([\d,]+) steps", quick.title):
+        assert int(number.replace(",", "")) == max(n for _, n in quick.grid)
+
+
+def test_the_quick_title_is_that_of_table_picture_and_report(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    text = SMALL.replace("A small scene", "100 periods").replace('"1"', '"2"')
+    text = text.replace("[quick]\n", '[quick]\nt_end = "pi"\ntitle = "Ten periods"\n')
+    write(tmp_path, text)
+    assert load_scene("small.toml", quick=True).title == "Ten periods (quick run)"
+    assert main(["run", "small.toml", "--quick", "--output", "out"]) == 0
+    assert "Ten periods (quick run)" in capsys.readouterr().out
+    drawn = [path.read_text(encoding="utf-8") for path in Path("out").glob("*-quick*.svg")]
+    assert drawn and all(
+        "Ten periods (quick run)" in one and "100 periods" not in one for one in drawn
+    )
+    assert load_scene("kepler", quick=True).title.startswith(
+        "Kepler problem, eccentricity 0.6, ten"
+    )
+
+
+@pytest.mark.parametrize("key", ["title", "question"])
+def test_a_quick_title_that_is_no_text_is_refused(tmp_path, key):
+    path = write(tmp_path, SMALL.replace("[quick]\n", f"[quick]\n{key} = 3\n"))
+    with pytest.raises(DataError, match=f"`quick.{key}` must be a text, got 3"):
+        load_scene(path)
+
+
 def test_a_file_is_read_with_expressions_and_quick_overrides(tmp_path):
     path = write(tmp_path)
     scene = load_scene(path)
@@ -121,7 +168,7 @@ def test_a_file_is_read_with_expressions_and_quick_overrides(tmp_path):
         ("at = 1e-2", "at = 0", "at", "positive number"),
         ("at = 1e-2", 'erorr = "state"', "erorr", "did you mean 'error'"),
         ("steps = [10]", "steps = [true]", "steps", "whole number"),
-        ("steps = [10]", "title = 3", "title", "there is no key 'title' here"),
+        ("steps = [10]", "name = 3", "name", "there is no key 'name' here"),
         ("repeats = 1", 'peers = ["scipy-rk45"]', "peers", "peers need `tolerances`"),
         ("repeats = 1", 'peers = ["matlab"]\ntolerances = [1e-6]', "peers", "must be one of"),
         ("repeats = 1", 'start = "cold"', "start", "must be one of 'zero'"),
