@@ -17,8 +17,8 @@ from typing import Any
 from campaigns.driver import fingerprint, renew
 from glmref.catalogue.lookup import load, names
 from glmref.theory.error_constants import error_norm
+from glmref.theory.facts import PairFacts, facts_of
 from glmref.theory.order import OrderResult
-from glmref.verification.facts import PairFacts, facts_of
 
 __all__ = ["LARGEST", "main", "row"]
 

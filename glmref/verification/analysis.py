@@ -10,8 +10,8 @@ from ..exact import Scalar
 from ..exact.linalg import Matrix, Vector
 from ..findings import Proof
 from ..method import GLM, PartitionedGLM
+from ..theory.facts import GLMFacts, PairFacts, facts_of
 from .checks import all_of, shown_number
-from .facts import GLMFacts, PairFacts, facts_of
 
 __all__ = ["FORMAT", "Analysis", "analyze"]
 

@@ -14,7 +14,7 @@ from ..errors import DataError, ExactnessError
 from ..exact import Exact, Scalar
 from ..exact.expression import Text, parse, to_text
 from ..findings import Proof
-from .facts import Facts, GLMFacts, PairFacts
+from ..theory.facts import Facts, GLMFacts, PairFacts
 
 if TYPE_CHECKING:
     from ..theory.order import OrderResult

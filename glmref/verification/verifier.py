@@ -13,8 +13,8 @@ from ..exact import Exact
 from ..exact.linalg import Vector
 from ..findings import Finding, Proof, Verdict
 from ..method import GLM, FinishingMethod, PairStartingMethod, PartitionedGLM, StartingMethod
+from ..theory.facts import Facts, PairFacts, facts_of
 from .checks import CHECKS, FOR_ONE_METHOD, Outcome
-from .facts import Facts, PairFacts, facts_of
 
 __all__ = ["claims_of", "proven_claims", "verify", "verify_file"]
 

@@ -12,8 +12,8 @@ from glmref.exact import Exact
 from glmref.measure.reduction import observed_order, smooth_start
 from glmref.problems import problem
 from glmref.theory import polynomials as poly
+from glmref.theory.facts import GLMFacts
 from glmref.theory.stability import at_infinity
-from glmref.verification.facts import GLMFacts
 
 METHODS = (
     "gauss-1", "gauss-2", "gauss-3", "gauss-4", "radau-ia-2", "radau-ia-3", "radau-iia-1",

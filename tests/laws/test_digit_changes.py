@@ -16,8 +16,8 @@ import pytest
 from glmref.catalogue.lookup import document, names
 from glmref.catalogue.reader import load_document
 from glmref.errors import GlmrefError
+from glmref.theory.facts import facts_of
 from glmref.verification.checks import CHECKS
-from glmref.verification.facts import facts_of
 from glmref.verification.verifier import claims_of, proven_claims
 
 pytestmark = pytest.mark.slow

@@ -20,10 +20,10 @@ from glmref.method import GLM
 from glmref.method.sweep import sweep_blocks
 from glmref.prove.enclosure import Outcome, krawczyk, obstruction, prove, shift_matrix
 from glmref.prove.equations import Blocks, starting_series
+from glmref.theory.facts import facts_of
 from glmref.theory.order import order_of
 from glmref.theory.trees import parse_tree, single, trees
 from glmref.verification.checks import _order
-from glmref.verification.facts import facts_of
 from glmref.verification.verifier import verify
 
 TINY = Fraction(1, 10**60)

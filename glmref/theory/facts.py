@@ -18,14 +18,14 @@ from ..findings import Proof
 from ..method import GLM, PartitionedGLM
 
 if TYPE_CHECKING:
-    from ..theory.consistency import Consistency
-    from ..theory.order import OrderResult
-    from ..theory.parasitism import PairParasitism, Parasitism
-    from ..theory.partitioned_symplectic import PairSymplecticity
-    from ..theory.reduction import Reduction
-    from ..theory.spectrum import Boundedness
-    from ..theory.symmetry import PairSymmetry, Symmetry
-    from ..theory.symplectic import GSymplecticity
+    from .consistency import Consistency
+    from .order import OrderResult
+    from .parasitism import PairParasitism, Parasitism
+    from .partitioned_symplectic import PairSymplecticity
+    from .reduction import Reduction
+    from .spectrum import Boundedness
+    from .symmetry import PairSymmetry, Symmetry
+    from .symplectic import GSymplecticity
 
 __all__ = ["Facts", "GLMFacts", "PairFacts", "facts_of"]
 
@@ -92,56 +92,56 @@ class GLMFacts(Facts):
     @cached_property
     def consistency(self) -> Consistency:
         """u, v, c, and whether the method is pre-consistent and consistent."""
-        from ..theory.consistency import consistency
+        from .consistency import consistency
 
         return consistency(self.method)
 
     @cached_property
     def zero_stability(self) -> Boundedness:
         """Whether V is power-bounded."""
-        from ..theory.consistency import zero_stability
+        from .consistency import zero_stability
 
         return zero_stability(self.method)
 
     @cached_property
     def order(self) -> OrderResult:
         """Order with a free principal part of the starting series."""
-        from ..theory.order import order_of
+        from .order import order_of
 
         return order_of(self.method, principal="free")
 
     @cached_property
     def order_identity(self) -> OrderResult:
         """Order with the identity as principal part: the first value is the solution."""
-        from ..theory.order import order_of
+        from .order import order_of
 
         return order_of(self.method, principal="identity")
 
     @cached_property
     def g_symplecticity(self) -> GSymplecticity:
         """The forms G and D, those the file gives or those found."""
-        from ..theory.symplectic import g_symplectic
+        from .symplectic import g_symplectic
 
         return g_symplectic(self.method)
 
     @cached_property
     def symmetry(self) -> Symmetry:
         """Time-reversal symmetry with its involutions."""
-        from ..theory.symmetry import symmetry
+        from .symmetry import symmetry
 
         return symmetry(self.method)
 
     @cached_property
     def parasitism(self) -> Parasitism:
         """Growth parameters at the unimodular eigenvalues of V."""
-        from ..theory.parasitism import growth
+        from .parasitism import growth
 
         return growth(self.method)
 
     @cached_property
     def starting_order(self) -> tuple[int, str]:
         """Order to which the file's starting method agrees with the starting series, and why."""
-        from ..theory.starting import starting_order
+        from .starting import starting_order
 
         if self.method.starting is None:
             return 0, "the file gives no starting method"
@@ -151,7 +151,7 @@ class GLMFacts(Facts):
     @cached_property
     def finishing_order(self) -> tuple[int, str]:
         """Order to which the file's finishing method undoes its starting method, and why."""
-        from ..theory.starting import finishing_order
+        from .starting import finishing_order
 
         if self.method.finishing is None:
             return 0, "the file gives no finishing method"
@@ -197,7 +197,7 @@ class GLMFacts(Facts):
         It belongs to the tree with p leaves at the root: symmetry p!, and the exact value minus
         the method's is the negative residual.
         """
-        from ..theory.trees import single, tree
+        from .trees import single, tree
 
         result = self.classical_order
         bushy = tree([single()] * result.order)
@@ -209,14 +209,14 @@ class GLMFacts(Facts):
     @cached_property
     def a_stability(self) -> Any:
         """Whether M(z) is power-bounded in the left half-plane."""
-        from ..theory.a_stability import a_stability
+        from .a_stability import a_stability
 
         return a_stability(self.method)
 
     @cached_property
     def l_stability(self) -> Any:
         """A-stable, and M(z) tends to a nilpotent matrix as z tends to minus infinity."""
-        from ..theory.a_stability import l_stability
+        from .a_stability import l_stability
 
         return l_stability(self.method)
 
@@ -234,15 +234,15 @@ class PairFacts(Facts):
     @cached_property
     def consistency(self) -> tuple[Consistency, Consistency]:
         """Consistency of the q half and the p half."""
-        from ..theory.consistency import pair_consistency
+        from .consistency import pair_consistency
 
         return pair_consistency(self.method)
 
     @cached_property
     def zero_stability(self) -> tuple[Boundedness, Boundedness]:
         """Whether V and V^ are power-bounded."""
-        from ..theory.consistency import halves
-        from ..theory.spectrum import power_bounded
+        from .consistency import halves
+        from .spectrum import power_bounded
 
         q, p = halves(self.method)
         return power_bounded(q.V), power_bounded(p.V)
@@ -250,14 +250,14 @@ class PairFacts(Facts):
     @cached_property
     def order(self) -> OrderResult:
         """Order of both components, principal parts free."""
-        from ..theory.partitioned import pair_order_of
+        from .partitioned import pair_order_of
 
         return pair_order_of(self.method, principal="free", max_order=self.max_order)
 
     @cached_property
     def order_identity(self) -> OrderResult:
         """Order of both components, principal parts the identity."""
-        from ..theory.partitioned import pair_order_of
+        from .partitioned import pair_order_of
 
         return pair_order_of(self.method, principal="identity", max_order=self.max_order)
 
@@ -272,14 +272,14 @@ class PairFacts(Facts):
     @cached_property
     def nystrom_starting_order(self) -> tuple[int, str]:
         """The same on second-order systems."""
-        from ..theory.nystrom import is_nystrom
+        from .nystrom import is_nystrom
 
         return self._start_against(
             self.nystrom_order, counts=is_nystrom, compared="all trees of second-order systems"
         )
 
     def _start_against(self, known: OrderResult, **options: Any) -> tuple[int, str]:
-        from ..theory.partitioned_starting import pair_starting_order, zero_start_order
+        from .partitioned_starting import pair_starting_order, zero_start_order
 
         if self.method.starting is None:
             return zero_start_order(known)
@@ -289,35 +289,35 @@ class PairFacts(Facts):
     @cached_property
     def nystrom_order(self) -> OrderResult:
         """Order of both components on second-order systems, principal parts the identity."""
-        from ..theory.nystrom import nystrom_order_of
+        from .nystrom import nystrom_order_of
 
         return nystrom_order_of(self.method)
 
     @cached_property
     def reduction(self) -> Reduction:
         """Which of the values carried are needed."""
-        from ..theory.reduction import pair_reduction
+        from .reduction import pair_reduction
 
         return pair_reduction(self.method)
 
     @cached_property
     def g_symplecticity(self) -> PairSymplecticity:
         """The bilinear form the two halves conserve together."""
-        from ..theory.partitioned_symplectic import pair_symplectic
+        from .partitioned_symplectic import pair_symplectic
 
         return pair_symplectic(self.method)
 
     @cached_property
     def symmetry(self) -> PairSymmetry:
         """Time-reversal symmetry of the pair."""
-        from ..theory.symmetry import pair_symmetry
+        from .symmetry import pair_symmetry
 
         return pair_symmetry(self.method)
 
     @cached_property
     def parasitism(self) -> PairParasitism:
         """Coupled growth parameters."""
-        from ..theory.parasitism import pair_growth
+        from .parasitism import pair_growth
 
         return pair_growth(self.method)
 
