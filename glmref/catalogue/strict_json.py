@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import DataError
+from ..system.files import make_folder, read_text, write_text
 
 __all__ = ["read_json", "shown", "write_json"]
 
@@ -33,8 +34,8 @@ def write_json(path: Path, document: object) -> None:
         ValueError: for NaN or an infinity, which JSON has not; the file stays as it was.
     """
     text = json.dumps(document, indent=1, allow_nan=False, ensure_ascii=False)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(text + "\n", encoding="utf-8")
+    make_folder(path.parent)
+    write_text(path, text + "\n")
 
 
 def read_json(path: Path) -> Any:
@@ -45,19 +46,7 @@ def read_json(path: Path) -> Any:
         DataError: naming the file, the place and the remedy.
     """
     name = path.name
-    try:
-        if path.stat().st_size > MAX_BYTES:
-            raise DataError(
-                f"{name}: the file has {path.stat().st_size} bytes and at most {MAX_BYTES} are "
-                f"read; a method file holds one method"
-            )
-        text = path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise DataError(f"{name}: the file cannot be read ({error.strerror})") from None
-    except UnicodeDecodeError as error:
-        raise DataError(
-            f"{name}: byte {error.start} is not UTF-8; save the file as UTF-8"
-        ) from None
+    text = read_text(path, MAX_BYTES)
     if text.startswith("\ufeff"):
         raise DataError(f"{name}: the file begins with a byte order mark; save it as UTF-8 without")
     if _too_deep(text):

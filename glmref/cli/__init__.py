@@ -1,8 +1,8 @@
 """The command line: one file for each family of commands, errors turned into one sentence here.
 
-Exit codes: 0 what was asked holds, 1 a check failed, 2 usage or bad input, 3 open or internal,
-130 interrupted, 141 the reader of the output went away. Results go to stdout, progress and errors
-to stderr. Importing this package loads click and nothing heavy.
+Exit codes: 0 what was asked holds, 1 a check failed, 2 usage, bad input or what the system refuses,
+3 open or internal, 130 interrupted, 143 terminated, 141 the reader of the output went away. Results
+go to stdout, progress and errors to stderr. Importing this package loads click and nothing heavy.
 """
 
 from __future__ import annotations
@@ -15,12 +15,13 @@ import click
 
 from .. import __version__
 from ..errors import GlmrefError
+from ..system.process import guarded
 from .benching import bench
 from .browsing import cite, list_, show
 from .checking import verify
 from .deriving import derive
 from .describing import analyze, errata
-from .output import BAD_INPUT, INTERNAL, INTERRUPTED, PIPE_CLOSED, complain, confess, open_streams
+from .output import BAD_INPUT, INTERNAL, complain, confess
 from .probing import probe
 from .reporting import report
 from .running import run
@@ -30,7 +31,8 @@ __all__ = ["group", "main"]
 
 @click.group(
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
-    epilog="Exit codes: 0 holds, 1 a check failed, 2 usage or bad input, 3 open or internal. "
+    epilog="Exit codes: 0 holds, 1 a check failed, 2 usage, bad input or a "
+    "refusal of the system, 3 open or internal. "
     "NO_COLOR is respected; GLMREF_DEBUG=1 shows the traceback of an internal error.",
 )
 @click.version_option(__version__, "--version", prog_name="glmref", message="%(prog)s %(version)s")
@@ -51,21 +53,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if "_GLMREF_COMPLETE" in os.environ:  # the shell asks for completions
         return int(group.main(prog_name="glmref") or 0)
     arguments = sys.argv[1:] if arguments is None else arguments
-    open_streams()
-    try:
-        code = _run(list(arguments))
-        sys.stdout.flush()
-    except BrokenPipeError:
-        # nobody reads on: point stdout at nothing, so that the interpreter's last flush is silent
-        sys.stdout = open(os.devnull, "w")  # noqa: SIM115
-        return PIPE_CLOSED
-    except OSError as error:
-        complain(f"the system refused ({error.strerror or error}); free what it names, try again")
-        return INTERNAL
-    except (KeyboardInterrupt, click.Abort):
-        complain("interrupted")
-        return INTERRUPTED
-    return code
+    return guarded("glmref", lambda: _run(list(arguments)), BAD_INPUT)
 
 
 def _run(arguments: list[str]) -> int:
@@ -83,8 +71,10 @@ def _run(arguments: list[str]) -> int:
     except GlmrefError as error:
         complain(str(error))
         return BAD_INPUT
-    except OSError:
+    except (OSError, MemoryError):
         raise
+    except click.Abort:  # how click hands on Ctrl-C
+        raise KeyboardInterrupt from None
     except Exception as error:
         confess(error)
         return INTERNAL

@@ -11,7 +11,8 @@ import click
 
 from ..catalogue.keys import BLOCKS
 from ..errors import UsageError
-from ..views.tables import Style, columns, csv_text, json_text
+from ..system.files import write_text
+from ..views.tables import Style, columns, csv_text, json_text, one_line
 from .output import HOLDS, say
 
 __all__ = ["LISTS", "cite", "list_", "show"]
@@ -86,11 +87,8 @@ def show(name: str, decimal: int | None, plot: Path | None) -> int:
 
         if plot.suffix != ".svg":
             raise UsageError(f"--plot writes SVG; give a name such as {plot.stem}.svg")
-        try:
-            plot.write_text(portrait(method), encoding="utf-8")
-        except OSError as error:
-            raise UsageError(f"{plot} cannot be written ({error.strerror})") from None
-        say(f"\nwrote {plot}")
+        write_text(plot, portrait(method))
+        say(f"\nwrote {one_line(plot)}")
     return HOLDS
 
 

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import UsageError
-from ..views.tables import json_text
+from ..system.files import make_folder, write_text
+from ..views.tables import json_text, one_line
 from .output import FAILED, HOLDS, say
 
 if TYPE_CHECKING:
@@ -59,7 +60,7 @@ def derive(
     if recipe.endswith(".toml"):
         options, recipe = {"ansatz": recipe, **options}, "search"
     if output is not None:
-        output.mkdir(parents=True, exist_ok=True)
+        make_folder(output)
     try:
         with _Bar() as bar:
             found = recipes.run(recipe, options, bar.progress)
@@ -171,8 +172,8 @@ def _write(document: Mapping[str, Any], output: Path | None) -> None:
         say(f"derived {document['name']}; give --output DIR to keep the file")
         return
     path = output / f"{document['name']}.json"
-    path.write_text(canonical(dict(document)), encoding="utf-8")
-    say(f"wrote {path}")
+    write_text(path, canonical(dict(document)))
+    say(f"wrote {one_line(path)}")
 
 
 class _Bar:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import io
 import os
 import sys
 import traceback
 
+from ..system.process import INTERRUPTED, PIPE_CLOSED, open_streams
 from ..views.tables import one_line
 
 __all__ = [
@@ -24,17 +24,6 @@ __all__ = [
 ]
 
 HOLDS, FAILED, BAD_INPUT, INTERNAL = 0, 1, 2, 3
-INTERRUPTED, PIPE_CLOSED = 130, 141  # 128 + SIGINT and 128 + SIGPIPE, as shells count
-
-
-def open_streams() -> None:
-    """Make sure that there are streams, and that no character can stop them."""
-    for name in ("stdout", "stderr"):
-        stream = getattr(sys, name)
-        if stream is None:  # closed by the caller, as in `glmref list >&-`
-            setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115
-        elif isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")
 
 
 def say(text: str) -> None:

@@ -15,6 +15,7 @@ from time import perf_counter
 
 from ..errors import GlmrefError
 from ..findings import Finding
+from ..system.process import end_with_parent
 from ..views.tables import plain
 from .output import internal_sentence
 
@@ -95,9 +96,10 @@ def _cores() -> int:
     return os.cpu_count() or 1
 
 
-def _ignore_interrupts() -> None:
-    """Ctrl-C is the parent's to answer."""
+def _begin() -> None:
+    """Leave Ctrl-C to the parent, and end with it, however it ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    end_with_parent()
 
 
 @contextmanager
@@ -115,7 +117,7 @@ def _deaf_children() -> Iterator[None]:
 
 def _pool(processes: int) -> ProcessPoolExecutor:
     # spawn: the same on every system, and no thread of the parent can be caught half-way
-    return ProcessPoolExecutor(processes, get_context("spawn"), _ignore_interrupts)
+    return ProcessPoolExecutor(processes, get_context("spawn"), _begin)
 
 
 def _in_processes(

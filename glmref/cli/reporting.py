@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from ..views.tables import one_line
 from .output import HOLDS, complain, say
 
 __all__ = ["report"]
@@ -46,5 +47,6 @@ def report(results: tuple[Path, ...], output: Path | None, single: bool) -> int:
     for odd in found.odd:
         complain(f"not shown: {odd.where}: {odd.why}")
     records = sum(len(run.records) for run in found.runs)
-    say(f"{counted(len(written), 'file')} with {counted(records, 'record')}; open {written[0]}")
+    files, place = counted(len(written), "file"), one_line(written[0])
+    say(f"{files} with {counted(records, 'record')}; open {place}")
     return HOLDS

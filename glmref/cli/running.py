@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import UsageError
+from ..system.files import write_text
 from ..views.tables import Style, columns, csv_text, json_text, one_line
 from .browsing import LISTS
-from .output import HOLDS, INTERNAL, say
+from .output import BAD_INPUT, HOLDS, INTERNAL, complain, say
 
 if TYPE_CHECKING:
     from ..scenes import Plan, Scene
@@ -91,6 +92,14 @@ def run(
         say(json_text(documents[0] if len(documents) == 1 else documents))
     elif form == "csv":
         _write_csv(plans, documents)
+    refused = [r for d in documents for r in d["records"] if r["outcome"] == rooms.SYSTEM_REFUSED]
+    if refused:
+        more = f" (and {len(refused) - 1} tasks more)" if len(refused) > 1 else ""
+        complain(
+            f"{_who(refused[0])}{more}: {one_line(refused[0]['message'], limit=200)}; what was "
+            f"measured is kept, so see to it and run the same command again"
+        )
+        return BAD_INPUT
     return INTERNAL if bad else HOLDS
 
 
@@ -144,10 +153,11 @@ def _carry_out(plan: Plan, output: Path, *, quick: bool) -> dict[str, Any]:
     scene = plan.scene
     stem = scene.name + ("-quick" if quick else "")
     store = RecordFile(output / f"{stem}.jsonl")
-    missing = len(list(store.missing(plan.tasks)))
-    with _Progress(missing, scene.name) as advance:
-        records = rooms.run(plan, store, advance=advance)
+    with _Progress(len(list(store.missing(plan.tasks))), scene.name) as progress:
+        records = rooms.run(plan, store, advance=progress.advance)
+    missing = progress.done
     notices = [f"{package} is not installed; its runs are left out" for package in plan.absent]
+    notices += store.notices
     notices += [text for record in records for text in record.get("notices", ())]
     pictures: list[str] = []
     if "picture" in scene.ask:
@@ -174,7 +184,10 @@ def _note(notice: str) -> None:
 def _draw(
     scene: Scene, records: Sequence[Mapping[str, Any]], output: Path, stem: str
 ) -> tuple[list[str], list[str]]:
-    """Write SVG, and PNG and PDF where matplotlib is there; return file names and notices."""
+    """Write SVG, and PNG and PDF where matplotlib is there; return file names and notices.
+
+    A folder that cannot be written costs the pictures and not the answer.
+    """
     from .. import scenes as rooms
     from ..views import chart, plane
 
@@ -189,9 +202,14 @@ def _draw(
     for room, suffix, one, data in drawn:
         words = {"title": one.title, "x_label": one.x_label, "y_label": one.y_label}
         path = output / f"{stem}{suffix}.svg"
-        path.write_text(room.svg(data, **words), encoding="utf-8")
-        names.append(path.name)
-        notice = room.write_figures(path.with_suffix(".png"), data, **words)
+        try:
+            write_text(path, room.svg(data, **words))
+            names.append(path.name)
+            notice = room.write_figures(path.with_suffix(".png"), data, **words)
+        except UsageError as error:
+            notice = f"no picture: {error}"
+            notices += [notice] if notice not in notices else []
+            continue
         if notice is None:
             names += [path.with_suffix(end).name for end in (".png", ".pdf")]
         elif notice not in notices:
@@ -228,7 +246,7 @@ def _page(scene: Scene, document: Mapping[str, Any], output: Path) -> str:
         for chart in rooms.charts(scene, records)[:1]:
             parts += ["", text(chart.series, x_label=chart.x_label, y_label=chart.y_label)]
         named = ", ".join(document["pictures"]) or "nothing to draw"
-        parts += ["", _wrapped(f"pictures in {output}: {named}", width)]
+        parts += ["", _wrapped(f"pictures in {one_line(output)}: {named}", width)]
     said = _wrapped(f"answer  {one_line(document['answer'])}", width)
     parts += ["", style.paint("answer", "bold") + said.removeprefix("answer")]
     return "\n".join(parts)
@@ -292,16 +310,19 @@ class _Progress:
 
     def __init__(self, total: int, name: str) -> None:
         self.bar: Any = None
+        self.done = 0
         if sys.stderr.isatty() and total:
             from tqdm import tqdm
 
             tqdm.monitor_interval = 0
             self.bar = tqdm(total=total, desc=name, unit="run", leave=False, file=sys.stderr)
 
-    def __enter__(self) -> Any:
-        return self._advance
+    def __enter__(self) -> _Progress:
+        return self
 
-    def _advance(self, task: Mapping[str, Any], record: Mapping[str, Any]) -> None:
+    def advance(self, task: Mapping[str, Any], record: Mapping[str, Any]) -> None:
+        """Count one record."""
+        self.done += 1
         if self.bar is not None:
             self.bar.set_postfix_str(_who(record), refresh=False)
             self.bar.update()

@@ -1,6 +1,7 @@
 """``python -m glmref.conformance ADAPTER``: the suite without pytest.
 
-Exit codes are pytest's: 0 every check holds, 1 one fails, 4 the adapter or an option is bad.
+Exit codes are pytest's: 0 every check holds, 1 one fails, 4 the adapter or an option is bad; and as
+shells count, 130 after Ctrl-C, 143 after SIGTERM, 141 where nobody reads on.
 """
 
 from __future__ import annotations
@@ -14,6 +15,8 @@ from typing import Any
 
 from ..errors import GlmrefError
 from ..findings import Finding, Verdict
+from ..system.process import guarded
+from ..views import tables
 
 HOLDS, FAILED, BAD_ADAPTER = 0, 1, 4
 #: Beginning of the witness of a check that was not judged because of another one.
@@ -30,10 +33,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--format", choices=("table", "json", "csv", "junit"), default="table")
     parser.add_argument("--list", action="store_true", help="write the ids and stop")
     asked = parser.parse_args(arguments)
+    return guarded("glmref.conformance", lambda: _judge(asked), BAD_ADAPTER)
+
+
+def _judge(asked: argparse.Namespace) -> int:
     try:
         return _run(asked)
     except GlmrefError as error:
-        sys.stderr.write(f"glmref.conformance: {' '.join(str(error).split())}\n")
+        sys.stderr.write(f"glmref.conformance: {tables.one_line(error)}\n")
         return BAD_ADAPTER
 
 
@@ -84,8 +91,6 @@ def _judged(finding: Finding, known: dict[str, str]) -> Finding:
 
 
 def _write(found: list[Finding], form: str) -> None:
-    from ..views import tables
-
     if form == "json":
         text = tables.findings_json(found)
     elif form == "csv":
@@ -99,8 +104,6 @@ def _write(found: list[Finding], form: str) -> None:
 
 def _page(found: list[Finding]) -> str:
     """Return what does not hold, method by method; checks that rest on another one are counted."""
-    from ..views import tables
-
     style, parts = tables.Style.of(sys.stdout), []
     for method in dict.fromkeys(finding.method for finding in found):
         mine = [x for x in found if x.method == method]

@@ -10,9 +10,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from ..errors import UsageError
+from ..errors import DataError, UsageError
+from ..system.files import read_text
 
 __all__ = ["read_known_failures"]
+
+MAX_BYTES = 1_000_000
 
 
 def read_known_failures(path: str | Path, ids: Iterable[str]) -> dict[str, str]:
@@ -30,8 +33,8 @@ def read_known_failures(path: str | Path, ids: Iterable[str]) -> dict[str, str]:
 
     known, ids = {}, list(ids)
     try:
-        text = Path(path).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
+        text = read_text(Path(path), MAX_BYTES)
+    except DataError as error:
         raise UsageError(f"the known failures {str(path)!r} cannot be read ({error})") from None
     for number, line in enumerate(text.splitlines(), start=1):
         if not line.strip() or line.lstrip().startswith("#"):

@@ -21,7 +21,9 @@ is not offered. It ends when its stdin does.
 
 A program that breaks the protocol (it ends, is silent, or writes something else to its stdout) is
 ended and started again for the next question, so that one failure does not spoil the checks after
-it; after three silences it is not asked any more.
+it; after three silences it is not asked any more. A program is the leader of a process group of its
+own, which ends with it: what it started does not run on. Each of its lines, what it writes to its
+stderr, the time of one answer and the questions it may ask meanwhile have a limit.
 """
 
 from __future__ import annotations
@@ -34,25 +36,41 @@ import selectors
 import shlex
 import signal
 import subprocess
+import sys
 import time
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 
 from ..errors import GlmrefError, UsageError
+from ..system.files import reason
+from ..system.process import forget_group, remember_group
 
 __all__ = ["OFFERS", "PipeAdapter", "PipeError"]
 
-#: Seconds a program may take for one answer.
+#: Seconds a program may be silent.
 PATIENCE = 60.0
+#: Seconds a program may take for one answer, its own questions included.
+LONGEST = 600.0
+#: Bytes of one line: some ten times the longest answer of the suite.
+MAX_LINE = 16_000_000
+#: Bytes of a program's stderr that are shown; the rest is read and dropped.
+MAX_STDERR = 64_000
 #: Silences after which a program is given up.
 _SILENCES = 3
+#: Seconds between two looks at whether a program is still there.
+_LOOK = 0.2
 #: What a program may offer.
 OFFERS = ("step", "stages", "start", "finish", "solve")
 
 
 class PipeError(GlmrefError):
     """What a program answered, or that it did not."""
+
+
+class NotOffered(NotImplementedError):
+    """What the program says it cannot do."""
 
 
 class BrokenPipe(PipeError):
@@ -78,37 +96,53 @@ class PipeAdapter:
         if not self.command:
             raise UsageError("cmd: must be followed by a program and its arguments")
         self.silences = 0
+        self._shown = 0
         self._start_program()
         try:
             self._describe()
-        except GlmrefError as error:
+        except (GlmrefError, NotImplementedError) as error:
             self.close()
             raise UsageError(f"the program {self.command[0]!r}: {error}") from None
+        except BaseException:
+            self._end(patience=0.0)
+            raise
 
     def _start_program(self) -> None:
-        self._pending, self._running = b"", True
+        self._pending, self._searched, self._running = bytearray(), 0, True
         try:
             self.process = subprocess.Popen(
-                self.command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0
+                self.command,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                bufsize=0,
+                start_new_session=True,
             )
-        except OSError as error:
+        except (OSError, ValueError) as error:
             raise UsageError(
-                f"the program {self.command[0]!r} cannot be started ({error.strerror})"
+                f"the program {self.command[0]!r} cannot be started ({reason(error)})"
             ) from None
+        remember_group(self.process.pid)
+        for stream in (self.process.stdin, self.process.stdout, self.process.stderr):
+            assert stream is not None
+            os.set_blocking(stream.fileno(), False)
 
     def _describe(self) -> None:
         about = self._ask({"ask": "describe"}, None)
         for key in ("methods", "offers"):
             if not about.get(key):
-                raise PipeError(f"the answer to `describe` must have {key!r}, got {about}")
-        self.methods = about["methods"]
+                raise PipeError(f"the answer to `describe` must have {key!r}, got {_short(about)}")
+        offers = about["offers"]
+        if not isinstance(offers, list) or not all(isinstance(x, str) for x in offers):
+            raise PipeError(f"`offers` must be a list of names, got {_short(offers)}")
+        unknown = sorted(set(offers) - set(OFFERS))
+        if unknown:
+            told = _short(repr(unknown[0]))
+            raise PipeError(f"`offers` must be among {', '.join(OFFERS)}, got {told}")
+        self.methods, self.offers = about["methods"], tuple(offers)
         for key in ("tolerance", "epsilon", "problems", "starts"):
             if key in about:
                 setattr(self, key, about[key])
-        self.offers = tuple(about["offers"])
-        unknown = sorted(set(self.offers) - set(OFFERS))
-        if unknown:
-            raise PipeError(f"`offers` must be among {', '.join(OFFERS)}, got {unknown[0]!r}")
 
     def __getattr__(self, name: str) -> Any:
         if name in OFFERS and name in self.__dict__.get("offers", ()):
@@ -120,16 +154,36 @@ class PipeAdapter:
         self._end(patience=5.0)
 
     def _end(self, patience: float) -> None:
+        """Close what the program reads, wait for its end, and end what is left of its group."""
+        if not self._running:
+            return
         self._running = False
-        for stream in (self.process.stdin, self.process.stdout):
-            if stream is not None:
-                with contextlib.suppress(OSError):
-                    stream.close()
+        streams = (self.process.stdin, self.process.stdout, self.process.stderr)
         try:
-            self.process.wait(timeout=patience)
-        except subprocess.TimeoutExpired:
-            self.process.kill()
+            _close(streams[:1])
+            deadline = time.monotonic() + patience
+            while not self._gone() and time.monotonic() < deadline:
+                self._drain()
+                time.sleep(0.005)
+        finally:
+            # its number is its group's, and nobody else's while it is not waited for
+            with contextlib.suppress(OSError):
+                os.killpg(self.process.pid, signal.SIGKILL)
+            forget_group(self.process.pid)
+            _close(streams[1:])
             self.process.wait()
+
+    def _gone(self) -> bool:
+        """Whether the program has ended; it is left for :meth:`_end` to wait for."""
+        if self.process.returncode is not None:
+            return True
+        if not hasattr(os, "waitid"):
+            return self.process.poll() is not None
+        try:
+            flags = os.WEXITED | os.WNOHANG | os.WNOWAIT
+            return os.waitid(os.P_PID, self.process.pid, flags) is not None
+        except OSError:
+            return self.process.poll() is not None
 
     # --- operations -----------------------------------------------------------------------------
 
@@ -170,9 +224,9 @@ class PipeAdapter:
         line["steps"] = steps
         if start is not None:
             line["start"] = start.ravel().tolist()
-        answer = np.array(self._values(line, problem))
+        answer = _numbers(self._values(line, problem))
         d = problem.dimension
-        return answer if len(answer) == d else _shaped(answer, (steps + 1, d))
+        return _shaped(answer, (d,)) if answer.size == d else _shaped(answer, (steps + 1, d))
 
     def _line(
         self, ask: str, method: str, problem: Any, t: float, h: float, values: np.ndarray,
@@ -189,7 +243,9 @@ class PipeAdapter:
     def _values(self, line: dict[str, Any], problem: Any) -> Any:
         answer = self._ask(line, problem)
         if "values" not in answer:
-            raise PipeError(f"the answer to {line['ask']!r} must have 'values', got {answer}")
+            raise PipeError(
+                f"the answer to {line['ask']!r} must have 'values', got {_short(answer)}"
+            )
         return answer["values"]
 
     def _ask(self, line: dict[str, Any], problem: Any) -> dict[str, Any]:
@@ -200,57 +256,161 @@ class PipeAdapter:
             self._start_program()
         try:
             return self._answered(line, problem)
-        except BrokenPipe:
-            self._end(patience=0.1)
+        except BaseException as error:
+            # an answer that is an error leaves the wire in order; nothing else does
+            if isinstance(error, BrokenPipe) or not isinstance(error, PipeError | NotOffered):
+                self._end(patience=0.1)
             raise
 
     def _answered(self, line: dict[str, Any], problem: Any) -> dict[str, Any]:
-        self._send(line)
+        last = time.monotonic() + LONGEST
+        if self._pending:
+            raise BrokenPipe(
+                f"the program wrote {_short(bytes(self._pending[:200]))} without being asked"
+            )
+        self._send(line, last)
         while True:
-            answer = self._receive()
+            answer = self._receive(last)
             if "error" in answer:
-                raise PipeError(str(answer["error"]))
+                raise PipeError(_short(answer["error"]))
             if "cannot" in answer:
-                raise NotImplementedError(str(answer["cannot"]))
+                raise NotOffered(_short(answer["cannot"]))
             if "ask" not in answer:
                 return answer
-            self._send({"values": _served(answer, problem)})
+            self._send({"values": _served(answer, problem)}, last)
 
-    def _send(self, line: dict[str, Any]) -> None:
+    def _send(self, line: dict[str, Any], last: float) -> None:
+        """Write a line; meanwhile the program may write, too."""
+        rest = memoryview(json.dumps(line).encode() + b"\n")
+        assert self.process.stdin is not None
+        while rest:
+            rest = rest[self._exchange(rest, last) :]
+
+    def _receive(self, last: float) -> dict[str, Any]:
+        while (end := self._pending.find(b"\n", self._searched)) < 0:
+            self._searched = len(self._pending)
+            self._exchange(None, last)
+        text = bytes(self._pending[:end])
+        del self._pending[: end + 1]
+        self._searched = 0
+        try:
+            answer = json.loads(text)
+        except (ValueError, RecursionError):
+            raise BrokenPipe(
+                f"the program's line {_short(text[:200])} is not JSON; stdout is for answers, "
+                f"stderr for anything else"
+            ) from None
+        if not isinstance(answer, dict):
+            raise BrokenPipe(f"the program's line {_short(text[:200])} is not a JSON object")
+        return answer
+
+    def _exchange(self, out: memoryview | None, last: float) -> int:
+        """Wait until something can be written or read, do it once, and return what was written.
+
+        Raises
+        ------
+        BrokenPipe
+            When the program is silent, gone, or takes or writes more than it may.
+        """
+        patience = time.monotonic() + PATIENCE
+        while True:
+            moment = time.monotonic()
+            if moment >= min(patience, last):
+                self.silences += 1
+                raise BrokenPipe(
+                    f"the program did not answer within {PATIENCE:g} seconds"
+                    if moment < last
+                    else f"the program asked and did not answer within {LONGEST:g} seconds"
+                )
+            gone = self._gone()
+            ready = self._ready(out is not None, 0.0 if gone else min(_LOOK, patience - moment))
+            if "stderr" in ready:
+                self._drain()
+            if "stdout" in ready:
+                self._read()
+                return 0
+            if "stdin" in ready and out is not None:
+                return self._write(out)
+            if gone and not ready:  # a child that it left may keep the pipe open, silently
+                raise self._ended()
+
+    def _ready(self, writing: bool, seconds: float) -> set[str]:
+        with selectors.DefaultSelector() as waiting:
+            for name in ("stdout", "stderr"):
+                stream = getattr(self.process, name)
+                if not stream.closed:
+                    waiting.register(stream, selectors.EVENT_READ, name)
+            if writing and self.process.stdin is not None:
+                waiting.register(self.process.stdin, selectors.EVENT_WRITE, "stdin")
+            return {key.data for key, _ in waiting.select(max(0.0, seconds))}
+
+    def _read(self) -> None:
+        assert self.process.stdout is not None
+        try:
+            chunk = os.read(self.process.stdout.fileno(), 1 << 16)
+        except BlockingIOError:
+            return
+        if not chunk:
+            raise self._ended()
+        self._pending += chunk
+        if len(self._pending) > MAX_LINE:
+            raise BrokenPipe(f"the program's line is longer than {MAX_LINE} bytes")
+
+    def _write(self, out: memoryview) -> int:
         assert self.process.stdin is not None
         try:
-            self.process.stdin.write(json.dumps(line).encode() + b"\n")
+            return os.write(self.process.stdin.fileno(), out[: 1 << 16])
+        except BlockingIOError:
+            return 0
         except OSError:
             raise self._ended() from None
 
+    def _drain(self) -> None:
+        """Read what the program writes to its stderr, and show its beginning on ours."""
+        stream = self.process.stderr
+        if stream is None or stream.closed:
+            return
+        try:
+            chunk = os.read(stream.fileno(), 1 << 16)
+        except BlockingIOError:
+            return
+        except OSError:
+            chunk = b""
+        if not chunk:
+            stream.close()
+            return
+        shown = chunk[: max(0, MAX_STDERR - self._shown)]
+        self._shown += len(chunk)
+        with contextlib.suppress(OSError, ValueError):
+            if shown:
+                sys.stderr.write(shown.decode("utf-8", "backslashreplace"))
+            if len(shown) < len(chunk) and self._shown - len(chunk) < MAX_STDERR:
+                sys.stderr.write("\n[more of the program's stderr is not shown]\n")
+            sys.stderr.flush()
+
     def _ended(self) -> BrokenPipe:
         """Say that the program is gone: seen when it is written to or read from, as it happens."""
+        deadline = time.monotonic() + 1.0
+        while not self._gone() and time.monotonic() < deadline:
+            time.sleep(0.005)
+        if not self._gone():
+            return BrokenPipe("the program closed its stdout without an answer and runs on")
+        self._drain()  # its last words
+        self._end(patience=0.0)
         return BrokenPipe(f"the program ended without an answer ({_code(self.process.wait())})")
 
-    def _receive(self) -> dict[str, Any]:
-        assert self.process.stdout is not None
-        deadline = time.monotonic() + PATIENCE
-        with selectors.DefaultSelector() as waiting:
-            waiting.register(self.process.stdout, selectors.EVENT_READ)
-            while b"\n" not in self._pending:
-                if not waiting.select(max(0.0, deadline - time.monotonic())):
-                    self.silences += 1
-                    raise BrokenPipe(f"the program did not answer within {PATIENCE:g} seconds")
-                chunk = os.read(self.process.stdout.fileno(), 1 << 16)
-                if not chunk:
-                    raise self._ended()
-                self._pending += chunk
-        text, _, self._pending = self._pending.partition(b"\n")
-        try:
-            answer = json.loads(text)
-        except ValueError:
-            raise BrokenPipe(
-                f"the program's line {text[:80]!r} is not JSON; stdout is for answers, stderr for "
-                f"anything else"
-            ) from None
-        if not isinstance(answer, dict):
-            raise BrokenPipe(f"the program's line {text[:80]!r} is not a JSON object")
-        return answer
+
+def _close(streams: Iterable[Any]) -> None:
+    for stream in streams:
+        if stream is not None:
+            with contextlib.suppress(OSError):
+                stream.close()
+
+
+def _short(value: object) -> str:
+    """Something that a program wrote, as it may stand in a sentence."""
+    text = value if isinstance(value, str) else repr(value)
+    return text if len(text) <= 300 else f"{text[:300]}..."
 
 
 def _code(code: int) -> str:
@@ -266,28 +426,39 @@ def _served(question: dict[str, Any], problem: Any) -> list[float]:
     """Evaluate what a program asks for."""
     kind = question["ask"]
     if problem is None or kind not in ("f", "jacobian", "dq", "dp"):
-        raise BrokenPipe(f"the program asks {kind!r}; it may ask f, jacobian, dq or dp")
+        raise BrokenPipe(f"the program asks {_short(repr(kind))}; it may ask f, jacobian, dq or dp")
     function = getattr(problem, kind)
     if function is None:
         raise BrokenPipe(f"the problem {problem.name!r} has no {kind}")
+    d = problem.dimension
+    name, size = ("y", d) if kind in ("f", "jacobian") else ("p" if kind == "dq" else "q", d // 2)
     try:
-        if kind in ("f", "jacobian"):
-            found = function(float(question["t"]), np.array(question["y"], dtype=float))
-        else:
-            found = function(np.array(question["p" if kind == "dq" else "q"], dtype=float))
-    except (KeyError, TypeError, ValueError) as error:
-        raise BrokenPipe(f"the program's question {kind!r} cannot be served ({error})") from None
+        given = np.array(question[name], dtype=float)
+        if given.shape != (size,):
+            raise ValueError(f"{name!r} must have {size} numbers, got shape {given.shape}")
+        with np.errstate(all="ignore"):
+            if name == "y":
+                found = function(float(question["t"]), given)
+            else:
+                found = function(given)
+    except (KeyError, TypeError, ValueError, ArithmeticError) as error:
+        text = _short(str(error))
+        raise BrokenPipe(f"the program's question {kind!r} cannot be served ({text})") from None
     # JSON has no infinities; a program that leaves the domain hears null
     return [
         x if math.isfinite(x) else None for x in np.asarray(found, dtype=float).ravel().tolist()
     ]  # type: ignore[list-item]
 
 
-def _shaped(answer: Any, shape: tuple[int, ...]) -> np.ndarray:
+def _numbers(answer: Any) -> np.ndarray:
     try:
-        found = np.array(answer, dtype=float).ravel()
-    except (TypeError, ValueError):
+        return np.array(answer, dtype=float).ravel()
+    except (TypeError, ValueError, OverflowError):
         raise PipeError(f"`values` must be a list of numbers, got {str(answer)[:80]}") from None
+
+
+def _shaped(answer: Any, shape: tuple[int, ...]) -> np.ndarray:
+    found = _numbers(answer)
     if found.size != math.prod(shape):
         raise PipeError(
             f"{math.prod(shape)} numbers were expected, shape {shape}; got {found.size}"

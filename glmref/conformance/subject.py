@@ -50,6 +50,14 @@ class Subject:
 
     def __init__(self, adapter: Any, name: str = "the adapter") -> None:
         self.adapter, self.name = adapter, name
+        try:
+            self._read_attributes()
+        except BaseException:
+            self.close()  # a program that was started for it does not run on
+            raise
+
+    def _read_attributes(self) -> None:
+        adapter, name = self.adapter, self.name
         self.offers = frozenset(x for x in OPERATIONS if callable(getattr(adapter, x, None)))
         if not self.offers & {"step", "solve"}:
             raise UsageError(f"{name} must have a method `step` or `solve`; it has neither")
@@ -224,7 +232,7 @@ def _problems(given: Any, name: str) -> tuple[str, ...] | None:
     if not isinstance(wanted, Iterable):
         raise UsageError(f"`problems` of {name} must be a list of names, got {given!r}")
     wanted = tuple(wanted)
-    unknown = [x for x in wanted if x not in known]
+    unknown = [x for x in wanted if not isinstance(x, str) or x not in known]
     if unknown or not wanted:
         raise UsageError(f"`problems` of {name} must name some of {', '.join(known)}, got {given}")
     return wanted

@@ -27,9 +27,12 @@ from ..errors import DataError, UsageError
 from ..exact import Exact
 from ..exact.expression import parse
 from ..prove.classes import plan, representatives
+from ..system.files import read_text
 from .recognise import exact_text
 
 __all__ = ["Ansatz", "Value"]
+
+MAX_BYTES = 200_000
 
 _PAIR_NAMES = (("alpha", "beta"), ("delta", "eta"), ("phi", "psi"))
 _REAL_NAMES = ("gamma", "kappa", "lambda")
@@ -111,11 +114,10 @@ class Ansatz:
             DataError: for an unknown key or a file that is not TOML.
         """
         try:
-            table = tomllib.loads(path.read_text(encoding="utf-8"))
-        except OSError as error:
-            reason = (error.strerror or "it cannot be opened").lower()
-            raise DataError(f"the ansatz {str(path)!r} cannot be read: {reason}") from None
-        except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+            table = tomllib.loads(read_text(path, MAX_BYTES))
+        except DataError as error:
+            raise DataError(f"the ansatz {str(path)!r} cannot be read ({error})") from None
+        except (ValueError, RecursionError) as error:
             raise DataError(f"{path.name}: the ansatz is not TOML ({error})") from None
         for key in table:
             if key not in cls.__dataclass_fields__:

@@ -21,7 +21,6 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from ..errors import UsageError
 from ..problems.user import UserFunction, plain
 from . import native
 from .native import PLAIN, Tuning
@@ -84,45 +83,48 @@ class Built:
     trouble: list[Exception] = field(default_factory=list)
 
 
-def cache_folder() -> Path:
+def cache_folder() -> Path | None:
     """Folder for generated kernels: ``$GLMREF_CACHE``, else the platform's user cache.
 
-    Where that cannot be written (a read-only home), a folder below the temporary directory.
-
-    Raises
-    ------
-        UsageError: when ``$GLMREF_CACHE`` is set and cannot be written.
+    Where that cannot be written (a read-only home, no home), a folder below the temporary
+    directory; ``None`` where that cannot be written either, or where ``$GLMREF_CACHE`` cannot:
+    kernels are then compiled anew in each process.
     """
     named = os.environ.get(CACHE_VARIABLE)
     if named:
-        if not _writable(Path(named)):
-            raise UsageError(
-                f"${CACHE_VARIABLE} = {named!r} cannot be written; name another folder"
-            )
-        return Path(named)
-    home = Path.home()
-    if sys.platform == "darwin":
-        base = home / "Library" / "Caches"
-    elif sys.platform == "win32":
-        base = Path(os.environ.get("LOCALAPPDATA", home / "AppData" / "Local"))
-    else:
-        base = Path(os.environ.get("XDG_CACHE_HOME") or home / ".cache")
-    folder = base / "glmref" / "kernels"
-    if _writable(folder):
-        return folder
-    user = os.environ.get("USER") or os.environ.get("USERNAME") or "user"
+        return Path(named) if _writable(Path(named)) else None
+    base = _user_cache()
+    if base is not None and _writable(base / "glmref" / "kernels"):
+        return base / "glmref" / "kernels"
+    # code is read from there and run: the folder must be this user's, and nobody else's
+    user = str(os.getuid()) if hasattr(os, "getuid") else os.environ.get("USERNAME") or "user"
     fallback = Path(tempfile.gettempdir()) / f"glmref-{user}"
-    if not _writable(fallback):
-        raise UsageError(f"no folder for compiled kernels can be written; set ${CACHE_VARIABLE}")
-    return fallback
+    return fallback if _writable(fallback, private=True) else None
 
 
-def _writable(folder: Path) -> bool:
+def _user_cache() -> Path | None:
+    """The platform's folder for caches; ``None`` for a user without a home."""
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError:
+        home = Path.home()
+    except RuntimeError:
+        return None
+    if sys.platform == "darwin":
+        return home / "Library" / "Caches"
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA", home / "AppData" / "Local"))
+    return Path(os.environ.get("XDG_CACHE_HOME") or home / ".cache")
+
+
+def _writable(folder: Path, *, private: bool = False) -> bool:
+    try:
+        folder.mkdir(0o700 if private else 0o777, parents=True, exist_ok=True)
+        if private and hasattr(os, "getuid"):
+            about = folder.lstat()
+            if about.st_uid != os.getuid() or about.st_mode & 0o022:
+                return False
+    except (OSError, ValueError):
         return False
-    return os.access(folder, os.W_OK)
+    return os.access(folder, os.W_OK | os.X_OK)
 
 
 def build(
@@ -150,6 +152,8 @@ def build(
         pass
     try:
         module = _load(source, signature, tuning.fuse)
+    except (OSError, RuntimeError):  # no folder for a cache, or a full disk
+        return _build_around(source, signature, {}, tuning.fuse)
     except ImportError as error:
         return interpret(
             source, {}, f"numba cannot be imported ({error}); the kernel is interpreted"
@@ -164,7 +168,9 @@ def _native(source: str, arguments: tuple[tuple[str, str], ...], tuning: Tuning)
     key = "\n".join(
         (source, repr(tuning), llvmlite.__version__, native.target_name(), platform.machine())
     )
-    path = cache_folder() / f"glmref_kernel_{hashlib.sha256(key.encode()).hexdigest()[:24]}.o"
+    folder = cache_folder()
+    name = f"glmref_kernel_{hashlib.sha256(key.encode()).hexdigest()[:24]}.o"
+    path = None if folder is None else folder / name
     kernel = native.compile_kernel(source, dict(arguments), path, tuning)
     return Built(kernel, "native", path)
 
@@ -180,14 +186,12 @@ def _load(source: str, signature: str, fuse: bool) -> ModuleType:
         (text, numba.__version__, binding.get_host_cpu_name(), platform.machine(), sys.version)
     )
     name = f"glmref_kernel_{hashlib.sha256(key.encode()).hexdigest()[:24]}"
-    path = cache_folder() / f"{name}.py"
+    folder = cache_folder()
+    if folder is None:
+        raise OSError("no folder for compiled kernels can be written")
+    path = folder / f"{name}.py"
     if not path.exists():
-        # another process may be doing the same: write aside, then move in one piece
-        with tempfile.NamedTemporaryFile(
-            "w", dir=path.parent, prefix=name, suffix=".tmp", delete=False, encoding="utf-8"
-        ) as file:
-            file.write(text)
-        os.replace(file.name, path)
+        native.write_whole(path, text.encode())
     spec = importlib.util.spec_from_file_location(name, path)
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)

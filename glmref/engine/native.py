@@ -7,6 +7,7 @@ the interpreter.
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import ctypes.util
 import hashlib
@@ -146,10 +147,33 @@ def _read(path: Path) -> bytes | None:
 
 
 def _write(path: Path, code: bytes) -> None:
-    """Write in one piece, after a checksum: another process may be reading."""
-    with tempfile.NamedTemporaryFile("wb", dir=path.parent, suffix=".tmp", delete=False) as file:
-        file.write(hashlib.sha256(code).digest() + code)
-    os.replace(file.name, path)
+    """Keep object code, after a checksum; where it cannot be kept, it is made anew next time."""
+    with contextlib.suppress(OSError):
+        write_whole(path, hashlib.sha256(code).digest() + code)
+
+
+def write_whole(path: Path, content: bytes) -> None:
+    """Write a file in one piece: another process may be reading it, or writing it too.
+
+    Raises
+    ------
+    OSError
+        Where the system refuses; nothing is left then.
+    """
+    with tempfile.NamedTemporaryFile(
+        "wb", buffering=0, dir=path.parent, suffix=".tmp", delete=False
+    ) as file:
+        aside = file.name
+        with contextlib.suppress(OSError):  # what is missing shows in the size, below
+            file.write(content)
+    try:
+        if os.path.getsize(aside) != len(content):
+            raise OSError(f"{path} cannot be written whole")
+        os.replace(aside, path)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            os.unlink(aside)
+        raise
 
 
 def _resolve_symbols(source: str) -> None:

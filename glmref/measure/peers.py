@@ -237,7 +237,7 @@ def package_of(name: str) -> str:
         UsageError: for an unknown peer.
     """
     if name not in _ADAPTERS:
-        raise UsageError(f"there is no peer named {name!r}; known are {', '.join(NAMES)}")
+        raise UsageError(f"there is no peer named {str(name)[:80]!r}; known are {', '.join(NAMES)}")
     return _ADAPTERS[name][0]
 
 

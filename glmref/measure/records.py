@@ -1,31 +1,82 @@
-"""Records that survive: one JSON object a line, appended and synced, resumed by key.
+"""Records that survive: one JSON object a line, with a checksum, appended, synced, resumed by key.
 
 A *task* is a JSON-ready mapping that says what to measure; its key is a hash of its canonical text.
-A record is the task with what was measured. A file killed in the middle of a line loses that line
-only, and a second run measures just what is missing.
+A record is the task with what was measured, and a checksum over both. Whatever happens to a file (a
+writer killed in the middle of a line, a full disk, a bit that flips, two writers at once, lines of
+another program) costs the lines that it hit and no others: they are moved to a file beside it, one
+sentence says so, and their tasks are measured again. Only the process that holds the lock writes.
 """
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 import math
 import os
+import re
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..errors import DataError
+from ..errors import DataError, UsageError
+from ..system.files import Lock, lines_of, make_folder, printable, read_bytes, reason, sync_folder
+from ..system.files import write_bytes as replace_file
 
-__all__ = ["FORMAT", "RecordFile", "finite", "key_of", "read_records"]
+__all__ = [
+    "CHECKSUM",
+    "FORMAT",
+    "RecordFile",
+    "checksum",
+    "finite",
+    "key_of",
+    "read_records",
+    "wrong_checksum",
+]
 
 FORMAT = "glmref-record-1"
+#: The field with the checksum of a record; records of version 0.1.0 and before have none.
+CHECKSUM = "sha256"
+#: A record file is read as a whole; this many bytes are some million records.
+MAX_BYTES = 1 << 30
+
+_HEXADECIMAL = re.compile("[0-9a-f]{64}")
+_BEGIN = b'{"format":"'
 
 
 def key_of(task: Mapping[str, Any]) -> str:
     """Sixteen hexadecimal digits that depend on the task's content alone."""
-    text = json.dumps(task, sort_keys=True, separators=(",", ":"), allow_nan=False)
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
+    return hashlib.sha256(_canonical(task)).hexdigest()[:16]
+
+
+def _canonical(document: Mapping[str, Any]) -> bytes:
+    return json.dumps(document, sort_keys=True, separators=(",", ":"), allow_nan=False).encode()
+
+
+def checksum(record: Mapping[str, Any]) -> str:
+    """SHA-256 of a record's canonical text without its checksum, in hexadecimal digits."""
+    return hashlib.sha256(
+        _canonical({k: x for k, x in record.items() if k != CHECKSUM})
+    ).hexdigest()
+
+
+def wrong_checksum(record: Mapping[str, Any]) -> bool:
+    """Whether a record has a checksum that its content contradicts; an old record has none."""
+    if CHECKSUM not in record:
+        return _has_checksum(record)
+    try:
+        return record[CHECKSUM] != checksum(record)
+    except ValueError:  # NaN, which is never written
+        return True
+
+
+def _has_checksum(record: Mapping[str, Any]) -> bool:
+    """Whether there is a checksum, be it under a name that was damaged."""
+    last = record[next(reversed(list(record)))] if record else None
+    return CHECKSUM in record or (
+        isinstance(last, str) and _HEXADECIMAL.fullmatch(last) is not None
+    )
 
 
 def finite(value: float | None) -> float | None:
@@ -33,66 +84,241 @@ def finite(value: float | None) -> float | None:
     return None if value is None or not math.isfinite(value) else float(value)
 
 
-def read_records(path: Path) -> list[dict[str, Any]]:
-    """Read the whole records of a file; a torn last line is passed over.
+# --- reading --------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A line that is no record.
+
+    Attributes
+    ----------
+    line : int
+        Its number, from 1.
+    why : str
+        What is wrong, as the end of a sentence that begins with "it".
+    raw : bytes
+        Its content.
+    foreign : bool
+        Whether it is sound JSON of something else.
+    second : bool
+        Whether it is a sound record of a task that has one already.
+    """
+
+    line: int
+    why: str
+    raw: bytes
+    foreign: bool = False
+    second: bool = False
+
+
+@dataclass(frozen=True)
+class Content:
+    """What a file of records holds.
+
+    Attributes
+    ----------
+    records : list of dict
+        Sound records in order, the first of each task.
+    kept : list of bytes
+        Their lines.
+    faults : list of Fault
+        The other lines.
+    torn : int or None
+        Number of the last line, where its writer was stopped in the middle of it.
+    whole : int
+        Bytes up to the end of the last line that has one.
+    unended : bool
+        Whether the last record is sound and has lost the end of its line.
+    """
+
+    records: list[dict[str, Any]]
+    kept: list[bytes]
+    faults: list[Fault]
+    torn: int | None = None
+    whole: int = 0
+    unended: bool = False
+
+
+class _NotARecord(Exception):
+    """Why a line is no record."""
+
+    def __init__(self, why: str, *, foreign: bool = False) -> None:
+        super().__init__(why)
+        self.foreign = foreign
+
+
+def _record(raw: bytes) -> dict[str, Any]:
+    """Read one line."""
+    try:
+        record = json.loads(raw.decode("utf-8"))
+    except (ValueError, RecursionError):
+        raise _NotARecord("is not a JSON record") from None
+    return _sound(record)
+
+
+def _sound(record: Any) -> dict[str, Any]:
+    """Check what a line holds."""
+    form = record.get("format") if isinstance(record, dict) else None
+    if not isinstance(record, dict) or not isinstance(form, str):
+        foreign = not isinstance(record, dict) or not _has_checksum(record)
+        raise _NotARecord(f"is not a record of format {FORMAT}", foreign=foreign)
+    # sound JSON is somebody's, unless it has a checksum that shows that it was changed
+    foreign = not _has_checksum(record) or not wrong_checksum(record)
+    if form != FORMAT:
+        raise _NotARecord(
+            f"is a record of format {form[:40]!r}, and this version reads {FORMAT!r}",
+            foreign=foreign,
+        )
+    if "key" not in record or not isinstance(record.get("task"), dict):
+        raise _NotARecord(f"is not a record of format {FORMAT}", foreign=foreign)
+    if wrong_checksum(record):
+        raise _NotARecord("is damaged: its checksum does not agree with its content")
+    try:
+        key = key_of(record["task"])
+    except ValueError:
+        key = ""
+    if record["key"] != key:
+        raise _NotARecord("is damaged: its key does not agree with its task")
+    return record
+
+
+def _salvaged(raw: bytes) -> list[dict[str, Any]]:
+    """Find the records of a line that is damaged: those alone whose checksum agrees."""
+    found: list[dict[str, Any]] = []
+    decoder = json.JSONDecoder()
+    start = raw.find(_BEGIN)
+    while start >= 0:
+        with contextlib.suppress(ValueError, RecursionError, _NotARecord):
+            text = raw[start:].decode("utf-8", "replace")
+            record = _sound(decoder.raw_decode(text)[0])
+            if CHECKSUM in record:
+                found.append(record)
+        start = raw.find(_BEGIN, start + 1)
+    return found
+
+
+def _line(record: Mapping[str, Any]) -> bytes:
+    return json.dumps(record, allow_nan=False, separators=(",", ":")).encode()
+
+
+def scan(path: Path) -> Content:
+    """Read a file of records, and tell sound lines from others.
 
     Raises
     ------
-    DataError: for a line in the middle that is not a record.
+    DataError
+        For a file that cannot be read, or that holds something else than records.
     """
-    if not path.exists():
-        return []
-    lines = path.read_text(encoding="utf-8").split("\n")
-    records: list[dict[str, Any]] = []
-    for number, line in enumerate(lines, start=1):
-        if not line.strip():
+    try:
+        content = read_bytes(path, MAX_BYTES) if os.path.lexists(path) else b""
+    except DataError:
+        if not os.path.lexists(path):  # deleted between the two calls
+            return Content([], [], [])
+        raise
+    records: dict[str, dict[str, Any]] = {}
+    kept: list[bytes] = []
+    faults: list[Fault] = []
+    torn, whole, unended = None, 0, False
+    for number, (raw, ended) in enumerate(lines_of(content), start=1):
+        whole += len(raw) + 1 if ended else 0
+        if not raw.strip():
             continue
         try:
-            record = json.loads(line)
-        except json.JSONDecodeError:
-            if number == len(lines):  # no newline after it: the writer was killed here
-                break
-            raise DataError(
-                f"{path.name}: line {number} is not a JSON record; delete that line"
-            ) from None
-        found = record.get("format") if isinstance(record, dict) else None
-        if found != FORMAT or "key" not in record or "task" not in record:
-            what = (
-                f"is a record of format {found!r}, and this version reads {FORMAT!r}; move the file"
-                if isinstance(found, str) and found != FORMAT
-                else f"is not a record of format {FORMAT}; move the file"
-            )
-            raise DataError(f"{path.name}: line {number} {what} away to measure anew")
-        records.append(record)
-    return records
+            rows = [(_record(raw), raw)]
+            if not ended and CHECKSUM not in rows[0][0]:
+                raise _NotARecord("is not ended")
+            unended = not ended
+        except _NotARecord as error:
+            rows = [(record, _line(record)) for record in _salvaged(raw)]
+            if ended or rows:
+                faults.append(Fault(number, str(error), raw, error.foreign))
+            else:
+                torn = number
+        for record, line in rows:
+            if record["key"] in records:
+                why = "is a second record of the same task"
+                faults.append(Fault(number, why, line, second=True))
+            else:
+                records[record["key"]] = record
+                kept.append(line)
+    return Content(list(records.values()), kept, faults, torn, whole, unended)
 
 
-def _drop_torn_line(path: Path) -> None:
-    """Cut what a killed writer left after the last newline, so that appending starts clean."""
-    if not path.exists():
-        return
-    content = path.read_bytes()
-    whole = content.rfind(b"\n") + 1
-    if whole < len(content):
-        with path.open("r+b") as stream:
-            stream.truncate(whole)
+def _refuse_foreign(path: Path, content: Content) -> None:
+    """Refuse a file without a single record that holds something else: it is somebody's."""
+    foreign = next((fault for fault in content.faults if fault.foreign), None)
+    if foreign is not None and not content.records:
+        raise DataError(
+            f"{path.name}: line {foreign.line} {foreign.why}; move the file away to measure anew"
+        )
+
+
+def read_records(path: Path) -> list[dict[str, Any]]:
+    """Read the records of a sound file; a torn last line is passed over.
+
+    Raises
+    ------
+    DataError
+        For a line in the middle that is not a record, and for a second record of a task.
+    """
+    content = scan(path)
+    _refuse_foreign(path, content)
+    for fault in content.faults:
+        raise DataError(f"{path.name}: line {fault.line} {fault.why}; delete that line")
+    return content.records
+
+
+# --- writing --------------------------------------------------------------------------------------
 
 
 class RecordFile:
     """Append records to a file; know which tasks it already holds.
 
-    Args:
-        path: the file, created with its folder when missing. ``None`` keeps records in memory only.
+    Reading changes nothing. Writing happens under a lock, which a run holds from its first task to
+    its last; what is damaged is repaired when the lock is taken.
+
+    Parameters
+    ----------
+    path : Path or None
+        The file, created with its folder when something is written. ``None`` keeps records in
+        memory only.
+
+    Attributes
+    ----------
+    records : list of dict
+        The records, in the order of the file.
+    notices : list of str
+        Sentences on what was damaged.
+    faulty : bool
+        Whether the file has lines that are no records.
+
+    Raises
+    ------
+    DataError
+        For a file that holds something else than records.
     """
 
     def __init__(self, path: Path | None) -> None:
         self.path = path
         self.records: list[dict[str, Any]] = []
+        self.notices: list[str] = []
+        self.faulty = False
+        self._by_key: dict[str, dict[str, Any]] = {}
+        self._holds = 0
         if path is not None:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            _drop_torn_line(path)
-            self.records = read_records(path)
+            self._take(self._read(path))
+
+    @staticmethod
+    def _read(path: Path) -> Content:
+        content = scan(path)
+        _refuse_foreign(path, content)
+        return content
+
+    def _take(self, content: Content) -> None:
+        self.records = content.records
         self._by_key = {record["key"]: record for record in self.records}
+        self.faulty = bool(content.faults) or content.torn is not None
 
     def find(self, task: Mapping[str, Any]) -> dict[str, Any] | None:
         """Return the record of a task, if it is there."""
@@ -102,20 +328,155 @@ class RecordFile:
         """Tasks without a record, in order."""
         return (task for task in tasks if self.find(task) is None)
 
+    @contextlib.contextmanager
+    def exclusive(self) -> Iterator[None]:
+        """Hold the file's lock: read it anew, repair what is damaged, and be the only writer.
+
+        Raises
+        ------
+        UsageError
+            Where another process holds the lock, and where the folder cannot be written.
+        """
+        if self.path is None or self._holds:
+            self._holds += 1
+            try:
+                yield
+            finally:
+                self._holds -= 1
+            return
+        make_folder(self.path.parent)
+        lock = Lock(
+            self.path.with_name(f".{self.path.name}.lock"),
+            f"the record file {printable(self.path)}",
+        )
+        try:
+            lock.acquire()
+        except OSError as error:
+            raise UsageError(
+                f"the output folder {printable(self.path.parent)} cannot be written "
+                f"({reason(error)}); name another --output"
+            ) from None
+        try:
+            self._holds = 1
+            self._repair(self.path)
+            yield
+        finally:
+            self._holds = 0
+            lock.release()
+
+    def _repair(self, path: Path) -> None:
+        """Move what is no record to a file beside this one, and end the last line."""
+        content = self._read(path)
+        self._take(content)
+        if content.torn is not None:
+            self.notices.append(
+                f"{path.name}: line {content.torn} was not written to its end; its task is "
+                f"measured again"
+            )
+        try:
+            if content.faults:
+                aside = path.with_name(f"{path.name}.aside")
+                with aside.open("ab") as stream:
+                    stream.write(b"".join(fault.raw + b"\n" for fault in content.faults))
+                    stream.flush()
+                    os.fsync(stream.fileno())
+                replace_file(path, b"".join(line + b"\n" for line in content.kept))
+                self.notices += _told(path.name, aside.name, content.faults)
+            elif content.torn is not None:
+                os.truncate(path, content.whole)
+            elif content.unended:
+                with path.open("ab") as stream:
+                    stream.write(b"\n")
+        except OSError as error:
+            raise self._refusal(path, error) from None
+        self.faulty = False
+
+    def _refusal(self, path: Path, error: OSError) -> UsageError:
+        what = "the record of a task" if self._holds else "a repaired record file"
+        return UsageError(
+            f"{printable(path)}: {what} cannot be written ({reason(error)}); the "
+            f"{len(self.records)} records before it are kept, so make room and run the same "
+            f"command again"
+        )
+
     def append(self, task: Mapping[str, Any], measured: Mapping[str, Any]) -> dict[str, Any]:
         """Add one record and make sure that it is on the disk before returning it.
 
         Raises
         ------
-            ValueError: for NaN or an infinity, which JSON lacks; nothing is written then.
+        ValueError
+            For NaN or an infinity, which JSON lacks; nothing is written then.
+        UsageError
+            Where the system refuses to write; the file then ends with the record before.
+        """
+        record = self.made(task, measured)
+        line = _line(record) + b"\n"
+        with self.exclusive():
+            if self.path is not None:
+                self._write(self.path, line)
+            self.remember(record)
+        return record
+
+    @staticmethod
+    def made(task: Mapping[str, Any], measured: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the record of a task, with its checksum.
+
+        Raises
+        ------
+        ValueError
+            For NaN or an infinity.
         """
         record = {"format": FORMAT, "key": key_of(task), "task": dict(task), **measured}
-        line = json.dumps(record, allow_nan=False, separators=(",", ":")) + "\n"
-        if self.path is not None:
-            with self.path.open("a", encoding="utf-8") as stream:
-                stream.write(line)
-                stream.flush()
-                os.fsync(stream.fileno())
-        self.records.append(record)
+        # what is read back: tuples are lists and keys are texts there, and the sum is over that
+        record = json.loads(json.dumps(record, allow_nan=False))
+        return {**record, CHECKSUM: checksum(record)}
+
+    def remember(self, record: dict[str, Any]) -> None:
+        """Have a record in memory alone."""
+        if record["key"] not in self._by_key:
+            self.records.append(record)
         self._by_key[record["key"]] = record
-        return record
+
+    def _write(self, path: Path, line: bytes) -> None:
+        """Append a line whole, or leave the file as it was."""
+        new = not path.exists()
+        size = None
+        try:
+            descriptor = os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o666)
+            try:
+                size = os.fstat(descriptor).st_size
+                rest = memoryview(line)
+                while rest:
+                    rest = rest[os.write(descriptor, rest) :]
+                os.fsync(descriptor)
+            except OSError:
+                # on a full disk part of a line may have been written
+                with contextlib.suppress(OSError):
+                    if size is not None:
+                        os.ftruncate(descriptor, size)
+                raise
+            finally:
+                os.close(descriptor)
+        except OSError as error:
+            raise self._refusal(path, error) from None
+        if new:
+            sync_folder(path.parent)
+
+
+def _told(name: str, aside: str, faults: list[Fault]) -> list[str]:
+    """Sentences on lines that were moved."""
+    told: list[str] = []
+    twice = [fault for fault in faults if fault.second]
+    other = [fault for fault in faults if not fault.second]
+    if other:
+        more = f", and {len(other) - 1} lines more" if len(other) > 1 else ""
+        told.append(
+            f"{name}: line {other[0].line} {other[0].why}{more}; moved to {aside}, and what they "
+            f"measured is measured again"
+        )
+    if twice:
+        told.append(
+            f"{name}: {len(twice)} of the lines repeat a task, the first at line "
+            f"{twice[0].line}; the first record of each task is kept, the others moved to {aside}"
+        )
+    return told

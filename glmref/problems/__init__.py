@@ -79,7 +79,7 @@ def problem(name: str, **parameters: object) -> Problem:
         if key not in known:
             allowed = f"its parameters are {', '.join(known)}" if known else "it has no parameters"
             raise UsageError(
-                f"the problem {name!r} has no parameter {key!r}; {allowed}"
+                f"the problem {name!r} has no parameter {key[:80]!r}; {allowed}"
                 f"{did_you_mean(key, known, '; ')}"
             )
     try:
@@ -101,6 +101,7 @@ def parameters_of(name: str) -> dict[str, object]:
 def _builder(name: str) -> Callable[..., Problem]:
     if name not in _HOME:
         hint = did_you_mean(name, _HOME, otherwise="see glmref.problems.names()")
-        raise UsageError(f"there is no problem named {name!r}; {hint}")
+        shown = repr(name[:80] if isinstance(name, str) else name)[:90]
+        raise UsageError(f"there is no problem named {shown}; {hint}")
     module = import_module(f".{_HOME[name]}", __name__)
     return getattr(module, name.replace("-", "_"))

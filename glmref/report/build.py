@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from collections.abc import Sequence
 from pathlib import Path
@@ -9,6 +10,7 @@ from pathlib import Path
 from .. import __version__
 from ..catalogue.lookup import names, path_of
 from ..errors import UsageError
+from ..system.files import make_folder, printable, reason, write_bytes, write_text
 from .markup import Page, Site
 from .measurements import measurement_pages
 from .methods import by_class, method_page, overview
@@ -57,31 +59,44 @@ def build(
     pages = pages_of(site, results, names("methods") if methods is None else methods)
     bar = site.bar(pages)
     if single:
-        if output.is_dir():
-            raise UsageError(f"{str(output)!r} is a folder; with a single file, name a file")
-        output.parent.mkdir(parents=True, exist_ok=True)
-        output.write_text(site.document("glmref report", pages, bar, _FOOT), encoding="utf-8")
+        if os.path.isdir(output):
+            raise UsageError(f"{printable(output)} is a folder; with a single file, name a file")
+        make_folder(output.parent)
+        write_text(output, site.document("glmref report", pages, bar, _FOOT))
         return [output]
     _clear(output)
     written = []
     for page in pages:
         path = output / f"{page.name}.html"
-        path.write_text(site.document(page.title, [page], bar, _FOOT), encoding="utf-8")
+        write_text(path, site.document(page.title, [page], bar, _FOOT), sync=False)
         written.append(path)
         if page.name.startswith("method-"):
             name = page.name.removeprefix("method-")
-            shutil.copyfile(path_of(name), output / "data" / f"{name}.json")
+            content = path_of(name).read_bytes()
+            write_bytes(output / "data" / f"{name}.json", content, sync=False)
     return written
 
 
 def _clear(output: Path) -> None:
     """Make an empty folder of pages."""
-    if output.is_file():
-        raise UsageError(f"{str(output)!r} is a file; name a folder, or ask for a single file")
-    if output.is_dir() and any(output.iterdir()) and not (output / MARK).is_file():
+    try:
+        if output.is_file():
+            raise UsageError(
+                f"{printable(output)} is a file; name a folder, or ask for a single file"
+            )
+        if output.is_dir() and any(output.iterdir()) and not (output / MARK).is_file():
+            raise UsageError(
+                f"the folder {printable(output)} holds something that is no report; name another, "
+                f"new one"
+            )
+        for inner in output.iterdir() if output.is_dir() else ():
+            if inner.is_dir() and not inner.is_symlink():
+                shutil.rmtree(inner)
+            elif inner.name != MARK:  # by which a folder half done is known, too
+                inner.unlink()
+    except OSError as error:
         raise UsageError(
-            f"the folder {str(output)!r} holds something that is no report; name another, new one"
-        )
-    shutil.rmtree(output, ignore_errors=True)
-    (output / "data").mkdir(parents=True)
-    (output / MARK).write_text(_SAID, encoding="utf-8")
+            f"the folder {printable(output)} cannot be written anew ({reason(error)}); name another"
+        ) from None
+    make_folder(output / "data")
+    write_text(output / MARK, _SAID)

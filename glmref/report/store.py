@@ -17,6 +17,8 @@ from typing import Any, TypeGuard
 from xml.etree import ElementTree
 
 from ..errors import DataError, UsageError
+from ..measure.records import wrong_checksum
+from ..system.files import lines_of, read_bytes, read_text
 from .asv_results import Cell, read_results
 from .markup import counted
 
@@ -29,6 +31,8 @@ ORDERS, CONSTANTS = "observed-orders", "error-constants"
 #: File by which a folder of pages is known: only such a folder, or an empty one, is written over.
 MARK = "glmref-report.txt"
 Record = Mapping[str, Any]
+#: Bytes of a record file or a document, and of a portrait, that are read at the most.
+MAX_BYTES, MAX_DRAWING = 1 << 30, 5_000_000
 _SVG = "{http://www.w3.org/2000/svg}"
 _SHAPES = frozenset("svg title desc g path rect circle line polyline polygon text tspan".split())
 
@@ -181,7 +185,7 @@ def _drawing(path: Path) -> str:
     ------
         DataError: for anything else, such as a script, a link or a style.
     """
-    text = path.read_text(encoding="utf-8")
+    text = read_text(path, MAX_DRAWING)
     try:
         root = ElementTree.fromstring(text)
     except ElementTree.ParseError as error:
@@ -201,21 +205,23 @@ def _drawing(path: Path) -> str:
 
 def _take_records(found: Results, path: Path) -> None:
     records: list[Record] = []
-    lines = path.read_text(encoding="utf-8").split("\n")
-    for number, line in enumerate(lines, start=1):
-        if not line.strip():
+    keys: set[str] = set()
+    for number, (raw, ended) in enumerate(lines_of(read_bytes(path, MAX_BYTES)), start=1):
+        if not raw.strip():
             continue
         try:
-            record = json.loads(line)
+            record = json.loads(raw)
         except (ValueError, RecursionError):
-            last = number == len(lines)
-            why = "the run was stopped while it was written" if last else "it is not JSON"
+            why = "it is not JSON" if ended else "the run was stopped while it was written"
             found.odd.append(Odd(f"{path.name}, line {number}", why))
             continue
         why = _refused(record)
+        if not why and str(record.get("key")) in keys:
+            why = "it is a second record of the same task, and the first is shown"
         if why:
             found.odd.append(Odd(f"{path.name}, line {number}", why))
         else:
+            keys.add(str(record.get("key")))
             records.append(record)
     found.runs.append(RunFile(path.stem, tuple(records)))
     found.files.append((path.name, counted(len(records), "record")))
@@ -230,12 +236,14 @@ def _refused(record: Any) -> str:
     task = record.get("task")
     if not isinstance(task, dict) or not isinstance(task.get("method", task.get("peer")), str):
         return "it does not say what was run"
+    if wrong_checksum(record):
+        return "it is damaged: its checksum does not agree with its content"
     return ""
 
 
 def _take_document(found: Results, path: Path) -> None:
     try:
-        document = json.loads(path.read_text(encoding="utf-8"))
+        document = json.loads(read_text(path, MAX_BYTES))
     except (ValueError, RecursionError):
         found.odd.append(Odd(path.name, "it is not JSON"))
         return

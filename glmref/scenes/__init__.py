@@ -15,11 +15,12 @@ from .answers import answer
 from .model import ASK, Answer, Scene
 from .planning import Plan, plan
 from .reading import load_scene, names
-from .running import run
+from .running import SYSTEM_REFUSED, run
 from .views import charts, orbits, rows
 
 __all__ = [
     "ASK",
+    "SYSTEM_REFUSED",
     "Answer",
     "Plan",
     "Scene",

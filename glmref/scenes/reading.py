@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import re
+import stat
 import tomllib
 from collections.abc import Iterator, Mapping
 from difflib import get_close_matches
@@ -15,6 +17,7 @@ from ..catalogue.lookup import names as method_names
 from ..catalogue.lookup import path_of as method_path
 from ..catalogue.strict_json import shown
 from ..errors import DataError, UsageError, did_you_mean
+from ..system.files import kind_of, read_text, reason
 from .model import ANSWERS, ASK, FORMAT, JUDGING, KINDS, STARTS, Answer, Scene
 
 __all__ = ["load_scene", "names"]
@@ -41,7 +44,15 @@ _QUICK = (
 _NAME = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*")
 _EXPRESSION = re.compile(r"[0-9eE+\-*/(). pisqrt]+")
 MAX_BYTES = 200_000
+#: Characters of a title or a question, and of a name, which becomes that of a file.
+MAX_TEXT, MAX_NAME = 2_000, 100
+#: Entries of a list, and runs of a scene: the largest shipped one has some hundred.
+MOST_ENTRIES, MOST_TASKS = 1_000, 100_000
 MOST_STEPS = 10**9
+#: Parts of a key, as `a.b` has two.
+MOST_PARTS = 100
+#: Characters of a line that can hold a key: patterns are not tried on longer ones.
+_LONGEST_LINE = 1_000
 
 
 def names() -> list[str]:
@@ -70,15 +81,21 @@ def _path_of(text: str) -> Path:
     if text in shipped:
         return data_root() / "scenes" / f"{text}.toml"
     path = Path(text)
-    if path.is_file():
+    try:
+        mode = path.stat().st_mode if text else None
+    except FileNotFoundError:
+        mode = None
+    except (OSError, ValueError) as error:
+        raise UsageError(f"the file {shown(text)} cannot be read ({reason(error)})") from None
+    if mode is not None and stat.S_ISREG(mode):
         return path
-    if path.suffix == ".toml" or path.parent != Path():
-        what = "is a folder" if path.is_dir() else "does not exist"
+    if mode is not None or path.suffix == ".toml" or path.parent != Path():
+        what = "does not exist" if mode is None else f"is {kind_of(mode)}"
         raise UsageError(
-            f"the file {text!r} {what}; give a scene file or one of {', '.join(shipped)}"
+            f"the file {shown(text)} {what}; give a scene file or one of {', '.join(shipped)}"
         )
     hint = did_you_mean(text, shipped, otherwise=f"the scenes are {', '.join(shipped)}")
-    raise UsageError(f"there is no scene named {text!r}; {hint}")
+    raise UsageError(f"there is no scene named {shown(text)}; {hint}")
 
 
 def _lines(text: str) -> dict[tuple[str, ...], int]:
@@ -92,7 +109,7 @@ def _lines(text: str) -> dict[tuple[str, ...], int]:
     depth, quoted = 0, ""
     for number, line in enumerate(text.splitlines(), start=1):
         stripped = line.strip()
-        if not depth and not quoted:
+        if not depth and not quoted and len(stripped) <= _LONGEST_LINE:
             header = re.match(r"\[\s*([^\[\]]+?)\s*\]\s*(#.*)?$", stripped)
             if header:
                 table = tuple(part.strip().strip("\"'") for part in header[1].split("."))
@@ -116,18 +133,13 @@ class _Reader:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        try:
-            if path.stat().st_size > MAX_BYTES:
+        text = read_text(path, MAX_BYTES)
+        for number, line in enumerate(text.split("\n"), start=1):
+            if _has_long_key(line):
                 raise DataError(
-                    f"{path.name}: the file is larger than {MAX_BYTES} bytes; shorten it"
+                    f"{path.name}: line {number}: a key has more than {MOST_PARTS} parts; a scene "
+                    f"has two at the most"
                 )
-            text = path.read_text(encoding="utf-8")
-        except OSError as error:
-            raise DataError(f"{path.name}: the file cannot be read ({error.strerror})") from None
-        except UnicodeDecodeError as error:
-            raise DataError(
-                f"{path.name}: byte {error.start} is not UTF-8; save the file as UTF-8"
-            ) from None
         try:
             self.document: dict[str, Any] = tomllib.loads(text)
         except tomllib.TOMLDecodeError as error:
@@ -137,6 +149,12 @@ class _Reader:
         except RecursionError:
             raise DataError(
                 f"{path.name}: brackets are nested too deep; flatten the file"
+            ) from None
+        except ValueError as error:  # a whole number of thousands of digits, a date that is none
+            line = _line_of_digits(text)
+            raise DataError(
+                f"{path.name}: line {line}: a value cannot be read "
+                f"({str(error).partition(';')[0][:200]}); shorten it"
             ) from None
         self.lines = _lines(text)
 
@@ -152,10 +170,11 @@ class _Reader:
     def number(self, where: tuple[str, ...], value: Any, *, positive: bool = True) -> float:
         """Read a finite number, or an expression such as ``"20*pi"``."""
         result = math.nan
-        if isinstance(value, str) and _EXPRESSION.fullmatch(value):
+        if isinstance(value, str) and len(value) <= 100 and _EXPRESSION.fullmatch(value):
             result = _evaluated(value)
         elif isinstance(value, int | float) and not isinstance(value, bool):
-            result = float(value)
+            with contextlib.suppress(OverflowError):
+                result = float(value)
         if not math.isfinite(result) or (positive and result <= 0):
             kind = "positive number" if positive else "number"
             raise self.fail(
@@ -177,7 +196,7 @@ class _Reader:
     def choice(self, where: tuple[str, ...], value: Any, allowed: Any) -> str:
         """Read one of a few words."""
         if not isinstance(value, str) or value not in allowed:
-            near = get_close_matches(str(value), list(allowed), n=1)
+            near = get_close_matches(str(value)[:80], list(allowed), n=1)
             hint = f"; did you mean {near[0]!r}?" if near else ""
             listed = ", ".join(map(repr, allowed))
             raise self.fail(
@@ -191,6 +210,12 @@ class _Reader:
             raise self.fail(
                 where, f"`{'.'.join(where)}` must be a list with entries, got {shown(value)}"
             )
+        if len(value) > MOST_ENTRIES:
+            raise self.fail(
+                where,
+                f"`{'.'.join(where)}` has {len(value)} entries and at most {MOST_ENTRIES} are "
+                f"read; make several scenes of it",
+            )
         for k, item in enumerate(value):
             if item in value[:k]:
                 raise self.fail(where, f"`{'.'.join(where)}` holds {shown(item)} twice; delete one")
@@ -200,9 +225,9 @@ class _Reader:
         """Refuse keys that mean nothing."""
         for key in table:
             if key not in allowed:
-                near = get_close_matches(key, list(allowed), n=1)
+                near = get_close_matches(key[:80], list(allowed), n=1)
                 hint = f"did you mean {near[0]!r}?" if near else f"known are {', '.join(allowed)}"
-                raise self.fail((*where, key), f"there is no key {key!r} here; {hint}")
+                raise self.fail((*where, key), f"there is no key {key[:80]!r} here; {hint}")
 
     # --- the scene --------------------------------------------------------------------------------
 
@@ -216,10 +241,11 @@ class _Reader:
             raise self.fail(
                 ("format",), f"`format` must be {FORMAT!r}, got {shown(given['format'])}"
             )
-        if not _NAME.fullmatch(given["name"]):
+        if not _NAME.fullmatch(given["name"]) or len(given["name"]) > MAX_NAME:
             raise self.fail(
                 ("name",),
-                f"`name` must be lower-case words with hyphens, got {shown(given['name'])}",
+                f"`name` must be lower-case words with hyphens, of at most {MAX_NAME} characters, "
+                f"got {shown(given['name'])}",
             )
         overrides = given.get("quick", {})
         if not isinstance(overrides, dict):
@@ -238,6 +264,10 @@ class _Reader:
     def _text(self, where: tuple[str, ...], value: Any) -> None:
         if not isinstance(value, str) or not value.strip():
             raise self.fail(where, f"`{'.'.join(where)}` must be a text, got {shown(value)}")
+        if len(value) > MAX_TEXT:
+            raise self.fail(
+                where, f"`{'.'.join(where)}` has more than {MAX_TEXT} characters; shorten it"
+            )
 
     @staticmethod
     def _quick_title(title: str, overrides: Mapping[str, Any]) -> str:
@@ -270,7 +300,7 @@ class _Reader:
             for x in self._list(at("tolerances"), given, "tolerances", empty=True)
         )
         start = given.get("start")
-        return Scene(
+        scene = Scene(
             name=given["name"],
             title=given["title"],
             question=given["question"],
@@ -289,6 +319,14 @@ class _Reader:
             tolerances=tolerances,
             file=str(self.path),
         )
+        tasks = len(scene.methods) * len(scene.grid) + len(scene.peers) * len(tolerances)
+        if tasks > MOST_TASKS:
+            raise self.fail(
+                at("steps" if steps else "h"),
+                f"the scene has {tasks} runs and at most {MOST_TASKS} are planned; make several "
+                f"scenes of it",
+            )
+        return scene
 
     def _list(
         self, where: tuple[str, ...], given: Mapping[str, Any], key: str, *, empty: bool = False
@@ -407,6 +445,20 @@ class _Reader:
         if peers and not tolerances:
             raise self.fail(at("peers"), "peers need `tolerances`, a list such as [1e-6, 1e-9]")
         return tuple(self.choice(at("peers"), x, NAMES) for x in peers)
+
+
+def _has_long_key(line: str) -> bool:
+    """Whether a line may have a key of many parts: reading one takes the square of their number."""
+    if line.count(".") <= MOST_PARTS:
+        return False
+    pieces = re.split(r"[,={}\[\]]", re.sub(r"[ \t\"']", "", line))
+    return any(piece.count(".") > MOST_PARTS for piece in pieces)
+
+
+def _line_of_digits(text: str) -> int:
+    """Return the line of the longest whole number of a file."""
+    found = max(re.finditer(r"\d[\d_]*", text), key=lambda one: len(one[0]), default=None)
+    return 1 if found is None else text.count("\n", 0, found.start()) + 1
 
 
 def _evaluated(text: str) -> float:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import warnings
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from ..errors import GlmrefError
+from ..errors import GlmrefError, UsageError
 from ..measure.attempt import FUNCTION_FAILED
 from ..measure.records import RecordFile
 from ..method import GLM
@@ -21,6 +22,7 @@ __all__ = [
     "LOST",
     "NOT_APPLICABLE",
     "START_FAILED",
+    "SYSTEM_REFUSED",
     "perform",
     "run",
 ]
@@ -30,6 +32,8 @@ BUDGET_SPENT = "budget spent"
 FAILED = "internal error"
 LOST = "lost"
 NOT_APPLICABLE = "not applicable"
+#: Not enough memory, a library that cannot be loaded: the task may end otherwise elsewhere.
+SYSTEM_REFUSED = "system refused"
 START_FAILED = "start failed"
 
 #: Points kept of a curve over time.
@@ -52,15 +56,37 @@ def run(
         advance: called after each new record with the task and the record.
 
     Each record is on the disk before the next task starts, so that a killed run loses one task.
+    While tasks are missing the store's lock is held: a second run of the same scene into the same
+    folder is refused. A task that the system refuses (no memory, a library that cannot be loaded)
+    has a record in memory only, and is tried again by the next run.
+
+    Raises
+    ------
+        UsageError: where another process measures the same, or a record cannot be written.
     """
     todo = scene if isinstance(scene, Plan) else plan(scene)
     store = RecordFile(None) if store is None else store
-    for task in store.missing(todo.tasks):
-        record = store.append(task, perform(task))
-        if advance is not None:
-            advance(task, record)
+    if any(True for _ in store.missing(todo.tasks)):
+        with store.exclusive():
+            for task in store.missing(todo.tasks):
+                record = _measured(store, task)
+                if advance is not None:
+                    advance(task, record)
+    elif store.faulty:
+        with contextlib.suppress(UsageError), store.exclusive():
+            pass  # that repairs the file, where it can be written
     found = (store.find(task) for task in todo.tasks)
     return [record for record in found if record is not None]
+
+
+def _measured(store: RecordFile, task: Mapping[str, Any]) -> dict[str, Any]:
+    """Measure one task and keep its record, unless another machine could do better."""
+    measured = perform(task)
+    if measured["outcome"] != SYSTEM_REFUSED:
+        return store.append(task, measured)
+    record = store.made(task, measured)
+    store.remember(record)
+    return record
 
 
 def perform(task: Mapping[str, Any]) -> dict[str, Any]:
@@ -84,11 +110,13 @@ def perform(task: Mapping[str, Any]) -> dict[str, Any]:
     except GlmrefError as error:
         measured = {"outcome": NOT_APPLICABLE, "message": str(error)}
     except MemoryError:
-        measured = {"outcome": FAILED, "message": "the memory did not suffice; ask for less"}
+        measured = {"outcome": SYSTEM_REFUSED, "message": "the memory did not suffice"}
     except Exception as error:
+        message = f"{type(error).__name__}: {error}"
+        outcome = SYSTEM_REFUSED if isinstance(error, OSError | ImportError) else FAILED
         measured = {
-            "outcome": FUNCTION_FAILED if _user_function(task) else FAILED,
-            "message": f"{type(error).__name__}: {error}",
+            "outcome": FUNCTION_FAILED if _user_function(task) else outcome,
+            "message": message,
         }
     return {**measured, "where": circumstances()}
 

@@ -32,6 +32,14 @@ _SPECIAL = {
     **{x: "\\" + x for x in "&%$#_"},
 }
 _YEAR = re.compile(r"\b(1[5-9]\d\d|20\d\d)\b")
+#: What begins like an entry and is none; a preamble is TeX that is carried out.
+_NO_ENTRIES = ("preamble", "string", "comment")
+#: Commands of TeX that read, write, run or define something, and the notation that hides them.
+_COMMANDS = re.compile(
+    r"\\(?:immediate|write|input|include|openin|openout|read|catcode|csname|def|edef|gdef|xdef|let"
+    r"|special|directlua|usepackage|newread|newwrite|loop|expandafter|everypar|shipout)(?![A-Za-z])"
+    r"|\^\^"
+)
 _KEY = re.compile(r"@\s*(\w+)\s*\{\s*([^,\s]+)\s*,")
 
 
@@ -48,7 +56,8 @@ def source_entry(method: Mapping[str, Any]) -> str:
 
     Raises
     ------
-        DataError: for a bare tableau, which names no source.
+        DataError: for a bare tableau, which names no source; where the file's entry is not one entry
+            of BibTeX, or holds what TeX would carry out beyond setting a text.
     """
     source = method.get("source", {})
     if not source:
@@ -57,13 +66,13 @@ def source_entry(method: Mapping[str, Any]) -> str:
             f"where and status to its file"
         )
     if source.get("bibtex", "").strip():
-        return str(source["bibtex"]).strip()
+        return _checked(str(source["bibtex"]).strip(), str(method.get("name")))
     years = _YEAR.findall(source["citation"])
     fields = {"note": escape(source["citation"]), "howpublished": escape(source["where"])}
     if years:
         fields["year"] = years[-1]
     if source.get("doi"):
-        fields["doi"] = one_line(source["doi"])
+        fields["doi"] = re.sub(r"[{}\\%]", "", one_line(source["doi"]))
     return _entry("misc", f"{method['name']}-source", fields)
 
 
@@ -88,6 +97,32 @@ def file_entry(name: str | Path) -> str:
         "note": f"SHA-256 {hashlib.sha256(path.read_bytes()).hexdigest()}",
     }
     return _entry("misc", f"glmref-{method['name']}", {k: x for k, x in fields.items() if x})
+
+
+def _checked(entry: str, name: str) -> str:
+    """Return an entry as it stands, if it is one and harmless: whoever sets it runs TeX on it."""
+
+    def refused(why: str) -> DataError:
+        return DataError(f"{one_line(name, limit=120)}: `source.bibtex` {why}; correct the entry")
+
+    head = _KEY.match(entry)
+    if head is None or head[1].lower() in _NO_ENTRIES:
+        raise refused("must be one entry of BibTeX such as @article{key, ...}")
+    for line in entry.split("\n"):
+        if one_line(line, limit=len(line) + 1) != re.sub(r"[ \t\r]+", " ", line).strip():
+            raise refused("holds a control character")
+    depth = 0
+    for place, mark in enumerate(entry):
+        if mark in "{}" and entry[place - 1] != "\\":
+            depth += 1 if mark == "{" else -1
+            if depth == 0 and place != len(entry) - 1:
+                raise refused(f"goes on after the end of its entry, at character {place + 1}")
+    if depth:
+        raise refused("has braces that are not balanced")
+    command = _COMMANDS.search(entry)
+    if command is not None:
+        raise refused(f"has the TeX command {command[0]!r}, which does more than set a text")
+    return entry
 
 
 def _entry(kind: str, key: str, fields: Mapping[str, str]) -> str:

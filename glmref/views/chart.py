@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
 
-from .figures import NO_FIGURES, blank_figure, save_figure
+from .figures import NO_FIGURES, blank_figure, save_figure, well_formed
 
 __all__ = [
     "COLORS",
@@ -205,7 +205,7 @@ def svg(
         parts.append('<text x="70" y="60" fill="#111">nothing to draw</text>')
     for k, line in enumerate(reversed(listed)):
         parts.append(f'<text x="70" y="{height - 8 - 16 * k}" fill="#555">{escape(line)}</text>')
-    return "\n".join([*parts, "</svg>"]) + "\n"
+    return well_formed("\n".join([*parts, "</svg>"]) + "\n")
 
 
 def _axes(frame: _Frame, x_label: str, y_label: str) -> list[str]:

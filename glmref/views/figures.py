@@ -2,14 +2,29 @@
 
 from __future__ import annotations
 
+import re
+import warnings
 from importlib import import_module
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
-__all__ = ["NO_FIGURES", "blank_figure", "save_figure"]
+from ..system.files import write_bytes
+
+__all__ = ["NO_FIGURES", "blank_figure", "save_figure", "well_formed"]
 
 #: The notice where figures were asked for and cannot be drawn.
 NO_FIGURES = "no PNG and PDF: matplotlib is not installed; pip install 'glmref[plots]'"
+
+#: Characters that a document in XML cannot hold, not even escaped.
+_NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+#: Characters that no font has.
+_CONTROL = re.compile("[\x00-\x09\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069\ud800-\udfff]")
+
+
+def well_formed(document: str) -> str:
+    """Return a document of escaped texts with what XML cannot hold replaced by a question mark."""
+    return _NOT_XML.sub("?", document)
 
 
 def blank_figure(width: float, height: float) -> Any:
@@ -24,7 +39,30 @@ def blank_figure(width: float, height: float) -> Any:
     return figure
 
 
+def plain_texts(figure: Any) -> None:
+    """Have every text of a figure shown as it stands: a `$` begins no formula of TeX."""
+    texts = import_module("matplotlib.text")
+    for text in figure.findobj(texts.Text):
+        text.set_parse_math(False)
+        if "$" in text.get_text():
+            text.set_wrap(False)  # where lines are broken, formulas are looked for all the same
+        text.set_text(_CONTROL.sub("?", text.get_text()))
+
+
 def save_figure(figure: Any, path: Path) -> None:
-    """Write a figure as PNG, and as PDF beside it; both come out the same every time."""
-    figure.savefig(path, format="png", metadata={"Software": None})
-    figure.savefig(path.with_suffix(".pdf"), format="pdf", metadata={"CreationDate": None})
+    """Write a figure as PNG, and as PDF beside it; both come out the same every time.
+
+    Raises
+    ------
+    UsageError
+        Where a file cannot be written.
+    """
+    plain_texts(figure)
+    kinds: dict[str, dict[str, None]] = {"png": {"Software": None}, "pdf": {"CreationDate": None}}
+    for kind, metadata in kinds.items():
+        content = BytesIO()
+        with warnings.catch_warnings():
+            # a font need not have every sign, and a long text need not fit
+            warnings.simplefilter("ignore", UserWarning)
+            figure.savefig(content, format=kind, metadata=metadata)
+        write_bytes(path.with_suffix(f".{kind}"), content.getvalue())

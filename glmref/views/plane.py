@@ -22,7 +22,7 @@ from textwrap import shorten
 from xml.sax.saxutils import escape, quoteattr
 
 from .chart import COLORS
-from .figures import NO_FIGURES, blank_figure, save_figure
+from .figures import NO_FIGURES, blank_figure, save_figure, well_formed
 
 __all__ = ["Cloud", "box_of", "one_each", "ranging", "round_ticks", "svg", "write_figures"]
 
@@ -145,7 +145,7 @@ def svg(clouds: Sequence[Cloud], *, title: str, x_label: str, y_label: str) -> s
         left = _LEFT + (k % across) * pitch[0] + (_PANEL - wide) / 2
         top = _TOP + (k // across) * pitch[1]
         parts += _panel(cloud, box, (left, top, scale), (x_label, y_label), COLORS[k % len(COLORS)])
-    return "\n".join([*parts, "</svg>"]) + "\n"
+    return well_formed("\n".join([*parts, "</svg>"]) + "\n")
 
 
 def _panel(

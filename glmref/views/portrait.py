@@ -23,6 +23,7 @@ from ..exact.linalg import Matrix
 from ..measure.stability import amplification, interval, locus, region
 from ..method import GLM, PartitionedGLM
 from ..theory.stability import oscillator
+from .figures import well_formed
 
 __all__ = ["portrait"]
 
@@ -126,7 +127,7 @@ def portrait(method: GLM | PartitionedGLM) -> str:
         parts += _moduli(method, 1j, "Im z", (470, 64, 320, 120))
         block = ("tableau A U / B V", method.A, method.U, method.B, method.V)
         parts += _sparsity(block, (470, 254, 150))
-    return "\n".join([*parts, "</svg>"]) + "\n"
+    return well_formed("\n".join([*parts, "</svg>"]) + "\n")
 
 
 def _region(method: GLM) -> list[str]:

@@ -54,6 +54,12 @@ _RULES = "─│┼"
 # controls, and the bidirectional marks that can make a line read as another one
 _UNPRINTABLE = re.compile("[\x00-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
 _NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+#: How a cell begins that a spreadsheet carries out, full-width forms included.
+_FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n", "\uff1d", "\uff0b", "\uff0d", "\uff20")
+#: What begins so and is harmless: a number, or an expression in numbers.
+_ARITHMETIC = re.compile(
+    r"[-+](?:[0-9.,*/^()+\- ]|[eE](?=[-+0-9])|sqrt|root|sin|cos|tan|exp|log|pi|inf|nan|i\b)*"
+)
 MAX_LINE = 700  # characters of one line; longer messages hold somebody's data
 
 
@@ -246,12 +252,24 @@ def findings_csv(findings: Sequence[Finding], *, head: bool = True) -> str:
 
 
 def csv_text(rows: Iterable[Sequence[object]]) -> str:
-    """Return rows as comma-separated values; what is no text is written as JSON writes it."""
+    """Return rows as comma-separated values; what is no text is written as JSON writes it.
+
+    A text that a spreadsheet would carry out as a formula gets an apostrophe before it, which
+    makes it a text there; a number, and an expression in numbers such as ``-sqrt(3)/6``, has none.
+    """
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     for row in rows:
-        writer.writerow([x if isinstance(x, str) else json.dumps(plain(x)) for x in row])
+        writer.writerow([_cell(x) if isinstance(x, str) else json.dumps(plain(x)) for x in row])
     return stream.getvalue().rstrip("\n")
+
+
+def _cell(text: str) -> str:
+    """Return a text as a cell of a spreadsheet, with one kind of line ends."""
+    text = text.replace("\r\n", "\n").replace("\r", "\n")
+    if text.lstrip(" ").startswith(_FORMULA) and not _ARITHMETIC.fullmatch(text):
+        return f"'{text}"
+    return text
 
 
 def findings_junit(findings: Sequence[Finding], errors: Sequence[tuple[str, str]] = ()) -> str:

@@ -33,6 +33,8 @@ __all__ = ["FUNCTIONS", "PARTS", "Case", "attack", "cases", "violations"]
 #: Seconds of processor time for one case, and of the clock: a machine may be busy with others.
 LIMIT, PATIENCE = 60, 900
 
+#: Cases of the attack in full.
+COUNT = 2000
 ENGINES = ("compiled", "interpreted", "reference")
 SIZES = (
     *(5e-324, -5e-324, 1e-310, 1e-300, 1e-160, 1e-30, 1e-16, 1e-9, 1e-3, -1e-3, 0.01, 0.1, -0.1, 1),
@@ -461,3 +463,10 @@ def attack(count: int, seed: int, say: Callable[[str], None] = lambda _: None) -
         if number % 200 == 0:
             say(f"{number} of {count}")
     return tally
+
+
+def main(count: int = COUNT, seed: int = 1) -> int:
+    """Print counts and violations; 1 where there is a violation."""
+    tally = attack(count, seed, lambda line: print(line, flush=True))
+    print(tally.text(), flush=True)
+    return 1 if tally.violations else 0

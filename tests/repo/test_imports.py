@@ -20,7 +20,7 @@ import glmref
 PACKAGE = Path(glmref.__file__).parent
 
 LAYERS = [
-    "errors findings",
+    "errors findings system",
     "exact method",
     "catalogue theory",
     "prove verification derive",

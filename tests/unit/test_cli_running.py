@@ -182,7 +182,11 @@ def test_records_of_another_version_end_with_code_2_and_one_sentence(scene, tmp_
     out = tmp_path / "out"
     assert main(["run", str(scene), "--output", str(out), "--format", "csv"]) == 0
     path = out / "tiny.jsonl"
-    older = path.read_text(encoding="utf-8").replace('"glmref-record-1"', '"glmref-record-0"')
+    lines = path.read_text(encoding="utf-8").splitlines()
+    records = [{**json.loads(line), "format": "glmref-record-0"} for line in lines]
+    for record in records:
+        del record["sha256"]
+    older = "".join(json.dumps(record) + "\n" for record in records)
     path.write_text(older, encoding="utf-8")
     capsys.readouterr()
     assert main(["run", str(scene), "--output", str(out)]) == 2

@@ -7,8 +7,8 @@ import sys
 import numpy as np
 import pytest
 
-from glmref import Problem, UsageError, load, problem, solve
-from glmref.engine import compiled
+from glmref import Problem, load, problem, solve
+from glmref.engine import compiled, native
 from glmref.engine.kernel import prepare
 
 
@@ -38,13 +38,56 @@ def test_a_kernel_is_written_once_and_found_again(folder):
     assert len(list(folder.iterdir())) == 2
 
 
-def test_the_folder_can_be_named_and_must_be_writable(folder, monkeypatch, tmp_path):
+def test_a_named_folder_that_cannot_be_written_costs_the_cache_and_no_run(
+    folder, monkeypatch, tmp_path
+):
     assert compiled.cache_folder() == folder
+    cached = prepare(load("rk4"), problem("pendulum"), h=0.1)
     blocked = tmp_path / "file"
     blocked.write_text("")
     monkeypatch.setenv(compiled.CACHE_VARIABLE, str(blocked / "below"))
-    with pytest.raises(UsageError, match="cannot be written"):
-        compiled.cache_folder()
+    assert compiled.cache_folder() is None
+    compiled._native.cache_clear()
+    again = prepare(load("rk4"), problem("pendulum"), h=0.1)
+    assert (cached.built.engine, again.built.engine) == ("native", "native")
+    assert again.built.path is None
+
+
+def test_a_cache_that_is_full_costs_the_cache_and_no_run(folder, monkeypatch):
+    def full(path, content):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("glmref.engine.native.write_whole", full)
+    assert prepare(load("rk4"), problem("pendulum"), h=0.1).built.engine == "native"
+    assert list(folder.iterdir()) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("fault", ["no folder", "full"])
+def test_a_module_that_numba_cannot_keep_is_compiled_in_memory(folder, monkeypatch, fault):
+    def unsupported(*arguments):
+        raise native.Unsupported("not today")
+
+    def full(path, content):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(native, "compile_kernel", unsupported)
+    if fault == "full":
+        monkeypatch.setattr("glmref.engine.native.write_whole", full)
+    else:
+        monkeypatch.setattr(compiled, "cache_folder", lambda: None)
+    built = prepare(load("rk4"), problem("pendulum"), h=0.1).built
+    assert (built.engine, built.path) == ("numba", None)
+
+
+def test_the_shared_temporary_folder_is_used_only_where_it_is_one_s_own(monkeypatch, tmp_path):
+    monkeypatch.delenv(compiled.CACHE_VARIABLE, raising=False)
+    monkeypatch.setattr(compiled, "_user_cache", lambda: None)
+    monkeypatch.setattr("tempfile.gettempdir", lambda: str(tmp_path))
+    folder = compiled.cache_folder()
+    assert folder is not None and folder.parent == tmp_path
+    folder.chmod(0o777)  # anybody could put code there
+    assert compiled.cache_folder() is None
 
 
 def test_the_default_folder_is_the_platform_s_user_cache(monkeypatch, tmp_path):

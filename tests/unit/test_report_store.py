@@ -27,7 +27,7 @@ def reading(folder: Path, name: str, text: str) -> Results:
 
 
 def test_records_of_a_run_are_read_in_order(tmp_path: Path) -> None:
-    lines = [json.dumps({**GOOD, "steps": n}) for n in (1, 2, 3)]
+    lines = [json.dumps({**GOOD, "key": f"k{n}", "steps": n}) for n in (1, 2, 3)]
     found = reading(tmp_path, "kepler-quick.jsonl", "\n".join(lines) + "\n")
     (run,) = found.runs
     assert (run.name, run.scene) == ("kepler-quick", "kepler")
@@ -44,6 +44,8 @@ def test_records_of_a_run_are_read_in_order(tmp_path: Path) -> None:
         (json.dumps({**GOOD, "task": {"kind": "method"}}) + "\n", "does not say what was run"),
         (json.dumps({**GOOD, "task": None}) + "\n", "does not say what was run"),
         ("[" * 100_000 + "\n", "not JSON"),
+        (json.dumps({**GOOD, "steps": 9}) + "\n", "second record of the same task"),
+        (json.dumps({**GOOD, "key": "other", "sha256": "0" * 64}) + "\n", "its checksum"),
     ],
 )
 def test_a_line_that_is_no_record_is_named_and_the_others_are_kept(

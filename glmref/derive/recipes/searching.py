@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -18,6 +19,7 @@ import numpy as np
 from ...errors import GlmrefError, UsageError
 from ...findings import Proof
 from ...prove.system import SweepSystem
+from ...system.files import printable, reason
 from ..ansatz import Ansatz
 from ..parameters import fix_parameters
 from ..search import Found, search
@@ -143,5 +145,16 @@ class _State:
 
     def append(self, key: str, found: Found) -> None:
         """Keep one end."""
-        with self.path.open("a", encoding="utf-8") as file:
-            file.write(json.dumps({"search": key, **asdict(found)}) + "\n")
+        line = json.dumps({"search": key, **asdict(found)}).encode() + b"\n"
+        try:
+            with self.path.open("a+b") as file:
+                if file.tell():
+                    file.seek(-1, os.SEEK_END)
+                    # a run that was stopped in the middle of a line spoils no other one
+                    line = line if file.read(1) == b"\n" else b"\n" + line
+                file.write(line)
+        except OSError as error:
+            raise UsageError(
+                f"the state {printable(self.path)} cannot be written ({reason(error)}); make room "
+                f"there, or name another file"
+            ) from None

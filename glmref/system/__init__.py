@@ -1,0 +1,1 @@
+"""Files, locks, signals and processes: what can go wrong around a computation."""

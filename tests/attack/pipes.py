@@ -1,0 +1,238 @@
+"""Hostile programs at the other end of the pipe of the conformance suite.
+
+Each peer answers some questions rightly and then does one hostile thing, drawn with its place and
+its size from the seed. It must end within its limit, with a sentence, and with its process group
+gone; no exception but those that have a name may leave the adapter.
+"""
+
+from __future__ import annotations
+
+import os
+import random
+import shlex
+import sys
+import tempfile
+import time
+from collections import Counter
+from pathlib import Path
+from typing import Any
+from unittest.mock import patch
+
+from glmref import problem
+from glmref.conformance import pipe
+from glmref.conformance.subject import AdapterError, NotOffered, Subject
+from glmref.errors import GlmrefError, UsageError
+
+COUNT = 500
+#: Limits while the attack lasts: seconds of silence, of one answer, bytes of a line.
+PATIENCE, LONGEST, MAX_LINE = 1.0, 2.0, 2_000_000
+#: Seconds that one peer may take in all: describe, three steps, and its end.
+LIMIT = 4 * LONGEST + 6.0
+
+PEER = """
+import json, os, signal, subprocess, sys, time
+def put(text):
+    sys.stdout.write(text); sys.stdout.flush()
+def ask(question):
+    put(json.dumps(question) + "\\n")
+    return json.loads(sys.stdin.readline())["values"]
+with open({pids!r}, "a") as note:
+    note.write(f"{{os.getpid()}}\\n")
+def spawn(code):
+    child = subprocess.Popen([sys.executable, "-c", code])
+    with open({pids!r}, "a") as note:
+        note.write(f"{{child.pid}}\\n")
+turn = 0
+for line in sys.stdin:
+    asked = json.loads(line)
+    if turn == {turn}:
+        {deed}
+        turn += 1
+        {then}
+    if asked["ask"] == "describe":
+        put(json.dumps({{"methods": ["euler"], "offers": ["step"]}}) + "\\n")
+    else:
+        y, h = asked["values"], asked["h"]
+        f = ask({{"ask": "f", "t": asked["t"], "y": y}})
+        put(json.dumps({{"values": [a + h * b for a, b in zip(y, f)]}}) + "\\n")
+    turn += 1
+"""
+
+#: What a peer does, and words of which one must stand in the sentence ("" for none needed).
+DEEDS: dict[str, tuple[str, tuple[str, ...]]] = {
+    "silent": ("time.sleep(60)", ("did not answer within",)),
+    "deaf": (
+        "signal.signal(signal.SIGTERM, signal.SIG_IGN); sys.stdin.close(); time.sleep(60)",
+        ("did not answer within",),
+    ),
+    "asks for ever": (
+        "while True: ask({'ask': 'f', 't': 0.0, 'y': asked.get('values', [1.0])})",
+        ("asked and did not answer", "may ask f", "silent"),
+    ),
+    "answers for ever": ("while True: put('{\"values\": [1.0]}\\n')", ("",)),
+    "a line without end": ("while True: put('1' * {size})", ("longer than",)),
+    "a long line": ("put('[' + '1,' * 1_500_000 + '1]\\n')", ("longer than", "not a JSON object")),
+    "nested": ("put('[' * {size} + '\\n'); time.sleep(60)", ("is not JSON",)),
+    "not JSON": ("put('values: 1\\n'); time.sleep(60)", ("is not JSON",)),
+    "not UTF-8": ("os.write(1, b'\\xff\\xfe{{\\n'); time.sleep(60)", ("is not JSON",)),
+    "zeros": ("os.write(1, bytes({size}) + b'\\n'); time.sleep(60)", ("is not JSON",)),
+    "no object": ("put('[1, 2]\\n')", ("is not a JSON object",)),
+    "empty object": ("put('{}\\n')", ("must have",)),
+    "infinite": ("put('{{\"values\": [1e999, NaN]}}\\n')", ("must have", "finite", "expected")),
+    "a huge whole number": (
+        "put('{{\"values\": [' + '9' * 4000 + ']}}\\n')",
+        ("must have", "list of numbers", "expected"),
+    ),
+    "texts": ("put('{{\"values\": [\"x\", []]}}\\n')", ("must have", "list of numbers")),
+    "bad offers": ("put('{\"methods\": [\"euler\"], \"offers\": 7}\\n')", ("offers", "values")),
+    "bad methods": (
+        "put('{\"methods\": {\"x\": 3}, \"offers\": [\"step\"]}\\n')", ("claims", "values"),
+    ),
+    "bad tolerance": (
+        "put('{\"methods\": [\"euler\"], \"offers\": [\"step\"], \"tolerance\": [1]}\\n')",
+        ("tolerance", "values"),
+    ),
+    "bad problems": (
+        "put('{\"methods\": [\"euler\"], \"offers\": [\"step\"], \"problems\": [[1], 7]}\\n')",
+        ("problems", "values"),
+    ),
+    "a long error": ("put(json.dumps({'error': 'x\\x1b]0;' * 100_000}) + '\\n')", ("x",)),
+    "cannot": ("put('{\"cannot\": 5}\\n')", ("5",)),
+    "a wrong question": ("ask({'ask': ['f']})", ("may ask",)),
+    "a question without shape": (
+        "ask({'ask': 'f', 't': 0, 'y': [[1.0], 2]})", ("cannot be served", "may ask"),
+    ),
+    "a question too short": ("ask({'ask': 'f', 't': 0, 'y': []})", ("served", "may ask")),
+    "a question of no number": ("ask({'ask': 'jacobian', 'y': None})", ("served", "may ask")),
+    "exits": ("sys.exit({code})", ("ended without an answer",)),
+    "exits in a line": ("put('{\"values\": [1'); sys.exit(0)", ("ended without an answer",)),
+    "dies": ("os.kill(os.getpid(), {signal})", ("killed by",)),
+    "closes its stdout": ("os.close(1); time.sleep(60)", ("closed its stdout",)),
+    "leaves a child": ("spawn('import time; time.sleep(60)'); os._exit(0)", ("ended without",)),
+    "forks": (
+        "for _ in range(2): spawn('import time; time.sleep(60)')\n        time.sleep(60)",
+        ("did not answer",),
+    ),
+    "floods stderr": (
+        "\n        while True: sys.stderr.write('x' * {size} + '\\x1b[2J\\n')", ("did not answer",),
+    ),
+    "floods stderr and answers": ("sys.stderr.write('x' * 1_000_000)", ()),
+    "two answers": ("put('{\"values\": [1.0]}\\n{\"values\": [1.0]}\\n')", ("",)),
+    "behaves": ("pass", ()),
+}  # fmt: skip
+
+
+def peer(chance: random.Random, folder: Path, deed: str) -> str:
+    """Write a peer and return the command that starts it."""
+    body, words = DEEDS[deed]
+    drawn = {
+        "{size}": str(10 ** chance.randrange(1, 6)),
+        "{code}": str(chance.choice([0, 1, 3, 77])),
+        "{signal}": str(chance.choice([6, 9, 11, 15])),
+        "{{": "{",
+        "}}": "}",
+    }
+    for name, value in drawn.items():
+        body = body.replace(name, value)
+    path = folder / "peer.py"
+    turn = chance.randrange(0, 3)
+    path.write_text(
+        PEER.format(
+            pids=str(folder / "pids"), turn=turn, deed=body, then="continue" if words else "pass"
+        ),
+        encoding="utf-8",
+    )
+    return f"{shlex.quote(sys.executable)} {shlex.quote(str(path))}"
+
+
+def meet(command: str) -> str:
+    """Ask a peer for what it is and for three steps; return what it came to."""
+    subject = None
+    told = "answered"
+    oscillator = problem("harmonic-oscillator")
+    try:
+        import numpy as np
+
+        subject = Subject(pipe.PipeAdapter(command))
+        for _ in range(3):
+            try:
+                subject.step("euler", oscillator, 0.0, np.array([[1.0, 0.0]]), 0.125)
+            except (AdapterError, NotOffered) as error:
+                told = str(error) if told == "answered" else told
+    except UsageError as error:
+        told = str(error)
+    finally:
+        if subject is not None:
+            subject.close()
+    return told
+
+
+def alive(pid: int) -> bool:
+    try:
+        status = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+    except OSError:
+        return False
+    return status not in "ZX"
+
+
+def attack(deed: str, chance: random.Random) -> tuple[str, str]:
+    """Meet one peer; return what it came to, and what must not have happened or ``""``."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        command = peer(chance, folder, deed)
+        begun = time.monotonic()
+        try:
+            told = meet(command)
+        except GlmrefError as error:
+            told = str(error)
+        except Exception as error:
+            return "", f"{type(error).__name__}: {error}"
+        elapsed = time.monotonic() - begun
+        pids = [int(x) for x in (folder / "pids").read_text().split()]
+        words = DEEDS[deed][1]
+        if elapsed > LIMIT:
+            return told, f"it took {elapsed:.1f} s of {LIMIT:.1f}"
+        for _ in range(100):  # the end of a process that was killed takes its time
+            if not any(map(alive, pids)):
+                break
+            time.sleep(0.01)
+        if left := [pid for pid in pids if alive(pid)]:
+            return told, f"{len(left)} processes are left"
+        if len(told) > 1000:
+            return told, f"the sentence has {len(told)} characters"
+        if (not words) != (told == "answered"):
+            return told, f"it came to {told[:200]!r}"
+        if words and not any(word in told for word in words):
+            return told, f"none of {words} stands in {told[:200]!r}"
+    return told, ""
+
+
+def run(count: int, seed: int) -> tuple[Counter[str], list[str]]:
+    """Meet so many peers; return how many of each kind there were, and the violations."""
+    chance = random.Random(seed)
+    counts: Counter[str] = Counter()
+    violations: list[str] = []
+    names = list(DEEDS)
+    chance.shuffle(names)
+    limits: dict[str, Any] = {"PATIENCE": PATIENCE, "LONGEST": LONGEST, "MAX_LINE": MAX_LINE}
+    with patch.multiple(pipe, **limits):
+        for k in range(count):
+            deed = names[k % len(names)]  # every kind before one comes again
+            told, wrong = attack(deed, random.Random(f"{seed} {k}"))
+            counts[deed] += 1
+            if wrong:
+                violations.append(f"case {k}, {deed}: {wrong}")
+    return counts, violations
+
+
+def main(count: int = COUNT, seed: int = 1) -> int:
+    begun = time.monotonic()
+    sys.stderr = open(os.devnull, "w")  # noqa: SIM115  # peers flood it
+    counts, violations = run(count, seed)
+    for deed, number in sorted(counts.items()):
+        print(f"{number:5}  {deed}")
+    print(f"{count} peers, seed {seed}, {time.monotonic() - begun:.0f} s")
+    print(f"{len(violations)} violations")
+    for violation in violations:
+        print(f"  {violation}")
+    return 1 if violations else 0

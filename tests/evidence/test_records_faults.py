@@ -1,0 +1,288 @@
+"""Runs that are killed, doubled, short of disk: the records are those of an undisturbed run."""
+
+from __future__ import annotations
+
+import os
+import random
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+
+from tests.evidence.faulty_runs import TASKS, Runs, sentence
+
+resource = pytest.importorskip("resource", reason="limits of POSIX")
+SEED = 20260
+
+pytestmark = pytest.mark.skipif(os.name != "posix", reason="uses signals and limits of POSIX")
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory: pytest.TempPathFactory) -> Runs:
+    return Runs(tmp_path_factory.mktemp("faults"))
+
+
+def kill_at_random(runs: Runs, count: int, seed: int) -> int:
+    """Kill so many runs at random instants and end each by a second run; how many were hit."""
+    chance = random.Random(seed)
+    begun = time.monotonic()
+    runs.run(f"timed-{seed}")
+    whole = time.monotonic() - begun
+    hit = 0
+    for k in range(count):
+        name = f"killed-{seed}-{k}"
+        process = runs.start(name)
+        # most of the time goes into imports: three quarters of the kills come after them
+        delay = chance.uniform(0.0, 1.0) if k % 4 == 3 else chance.uniform(0.4, 1.05)
+        time.sleep(delay * whole)
+        process.kill()
+        process.communicate()
+        hit += process.returncode == -signal.SIGKILL
+        done = runs.run(name)
+        assert done.returncode == 0, done.stderr
+        runs.check(name)
+    return hit
+
+
+def test_four_runs_killed_at_random_instants(runs: Runs) -> None:
+    assert kill_at_random(runs, 4, SEED) > 0
+
+
+@pytest.mark.slow
+def test_thirty_runs_killed_at_random_instants(runs: Runs) -> None:
+    assert kill_at_random(runs, 30, SEED + 1) > 15
+
+
+def run_pairs(runs: Runs, count: int) -> int:
+    """Run pairs at once; how many times the second was refused."""
+    refused = 0
+    for k in range(count):
+        name = f"pair-{count}-{k}"
+        both = [runs.start(name) for _ in range(2)]
+        ended = [(*process.communicate(timeout=120), process.returncode) for process in both]
+        codes = sorted(code for _, _, code in ended)
+        assert codes in ([0, 0], [0, 2]), ended
+        for _, err, code in ended:
+            if code == 2:
+                refused += 1
+                # the first may have given its name back before the second reads it
+                assert err.count("\n") == 1 and " is in use by " in err, err
+                if "another process" not in err:
+                    assert any(f"process {process.pid} since" in err for process in both)
+        runs.check(name)
+    return refused
+
+
+def test_two_runs_at_once_measure_every_task_once(runs: Runs) -> None:
+    assert run_pairs(runs, 2) > 0
+
+
+@pytest.mark.slow
+def test_ten_pairs_of_runs_at_once(runs: Runs) -> None:
+    assert run_pairs(runs, 10) > 5
+
+
+def limited(size: int) -> None:
+    """Let no file grow beyond a size: what a full disk or a quota does, without either."""
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+
+
+def fill_disk(runs: Runs, places: int, seed: int) -> None:
+    chance = random.Random(seed)
+    whole = runs.path("undisturbed").stat().st_size
+    for k in range(places):
+        name = f"full-{places}-{k}"
+        size = chance.randrange(whole * k // places, whole * (k + 1) // places)
+        done = runs.run(name, preexec_fn=lambda size=size: limited(size))
+        assert done.returncode == 2, (size, done.stdout, done.stderr)
+        assert "cannot be written (File too large)" in sentence(done)
+        kept = runs.path(name).read_bytes()
+        assert kept == b"" or kept.endswith(b"\n")  # nothing is torn
+        before = kept.count(b"\n")
+        done = runs.run(name, "--format", "json")
+        assert done.returncode == 0 and f'"resumed": {before},' in done.stdout
+        assert runs.path(name).read_bytes().startswith(kept)  # nothing was measured again
+        runs.check(name)
+
+
+def test_a_disk_that_is_full_costs_no_record(runs: Runs) -> None:
+    fill_disk(runs, 2, SEED)
+
+
+@pytest.mark.slow
+def test_a_disk_that_is_full_at_ten_places(runs: Runs) -> None:
+    fill_disk(runs, 10, SEED + 1)
+
+
+def test_a_full_disk_costs_the_cache_of_kernels_and_no_run(runs: Runs) -> None:
+    cold = runs.environment(GLMREF_CACHE=str(runs.folder / "kernels"))
+    whole = runs.path("undisturbed").stat().st_size
+    done = runs.run("cold", env=cold, preexec_fn=lambda: limited(whole // 3))
+    assert done.returncode == 2 and "record of a task cannot be written" in sentence(done)
+    assert not list((runs.folder / "kernels").glob("*.tmp"))
+    assert runs.run("cold", env=cold).returncode == 0
+    runs.check("cold")
+
+
+@pytest.mark.parametrize(
+    "number",
+    [signal.SIGINT, signal.SIGTERM, pytest.param(signal.SIGHUP, marks=pytest.mark.slow)],
+)
+def test_a_signal_ends_a_run_within_a_second(runs: Runs, number: signal.Signals) -> None:
+    name = f"signal-{number.name}"
+    process = runs.start(name)
+    deadline = time.monotonic() + 60
+    while not (runs.path(name).exists() and runs.path(name).stat().st_size):
+        assert process.poll() is None and time.monotonic() < deadline
+        time.sleep(0.005)
+    process.send_signal(number)
+    begun = time.monotonic()
+    out, err = process.communicate(timeout=60)
+    assert time.monotonic() - begun < 2.0  # 1 s, and a second for a machine that is busy
+    word = "interrupted" if number == signal.SIGINT else f"ended by {number.name}"
+    assert (process.returncode, out, err) == (128 + number, "", f"glmref: {word}\n")
+    assert runs.run(name).returncode == 0
+    runs.check(name)
+
+
+def test_a_gigabyte_of_address_space_is_enough_or_said_to_be_too_little(runs: Runs) -> None:
+    def limit(size: int) -> None:
+        resource.setrlimit(resource.RLIMIT_AS, (size, size))
+
+    for megabytes in (1024, 300):
+        name = f"memory-{megabytes}"
+        done = runs.run(name, preexec_fn=lambda size=megabytes << 20: limit(size))
+        assert done.returncode in (0, 2), (done.stdout, done.stderr)
+        assert "Traceback" not in done.stderr
+        if done.returncode:
+            assert "run the same command again" in sentence(done) or "memory" in sentence(done)
+        assert runs.run(name).returncode == 0  # with enough memory nothing is missing
+        runs.check(name)
+
+
+def test_a_reader_that_goes_away_ends_a_run_quietly(runs: Runs) -> None:
+    command = " ".join(f"'{part}'" for part in runs.command("head"))
+    done = subprocess.run(
+        ["sh", "-c", f"{{ {command}; echo $? >&2; }} | head -n 1"],
+        env=runs.environment(), capture_output=True, text=True, timeout=120, check=False,
+    )  # fmt: skip
+    assert done.stderr.strip() in ("0", "141")
+    assert done.stdout == "A tiny scene\n"
+    runs.check("head")
+
+
+@pytest.mark.parametrize(
+    "surroundings",
+    [
+        pytest.param(
+            {
+                "HOME": None,
+                "XDG_CACHE_HOME": None,
+                "GLMREF_CACHE": None,
+                "LC_ALL": "C",
+                "PYTHONUTF8": "0",
+                "PYTHONIOENCODING": "ascii",
+                "TZ": "XXX-23:59:59",
+            },
+            id="no home, ASCII, another clock",
+        ),
+        pytest.param({"HOME": "/proc/nothing", "GLMREF_CACHE": None}, id="a home that is not"),
+        pytest.param({"GLMREF_CACHE": "/proc/nothing"}, id="a cache that cannot be written"),
+    ],
+)
+def test_poor_surroundings_do_no_harm(runs: Runs, surroundings: dict[str, str | None]) -> None:
+    name = "poor-" + "-".join(sorted(surroundings)).lower()
+    given = runs.environment()
+    for key, value in surroundings.items():
+        given.pop(key, None)
+        if value is not None:
+            given[key] = value
+    done = runs.run(name, env=given)
+    assert (done.returncode, done.stderr) == (0, "")
+    runs.check(name)
+
+
+@pytest.mark.parametrize("closed", [">&-", "<&- >&- 2>&-"])
+def test_closed_streams_do_not_reach_the_records(runs: Runs, closed: str) -> None:
+    name = f"closed-{len(closed)}-{ord(closed[0])}"
+    command = " ".join(f"'{part}'" for part in runs.command(name))
+    done = subprocess.run(
+        ["sh", "-c", f"{command} {closed}"],
+        env=runs.environment(), capture_output=True, timeout=120, check=False,
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, b"")
+    runs.check(name)
+
+
+def test_a_clock_that_jumps_changes_no_record(runs: Runs) -> None:
+    # time.time goes back by an hour at each call; durations must not be taken from it
+    (runs.folder / "sitecustomize.py").write_text(
+        "import itertools, time\n"
+        "_left = itertools.count(4e9, -3600)\n"
+        "time.time = lambda: next(_left)\n",
+        encoding="utf-8",
+    )
+    given = runs.environment()
+    given["PYTHONPATH"] = f"{runs.folder}{os.pathsep}{given['PYTHONPATH']}"
+    try:
+        done = runs.run("clock", env=given)
+    finally:
+        (runs.folder / "sitecustomize.py").unlink()
+    assert (done.returncode, done.stderr) == (0, "")
+    runs.check("clock")
+
+
+def test_damage_of_every_kind_costs_the_lines_it_hit(runs: Runs) -> None:
+    whole = runs.path("undisturbed").read_bytes()
+    lines = whole.splitlines(keepends=True)
+    bit = bytearray(lines[1])
+    place = bit.find(b'"outcome":"completed"') + 14
+    bit[place] ^= 1
+    damaged = [
+        lines[0],
+        bytes(bit),  # a bit that flipped
+        lines[2],
+        lines[2],  # a record that is there twice
+        b"not a record\n",
+        b'{"format": "of another program"}\n',
+        lines[3].rstrip(b"\n") + lines[4],  # a line end that was lost
+        b"\xff\xfe\x00\n",
+        *lines[5:11],
+        lines[11][:100],  # a writer that was killed
+    ]
+    folder = runs.folder / "damaged"
+    folder.mkdir()
+    (folder / "tiny.jsonl").write_bytes(b"".join(damaged))
+    done = runs.run("damaged", "--format", "json")
+    assert done.returncode == 0
+    assert '"measured": 2,' in done.stdout and f'"resumed": {TASKS - 2},' in done.stdout
+    notes = done.stderr.splitlines()
+    assert len(notes) == 3 and all(note.startswith("note: tiny.jsonl: ") for note in notes)
+    assert "line 2 is damaged: its checksum does not agree with its content" in done.stderr
+    assert "repeat a task, the first at line 4" in done.stderr
+    assert "was not written to its end" in done.stderr
+    aside = (folder / "tiny.jsonl.aside").read_bytes()
+    for piece in (bytes(bit), b"not a record\n", lines[2]):
+        assert piece in aside  # nothing is thrown away
+    (folder / "tiny.jsonl.aside").unlink()
+    # the records that were lost stand at the end
+    found = sorted(map(str, runs.records("damaged")))
+    assert found == sorted(map(str, runs.right))
+    again = runs.run("damaged")
+    assert (again.returncode, again.stderr) == (0, "")
+
+
+def test_a_lock_left_by_a_crash_does_not_stop_the_next_run(runs: Runs) -> None:
+    folder = runs.folder / "stale"
+    folder.mkdir()
+    # a process that is gone, and one that lives and has got the number of another one
+    for pid in (2**22 + 1, os.getpid()):
+        lock = folder / ".tiny.jsonl.lock"
+        lock.write_text(f'{{"host": "x", "pid": {pid}, "started": "long ago"}}\n')
+        done = runs.run("stale")
+        assert (done.returncode, done.stderr) == (0, "")
+    lock.unlink(missing_ok=True)
+    runs.check("stale")
+    assert Path(folder / "tiny.jsonl").exists()

@@ -1,0 +1,49 @@
+"""Some hostile peers of ``python -m tests.attack pipes``; hundreds of them are its own business."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.attack import pipes
+
+ROOT = Path(__file__).resolve().parents[2]
+
+pytestmark = pytest.mark.skipif(
+    not Path("/proc/self/stat").exists(), reason="looks for processes in /proc"
+)
+
+
+def attack(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "tests.attack", *arguments],
+        cwd=ROOT, env={**os.environ, "PYTHONPATH": str(ROOT)}, capture_output=True, text=True,
+        timeout=600, check=False,
+    )  # fmt: skip
+
+
+def test_fifteen_hostile_peers_end_with_a_sentence() -> None:
+    done = attack("pipes", "--count", "15", "--seed", "7")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "15 peers, seed 7" in done.stdout and "0 violations" in done.stdout
+
+
+@pytest.mark.slow
+def test_every_hostile_peer_ends_with_a_sentence() -> None:
+    done = attack("pipes", "--count", str(2 * len(pipes.DEEDS)), "--seed", "11")
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_the_attack_sees_a_process_that_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    # without its own group a child that a peer leaves behind runs on: the attack must say so
+    monkeypatch.setattr("os.killpg", lambda group, number: None)
+    monkeypatch.setitem(
+        pipes.DEEDS, "leaves a child",
+        ("spawn('import time; time.sleep(3)'); os._exit(0)", ("ended without",)),
+    )  # fmt: skip
+    told, wrong = pipes.attack("leaves a child", pipes.random.Random(1))
+    assert "ended without an answer" in told and wrong == "1 processes are left"

@@ -1,0 +1,223 @@
+"""Named pipes, devices and folders as inputs and outputs: one sentence, at once, and never a hang."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from glmref.cli import main
+from glmref.conformance.known import read_known_failures
+from glmref.errors import DataError, UsageError
+from glmref.report import read
+from glmref.system.files import Lock, read_bytes, started, write_bytes
+
+pytestmark = pytest.mark.skipif(os.name != "posix", reason="uses named pipes and devices")
+
+
+@pytest.fixture(autouse=True)
+def limit() -> Iterator[None]:
+    """Nothing here may wait for a writer or read a device to its end."""
+
+    def hang(number: int, frame: object) -> None:
+        raise TimeoutError("it hangs")
+
+    before = signal.signal(signal.SIGALRM, hang)
+    signal.alarm(60)
+    yield
+    signal.alarm(0)
+    signal.signal(signal.SIGALRM, before)
+
+
+@pytest.fixture(params=["pipe", "device", "folder"])
+def odd(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
+    """Something that is no regular file, under a name that every reader takes."""
+    path = tmp_path / "odd.json"
+    if request.param == "pipe":
+        os.mkfifo(path)
+    elif request.param == "folder":
+        path.mkdir()
+    else:
+        path.symlink_to("/dev/zero")
+    return path
+
+
+def test_no_command_reads_what_is_no_file(
+    odd: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(odd.parent)
+    odd.rename("odd.toml")
+    for command in ("verify", "show", "run", "derive"):
+        assert main([command, "odd.toml"]) == 2
+        captured = capsys.readouterr()
+        assert captured.out == "" and captured.err.count("\n") == 1 and "odd.toml" in captured.err
+
+
+def test_a_report_passes_over_what_is_no_file(odd: Path, tmp_path: Path) -> None:
+    if odd.is_dir():
+        pytest.skip("a folder is searched")
+    odd.rename(tmp_path / "odd.jsonl")
+    (entry,) = read([tmp_path]).odd
+    assert entry.where == "odd.jsonl" and "a regular file is needed" in entry.why
+
+
+def test_known_failures_are_a_file(odd: Path) -> None:
+    with pytest.raises(UsageError, match="cannot be read"):
+        read_known_failures(odd, ["x"])
+
+
+def test_a_record_file_is_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    os.mkfifo(tmp_path / "oscillator-quick.jsonl")
+    assert main(["run", "oscillator", "--quick", "--output", str(tmp_path)]) == 2
+    assert "it is a named pipe, and a regular file is needed" in capsys.readouterr().err
+
+
+def test_a_file_that_grows_while_it_is_read_is_bounded(tmp_path: Path) -> None:
+    path = tmp_path / "x"
+    path.write_bytes(b"x" * 1000)
+    assert len(read_bytes(path, 1000)) == 1000
+    with pytest.raises(DataError, match="has 1000 bytes and at most 999 are read"):
+        read_bytes(path, 999)
+    if Path("/proc/kallsyms").exists():  # its size is said to be 0
+        with pytest.raises(DataError, match="larger than 100 bytes"):
+            read_bytes(Path("/proc/self/maps"), 100)
+
+
+# --- outputs --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("place", "words"),
+    [
+        ("file", "file"),
+        ("file/below", "is a file"),
+        ("file/below/it", "is a file"),
+        ("/proc/nothing/x", "cannot be made"),
+        ("/dev/null/x", "is a device"),
+        ("n" * 300, "File name too long"),
+    ],
+)
+@pytest.mark.parametrize("command", ["run", "derive", "report", "report --single-file"])
+def test_an_output_that_cannot_be_is_named(
+    command: str, place: str, words: str, tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    (tmp_path / "file").write_text("kept", encoding="utf-8")
+    (tmp_path / "in").mkdir()
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("glmref.cli.reporting.PLACES", (Path("in"),))
+    # a page of each method would take seconds, and none is to be written
+    monkeypatch.setattr(sys.modules["glmref.report.build"], "pages_of", lambda *arguments: [])
+    monkeypatch.setattr("glmref.report.markup.Site.document", lambda *arguments: "new")
+    arguments = {
+        "run": ["run", "oscillator", "--quick"],
+        "derive": ["derive", "two-stage"],
+        "report": ["report"],
+        "report --single-file": ["report", "--single-file"],
+    }[command]
+    if command == "report --single-file" and place == "file":
+        pytest.skip("a file is what it asks for")
+    code = main([*arguments, "--output", place])
+    captured = capsys.readouterr()
+    assert code == 2, captured
+    assert captured.err.count("\n") == 1 and words in captured.err
+    named = place.rpartition("/")[0] or place  # a file's folder, or the place itself
+    assert named[:40] in captured.err and "Traceback" not in captured.err
+    assert (tmp_path / "file").read_text(encoding="utf-8") == "kept"
+
+
+@pytest.mark.parametrize("kind", ["pipe", "device"])
+def test_no_device_is_replaced_by_a_file(tmp_path: Path, kind: str) -> None:
+    path = tmp_path / "x"
+    if kind == "pipe":
+        os.mkfifo(path)
+    else:
+        path.symlink_to("/dev/null")
+    with pytest.raises(UsageError, match="name a regular file to write"):
+        write_bytes(path, b"x")
+    assert not Path("/dev/null").is_file()
+
+
+def test_a_file_is_replaced_in_one_piece_or_not_at_all(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "x"
+    path.write_bytes(b"old")
+    path.chmod(0o640)
+    link = tmp_path / "link"
+    link.symlink_to(path)
+
+    def full(*arguments: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "fsync", full)
+        with pytest.raises(UsageError, match=r"cannot be written \(No space left on device\)"):
+            write_bytes(path, b"new")
+    assert path.read_bytes() == b"old"
+    write_bytes(link, b"new")
+    assert link.is_symlink() and path.read_bytes() == b"new"
+    assert path.stat().st_mode & 0o777 == 0o640
+    assert sorted(x.name for x in tmp_path.iterdir()) == ["link", "x"]
+
+
+# --- locks ----------------------------------------------------------------------------------------
+
+HOLD = """
+import sys, time
+from pathlib import Path
+from glmref.system.files import Lock
+with Lock(Path(sys.argv[1]), "it"):
+    print("held", flush=True)
+    sys.stdin.read()
+"""
+
+
+def test_a_lock_says_who_holds_it_and_ends_with_its_holder(tmp_path: Path) -> None:
+    path = tmp_path / "lock"
+    root = Path(__file__).resolve().parents[2]
+    for end in ("kill", "close"):
+        holder = subprocess.Popen(
+            [sys.executable, "-c", HOLD, str(path)], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+            env={**os.environ, "PYTHONPATH": str(root)},
+        )  # fmt: skip
+        assert holder.stdin is not None and holder.stdout is not None
+        assert holder.stdout.readline() == b"held\n"
+        with pytest.raises(UsageError, match=rf"it is in use by process {holder.pid} since 20"):
+            Lock(path, "it").acquire()
+        if end == "kill":
+            holder.kill()
+        holder.stdin.close()
+        holder.wait()
+        holder.stdout.close()
+        with Lock(path, "it") as lock:
+            assert lock.owner()["pid"] == os.getpid()
+        assert not path.exists()
+
+
+def test_without_locks_of_the_system_the_file_is_the_lock(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("glmref.system.files.fcntl", None)
+    path = tmp_path / "lock"
+    with Lock(path, "it"):
+        with pytest.raises(UsageError, match=f"process {os.getpid()} since .*delete"):
+            Lock(path, "it").acquire()
+        assert path.exists()
+    assert not path.exists()
+    Lock(path, "it").acquire()  # left by a crash
+    with pytest.raises(UsageError, match="if that process is gone, delete"):
+        Lock(path, "it").acquire()
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads /proc")
+def test_a_process_is_known_by_when_it_began() -> None:
+    mine = started(os.getpid())
+    time.sleep(0.02)
+    assert mine and mine == started(os.getpid()) and started(2**22 + 1) is None

@@ -1,0 +1,261 @@
+"""Names, titles, notes and citations of others: escaped or refused by everything that writes them."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import pytest
+
+from glmref.catalogue.lookup import document
+from glmref.cli import main
+from glmref.errors import DataError
+from glmref.findings import Finding, Verdict
+from glmref.report import build, read
+from glmref.views import chart, plane
+from glmref.views.bibtex import source_entry
+from glmref.views.tables import csv_text, findings_csv, findings_junit
+
+#: Markup of every kind, an escape of terminals, a mark that turns a line round, what XML lacks.
+HOSTILE = (
+    "</title></script><script>alert(1)</script><img src=x onerror=alert(1)>\"'"
+    "]]>\x1b]0;title\x07\x1b[2J\u202e\x00\x85\ud800&amp;{}\\input{x}%"
+)
+CONTROLS = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
+
+
+class Seen(HTMLParser):
+    """Elements and attributes of a page."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[str] = []
+        self.attributes: set[str] = set()
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        self.attributes |= {name for name, _ in attrs}
+
+
+# --- pictures -------------------------------------------------------------------------------------
+
+
+def drawn(text: str) -> None:
+    """Assert that a drawing is XML with shapes and texts only."""
+    root = ElementTree.fromstring(text)
+    tags = {str(node.tag).rpartition("}")[2] for node in root.iter()}
+    assert tags <= set("svg title desc g path rect circle line polyline polygon text tspan".split())
+    assert not any(key.startswith("on") for node in root.iter() for key in node.attrib)
+    text.encode("utf-8")
+
+
+def test_texts_in_a_chart_are_no_markup() -> None:
+    series = [chart.Series(HOSTILE, ((1.0, 1.0), (2.0, 0.5)), (HOSTILE, HOSTILE))]
+    drawn(chart.svg(series, title=HOSTILE, x_label=HOSTILE, y_label=HOSTILE))
+    drawn(chart.svg([chart.Series(HOSTILE, ())], title=HOSTILE, x_label="x", y_label="y"))
+
+
+def test_texts_in_figures_of_matplotlib_are_no_formulas(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    text = HOSTILE + "$x^{$ costs 5$"
+    series = [chart.Series(text, ((1.0, 1.0), (2.0, 0.5)))]
+    words = {"title": text, "x_label": text, "y_label": text}
+    assert chart.write_figures(tmp_path / "a.png", series, **words) is None
+    cloud = plane.Cloud(text, ((0.0, 0.0), (1.0, 1.0)), ended=text)
+    assert plane.write_figures(tmp_path / "b.png", [cloud], **words) is None
+    assert {path.name for path in tmp_path.iterdir()} == {"a.png", "a.pdf", "b.png", "b.pdf"}
+
+
+def test_texts_in_orbits_are_no_markup() -> None:
+    cloud = plane.Cloud(HOSTILE, ((0.0, 0.0), (1.0, 1.0)), ended=HOSTILE)
+    drawn(plane.svg([cloud], title=HOSTILE, x_label=HOSTILE, y_label=HOSTILE))
+
+
+# --- pages ----------------------------------------------------------------------------------------
+
+
+def hostile_record(n: int) -> dict[str, Any]:
+    return {
+        "format": "glmref-record-1",
+        "key": f"{n}{HOSTILE}",
+        "task": {
+            "kind": "method", "method": HOSTILE, "h": HOSTILE, "problem": HOSTILE, "ask": [HOSTILE],
+            "parameters": {HOSTILE: HOSTILE}, "t_end": HOSTILE, "start": HOSTILE,
+        },
+        "outcome": HOSTILE, "message": HOSTILE, "steps": HOSTILE, "state_error": HOSTILE,
+        "kernel": HOSTILE, "notices": [HOSTILE], "lost": HOSTILE, "reason": HOSTILE,
+        "series": [[HOSTILE, HOSTILE]], "drifts": [{"kind": HOSTILE, "largest": HOSTILE}],
+        "orbit": {"axes": [HOSTILE, HOSTILE], "paths": [[[HOSTILE] * 3]], "ended": HOSTILE},
+        "law": {"quantity": HOSTILE, "law": HOSTILE}, "where": {HOSTILE: HOSTILE},
+        "reference": HOSTILE, "seconds": {"median": HOSTILE},
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("single", [False, True])
+def test_texts_in_a_report_are_no_markup(tmp_path: Path, single: bool) -> None:
+    source = tmp_path / "in"
+    source.mkdir()
+    name = "a <script>'&\" b"
+    lines = "".join(json.dumps(hostile_record(n)) + "\n" for n in range(3))
+    (source / f"{name}.jsonl").write_text(lines, encoding="utf-8")
+    finding = {"method": "rk4", "claim": HOSTILE, "verdict": HOSTILE, "witness": HOSTILE,
+               "declared": HOSTILE, "value": HOSTILE, "proof": HOSTILE, "residual": HOSTILE}  # fmt: skip
+    documents = {
+        "findings": {"format": "glmref-findings-1", "findings": [finding]},
+        "<b>x": {"format": "glmref-measurement-1", "title": HOSTILE, "rows": [{HOSTILE: HOSTILE}]},
+        "odd": {"format": HOSTILE},
+    }
+    for stem, content in documents.items():
+        (source / f"{stem}.json").write_text(json.dumps(content), encoding="utf-8")
+    found = read([source], ["rk4"])
+    for path in build(
+        found, tmp_path / ("x.html" if single else "site"), single=single, methods=["rk4"]
+    ):
+        seen = Seen(path.read_text(encoding="utf-8"))
+        assert seen.tags.count("script") == 1 and seen.tags.count("style") == 1
+        assert not {"img", "iframe", "object", "embed", "form", "base"} & set(seen.tags)
+        assert not [key for key in seen.attributes if key.startswith("on")]
+
+
+# --- terminals ------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def hostile_method(tmp_path: Path) -> Path:
+    """A method file with hostile texts wherever a text is free."""
+    text = HOSTILE.replace("\ud800", "")
+    doc = {**document("rk4"), "name": "mine", "title": text, "notes": [text]}
+    doc["source"] = {"citation": text, "where": text, "status": "derived", "doi": text}
+    path = tmp_path / "mine.json"
+    path.write_text(json.dumps(doc), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["show"], ["cite"], ["analyze"], ["verify"], ["verify", "--format", "csv"],
+        ["verify", "--format", "json"], ["verify", "--format", "junit"],
+        ["analyze", "--format", "json"],
+    ],
+    ids=" ".join,
+)  # fmt: skip
+def test_a_terminal_gets_no_control_character_of_a_file(
+    hostile_method: Path, command: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([*command, str(hostile_method)]) in (0, 1, 2, 3)
+    captured = capsys.readouterr()
+    assert captured.out and not CONTROLS.search(captured.out + captured.err)
+
+
+def test_names_of_files_are_shown_without_control_characters(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    name = str(tmp_path / "a\x1b]0;x\x07\u202eb")
+    for command in (["run", f"{name}.toml"], ["verify", f"{name}.json"], ["report", name]):
+        assert main(command) == 2
+        captured = capsys.readouterr()
+        assert captured.err.count("\n") == 1 and not CONTROLS.search(captured.err)
+
+
+SCENE = """\
+format = "glmref-scene-1"
+name = "tiny"
+title = {text}
+question = {text}
+methods = ["rk4"]
+steps = [20]
+t_end = 1
+ask = ["state", "picture"]
+
+[problem]
+name = "harmonic-oscillator"
+
+[answer]
+kind = "ended"
+"""
+
+
+def test_texts_of_a_scene_reach_no_terminal_and_no_picture(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "tiny.toml"
+    text = json.dumps(HOSTILE.replace("\ud800", ""))
+    path.write_text(SCENE.replace("{text}", text), encoding="utf-8")
+    assert main(["run", str(path), "--output", str(tmp_path / "out")]) == 0
+    captured = capsys.readouterr()
+    assert not CONTROLS.search(captured.out + captured.err)
+    for picture in (tmp_path / "out").glob("*.svg"):
+        drawn(picture.read_text(encoding="utf-8"))
+
+
+# --- tables, JUnit and BibTeX ---------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["=1+1", "@SUM(A1)", "+cmd|' /C calc'!A0", "-2+3+cmd|' /C calc'!A0", "\t=1", "\r=1", "  =1",
+     "=HYPERLINK(\"http://x\",\"y\")", "-HYPERLINK(1)", "\uff1d1+1"],
+)  # fmt: skip
+def test_a_formula_in_a_table_becomes_a_text(text: str) -> None:
+    ((cell,),) = csv.reader(io.StringIO(csv_text([[text]])))
+    assert cell == f"'{text}".replace("\r", "\n")
+
+
+@pytest.mark.parametrize("text", ["-1/2", "-sqrt(3)/6", "-5e-16", "+2", "-inf", "-exp(2*pi*i/3)"])
+def test_a_number_in_a_table_stays_a_number(text: str) -> None:
+    ((cell,),) = csv.reader(io.StringIO(csv_text([[text]])))
+    assert cell == text
+
+
+def test_a_table_of_findings_has_no_formula() -> None:
+    finding = Finding("=1+1", "@x", "=2+2", Verdict.FAILS, "=3+3", witness="=4+4")
+    for row in csv.reader(io.StringIO(findings_csv([finding], head=False))):
+        assert not [cell for cell in row if cell.startswith(("=", "@"))]
+
+
+def test_junit_is_xml_whatever_a_file_says() -> None:
+    finding = Finding(HOSTILE, HOSTILE, HOSTILE, Verdict.FAILS, HOSTILE, witness=HOSTILE)
+    root = ElementTree.fromstring(findings_junit([finding], [(HOSTILE, HOSTILE)]))
+    assert {node.tag for node in root.iter()} == {
+        "testsuites", "testsuite", "testcase", "failure", "error", "system-out"
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("entry", "why"),
+    [
+        ("@article{a, title = {x}}\n@preamble{\"\\write18{id}\"}", "goes on after the end"),
+        ('@preamble{"\\relax", x}', "must be one entry"),
+        ("@string{a, x = 1}", "must be one entry"),
+        ("no entry", "must be one entry"),
+        ("@article{a, title = {\\immediate\\write18{id}}}", "the TeX command '\\\\immediate'"),
+        ("@article{a, title = {\\input{/etc/passwd}}}", "the TeX command '\\\\input'"),
+        ("@article{a, title = {^^5cinput x}}", "the TeX command '^^'"),
+        ("@article{a, title = {x}", "not balanced"),
+        ("@article{a, title = {\x1b[2J}}", "control character"),
+    ],
+)  # fmt: skip
+def test_an_entry_that_is_more_than_an_entry_is_refused(entry: str, why: str) -> None:
+    method = {**document("rk4"), "source": {**document("rk4")["source"], "bibtex": entry}}
+    with pytest.raises(DataError) as caught:
+        source_entry(method)
+    assert why in str(caught.value) and str(caught.value).startswith("rk4: `source.bibtex` ")
+
+
+def test_an_entry_made_of_a_citation_is_one_entry() -> None:
+    source = {"citation": HOSTILE, "where": HOSTILE, "status": "derived", "doi": HOSTILE}
+    entry = source_entry({"name": "mine", "source": source})
+    assert not CONTROLS.search(entry) and "\\input" not in entry
+    depth = 0
+    for brace in re.findall(r"(?<!\\)[{}]", entry):
+        depth += 1 if brace == "{" else -1
+        assert depth >= 0
+    assert depth == 0 and entry.count("@misc") == 1
