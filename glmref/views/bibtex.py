@@ -56,8 +56,8 @@ def source_entry(method: Mapping[str, Any]) -> str:
 
     Raises
     ------
-        DataError: for a bare tableau, which names no source; where the file's entry is not one entry
-            of BibTeX, or holds what TeX would carry out beyond setting a text.
+        DataError: for a bare tableau, which names no source; for an entry that is not one entry of
+            BibTeX, or that holds what TeX would carry out beyond setting a text.
     """
     source = method.get("source", {})
     if not source:
