@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from .catalogue.lookup import load, names
     from .engine.solve import Solution, solve
     from .errors import DataError, ExactnessError, GlmrefError, UsageError
+    from .exchange.export import export
     from .findings import Finding, Proof, Verdict
     from .method import (
         GLM,
@@ -30,6 +31,7 @@ _HOMES = {
     "catalogue.lookup": ("load", "names"),
     "engine.solve": ("Solution", "solve"),
     "errors": ("DataError", "ExactnessError", "GlmrefError", "UsageError"),
+    "exchange.export": ("export",),
     "findings": ("Finding", "Proof", "Verdict"),
     "method": (
         "GLM",
@@ -62,6 +64,7 @@ __all__ = [
     "Verdict",
     "__version__",
     "analyze",
+    "export",
     "load",
     "names",
     "problem",

@@ -21,6 +21,7 @@ from .browsing import cite, list_, show
 from .checking import verify
 from .deriving import derive
 from .describing import analyze, errata
+from .exchanging import export, import_
 from .output import BAD_INPUT, INTERNAL, complain, confess
 from .probing import probe
 from .reporting import report
@@ -40,7 +41,10 @@ def group() -> None:
     """General linear methods, checked exactly."""
 
 
-for command in (verify, analyze, list_, show, cite, errata, derive, run, probe, bench, report):
+for command in (
+    *(verify, analyze, list_, show, cite, errata, derive, run, probe, bench, report),
+    *(export, import_),
+):
     group.add_command(command)
 
 

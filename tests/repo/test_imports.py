@@ -26,7 +26,7 @@ LAYERS = [
     "prove verification derive",
     "problems engine",
     "measure views",
-    "scenes conformance",
+    "scenes conformance exchange",
     "report cli",
     "__main__ __init__",
 ]
@@ -37,7 +37,7 @@ HEIGHT = {
 }
 
 #: Rooms that ask the package for its version, the one import that points up.
-VERSION = {"views", "scenes", "report", "cli"}
+VERSION = {"views", "scenes", "exchange", "report", "cli"}
 
 #: Packages that are not part of Python, and the rooms that import them.
 OUTSIDE: dict[str, str] = {

@@ -1,0 +1,83 @@
+"""``glmref export`` and ``glmref import``: methods as files of other people, and back."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ..errors import UsageError
+from .output import HOLDS, say
+
+__all__ = ["export", "import_"]
+
+#: Repeated from :data:`glmref.exchange.export.TARGETS` and :data:`glmref.exchange.reading.FORMATS`,
+#: so that ``--help`` loads neither; a test compares them.
+TARGETS = (
+    *("c", "c++", "fortran", "julia", "rust", "python", "jax"),
+    *("latex", "sundials", "petsc", "diffrax", "ordinarydiffeq", "rungekutta.jl", "json", "csv"),
+)
+READ = ("json", "csv", "sundials", "petsc", "diffrax", "ordinarydiffeq", "rungekutta.jl")
+
+_output = click.option(
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Write to this file instead of stdout.",
+)
+
+
+@click.command(short_help="A method as source code or as a table of another package.")
+@click.argument("name", metavar="NAME|FILE")
+@click.option("--to", "target", type=click.Choice(TARGETS), required=True, help="What to write.")
+@click.option(
+    "--digits",
+    type=click.IntRange(1, 150),
+    metavar="N",
+    help="Decimals with N digits; by default what the target holds best.",
+)
+@_output
+def export(name: str, target: str, digits: int | None, output: Path | None) -> int:
+    """Write a method as a stepper without dependencies, or in the syntax of another package.
+
+    The languages give functions start, step, finish and integrate; pairs and splittings take the
+    two halves of the right-hand side separately. A format that cannot hold the method says so.
+    """
+    from ..exchange.export import export as write
+
+    _write(write(name, to=target, digits=digits), output)
+    return HOLDS
+
+
+@click.command("import", short_help="A table of another package as a method file.")
+@click.argument("file", type=click.Path(path_type=Path), metavar="FILE")
+@click.option("--from", "form", type=click.Choice(READ), required=True, help="What the file is.")
+@_output
+def import_(file: Path, form: str, output: Path | None) -> int:
+    """Read a table of another package and write it as a method file.
+
+    The method file claims the order and the abscissae that the table states; `glmref verify` checks
+    them. Nothing in the table is executed.
+    """
+    from ..catalogue.canonical import canonical
+    from ..exchange.reading import read_table
+
+    try:
+        text = file.read_text(encoding="utf-8")
+    except UnicodeDecodeError:
+        raise UsageError(f"{file} is not UTF-8 text, which every table is") from None
+    except OSError as error:
+        raise UsageError(f"{file} cannot be read ({error.strerror})") from None
+    _write(canonical(read_table(text, form, name=file.stem, where=file.name)), output)
+    return HOLDS
+
+
+def _write(text: str, output: Path | None) -> None:
+    if output is None:
+        say(text.removesuffix("\n"))
+        return
+    try:
+        output.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise UsageError(f"{output} cannot be written ({error.strerror})") from None
+    say(f"wrote {output}")

@@ -1,0 +1,86 @@
+"""Coefficients as text: decimals of a chosen length, what rounding took, exact expressions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from fractions import Fraction
+
+from ..errors import UsageError
+from ..exact import Exact, Scalar
+from .scheme import CLOSE
+
+__all__ = ["MOST_DIGITS", "check_digits", "decimal_of", "lost", "rounded", "worst"]
+
+#: Digits that a published decimal of the catalogue and a ball of working precision still have.
+MOST_DIGITS = 150
+
+
+def check_digits(digits: int | None) -> None:
+    """Refuse a number of digits that no coefficient is written with.
+
+    Raises
+    ------
+        UsageError: when it is not a whole number from 1 to :data:`MOST_DIGITS`.
+    """
+    whole = isinstance(digits, int) and not isinstance(digits, bool)
+    if digits is not None and not (whole and 1 <= digits <= MOST_DIGITS):
+        raise UsageError(f"`digits` must be a whole number from 1 to {MOST_DIGITS}, got {digits!r}")
+
+
+def is_zero(x: Scalar) -> bool:
+    """Whether a coefficient is zero, or as close to it as counts as zero."""
+    return x.is_zero() is True or x.magnitude() < CLOSE
+
+
+def decimal_of(x: Scalar, digits: int) -> str:
+    """Round to so many significant digits; a whole number stays one.
+
+    Parameters
+    ----------
+        x: a real number.
+        digits: significant digits.
+
+    Returns
+    -------
+        A decimal such as ``-0.25``, or with an exponent such as ``1.5e-12``.
+    """
+    if is_zero(x):
+        return "0"
+    fraction = x.as_fraction() if isinstance(x, Exact) else None
+    if fraction is not None and fraction.denominator == 1 and len(str(abs(fraction))) <= digits:
+        return str(fraction)
+    from decimal import Context, Decimal
+
+    if fraction is not None:
+        value = Context(prec=digits).divide(
+            Decimal(fraction.numerator), Decimal(fraction.denominator)
+        )
+    else:
+        value = Decimal(x.ball().decimal_text(digits))
+    if not -6 <= value.adjusted() <= 20:
+        return f"{value:e}"
+    return f"{value:f}"
+
+
+def rounded(x: Scalar, digits: int | None) -> str:
+    """A coefficient of a source file in double precision.
+
+    Parameters
+    ----------
+        x: a real number.
+        digits: significant digits; ``None`` for the shortest decimal of the nearest double.
+    """
+    if is_zero(x):
+        return "0.0"
+    text = repr(float(x)) if digits is None else decimal_of(x, digits)
+    return text if "." in text or "e" in text else f"{text}.0"
+
+
+def lost(x: Scalar, text: str) -> float:
+    """What rounding took: the coefficient minus the double that a compiler makes of its text."""
+    return 0.0 if is_zero(x) else float(x - Fraction(float(text)))
+
+
+def worst(numbers: Iterable[Scalar], digits: int | None) -> float:
+    """The largest difference between a coefficient and the double that is written for it."""
+    return max((abs(lost(x, rounded(x, digits))) for x in numbers), default=0.0)

@@ -1,0 +1,584 @@
+"""Tables of other packages read back as method documents; nothing in a table is ever executed.
+
+Each reader finds the array literals of its format and the order that the table states. Entries are
+expressions of numbers, + - * /, parentheses and square roots, rewritten in the grammar of
+:mod:`glmref.exact.expression` and computed exactly. A decimal of up to :data:`SHORT` digits means
+what it says (0.25 is 1/4); a longer one is a rounded number, known to its last digit but one.
+"""
+
+from __future__ import annotations
+
+import ast
+import csv
+import io
+import json
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import Any
+
+from ..errors import DataError, ExactnessError
+from ..exact import Scalar
+from ..exact.expression import parse, to_text
+
+__all__ = ["FORMATS", "read_table"]
+
+#: Digits after the point of a decimal that is meant exactly.
+SHORT = 9
+_MOST_PLACES = 150
+_MOST_TEXT = 20_000_000  # characters of a file
+
+#: Names that wrap a number without changing it, and names of the square root.
+_CASTS = {"SUN_RCONST", "RCONST", "PetscReal", "BigFloat", "float", "Float64", "T"}
+_ROOTS = {"sqrt", "SUNRsqrt", "PetscSqrtReal", "np.sqrt", "math.sqrt", "jnp.sqrt", "numpy.sqrt"}
+_TOKEN = re.compile(
+    r"\s*((?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eEdD][-+]?[0-9]+)?[fFlLqQ]?|[A-Za-z_][\w.]*|//|[-+*/(),])"
+)
+
+
+@dataclass
+class Found:
+    """What a reader found in a file.
+
+    Attributes
+    ----------
+        blocks: rows of entries by the name of the block, ``A`` or ``starting.u`` (one row).
+        order: the order that the table states.
+        digits: digits after the point that the table declares for its decimals.
+        about: name, title, source and the like.
+    """
+
+    blocks: dict[str, list[list[str]]] = field(default_factory=dict)
+    order: int | None = None
+    digits: int | None = None
+    about: dict[str, Any] = field(default_factory=dict)
+
+
+def read_table(
+    text: str, form: str, *, name: str = "imported", where: str = "table"
+) -> dict[str, Any]:
+    """Read a table of another package.
+
+    Parameters
+    ----------
+        text: the file.
+        form: one of :data:`FORMATS`.
+        name: name of the method where the table gives none.
+        where: file name, for messages.
+
+    Returns
+    -------
+        A method document in the format ``glmref-method-1``. It claims the order and the abscissae
+        that the table states, so that ``glmref verify`` checks them, and else whether the method is
+        explicit.
+
+    Raises
+    ------
+        DataError: for a file that is not such a table, naming the place.
+    """
+    from ..catalogue.reader import load_document
+
+    if form not in FORMATS:
+        raise DataError(f"there is no import from {form!r}; one of {', '.join(FORMATS)}")
+    if len(text) > _MOST_TEXT:
+        raise DataError(
+            f"{where}: the file has {len(text)} characters; at most {_MOST_TEXT} are read"
+        )
+    try:
+        found = FORMATS[form](text)
+        document = _Writer(found, name, where, form).document()
+    except RecursionError:
+        raise DataError(f"{where}: brackets are nested too deep for a table") from None
+    except DataError as error:
+        message = str(error)
+        raise DataError(message if message.startswith(where) else f"{where}: {message}") from None
+    load_document(document, where=where)
+    return document
+
+
+# --- entries -------------------------------------------------------------------------------------
+
+
+def _places(token: str) -> int:
+    """Digits after the point of a decimal written without exponent; 0 for a whole number."""
+    mantissa, _, power = token.lower().replace("d", "e").partition("e")
+    return max(0, len(mantissa.partition(".")[2]) - int(power or 0))
+
+
+def _tokens(text: str) -> Iterator[str]:
+    at, text = 0, text.strip()
+    while at < len(text):
+        match = _TOKEN.match(text, at)
+        if match is None:
+            shown = text if len(text) < 60 else f"{text[:57]}..."
+            raise DataError(f"the entry {shown!r} is no number or quotient that is read here")
+        yield match[1]
+        at = match.end()
+
+
+def _normal(text: str) -> tuple[str, list[int]]:
+    """Rewrite an entry in our grammar: the text, and the places of each rounded decimal in it."""
+    text = re.sub(r'big"([^"]*)"', r"\1", text)
+    text = re.sub(r"\(\s*(?:PetscReal|sunrealtype|realtype|double)\s*\)", "", text)
+    out: list[str] = []
+    rounded: list[int] = []
+    for token in _tokens(text):
+        if token[0].isdigit() or token[0] == ".":
+            number = token.rstrip("fFlLqQ").lower().replace("d", "e")
+            mantissa, _, power = number.partition("e")
+            if len(mantissa) > 1000 or len(power) > 4 or _places(number) > 400:
+                raise DataError(f"the number {token[:40]!r} has more digits than are read")
+            value, places = Fraction(number), _places(number)
+            if places <= SHORT:
+                out.append(f"({value})" if value.denominator > 1 else str(value))
+            else:
+                rounded.append(min(places, _MOST_PLACES))
+                out.append(_fixed(value, rounded[-1]))
+        elif token in _CASTS:
+            continue
+        elif token in _ROOTS:
+            out.append("sqrt")
+        else:
+            out.append("/" if token == "//" else token)
+    return "".join(out), rounded
+
+
+def _fixed(value: Fraction, places: int) -> str:
+    digits = str(round(value * 10**places)).rjust(places + 1, "0")
+    return f"{digits[:-places]}.{digits[-places:]}"
+
+
+class _Writer:
+    """Turns what was found into a method document."""
+
+    def __init__(self, found: Found, name: str, where: str, form: str) -> None:
+        self.found, self.name, self.where, self.form = found, name, where, form
+        self.digits: int | None = found.digits
+
+    def document(self) -> dict[str, Any]:
+        found = self.found
+        shapes = self._kind()
+        entries = self._entries()
+        exact = found.about.pop("exact", {})
+        self._take_exact(entries, exact)
+        document: dict[str, Any] = {"format": "glmref-method-1", "name": self._name()}
+        document["class"] = shapes
+        for key in ("title", "field", "separable"):
+            if key in found.about:
+                document[key] = found.about[key]
+        c = entries.pop("c", None)
+        for block, rows in entries.items():
+            *outer, letter = block.split(".")
+            inside = document.setdefault(outer[0], {}) if outer else document
+            inside[letter] = rows[0] if letter in ("b", "u", "u_hat") else rows
+        for key in ("q", "p", "starting", "finishing"):
+            if isinstance(document.get(key), dict) and not document[key]:
+                del document[key]
+        texts = [x for rows in entries.values() for row in rows for x in row]
+        texts += [x for row in c or () for x in row]
+        if any("." in x for x in texts) and self.digits is not None:
+            document["digits"] = self.digits
+        document["claims"] = self._claims(entries, c)
+        source = found.about.get("source", {})
+        document["source"] = {
+            "citation": source.get("citation", f"a table in the format {self.form}"),
+            "where": source.get("where", self.where),
+            **({"doi": source["doi"]} if "doi" in source else {}),
+            "status": "regenerated",
+        }
+        return document
+
+    def _name(self) -> str:
+        text = str(self.found.about.get("name", "")) or self.name
+        word = re.sub(r"[^a-z0-9.-]+", "-", text.lower()).strip("-.")[:100]
+        return word or "imported"
+
+    def _kind(self) -> str:
+        blocks = self.found.blocks
+        if {"A", "b"} <= blocks.keys():
+            return "rk"
+        if {"A", "U", "B", "V"} <= blocks.keys():
+            return "glm"
+        if all(f"{x}.{letter}" in blocks for x in "qp" for letter in "AUBV"):
+            return "partitioned"
+        there = f"found are {', '.join(sorted(blocks))}" if blocks else "no arrays are found"
+        raise DataError(f"a table needs A and b, or A, U, B and V, or q and p with these; {there}")
+
+    def _entries(self) -> dict[str, list[list[str]]]:
+        """Every entry in our grammar; where all of it is exact, in lowest terms."""
+        normal: dict[str, list[list[tuple[str, list[int]]]]] = {}
+        for block, rows in self.found.blocks.items():
+            normal[block] = [[self._entry(x, block, i, j) for j, x in enumerate(row)]
+                             for i, row in enumerate(rows)]  # fmt: skip
+        places = [p for rows in normal.values() for row in rows for _, some in row for p in some]
+        if places and self.digits is None:
+            self.digits = max(1, min(places) - 1)
+        written: dict[str, list[list[str]]] = {}
+        for block, rows in normal.items():
+            written[block] = []
+            for i, row in enumerate(rows):
+                written[block].append([])
+                for j, (text, some) in enumerate(row):
+                    try:
+                        written[block][i].append(self._written(text, some))
+                    except DataError as error:
+                        raise DataError(f"`{block}[{i + 1}][{j + 1}]`: {error}") from None
+        return written
+
+    def _entry(self, text: str, block: str, i: int, j: int) -> tuple[str, list[int]]:
+        power = re.search(r"\d[eE][-+]?\d", text)
+        if not power and (self.found.digits is not None or self.form in ("json", "csv")):
+            rounded = [_places(x) for x in re.findall(r"\d*\.\d+", text)]
+            if not any(p > SHORT for p in rounded) and self.found.digits is None:
+                return _normal_or_same(text)
+            return text, rounded
+        try:
+            return _normal(text)
+        except DataError as error:
+            raise DataError(f"`{block}[{i + 1}][{j + 1}]`: {error}") from None
+
+    def _written(self, text: str, places: list[int]) -> str:
+        """An entry: exact ones in lowest terms, decimals cut to what the declared digits allow."""
+        if places and self.digits is not None:
+            return re.sub(
+                r"\d*\.\d+",
+                lambda m: m[0] if _places(m[0]) <= self.digits + 2  # type: ignore[operator]
+                else _fixed(Fraction(m[0]), self.digits + 2),  # type: ignore[operator]
+                text,
+            )  # fmt: skip
+        value = parse(text)
+        try:
+            return to_text(value)
+        except ExactnessError:
+            return text
+
+    def _take_exact(
+        self, entries: dict[str, list[list[str]]], exact: Mapping[str, Sequence[Sequence[str]]]
+    ) -> None:
+        """Put exact expressions of a comment in the place of their decimals, if they agree."""
+        for block, rows in exact.items():
+            if [len(row) for row in entries.get(block, [])] != [len(row) for row in rows]:
+                raise DataError(
+                    f"the exact rows of {block} in the comment have another shape than the table; "
+                    f"take them out or correct them"
+                )
+            for i, row in enumerate(rows):
+                for j, text in enumerate(row):
+                    value, number = parse(text), self._value(entries[block][i][j])
+                    if (value - number).is_zero() is False:
+                        raise DataError(
+                            f"`{block}[{i + 1}][{j + 1}]` is {float(number):.17g} in the table and "
+                            f"{text} = {float(value):.17g} in the comment; correct one of them, or "
+                            f"take the lines `exact` out"
+                        )
+                    entries[block][i][j] = text.strip()
+
+    def _value(self, text: str) -> Scalar:
+        return parse(text, digits=self.digits)
+
+    def _claims(self, entries: Mapping[str, Any], c: list[list[str]] | None) -> dict[str, Any]:
+        claims: dict[str, Any] = {}
+        if self.found.order:
+            claims["order"] = self.found.order
+        if c is not None:
+            claims["abscissae"] = c[0]
+        if not claims and "q.A" not in entries:
+            A = [[self._value(x) for x in row] for row in entries["A"]]
+            explicit = all(x.is_zero() is True for i, row in enumerate(A) for x in row[i:])
+            claims["explicit"] = explicit
+        return claims or {"preconsistent": True}
+
+
+def _normal_or_same(text: str) -> tuple[str, list[int]]:
+    """An entry of JSON or CSV: in our grammar already, short decimals apart."""
+
+    def fraction(match: re.Match[str]) -> str:
+        value = Fraction(match[0])
+        return f"({value})" if value.denominator > 1 else str(value)
+
+    return re.sub(r"\d*\.\d+", fraction, text), []
+
+
+# --- formats -------------------------------------------------------------------------------------
+
+
+def _comment(text: str) -> dict[str, Any]:
+    """Name, title, source and exact rows of a file that we wrote."""
+    about: dict[str, Any] = {}
+    lines = [re.sub(r"^\s*(?:/?\*+/?|#|%|//|!)\s?", "", line) for line in text.splitlines()]
+    if any(line.startswith("Generated by glmref ") for line in lines):
+        first = next((x for x in lines if x.strip()), "")
+        name = first.partition(": ")[0]
+        if re.fullmatch(r"[a-z0-9][a-z0-9.-]*", name):
+            about["name"] = name
+    exact: dict[str, list[list[str]]] = {}
+    for line in lines:
+        match = re.match(r"exact (\w+): (.*)$", line)
+        if match:
+            exact.setdefault(match[1], []).append([x.strip() for x in match[2].split(";")])
+    if exact:
+        about["exact"] = exact
+    return about
+
+
+def _without_comments(text: str, pattern: str) -> str:
+    return re.sub(pattern, " ", text, flags=re.DOTALL)
+
+
+def _balanced(text: str, at: int) -> str:
+    """What stands between the bracket at a place and its partner."""
+    partner = {"{": "}", "[": "]", "(": ")"}
+    waiting = [partner[text[at]]]
+    for k in range(at + 1, len(text)):
+        if text[k] in partner:
+            waiting.append(partner[text[k]])
+        elif text[k] in ")]}":
+            if text[k] != waiting.pop():
+                break
+            if not waiting:
+                return text[at + 1 : k]
+    raise DataError("a bracket is not closed")
+
+
+def _split(text: str, separator: str = ",") -> list[str]:
+    """Split at separators outside brackets; empty parts are left out."""
+    parts, depth, start = [], 0, 0
+    for k, letter in enumerate(text):
+        depth += (letter in "([{") - (letter in ")]}")
+        if letter == separator and depth == 0:
+            parts.append(text[start:k])
+            start = k + 1
+    return [x.strip() for x in (*parts, text[start:]) if x.strip()]
+
+
+def _c_array(text: str, names: Sequence[str]) -> list[str] | None:
+    found = [
+        m for name in names
+        for m in re.finditer(rf"\b{name}\s*(?:\[[^\]=;]*\]\s*)*=\s*\{{", text)
+    ]  # fmt: skip
+    if len(found) > 1:
+        raise DataError(f"the file holds {len(found)} arrays {names[0]}; keep one table of them")
+    if not found:
+        return None
+    flat = _balanced(text, found[0].end() - 1).replace("{", " ").replace("}", " ")
+    return _split(flat)
+
+
+def _c_table(text: str, call: str, numbers: Callable[[list[str]], int]) -> Found:
+    """Arrays A, b, c and the order from a call with its arguments."""
+    about = _comment(text)
+    body = _without_comments(text, r"/\*.*?\*/|//[^\n]*")
+    arrays = {x: _c_array(body, (x, f"{x}t")) for x in ("A", "b", "c")}
+    A, b = arrays["A"], arrays["b"]
+    if A is None or b is None:
+        raise DataError("there are no arrays `A[] = {...}` and `b[] = {...}`")
+    s = len(b)
+    if len(A) != s * s:
+        raise DataError(f"`A` must have {s} times {s} entries, as `b` has {s}, got {len(A)}")
+    found = Found({"A": [A[i * s : i * s + s] for i in range(s)], "b": [b]}, about=about)
+    if arrays["c"] is not None:
+        found.blocks["c"] = [arrays["c"]]
+    match = re.search(rf"\b(?:{call})\s*\(", body)
+    if match:
+        order = numbers(_split(_balanced(body, match.end() - 1)))
+        found.order = order or None
+    return found
+
+
+def _whole(arguments: Sequence[str], at: int) -> int:
+    text = arguments[at].strip() if len(arguments) > at else ""
+    return int(text) if re.fullmatch(r"\d{1,2}", text) else 0
+
+
+def _sundials(text: str) -> Found:
+    return _c_table(text, "ARKodeButcherTable_Create", lambda x: _whole(x, 1))
+
+
+def _petsc(text: str) -> Found:
+    found = _c_table(text, "TSRKRegister|TSDIRKRegister", lambda x: _whole(x, 1))
+    match = re.search(r'\bTS(?:RK|DIRK)Register\s*\(\s*"([^"]+)"', text)
+    if match:
+        found.about.setdefault("name", match[1])
+    return found
+
+
+def _list_of(node: ast.expr) -> list[ast.expr]:
+    """Elements of a list, or of ``np.array([...])`` around one."""
+    if isinstance(node, ast.Call) and len(node.args) >= 1:
+        return _list_of(node.args[0])
+    if isinstance(node, ast.List | ast.Tuple):
+        return node.elts
+    raise DataError(f"line {node.lineno}: a list of numbers must stand here")
+
+
+def _diffrax(text: str) -> Found:
+    about = _comment(text)
+    try:
+        tree = ast.parse(text)
+    except (SyntaxError, ValueError) as error:
+        raise DataError(f"the file is no Python ({error.args[0]})") from None
+    calls = [
+        node for node in ast.walk(tree)
+        if isinstance(node, ast.Call) and ast.unparse(node.func).split(".")[-1] == "ButcherTableau"
+    ]  # fmt: skip
+    if len(calls) != 1:
+        raise DataError(f"there must be one call of ButcherTableau, found are {len(calls)}")
+    given = {x.arg: x.value for x in calls[0].keywords if x.arg}
+    for key in ("c", "b_sol", "a_lower"):
+        if key not in given:
+            raise DataError(f"ButcherTableau must be given `{key}`")
+
+    def texts(node: ast.expr) -> list[str]:
+        segments = (ast.get_source_segment(text, x) for x in _list_of(node))
+        return [x or "" for x in segments]
+
+    rows = [texts(x) for x in _list_of(given["a_lower"])]
+    s = len(rows) + 1
+    if [len(row) for row in rows] != list(range(1, s)):
+        raise DataError("the rows of `a_lower` must have 1, 2, .. entries")
+    diagonal = texts(given["a_diagonal"]) if "a_diagonal" in given else ["0"] * s
+    if len(diagonal) != s:
+        raise DataError(f"`a_diagonal` must have {s} entries, got {len(diagonal)}")
+    A = [[*row, diagonal[i], *["0"] * (s - i - 1)] for i, row in enumerate([[], *rows])]
+    first = ast.get_source_segment(text, given["c1"]) if "c1" in given else "0"
+    found = Found({"A": A, "b": [texts(given["b_sol"])], "c": [[first or "0", *texts(given["c"])]]})
+    found.about = about
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef) and node.name == "order":
+            values = [x.value for x in ast.walk(node) if isinstance(x, ast.Constant)]
+            orders = [x for x in values if isinstance(x, int) and not isinstance(x, bool)]
+            found.order = orders[0] if len(orders) == 1 else None
+    return found
+
+
+def _julia_array(text: str, names: str, *, matrix: bool) -> list[list[str]] | None:
+    match = re.search(rf"(?<![\w.])(?:{names})\s*=\s*(?:reshape\()?[\w.]*\[", text)
+    if match is None:
+        return None
+    body = _balanced(text, match.end() - 1)
+    if not matrix:
+        return [_split(re.sub(r"[;\n]", ",", body))]
+    if "," in re.sub(r"\([^)]*\)", "", body):
+        raise DataError("a matrix must have blanks between entries and one row a line")
+    rows = [line.split() for line in re.split(r"[;\n]", body) if line.strip()]
+    return rows
+
+
+def _julia(text: str, names: Sequence[str], call: str, at: int) -> Found:
+    found = Found(about=_comment(text))
+    body = _without_comments(text, r"#=.*?=#|#[^\n]*")
+    for block, name in zip(("A", "b", "c"), names, strict=True):
+        rows = _julia_array(body, name, matrix=block == "A")
+        if rows is not None:
+            found.blocks[block] = rows
+    match = re.search(rf"\b(?:{call})(?:\{{\w+\}})?\s*\(", body)
+    if match:
+        arguments = _split(_balanced(body, match.end() - 1))
+        found.order = _whole(arguments, at) or None
+        symbol = re.fullmatch(r":(\w+)", arguments[0]) if arguments else None
+        if symbol:
+            found.about.setdefault("name", symbol[1].replace("_", "-"))
+    return found
+
+
+def _ordinarydiffeq(text: str) -> Found:
+    return _julia(text, ("A", "α|b", "c"), "ExplicitRKTableau", 3)
+
+
+def _rungekutta(text: str) -> Found:
+    return _julia(text, ("a", "b", "c"), "Tableau", 1)
+
+
+_ABOUT = ("name", "title", "order", "digits", "field", "separable", "source", "generated")
+
+
+def _take_about(found: Found, values: Mapping[str, Any]) -> None:
+    for key in ("name", "title", "field"):
+        if key in values:
+            if not isinstance(values[key], str):
+                raise DataError(f"`{key}` must be a string, got {values[key]!r}")
+            found.about[key] = values[key]
+    if isinstance(values.get("source"), dict):
+        found.about["source"] = {str(k): str(v) for k, v in values["source"].items()}
+    if "separable" in values:
+        found.about["separable"] = values["separable"] in (True, "true")
+    for key in ("order", "digits"):
+        if key in values:
+            if not re.fullmatch(r"\d{1,3}", str(values[key])):
+                raise DataError(f"`{key}` must be a whole number, got {values[key]!r}")
+            setattr(found, key, int(values[key]))
+
+
+def _rows(value: Any, name: str) -> list[list[str]]:
+    rows = value if isinstance(value, list) else None
+    if rows and all(isinstance(x, str) for x in rows):
+        rows = [rows]
+    good = rows and all(
+        isinstance(row, list) and row and all(isinstance(x, str) for x in row) for row in rows
+    )
+    if not good:
+        raise DataError(f"`{name}` must be a list of numbers or of rows of them")
+    return rows  # type: ignore[return-value]
+
+
+def _json(text: str) -> Found:
+    try:
+        values = json.loads(text, parse_float=str, parse_int=str, parse_constant=str)
+    except json.JSONDecodeError as error:
+        raise DataError(f"the file is no JSON (line {error.lineno}: {error.msg})") from None
+    if not isinstance(values, dict):
+        raise DataError("the file must hold one JSON object with A and b")
+    if str(values.get("format", "")).startswith("glmref-"):
+        raise DataError(f"the file is in the format {values['format']} already; it needs no import")
+    found = Found()
+    _take_about(found, values)
+    for key, value in values.items():
+        if key in _ABOUT:
+            continue
+        if isinstance(value, dict):
+            for letter, inner in value.items():
+                found.blocks[f"{key}.{letter}"] = _rows(inner, f"{key}.{letter}")
+        else:
+            found.blocks[key] = _rows(value, key)
+    return found
+
+
+def _csv(text: str) -> Found:
+    found, about = Found(), {}
+    cells: dict[str, dict[tuple[int, int], str]] = {}
+    for number, row in enumerate(csv.reader(io.StringIO(text)), 1):
+        if not row or row == ["block", "row", "column", "value"]:
+            continue
+        if len(row) != 4:
+            raise DataError(f"line {number} must have the columns block, row, column and value")
+        block, i, j, value = row
+        if not i and not j:
+            *outer, key = block.split(".")
+            inside = about.setdefault(outer[0], {}) if outer else about
+            inside[key] = value
+        elif re.fullmatch(r"[1-9]\d{0,3}", i) and re.fullmatch(r"[1-9]\d{0,3}", j):
+            cells.setdefault(block, {})[int(i), int(j)] = value
+        else:
+            raise DataError(f"line {number} must have whole numbers in row and column")
+    _take_about(found, about)
+    for block, entries in cells.items():
+        m, n = max(i for i, _ in entries), max(j for _, j in entries)
+        missing = [
+            (i, j) for i in range(1, m + 1) for j in range(1, n + 1) if (i, j) not in entries
+        ]
+        if missing:
+            raise DataError(f"the entry {missing[0]} of the block {block} is missing")
+        found.blocks[block] = [[entries[i, j] for j in range(1, n + 1)] for i in range(1, m + 1)]
+    return found
+
+
+FORMATS: Mapping[str, Callable[[str], Found]] = {
+    "json": _json,
+    "csv": _csv,
+    "sundials": _sundials,
+    "petsc": _petsc,
+    "diffrax": _diffrax,
+    "ordinarydiffeq": _ordinarydiffeq,
+    "rungekutta.jl": _rungekutta,
+}

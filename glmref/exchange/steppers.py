@@ -1,0 +1,547 @@
+"""Steppers as source files: one template for each language, filled with a method's tableaux.
+
+A template (``templates/stepper.*.in``) is the source file with three kinds of marks: ``@{name}`` is
+replaced, and a part between the lines ``@if WORD``, ``@elif WORD``, ``@else`` and ``@end`` stays
+where the word holds:
+
+    pair      f and k are given separately      implicit  some stage needs an equation solved
+    newton    implicit, and not a pair          started   the method has a starting method
+    enhanced  it needs the enhanced start       plain     it starts from the solution
+    finish    it has a finishing method         headed    values that are the solution are picked
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from importlib.resources import files
+
+from ..exact import Scalar
+from ..exact.linalg import Matrix
+from ..method import GLM, PartitionedGLM
+from .header import Comment, header
+from .numbers import lost, rounded, worst
+from .scheme import Scheme, Table, scheme_of
+
+__all__ = ["LANGUAGES", "identifier", "stepper"]
+
+_WIDTH = 96
+_MARK = re.compile(r"@\{(\w+)\}")
+
+
+def identifier(name: str) -> str:
+    """A name that every language takes: letters, digits and underscores, a letter first."""
+    word = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_").lower() or "method"
+    return word if word[0].isalpha() else f"m_{word}"
+
+
+def fill(template: str, words: frozenset[str], values: Mapping[str, str]) -> str:
+    """Fill a template: see the module's docstring."""
+    out: list[str] = []
+    states: list[list[bool]] = []  # for each open @if: a branch was taken; this one is
+    for line in template.splitlines():
+        mark, _, word = line.strip().partition(" ")
+        if mark == "@if":
+            states.append([word in words, word in words])
+        elif mark == "@elif":
+            states[-1] = [states[-1][0] or word in words, not states[-1][0] and word in words]
+        elif mark == "@else":
+            states[-1] = [True, not states[-1][0]]
+        elif mark == "@end":
+            states.pop()
+        elif all(here for _, here in states):
+            out.append(_MARK.sub(lambda m: values[m[1]], line))
+    return "\n".join(out) + "\n"
+
+
+@dataclass(frozen=True)
+class Language:
+    """What differs from language to language besides the template.
+
+    Attributes
+    ----------
+        comment: how a comment is written.
+        tables: source of the constant tables, from the scheme and its rendered numbers.
+        values: further replacements, from the scheme and the identifier.
+    """
+
+    template: str
+    comment: Comment
+    tables: Callable[[Scheme, Numbers], str]
+    values: Callable[[Scheme, str], Mapping[str, str]]
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """How a coefficient is written.
+
+    Attributes
+    ----------
+        digits: significant digits, ``None`` for the shortest decimals of doubles.
+        suffix: what a literal of double precision ends with.
+    """
+
+    digits: int | None
+    suffix: str = ""
+
+    def of(self, x: Scalar) -> str:
+        """One coefficient."""
+        return rounded(x, self.digits) + self.suffix
+
+    def residue(self, x: Scalar) -> str:
+        """What rounding took from it, to six digits, which is all that can matter."""
+        value = lost(x, rounded(x, self.digits))
+        return (repr(float(f"{value:.5e}")) if value else "0.0") + self.suffix
+
+    def matrix(self, rows: Matrix) -> list[list[str]]:
+        """A matrix."""
+        return [[self.of(x) for x in row] for row in rows]
+
+    def residues(self, rows: Matrix) -> list[list[str]]:
+        """What rounding took from a matrix."""
+        return [[self.residue(x) for x in row] for row in rows]
+
+    def parts(self, table: Table) -> dict[str, list[list[str]]]:
+        """The arrays of a tableau by their letters, c as one row."""
+        return {
+            "A": self.matrix(table.A),
+            "U": self.matrix(table.U),
+            "B": self.matrix(table.B),
+            "L": self.residues(table.B),
+            "V": self.matrix(table.V),
+            "c": self.matrix((table.c,)),
+        }
+
+
+def wrapped(items: Sequence[str], indent: str, end: str = "") -> list[str]:
+    """Items with commas between them, in lines of at most :data:`_WIDTH` characters."""
+    lines, line = [], indent
+    for k, item in enumerate(items):
+        piece = item + ("," if k + 1 < len(items) else "")
+        if len(line) + len(piece) + 1 + len(end) > _WIDTH and line.strip():
+            lines.append(line.rstrip() + end)
+            line = indent
+        line += piece + " "
+    return [*lines, line.rstrip()]
+
+
+def _flat(rows: Sequence[Sequence[str]]) -> list[str]:
+    return [x for row in rows for x in row]
+
+
+def stepper(method: GLM | PartitionedGLM, language: str, digits: int | None) -> str:
+    """Return the source file of a method's stepper.
+
+    Parameters
+    ----------
+        method: a real method with a start.
+        language: a key of :data:`LANGUAGES`.
+        digits: significant digits of coefficients; ``None`` for the shortest decimals that give the
+            nearest doubles.
+
+    Raises
+    ------
+        UsageError: for a method that no stepper is written for, see :func:`.scheme.scheme_of`.
+    """
+    scheme, chosen = scheme_of(method), LANGUAGES[language]
+    name = identifier(method.name)
+    used = [x for _, t in scheme.tables for m in (t.A, t.U, t.B, t.V) for row in m for x in row]
+    remark = f"Coefficients differ from the exact ones by at most {worst(used, digits):.2g}; "
+    remark += "what rounding took from B is added back (L)."
+    source = files("glmref.exchange") / "templates" / chosen.template
+    values = {
+        "name": name,
+        "header": header(method, chosen.comment, remark),
+        "tables": chosen.tables(scheme, Numbers(digits)),
+        "r": str(scheme.r),
+        "heads": str(len(scheme.heads)),
+        "heads_d": "2 d" if scheme.pair else "d",
+        "passes": str(scheme.passes),
+        **chosen.values(scheme, name),
+    }
+    return fill(source.read_text(encoding="utf-8"), _words(scheme), values)
+
+
+def _words(scheme: Scheme) -> frozenset[str]:
+    held = {
+        "pair": scheme.pair,
+        "implicit": scheme.implicit,
+        "newton": scheme.implicit and not scheme.pair,
+        scheme.begins: True,
+        "finish": scheme.finish is not None,
+        "headed": scheme.finish is None or scheme.begins == "enhanced",
+    }
+    return frozenset(word for word, holds in held.items() if holds)
+
+
+# --- C and C++ -----------------------------------------------------------------------------------
+
+
+def _braces(kind: str, name: str, items: Sequence[str]) -> list[str]:
+    head = f"static const {kind} {name}[] = {{"
+    if sum(map(len, items)) + 2 * len(items) + len(head) < _WIDTH:
+        return [head + ", ".join(items) + "};"]
+    return [head, *wrapped(items, "  ")[:-1], wrapped(items, "  ")[-1] + "};"]
+
+
+def _c_tables(scheme: Scheme, numbers: Numbers) -> str:
+    lines: list[str] = []
+    for name, table in scheme.tables:
+        for letter, rows in numbers.parts(table).items():
+            lines += _braces("double", f"{name}_{letter}", _flat(rows))
+        lines += _braces("int", f"{name}_blocks", [str(x) for x in table.blocks])
+        if scheme.pair:
+            lines += _braces("int", f"{name}_half", [str(x) for x in table.half])
+        letters = [f"{name}_{x}" for x in (*(["half"] if scheme.pair else []), "blocks", *"AUBLVc")]
+        sizes = [table.s, len(table.V[0]), len(table.V)]
+        head = f"static const tableau {name}_table = {{"
+        lines += [head, *wrapped([*map(str, sizes), *letters], "  "), "};"]
+    if scheme.finish is None or scheme.begins == "enhanced":
+        lines += _braces("int", "head", [str(x) for x in scheme.heads])
+    if scheme.begins == "enhanced":
+        lines += _braces("double", "zero_V", _flat(numbers.matrix(scheme.zero)))
+        lines += _braces("double", "correct_K", _flat(numbers.matrix(scheme.correct)))
+    return "\n".join(lines)
+
+
+def _timed(scheme: Scheme, **texts: str) -> dict[str, str]:
+    """Replacements that are empty for a pair, which knows no time."""
+    return {name: "" if scheme.pair else text for name, text in texts.items()}
+
+
+def _c_values(scheme: Scheme, name: str) -> dict[str, str]:
+    newton = scheme.implicit and not scheme.pair
+    calls = ["dq", "dp"] if scheme.pair else ["f"]
+    unused = [*calls, "data", "d", *([] if scheme.pair else ["t"]), "h"]
+    evaluate = "f(t + T->c[i] * h, where, result, data)"
+    if scheme.pair:
+        evaluate = "(T->half[i] ? dp : dq)(where, result, data)"
+    return {
+        "rhs": ", ".join([*(f"{name}_rhs {x}" for x in calls), "void *data"]),
+        "pass": ", ".join([*calls, "data"]),
+        "flag": ", int *newton" if newton else "",
+        "give": ", newton" if newton else "",
+        "use_newton": ", int newton" if newton else "",
+        "evaluate": evaluate,
+        "unused": " ".join(f"(void){x};" for x in [*unused, *(["newton"] if newton else [])]),
+        **_timed(
+            scheme, time="double t, ", now="t, ", next="t + h, ", at_n="t + n * h, ",
+            at_end="t + steps * h, ", from_to=" from time t to t + h", at=" at time t",
+        ),
+    }  # fmt: skip
+
+
+def _unnamed(scheme: Scheme, named: str, silent: str, **texts: tuple[str, str]) -> dict[str, str]:
+    """Arguments of start and finish, which are unused where nothing is evaluated there."""
+    found = {}
+    for where, used in (
+        ("start", scheme.begins != "plain"), ("finish", scheme.finish is not None)
+    ):  # fmt: skip
+        found[f"{where}_rhs"] = named if used else silent
+        for key, (loud, quiet) in texts.items():
+            found[f"{where}_{key}"] = loud if used else quiet
+    return found
+
+
+def _cpp_tables(scheme: Scheme, numbers: Numbers) -> str:
+    lines: list[str] = []
+    for name, table in scheme.tables:
+        sizes = [table.s, len(table.V[0]), len(table.V)]
+        lists = [[str(x) for x in table.half]] if scheme.pair else []
+        lists += [[str(x) for x in table.blocks]]
+        lists += [_flat(rows) for rows in numbers.parts(table).values()]
+        lines += [f"static const Tableau {name}_table{{{', '.join(map(str, sizes))},"]
+        for k, items in enumerate(lists):
+            inner = wrapped(items, "    ")
+            inner[0] = "   {" + inner[0].lstrip()
+            lines += [*inner[:-1], inner[-1] + ("}," if k + 1 < len(lists) else "}};")]
+    if (scheme.pair and scheme.finish is None) or scheme.begins == "enhanced":
+        lines += _braces("int", "head", [str(x) for x in scheme.heads])
+    if scheme.begins == "enhanced":
+        lines += _braces("double", "zero_V", _flat(numbers.matrix(scheme.zero)))
+        lines += _braces("double", "correct_K", _flat(numbers.matrix(scheme.correct)))
+    return "\n".join(lines)
+
+
+def _cpp_values(scheme: Scheme, name: str) -> dict[str, str]:
+    newton = scheme.implicit and not scheme.pair
+    rhs = "const Rhs &dq, const Rhs &dp" if scheme.pair else "const Rhs &f"
+    silent = "const Rhs &, const Rhs &" if scheme.pair else "const Rhs &"
+    evaluate = "f(t + T.c[i] * h, Y[i])"
+    return {
+        "rhs": rhs,
+        "pass": "dq, dp" if scheme.pair else "f",
+        "use_newton": ", bool newton" if newton else "",
+        "const_values": "" if newton else "const ",
+        "evaluate": "(T.half[i] ? dp : dq)(Y[i])" if scheme.pair else evaluate,
+        "solution": "{q, p}" if scheme.pair else "{y}",
+        "solution_given": "q, p" if scheme.pair else "y",
+        "solution_type": "const Vector &q, const Vector &p" if scheme.pair else "const Vector &y",
+        "result": "std::vector<Vector>" if scheme.pair else "Vector",
+        **_unnamed(
+            scheme, rhs, silent,
+            time=("", "") if scheme.pair else ("double t, ", "double, "), h=("h", ""),
+        ),
+        **_timed(
+            scheme, time="double t, ", now="t, ", next="t + h, ", at_n="t + n * h, ",
+            at_end="t + steps * h, ", from_to=" from time t to t + h", at=" at time t",
+        ),
+    }  # fmt: skip
+
+
+# --- Rust ----------------------------------------------------------------------------------------
+
+
+def _rust_list(name: str, items: Sequence[str]) -> list[str]:
+    lines = wrapped(items, "        ")
+    if len(lines) == 1:
+        return [f"    {name}: &[{lines[0].strip()}],"]
+    return [f"    {name}: &[", *lines[:-1], lines[-1] + ",", "    ],"]
+
+
+def _rust_static(name: str, kind: str, items: Sequence[str]) -> list[str]:
+    return [f"static {name}: [{kind}; {len(items)}] = [", *wrapped(items, "    "), "];"]
+
+
+def _rust_tables(scheme: Scheme, numbers: Numbers) -> str:
+    lines: list[str] = []
+    for name, table in scheme.tables:
+        lines += [f"static {name.upper()}: Tableau = Tableau {{"]
+        lines += [f"    s: {table.s},", f"    inn: {len(table.V[0])},", f"    out: {len(table.V)},"]
+        if scheme.pair:
+            lines += _rust_list("half", [str(x) for x in table.half])
+        lines += _rust_list("blocks", [str(x) for x in table.blocks])
+        for letter, rows in numbers.parts(table).items():
+            if letter != "c" or not scheme.pair:
+                lines += _rust_list(letter.lower(), _flat(rows))
+        lines += ["};"]
+    if (scheme.pair and scheme.finish is None) or scheme.begins == "enhanced":
+        lines += _rust_static("HEAD", "usize", [str(x) for x in scheme.heads])
+    if scheme.begins == "enhanced":
+        lines += _rust_static("ZERO_V", "f64", _flat(numbers.matrix(scheme.zero)))
+        lines += _rust_static("CORRECT_K", "f64", _flat(numbers.matrix(scheme.correct)))
+    return "\n".join(lines)
+
+
+def _rust_values(scheme: Scheme, name: str) -> dict[str, str]:
+    newton = scheme.implicit and not scheme.pair
+    rhs = "dq: Rhs, dp: Rhs" if scheme.pair else "f: Rhs"
+    silent = "_dq: Rhs, _dp: Rhs" if scheme.pair else "_f: Rhs"
+    call = "f(t + tab.c[i] * h, &y[i], &mut {})"
+    if scheme.pair:
+        call = "(if tab.half[i] == 1 {{ dp }} else {{ dq }})(&y[i], &mut {})"
+    return {
+        "rhs": rhs,
+        "pass": "dq, dp" if scheme.pair else "f",
+        "use_newton": ", newton: bool" if newton else "",
+        "ref_values": "&mut Values" if newton else "&Values",
+        "counter": "_" if scheme.pair else "n",
+        "no_newton": ", newton: false" if newton else "",
+        "evaluate_slopes": call.format("slopes[i]"),
+        "evaluate_g": call.format("g[k]"),
+        "solution": "&[q.to_vec(), p.to_vec()]" if scheme.pair else "&[y.to_vec()]",
+        "solution_given": "q, p" if scheme.pair else "y",
+        "solution_type": "q: &[f64], p: &[f64]" if scheme.pair else "y: &[f64]",
+        "result": "(Vec<f64>, Vec<f64>)" if scheme.pair else "Vec<f64>",
+        **_unnamed(
+            scheme, rhs, silent,
+            time=("", "") if scheme.pair else ("t: f64, ", "_t: f64, "), h=("h", "_h"),
+        ),
+        **_timed(
+            scheme, time="t: f64, ", now="t, ", next="t + h, ", at_n="t + n as f64 * h, ",
+            at_end="t + steps as f64 * h, ", from_to=" from time t to t + h", at=" at time t",
+        ),
+    }  # fmt: skip
+
+
+# --- Fortran -------------------------------------------------------------------------------------
+
+
+def _double(text: str) -> str:
+    """A literal of double precision."""
+    return text.replace("e", "d") if "e" in text else f"{text}d0"
+
+
+def _fortran_rows(name: str, rows: Sequence[Sequence[str]]) -> list[str]:
+    """DATA statements, one for each row, within the limits on lines and continuations."""
+    lines: list[str] = []
+    for i, row in enumerate(rows):
+        head = f"    data ({name}({i + 1}, j), j = 1, {len(row)}) / &"
+        body = wrapped([_double(x) for x in row], "      ", " &")
+        lines += [head, *body[:-1], body[-1] + " /"]
+    return lines
+
+
+def _fortran_table(name: str, scheme: Scheme, table: Table, numbers: Numbers) -> list[str]:
+    s, n, m = table.s, len(table.V[0]), len(table.V)
+    integers = {"blocks": table.blocks, **({"half": table.half} if scheme.pair else {})}
+    lines = ["", f"  type(tableau) function {name}_table() result(T)", "    integer :: j"]
+    lines += [
+        f"    real(dp_), save :: A({s},{s}), U({s},{n}), V({m},{n})",
+        f"    real(dp_), save :: B({m},{s}), L({m},{s}), c(1,{s})",
+    ]
+    for letter, rows in numbers.parts(table).items():
+        lines += _fortran_rows(letter, rows)
+    lines += [f"    allocate(T%{x}, source={x})" for x in "AUBLV"]
+    lines.append("    allocate(T%c, source=c(1,:))")
+    for key, values in integers.items():
+        items = wrapped([str(x) for x in values], "      ", " &")
+        lines += [f"    allocate(T%{key}, source=[ &", *items[:-1], items[-1] + "])"]
+    return [*lines, "  end function"]
+
+
+def _fortran_matrix(name: str, rows: Matrix, numbers: Numbers) -> list[str]:
+    shape = f"{len(rows)}, {len(rows[0])}"
+    lines = ["", f"  function {name}() result(found)", "    integer :: j"]
+    lines += [f"    real(dp_) :: found({shape})", f"    real(dp_), save :: M({shape})"]
+    lines += _fortran_rows("M", numbers.matrix(rows))
+    return [*lines, "    found = M", "  end function"]
+
+
+def _fortran_tables(scheme: Scheme, numbers: Numbers) -> str:
+    lines: list[str] = []
+    for name, table in scheme.tables:
+        lines += _fortran_table(name, scheme, table, numbers)
+    if scheme.begins == "enhanced":
+        lines += _fortran_matrix("zero_V", scheme.zero, numbers)
+        lines += _fortran_matrix("correct_K", scheme.correct, numbers)
+    return "\n".join(lines)
+
+
+def _fortran_values(scheme: Scheme, name: str) -> dict[str, str]:
+    newton = scheme.implicit and not scheme.pair
+
+    def call(where: str, result: str, margin: str) -> str:
+        if not scheme.pair:
+            return f"call f(time + T%c(i) * h, {where}, {result})"
+        lines = ["if (T%half(i) == 1) then", f"  call dp({where}, {result})", "else"]
+        lines += [f"  call dq({where}, {result})", "end if"]
+        return f"\n{margin}".join(lines)
+
+    silent = ["if (.false.) call dq(y(:,1), lost(:,1))", "if (.false.) call dp(y(:,1), lost(:,1))"]
+    if not scheme.pair:
+        silent = ["if (.false.) call f(time, y(:,1), lost(:,1))"]
+    silent += ["if (.false.) lost = h", *(["newton = newton"] if newton else [])]
+    at_end = [x.replace("lost", "y").replace("y(:,1), y", "x(:,1), y") for x in silent]
+    at_end += ["if (.false.) y = lost(1,1)"]
+    return {
+        "calls": "dq, dp" if scheme.pair else "f",
+        "flag": ", newton" if newton else "",
+        "use_newton": ", newton" if newton else "",
+        "base_array": ", base" if scheme.implicit else "",
+        "evaluate_slopes": call("place(:,i)", "slopes(:,i)", " " * 8),
+        "evaluate_g": call("Y(:,i)", "G(:,k)", " " * 8),
+        "head_list": ", ".join(str(x + 1) for x in scheme.heads),
+        "unused": "\n    ".join(silent),
+        "unused_end": "\n    ".join(at_end),
+        **_timed(
+            scheme, now="time, ", next="time + h, ", at_n="time + n * h, ",
+            at_end="time + steps * h, ", from_to=" from time to time + h", at=" at a time",
+        ),
+    }  # fmt: skip
+
+
+# --- Python and JAX ------------------------------------------------------------------------------
+
+
+def _python_rows(rows: Sequence[Sequence[str]], indent: str) -> list[str]:
+    lines: list[str] = []
+    for row in rows:
+        inner = wrapped(row, indent + "    ")
+        if len(inner) == 1:
+            lines.append(f"{indent}[{inner[0].strip()}],")
+        else:
+            lines += [f"{indent}[", *inner, f"{indent}],"]
+    return lines
+
+
+def _python_tables(scheme: Scheme, numbers: Numbers) -> str:
+    lines: list[str] = []
+    for name, table in scheme.tables:
+        lines += [f"{name.upper()} = {{", f'    "blocks": {list(table.blocks)},']
+        if scheme.pair:
+            lines.append(f'    "half": {list(table.half)},')
+        for letter, rows in numbers.parts(table).items():
+            if letter == "c":
+                lines += [] if scheme.pair else ['    "c": [', *wrapped(rows[0], " " * 8), "    ],"]
+            else:
+                lines += [f'    "{letter}": [', *_python_rows(rows, " " * 8), "    ],"]
+        lines.append("}")
+    if scheme.begins == "enhanced":
+        lines += ["ZERO = [", *_python_rows(numbers.matrix(scheme.zero), "    "), "]"]
+        lines += ["CORRECT = [", *_python_rows(numbers.matrix(scheme.correct), "    "), "]"]
+    return "\n".join(lines)
+
+
+def _python_values(scheme: Scheme, name: str) -> dict[str, str]:
+    newton = scheme.implicit and not scheme.pair
+    evaluate = 'f(t + T["c"][i] * h, Y[i])'
+    return {
+        "calls": "dq, dp" if scheme.pair else "f",
+        "use_newton": ", newton" if newton else "",
+        "evaluate_i": '(dp if T["half"][i] else dq)(Y[i])' if scheme.pair else evaluate,
+        "solution": "[q, p]" if scheme.pair else "[y]",
+        "solution_given": "q, p" if scheme.pair else "y",
+        "head_list": str(list(scheme.heads)),
+        **_timed(
+            scheme, now="t, ", next="t + h, ", at_n="t + n * h, ", at_end="t + steps * h, ",
+            from_to=" from time t to t + h", at=" at time t",
+        ),
+    }  # fmt: skip
+
+
+# --- Julia ---------------------------------------------------------------------------------------
+
+
+def _julia_matrix(rows: Sequence[Sequence[str]]) -> list[str]:
+    """A matrix from its rows; the layout is that of columns, so it is transposed."""
+    shape = f"{len(rows[0])}, {len(rows)}"
+    return ["permutedims(reshape([", *wrapped(_flat(rows), "        "), f"    ], {shape}))"]
+
+
+def _julia_tables(scheme: Scheme, numbers: Numbers) -> str:
+    lines: list[str] = []
+    for name, table in scheme.tables:
+        lines += [f"const {name.upper()} = (", f"    blocks = {list(table.blocks)},"]
+        if scheme.pair:
+            lines.append(f"    half = {list(table.half)},")
+        for letter, rows in numbers.parts(table).items():
+            if letter != "c":
+                matrix = _julia_matrix(rows)
+                lines += [f"    {letter} = {matrix[0]}", *matrix[1:-1], matrix[-1] + ","]
+            elif not scheme.pair:
+                lines += ["    c = [", *wrapped(rows[0], "        "), "    ],"]
+        lines.append(")")
+    if scheme.begins == "enhanced":
+        for name, rows in (("ZERO", scheme.zero), ("CORRECT", scheme.correct)):
+            matrix = _julia_matrix(numbers.matrix(rows))
+            lines += [f"const {name} = {matrix[0]}", *matrix[1:]]
+    return "\n".join(lines)
+
+
+def _julia_values(scheme: Scheme, name: str) -> dict[str, str]:
+    found = _python_values(scheme, name)
+    evaluate = "f(t + T.c[i] * h, Y[:, i])"
+    return {
+        **found,
+        "module": "".join(x.capitalize() for x in name.split("_")),
+        "use_newton": found["use_newton"],
+        "evaluate_i": "(T.half[i] == 1 ? dp : dq)(Y[:, i])" if scheme.pair else evaluate,
+        "solution": "hcat(q, p)" if scheme.pair else "reshape(collect(Float64, y), :, 1)",
+        "head_list": str([x + 1 for x in scheme.heads]),
+    }
+
+
+_LINES = Comment("", "// ", "")
+_HASH = Comment("", "# ", "")
+
+LANGUAGES: Mapping[str, Language] = {
+    "c": Language("stepper.c.in", Comment("/*", " * ", " */"), _c_tables, _c_values),
+    "c++": Language("stepper.cpp.in", _LINES, _cpp_tables, _cpp_values),
+    "fortran": Language("stepper.f90.in", Comment("", "! ", ""), _fortran_tables, _fortran_values),
+    "julia": Language("stepper.jl.in", _HASH, _julia_tables, _julia_values),
+    "rust": Language("stepper.rs.in", _LINES, _rust_tables, _rust_values),
+    "python": Language("stepper.py.in", _HASH, _python_tables, _python_values),
+    "jax": Language("stepper.jax.in", _HASH, _python_tables, _python_values),
+}

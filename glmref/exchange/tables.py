@@ -1,0 +1,508 @@
+"""Tables in the syntax of other packages: what they can hold, and the text.
+
+Fractions are written as quotients, which every reader computes without loss but for the last
+rounding. Other numbers are decimals; where they have an exact expression it stands in a comment,
+one line a row, and :mod:`.reading` takes it from there.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ..engine.tableau import abscissae
+from ..errors import ExactnessError, UsageError
+from ..exact import Ball, Exact, Scalar
+from ..exact.expression import to_text
+from ..exact.linalg import Matrix, Vector
+from ..method import GLM, PartitionedGLM
+from .header import Comment, header
+from .latex import latex
+from .numbers import decimal_of, is_zero
+from .steppers import identifier, wrapped
+
+__all__ = ["FORMATS", "blocks_of", "butcher", "table"]
+
+#: Significant digits of decimals in tables: those of quadruple precision.
+DIGITS = 34
+#: Digits after the point of decimals in JSON and CSV, where their enclosure is as narrow.
+PLACES = 75
+#: Numerator and denominator of a fraction that is written as one: both are doubles.
+_LARGEST = 2**53
+
+_C = Comment("/*", " * ", " */")
+_HASH = Comment("", "# ", "")
+
+
+@dataclass(frozen=True)
+class Butcher:
+    """A Runge-Kutta tableau: A (s, s), b (s,), c (s,), and the order that its file claims."""
+
+    A: Matrix
+    b: Vector
+    c: Vector
+    order: int
+
+    @property
+    def s(self) -> int:
+        """Number of stages."""
+        return len(self.b)
+
+
+def _is_one(x: Scalar) -> bool:
+    return (x - 1).is_zero() is True or is_zero(x - 1)
+
+
+def butcher(method: GLM | PartitionedGLM, target: str) -> Butcher:
+    """Return the Runge-Kutta tableau of a method.
+
+    Raises
+    ------
+        UsageError: when the method is none, or is not real.
+    """
+    name = method.name or "the method"
+    other = "json, csv and latex hold every method"
+    if isinstance(method, PartitionedGLM):
+        raise UsageError(f"{target} holds Runge-Kutta tableaux and {name} is a pair; {other}")
+    if method.r != 1 or not _is_one(method.V[0][0]) or not all(_is_one(x) for (x,) in method.U):
+        raise UsageError(
+            f"{target} holds Runge-Kutta tableaux and {name} carries {method.r} values from step "
+            f"to step; {other}"
+        )
+    if not method.is_real:
+        raise UsageError(f"{target} holds real numbers and {name} is complex; {other}")
+    c = abscissae(method.A, method.U, method.B, method.V)
+    # the sums themselves where they are exact, so that c = A 1 is kept
+    sums = tuple(sum(row[1:], row[0]) for row in method.A)
+    c = sums if all(isinstance(x, Exact) for x in sums) else c
+    return Butcher(method.A, method.B[0], c, _order(method))
+
+
+def _order(method: GLM) -> int:
+    order = method.claims.get("order")
+    if isinstance(order, int):
+        return order
+    from ..verification.analysis import analyze
+
+    found = analyze(method).order
+    return found if isinstance(found, int) else 0
+
+
+def _expression(x: Scalar) -> str | None:
+    """The exact expression of a number, or ``None`` where it has none."""
+    if not isinstance(x, Exact):
+        return None
+    try:
+        return to_text(x)
+    except ExactnessError:
+        return None
+
+
+def _quotient(x: Scalar) -> tuple[int, int] | None:
+    fraction = x.as_fraction() if isinstance(x, Exact) else None
+    if fraction is None or max(abs(fraction.numerator), fraction.denominator) > _LARGEST:
+        return None
+    return fraction.numerator, fraction.denominator
+
+
+def _exact_lines(tableau: Butcher) -> list[str]:
+    """Lines of a comment with the exact rows, where quotients do not say it all."""
+    rows = {"A": tableau.A, "b": (tableau.b,), "c": (tableau.c,)}
+    lines: list[str] = []
+    if all(_quotient(x) is not None for m in rows.values() for row in m for x in row):
+        return []
+    for letter, matrix in rows.items():
+        for row in matrix:
+            texts = [_expression(x) for x in row]
+            if any(text is None for text in texts):
+                return []
+            lines.append(f"exact {letter}: {'; '.join(x or '' for x in texts)}")
+    return lines
+
+
+def _head(method: GLM | PartitionedGLM, tableau: Butcher, comment: Comment, digits: int) -> str:
+    remark = f"Numbers that are not quotients have {digits} significant digits."
+    return header(method, comment, remark, exact=_exact_lines(tableau))
+
+
+# --- C: SUNDIALS and PETSc -----------------------------------------------------------------------
+
+
+def _c_number(x: Scalar, digits: int, cast: Callable[[str], str]) -> str:
+    quotient = _quotient(x)
+    if quotient is None:
+        return cast(decimal_of(x, digits))
+    over = "" if quotient[1] == 1 else f"/{cast(f'{quotient[1]}.0')}"
+    return cast(f"{quotient[0]}.0") + over
+
+
+def _c_array(kind: str, name: str, rows: Sequence[Sequence[str]]) -> list[str]:
+    lines = [f"  {kind} {name}[] = {{"]
+    for k, row in enumerate(rows):
+        inner = wrapped(row, "    ")
+        lines += [*inner[:-1], inner[-1] + ("," if k + 1 < len(rows) else "")]
+    return [*lines, "  };"]
+
+
+def _sundials(method: GLM | PartitionedGLM, digits: int) -> str:
+    tab = butcher(method, "sundials")
+    if isinstance(method, GLM) and not method.is_diagonally_implicit:
+        raise UsageError(
+            f"sundials steps explicit and diagonally implicit tableaux, and {method.name} is fully "
+            f"implicit; rungekutta.jl holds it"
+        )
+
+    def number(x: Scalar) -> str:
+        return _c_number(x, digits, lambda text: f"SUN_RCONST({text})")
+
+    name = identifier(method.name)
+    lines = [_head(method, tab, _C, digits), "#include <arkode/arkode_butcher.h>", ""]
+    lines += [f"ARKodeButcherTable {name}_table(void) {{"]
+    for letter, rows in (("A", tab.A), ("b", (tab.b,)), ("c", (tab.c,))):
+        lines += _c_array("sunrealtype", letter, [[number(x) for x in row] for row in rows])
+    lines += ["  /* stages, order, order of the embedded method, of which there is none */"]
+    lines += [f"  return ARKodeButcherTable_Create({tab.s}, {tab.order}, 0, c, A, b, NULL);", "}"]
+    return "\n".join(lines) + "\n"
+
+
+def _petsc(method: GLM | PartitionedGLM, digits: int) -> str:
+    tab = butcher(method, "petsc")
+    if isinstance(method, GLM) and not method.is_diagonally_implicit:
+        raise UsageError(
+            f"petsc registers explicit and diagonally implicit tableaux, and {method.name} is "
+            f"fully implicit; rungekutta.jl holds it"
+        )
+
+    def number(x: Scalar) -> str:
+        return _c_number(x, digits, str)
+
+    name = identifier(method.name)
+    explicit = isinstance(method, GLM) and method.is_explicit
+    call = f'{"TSRKRegister" if explicit else "TSDIRKRegister"}("{method.name or name}", '
+    call += f"{tab.order}, {tab.s}, A, b, c, NULL, 1, b)"
+    lines = [_head(method, tab, _C, digits), "#include <petscts.h>", ""]
+    lines += [f"PetscErrorCode {name}_register(void)", "{"]
+    for letter, rows in (("A", tab.A), ("b", (tab.b,)), ("c", (tab.c,))):
+        lines += _c_array("const PetscReal", letter, [[number(x) for x in row] for row in rows])
+    lines += ["", "  PetscFunctionBegin;", f"  PetscCall({call});"]
+    return "\n".join([*lines, "  PetscFunctionReturn(PETSC_SUCCESS);", "}"]) + "\n"
+
+
+# --- Python: diffrax -----------------------------------------------------------------------------
+
+
+def _diffrax(method: GLM | PartitionedGLM, digits: int) -> str:
+    tab = butcher(method, "diffrax")
+    if not (isinstance(method, GLM) and method.is_explicit and tab.s > 1):
+        raise UsageError(
+            f"the diffrax tables written here are explicit with two stages or more, and "
+            f"{method.name} is not: an implicit one also needs a predictor; jax writes a stepper"
+        )
+    if not all(is_zero(x) for i, row in enumerate(tab.A) for x in row[i:]):
+        raise UsageError(f"diffrax needs stages in their order, and those of {method.name} are not")
+
+    def array(values: Sequence[Scalar]) -> list[str]:
+        items = []
+        for x in values:
+            quotient = _quotient(x)
+            over = "" if quotient is None or quotient[1] == 1 else f" / {quotient[1]}"
+            items.append(decimal_of(x, digits) if quotient is None else f"{quotient[0]}.0{over}")
+        lines = wrapped(items, "            ")
+        return ["np.array(", "        [", *lines, "        ]", "    )"]
+
+    name = "".join(x.capitalize() for x in identifier(method.name).split("_"))
+    lines = [_head(method, tab, _HASH, digits), "import diffrax", "import numpy as np", ""]
+    lines += ["_tableau = diffrax.ButcherTableau("]
+    zeros = [x * 0 for x in tab.b]
+    for key, values in (("c", tab.c[1:]), ("b_sol", tab.b), ("b_error", zeros)):
+        first, *rest = array(values)
+        lines += [f"    {key}={first}", *rest[:-1], rest[-1] + ","]
+    lines += ["    a_lower=("]
+    for i in range(1, tab.s):
+        lines += [f"    {x}" for x in array(tab.A[i][:i])]
+        lines[-1] += ","
+    lines[-1:] = [lines[-1], "    ),", ")", "", ""]
+    lines += [
+        f"class {name}(diffrax.AbstractERK):",
+        '    """No embedded method, so no error estimate: use it with ConstantStepSize."""',
+        "",
+        "    tableau = _tableau",
+        "    interpolation_cls = diffrax.ThirdOrderHermitePolynomialInterpolation.from_k",
+        "",
+        "    def order(self, terms):",
+        f"        return {tab.order}",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+# --- Julia ---------------------------------------------------------------------------------------
+
+
+def _julia_number(x: Scalar, digits: int) -> str:
+    quotient = _quotient(x)
+    if quotient is None:
+        return f'big"{decimal_of(x, digits)}"'
+    return str(quotient[0]) if quotient[1] == 1 else f"{quotient[0]}//{quotient[1]}"
+
+
+def _julia_arrays(tab: Butcher, digits: int, kind: str, names: Sequence[str]) -> list[str]:
+    rows = [" ".join(_julia_number(x, digits) for x in row) for row in tab.A]
+    first, margin = f"    {names[0]} = {kind}[", "        "
+    if tab.s == 1:
+        lines = [f"    {names[0]} = reshape({kind}[{rows[0]}], 1, 1)"]
+    else:
+        lines = [first, *(f"{margin}{row}" for row in rows), "    ]"]
+    for name, values in zip(names[1:], (tab.b, tab.c), strict=True):
+        items = wrapped([_julia_number(x, digits) for x in values], margin)
+        lines += [f"    {name} = {kind}[", *items, "    ]"]
+    return lines
+
+
+def _ordinarydiffeq(method: GLM | PartitionedGLM, digits: int) -> str:
+    tab = butcher(method, "ordinarydiffeq")
+    if not (isinstance(method, GLM) and method.is_explicit):
+        raise UsageError(
+            f"ordinarydiffeq takes explicit tableaux (ExplicitRKTableau), and {method.name} is "
+            f"implicit; rungekutta.jl holds it"
+        )
+    name = identifier(method.name)
+    lines = [_head(method, tab, _HASH, digits), "import DiffEqBase", ""]
+    lines += [f"# solve(problem, ExplicitRK(tableau = {name}_tableau()); dt = h, adaptive = false)"]
+    lines += [f"function {name}_tableau(T::Type = Float64)"]
+    lines += _julia_arrays(tab, digits, "T", ("A", "α", "c"))
+    lines += [f"    return DiffEqBase.ExplicitRKTableau(A, c, α, {tab.order})", "end"]
+    return "\n".join(lines) + "\n"
+
+
+def _rungekutta(method: GLM | PartitionedGLM, digits: int) -> str:
+    tab = butcher(method, "rungekutta.jl")
+    name = identifier(method.name)
+    title = "".join(x.capitalize() for x in name.split("_"))
+    lines = [_head(method, tab, _HASH, digits), "using RungeKutta", ""]
+    lines += [f"function Tableau{title}(::Type{{T}} = Float64) where {{T}}"]
+    lines += _julia_arrays(tab, digits, "BigFloat", ("a", "b", "c"))
+    lines += [f"    return Tableau{{T}}(:{name}, {tab.order}, {tab.s}, a, b, c)", "end"]
+    return "\n".join(lines) + "\n"
+
+
+# --- every method: JSON, CSV, LaTeX --------------------------------------------------------------
+
+Rows = list[list[str]]
+
+
+def _all_blocks(method: GLM | PartitionedGLM) -> Iterator[tuple[str, Matrix]]:
+    """The blocks of a method by name, vectors as one row."""
+    if isinstance(method, PartitionedGLM):
+        for letter in "AUBV":
+            yield f"q.{letter}", getattr(method, letter)
+        for letter in "AUBV":
+            yield f"p.{letter}", getattr(method, f"{letter}_hat")
+        if method.starting is not None:
+            start = method.starting
+            yield from ((f"starting.{x}", getattr(start, x)) for x in ("A", "B", "A_hat", "B_hat"))
+            yield from ((f"starting.{x}", (getattr(start, x),)) for x in ("u", "u_hat"))
+        return
+    if method.r == 1 and _is_one(method.V[0][0]) and all(_is_one(x) for (x,) in method.U):
+        yield from (("A", method.A), ("b", method.B))
+    else:
+        yield from ((letter, getattr(method, letter)) for letter in "AUBV")
+    if method.starting is not None and method.starting.A:
+        yield from (("starting.A", method.starting.A), ("starting.B", method.starting.B))
+        yield "starting.u", (method.starting.u,)
+    if method.finishing is not None:
+        yield from (("finishing.A", method.finishing.A), ("finishing.b", (method.finishing.b,)))
+
+
+def _places(numbers: Sequence[Scalar], wanted: int | None) -> int:
+    """Digits after the point: as many as are wanted and as the narrowest enclosure has."""
+    widest = max((x.radius() for x in numbers if isinstance(x, Ball)), default=0.0)
+    known = PLACES if widest == 0 else min(PLACES, max(1, math.floor(-math.log10(2 * widest)) - 1))
+    return known if wanted is None else min(wanted, known)
+
+
+def _fixed(x: Scalar, places: int) -> str:
+    """A decimal with so many digits after the point, of a real number."""
+    from ..catalogue.writer import decimal
+
+    return decimal(x.ball(), places)
+
+
+def blocks_of(
+    method: GLM | PartitionedGLM, digits: int | None
+) -> tuple[dict[str, Rows], int | None]:
+    """The blocks of a method as rows of expressions, and the digits of its decimals, if any.
+
+    Parameters
+    ----------
+        method: any method.
+        digits: digits after the point, for decimals instead of expressions.
+
+    Returns
+    -------
+        Rows by the name of the block, such as ``A`` or ``starting.u`` (one row), and digits after
+        the point or ``None`` where every entry is exact.
+
+    Raises
+    ------
+        UsageError: for decimals of complex numbers.
+    """
+    blocks = dict(_all_blocks(method))
+    numbers = [x for matrix in blocks.values() for row in matrix for x in row]
+    texts = {id(x): None if digits is not None else _expression(x) for x in numbers}
+    rough = [x for x in numbers if texts[id(x)] is None and not _is_whole(x)]
+    if rough and not all(x.is_real() for x in rough):
+        raise UsageError(
+            f"{method.name or 'the method'} is complex, and its entries are written as "
+            f"expressions only; leave out the number of digits"
+        )
+    places = _places(rough, digits) if rough else None
+
+    def text(x: Scalar) -> str:
+        found = texts[id(x)]
+        if found is not None:
+            return found
+        return to_text(x) if isinstance(x, Exact) and _is_whole(x) else _fixed(x, places or 1)
+
+    return {name: [[text(x) for x in row] for row in m] for name, m in blocks.items()}, places
+
+
+def _is_whole(x: Scalar) -> bool:
+    fraction = x.as_fraction() if isinstance(x, Exact) else None
+    return fraction is not None and fraction.denominator == 1
+
+
+def _about(method: GLM | PartitionedGLM) -> dict[str, Any]:
+    """Name, title, claimed order and source, as far as they are known."""
+    document = method.document or {}
+    about: dict[str, Any] = {"name": method.name or "method"}
+    if "title" in document:
+        about["title"] = document["title"]
+    if isinstance(method.claims.get("order"), int):
+        about["order"] = method.claims["order"]
+    if "citation" in method.source:
+        about["source"] = {
+            key: method.source[key] for key in ("citation", "where", "doi") if key in method.source
+        }
+    if isinstance(method, PartitionedGLM):
+        about["separable"] = method.separable
+    elif not method.is_real:
+        about["field"] = "complex"
+    from .. import __version__
+
+    return {**about, "generated": f"glmref {__version__}"}
+
+
+def _json(method: GLM | PartitionedGLM, digits: int | None) -> str:
+    blocks, places = blocks_of(method, digits)
+    document = {**_about(method), **({"digits": places} if places is not None else {})}
+    for name, rows in blocks.items():
+        *outer, letter = name.split(".")
+        inside = document.setdefault(outer[0], {}) if outer else document
+        inside[letter] = rows[0] if letter in ("b", "u", "u_hat") else rows
+    from ..catalogue.canonical import canonical
+
+    return canonical(document)
+
+
+def _csv(method: GLM | PartitionedGLM, digits: int | None) -> str:
+    blocks, places = blocks_of(method, digits)
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(["block", "row", "column", "value"])
+    for key, value in {**_about(method), "digits": places}.items():
+        if isinstance(value, Mapping):
+            for inner, text in value.items():
+                writer.writerow([f"{key}.{inner}", "", "", text])
+        elif value is not None:
+            writer.writerow([key, "", "", json.dumps(value) if isinstance(value, bool) else value])
+    for name, rows in blocks.items():
+        for i, row in enumerate(rows):
+            for j, text in enumerate(row):
+                writer.writerow([name, i + 1, j + 1, text])
+    return out.getvalue()
+
+
+def _latex(method: GLM | PartitionedGLM, digits: int | None) -> str:
+    def cell(x: Scalar) -> str:
+        if digits is None:
+            found = _expression(x)
+            if found is not None:
+                return latex(found)
+        if not x.is_real():
+            raise UsageError(f"{method.name} is complex and has no decimals in LaTeX here")
+        return latex(decimal_of(x, digits or 10))
+
+    comment = header(method, Comment("", "% ", ""))
+    halves: list[tuple[str, Any, Vector | None]] = []
+    if isinstance(method, PartitionedGLM):
+        halves = [(f"{method.name}: q", [method.A, method.U, method.B, method.V], None)]
+        hats = [method.A_hat, method.U_hat, method.B_hat, method.V_hat]
+        halves.append((f"{method.name}: p", hats, None))
+    else:
+        c = tuple(sum(row[1:], row[0]) for row in method.A) if method.r == 1 else None
+        halves = [(method.name, [method.A, method.U, method.B, method.V], c)]
+    lines = [comment]
+    for title, (A, U, B, V), c in halves:
+        lines += ["", f"% {title}"]
+        lines += _array(A, U, B, V, c, cell, plain=c is not None and _is_one(V[0][0]))
+    return "\n".join(lines) + "\n"
+
+
+def _array(
+    A: Matrix, U: Matrix, B: Matrix, V: Matrix, c: Vector | None, cell: Callable[[Scalar], str], *,
+    plain: bool,
+) -> list[str]:  # fmt: skip
+    """One tableau: c | A over b for a Runge-Kutta method, [A U; B V] for others."""
+
+    def row(*parts: Sequence[Scalar] | None) -> str:
+        cells = [cell(x) for part in parts for x in (part or ())]
+        return "  " + " & ".join(cells) + r" \\"
+
+    if plain and c is not None:
+        lines = [rf"\begin{{array}}{{c|{'c' * len(A)}}}"]
+        lines += [row((x,), line) for x, line in zip(c, A, strict=True)]
+        lines += [r"  \hline", "  & " + row(B[0]).strip()]
+    else:
+        lines = [rf"\left[\begin{{array}}{{{'c' * len(A[0])}|{'c' * len(U[0])}}}"]
+        lines += [row(a, u) for a, u in zip(A, U, strict=True)]
+        lines += [r"  \hline", *(row(b, v) for b, v in zip(B, V, strict=True))]
+    return [*lines, r"\end{array}" + ("" if plain else r"\right]")]
+
+
+def _with_digits(
+    write: Callable[[GLM | PartitionedGLM, int], str],
+) -> Callable[[GLM | PartitionedGLM, int | None], str]:
+    return lambda method, digits: write(method, DIGITS if digits is None else digits)
+
+
+FORMATS: Mapping[str, Callable[[GLM | PartitionedGLM, int | None], str]] = {
+    "latex": _latex,
+    "sundials": _with_digits(_sundials),
+    "petsc": _with_digits(_petsc),
+    "diffrax": _with_digits(_diffrax),
+    "ordinarydiffeq": _with_digits(_ordinarydiffeq),
+    "rungekutta.jl": _with_digits(_rungekutta),
+    "json": _json,
+    "csv": _csv,
+}
+
+
+def table(method: GLM | PartitionedGLM, target: str, digits: int | None) -> str:
+    """Return a method as a table of another package.
+
+    Parameters
+    ----------
+        method: any method that the format can hold.
+        target: a key of :data:`FORMATS`.
+        digits: digits of decimals; by default :data:`DIGITS`, and expressions in JSON, CSV, LaTeX.
+
+    Raises
+    ------
+        UsageError: when the format cannot hold the method.
+    """
+    return FORMATS[target](method, digits)

@@ -1,0 +1,351 @@
+"""Exports: what is refused, what comments say; imports: foreign tables, and what is no table."""
+
+from __future__ import annotations
+
+import ast
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+import glmref
+from glmref.catalogue.reader import load_document
+from glmref.cli import exchanging, main
+from glmref.errors import DataError, UsageError
+from glmref.exact import exact
+from glmref.exchange import reading
+from glmref.exchange.export import TARGETS, export
+from glmref.exchange.header import Comment, header
+from glmref.exchange.latex import latex
+from glmref.exchange.numbers import decimal_of, lost, rounded
+from glmref.exchange.scheme import scheme_of
+from glmref.exchange.steppers import LANGUAGES, fill, identifier
+from glmref.method import GLM
+
+
+def test_the_command_line_offers_what_the_package_writes_and_reads() -> None:
+    from glmref.exchange.tables import FORMATS
+
+    assert exchanging.TARGETS == TARGETS
+    assert set(exchanging.READ) == set(reading.FORMATS)
+    assert set(TARGETS) == {*LANGUAGES, *FORMATS}
+    assert len(TARGETS) >= 12
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_every_target_names_method_source_and_version(target: str) -> None:
+    text = export("heun-2", to=target)
+    assert "heun-2" in text
+    assert "Heun, K." in text
+    assert f"glmref {glmref.__version__}" in text
+
+
+@pytest.mark.parametrize(
+    ("name", "target", "reason"),
+    [
+        ("g6245", "sundials", "carries 4 values"),
+        ("stormer-verlet", "petsc", "is a pair"),
+        ("gauss-2", "sundials", "fully implicit"),
+        ("gauss-2", "petsc", "fully implicit"),
+        ("tr-bdf2", "diffrax", "predictor"),
+        ("euler", "diffrax", "two stages"),
+        ("sdirk-2", "ordinarydiffeq", "implicit"),
+        ("g6245-w3-complex", "c", "complex"),
+        ("g6245-w3-complex", "rungekutta.jl", "carries 4 values"),
+    ],
+)
+def test_what_a_format_cannot_hold_is_refused_in_one_sentence(
+    name: str, target: str, reason: str
+) -> None:
+    with pytest.raises(UsageError, match=reason) as refusal:
+        export(name, to=target)
+    assert name in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
+def test_wrong_arguments_are_named() -> None:
+    with pytest.raises(UsageError, match="did you mean fortran"):
+        export("rk4", to="fortan")
+    with pytest.raises(UsageError, match="from 1 to 150, got 0"):
+        export("rk4", to="c", digits=0)
+    with pytest.raises(UsageError, match="`method` must be a method"):
+        export(3, to="c")  # type: ignore[arg-type]
+
+
+def test_a_method_with_several_values_and_no_start_is_refused() -> None:
+    """Its first value is not the solution, so that the enhanced start does not apply."""
+    V, U = [["1", "0"], ["0", "1/2"]], [["0", "1"]]
+    method = GLM(A=[["0"]], U=U, B=[["1"], ["1"]], V=V, name="mine")
+    with pytest.raises(UsageError, match="mine carries 2 values and has no starting method"):
+        export(method, to="c")
+
+
+def test_a_computed_method_without_a_name_is_exported() -> None:
+    method = GLM(A=[["0"]], U=[["1"]], B=[["1"]], V=[["1"]])
+    assert "method_integrate" in export(method, to="c")
+    assert "Tableau{T}(:method, 1, 1, a, b, c)" in export(method, to="rungekutta.jl")
+
+
+def test_a_citation_cannot_end_a_comment_nor_add_lines_to_it() -> None:
+    source = {
+        "citation": 'a */ int x; /* b\n#include "y" """ z\\',
+        "where": "p",
+        "status": "derived",
+    }
+    method = GLM(A=[["0"]], U=[["1"]], B=[["1"]], V=[["1"]], name="sly", source=source)
+    body = header(method, Comment("/*", " * ", " */"))
+    assert body.count("*/") == 1
+    assert body.count("/*") == 1
+    assert "\\" not in body
+    assert '"""' not in body
+    assert all(line.startswith(" *") for line in body.splitlines()[1:])
+
+
+def test_literals_are_the_nearest_doubles_and_the_residue_is_what_they_lost() -> None:
+    third = exact(Fraction(1, 3))
+    assert rounded(third, None) == "0.3333333333333333"
+    assert Fraction(lost(third, "0.3333333333333333")) == pytest.approx(
+        Fraction(1, 3) - Fraction(1 / 3), rel=1e-15
+    )
+    assert rounded(third, 5) == "0.33333"
+    assert rounded(exact(2), None) == "2.0"
+    assert rounded(exact(2), 5) == "2.0"
+    assert decimal_of(exact(Fraction(-1, 4)), 30) == "-0.25"
+    assert decimal_of(exact(Fraction(1, 3 * 10**9)), 4) == "3.333e-10"
+
+
+def test_identifiers_are_names_in_every_language() -> None:
+    assert identifier("pair-rkn-6-8b") == "pair_rkn_6_8b"
+    assert identifier("3-eighths") == "m_3_eighths"
+    assert identifier("") == "method"
+
+
+def test_a_template_keeps_the_parts_that_hold() -> None:
+    text = "@if a\n1\n@if b\n2\n@end\n@elif b\n3\n@else\n4\n@end\n@{x}"
+    assert fill(text, frozenset("a"), {"x": "y"}) == "1\ny\n"
+    assert fill(text, frozenset("ab"), {"x": "y"}) == "1\n2\ny\n"
+    assert fill(text, frozenset("b"), {"x": "y"}) == "3\ny\n"
+    assert fill(text, frozenset(), {"x": "y"}) == "4\ny\n"
+
+
+def test_steppers_of_every_real_method_are_written_in_every_language() -> None:
+    for name in (
+        "rk4",
+        "gauss-2",
+        "ab-2",
+        "g4123",
+        "stormer-verlet",
+        "gsymplectic-n-pair",
+        "pair-4-4",
+    ):
+        for language in LANGUAGES:
+            text = export(name, to=language)
+            assert "@{" not in text
+            assert not any(line.startswith("@") for line in text.splitlines())
+        ast.parse(export(name, to="python"))
+        ast.parse(export(name, to="jax"))
+
+
+def test_stages_stand_in_the_order_of_computation_and_unread_ones_are_dropped() -> None:
+    scheme = scheme_of(glmref.load("pair-rkn-6-8b"))
+    assert scheme.start is not None
+    for table in (scheme.step, scheme.start):
+        assert set(table.blocks) == {1}
+        assert all(x.is_zero() is True for i, row in enumerate(table.A) for x in row[i:])
+    method = GLM(A=[["0", "1"], ["0", "0"]], U=[["1"], ["1"]], B=[["1", "0"]], V=[["1"]])
+    assert scheme_of(method).step.blocks == (1, 1)
+    idle = GLM(A=[["0", "0"], ["0", "0"]], U=[["1"], ["1"]], B=[["1", "0"]], V=[["1"]])
+    assert scheme_of(idle).step.s == 1
+
+
+def test_expressions_in_latex() -> None:
+    assert latex("(3-sqrt(3))/6") == r"\frac{3-\sqrt{3}}{6}"
+    assert latex("-1/2") == r"-\frac{1}{2}"
+    assert latex("2*sqrt(5)/5") == r"\frac{2 \sqrt{5}}{5}"
+    assert latex("(1+sqrt(2))*3") == r"\left(1+\sqrt{2}\right)\cdot 3"
+    assert latex("root(2,3)") == r"\sqrt[3]{2}"
+    assert latex("1.5e-10") == r"1.5\cdot 10^{-10}"
+
+
+def test_latex_of_a_general_linear_method_has_four_blocks() -> None:
+    text = export("gsymplectic-n", to="latex")
+    assert r"\left[\begin{array}{cc|cc}" in text
+    assert text.count(r"\hline") == 1
+    pair = export("gsymplectic-n-pair", to="latex")
+    assert pair.count(r"\begin{array}") == pair.count(r"\end{array}") == 2
+
+
+@pytest.mark.peers
+@pytest.mark.slow
+def test_the_diffrax_class_steps_as_the_method(tmp_path: Path) -> None:
+    pytest.importorskip("diffrax", reason="diffrax is not installed")
+    import os
+    import subprocess
+    import sys
+
+    (tmp_path / "table.py").write_text(export("heun-3", to="diffrax"), encoding="utf-8")
+    script = (
+        "import diffrax, jax.numpy as jnp, table, sys\n"
+        "found = diffrax.diffeqsolve(diffrax.ODETerm(lambda t, y, args: y * jnp.cos(t)),\n"
+        "    table.Heun3(), 0.0, 1.0, 0.125, jnp.array(1.0),\n"
+        "    stepsize_controller=diffrax.ConstantStepSize())\n"
+        "sys.stdout.write(repr(float(found.ys[-1])))\n"
+    )
+    ran = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=False, cwd=tmp_path,
+        env={**os.environ, "JAX_ENABLE_X64": "1", "JAX_PLATFORMS": "cpu"},
+    )  # fmt: skip
+    assert ran.returncode == 0, ran.stderr
+    import math
+
+    stepper: dict = {}
+    exec(export("heun-3", to="python"), stepper)
+    (y,) = stepper["integrate"](lambda t, y: [y[0] * math.cos(t)], 0.0, 0.125, 8, [1.0])
+    assert float(ran.stdout) == pytest.approx(y, rel=1e-14)
+
+
+# --- reading -------------------------------------------------------------------------------------
+
+JULIA = """
+function constructBogackiShampine3(T::Type = Float64)
+    A = [0 0 0 0
+         1//2 0 0 0
+         0 3//4 0 0
+         2//9 1//3 4//9 0]
+    c = [0; 1 // 2; 3 // 4; 1]   # abscissae
+    α = [2 // 9; 1 // 3; 4 // 9; 0]
+    return ExplicitRKTableau(A, c, α, 3, adaptiveorder = 2)
+end
+"""
+C = """
+/* Ralston's method, as somebody writes it */
+const PetscReal A[2][2] = {{0, 0}, {RCONST(2.0)/RCONST(3.0), 0}}, // rows
+                b[2] = {.25, (PetscReal)0.75};
+TSRKRegister("ralston", 2, 2, &A[0][0], b, NULL, NULL, 0, NULL);
+"""
+PYTHON = """
+import numpy as np
+tableau = diffrax.ButcherTableau(
+    a_lower=(np.array([1 - np.sqrt(2) / 2]),), a_diagonal=np.array([0, 1 - np.sqrt(2) / 2]),
+    b_sol=np.array([1 / 2, 0.5]), b_error=np.array([0.0, 0.0]), c=np.array([2 - np.sqrt(2.0)]),
+)
+class Mine:
+    def order(self, terms):
+        return 1
+"""
+
+
+def test_a_julia_table_written_by_somebody_else_is_read() -> None:
+    document = reading.read_table(JULIA, "ordinarydiffeq", name="bs3")
+    assert document["A"][3] == ["2/9", "1/3", "4/9", "0"]
+    assert document["b"] == ["2/9", "1/3", "4/9", "0"]
+    assert document["claims"] == {"order": 3, "abscissae": ["0", "1/2", "3/4", "1"]}
+    findings = glmref.verify(load_document(document))
+    assert [x.verdict.name for x in findings] == ["HOLDS", "HOLDS"]
+
+
+def test_a_c_table_written_by_somebody_else_is_read() -> None:
+    document = reading.read_table(C, "petsc")
+    assert document["name"] == "ralston"
+    assert document["A"] == [["0", "0"], ["2/3", "0"]]
+    assert document["b"] == ["1/4", "3/4"]
+    assert document["claims"] == {"order": 2}
+    without = reading.read_table(C.replace("TSRKRegister", "Other"), "petsc")
+    assert without["claims"] == {"explicit": True}
+
+
+def test_a_python_table_written_by_somebody_else_is_read_with_its_roots() -> None:
+    document = reading.read_table(PYTHON, "diffrax")
+    assert document["A"] == [["0", "0"], ["(2-sqrt(2))/2", "(2-sqrt(2))/2"]]
+    assert document["claims"] == {"order": 1, "abscissae": ["0", "2-sqrt(2)"]}
+
+
+def test_long_decimals_are_rounded_numbers_and_short_ones_exact() -> None:
+    text = '{"A": [[0, 0], [0.5, 0]], "b": [0.33333333333333331, 0.66666666666666669], "order": 1}'
+    document = reading.read_table(text, "json")
+    assert document["A"][1][0] == "1/2"
+    assert document["digits"] == 16
+    method = load_document(document)
+    assert isinstance(method, GLM)
+    assert (method.B[0][0] - Fraction(1, 3)).is_zero() is None
+
+
+def test_numbers_with_exponents_are_read() -> None:
+    text = '{"A": [[0, 0], [5e-1, 0]], "b": [3.3333333333333333e-1, 6.66666666666666666E-01]}'
+    document = reading.read_table(text, "json")
+    assert document["A"][1][0] == "1/2"
+    assert document["b"] == ["0.33333333333333333", "0.666666666666666666"]
+    assert document["digits"] == 16
+
+
+def test_a_comment_that_contradicts_the_table_is_not_believed() -> None:
+    text = export("sdirk-2", to="petsc")
+    assert "exact b: sqrt(2)/2" in text
+    with pytest.raises(DataError, match=r"`b\[1\]\[1\]` is 0.7071.* and sqrt\(3\)/2 = 0.866"):
+        reading.read_table(text.replace("exact b: sqrt(2)/2", "exact b: sqrt(3)/2"), "petsc")
+    with pytest.raises(DataError, match="another shape"):
+        reading.read_table(text.replace("exact b: sqrt(2)/2;", "exact b:"), "petsc")
+
+
+@pytest.mark.parametrize(
+    ("form", "text", "reason"),
+    [
+        ("json", "{", "is no JSON"),
+        ("json", "[1]", "one JSON object"),
+        ("json", '{"A": [["0"]]}', "needs A and b"),
+        ("json", '{"A": [["0"]], "b": [["x y"]]}', "`b"),
+        ("json", '{"A": [["__import__(1)"]], "b": ["1"]}', "is not known"),
+        ("json", '{"A": {"x": {}}, "b": ["1"]}', "must be a list"),
+        ("json", '{"format": "glmref-method-1"}', "needs no import"),
+        ("json", '{"A": [["0", "1"]], "b": ["1"]}', "must have shape"),
+        ("json", "[" * 100_000, "nested too deep"),
+        ("csv", "a,b\n", "line 1 must have the columns"),
+        ("csv", "A,1,2,0\nb,1,1,1\n", "is missing"),
+        ("csv", "A,0,1,0\n", "whole numbers"),
+        ("petsc", "int main;", "no arrays"),
+        ("petsc", "A[] = {0, 1}; b[] = {1};", "1 times 1 entries"),
+        ("petsc", "A[] = {0; b[] = {1}", "bracket is not closed|no arrays|times"),
+        ("petsc", "A[] = {0}; A[] = {1}; b[] = {1};", "keep one table"),
+        ("sundials", "A[] = {system(1)}; b[] = {1};", "is not known|no number"),
+        ("sundials", "A[] = {1.0/0.0}; b[] = {1};", "division by zero"),
+        ("sundials", "A[] = {1e99999}; b[] = {1};", "more digits"),
+        ("diffrax", "def", "is no Python"),
+        ("diffrax", "x = 1", "one call of ButcherTableau"),
+        ("diffrax", "ButcherTableau(c=1, b_sol=2, a_lower=3)", "a list of numbers"),
+        ("diffrax", "ButcherTableau(c=[], b_sol=[open('x')], a_lower=())", "no number"),
+        ("ordinarydiffeq", "A = [0, 0]\nα = [1]", "blanks between"),
+        ("ordinarydiffeq", "A = [0\nα = [1]", "not closed|needs A and b"),
+        ("rungekutta.jl", "a = [run(`x`)]; b = [1]", "no number"),
+    ],
+)
+def test_what_is_no_table_is_refused_in_one_sentence(form: str, text: str, reason: str) -> None:
+    with pytest.raises(DataError, match=reason) as refusal:
+        reading.read_table(text, form, where="mine.txt")
+    assert "\n" not in str(refusal.value)
+    assert str(refusal.value).startswith("mine.txt")
+
+
+def test_the_commands_write_files_and_say_what_is_wrong(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table, method = tmp_path / "heun.c", tmp_path / "heun.json"
+    assert main(["export", "heun-2", "--to", "petsc", "--output", str(table)]) == 0
+    assert main(["import", str(table), "--from", "petsc", "--output", str(method)]) == 0
+    assert main(["verify", str(method)]) == 0
+    capsys.readouterr()
+    assert main(["export", "heun-2", "--to", "json"]) == 0
+    assert '"b": ["1/2", "1/2"]' in capsys.readouterr().out
+    for words, reason in (
+        (["export", "heun-2", "--to", "c", "--output", str(tmp_path)], "cannot be written"),
+        (["import", str(tmp_path / "none"), "--from", "csv"], "cannot be read"),
+        (["import", str(tmp_path), "--from", "csv"], "cannot be read"),
+        (["export", "heun-2", "--to", "cobol"], "cobol"),
+        (["export", "g6245", "--to", "sundials"], "carries 4 values"),
+    ):
+        assert main(words) == 2
+        error = capsys.readouterr().err
+        assert reason in error
+        assert error.count("\n") == 1
+    (tmp_path / "binary").write_bytes(b"\xff\xfe\x00")
+    assert main(["import", str(tmp_path / "binary"), "--from", "csv"]) == 2
+    assert "UTF-8" in capsys.readouterr().err
