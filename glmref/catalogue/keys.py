@@ -91,6 +91,7 @@ CLAIMS: Mapping[str, type] = {
     "symplectic": bool,
     "g-symplectic": bool,
     "symmetric": bool,
+    "symmetric-reduced": bool,
     "parasitism-free": bool,
     "reducible": bool,
     "a-stable": bool,
@@ -101,7 +102,7 @@ CLAIMS: Mapping[str, type] = {
 }
 _OF_A_PAIR = frozenset(["nystrom-order", "nystrom-starting-order", "reducible"])
 _OF_ONE_METHOD = frozenset(
-    ["finishing-order", "a-stable", "l-stable", "abscissae", "error-constant"]
+    ["finishing-order", "a-stable", "l-stable", "abscissae", "error-constant", "symmetric-reduced"]
 )
 
 

@@ -184,11 +184,16 @@ class _Reader(Entries):
         return self._forms(0)["G"]
 
     def _lmm(self) -> GLM:
-        return self._one_step(families.linear_multistep(*self._alpha_beta()))
+        coefficients = self._alpha_beta()
+        built = self._one_step(families.linear_multistep(*coefficients))
+        return replace(built, multistep=coefficients)
 
     def _one_leg(self) -> GLM:
-        built = families.one_leg(*self._alpha_beta())
-        return replace(built, **self._forms(built.r), **self._record(built.r))
+        coefficients = self._alpha_beta()
+        built = families.one_leg(*coefficients)
+        return replace(
+            built, **self._forms(built.r), **self._record(built.r), multistep=coefficients
+        )
 
     def _alpha_beta(self) -> tuple[Vector, Vector]:
         alpha = self.vector(self.doc["alpha"], "alpha")

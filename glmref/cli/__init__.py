@@ -18,6 +18,7 @@ from ..errors import GlmrefError
 from ..system.process import guarded
 from .benching import bench
 from .browsing import cite, list_, show
+from .certifying import certify
 from .checking import verify
 from .deriving import derive
 from .describing import analyze, errata
@@ -42,7 +43,7 @@ def group() -> None:
 
 
 for command in (
-    *(verify, analyze, list_, show, cite, errata, derive, run, probe, bench, report),
+    *(verify, certify, analyze, list_, show, cite, errata, derive, run, probe, bench, report),
     *(export, import_),
 ):
     group.add_command(command)

@@ -34,7 +34,15 @@ __all__ = ["verify"]
     metavar="CLAIM",
     help="Check this claim only; may be given several times.",
 )
-def verify(names: tuple[str, ...], form: str, only: tuple[str, ...]) -> int:
+@click.option(
+    "--certificates",
+    type=click.Path(file_okay=False),
+    metavar="DIR",
+    help="Write the certificate of every claim that has one, a file each.",
+)
+def verify(
+    names: tuple[str, ...], form: str, only: tuple[str, ...], certificates: str | None
+) -> int:
     """Recompute every claim of the methods named, and say how each was proved.
 
     Without a name all shipped methods are checked, and all files that are wrong on purpose are
@@ -51,9 +59,20 @@ def verify(names: tuple[str, ...], form: str, only: tuple[str, ...]) -> int:
         report.finish(len(asked), interrupted=True)
         return INTERRUPTED
     report.finish(len(asked))
+    if certificates is not None:
+        _certify([x for x in asked if not report.failed(x)], certificates)
     if only and not report.findings and not report.errors:
         raise UsageError(f"none of the files asked for claims {' or '.join(map(repr, only))}")
     return report.code()
+
+
+def _certify(names: Sequence[str], folder: str) -> None:
+    from pathlib import Path
+
+    from .certifying import write_certificates
+
+    count, missing = write_certificates(list(names), Path(folder))
+    complain(f"{count} certificates written to {folder}, none for {len(missing)} claims")
 
 
 def _check(names: Sequence[str], only: Sequence[str], report: _Report, advance: Any) -> None:
@@ -100,6 +119,10 @@ class _Report:
                     checked.findings, style=self.style, every=self.every, width=self.width
                 )
             )
+
+    def failed(self, name: str) -> bool:
+        """Whether a file could not be read."""
+        return any(name == x for x, _ in self.errors)
 
     def finish(self, asked: int, *, interrupted: bool = False) -> None:
         """Write the end of the report: everything that was found so far, complete in itself."""

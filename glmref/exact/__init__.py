@@ -16,6 +16,7 @@ from .field import BALL_BITS
 from .jet import Jet, jets, lift
 from .number import Exact, exact, root_of_unity
 from .products import BallMatrix, sum_of_products
+from .relations import box, cyclotomic, factorization, rational_combination
 
 __all__ = [
     "BALL_BITS",
@@ -25,9 +26,13 @@ __all__ = [
     "Jet",
     "Scalar",
     "ball",
+    "box",
+    "cyclotomic",
     "exact",
+    "factorization",
     "jets",
     "lift",
+    "rational_combination",
     "root_of_unity",
     "sum_of_products",
 ]

@@ -21,7 +21,7 @@ from typing import NamedTuple
 from ..errors import DataError, ExactnessError
 from . import Ball, Exact, Scalar, root_of_unity
 
-__all__ = ["Text", "Weight", "parse", "to_text", "weigh"]
+__all__ = ["Text", "Weight", "parse", "shown_number", "to_text", "weigh"]
 
 MAX_LENGTH = 4000  # characters of one entry, its constants written out; published ones have 200
 MAX_DEPTH = 40  # nested parentheses and signs
@@ -342,6 +342,15 @@ def to_text(value: Scalar) -> str:
     if not _stands_for(text, value):  # e.g. the other root of the generator's polynomial
         raise ExactnessError(f"no square-root form found for {value!r}")
     return text
+
+
+def shown_number(x: Scalar) -> str:
+    """Return a number as an exact expression where it has one, else as a decimal."""
+    try:
+        return to_text(x) if isinstance(x, Exact) else f"{complex(x).real:.17g}"
+    except (ExactnessError, DataError):
+        z = complex(x)
+        return f"{z.real:.17g}" if z.imag == 0 else f"{z:.17g}"
 
 
 def _tidy(text: str) -> str:

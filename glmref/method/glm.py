@@ -107,6 +107,7 @@ class GLM:
         claims: what its file claims, by key; empty for a method that was computed.
         source: citation, place and status, as in the file.
         document: the file's JSON object, ``None`` for a method that was computed.
+        multistep: (alpha, beta) of a multistep or one-leg method, as its file gives them.
 
     The constructor takes strings, ints, Fractions or scalars and checks shapes.
 
@@ -131,6 +132,7 @@ class GLM:
     claims: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     source: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     document: Mapping[str, Any] | None = field(default=None, repr=False)
+    multistep: tuple[Vector, Vector] | None = field(default=None, repr=False)
 
     if TYPE_CHECKING:  # what is taken is wider than what is kept
 
@@ -148,6 +150,7 @@ class GLM:
             claims: Mapping[str, Any] = ...,
             source: Mapping[str, Any] = ...,
             document: Mapping[str, Any] | None = None,
+            multistep: tuple[Vector, Vector] | None = None,
         ) -> None: ...
 
     def __post_init__(self) -> None:
@@ -213,6 +216,7 @@ class GLM:
             "claims": MappingProxyType({}),
             "source": MappingProxyType({}),
             "document": None,
+            "multistep": None,
             "starting": None,
             "finishing": None,
             "G": None,

@@ -1,1 +1,1 @@
-"""Proofs that a true method lies within published digits: equations, interval tests, starts."""
+"""Proofs: the kernel that gives verdicts, and what proposes witnesses to it."""

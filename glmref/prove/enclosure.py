@@ -154,7 +154,7 @@ class Enclosure:
         radius: half-width of the box in which the root is unique.
         contraction: see :class:`Krawczyk`.
         order: the order proved (a lower bound; see ``next_order`` for the upper one).
-        proves: claim key -> sentence that says what proves it.
+        started: the claims about the start and the finish that were proved.
         explicit: stages (from 1) whose diagonal entry is zero.
         signs: diagonal of E = V L, the symmetry of the values.
         width: largest magnitude over all residuals up to the order, growth parameters included.
@@ -166,13 +166,13 @@ class Enclosure:
     radius: Fraction
     contraction: float
     order: int
-    proves: Mapping[str, str]
     explicit: frozenset[int]
     signs: tuple[int, ...]
     width: float
     next_order: float
     series: Series = field(repr=False)
     blocks: Blocks = field(repr=False)
+    started: tuple[str, ...] = ()
 
 
 def prove(document: Mapping[str, Any]) -> Enclosure:
@@ -187,7 +187,10 @@ def prove(document: Mapping[str, Any]) -> Enclosure:
         ExactnessError: when the interval test does not find exactly one root near the digits.
     """
     system = SweepSystem(document)
-    order = document["claims"].get("order", document["claims"].get("order-identity", 0))
+    claims = document.get("claims", {})
+    order = max(claims.get("order", 0), claims.get("order-identity", 0))
+    if order < 1:
+        raise DataError("a file with an `enclosure` must claim an order of at least 1")
     signs = _checked_signs(system, order)
     root = _root(document, system)
     values = dict(zip(system.unknowns, root.box, strict=True))
@@ -199,6 +202,7 @@ def prove(document: Mapping[str, Any]) -> Enclosure:
     series = starting_series(blocks, order + 1, principal, stage_order=system.stage_order)
     growths = [system.growth(e.what, D, X) for e in system.equations if e.kind == "growth"]
     small = [x for t, x in series.residual.items() if t.order <= order] + growths
+    small += [row[0] - 1 for row in blocks.U]  # U u = 1
     width = max(ball(x).magnitude() for x in small)
     # one by one: the largest of numbers that are no numbers may be any of the others
     if not all(ball(x).contains_zero() and ball(x).magnitude() < WIDTH for x in small):
@@ -211,7 +215,6 @@ def prove(document: Mapping[str, Any]) -> Enclosure:
         radius=radius_of(document),
         contraction=root.contraction,
         order=order,
-        proves=_consequences(system, order, series),
         explicit=system.explicit,
         signs=signs,
         width=width,
@@ -223,9 +226,7 @@ def prove(document: Mapping[str, Any]) -> Enclosure:
         return record
     from .starting import Target, prove_blocks
 
-    sentence = "an exact tableau lies within the digits, by the interval test on its conditions"
-    more = dict.fromkeys(prove_blocks(document, Target.of(document, record)), sentence)
-    return replace(record, proves={**record.proves, **more})
+    return replace(record, started=tuple(prove_blocks(document, Target.of(document, record))))
 
 
 def _checked_signs(system: SweepSystem, order: int) -> tuple[int, ...]:
@@ -241,7 +242,7 @@ def _checked_signs(system: SweepSystem, order: int) -> tuple[int, ...]:
             "`D` and `X` must be palindromic up to a sign for each row of X, with V and G to "
             "match: only then do the even orders follow"
         )
-    missing = [n for n in range(1, order, 2) if not covered(system, n)]
+    missing = [n for n in range(1, order + 1, 2) if not covered(system, n)]
     if missing:
         raise DataError(
             f"the equations of the file do not give the conditions of order {missing[0]}: at stage "
@@ -298,29 +299,6 @@ def _root(document: Mapping[str, Any], system: SweepSystem) -> Krawczyk:
                 f"the root lies further than half a unit of the last digit from `unknowns.{name}`"
             )
     return result
-
-
-def _consequences(system: SweepSystem, order: int, series: Series) -> Mapping[str, str]:
-    """Claims that follow, each with the sentence that says from what."""
-    proves = {
-        "order": f"the equations {', '.join(e.text for e in system.equations)}, moving the root, "
-        "and symmetry",
-        "g-symplectic": "holds for every value of the unknowns, V^T G V = G",
-        "symmetric": "palindromic for every value of the unknowns",
-        "preconsistent": "the first column of U is the first row of X, which is 1",
-        "consistent": "the condition of the tree with one node",
-    }
-    if all(x[0].is_zero() is True for x in series.zeta.values()):
-        proves["order-identity"] = proves["order"]
-    if system.r == 1:
-        proves["symplectic"] = proves["g-symplectic"]
-    growths = [e.what for e in system.equations if e.kind == "growth"]
-    reached = sum(1 if parse(x).is_real() else 2 for x in set(growths))
-    if reached == system.r - 1:
-        proves["parasitism-free"] = proves["growth"] = (
-            f"the growth parameters of {', '.join(growths) or 'no eigenvalue'} are equations"
-        )
-    return proves
 
 
 def shift_matrix(order: int) -> Matrix:

@@ -49,7 +49,6 @@ class PairEnclosure:
         order: the order proved (a lower bound). nystrom_order: the same on second-order systems.
         identity: whether the first values are the solution itself, to that order.
         width: largest magnitude over all residuals up to the order and all growth parameters.
-        proves: claim key -> sentence that says what proves it.
     """
 
     values: Mapping[str, Ball]
@@ -58,7 +57,6 @@ class PairEnclosure:
     nystrom_order: int
     identity: bool
     width: float
-    proves: Mapping[str, str]
     numbers: PairNumbers = field(repr=False)
 
 
@@ -74,6 +72,8 @@ def prove_pair(document: Mapping[str, Any]) -> PairEnclosure:
         ExactnessError: when the interval test does not find exactly one root near the digits.
     """
     system = PairSystem(document)
+    if not system.claimed and not system.claimed_nystrom:
+        raise DataError("a file with an `enclosure` must claim an order of at least 1")
     symmetric = system.signs() is not None
     if not symmetric and not system.is_one_step:
         raise DataError(
@@ -82,7 +82,9 @@ def prove_pair(document: Mapping[str, Any]) -> PairEnclosure:
         )
     wanted = ((system.claimed, False), (system.claimed_nystrom, True))
     for order, nystrom in wanted:
-        _check_covered(system, range(1, order, 2) if symmetric else range(1, order + 1), nystrom)
+        _check_covered(
+            system, range(1, order + 1, 2) if symmetric else range(1, order + 1), nystrom
+        )
     root = _root(document, system)
     numbers, principal = system.read(dict(zip(system.unknowns, root.box, strict=True)))
     for name, weights in zip(system.names, (numbers.b, numbers.c), strict=True):
@@ -118,7 +120,6 @@ def prove_pair(document: Mapping[str, Any]) -> PairEnclosure:
         nystrom_order=max(system.claimed, system.claimed_nystrom),
         identity=identity,
         width=width,
-        proves=_consequences(system, identity, symmetric, started),
         numbers=numbers,
     )
 
@@ -167,42 +168,3 @@ def _root(document: Mapping[str, Any], system: PairSystem) -> Krawczyk:
                 f"`unknowns.{name}` is not the root rounded to {digits} digits after the point"
             )
     return result
-
-
-def _consequences(
-    system: PairSystem, identity: bool, symmetric: bool, started: bool
-) -> Mapping[str, str]:
-    """Claims that follow, each with the sentence that says from what."""
-    equations = ", ".join(str(e.tree) for e in system.equations if e.kind == "order")
-    order = f"equations {equations} and the theorems on moving the root and on symmetry"
-    proves = {
-        "order": order,
-        "nystrom-order": order,
-        "g-symplectic": "holds for every value of the unknowns, V^T G V^ = G",
-        "symmetric": "palindromic for every value of the unknowns",
-        "explicit": "the stages have an order",
-        "preconsistent": "the first rows of X and Y are 1",
-        "consistent": "the conditions of the two trees with one node",
-        "zero-stable": "V and V^ are exact",
-        "reducible": "the minors that give the ranks exclude zero over balls around the digits",
-    }
-    if not symmetric:
-        proves["symmetric"] = "a condition excludes zero over balls around the digits"
-    if identity:
-        proves["starting-order"] = (
-            "the equations `start` and the parity of the starting series; the next term excludes "
-            "zero over balls around the digits"
-        )
-        proves["order-identity"] = order
-    if started:
-        sentence = "an exact start lies within the digits, by the interval test on its conditions"
-        proves["starting-order"] = proves["nystrom-starting-order"] = sentence
-    if system.is_one_step:
-        proves["symplectic"] = proves["g-symplectic"]
-    growths = {(e.half, e.eigenvalue) for e in system.equations if e.kind == "growth"}
-    for_q, for_p = ({z for half, z in growths if half == x} for x in "qp")
-    if for_q == for_p and sum(1 if parse(z).is_real() else 2 for z in for_q) == len(system.V) - 1:
-        proves["parasitism-free"] = proves["growth"] = (
-            "the growth parameters of both halves are equations"
-        )
-    return proves

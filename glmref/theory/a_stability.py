@@ -101,6 +101,8 @@ def _escape(p: Polynomial, where: str) -> str:
 
 def _poles_in_right_half(denominator: Polynomial) -> bool:
     """Whether all zeros have positive real part: z = (x + 1)/(x - 1) takes that to |x| > 1."""
+    if poly.evaluate(denominator, -1).is_zero() is True:
+        return False  # x = 0, which the reversal below would lose
     moved = poly.compose_moebius(denominator, 1, 1, 1, -1)
     padded = (*moved, *((_ZERO,) * (len(denominator) - len(moved))))
     return is_schur(poly.trim(padded[::-1]))

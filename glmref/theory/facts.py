@@ -6,7 +6,6 @@ thing twice and none computes what it was not asked for.
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from fractions import Fraction
 from functools import cached_property
 from math import factorial
@@ -18,6 +17,8 @@ from ..findings import Proof
 from ..method import GLM, PartitionedGLM
 
 if TYPE_CHECKING:
+    from ..prove.implications import Implied
+    from ..prove.kernel import Judgement, Kernel
     from .consistency import Consistency
     from .order import OrderResult
     from .parasitism import PairParasitism, Parasitism
@@ -35,26 +36,38 @@ class Facts:
 
     Args:
         method: the method.
-        proven: claims that the enclosure of its file proves of the true method within the
-            published digits, or ``None`` for a file without enclosure.
+        implied: what the enclosure of its file proves, or ``None``.
     """
 
-    def __init__(self, method: Any, *, proven: Collection[str] | None = None) -> None:
+    def __init__(self, method: Any, *, implied: Implied | None = None) -> None:
         self.method = method
-        self.proven = proven
+        self.implied = implied
+
+    @cached_property
+    def kernel(self) -> Kernel:
+        """The rules that give verdicts about this method."""
+        from ..prove.kernel import Kernel
+
+        return Kernel(self.method, self.implied)
 
     @property
     def proof(self) -> Proof:
-        """The strongest proof that an identity of this method's coefficients can have."""
+        """What the record as a whole rests on: exact numbers, an enclosure, or published digits."""
         if self.method.is_exact:
             return Proof.EXACT
-        return Proof.MEASURED if self.proven is None else Proof.ENCLOSED
+        return Proof.MEASURED if self.implied is None else Proof.ENCLOSED
 
-    def proof_of(self, claim: str) -> Proof:
-        """The proof one claim has: enclosed only where the enclosure of the file proves it."""
-        if self.proof is Proof.ENCLOSED and claim not in (self.proven or ()):
-            return Proof.MEASURED
-        return self.proof
+    def judge(self, claim: str, declared: object) -> Judgement:
+        """Judge one claim: a finder proposes, the kernel decides."""
+        from ..prove.finders import proposal_for
+
+        return self.kernel.judge(claim, declared, proposal_for(self, claim))
+
+    def truth(self, claim: str) -> bool | None:
+        """Whether a claim that is true or false is true, as far as it is proved."""
+        from ..prove.finders import proposal_for
+
+        return self.kernel.known(claim, proposal_for(self, claim)).truth
 
     @property
     def is_one_step(self) -> bool:
@@ -374,8 +387,8 @@ def _nonzero(row: Any) -> list[int]:
 
 
 def facts_of(
-    method: GLM | PartitionedGLM, *, proven: Collection[str] | None = None
+    method: GLM | PartitionedGLM, *, implied: Implied | None = None
 ) -> GLMFacts | PairFacts:
     """Facts of either kind of method."""
     kind = PairFacts if isinstance(method, PartitionedGLM) else GLMFacts
-    return kind(method, proven=proven)
+    return kind(method, implied=implied)

@@ -7,11 +7,12 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from ..exact import Scalar
+from ..exact.expression import shown_number
 from ..exact.linalg import Matrix, Vector
 from ..findings import Proof
 from ..method import GLM, PartitionedGLM
-from ..theory.facts import GLMFacts, PairFacts, facts_of
-from .checks import all_of, shown_number
+from ..prove.kernel import Range
+from ..theory.facts import GLMFacts, PairFacts
 
 __all__ = ["FORMAT", "Analysis", "analyze"]
 
@@ -27,6 +28,7 @@ class Analysis:
         method: its name. stages, values: s and r (pairs: of both halves).
         order: the order; with ``principal`` = ``"identity"`` the first value is the solution,
             with ``"free"`` a start and a finish belong to the method.
+        order_proved: a proved lower and a proved upper bound of it.
         order_identity: order of the first value taken as the solution.
         order_witness: the tree that decides.
         error_constants: residuals at order p + 1 by tree, as floats.
@@ -44,6 +46,7 @@ class Analysis:
     consistent: bool | None
     zero_stable: bool | None
     order: int
+    order_proved: list[int | None]
     principal: str
     order_identity: int
     stage_order: int
@@ -67,43 +70,81 @@ def analyze(method: GLM | PartitionedGLM) -> Analysis:
     Args:
         method: a GLM or a pair, from a file or made by hand.
     """
-    from .verifier import proven_claims
+    from .verifier import facts_for
 
-    facts = facts_of(method, proven=proven_claims(method))
+    facts = facts_for(method)
     return _analyze_pair(facts) if isinstance(facts, PairFacts) else _analyze_glm(facts)
 
 
 def _shared(facts: GLMFacts | PairFacts) -> dict[str, Any]:
-    free, identity = facts.order, facts.order_identity
-    order = facts.classical_order
-    same = free.order == identity.order or facts.is_one_step
+    kernel = facts.kernel
+    order, identity = kernel.range("order"), kernel.range("order-identity")
+    same = order.value == identity.value or facts.is_one_step
+    stages = kernel.range("stage-order")
+    constants = facts.classical_order.residuals
+    settled = order.lower == order.upper
     return {
         "method": facts.method.name,
-        "explicit": facts.is_explicit,
-        "preconsistent": all_of(c.preconsistent for c in facts.consistencies),
-        "consistent": all_of(c.consistent for c in facts.consistencies),
-        "zero_stable": all_of(b.holds for b in facts.zero_stabilities),
-        "order": order.order,
+        "explicit": facts.truth("explicit") is True,
+        "preconsistent": facts.truth("preconsistent"),
+        "consistent": facts.truth("consistent"),
+        "zero_stable": facts.truth("zero-stable"),
+        "order": order.value,
+        "order_proved": [order.lower, order.upper],
         "principal": "identity" if same else "free",
-        "order_identity": identity.order,
-        "stage_order": order.stage_order,
-        "order_witness": order.witness,
-        "error_constants": {str(t): _real(x) for t, x in order.residuals.items()},
-        "parasitism_free": facts.parasitism.free,
+        "order_identity": identity.value,
+        "stage_order": stages.value,
+        "order_witness": "; ".join(
+            x for x in (staircase(facts), "" if settled else _open(order), order.sentence) if x
+        ),
+        "error_constants": {str(t): _real(x) for t, x in constants.items()},
+        "parasitism_free": facts.truth("parasitism-free"),
         "proof": facts.proof,
     }
 
 
+def _open(order: Range) -> str:
+    return f"order {order.lower} is proved"
+
+
+#: A residual below this may be a rounding; a step of the staircase is a jump by this factor.
+SMALL, JUMP = 1e-3, 100.0
+
+
+def staircase(facts: GLMFacts | PairFacts) -> str:
+    """How well a rounded tableau satisfies the conditions beyond its proved order: measured.
+
+    Returns
+    -------
+        Such as "order 5 to 2e-12, order 3 to 3e-17, order 0 exactly"; ``""`` where no order beyond
+        the proved one is nearly reached.
+    """
+    kernel = facts.kernel
+    proved = kernel.range("order").lower
+    sizes = kernel.nearly(most=proved + 8)
+    steps: list[str] = []
+    for n in range(len(sizes), proved, -1):
+        beyond = sizes[n] if n < len(sizes) else float("inf")
+        if 0 < sizes[n - 1] < SMALL and beyond > JUMP * sizes[n - 1]:
+            steps.append(f"order {n} to {sizes[n - 1]:.1e}")
+    return ", ".join([*steps, f"order {proved} exactly"]) if steps else ""
+
+
 def _analyze_glm(facts: GLMFacts) -> Analysis:
     form, symmetry = facts.g_symplecticity, facts.symmetry
+    held = facts.truth("symmetric")
     return Analysis(
         **_shared(facts),
         stages=facts.method.s,
         values=facts.method.r,
         implicit_stages=list(facts.method.implicit_stages),
-        g_symplectic={"holds": form.holds, "G": _matrix(form.G), "D": _vector(form.D)},
+        g_symplectic={
+            "holds": facts.truth("g-symplectic"),
+            "G": _matrix(form.G),
+            "D": _vector(form.D),
+        },
         symmetric={
-            "holds": symmetry.holds,
+            "holds": held,
             "L": _matrix(symmetry.L),
             "P": None if symmetry.P is None else [i + 1 for i in symmetry.P],
         },
@@ -126,12 +167,12 @@ def _analyze_pair(facts: PairFacts) -> Analysis:
         values=[pair.r, pair.r_hat],
         implicit_stages=[],
         g_symplectic={
-            "holds": form.holds,
+            "holds": facts.truth("g-symplectic"),
             "G": _matrix(form.G),
             "D": {"D_P": _vector(form.D_P), "D_Q": _vector(form.D_Q)},
         },
         symmetric={
-            "holds": symmetry.holds,
+            "holds": facts.truth("symmetric"),
             "L": _matrix(symmetry.L),
             "L_hat": _matrix(symmetry.L_hat),
             "P": [_stages(symmetry.P_P), _stages(symmetry.P_Q)],

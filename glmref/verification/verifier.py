@@ -2,25 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
 from ..catalogue.lookup import document, path_of
 from ..catalogue.reader import load_document
-from ..errors import DataError, ExactnessError, GlmrefError
-from ..exact import Exact
-from ..exact.linalg import Vector
-from ..findings import Finding, Proof, Verdict
-from ..method import GLM, FinishingMethod, PairStartingMethod, PartitionedGLM, StartingMethod
+from ..errors import DataError, GlmrefError
+from ..findings import Finding, Verdict
+from ..method import GLM, PartitionedGLM
+from ..prove.implications import implied_by
+from ..prove.kernel import Judgement, refuted
 from ..theory.facts import Facts, PairFacts, facts_of
-from .checks import CHECKS, FOR_ONE_METHOD, Outcome
 
-__all__ = ["claims_of", "proven_claims", "verify", "verify_file"]
+__all__ = ["claims_of", "facts_for", "verify", "verify_file"]
 
 Method = GLM | PartitionedGLM
-#: What starts or finishes a method.
-BLOCKS = StartingMethod | FinishingMethod | PairStartingMethod
+#: Claims that have no meaning for a pair.
+FOR_ONE_METHOD = frozenset(
+    {"finishing-order", "abscissae", "error-constant", "a-stable", "l-stable", "symmetric-reduced"}
+)
 
 
 def verify(method: Method, *, only: Collection[str] = ()) -> list[Finding]:
@@ -46,7 +47,7 @@ def verify(method: Method, *, only: Collection[str] = ()) -> list[Finding]:
     asked = {key: x for key, x in claims_of(method).items() if not only or key in only}
     if not asked:
         return []
-    facts = facts_of(method, proven=proven_claims(method))
+    facts = facts_for(method)
     return [_check(facts, claim, declared) for claim, declared in asked.items()]
 
 
@@ -71,70 +72,39 @@ def claims_of(method: Method) -> Mapping[str, Any]:
     return claims
 
 
-def proven_claims(method: Method) -> Collection[str] | None:
-    """Prove, from the file alone, that a true method lies within the published digits.
-
-    Returns
-    -------
-        The claims that hold for that true method, ``None`` for a file without an enclosure.
+def facts_for(method: Method) -> Facts:
+    """Facts of a method together with what its enclosure, if its file has one, proves.
 
     Raises
     ------
-        DataError, ExactnessError: when the file says so and it cannot be proved.
+        DataError, ExactnessError: when the file asks for a proof and it cannot be given.
     """
-    if method.document is None or "enclosure" not in method.document:
-        return None
-    if isinstance(method, PartitionedGLM):
-        from ..prove.partitioned_enclosure import prove_pair
-
-        return prove_pair(method.document).proves
-    from ..prove.enclosure import prove
-
-    return prove(method.document).proves
+    return facts_of(method, implied=implied_by(method.document, method))
 
 
-def _check(facts: Facts, claim: str, declared: object) -> Finding:
+def _judged(facts: Facts, claim: str, declared: object) -> Judgement:
     if claim in FOR_ONE_METHOD and isinstance(facts, PairFacts):
         raise DataError(
             f"the claim {claim!r} of {facts.method.name!r} has no meaning for a pair; remove it"
         )
-    try:
-        outcome = CHECKS[claim](facts, declared)
-    except ExactnessError as error:
-        outcome = Outcome(None, None, witness=str(error))
-    verdict = {True: Verdict.HOLDS, False: Verdict.FAILS, None: Verdict.OPEN}[outcome.holds]
+    return facts.judge(claim, declared)
+
+
+def _finding(facts: Facts, claim: str, declared: object, judgement: Judgement) -> Finding:
     return Finding(
         method=facts.method.name,
         claim=claim,
         declared=declared,
-        verdict=verdict,
-        value=outcome.value,
-        proof=_proof(facts, claim),
-        residual=outcome.residual,
-        witness=outcome.witness,
+        verdict=judgement.verdict,
+        value=judgement.value,
+        proof=judgement.proof,
+        residual=judgement.residual,
+        witness=judgement.reason,
     )
 
 
-def _proof(facts: Facts, claim: str) -> Proof:
-    """Kind of proof of one claim; a start given by decimals is not as exact as the method."""
-    kind = claim.removeprefix("nystrom-").removesuffix("-order")
-    block = getattr(facts.method, kind, None)
-    if facts.proof is not Proof.EXACT or not isinstance(block, BLOCKS):
-        return facts.proof_of(claim)
-    if all(isinstance(x, Exact) for row in _rows(block) for x in row):
-        return Proof.EXACT
-    if isinstance(block, PairStartingMethod):
-        return Proof.MEASURED
-    from ..prove.starting import start_is_enclosed
-
-    return Proof.ENCLOSED if start_is_enclosed(facts.method) else Proof.MEASURED
-
-
-def _rows(block: BLOCKS) -> Iterable[Vector]:
-    """The coefficients of a block, row by row."""
-    if isinstance(block, PairStartingMethod):
-        return block.rows()
-    return (*block.A, *([block.b] if isinstance(block, FinishingMethod) else block.B))
+def _check(facts: Facts, claim: str, declared: object) -> Finding:
+    return _finding(facts, claim, declared, _judged(facts, claim, declared))
 
 
 def verify_file(name: str | Path, *, only: Collection[str] = ()) -> list[Finding]:
@@ -178,19 +148,11 @@ def _refute(method: Method, broken: Mapping[str, Any]) -> Finding:
     claims = claims_of(method)
     if claim not in claims:
         raise DataError(f"`broken.claim` names {claim!r}, which is not among the claims")
-    inner = _check(facts_of(method), claim, claims[claim])
-    refuted = {Verdict.FAILS: Verdict.HOLDS, Verdict.HOLDS: Verdict.FAILS}
-    verdict, witness = refuted.get(inner.verdict, Verdict.OPEN), inner.witness
-    if verdict is Verdict.HOLDS and broken.get("found", witness) != witness:
-        verdict = Verdict.FAILS
-        witness = f"it fails for another reason than `broken.found`: {witness}"
-    return Finding(
-        method=inner.method,
-        claim=f"refutes {claim}",
-        declared=inner.declared,
-        verdict=verdict,
-        value=inner.value,
-        proof=inner.proof,
-        residual=inner.residual,
-        witness=witness,
-    )
+    facts, declared = facts_for(method), claims[claim]
+    inner = _judged(facts, claim, declared)
+    expected = broken.get("found", inner.reason) == inner.reason
+    reason = inner.reason
+    if inner.verdict is Verdict.FAILS and not expected:
+        reason = f"it fails for another reason than `broken.found`: {inner.reason}"
+    outcome = refuted(inner, reason=reason, as_expected=expected)
+    return _finding(facts, f"refutes {claim}", declared, outcome)

@@ -18,12 +18,12 @@ from glmref.exact.expression import parse
 from glmref.findings import Proof, Verdict
 from glmref.method import GLM
 from glmref.method.sweep import sweep_blocks
+from glmref.prove import kernel
 from glmref.prove.enclosure import Outcome, krawczyk, obstruction, prove, shift_matrix
 from glmref.prove.equations import Blocks, starting_series
+from glmref.prove.implications import implied_by
 from glmref.theory.facts import facts_of
-from glmref.theory.order import order_of
 from glmref.theory.trees import parse_tree, single, trees
-from glmref.verification.checks import _order
 from glmref.verification.verifier import verify
 
 TINY = Fraction(1, 10**60)
@@ -108,7 +108,9 @@ def test_a_shipped_method_is_proved_from_its_file(name: str) -> None:
     assert record.contraction < 1e-50
     assert record.width < 1e-100
     assert record.next_order > 1e-5
-    assert {"order", "g-symplectic", "symmetric", "parasitism-free"} <= set(record.proves)
+    implied = implied_by(document(name), None)
+    assert implied is not None and implied.at_least["order"] == 6
+    assert {"g-symplectic", "symmetric", "parasitism-free"} <= implied.true.keys()
     assert all(x.radius() < 1e-75 for x in record.values.values())
 
 
@@ -170,7 +172,8 @@ def test_a_claim_of_order_8_needs_the_equations_of_order_7() -> None:
 
 def test_without_a_growth_equation_nothing_is_said_about_parasitism() -> None:
     # Yoshida's composition has no eigenvalue but 1; the claim then needs no equation.
-    assert "parasitism-free" in prove(document("yoshida-6-midpoint")).proves
+    implied = implied_by(document("yoshida-6-midpoint"), None)
+    assert implied is not None and "parasitism-free" in implied.true
     doc = copy.deepcopy(document("t115-i"))
     equations = doc["enclosure"]["equations"]
     equations.remove("growth -1")
@@ -275,25 +278,24 @@ def test_without_its_growth_equation_a_method_is_not_enclosed_as_parasitism_free
     doc = with_growth_replaced()
     record = prove(doc)
     assert record.order == 8
-    assert not {"parasitism-free", "growth"} & set(record.proves)
+    implied = implied_by(doc, None)
+    assert implied is not None and implied.growth_zeros is None
     proofs = {x.claim: (x.verdict, x.proof) for x in verify(load_document(doc))}
     assert proofs["order"] == (Verdict.HOLDS, Proof.ENCLOSED)
-    assert proofs["parasitism-free"] == (Verdict.HOLDS, Proof.MEASURED)
-    assert proofs["growth"] == (Verdict.HOLDS, Proof.MEASURED)
+    assert proofs["parasitism-free"][0] is Verdict.OPEN
+    assert proofs["growth"][0] is Verdict.OPEN
 
 
 def test_orders_beyond_the_trees_stay_open() -> None:
     # Gauss with three stages has order 6; looked at up to order 5 only, nothing fails.
     method = load("gauss-3")
     assert isinstance(method, GLM)
-    facts, seen, far = (
-        facts_of(method),
-        order_of(method, max_order=5),
-        order_of(method, max_order=7),
-    )
-    assert seen.at_least
-    assert _order(facts, 4, seen).holds is False
-    assert _order(facts, 5, seen).holds is None
-    assert _order(facts, 6, seen).holds is None
-    assert _order(facts, 6, far).holds is True
-    assert _order(facts, 7, far).holds is False
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(kernel, "MAX_ORDER", (5, 5, 5))
+        seen = facts_of(method)
+        found = {p: seen.judge("order", p) for p in (4, 5, 6)}
+        assert [found[p].verdict for p in (4, 5, 6)] == [Verdict.FAILS, Verdict.OPEN, Verdict.OPEN]
+        assert "no tree of order 5 or less fails" in found[5].reason
+    far = facts_of(method)
+    assert far.judge("order", 6).verdict is Verdict.HOLDS
+    assert far.judge("order", 7).verdict is Verdict.FAILS

@@ -199,4 +199,4 @@ def test_a_finish_block_has_the_form_it_needs() -> None:
 def test_enclosure_records_name_the_start() -> None:
     record = prove(document(NAME))
     assert isinstance(record, Enclosure)
-    assert {"starting-order", "finishing-order"} <= set(record.proves)
+    assert {"starting-order", "finishing-order"} <= set(record.started)

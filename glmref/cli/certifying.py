@@ -1,0 +1,79 @@
+"""``glmref certify``: certificates that others can check."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ..errors import UsageError
+from .output import BAD_INPUT, HOLDS, complain, say
+
+__all__ = ["certify", "write_certificates"]
+
+
+@click.command(short_help="Write certificates that others can check.")
+@click.argument("name", metavar="NAME|FILE")
+@click.option("--output", type=click.Path(file_okay=False), help="Folder for one file a claim.")
+def certify(name: str, output: str | None) -> int:
+    """Write what was proved about the claims of a method, with all that a check of it needs.
+
+    Without --output the certificates go to stdout, one line of JSON each; what has no certificate
+    is said on stderr, with the reason. docs/certificates.md tells how to check them.
+    """
+    written = 0
+    for claim, found in _certificates(name):
+        if isinstance(found, str):
+            complain(f"{claim}: no certificate: {found}")
+            continue
+        written += 1
+        if output is None:
+            say(json.dumps(found, ensure_ascii=False))
+        else:
+            _write(Path(output), found)
+    if not written:
+        raise UsageError(f"no claim of {name!r} has a certificate")
+    return HOLDS if written else BAD_INPUT
+
+
+def _certificates(name: str) -> Iterator[tuple[str, dict[str, Any] | str]]:
+    from ..catalogue.lookup import document, path_of
+    from ..catalogue.reader import load_document
+    from ..prove.certificate import certificates_of
+    from ..verification.verifier import claims_of, facts_for
+
+    path = path_of(name)
+    doc = document(path)
+    method = load_document(doc, where=path.name)
+    facts = facts_for(method)
+    claims = claims_of(method)
+    broken = doc.get("broken")
+    if broken is not None:
+        claims = {broken["claim"]: claims[broken["claim"]]}
+    statements = {
+        claim: (declared, facts.judge(claim, declared)) for claim, declared in claims.items()
+    }
+    yield from certificates_of(facts, statements)
+
+
+def _write(folder: Path, certificate: dict[str, Any]) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    statement = certificate["statement"]
+    path = folder / f"{statement['method']}.{statement['claim']}.json"
+    path.write_text(json.dumps(certificate, ensure_ascii=False) + "\n", encoding="utf-8")
+
+
+def write_certificates(names: list[str], folder: Path) -> tuple[int, list[str]]:
+    """Write the certificates of many files: how many, and what has none, with the reason."""
+    count, missing = 0, []
+    for name in names:
+        for claim, found in _certificates(name):
+            if isinstance(found, str):
+                missing.append(f"{name} {claim}: {found}")
+            else:
+                _write(folder, found)
+                count += 1
+    return count, missing

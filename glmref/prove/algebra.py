@@ -1,0 +1,429 @@
+"""What the rules of the kernel compute with: matrices, polynomials and permutations, decided.
+
+Each function says what it proves. Over exact numbers everything here is decided; over balls the
+answer ``None`` says that they leave it open.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from typing import Any
+
+from ..errors import ExactnessError
+from ..exact import Exact, Scalar, linalg
+from ..exact.linalg import Matrix, Vector
+from ..theory import polynomials as poly
+from ..theory.coefficients import is_zero, plus, times, weighted
+from ..theory.root_location import is_nonnegative, is_schur, real_roots, unimodular_roots
+from ..theory.stability import divided
+
+_ZERO, _ONE = Exact(0), Exact(1)
+#: Most places that the search for exchanges of stages looks at before it gives up, open.
+MAX_PLACES = 50_000
+
+
+def all_of(answers: Sequence[bool | None]) -> bool | None:
+    """Conjunction in three values."""
+    return False if False in answers else None if None in answers else True
+
+
+def vanishes(matrix: Sequence[Sequence[Scalar]]) -> bool | None:
+    """Whether every entry is zero: ``False`` where one excludes it, ``None`` where balls do not."""
+    return all_of([x.is_zero() for row in matrix for x in row])
+
+
+def is_exact(*matrices: Sequence[Sequence[Any]]) -> bool:
+    return all(isinstance(x, Exact) for m in matrices for row in m for x in row)
+
+
+def scaled(d: Sequence[Scalar], a: Matrix) -> Matrix:
+    return tuple(tuple(x * y for y in row) for x, row in zip(d, a, strict=True))
+
+
+def nystrom_filter(trees: Any) -> Any:
+    """No vertex f with two children: the others vanish where f is linear (HLW 2006, II.2.3)."""
+    known: dict[int, bool] = {}
+
+    def counts(t: int) -> bool:
+        if t not in known:
+            below = trees.children[t]
+            known[t] = (trees.colour[t] != "f" or len(below) < 2) and all(map(counts, below))
+        return known[t]
+
+    return counts
+
+
+def first_nonzero(residual: Sequence[Any]) -> Scalar:
+    """The residual of a tree as one number: the first entry that is not certainly zero."""
+    chosen = next((x for x in residual if is_zero(x) is False), None)
+    if chosen is None:
+        chosen = next((x for x in residual if is_zero(x) is not True), 0)
+    return scalars([chosen])[0]
+
+
+def scalars(vector: Sequence[Any]) -> Vector:
+    return tuple(Exact(x) if isinstance(x, int | Fraction) else x for x in vector)
+
+
+def difference(x: Sequence[Any], y: Sequence[Any]) -> Vector:
+    return scalars([plus(a, times(-1, b)) for a, b in zip(x, y, strict=True)])
+
+
+def bilinear(u: Vector, G: Matrix, v: Vector) -> Scalar:
+    return linalg.dot([x.conjugate() for x in u], linalg.matvec(G, v))
+
+
+def preconsistency(U: Matrix, V: Matrix) -> Vector | None:
+    """u with V u = u, U u = 1, over exact numbers; ``None`` proves that there is none."""
+    r = len(V)
+    D = linalg.sub(V, linalg.identity(r))
+    rows = [(*row, _ZERO) for row in D] + [(*row, Exact(-1)) for row in U]
+    whole = next((x for x in linalg.nullspace(tuple(rows)) if not x[-1].vanishes()), None)
+    return None if whole is None else tuple(x / whole[-1] for x in whole[:-1])
+
+
+def consistency_vectors(U: Matrix, B: Matrix, V: Matrix) -> tuple[Vector, Vector] | None:
+    """u and v with V u = u, U u = 1, B 1 + V v = u + v; ``None`` proves that there are none."""
+    r = len(V)
+    D, nil = linalg.sub(V, linalg.identity(r)), (_ZERO,) * r
+    total = linalg.matvec(B, (_ONE,) * len(B[0]))
+    rows = [(*row, *nil, _ZERO) for row in D] + [(*row, *nil, Exact(-1)) for row in U]
+    for i, row in enumerate(D):
+        minus = tuple(Exact(-int(i == j)) for j in range(r))
+        rows.append((*minus, *row, total[i]))
+    whole = next((x for x in linalg.nullspace(tuple(rows)) if not x[-1].vanishes()), None)
+    if whole is None:
+        return None
+    scaled = tuple(x / whole[-1] for x in whole[:-1])
+    return scaled[:r], scaled[r:]
+
+
+def tableau_series(trees: Any, table: Mapping[str, Any], p: int, counts: Any) -> dict[Any, Any]:
+    """Series of Runge-Kutta-like values: xi = A xiD, value = B xiD; multiples of y by colour."""
+    sparse = {
+        c: tuple(
+            tuple(tuple((j, x) for j, x in enumerate(row) if not x.vanishes()) for row in m)
+            for m in (A, B)
+        )
+        for c, (A, B, _) in table.items()
+    }
+    found: dict[Any, Any] = {c: tuple(u) for c, (_, _, u) in table.items()}
+    stages: dict[int, Any] = {}
+    for n in range(1, p + 1):
+        for t in (t for t in trees.level(n) if counts(t)):
+            A, B, _ = table[trees.colour[t]]
+            slopes: Any = (1,) * len(B[0])
+            for child in trees.children[t]:
+                slopes = tuple(map(times, slopes, stages[child]))
+            rows_A, rows_B = sparse[trees.colour[t]]
+            if n < p:
+                stages[t] = tuple(weighted(row, slopes) for row in rows_A)
+            found[t] = tuple(weighted(row, slopes) for row in rows_B)
+    return found
+
+
+def sum_over_cuts(trees: Any, t: int, a: Mapping[Any, Any], b: Mapping[Any, Any]) -> Any:
+    """Sum of b(kept) times the product of a(branches) over all ways to cut with the root kept."""
+
+    def grown(tree: int) -> list[tuple[tuple[int, ...], Any]]:
+        # the ways to cut below the root: kept children, and the product of a over the branches
+        ways: list[tuple[tuple[int, ...], Any]] = [((), 1)]
+        for child in trees.children[tree]:
+            inner = [(None, a[child][0])] + [
+                (trees.tree(trees.colour[child], kept), weight) for kept, weight in cached(child)
+            ]
+            merged: dict[tuple[int, ...], Any] = {}
+            for kept, weight in ways:
+                for grown_child, factor in inner:
+                    if is_zero(factor) is True:
+                        continue
+                    key = kept if grown_child is None else tuple(sorted((*kept, grown_child)))
+                    merged[key] = plus(merged.get(key, 0), times(weight, factor))
+            ways = list(merged.items())
+        return ways
+
+    memo = a.setdefault("cuts", {})  # type: ignore[attr-defined]
+
+    def cached(tree: int) -> list[tuple[tuple[int, ...], Any]]:
+        if tree not in memo:
+            memo[tree] = grown(tree)
+        return memo[tree]
+
+    total: Any = 0
+    for kept, weight in cached(t):
+        total = plus(total, times(weight, b[trees.tree(trees.colour[t], kept)][0]))
+    return total
+
+
+def inside_circle(p: Any) -> bool | None:
+    """Whether all roots lie inside the circle; ``False`` only where one lies outside *or on* it
+    over exact numbers, and strictly outside over balls; ``None`` where balls leave it open.
+
+    Schur-Cohn: as long as |p_n| > |p_0| the step p -> (conj(p_n) p - p_0 p~) / x keeps the number
+    of roots outside; |p_n| < |p_0| says that one is outside (Marden 1966, section 42).
+    """
+    p = tuple(p)
+    try:
+        while len(p) > 1:
+            low, high = p[0], p[-1]
+            if low.is_zero() is True:
+                p = p[1:]
+                continue
+            sign = (high * high.conjugate() - low * low.conjugate()).real.sign()
+            if sign <= 0:
+                return False
+            mirrored = tuple(x.conjugate() for x in reversed(p))
+            p = tuple(high.conjugate() * x - low * y for x, y in zip(p, mirrored, strict=True))[1:]
+    except ExactnessError:
+        return None
+    return True
+
+
+def bounded(V: Matrix) -> bool | None:
+    """Whether the powers of a matrix are bounded.
+
+    Exact: with the characteristic polynomial p = q h, all roots of h inside the circle and those
+    of q on it, this is so exactly if rad(q)(V) h(V) = 0 (Hairer, Norsett, Wanner 1993, III.3): q is
+    what p shares with its mirror image, divided out until nothing is shared.
+
+    Balls: V is block triangular in some order of its values, where exact zeros say so. The powers
+    of V are bounded if every diagonal block has all eigenvalues inside the circle but at most one,
+    which is exact and has bounded powers (the others have no eigenvalue in common with it on the
+    circle, so V is similar to the direct sum); they are not if those of a block are not.
+    """
+    if is_exact(V):
+        return bounded_exactly(V)
+    answers: list[bool | None] = []
+    on_circle = 0
+    for block in diagonal_blocks(V):
+        if is_exact(block):
+            answer: bool | None = bounded_exactly(block)
+            on_circle += not is_schur(poly.characteristic_polynomial(block))
+        else:
+            answer = inside_circle(poly.characteristic_polynomial(block))
+        answers.append(answer)
+    truth = all_of(answers)
+    return None if truth is True and on_circle > 1 else truth
+
+
+def bounded_exactly(V: Matrix) -> bool:
+    h = poly.characteristic_polynomial(V)
+    zeros = 0
+    while h[0].is_zero():
+        h, zeros = h[1:], zeros + 1
+    q: Any = (_ONE,)
+    while len(h) > 1:
+        shared = poly.gcd(h, poly.reciprocal(h))
+        if len(shared) <= 1:
+            break
+        h, q = poly.divide(h, shared)[0], poly.mul(q, shared)
+    if not is_schur(h):
+        return False
+    once = poly.squarefree(q)
+    if len(once) > 1 and unimodular_roots(once) < len(once) - 1:
+        return False
+    if len(once) == len(q):
+        return True
+    annihilator = poly.mul(once, (*((_ZERO,) * zeros), *h))
+    return vanishes(poly.evaluate_matrix(annihilator, V)) is True
+
+
+def diagonal_blocks(V: Matrix) -> list[Matrix]:
+    """Diagonal blocks after sorting the values so that V is block triangular by exact zeros."""
+    r = len(V)
+    reach = [{j for j in range(r) if V[i][j].is_zero() is not True} | {i} for i in range(r)]
+    for _ in range(r):
+        reach = [set().union(*(reach[j] for j in x)) for x in reach]
+    found, done = [], set()
+    for i in range(r):
+        if i not in done:
+            group = [j for j in range(r) if j in reach[i] and i in reach[j]]
+            done |= set(group)
+            found.append(tuple(tuple(V[a][b] for b in group) for a in group))
+    return found
+
+
+def full_rank(rows: Matrix, r: int) -> bool | None:
+    """Whether the rows span everything: elimination with pivots that exclude zero."""
+    if is_exact(rows):
+        return linalg.rank(rows) == r
+    work = [list(row) for row in rows]
+    for column in range(r):
+        rest = [i for i in range(column, len(work)) if work[i][column].is_zero() is False]
+        if not rest:
+            return None
+        at = max(rest, key=lambda i: work[i][column].ball().lower_magnitude())
+        work[column], work[at] = work[at], work[column]
+        for i in range(column + 1, len(work)):
+            factor = work[i][column] / work[column][column]
+            work[i] = [x - factor * y for x, y in zip(work[i], work[column], strict=True)]
+    return True
+
+
+def acyclic(needs: dict[Any, set[Any]]) -> bool:
+    waiting = dict(needs)
+    while waiting:
+        ready = [a for a, b in waiting.items() if not b & waiting.keys()]
+        if not ready:
+            return False
+        for a in ready:
+            del waiting[a]
+    return True
+
+
+def involutions(
+    relations: Sequence[tuple[Matrix, Matrix, int, int]], sizes: Sequence[int]
+) -> list[tuple[int, ...]] | None:
+    """Every involution P with A[i][j] + A[Pi][Pj] = target[i][j] as far as balls can tell.
+
+    Args:
+        relations: (A, target, number of the first row, of the first column).
+        sizes: stages are exchanged within groups of these sizes.
+
+    Returns
+    -------
+        All of them, or ``None`` where the search was cut off.
+    """
+    group = [k for k, n in enumerate(sizes) for _ in range(n)]
+    order = [-1] * len(group)
+    found: list[tuple[int, ...]] = []
+    places = 0
+    known: dict[tuple[int, int, int, int, int], bool] = {}
+
+    def fits(k: int, i: int, j: int) -> bool:
+        A, target, a, b = relations[k]
+        if not (a <= i < a + len(A) and b <= j < b + len(A[0])):
+            return True
+        key = (k, i, j, order[i], order[j])
+        if key not in known:
+            value = A[i - a][j - b] + A[order[i] - a][order[j] - b] - target[i - a][j - b]
+            known[key] = value.is_zero() is not False
+        return known[key]
+
+    def place() -> bool:
+        nonlocal places
+        places += 1
+        if places > MAX_PLACES:
+            return False
+        if -1 not in order:
+            found.append(tuple(order))
+            return len(found) <= 200
+        i = order.index(-1)
+        for k in range(i, len(order)):
+            if order[k] >= 0 or group[k] != group[i]:
+                continue
+            order[i], order[k] = k, i
+            placed = [m for m in range(len(order)) if order[m] >= 0]
+            good = all(
+                fits(n, x, m) and fits(n, m, x)
+                for n in range(len(relations))
+                for x in {i, k}
+                for m in placed
+            )
+            if good and not place():
+                return False
+            order[i] = order[k] = -1
+        return True
+
+    return found if place() else None
+
+
+def multiple_on_axis(P: Sequence[Any]) -> bool:
+    """Whether P(w, y) may have a multiple root w for some real y other than 0.
+
+    The resultant of P and its derivative by w is a polynomial in y, of degree at most (2 r - 1) d;
+    it is interpolated, and its squared modulus has a real zero where P has a multiple root.
+    """
+    r = len(P) - 1
+    degree = (2 * r - 1) * max(len(p) - 1 for p in P)
+    points = list(range(1, degree + 2))
+    values = []
+    for y in points:
+        p = [poly.evaluate(c, y) for c in P]
+        dp = [k * x for k, x in enumerate(p)][1:]
+        rows = [(*((_ZERO,) * i), *p, *((_ZERO,) * (r - 2 - i))) for i in range(r - 1)]
+        rows += [(*((_ZERO,) * i), *dp, *((_ZERO,) * (r - 1 - i))) for i in range(r)]
+        values.append(poly.characteristic_polynomial(tuple(rows))[0])
+    resultant = poly.trim(poly.interpolate(points, values))
+    if not resultant:
+        return True
+    square = poly.mul(resultant, tuple(x.conjugate() for x in resultant))
+    square = poly.trim(tuple(x.real for x in square))
+    lowest = next(k for k, x in enumerate(square) if not x.is_zero())
+    return real_roots(square[lowest:]) > 0
+
+
+def escape(p: Any, where: str) -> str:
+    size = max((abs(x) for x in poly.approximate_roots(p)), default=float("inf"))
+    return f"M(z) has an eigenvalue of modulus {size:.10g} {where}"
+
+
+def in_right_half(p: Any) -> bool:
+    """Whether all zeros have positive real part: z = (x + 1)/(x - 1) takes that to |x| > 1."""
+    p = poly.trim(p)
+    if poly.evaluate(p, -1).is_zero() is not False:
+        return False  # x = 0, which reversal below would lose
+    moved = poly.compose_moebius(p, 1, 1, 1, -1)
+    padded = (*moved, *((_ZERO,) * (len(p) - len(moved))))
+    return is_schur(poly.trim(padded[::-1]))
+
+
+def fixed_part(P: Sequence[Any]) -> Any:
+    """Factor of P(w, z) that z does not occur in, a polynomial in w."""
+    common: Any = ()
+    for k in range(max(len(p) for p in P)):
+        layer = poly.trim([p[k] if k < len(p) else _ZERO for p in P])
+        if layer:
+            common = poly.gcd(common, layer) if common else layer
+    return common
+
+
+def _conjugate(p: Any) -> Any:
+    return tuple(x.conjugate() for x in p)
+
+
+def leaves_disc(q: Sequence[Any]) -> tuple[str | None, bool]:
+    """Why some root w of q(w, y) leaves the closed disc for some real y, or ``None``; and whether
+    for y other than 0 the roots of modulus 1 are simple.
+
+    Schur-Cohn with polynomials in y: the differences |q_n|^2 - |q_0|^2 must nowhere be negative
+    (where one is, nearby y have the former ones positive). Where one vanishes identically, q must
+    be its own mirror image, and its derivative by w takes its place (Cohn). Roots of modulus 1 are
+    simple for y where all differences are positive and none vanishes but in degree 1.
+    """
+    q, previous, strict = tuple(q), (_ONE,), True
+    while len(q) > 1:
+        low, high = q[0], q[-1]
+        if not poly.trim(low):
+            q = q[1:]
+            continue
+        difference = poly.sub(poly.mul(high, _conjugate(high)), poly.mul(low, _conjugate(low)))
+        difference = poly.trim(tuple(x.real for x in difference))
+        if not difference:
+            if any(
+                poly.sub(poly.mul(p, _conjugate(low)), poly.mul(_conjugate(other), high))
+                for p, other in zip(q, reversed(q), strict=True)
+            ):
+                return (
+                    "the eigenvalues of M(iy) are not mirrored in the unit circle and leave it",
+                    False,
+                )
+            if len(q) == 2:
+                return None, strict
+            q, previous, strict = (
+                tuple(poly.scale(k, p) for k, p in enumerate(q))[1:],
+                (_ONE,),
+                False,
+            )
+            continue
+        if not is_nonnegative(difference):
+            return "for some y an eigenvalue of M(iy) lies outside the unit circle", False
+        lowest = next(k for k, x in enumerate(difference) if not x.is_zero())
+        strict = strict and real_roots(difference[lowest:]) == 0
+        reduced = tuple(
+            poly.sub(poly.mul(_conjugate(high), q[k + 1]), poly.mul(low, _conjugate(q[-2 - k])))
+            for k in range(len(q) - 1)
+        )
+        q, previous = divided(reduced, previous), high
+    return None, strict

@@ -1,0 +1,614 @@
+"""Certificates: what was proved about a file, written so that others can check it.
+
+The format is ``glmref-certificate-1`` (``docs/certificates.md``). The kernel decides first; then its
+series, and the witnesses it was handed, are written down. A statement whose numbers have no form in
+radicals, or that rests on an enclosure, has no certificate yet, and the reason is said.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from fractions import Fraction
+from typing import Any
+
+from ..catalogue.files import document as shipped_document
+from ..errors import ExactnessError
+from ..exact import Exact, linalg
+from ..exact.expression import to_text
+from ..exact.linalg import Matrix, Vector
+from ..findings import Proof, Verdict
+from .algebra import consistency_vectors, involutions, preconsistency, scalars
+from .field import Tower, radicals_of, written_out
+from .finders import proposal_for
+from .kernel import Judgement, Kernel
+from .series import StartingSeries
+
+__all__ = ["FORMAT", "certificates_of"]
+
+FORMAT = "glmref-certificate-1"
+Part = dict[str, Any]
+_PROSE = frozenset({"name", "title", "source", "notes", "broken", "claims", "enclosure", "stages"})
+
+
+def certificates_of(
+    facts: Any, statements: Mapping[str, tuple[object, Judgement]]
+) -> Iterator[tuple[str, dict[str, Any] | str]]:
+    """Write the certificate of every statement, or say why there is none.
+
+    Args:
+        facts: of the method. statements: claim -> (declared value, judgement).
+
+    Yields
+    ------
+        (claim, certificate or reason).
+    """
+    for claim, (declared, judgement) in statements.items():
+        try:
+            yield claim, _certificate(facts, claim, declared, judgement)
+        except ExactnessError as error:
+            yield claim, str(error)
+
+
+def _certificate(facts: Any, claim: str, declared: Any, judged: Judgement) -> dict[str, Any]:
+    if judged.verdict is Verdict.OPEN:
+        raise ExactnessError("the claim is open")
+    if judged.proof is not Proof.EXACT or not facts.kernel.exact:
+        raise ExactnessError("certificates of enclosed statements are not written yet")
+    writer = _Writer(facts, claim, declared, judged)
+    parts = writer.parts()
+    document = facts.method.document
+    if document is None:
+        raise ExactnessError("a method without a file has no certificate")
+    kept = {k: v for k, v in document.items() if k not in ("claims", "source", "notes", "title")}
+    kept = {**kept, "claims": {claim: declared}}
+    found = {
+        "format": FORMAT,
+        "statement": {
+            "method": facts.method.name,
+            "claim": claim,
+            "declared": declared,
+            "verdict": str(judged.verdict),
+            "proof": str(judged.proof),
+        },
+        "document": kept,
+        "field": _field(kept, parts, declared),
+        "parts": parts,
+        "identities": writer.identities,
+    }
+    if document.get("class") == "composition":
+        found["base"] = dict(shipped_document(document["base"]))
+        found["field"] = _field({"x": [kept, found["base"]]}, parts, declared)
+    return found
+
+
+def _strings(value: Any) -> Iterator[str]:
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, Mapping):
+        for key, inner in value.items():
+            if key not in _PROSE:
+                yield from _strings(inner)
+    elif isinstance(value, list | tuple):
+        for inner in value:
+            yield from _strings(inner)
+
+
+def _field(document: Mapping[str, Any], parts: list[Part], declared: Any) -> dict[str, Any]:
+    constants = dict(document.get("constants", {}))
+    entries = [written_out(x, constants) for x in _strings({**document, "constants": {}})]
+    entries += [written_out(constants[x], constants) for x in constants]
+    entries += [x for part in parts for x in _numbers(part["witness"])]
+    entries += [written_out(x, constants) for x in _strings(declared)]
+    radicals: dict[str, None] = {}
+    for text in entries:
+        if "sqrt" in text or "root" in text or "exp" in text or "i" in text:
+            radicals |= dict.fromkeys(radicals_of(text))
+    return Tower(radicals).as_json()
+
+
+def _numbers(value: Any) -> Iterator[str]:
+    """Strings of a witness that are numbers: words such as rules and trees hold none of these."""
+    for text in _strings(value):
+        if any(x in text for x in ("sqrt(", "root(", "exp(")) or text in ("i", "-i"):
+            yield text
+
+
+def _vector(values: Vector) -> list[str]:
+    return [to_text(x) for x in scalars(values)]
+
+
+def _matrix(rows: Matrix) -> list[list[str]]:
+    return [_vector(row) for row in rows]
+
+
+class _Writer:
+    """The parts of one statement."""
+
+    def __init__(self, facts: Any, claim: str, declared: Any, judged: Judgement) -> None:
+        self.facts, self.claim, self.declared, self.judged = facts, claim, declared, judged
+        self.kernel: Kernel = facts.kernel
+        self.identities: list[str] = []
+        self.holds = judged.verdict is Verdict.HOLDS
+
+    def parts(self) -> list[Part]:
+        name = self.claim.replace("-", "_")
+        special = getattr(self, f"_{name}", None)
+        if special is not None:
+            return special()
+        if self.claim in ("order-identity", "effective-order", "nystrom-order"):
+            free = self.claim == "effective-order"
+            return self._order_parts(free=free, nystrom=self.claim == "nystrom-order")
+        raise ExactnessError(f"certificates of {self.claim!r} are not written yet")
+
+    # -- orders
+
+    def _order(self) -> list[Part]:
+        kernel = self.kernel
+        free = not kernel.one_step and kernel._order is kernel.order_range(free=True)
+        return self._order_parts(free=free)
+
+    def _order_parts(self, *, free: bool, nystrom: bool = False) -> list[Part]:
+        found = self.kernel.order_range(free=free, nystrom=nystrom)
+        if found.upper is None or found.lower != found.upper:
+            raise ExactnessError("the order is not settled")
+        p = found.upper
+        if p == 0:
+            return [self._no_order()]
+        series = self.kernel.series[free, nystrom]
+        if not series.simple:
+            raise ExactnessError("several eigenvectors to 1 are not written out yet")
+        names = {
+            "principal": "free" if free else "identity",
+            "trees": "nystrom" if nystrom else "all",
+        }
+        below = {"order": p, **names, **self._series(series, p)}
+        above = {"order": p, **names, "same": True, **self._left_and_right(series)}
+        above["n"] = self._functional(series, p, found.tree, free=free, nystrom=nystrom)
+        count = sum(1 for n in range(1, p + 1) for t in series.trees.level(n) if series.counts(t))
+        self.identities.append(f"B xiD(t) + V eta(t) = (E eta)(t), {count} trees")
+        self.identities.append(f"the condition of {found.tree} is not zero, order {p + 1}")
+        return [
+            {"rule": "order-at-least", "witness": below},
+            {"rule": "order-at-most", "witness": above},
+        ]
+
+    def _series(self, series: StartingSeries, p: int, eta: Any = None) -> dict[str, Any]:
+        values = series.eta if eta is None else eta
+        u = {c: _vector(x.u) for c, x in series.components.items()}
+        wanted = [t for n in range(1, p + 1) for t in series.trees.level(n) if series.counts(t)]
+        if not any(t in values for t in wanted):
+            return {"u": u, "eta": "zero"}
+        return {
+            "u": u,
+            "eta": {
+                series.trees.text[t]: _vector(values.get(t, Kernel._none(t, series)))
+                for t in wanted
+            },
+        }
+
+    @staticmethod
+    def _left_and_right(series: StartingSeries) -> dict[str, Any]:
+        W, N = {}, {}
+        for c, x in series.components.items():
+            r = len(x.u)
+            W[c] = [[to_text(Exact(0) + dict(row).get(j, 0)) for j in range(r)] for row in x.W]
+            N[c] = [list(row) for row in zip(*map(_vector, x.N), strict=True)]
+        return {"W": W, "N": N}
+
+    @staticmethod
+    def _functional(
+        series: StartingSeries, p: int, tree: str, *, free: bool, nystrom: bool
+    ) -> dict[str, list[str]]:
+        """Rational numbers n(t) with n L = 0 that see the residual of one tree."""
+        trees = series.trees
+        failing = trees.text.index(tree)
+        if not free or p == 0:
+            return {tree: ["1"]}
+        smaller, larger = trees.level(p), trees.level(p + 1)
+
+        def row(t: int) -> dict[int, Fraction]:
+            found = {s: Fraction(-n) for s, n in trees.cuts[t].items() if trees.order[s] == p}
+            if len(trees.children[t]) == 1:
+                child = trees.children[t][0]
+                found[child] = found.get(child, Fraction(0)) + 1
+            return found
+
+        # express the row of the failing tree in the rows of the determining trees
+        rows = {t: row(t) for t in larger if t in series.determined} if p > 1 else {}
+        target = row(failing)
+        if p == 1:
+            if any(target.values()):
+                raise ExactnessError("the functional of order 2 is not written out")
+            return {tree: ["1"]}
+        place = {s: j for j, s in enumerate(smaller)}
+        names = list(rows)
+        system = [tuple(Exact(rows[t].get(s, Fraction(0))) for t in names) for s in place]
+        right = [(Exact(-target.get(s, Fraction(0))),) for s in place]
+        solution = linalg.solve(tuple(system), tuple(right))
+        n = {trees.text[t]: _vector(x) for t, x in zip(names, solution, strict=True)}
+        return {tree: ["1"], **{t: x for t, x in n.items() if x != ["0"]}}
+
+    def _no_order(self) -> Part:
+        """Left null vectors of the linear system of u and v, the right side not zero."""
+        for c, (_, U, B, V) in self.kernel.blocks.items():
+            r = len(V)
+            D = linalg.sub(V, linalg.identity(r))
+            total = linalg.matvec(B, (Exact(1),) * len(B[0]))
+            nil = (Exact(0),) * r
+            rows = [(*row, *nil) for row in D] + [(*row, *nil) for row in U]
+            right = [Exact(0)] * r + [Exact(1)] * len(U)
+            for i, row in enumerate(D):
+                rows.append((*(Exact(-int(i == j)) for j in range(r)), *row))
+                right.append(-total[i])
+            for x in linalg.nullspace(linalg.transpose(tuple(rows))):
+                if not linalg.dot(x, right).is_zero():
+                    s = len(U)
+                    self.identities.append("u and v of consistency do not exist")
+                    return {
+                        "rule": "no-order-1",
+                        "witness": {
+                            "colour": c, "x": _vector(x[:r]), "y": _vector(x[r : r + s]),
+                            "z": _vector(x[r + s :]),
+                        },
+                    }  # fmt: skip
+        raise ExactnessError("order 1 is not excluded by consistency")
+
+    def _stage_order(self) -> list[Part]:
+        found = self.kernel.range("stage-order")
+        parts = self._order()
+        q = found.upper
+        if found.lower != q or parts[0]["rule"] != "order-at-least":
+            raise ExactnessError("the stage order is not settled")
+        tree = (
+            self._failing_stage(parts[0]["witness"], q) if q < parts[0]["witness"]["order"] else ""
+        )
+        return [
+            *parts,
+            {"rule": "stage-order-at-least", "witness": {"q": q}},
+            {"rule": "stage-order-at-most", "witness": {"q": q, "tree": tree}},
+        ]
+
+    def _failing_stage(self, witness: Mapping[str, Any], q: int) -> str:
+        series = self.kernel.series[witness["principal"] == "free", False]
+        trees = series.trees
+        from ..theory.coefficients import is_zero, plus, times
+
+        none = Kernel._none
+        c = {
+            trees.colour[t]: series.stage(t, series.eta.get(t, none(t, series)))
+            for t in trees.level(1)
+        }
+        for t in trees.level(q + 1):
+            power = times(Fraction(1, trees.density[t]), series.power(c[trees.colour[t]], q + 1))
+            defect = plus(series.stage(t, series.eta.get(t, none(t, series))), times(-1, power))
+            if witness["principal"] == "free" and q + 1 == witness["order"]:
+                defect = tuple(plus(x, times(-1, defect[0])) for x in defect[1:])
+            if is_zero(defect) is False:
+                return trees.text[t]
+        raise ExactnessError("no stage was found that is not the solution")
+
+    def _starting_order(self, *, nystrom: bool = False) -> list[Part]:
+        kernel = self.kernel
+        claim = "nystrom-starting-order" if nystrom else "starting-order"
+        found, free = kernel.range(claim), not kernel.is_pair
+        known = kernel.order_range(free=free, nystrom=nystrom)
+        if found.lower != found.upper or not known.value or (free, nystrom) not in kernel.series:
+            raise ExactnessError("the order of the start is not settled")
+        if not kernel._exact_start():
+            raise ExactnessError("certificates of enclosed starts are not written yet")
+        q, p, series = found.upper, known.value, kernel.series[free, nystrom]
+        given = kernel._start_series(series, p)
+        eta = dict(kernel._shifted(series, given, p) if free else series.eta)
+        trees = series.trees
+        tree, value = "", 0
+        from ..theory.coefficients import plus, times
+
+        for n in range(1, min(q + 1, p) + 1):
+            for t in (t for t in trees.level(n) if series.counts(t)):
+                own = eta.get(t, Kernel._none(t, series))
+                gap = scalars([plus(x, times(-1, y)) for x, y in zip(given[t], own, strict=True)])
+                c = series.components[trees.colour[t]]
+                if n == p and free:
+                    along = gap[c.place] / c.u[c.place]
+                    if n <= q:
+                        eta[t] = plus(own, times(along, c.u))
+                    gap = tuple(x - along * y for x, y in zip(gap, c.u, strict=True))
+                bad = next((i for i, x in enumerate(gap) if not x.is_zero()), None)
+                if bad is not None and not tree:
+                    tree, value = trees.text[t], bad + 1
+        block = {"order": p, **self._series(series, p, eta)}
+        block["trees"] = "nystrom" if nystrom else "all"
+        self.identities.append(f"the start agrees with the series through order {q}")
+        return [
+            *self._order_parts(free=free, nystrom=nystrom),
+            {"rule": "start-at-least", "witness": {"q": q, **block}},
+            {"rule": "start-at-most", "witness": {"q": q, **block, "tree": tree, "value": value}},
+        ]
+
+    def _nystrom_starting_order(self) -> list[Part]:
+        return self._starting_order(nystrom=True)
+
+    # -- true or false
+
+    def _truth(self) -> bool:
+        return bool(self.declared) == self.holds
+
+    def _witness(self) -> Mapping[str, Any]:
+        return proposal_for(self.facts, self.claim).witness()
+
+    def _simple(self, good: str, bad: str) -> list[Part]:
+        return [{"rule": good if self._truth() else bad, "witness": {}}]
+
+    def _vectors(self, *, v: bool) -> Part:
+        u: dict[str, Any] = {}
+        w: dict[str, Any] = {}
+        for c, (_, U, B, V) in self.kernel.blocks.items():
+            both = consistency_vectors(U, B, V) if v else None
+            one = both[0] if both else preconsistency(U, V)
+            assert one is not None
+            u[c] = _vector(one)
+            if both:
+                w[c] = _vector(both[1])
+        rule = "consistent" if v else "preconsistent"
+        return {"rule": rule, "witness": {"u": u, "v": w} if v else {"u": u}}
+
+    def _consistent(self) -> list[Part]:
+        return [self._vectors(v=True)] if self._truth() else [self._no_order()]
+
+    def _preconsistent(self) -> list[Part]:
+        if self._truth():
+            return [self._vectors(v=False)]
+        for c, (_, U, _, V) in self.kernel.blocks.items():
+            r = len(V)
+            rows = (*linalg.sub(V, linalg.identity(r)), *U)
+            right = [Exact(0)] * r + [Exact(1)] * len(U)
+            for x in linalg.nullspace(linalg.transpose(rows)):
+                if not linalg.dot(x, right).is_zero():
+                    return [{
+                        "rule": "not-preconsistent",
+                        "witness": {"colour": c, "x": _vector(x[:r]), "y": _vector(x[r:])},
+                    }]  # fmt: skip
+        raise ExactnessError("no vector refutes preconsistency")
+
+    def _bounded(self, c: str) -> Part:
+        from ..theory import polynomials as poly
+
+        h = poly.characteristic_polynomial(self.kernel.blocks[c][3])
+        q: Any = (Exact(1),)
+        low = 0
+        while h[low].is_zero():
+            low += 1
+        zeros, rest = h[:low], h[low:]
+        while len(rest) > 1:
+            shared = poly.gcd(rest, poly.reciprocal(rest))
+            if len(shared) <= 1:
+                break
+            rest, q = poly.divide(rest, shared)[0], poly.mul(q, shared)
+        q = poly.squarefree(q) if len(q) > 1 else q
+        return {
+            "rule": "bounded",
+            "witness": {"which": c, "q": _vector(q), "h": _vector((*zeros, *rest))},
+        }
+
+    def _zero_stable(self) -> list[Part]:
+        if self._truth():
+            return [self._bounded(c) for c in self.kernel.blocks]
+        c = next(iter(self.kernel.blocks))
+        return [{"rule": "unbounded", "witness": {"which": c, "value": {"charpoly": True}}}]
+
+    def _symplectic(self) -> list[Part]:
+        if self._truth():
+            return [{"rule": "quadratic", "witness": {}}]
+        if not self.kernel.one_step:
+            return [{"rule": "not-quadratic", "witness": {"several-values": True}}]
+        if self.kernel.is_pair:
+            (A, _, (b,), _), (A_hat, _, (b_hat,), _) = (
+                self.kernel.blocks["f"], self.kernel.blocks["k"]
+            )  # fmt: skip
+        else:
+            A, _, (b,), _ = self.kernel.blocks["o"]
+            A_hat, b_hat = A, b
+        for i in range(len(b)):
+            for j in range(len(b_hat)):
+                value = b[i] * A_hat[i][j] + b_hat[j] * A[j][i] - b[i] * b_hat[j]
+                if not value.is_zero():
+                    return [{"rule": "not-quadratic", "witness": {"entry": [i, j]}}]
+        raise ExactnessError("b and b^ differ: not written out")
+
+    def _g_symplectic(self) -> list[Part]:
+        proposed = self._witness()
+        if self._truth():
+            G, diagonals = proposed["form"]
+            names = ("D_P", "D_Q") if self.kernel.is_pair else ("D",)
+            witness = {"G": _matrix(G)}
+            witness |= {n: _vector(d) for n, d in zip(names, diagonals, strict=True)}  # type: ignore[misc]
+            return [self._vectors(v=False), {"rule": "form", "witness": witness}]
+        if proposed.get("given"):
+            G, diagonals = proposed["form"]
+            names = ("V", "P", "Q", "A", "real", "shared") if self.kernel.is_pair else (
+                "V", "U", "A", "hermitian", "real"
+            )  # fmt: skip
+            residuals = self.kernel._form_residuals(G, diagonals)
+            for name, matrix in zip(names, residuals, strict=False):
+                for i, j, x in linalg.entries(matrix):
+                    if not x.is_zero():
+                        where = {"identity": name, "entry": [i, j]}
+                        return [{"rule": "given-form-fails", "witness": where}]
+            return [self._vectors(v=False),
+                    {"rule": "given-form-fails", "witness": {"identity": "solution", "entry": [0, 0]}}]  # fmt: skip
+        return self._no_form()
+
+    def _no_form(self) -> list[Part]:
+        """Factors of the identities whose sum is u^* G u, whatever G and D are."""
+        kernel = self.kernel
+        vectors = [preconsistency(b[1], b[3]) for b in kernel.blocks.values()]
+        if None in vectors:
+            raise ExactnessError("without u there is no form: not written out")
+        values, columns, labels = kernel.form_system(vectors[0], vectors[-1])
+        # x (columns) = values: a combination of the identities
+        rows = [(*row, -value) for row, value in zip(columns, values, strict=True)]
+        whole = next((x for x in linalg.nullspace(tuple(rows)) if not x[-1].is_zero()), None)
+        if whole is None:
+            raise ExactnessError("no combination of the identities was found")
+        factors = [x / whole[-1] for x in whole[:-1]]
+        chosen = [
+            {"identity": name, "entry": [i, j], "part": part, "factor": to_text(x)}
+            for (name, i, j, part), x in zip(labels, factors, strict=True)
+            if not x.is_zero()
+        ]
+        return [self._vectors(v=False), {"rule": "no-form", "witness": {"lambda": chosen}}]
+
+    def _symmetric(self) -> list[Part]:
+        kernel = self.kernel
+        if self._truth():
+            Ls, exchanges = self._witness()["involutions"]
+            if kernel.is_pair:
+                witness = {
+                    "L": _matrix(Ls[0]), "L_hat": _matrix(Ls[1]),
+                    "P_Q": list(exchanges["f"]), "P_P": list(exchanges["k"]),
+                }  # fmt: skip
+            else:
+                witness = {"L": _matrix(Ls[0]), "P": list(exchanges["o"])}
+            return [{"rule": "symmetric", "witness": witness}]
+        for c, (_, _, _, V) in kernel.blocks.items():
+            null = linalg.nullspace(V)
+            if null:
+                where = {"singular": _vector(null[0])} | ({"which": c} if kernel.is_pair else {})
+                return [{"rule": "not-symmetric", "witness": where}]
+        relations, sizes = kernel.exchange_problem(
+            {c: linalg.inverse(b[3]) for c, b in kernel.blocks.items()}
+        )
+        found = involutions(relations, sizes)
+        if not found:
+            return [{"rule": "not-symmetric", "witness": {"stages": True}}]
+        values = [{"P": list(P), "functional": True} for P in found]
+        return [{"rule": "not-symmetric", "witness": {"values": values}}]
+
+    def _explicit(self) -> list[Part]:
+        if self._truth():
+            order = self.kernel.explicit_order()
+            return [{"rule": "explicit", "witness": {"order": order}}]
+        return [{"rule": "implicit", "witness": {"cycle": self.kernel.cycle()}}]
+
+    def _abscissae(self) -> list[Part]:
+        _, U, B, V = self.kernel.blocks["o"]
+        both = consistency_vectors(U, B, V)
+        if both is None:
+            return [self._no_order()]
+        u, v = both
+        k = next(i for i, x in enumerate(u) if not x.is_zero())
+        v = tuple(x - v[k] / u[k] * y for x, y in zip(v, u, strict=True))
+        witness: dict[str, Any] = {"u": {"o": _vector(u)}, "v": {"o": _vector(v)}}
+        if self.holds:
+            return [{"rule": "abscissae", "witness": witness}]
+        shown = self.judged.reason.split()
+        at = int(shown[1]) - 1 if shown[:1] == ["number"] else -1
+        return [{"rule": "other-abscissae", "witness": {**witness, "stage": at}}]
+
+    def _error_constant(self) -> list[Part]:
+        p = self.facts.classical_order.order
+        rule = "error-constant" if self.holds else "other-error-constant"
+        return [{"rule": rule, "witness": {"order": p}}]
+
+    def _reducible(self) -> list[Part]:
+        if not self._truth():
+            return [{"rule": "irreducible", "witness": {}}]
+        for c in self.kernel.blocks:
+            reached, seen = self.kernel.reached_and_seen(c)
+            for name, rows in (("x", reached), ("y", seen)):
+                null = linalg.nullspace(rows)
+                if null:
+                    return [
+                        {"rule": "reducible", "witness": {"component": c, name: _vector(null[0])}}
+                    ]
+        raise ExactnessError("no value is idle")
+
+    def _a_stable(self) -> list[Part]:
+        if self._truth():
+            return [self._bounded("o"), {"rule": "a-stable", "witness": {}}]
+        reason = self.judged.reason
+        if "at z = " in reason and "modulus" in reason:
+            y = reason.rsplit("at z = ", 1)[1].removesuffix(" i")
+            return [{"rule": "not-a-stable", "witness": {"y": y}}]
+        if "power-bounded at z = " in reason:
+            y = reason.rsplit("at z = ", 1)[1].removesuffix(" i")
+            return [{"rule": "not-a-stable", "witness": {"defect": y}}]
+        kind = (
+            "infinity" if "infinity" in reason
+            else "pole" if "pole" in reason
+            else "start" if "M(0)" in reason
+            else "axis"
+        )  # fmt: skip
+        part = {"rule": "not-a-stable", "witness": {kind: True}}
+        if kind != "start":
+            return [part]
+        return [{"rule": "unbounded", "witness": {"which": "o", "value": {"charpoly": True}}}, part]
+
+    def _l_stable(self) -> list[Part]:
+        if self._truth():
+            return [
+                self._bounded("o"), {"rule": "a-stable", "witness": {}},
+                {"rule": "l-limit", "witness": {}},
+            ]  # fmt: skip
+        if "do not all tend to 0" in self.judged.reason:
+            return [{"rule": "not-l-limit", "witness": {}}]
+        return self._a_stable()
+
+    # -- growth
+
+    def _eigen(self) -> tuple[list[Part], dict[str, Any]]:
+        proposed = self._witness()
+        parts: list[Part] = []
+        for c in self.kernel.blocks:
+            if c not in proposed:
+                raise ExactnessError(proposed.get("why", "eigenvalues are not known"))
+            found, h = proposed[c]
+            parts.append({
+                "rule": "eigen",
+                "witness": {
+                    "which": c,
+                    "parts": [
+                        {"zeta": to_text(z), "W": _matrix(tuple(W)),
+                         "N": _matrix(linalg.transpose(tuple(N)))}
+                        for z, W, N in found
+                    ],
+                    "h": _vector(h),
+                },
+            })  # fmt: skip
+        return parts, dict(proposed)
+
+    def _growth(self) -> list[Part]:
+        if "power-bounded" in self.judged.reason:
+            c = next(iter(self.kernel.blocks))
+            return [{"rule": "unbounded", "witness": {"which": c, "value": {"charpoly": True}}}]
+        parts, proposed = self._eigen()
+        declared = self.declared if isinstance(self.declared, list) else []
+        if self.holds:
+            sizes = [len(W) - int((z - 1).is_zero()) for z, W, _ in proposed.get("o", ([], ()))[0]]
+            lists, at = [], 0
+            for size in sizes:
+                lists.append([str(x) for x in declared[at : at + size]])
+                at += size
+            return [*parts, {"rule": "growth", "witness": {"list": lists}}]
+        at = self._growing(declared)
+        return [*parts, {"rule": "grows", "witness": {"part": at}}]
+
+    def _growing(self, declared: list[Any]) -> int:
+        shown = self.judged.reason.split()
+        if shown[:1] == ["number"] and not self.kernel.is_pair:
+            return int(shown[1])
+        return -1  # the number of parameters is another one
+
+    def _parasitism_free(self) -> list[Part]:
+        if "power-bounded" in self.judged.reason:
+            return self._growth()
+        parts, _ = self._eigen()
+        if self._truth():
+            return [*parts, {"rule": "growth", "witness": {"list": "zero"}}]
+        matrices = self.kernel._growth_matrices(self._witness())
+        for k, (zeta, found) in enumerate(matrices):
+            if not self.kernel.is_pair and (zeta - 1).is_zero():
+                continue
+            if any(not x.is_zero() for m in found for row in m for x in row):
+                return [*parts, {"rule": "grows", "witness": {"part": k}}]
+        raise ExactnessError("growth at the eigenvalue 1 is not written out")

@@ -1,0 +1,220 @@
+"""Number fields as towers, for certificates: generators with monic polynomials and boxes.
+
+Square roots of rationals become products of square roots of a few independent whole numbers. Another
+radical is first looked for in the field made so far, as a rational combination of its basis (found
+by lattice reduction, checked exactly); only where it is not there it becomes a new generator.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from fractions import Fraction
+from itertools import product
+from math import isqrt
+from typing import Any
+
+from ..errors import ExactnessError
+from ..exact import Exact, box, cyclotomic, factorization, rational_combination
+from ..exact.expression import parse
+
+__all__ = ["Tower", "radicals_of", "written_out"]
+
+_NAME = re.compile(r"(?<![A-Za-z_0-9])([A-Za-z_][A-Za-z_0-9]*)")
+_FUNCTIONS = ("sqrt", "root", "exp")
+_LARGEST = 48  # degree of a field
+
+
+def written_out(text: str, constants: Mapping[str, str]) -> str:
+    """An entry without blanks, its constants replaced by what they stand for, in parentheses."""
+    text = re.sub(r"\s", "", text)
+    return _NAME.sub(
+        lambda m: f"({written_out(constants[m[1]], constants)})" if m[1] in constants else m[1],
+        text,
+    )
+
+
+def radicals_of(text: str) -> list[str]:
+    """Texts of the radicals in an entry, inner ones first; ``i`` outside exp is one."""
+    found: list[str] = []
+    at = 0
+    while at < len(text):
+        match = _NAME.match(text, at)
+        if match is None:
+            at += 1
+            continue
+        name = match[1]
+        if name in _FUNCTIONS:
+            end, depth = match.end(), 0
+            while True:
+                depth += {"(": 1, ")": -1}.get(text[end], 0)
+                end += 1
+                if depth == 0:
+                    break
+            if name != "exp":
+                found += radicals_of(text[match.end() + 1 : end - 1])
+            found.append(text[at:end])
+            at = end
+        else:
+            if name == "i":
+                found.append("i")
+            at = match.end()
+    return list(dict.fromkeys(found))
+
+
+class Tower:
+    """A field built from the texts of radicals.
+
+    Args:
+        texts: of radicals, inner ones before those that hold them.
+
+    Raises
+    ------
+        ExactnessError: for a field of too large a degree.
+    """
+
+    def __init__(self, texts: Iterable[str]) -> None:
+        self.generators: list[dict[str, Any]] = []
+        self.degrees: list[int] = []
+        self.values: list[Exact] = []
+        self.radicals: dict[str, str] = {}
+        self._primes: dict[int, int] = {}
+        texts = list(texts)
+        plain = [(t, self._radicand(t)) for t in texts]
+        for _, q in plain:
+            if q is not None:
+                self._prepare(q)
+        for text, q in plain:
+            self.radicals[text] = self._rational_root(q) if q is not None else self._other(text)
+
+    def as_json(self) -> dict[str, Any]:
+        """The key ``field`` of a certificate."""
+        if not self.generators:
+            return {"kind": "rational"}
+        return {"kind": "tower", "generators": self.generators, "radicals": self.radicals}
+
+    @staticmethod
+    def _radicand(text: str) -> Fraction | None:
+        if text == "i":
+            return Fraction(-1)
+        if not text.startswith("sqrt("):
+            return None
+        value = parse(text[5:-1])
+        assert isinstance(value, Exact)
+        return value.as_fraction()
+
+    def _prepare(self, q: Fraction) -> None:
+        """Make generators for sqrt(q): of -1, and of a squarefree number that is independent."""
+        if q < 0 and -1 not in self._primes:
+            self._primes[-1] = len(self.generators)
+            self._add(Exact(-1).sqrt(), [Fraction(1), Fraction(0)], conjugate=True)
+        odd = 1
+        for p, k in factorization(abs(q.numerator * q.denominator)).items() if q else ():
+            odd *= p ** (k % 2)
+        if odd > 1 and self._product(odd) is None:
+            self._primes[odd] = len(self.generators)
+            self._add(Exact(odd).sqrt(), [Fraction(-odd), Fraction(0)])
+
+    def _product(self, n: int) -> list[int] | None:
+        """Radicands of generators whose product is n times a square, or ``None``."""
+        known = [m for m in self._primes if m > 0]
+        for chosen in product((0, 1), repeat=len(known)):
+            total = n
+            for m, used in zip(known, chosen, strict=True):
+                total *= m**used
+            if isqrt(total) ** 2 == total:
+                return [m for m, used in zip(known, chosen, strict=True) if used]
+        return None
+
+    def _rational_root(self, q: Fraction) -> str:
+        if q == 0:
+            return "0"
+        whole = abs(q.numerator * q.denominator)  # sqrt(q) = sqrt(whole) / denominator
+        used = self._product(whole) or []
+        total = whole
+        for m in used:
+            total *= m
+        factor = Fraction(isqrt(total), q.denominator)
+        names = []
+        for m in ([-1] if q < 0 else []) + used:
+            factor /= abs(m)
+            names.append(self.generators[self._primes[m]]["name"])
+        return "*".join([str(factor), *names])
+
+    def _add(self, value: Exact, polynomial: list[Any], *, conjugate: bool = False) -> str:
+        degree = len(polynomial)
+        total = degree
+        for d in self.degrees:
+            total *= d
+        if total > _LARGEST:
+            raise ExactnessError(f"a number field of degree {total} is not written out")
+        name = f"g{len(self.generators) + 1}"
+        real, imag = box(value)
+        entry: dict[str, Any] = {
+            "name": name,
+            "polynomial": [str(x) for x in polynomial],
+            "real": [str(x) for x in real],
+            "imag": [str(x) for x in imag],
+        }
+        self.generators.append(entry)
+        self.degrees.append(degree)
+        self.values.append(value)
+        if conjugate:
+            other = self._inside(value.conjugate())
+            if other is None:
+                raise ExactnessError("a field that conjugation does not keep is not written out")
+            entry["conjugate"] = other
+        return name
+
+    def _other(self, text: str) -> str:
+        value = parse(text)
+        assert isinstance(value, Exact)
+        known = self._inside(value)
+        if known is not None:
+            return known
+        if text.startswith("sqrt("):
+            inner = self.element(parse(text[5:-1]))
+            return self._add(value, [f"-({inner})", "0"], conjugate=not value.is_real())
+        if text.startswith("root("):
+            radicand, _, n = text[5:-1].rpartition(",")
+            inner = self.element(parse(radicand))
+            return self._add(value, [f"-({inner})", *(["0"] * (int(n) - 1))])
+        for n in range(1, 61):  # a root of unity
+            if (value**n - 1).is_zero():
+                return self._add(value, cyclotomic(n)[:-1], conjugate=True)
+        raise ExactnessError(f"{text} is not written out")
+
+    def element(self, value: Any) -> str:
+        """A number of the field as a sum of products of generators.
+
+        Raises
+        ------
+            ExactnessError: for a number that is not in the field.
+        """
+        found = self._inside(value)
+        if found is None:
+            raise ExactnessError("a number lies outside the field of its certificate")
+        return found
+
+    def _inside(self, value: Exact) -> str | None:
+        fraction = value.as_fraction()
+        if fraction is not None:
+            return str(fraction)
+        basis = list(product(*(range(d) for d in self.degrees)))
+        numbers = [self._monomial(powers) for powers in basis]
+        weights = rational_combination(value, numbers)
+        if weights is None:
+            return None
+        terms = []
+        for w, powers in zip(weights, basis, strict=True):
+            if w:
+                names = [f"g{i + 1}" for i, k in enumerate(powers) for _ in range(k)]
+                terms.append("*".join([f"{w}", *names]))
+        return "+".join(terms).replace("+-", "-") or "0"
+
+    def _monomial(self, powers: tuple[int, ...]) -> Exact:
+        total = Exact(1)
+        for x, k in zip(self.values, powers, strict=True):
+            for _ in range(k):
+                total = total * x
+        return total

@@ -1,0 +1,200 @@
+"""Finders: from what theory computes to what the kernel checks. Nothing here is trusted.
+
+One function for each claim that needs a witness, and the sentences that explain a verdict.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from ..errors import ExactnessError
+from ..exact import Exact, linalg
+from ..exact.expression import shown_number
+from ..exact.linalg import Matrix
+from ..theory import polynomials as poly
+from ..theory.spectrum import eigenvectors, unimodular_eigenvalues
+from .kernel import Proposal
+
+__all__ = ["eigen_witness", "proposal_for"]
+
+#: :class:`glmref.theory.facts.Facts`, which imports the kernel.
+Facts = Any
+
+
+def proposal_for(facts: Facts, claim: str) -> Proposal:
+    """What to hand to the kernel for one claim of one method."""
+    return _FINDERS.get(claim, _nothing)(facts)
+
+
+def _nothing(facts: Facts) -> Proposal:
+    return Proposal()
+
+
+def _told(results: Callable[[], Any]) -> Callable[[bool | None], tuple[str, float]]:
+    """Sentence and residual of theory's own records, where the claim was not proved to be true."""
+
+    def explain(truth: bool | None) -> tuple[str, float]:
+        if truth is True:
+            return "", 0.0
+        try:
+            found = results()
+        except ExactnessError as error:
+            return str(error), 0.0
+        parts = found if isinstance(found, tuple) else (found,)
+        size = max((getattr(x, "residual", 0.0) for x in parts), default=0.0)
+        return "; ".join(x.witness for x in parts if x.witness), size
+
+    return explain
+
+
+def _consistent(facts: Facts) -> Proposal:
+    return Proposal(explain=_told(lambda: facts.consistencies))
+
+
+def _zero_stable(facts: Facts) -> Proposal:
+    return Proposal(explain=_told(lambda: facts.zero_stabilities))
+
+
+def _explicit(facts: Facts) -> Proposal:
+    def explain(truth: bool | None) -> tuple[str, float]:
+        if truth is None:
+            return "", 0.0
+        known = "every stage is a known vector when its turn comes"
+        return (known if truth else "an implicit stage needs an equation solved"), 0.0
+
+    return Proposal(explain=explain)
+
+
+def _symplectic(facts: Facts) -> Proposal:
+    if not facts.is_one_step:
+        return Proposal()
+    return Proposal(explain=_told(lambda: facts.g_symplecticity))
+
+
+def _g_symplectic(facts: Facts) -> Proposal:
+    def witness() -> Mapping[str, Any]:
+        found = facts.g_symplecticity
+        given = facts.method.G is not None
+        if found.G is None:
+            return {"given": given} if given else {}
+        diagonals = (found.D,) if hasattr(found, "D") else (found.D_P, found.D_Q)
+        return {"form": (found.G, diagonals), "given": given}
+
+    return Proposal(witness, explain=_told(lambda: facts.g_symplecticity))
+
+
+def _symmetric(facts: Facts) -> Proposal:
+    def witness() -> Mapping[str, Any]:
+        found = facts.symmetry
+        if found.L is None or getattr(found, "reduced", False):
+            return {}
+        if hasattr(found, "L_hat"):
+            if found.P_Q is None or found.P_P is None or found.L_hat is None:
+                return {}
+            return {"involutions": ((found.L, found.L_hat), {"f": found.P_Q, "k": found.P_P})}
+        return {} if found.P is None else {"involutions": ((found.L,), {"o": found.P})}
+
+    return Proposal(witness, explain=_told(lambda: facts.symmetry))
+
+
+def _symmetric_reduced(facts: Facts) -> Proposal:
+    def witness() -> Mapping[str, Any]:
+        from ..theory.equivalence import reduce
+        from ..theory.symmetry import symmetry
+
+        smaller = reduce(facts.method)
+        found = symmetry(smaller)
+        known: dict[str, Any] = {"reduced": smaller}
+        if found.L is not None and found.P is not None:
+            known["involutions"] = ((found.L,), {"o": found.P})
+        return known
+
+    return Proposal(witness)
+
+
+def eigen_witness(V: Matrix) -> tuple[list[Any], poly.Polynomial]:
+    """Eigenvalues of modulus 1 with eigenvectors, and the polynomial of all the others.
+
+    Raises
+    ------
+        ExactnessError: for balls, defective eigenvalues, or ones that square roots do not give.
+    """
+    parts = []
+    rest = poly.characteristic_polynomial(V)
+    for e in unimodular_eigenvalues(V):
+        W, N = eigenvectors(V, e.value)
+        parts.append((e.value, W, N))
+        for _ in range(e.multiplicity):
+            rest = poly.divide(rest, (-e.value, Exact(1)))[0]
+    return parts, rest
+
+
+def _eigen(facts: Facts) -> dict[str, Any]:
+    names = {"f": "V", "k": "V_hat"} if hasattr(facts.method, "V_hat") else {"o": "V"}
+    try:
+        return {c: eigen_witness(getattr(facts.method, x)) for c, x in names.items()}
+    except ExactnessError as error:
+        return {"why": f"the growth parameters are open: {error}"}
+
+
+def _parasitism(facts: Facts) -> Proposal:
+    return Proposal(lambda: _eigen(facts), explain=_told(lambda: facts.parasitism))
+
+
+def _growth(facts: Facts) -> Proposal:
+    found = _eigen(facts)
+    return Proposal(lambda: found, _shown_growth(facts, found))
+
+
+def _shown_growth(facts: Facts, found: Mapping[str, Any]) -> list[str]:
+    """The numbers to show: of a multiple eigenvalue approximate ones where they are not on hand."""
+    if "o" not in found:
+        return [shown_number(x) for x in facts.growth_parameters]
+    m, shown = facts.method, []
+    for zeta, W, N in found["o"][0]:
+        inner = linalg.matmul(tuple(W), m.B, m.U, linalg.transpose(tuple(N)))
+        matrix = linalg.scale(1 / zeta, inner)
+        first = bool((zeta - 1).is_zero())
+        trace = sum((matrix[i][i] for i in range(len(matrix))), Exact(0))
+        if len(matrix) == 1 + first:
+            shown.append(shown_number(trace - 1 if first else trace))
+        elif len(matrix) > 1:
+            roots = poly.approximate_roots(poly.characteristic_polynomial(matrix))
+            roots = sorted(roots, key=lambda x: abs(x - 1))[int(first) :]
+            shown += [f"{x.real:.12g}" if abs(x.imag) < 1e-12 else f"{x:.12g}" for x in roots]
+    return shown
+
+
+def _abscissae(facts: Facts) -> Proposal:
+    c = facts.abscissae
+    return Proposal(value=None if c is None else [shown_number(x) for x in c])
+
+
+def _error_constant(facts: Facts) -> Proposal:
+    found = facts.quadrature_error
+    return Proposal(value=None if found is None else [shown_number(x) for x in found])
+
+
+def _reducible(facts: Facts) -> Proposal:
+    def explain(truth: bool | None) -> tuple[str, float]:
+        return facts.reduction.witness, 0.0
+
+    return Proposal(explain=explain)
+
+
+_FINDERS: Mapping[str, Callable[[Facts], Proposal]] = {
+    "preconsistent": _consistent,
+    "consistent": _consistent,
+    "zero-stable": _zero_stable,
+    "explicit": _explicit,
+    "symplectic": _symplectic,
+    "g-symplectic": _g_symplectic,
+    "symmetric": _symmetric,
+    "symmetric-reduced": _symmetric_reduced,
+    "parasitism-free": _parasitism,
+    "growth": _growth,
+    "abscissae": _abscissae,
+    "error-constant": _error_constant,
+    "reducible": _reducible,
+}

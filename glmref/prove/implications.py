@@ -1,0 +1,280 @@
+"""What an enclosure implies: the table of implications, each with the hypotheses that are checked.
+
+A file with an ``enclosure`` names as many equations as it has unknowns; the interval test proves
+that they have exactly one root within the digits (:func:`~glmref.prove.enclosure.prove` and
+:func:`~glmref.prove.partitioned_enclosure.prove_pair`). That the *method* at this root has a property is
+another step, and this module is the only place where it is taken:
+
+========================  =========================================================================
+claim                     hypotheses, exact statements about the document
+========================  =========================================================================
+preconsistent             the first row of X (and Y) is 1 for all values of the unknowns; the first
+                          rows and columns of V and G are 1, 0, .., 0: then u = e_1
+consistent                that; 1 - V regular on the values 2..r; the conditions of order 1 given
+g-symplectic              V^T G V = G: holds for all values of the unknowns (sweep form)
+symplectic                that, and r = 1
+symmetric                 D and X palindromic for all values of the unknowns, up to a sign for each
+                          row; E G E = G, E V^-1 E = V
+order >= p                preconsistent; symmetric (or a product of flows); the equations give all
+                          conditions of the odd orders through p (of all orders)
+order-identity >= p       that, and every principal part below p is an exact zero
+explicit                  the equations ``explicit I``
+growth = 0                V has r different eigenvalues, and for each of modulus 1 other than 1, as
+                          a number, the growth parameter is an equation
+stage-order >= q          q = 1; or symmetric and the equations ``defect`` for half of the stages
+abscissae                 each is fixed by an equation, by symmetry, or is the middle
+starting-order >= q       the interval test on the conditions of the start itself; or, for a start of
+                          zeros, every value zero by an equation ``start`` or by parity
+finishing-order >= q      the interval test on the conditions of the finish, or it is the inverse of
+                          the start for all values of the digits
+========================  =========================================================================
+
+The theorems are in :mod:`glmref.method.sweep`, :mod:`.partitioned_sweep`,
+:mod:`glmref.prove.equations` and :mod:`glmref.prove.partitioned_series`. There is no implication for
+claims that fail, and none for upper bounds: those are proved by balls that exclude zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import Any
+
+from ..errors import DataError, ExactnessError
+from ..exact import Exact, linalg
+from ..exact.expression import parse
+from ..exact.linalg import Matrix
+
+__all__ = ["ENCLOSED", "Implied", "implied_by"]
+
+#: Classes whose equations have a meaning.
+ENCLOSED = frozenset({"sweep", "pair-sweep", "splitting"})
+_SEAL = object()
+
+
+@dataclass(frozen=True)
+class Implied:
+    """What is true of the one true method within the digits of a file.
+
+    Attributes
+    ----------
+        true: claim -> the sentence that says what proves it.
+        at_least: claim -> a lower bound of an order.
+        growth_zeros: how many growth parameters there are, all of them zero; ``None``: unknown.
+        abscissae: where all of them are fixed exactly.
+        zeros: whether entries of A are exact zeros by an equation.
+    """
+
+    true: Mapping[str, str] = field(default_factory=dict)
+    at_least: Mapping[str, int] = field(default_factory=dict)
+    growth_zeros: int | None = None
+    abscissae: Sequence[Fraction] | None = None
+    zeros: bool = False
+    seal: object = None
+
+    def __post_init__(self) -> None:
+        if self.seal is not _SEAL:
+            raise TypeError("only the table of implications makes these")
+
+
+def implied_by(document: Mapping[str, Any] | None, method: Any) -> Implied | None:
+    """What a file implies about its true method; ``None`` where nothing but balls is known.
+
+    Raises
+    ------
+        DataError: when the file asks for more than its equations give.
+        ExactnessError: when the interval test does not find exactly one root near the digits.
+    """
+    if document is None:
+        return None
+    if "enclosure" not in document:
+        return _by_start(document, method)
+    kind = document.get("class")
+    if kind not in ENCLOSED:
+        raise DataError(
+            f"`enclosure` has a meaning in files of class {', '.join(sorted(ENCLOSED))}, and this "
+            f"one has class {kind!r}; take it out"
+        )
+    claims = document.get("claims", {})
+    if not any(claims.get(x, 0) for x in ("order", "order-identity", "nystrom-order")):
+        raise DataError(
+            "a file with an `enclosure` must claim an order of at least 1: it says which equations "
+            "are needed"
+        )
+    return _sweep(document) if kind == "sweep" else _pair(document)
+
+
+# -- one method ------------------------------------------------------------------------------------
+
+
+def _sweep(document: Mapping[str, Any]) -> Implied:
+    from .enclosure import prove
+    from .order_conditions import abscissae
+    from .system import Affine, SweepSystem
+
+    system = SweepSystem(document)  # V and G bordered by 1, 0, .., 0; V^T G V = G
+    _, X, _ = system.read({name: Affine.unknown(name) for name in system.unknowns})
+    _check_ones(X[0], "the first row of `X`")
+    _check_regular(system.V, "V")
+    record = prove(document)  # palindromic, covered, one root: or an error
+    true = {
+        "preconsistent": "the first column of U is the first row of X, which is 1",
+        "consistent": "the condition of the tree with one node",
+        "g-symplectic": "holds for every value of the unknowns, V^T G V = G",
+        "symmetric": "palindromic for every value of the unknowns",
+    }
+    if system.r == 1:
+        true["symplectic"] = true["g-symplectic"]
+    at_least = {"order": record.order, "effective-order": record.order}
+    if all(x[0].is_zero() is True for t, x in record.series.zeta.items() if t.order < record.order):
+        at_least["order-identity"] = record.order
+    at_least["stage-order"] = min(system.stage_order, record.order)
+    at_least |= dict.fromkeys(record.started, record.order)
+    zeros = _zero_growths(system.V, [e.what for e in system.equations if e.kind == "growth"])
+    if zeros is not None:
+        true["parasitism-free"] = "the growth parameters are equations"
+    return Implied(true, at_least, zeros, abscissae(system), bool(system.explicit), _SEAL)
+
+
+def _check_ones(row: Sequence[Any], what: str) -> None:
+    from .system import Affine
+
+    for i, x in enumerate(row):
+        if not (Affine.of(x) - 1).is_identically_zero():
+            raise DataError(
+                f"{what} must be 1 for all values of the unknowns, and entry {i + 1} is not: only "
+                f"then is the method preconsistent with u = e_1"
+            )
+
+
+def _check_regular(V: Matrix, name: str) -> None:
+    """1 - V on the values 2..r: then v of consistency and the starting series exist."""
+    r = range(1, len(V))
+    rest = tuple(tuple(Exact(int(i == j)) - V[i][j] for j in r) for i in r)
+    if rest and linalg.rank(rest) < len(rest):
+        raise DataError(
+            f"1 - {name} must be regular on the values 2..r; 1 is a multiple eigenvalue"
+        )
+
+
+def _zero_growths(V: Matrix, texts: Sequence[str]) -> int | None:
+    """Number of eigenvalues of modulus 1 other than 1, where each has an equation; else ``None``."""
+    named: list[Exact] = []
+    for text in texts:
+        z = parse(text)
+        if not isinstance(z, Exact):
+            return None
+        for x in (z, z.conjugate()):  # V is real: so is the growth parameter of the conjugate
+            if all((x - y).is_zero() is False for y in named):
+                named.append(x)
+    named = [z for z in named if (z - 1).is_zero() is False]
+    identity = linalg.identity(len(V))
+    for z in named:
+        shifted = linalg.sub(V, linalg.scale(z, identity))
+        if (z * z.conjugate() - 1).is_zero() is not True or linalg.rank(shifted) != len(V) - 1:
+            return None
+    # r - 1 different eigenvalues and 1 are all there are, each of them simple
+    return len(named) if len(named) == len(V) - 1 else None
+
+
+def _by_start(document: Mapping[str, Any], method: Any) -> Implied | None:
+    """A start in decimals of a method that is exact: the interval test on its conditions."""
+    from ..method import GLM
+
+    if not isinstance(method, GLM) or not method.is_exact or method.starting is None:
+        return None
+    rows = (*method.starting.A, *method.starting.B)
+    if all(isinstance(x, Exact) for row in rows for x in row):
+        return None
+    from .starting import prove_blocks, target_of
+
+    try:
+        target = target_of(method)
+        claims = prove_blocks(document, target)
+    except (DataError, ExactnessError):
+        return None
+    return Implied({}, dict.fromkeys(claims, target.order), None, None, False, _SEAL)
+
+
+# -- pairs -----------------------------------------------------------------------------------------
+
+
+def _pair(document: Mapping[str, Any]) -> Implied:
+    from .partitioned_enclosure import prove_pair
+    from .partitioned_starting import start_orders, start_system
+    from .partitioned_system import PairSystem
+
+    system = PairSystem(document)  # V, V^, G bordered; V^T G V^ = G; first rows of X, Y are ones
+    _check_regular(system.V, "V")
+    _check_regular(system.V_hat, "V^")
+    prove_pair(document)  # covered, one root: or an error
+    true = {
+        "preconsistent": "the first rows of X and Y are 1",
+        "consistent": "the conditions of the two trees with one node",
+        "g-symplectic": "holds for every value of the unknowns, V^T G V^ = G",
+    }
+    if system.is_one_step:
+        true["symplectic"] = true["g-symplectic"]
+    if system.signs() is not None:
+        true["symmetric"] = "palindromic for every value of the unknowns"
+    at_least: dict[str, int] = {}
+    order, nystrom = system.claimed, system.claimed_nystrom
+    if order:
+        at_least["order"] = at_least["effective-order"] = order
+        if system.identity_through(order - 1):
+            at_least["order-identity"] = at_least["nystrom-order"] = order
+    if nystrom > at_least.get("nystrom-order", 0) and system.identity_through(
+        nystrom - 1, nystrom=True
+    ):
+        at_least["nystrom-order"] = nystrom
+    block = document.get("starting")
+    if block is None:
+        for claim, base, kind in (
+            ("starting-order", "order-identity", False),
+            ("nystrom-starting-order", "nystrom-order", True),
+        ):
+            at_least[claim] = _zero_start(system, at_least.get(base, 0), nystrom=kind)
+    elif start_system(block).unknowns:
+        orders = start_orders(document["claims"], block)
+        at_least["starting-order"], at_least["nystrom-starting-order"] = orders
+    zeros = _pair_growths(system)
+    if zeros is not None:
+        true["parasitism-free"] = "the growth parameters of both halves are equations"
+    return Implied(true, at_least, zeros, None, False, _SEAL)
+
+
+def _zero_start(system: Any, most: int, *, nystrom: bool) -> int:
+    """Through which order every value but the first is zero, by equations ``start`` and parity."""
+    from .partitioned_trees import listed
+
+    if system.is_one_step:
+        return most
+    signs = system.signs()
+    if signs is None:
+        return 0
+    zero = {(e.tree, e.value) for e in system.equations if e.kind == "start"}
+    involution = {
+        c: linalg.matmul(linalg.inverse(V), linalg.diagonal([Exact(x) for x in s]))
+        for c, V, s in (("f", system.V, signs[0]), ("k", system.V_hat, signs[1]))
+    }
+    for n in range(1, most + 1):
+        for t in listed(n, nystrom=nystrom):
+            L = involution[t.colour]
+            for k in range(1, len(L)):
+                off = any(not L[k][j].is_zero() for j in range(len(L)) if j != k)
+                by_parity = not off and L[k][k] == (-1) ** (n + 1)
+                if not by_parity and (t, k) not in zero:
+                    return n - 1
+    return most
+
+
+def _pair_growths(system: Any) -> int | None:
+    counts = [
+        _zero_growths(V, [e.eigenvalue for e in system.equations if e.half == half])
+        for half, V in (("q", system.V), ("p", system.V_hat))
+    ]
+    # an equation names a simple eigenvalue of both V and V^, so equal counts are equal sets
+    if counts[0] is None or counts[0] != counts[1]:
+        return None
+    return 2 * counts[0]

@@ -1,0 +1,1435 @@
+"""The kernel: the only code that gives a verdict other than ``open``.
+
+Everything that *finds* (starting series, forms, involutions, eigenvalues, interval boxes) proposes;
+the rules here take the method, a claim, the declared value and what was proposed, evaluate the
+identities themselves, over exact numbers or balls, and say ``holds`` or ``fails`` only where these
+prove it. A proposal that is missing, wrong or beyond what a rule covers gives ``open``, with the
+reason. There is no tolerance: an identity whose ball overlaps zero is not proved, an inequality
+whose ball excludes zero is (for every method in the balls).
+
+One rule for each claim says what is known: a truth value, a list of numbers, or a *range* for an
+order, a proved lower bound and a proved upper bound. :meth:`Kernel.judge` compares that with what
+is declared. For a file with an enclosure the lower bounds and truths of the one true method within
+its digits come from :mod:`glmref.prove.implications`, whose hypotheses are checked there each time.
+
+What the kernel trusts: the arithmetic of :mod:`glmref.exact`, elimination in :mod:`glmref.exact.linalg`,
+polynomials and their root counts (Sturm, Schur-Cohn), its own trees and series.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property
+from itertools import product
+from math import factorial
+from typing import Any, NoReturn
+
+from ..errors import ExactnessError
+from ..exact import Exact, Scalar, linalg
+from ..exact.expression import Text, parse, shown_number
+from ..exact.linalg import Matrix, Vector
+from ..findings import Proof, Verdict
+from ..method import GLM, PartitionedGLM
+from ..theory import polynomials as poly
+from ..theory.coefficients import is_zero, plus, times, weighted
+from ..theory.root_location import (
+    in_closed_disc,
+    is_schur,
+    unimodular_roots,
+)
+from ..theory.stability import (
+    leading_part,
+    on_imaginary_axis,
+    only_zeros,
+    stability_matrix,
+    stability_polynomial,
+    without_content,
+)
+from .algebra import (
+    acyclic,
+    all_of,
+    bilinear,
+    bounded,
+    consistency_vectors,
+    difference,
+    escape,
+    first_nonzero,
+    fixed_part,
+    full_rank,
+    in_right_half,
+    involutions,
+    is_exact,
+    leaves_disc,
+    multiple_on_axis,
+    nystrom_filter,
+    preconsistency,
+    scalars,
+    scaled,
+    sum_over_cuts,
+    tableau_series,
+    vanishes,
+)
+from .forest import forest
+from .implications import Implied
+from .series import Component, NotPreconsistent, StartingSeries, component
+
+__all__ = ["Judgement", "Kernel", "Proposal", "Range", "refuted"]
+
+_ZERO, _ONE = Exact(0), Exact(1)
+_SEAL = object()
+#: Largest order to which trees are compared: of one method, a separable pair, another pair.
+MAX_ORDER = (12, 9, 8)
+#: Points of the imaginary axis at which a violation of A-stability is looked for.
+SAMPLES = tuple(Fraction(x) for x in ("1", "3", "1/3", "10", "1/10", "50", "1/50", "2", "6"))
+
+
+class Judgement:
+    """A verdict with what is known; only the kernel can make one.
+
+    Attributes
+    ----------
+        verdict, proof: what was decided, and how. ``open`` has the proof that a decision over these
+            numbers would have had.
+        value: the value that was found, or as much as is known of it.
+        residual: size of the identity that decides, 0.0 when it holds exactly.
+        reason: one sentence.
+    """
+
+    __slots__ = ("proof", "reason", "residual", "value", "verdict")
+    verdict: Verdict
+    proof: Proof
+    value: object
+    residual: float
+    reason: str
+
+    def __init__(
+        self,
+        verdict: Verdict,
+        proof: Proof,
+        value: object,
+        residual: float,
+        reason: str,
+        *,
+        seal: object,
+    ) -> None:
+        if seal is not _SEAL:
+            raise TypeError("only the kernel makes judgements")
+        for name, x in zip(
+            ("verdict", "proof", "value", "residual", "reason"),
+            (verdict, proof, value, residual, reason),
+            strict=True,
+        ):
+            object.__setattr__(self, name, x)
+
+    def __setattr__(self, name: str, value: object) -> NoReturn:
+        raise AttributeError(f"a judgement cannot be changed: `{name}`")
+
+
+def refuted(judgement: Judgement, *, reason: str = "", as_expected: bool = True) -> Judgement:
+    """The judgement of "this claim fails": what was ``fails`` holds, and the other way.
+
+    Args:
+        judgement: of the claim. as_expected: whether it fails for the reason that was announced.
+        reason: another sentence.
+    """
+    swap = {Verdict.FAILS: Verdict.HOLDS, Verdict.HOLDS: Verdict.FAILS}
+    verdict = swap.get(judgement.verdict, Verdict.OPEN)
+    if verdict is Verdict.HOLDS and not as_expected:
+        verdict = Verdict.FAILS
+    return Judgement(
+        verdict, judgement.proof, judgement.value, judgement.residual, reason or judgement.reason,
+        seal=_SEAL,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """What a finder hands in: witnesses by name, and words and numbers to show.
+
+    Attributes
+    ----------
+        witness: what the rule checks, by name; called when it is needed.
+        value: of a list, what to show.
+        explain: from a truth value to a sentence and the size of what decides.
+    """
+
+    witness: Callable[[], Mapping[str, Any]] = dict
+    value: object = None
+    explain: Callable[[bool | None], tuple[str, float]] = lambda truth: ("", 0.0)
+
+
+@dataclass(frozen=True)
+class Known:
+    """What a rule proved: ``True``, ``False``, or ``None`` for open; ``exact`` says how."""
+
+    truth: bool | None
+    exact: bool = True
+    reason: str = ""
+    residual: float = 0.0
+    entry: int | None = None
+
+
+@dataclass(frozen=True)
+class Range:
+    """Proved bounds of an order.
+
+    Attributes
+    ----------
+        lower: the order is at least this. upper: and at most this, ``None`` where nothing is known.
+        tree: text of the first tree of order upper + 1 that fails. residual: its size.
+        sizes: for each order the largest residual through it that is not an exact zero.
+        exact: whether only exact numbers took part. reason: one sentence.
+        value: the order to show where the bounds differ: no tree through it is known to fail.
+    """
+
+    lower: int
+    upper: int | None
+    tree: str = ""
+    residual: float = 0.0
+    sizes: tuple[float, ...] = ()
+    exact: bool = True
+    reason: str = ""
+    value: int = 0
+
+    @property
+    def sentence(self) -> str:
+        """What decides the upper bound, or why there is none."""
+        if self.upper is None or not self.tree:
+            bound = f"no tree of order {self.value} or less fails" if self.upper is None else ""
+            return "; ".join(x for x in (bound, self.reason) if x)
+        order = self.upper + 1
+        fails = f"tree {self.tree} of order {order} has residual {self.residual:.6g}"
+        return f"{fails}; {self.reason}" if self.reason else fails
+
+
+def _number(text: object) -> Scalar:
+    return text.value if isinstance(text, Text) else parse(str(text))
+
+
+class Kernel:
+    """The rules, for one method.
+
+    Args:
+        method: a method or a pair.
+        implied: what its enclosure proves, or ``None``.
+    """
+
+    def __init__(self, method: GLM | PartitionedGLM, implied: Implied | None = None) -> None:
+        self.method, self.implied = method, implied
+        self.is_pair = isinstance(method, PartitionedGLM)
+        hats = ("", "_hat") if self.is_pair else ("",)
+        colours = "fk" if self.is_pair else "o"
+        #: (A, U, B, V) by colour
+        self.blocks: dict[str, tuple[Matrix, Matrix, Matrix, Matrix]] = {
+            c: tuple(getattr(method, x + hat) for x in "AUBV")  # type: ignore[misc]
+            for c, hat in zip(colours, hats, strict=True)
+        }
+        self.shared = not self.is_pair or not method.separable  # type: ignore[union-attr]
+        inner = {"o": "o"} if not self.is_pair else {"f": "k", "k": "f"}
+        self.palette = tuple(
+            (c, "fk" if self.is_pair and self.shared else inner[c]) for c in colours
+        )
+        self.one_step = all(len(b[3]) == 1 for b in self.blocks.values())
+        self.exact = all(is_exact(*b) for b in self.blocks.values())
+
+    # -- judging ---------------------------------------------------------------------------------
+
+    def judge(self, claim: str, declared: object, proposal: Proposal) -> Judgement:
+        """Judge one claim: the only way to a verdict."""
+        try:
+            if claim in _ORDERS:
+                return self._judge_range(claim, declared, proposal)
+            if claim in _LISTS:
+                return self._judge_list(claim, declared, proposal)
+            known = self.known(claim, proposal)
+        except ExactnessError as error:
+            return self._made(None, exact=self.exact, value=None, residual=0.0, reason=str(error))
+        truth = None if known.truth is None else known.truth == declared
+        reason, residual = proposal.explain(known.truth)
+        return self._made(
+            truth,
+            exact=known.exact,
+            value=known.truth,
+            residual=known.residual or residual,
+            reason=reason or known.reason,
+        )
+
+    @staticmethod
+    def _made(
+        truth: bool | None, *, exact: bool, value: object, residual: float, reason: str
+    ) -> Judgement:
+        verdict = Verdict.OPEN if truth is None else Verdict.HOLDS if truth else Verdict.FAILS
+        proof = Proof.EXACT if exact else Proof.ENCLOSED
+        return Judgement(verdict, proof, value, residual, reason, seal=_SEAL)
+
+    def known(self, claim: str, proposal: Proposal) -> Known:
+        """What is known of a claim that is true or false."""
+        if self.implied is not None and claim in self.implied.true:
+            return Known(True, False)
+        rule = getattr(self, "_" + claim.replace("-", "_"))
+        try:
+            return rule(proposal.witness())
+        except ExactnessError as error:
+            return Known(None, self.exact, str(error))
+
+    def _judge_range(self, claim: str, declared: object, proposal: Proposal) -> Judgement:
+        found = self.range(claim)
+        wanted = int(declared)  # type: ignore[call-overload]
+        truth = None
+        if found.lower > wanted or (found.upper is not None and found.upper < wanted):
+            truth = False
+        elif found.lower == found.upper == wanted:
+            truth = True
+        settled = found.lower == found.upper
+        residual = found.residual
+        if truth is True:
+            residual = max(found.sizes[:wanted], default=0.0)
+        reason = found.sentence
+        if truth is None and found.lower < wanted:
+            reason = "; ".join(
+                x for x in (f"order {wanted} is not proved: {found.lower} is", reason) if x
+            )
+        return self._made(
+            truth,
+            exact=found.exact,
+            value=found.upper if settled else found.value,
+            residual=residual,
+            reason=reason,
+        )
+
+    def _judge_list(self, claim: str, declared: object, proposal: Proposal) -> Judgement:
+        texts = list(declared) if isinstance(declared, list) else [declared]
+        if claim == "growth":
+            known = self._growth([_number(x) for x in texts], proposal.witness())
+        elif claim == "abscissae":
+            known = self._abscissae([_number(x) for x in texts])
+        else:
+            known = self._error_constant(_number(texts[0]))
+        reason = known.reason
+        if known.entry is not None:
+            what = "error constant" if claim == "error-constant" else _PLURAL[claim]
+            reason = f"number {known.entry + 1} of the {what} is {reason}, declared is {texts[known.entry]}"
+        return self._made(
+            known.truth,
+            exact=known.exact,
+            value=proposal.value,
+            residual=known.residual,
+            reason=reason if known.truth is not True else "",
+        )
+
+    # -- orders ----------------------------------------------------------------------------------
+
+    @cached_property
+    def _components(self) -> dict[str, Component]:
+        return {c: component(*b) for c, b in self.blocks.items()}
+
+    def range(self, claim: str) -> Range:
+        """Proved bounds of an order: see :mod:`glmref.prove.series` for the theorem."""
+        rules = {
+            "order": lambda: self._order,
+            "order-identity": lambda: self.order_range(free=False),
+            "effective-order": lambda: self.order_range(free=True),
+            "nystrom-order": lambda: self.order_range(free=False, nystrom=True),
+            "stage-order": lambda: self._stage_order,
+            "starting-order": lambda: self._starting_order(nystrom=False),
+            "nystrom-starting-order": lambda: self._starting_order(nystrom=True),
+            "finishing-order": lambda: self._finishing_order,
+        }
+        found = rules[claim]()
+        return self._with_implied(claim, found)
+
+    def _with_implied(self, claim: str, found: Range) -> Range:
+        implied = self.implied.at_least.get(claim) if self.implied else None
+        if implied is not None and implied > found.lower:
+            if found.upper is not None and found.upper < implied:
+                raise ExactnessError(
+                    f"the enclosure gives {claim} {implied} and the digits at most {found.upper}"
+                )
+            found = replace(found, lower=implied, exact=False)
+        return found
+
+    @property
+    def _order(self) -> Range:
+        """One value carried: it is the solution. Several: some starting method must exist.
+
+        The identity as principal part is a start, so its order is a lower bound; where it equals
+        the upper bound with a free one, its residuals are shown: they are the local error.
+        """
+        identity = self.order_range(free=False)
+        if self.one_step:
+            return identity
+        free = self.order_range(free=True)
+        return identity if identity.value == free.value else free
+
+    def order_range(self, *, free: bool, nystrom: bool = False) -> Range:
+        """Bounds by the trees: all residuals exactly zero below, one that excludes zero above."""
+        key = (free, nystrom)
+        if key not in self._ranges:
+            self._ranges[key] = self._search(free=free, nystrom=nystrom)
+        return self._ranges[key]
+
+    @cached_property
+    def _ranges(self) -> dict[tuple[bool, bool], Range]:
+        return {}
+
+    @cached_property
+    def series(self) -> dict[tuple[bool, bool], StartingSeries]:
+        """The series of the searches made, for the claims that are about a start."""
+        return {}
+
+    @cached_property
+    def residuals(self) -> dict[tuple[bool, bool], dict[int, Scalar]]:
+        """Residuals at the first order that fails, of the searches made."""
+        return {}
+
+    def _search(self, *, free: bool, nystrom: bool) -> Range:
+        if nystrom and self.shared:
+            return Range(0, 0, exact=True, reason="the stages are shared")
+        trees = forest(self.palette)
+        try:
+            components = self._components
+        except NotPreconsistent as reason:
+            return Range(0, 0, exact=self.exact, reason=f"not preconsistent: {reason}")
+        counts = nystrom_filter(trees) if nystrom else (lambda t: True)
+        series = StartingSeries(components, trees, free=free, counts=counts)
+        self.series[free, nystrom] = series
+        most = (
+            MAX_ORDER[0] if not self.is_pair else MAX_ORDER[1] if not self.shared else MAX_ORDER[2]
+        )
+        lower, sizes = 0, []
+        proved = all(c.certain for c in components.values())
+        for n in range(1, most + 1):
+            level = {t: first_nonzero(x) for t, x in series.advance().items()}
+            answers = {t: x.is_zero() for t, x in level.items()}
+            failing = next((t for t, answer in answers.items() if answer is False), None)
+            if failing is not None:
+                self.residuals[free, nystrom] = level
+                exact = all(isinstance(x, Exact) for x in level.values()) and self.exact
+                upper, more = n - 1, ""
+                if not series.complete:
+                    upper, more = (
+                        None,
+                        (
+                            "the eigenvalue 1 of V is multiple, and whether other principal parts "
+                            "reach a higher order is not decided"
+                        ),
+                    )
+                return Range(
+                    lower, upper, trees.text[failing], level[failing].magnitude(), tuple(sizes),
+                    exact, more, n - 1,
+                )  # fmt: skip
+            proved = proved and all(x is True for x in answers.values())
+            lower = n if proved else lower
+            open_ = [level[t].magnitude() for t, x in answers.items() if x is None]
+            sizes.append(max([sizes[-1] if sizes else 0.0, *open_]))
+        return Range(lower, None, sizes=tuple(sizes), exact=self.exact, value=most)
+
+    def nearly(self, *, most: int) -> list[float]:
+        """Largest residual through each order, whether zero or not: measured, never a verdict."""
+        most = min(most, MAX_ORDER[0] if not self.is_pair else MAX_ORDER[2] - 2)
+        try:
+            series = StartingSeries(self._components, forest(self.palette), free=not self.one_step)
+            sizes: list[float] = []
+            for n in range(1, most + 1):
+                largest = max(first_nonzero(x).magnitude() for x in series.advance().values())
+                sizes.append(max(largest, sizes[-1] if sizes else 0.0))
+                if largest > 1e-3:
+                    break
+        except (NotPreconsistent, ExactnessError):
+            return []
+        return sizes
+
+    @cached_property
+    def _stage_order(self) -> Range:
+        """Stages that are the solution at their abscissae: xi(t) = c^|t| / gamma(t).
+
+        With the series of the order, which is unique up to a shift (that moves c and xi alike) and
+        to the principal parts of the last order: these add one number to all stages at a tree.
+        """
+        order = self._order
+        free = not self.one_step and order is self.order_range(free=True)
+        top, exact = order.value, order.exact
+        if not top or (free, False) not in self.series:
+            return Range(0, 0, exact=exact, reason="found 0")
+        series = self.series[free, False]
+        trees, nodes = series.trees, series.trees.level(1)
+        c = {
+            trees.colour[t]: series.stage(t, series.eta.get(t, self._none(t, series)))
+            for t in nodes
+        }
+        lower, proved = 0, True
+        for q in range(1, top + 1):
+            answers = []
+            for t in trees.level(q):
+                value = series.eta.get(t, self._none(t, series))
+                power = times(Fraction(1, trees.density[t]), series.power(c[trees.colour[t]], q))
+                defect = plus(series.stage(t, value), times(-1, power))
+                if q == top and free:
+                    defect = tuple(plus(x, times(-1, defect[0])) for x in defect[1:])
+                answers.append(is_zero(defect))
+            if False in answers:
+                return Range(lower, q - 1, exact=exact, value=q - 1, reason=f"found {q - 1}")
+            # of order 1 the condition says what the abscissae are
+            proved = proved and (q == 1 or None not in answers) and order.lower >= min(q, 1)
+            lower = q if proved else lower
+        upper = order.upper
+        return Range(min(lower, order.lower), upper, exact=exact, value=top, reason=f"found {top}")
+
+    @staticmethod
+    def _none(t: int, series: StartingSeries) -> tuple[int, ...]:
+        return (0,) * len(series.components[series.trees.colour[t]].u)
+
+    # -- starts and finishes -----------------------------------------------------------------------
+
+    def _starting_order(self, *, nystrom: bool) -> Range:
+        """Where the start of the file agrees with the starting series, which is unique up to a
+        shift along the flow, fixed at a single vertex, and to the principal parts of the last order.
+        """
+        start = self.method.starting
+        free = not self.is_pair
+        if start is None and not self.is_pair:
+            return Range(0, 0, exact=True, reason="the file gives no starting method")
+        known = self.order_range(free=free, nystrom=nystrom)
+        base = "nystrom-order" if nystrom else "order-identity" if self.is_pair else "order"
+        known = self._with_implied(base, known)
+        p = known.value
+        if not p or (free, nystrom) not in self.series:
+            return Range(0, 0 if known.upper == 0 else None, exact=self.exact,
+                         reason="the method has no starting series to agree with")  # fmt: skip
+        series = self.series[free, nystrom]
+        given = self._start_series(series, p)
+        eta = self._shifted(series, given, p) if free else series.eta
+        trees, none = series.trees, self._none
+        proved = series.complete and known.lower > 0
+        for c, x in series.components.items():
+            gap = difference(given[c], x.u)
+            bad = next((i for i, y in enumerate(gap) if y.is_zero() is False), None)
+            if bad is not None:
+                reason = (
+                    f"the multiple of y differs by {gap[bad].magnitude():.6g} in value {bad + 1}"
+                )
+                return Range(0, 0, exact=self.exact, residual=0.0, reason=reason)
+            proved = proved and all(y.is_zero() is True for y in gap)
+        lower = 0
+        exact = self.exact and self._exact_start()
+        for q in range(1, p + 1):
+            answers = []
+            for t in (t for t in trees.level(q) if series.counts(t)):
+                gap = difference(given[t], eta.get(t, none(t, series)))
+                if q == p and free:
+                    gap = self._without_principal(series, t, gap)
+                bad = next((i for i, y in enumerate(gap) if y.is_zero() is False), None)
+                if bad is not None:
+                    return Range(
+                        min(lower, known.lower), q - 1, exact=exact, value=q - 1,
+                        reason=f"tree {trees.text[t]} differs by {gap[bad].magnitude():.6g} in "
+                        f"value {bad + 1}" if start is not None else
+                        f"a carried value starts with a term of {trees.text[t]}",
+                    )  # fmt: skip
+                answers += [y.is_zero() for y in gap]
+            proved = proved and None not in answers
+            lower = q if proved else lower
+        compared = "all trees of second-order systems" if nystrom else "all trees"
+        reason = (
+            f"agrees on {compared} of order {p} or less"
+            if start is not None
+            else "every carried value starts with zero"
+        )
+        upper = known.upper
+        return Range(min(lower, known.lower), upper, exact=exact, value=p, reason=reason)
+
+    def _exact_start(self) -> bool:
+        start = self.method.starting
+        if start is None:
+            return True
+        rows = start.rows() if self.is_pair else (*start.A, *start.B, start.u)
+        return is_exact(rows)
+
+    def _start_series(self, series: StartingSeries, p: int) -> dict[Any, tuple[Any, ...]]:
+        """Series of the start by tree, and its multiples of y by colour."""
+        start: Any = self.method.starting
+        if start is None:
+            found: dict[Any, tuple[Any, ...]] = {
+                c: tuple(Exact(int(k == 0)) for k in range(len(x.u)))
+                for c, x in series.components.items()
+            }
+            for n in range(1, p + 1):
+                found |= {t: self._none(t, series) for t in series.trees.level(n)}
+            return found
+        if self.is_pair:
+            table = {"f": (start.A, start.B, start.u), "k": (start.A_hat, start.B_hat, start.u_hat)}
+        else:
+            table = {"o": (start.A, start.B, start.u)}
+        return tableau_series(series.trees, table, p, series.counts)
+
+    def _shifted(self, series: StartingSeries, given: Mapping[Any, Any], p: int) -> dict[int, Any]:
+        """eta E^a, with a such that the place of the solution agrees with the start at one vertex.
+
+        ``(eta E^a)(t) = u a^|t| / gamma(t) + sum N(t, s) a^m / m! eta(s)``, m = |t| - |s|.
+        """
+        trees = series.trees
+        (node,) = trees.level(1)
+        c = series.components["o"]
+        own = series.eta.get(node, self._none(node, series))
+        gap = difference(given[node], own)[c.place]
+        if gap.is_zero() is True:
+            return series.eta
+        ahead = gap / c.u[c.place]
+        powers: list[Any] = [1]
+        for _ in range(p):
+            powers.append(times(ahead, powers[-1]))
+        moved: dict[int, Any] = {}
+        for n in range(1, p + 1):
+            for t in trees.level(n):
+                value = times(times(Fraction(1, trees.density[t]), powers[n]), c.u)
+                for kept, ways in trees.cuts[t].items():
+                    if kept in series.eta:
+                        m = n - trees.order[kept]
+                        factor = times(Fraction(ways, factorial(m)), powers[m])
+                        value = plus(value, times(factor, series.eta[kept]))
+                moved[t] = value
+        return moved
+
+    def _without_principal(self, series: StartingSeries, t: int, gap: Vector) -> Vector:
+        c = series.components[series.trees.colour[t]]
+        along = gap[c.place] / c.u[c.place]
+        return tuple(x - along * y for x, y in zip(gap, c.u, strict=True))
+
+    @cached_property
+    def _finishing_order(self) -> Range:
+        """Trees on which the finish, after the first value of the start, gives y back.
+
+        ``(a b)(t) = a(t) + sum over cuts of b(kept) * product of a(branches)``, a the series of the
+        first value of the start and b that of the finish.
+        """
+        finish, start = self.method.finishing, self.method.starting  # type: ignore[union-attr]
+        if finish is None:
+            return Range(0, 0, reason="the file gives no finishing method")
+        if start is None:
+            raise ExactnessError("a finish is compared with the start of its file, which has none")
+        known = self.order_range(free=True)
+        p, trees = known.value, forest(self.palette)
+        everything = lambda t: True  # noqa: E731
+        a = tableau_series(trees, {"o": (start.A, start.B[:1], start.u[:1])}, p, everything)
+        b = tableau_series(trees, {"o": (finish.A, (finish.b,), (_ONE,))}, p, everything)
+        exact = self.exact and self._exact_start() and is_exact(finish.A, (finish.b,))
+        if (a["o"][0] - 1).is_zero() is not True:
+            raise ExactnessError("a finishing method needs a first value that starts from y itself")
+        lower, proved = 0, known.lower > 0
+        for q in range(1, p + 1):
+            answers = []
+            for t in trees.level(q):
+                total = plus(a[t][0], sum_over_cuts(trees, t, a, b))
+                answer = is_zero(total)
+                if answer is False:
+                    size = total.magnitude()
+                    return Range(
+                        min(lower, known.lower), q - 1, exact=exact, value=q - 1,
+                        reason=f"tree {trees.text[t]} differs by {size:.6g} in value 1",
+                    )  # fmt: skip
+                answers.append(answer)
+            proved = proved and None not in answers
+            lower = q if proved else lower
+        reason = f"agrees on all trees of order {p} or less"
+        return Range(min(lower, known.lower), known.upper, exact=exact, value=p, reason=reason)
+
+    # -- consistency -------------------------------------------------------------------------------
+
+    def _preconsistent(self, witness: Mapping[str, Any]) -> Known:
+        """V u = u and U u = 1 for some u: a linear system, eliminated (Butcher 2016, 510B)."""
+        answers, exact = [], True
+        for A, U, B, V in self.blocks.values():
+            if is_exact(U, V):
+                answers.append(preconsistency(U, V) is not None)
+                continue
+            exact = False
+            try:
+                found = component(A, U, B, V)
+            except NotPreconsistent:
+                answers.append(False)
+            except ExactnessError:
+                answers.append(None)
+            else:
+                answers.append(True if found.certain else None)
+        return Known(all_of(answers), exact)
+
+    def _consistent(self, witness: Mapping[str, Any]) -> Known:
+        """B 1 + V v = u + v as well, linear in (u, v) (Butcher 2016, 510C)."""
+        answers, exact = [], True
+        for A, U, B, V in self.blocks.values():
+            if is_exact(U, B, V):
+                answers.append(consistency_vectors(U, B, V) is not None)
+                continue
+            exact = False
+            try:
+                c = component(A, U, B, V)
+            except NotPreconsistent:
+                answers.append(False)
+                continue
+            except ExactnessError:
+                answers.append(None)
+                continue
+            total = [weighted(row, [_ONE] * c.slopes) for row in c.B]
+            gap = [weighted(row, [plus(x, times(-1, y)) for x, y in zip(total, c.u, strict=True)])
+                   for row in c.W]  # fmt: skip
+            answer = is_zero(tuple(gap))
+            answers.append(None if answer is True and not c.certain else answer)
+        return Known(all_of(answers), exact)
+
+    def _abscissae(self, declared: list[Scalar]) -> Known:
+        """c = A 1 + U v, v zero where the solution is carried; unique where 1 is a simple eigenvalue.
+
+        Over balls every pair (u, v) of a method in them lies in the (u, v) used here.
+        """
+        if self.implied is not None and self.implied.abscissae is not None:
+            found: Sequence[Scalar] = [Exact(x) for x in self.implied.abscissae]
+            exact, unique = False, True
+        else:
+            A, U, B, V = self.blocks["o"]
+            exact = is_exact(A, U, B, V)
+            if exact:
+                both = consistency_vectors(U, B, V)
+                if both is None:
+                    return Known(False, True, "the method has no abscissae")
+                u, v = both
+                k = next(i for i, x in enumerate(u) if x.is_zero() is False)
+                v = tuple(x - v[k] / u[k] * y for x, y in zip(v, u, strict=True))
+                c = linalg.matvec(A, (_ONE,) * len(A))
+                found = [x + y for x, y in zip(c, linalg.matvec(U, v), strict=True)]
+                unique = linalg.rank(linalg.sub(V, linalg.identity(len(V)))) == len(V) - 1
+            else:
+                self.order_range(free=False)
+                series = self.series.get((False, False))
+                if series is None or not series.simple:
+                    raise ExactnessError("the abscissae are not decided within the digits")
+                (node,) = series.trees.level(1)
+                found = scalars(series.stage(node, series.eta.get(node, self._none(node, series))))
+                unique = True
+        if len(found) != len(declared):
+            return Known(False, exact, f"{len(found)} abscissae found, {len(declared)} declared")
+        known = _compared(found, declared, exact=exact)
+        return known if known.truth is not False or unique else Known(None, exact, known.reason)
+
+    def _error_constant(self, declared: Scalar) -> Known:
+        """C_(p+1) / sigma(1) from alpha and beta of the file: independent of the values carried.
+
+        Hairer, Norsett, Wanner (1993), III.2, (2.6) and (2.13). For methods of other classes the
+        constant depends on which value is called the solution: open.
+        """
+        document = self.method.document or {}
+        if document.get("class") not in ("lmm", "one-leg"):
+            raise ExactnessError("an error constant is defined for multistep methods only")
+        multistep = self.method.multistep  # type: ignore[union-attr]
+        if multistep is None or not is_exact(multistep):
+            raise ExactnessError("alpha and beta are not exact")
+        alpha, beta = multistep
+        sigma = sum(beta, _ZERO)
+        if sigma.is_zero() is not False:
+            return Known(False, True, "the method has no error constant")
+        for q in range(2 * len(alpha) + 2):
+            defect: Scalar = _ZERO
+            for m, (a, b) in enumerate(zip(alpha, beta, strict=True)):
+                defect = defect + a * m**q - (b * (q * m ** (q - 1)) if q else _ZERO)
+            if defect.is_zero() is False:
+                found = defect / sigma * Fraction(1, factorial(q))
+                return _compared([found], [declared], exact=True)
+        raise ExactnessError("no term of the local error was found")
+
+    # -- stability of V ----------------------------------------------------------------------------
+
+    def _zero_stable(self, witness: Mapping[str, Any]) -> Known:
+        """The powers of V are bounded."""
+        found = [bounded(b[3]) for b in self.blocks.values()]
+        exact = all(is_exact(b[3]) for b in self.blocks.values())
+        return Known(all_of(found), exact)
+
+    def _eigen(self, colour: str, witness: Mapping[str, Any]) -> list[tuple[Any, Matrix, Matrix]]:
+        """Check the eigenvalues of modulus 1 that were proposed: all of them, semisimple.
+
+        V N = zeta N, W V = zeta W, W N = I, |zeta| = 1, the zeta different; and h(V) (I - sum N W)
+        = 0 with all roots of h inside the circle, so that V has no other such eigenvalue.
+
+        Raises
+        ------
+            ExactnessError: where the proposal is missing or wrong.
+        """
+        proposed = witness.get(colour)
+        V = self.blocks[colour][3]
+        if proposed is None or not is_exact(V):
+            raise ExactnessError(witness.get("why", "the eigenvalues of V are not decided"))
+        parts, h = proposed
+        r = len(V)
+        rest = linalg.identity(r)
+        for n, (zeta, W, N) in enumerate(parts):
+            columns = linalg.transpose(tuple(N))
+            if (
+                (zeta * zeta.conjugate() - 1).is_zero() is not True
+                or any((zeta - other).is_zero() is not False for other, _, _ in parts[:n])
+                or vanishes(linalg.sub(linalg.matmul(V, columns), linalg.scale(zeta, columns)))
+                is not True
+                or vanishes(linalg.sub(linalg.matmul(tuple(W), V), linalg.scale(zeta, tuple(W))))
+                is not True
+                or vanishes(linalg.sub(linalg.matmul(tuple(W), columns), linalg.identity(len(N))))
+                is not True
+            ):
+                raise ExactnessError("an eigenvector of V that was proposed is none")
+            rest = linalg.sub(rest, linalg.matmul(columns, tuple(W)))
+        if not is_schur(h) or vanishes(linalg.matmul(poly.evaluate_matrix(h, V), rest)) is not True:
+            raise ExactnessError("V may have other eigenvalues on the unit circle")
+        return list(parts)
+
+    def _growth_matrices(
+        self, witness: Mapping[str, Any]
+    ) -> list[tuple[Exact, tuple[Matrix, ...]]]:
+        """zeta^-1 W B U N at each eigenvalue of V of modulus 1, by increasing argument.
+
+        For a pair the coupled matrices at the shared eigenvalues other than 1, and where stages are
+        shared also those within each half. At zeta = 1 of one method the principal component is in
+        the matrix, with the eigenvalue 1.
+        """
+        found = []
+        if not self.is_pair:
+            _, U, B, _ = self.blocks["o"]
+            for zeta, W, N in self._eigen("o", witness):
+                inner = linalg.matmul(tuple(W), B, U, linalg.transpose(tuple(N)))
+                found.append((zeta, (linalg.scale(1 / zeta, inner),)))
+            return found
+        parts = {c: self._eigen(c, witness) for c in "fk"}
+        for c in "fk":
+            for zeta, W, _ in parts[c]:
+                if (zeta - 1).is_zero() and len(W) > 1:
+                    raise ExactnessError(
+                        "1 is a multiple eigenvalue of V, which is not supported for pairs"
+                    )
+        others = {c: [x for x in parts[c] if not (x[0] - 1).is_zero()] for c in "fk"}
+        for zeta, W, N in others["f"]:
+            match = [x for x in others["k"] if (x[0] - zeta).is_zero()]
+            if not match:
+                continue
+            halves = {"f": (W, N), "k": match[0][1:]}
+            pairs = [("f", "k"), ("k", "f")] + ([("f", "f"), ("k", "k")] if self.shared else [])
+            found.append(
+                (
+                    zeta,
+                    tuple(
+                        linalg.scale(
+                            1 / zeta,
+                            linalg.matmul(
+                                tuple(halves[a][0]),
+                                self.blocks[a][2],
+                                self.blocks[b][1],
+                                linalg.transpose(tuple(halves[b][1])),
+                            ),
+                        )
+                        for a, b in pairs
+                    ),
+                )
+            )
+        if self.shared and len(found) < max(len(x) for x in others.values()):
+            raise ExactnessError(
+                "V and V^ have different eigenvalues and the stages are shared: not supported"
+            )
+        return found
+
+    def _unstable(self) -> bool:
+        """Whether some V is proved not to be power-bounded: then growth has no meaning."""
+        return any(bounded(b[3]) is False for b in self.blocks.values())
+
+    def _parasitism_free(self, witness: Mapping[str, Any]) -> Known:
+        """V is power-bounded and every growth matrix is 0 (at zeta = 1: but for the principal)."""
+        if self._unstable():
+            return Known(False, True, "V is not power-bounded: parasitic components grow anyway")
+        answers: list[bool | None] = []
+        for zeta, matrices in self._growth_matrices(witness):
+            if not self.is_pair and (zeta - 1).is_zero():
+                answers.append(self._only_principal(matrices[0]))
+            else:
+                answers += [vanishes(m) for m in matrices]
+        return Known(all_of(answers), self.exact)
+
+    def _only_principal(self, matrix: Matrix) -> bool | None:
+        """Whether W B U N has rank 1: its eigenvalue 1 belongs to the principal component."""
+        if len(matrix) == 1:
+            return True
+        if not is_exact(matrix):
+            return None
+        characteristic = poly.characteristic_polynomial(matrix)
+        wanted = (*((_ZERO,) * (len(matrix) - 1)), Exact(-1), _ONE)
+        if any((x - y).is_zero() is not True for x, y in zip(characteristic, wanted, strict=True)):
+            return False
+        return linalg.rank(matrix) == 1
+
+    def _growth(self, declared: list[Scalar], witness: Mapping[str, Any]) -> Known:
+        """The declared numbers are the eigenvalues of the growth matrices, zeta by zeta.
+
+        Within one multiple eigenvalue of V their order does not matter: compared are characteristic
+        polynomials. For a pair: mu_q and then mu_p at each shared eigenvalue, both of which are
+        zero or not whatever the eigenvectors are; other values are not defined.
+        """
+        if self._unstable():
+            return Known(False, True, "V is not power-bounded: growth parameters are not defined")
+        if self.implied is not None and self.implied.growth_zeros is not None:
+            count = self.implied.growth_zeros
+            if len(declared) != count:
+                return Known(
+                    False, False, f"{count} growth parameters found, {len(declared)} declared"
+                )
+            return _compared([_ZERO] * count, declared, exact=False)
+        matrices = self._growth_matrices(witness)
+        blocks = [
+            (zeta, m, not self.is_pair and bool((zeta - 1).is_zero()))
+            for zeta, found in matrices
+            for m in (found[:2] if self.is_pair else found)
+        ]
+        sizes = [len(m) * (len(m[0]) if self.is_pair else 1) - first for _, m, first in blocks]
+        if sum(sizes) != len(declared):
+            return Known(
+                False,
+                all(is_exact(b[3]) for b in self.blocks.values()),
+                f"{sum(sizes)} growth parameters found, {len(declared)} declared",
+            )
+        answers: list[Known] = []
+        at = 0
+        for (_, m, first), size in zip(blocks, sizes, strict=True):
+            part = declared[at : at + size]
+            if self.is_pair:
+                entries = [x for row in m for x in row]
+                known = _compared(entries, part, exact=self.exact, offset=at)
+                if any(x.is_zero() is False for x in entries) and any(
+                    x.is_zero() is False for x in part
+                ):
+                    known = Known(None, self.exact, "growth parameters of a pair other than 0 "
+                                  "depend on the scaling of the eigenvectors")  # fmt: skip
+            elif size == 1 and not first:
+                known = _compared(m[0], part, exact=self.exact, offset=at)
+            else:
+                known = self._same_spectrum(m, [_ONE, *part] if first else part)
+            answers.append(known)
+            at += size
+        truth = all_of([x.truth for x in answers])
+        chosen = next((x for x in answers if x.truth is truth), Known(True))
+        return replace(
+            chosen,
+            truth=truth,
+            exact=self.exact,
+            residual=max((x.residual for x in answers), default=0.0),
+        )
+
+    def _same_spectrum(self, matrix: Matrix, numbers: Sequence[Scalar]) -> Known:
+        found = poly.characteristic_polynomial(matrix)
+        wanted = poly.from_roots(list(numbers))
+        answer = all_of([(x - y).is_zero() for x, y in zip(found, wanted, strict=True)])
+        shown = ", ".join(f"{complex(x):.6g}" for x in poly.approximate_roots(found))
+        return Known(answer, self.exact, f"the growth matrix has the eigenvalues {shown}")
+
+    # -- forms -------------------------------------------------------------------------------------
+
+    def _symplectic(self, witness: Mapping[str, Any]) -> Known:
+        """b_i a_ij + b_j a_ji = b_i b_j (Sanz-Serna; Lasagni; Suris 1988); for pairs with hats.
+
+        Hairer, Lubich, Wanner (2006), theorems VI.4.3 and VI.4.6.
+        """
+        if not self.one_step:
+            return Known(False, True, "a method that carries several values has no symplectic step")
+        for _, U, _, V in self.blocks.values():
+            ones = [x - 1 for row in (*U, *V) for x in row]
+            if vanishes([ones]) is not True:
+                raise ExactnessError("U and V of a method that carries one value must be 1")
+        if self.is_pair:
+            (A, _, (b,), _), (A_hat, _, (b_hat,), _) = self.blocks["f"], self.blocks["k"]
+        else:
+            A, _, (b,), _ = self.blocks["o"]
+            A_hat, b_hat = A, b
+        identity = tuple(
+            tuple(
+                b[i] * A_hat[i][j] + b_hat[j] * A[j][i] - b[i] * b_hat[j] for j in range(len(b_hat))
+            )
+            for i in range(len(b))
+        )
+        answers = [vanishes(identity)]
+        if self.is_pair and self.shared:
+            answers.append(vanishes([difference(b, b_hat)]))
+        return Known(all_of(answers), self.exact)
+
+    def _g_symplectic(self, witness: Mapping[str, Any]) -> Known:
+        """Some (G, D) satisfies the identities and sees the solution, u^* G u not 0.
+
+        Butcher and Hewitt, Numer. Algorithms 51 (2009) 33. A given or proposed form is checked. Where
+        none is given and none works, the identities are a real-linear system in (G, D); that all
+        its solutions have u^* G u = 0 is found by elimination, so that no form exists.
+        """
+        vectors = [
+            preconsistency(b[1], b[3]) if is_exact(b[1], b[3]) else None
+            for b in self.blocks.values()
+        ]
+        if any(x is None for x in vectors):
+            if all(is_exact(b[1], b[3]) for b in self.blocks.values()):
+                return Known(
+                    False, True, "the method is not preconsistent: no form sees a solution"
+                )
+            vectors = [c.u if c.certain else None for c in self._components.values()]
+            if any(x is None for x in vectors):
+                raise ExactnessError("whether V u = u, U u = 1 is not decided within the digits")
+        u, u_hat = vectors[0], vectors[-1]
+        form = witness.get("form")
+        if form is not None:
+            G, diagonals = form
+            residuals = self._form_residuals(G, diagonals)
+            seen = bilinear(u, G, u_hat).is_zero()
+            answers = [*map(vanishes, residuals), None if seen is None else not seen]
+            truth = all_of(answers)
+            if truth is True or witness.get("given"):
+                return Known(truth, self.exact and is_exact(G, diagonals))
+        if witness.get("given") or not self.exact:
+            raise ExactnessError("no form was proved or excluded within the digits")
+        return Known(True if self._some_form(u, u_hat) else False)
+
+    def _form_residuals(self, G: Matrix, diagonals: Sequence[Vector]) -> list[Matrix]:
+        """Left minus right of the identities; the last one says that D is real, G Hermitian."""
+        star, matmul, sub = linalg.conjugate_transpose, linalg.matmul, linalg.sub
+        imaginary = (tuple(x.imag for d in diagonals for x in d),)
+        if not self.is_pair:
+            A, U, B, V = self.blocks["o"]
+            (d,) = diagonals
+            dA = scaled(d, A)
+            return [
+                sub(G, matmul(star(V), G, V)),
+                sub(scaled(d, U), matmul(star(B), G, V)),
+                sub(linalg.add(dA, star(dA)), matmul(star(B), G, B)),
+                sub(G, star(G)),
+                imaginary,
+            ]
+        (A, U, B, V), (A_, U_, B_, V_) = self.blocks["f"], self.blocks["k"]
+        d_p, d_q = diagonals
+        residuals = [
+            sub(G, matmul(star(V), G, V_)),
+            sub(scaled(d_p, U_), matmul(star(B), G, V_)),
+            sub(scaled(d_q, U), matmul(star(B_), star(G), V)),
+            sub(linalg.add(scaled(d_p, A_), star(scaled(d_q, A))), matmul(star(B), G, B_)),
+            imaginary,
+        ]
+        if self.shared:
+            residuals.append((difference(d_p, d_q),))
+        return residuals
+
+    def _some_form(self, u: Vector, u_hat: Vector) -> bool:
+        """Whether a form exists, over exact numbers: its space is eliminated."""
+        values, equations, _ = self.form_system(u, u_hat)
+        system = tuple(
+            row for row in zip(*equations, strict=True) if any(not x.vanishes() for x in row)
+        )
+        space = linalg.nullspace(system) if system else list(linalg.identity(len(values)))
+        return any(linalg.dot(x, values).is_zero() is False for x in space)
+
+    def form_system(
+        self, u: Vector, u_hat: Vector
+    ) -> tuple[list[Scalar], list[list[Scalar]], list[tuple[str, int, int, str]]]:
+        """The real-linear system of (G, D).
+
+        Returns
+        -------
+            For each real unit of (G, D) its u^* G u^, and the entries of the identities; and for
+            each entry its identity, row, column, and "re" or "im".
+        """
+        rows, columns = len(u), len(u_hat)
+        real = all(x.is_real() for b in self.blocks.values() for m in b for row in m for x in row)
+        factors = (_ONE,) if real else (_ONE, Exact(-1).sqrt())
+        units: list[tuple[Matrix, list[Vector]]] = []
+        lengths = [len(self.blocks["o"][0])] if not self.is_pair else [
+            len(self.blocks["k"][0]), len(self.blocks["f"][0])
+        ]  # fmt: skip
+        nil = [(_ZERO,) * n for n in lengths]
+        for i, j, x in product(range(rows), range(columns), factors):
+            if not self.is_pair and (j < i or (i == j and x is not _ONE)):
+                continue
+            G = [[_ZERO] * columns for _ in range(rows)]
+            G[i][j] = x
+            if not self.is_pair:
+                G[j][i] = x.conjugate()
+            units.append((tuple(map(tuple, G)), nil))
+        zero = linalg.zeros(rows, columns)
+        for k, n in enumerate(lengths):
+            for i in range(n):
+                unit = tuple(_ONE if j == i else _ZERO for j in range(n))
+                units.append((zero, [unit if m == k else x for m, x in enumerate(nil)]))
+        equations: list[list[Scalar]] = []
+        names = ("V", "P", "Q", "A", "real", "shared") if self.is_pair else (
+            "V", "U", "A", "hermitian", "real"
+        )  # fmt: skip
+        labels: list[tuple[str, int, int, str]] = []
+        for G, d in units:
+            residuals = self._form_residuals(G, d)
+            flat = [x for m in residuals for row in m for x in row]
+            equations.append([x.real for x in flat] + ([] if real else [x.imag for x in flat]))
+            if not labels:
+                for part in ("re",) if real else ("re", "im"):
+                    for name, m in zip(names, residuals, strict=False):
+                        labels += [(name, i, j, part) for i, j, _ in linalg.entries(m)]
+        values = [bilinear(u, G, u_hat).real for G, _ in units]
+        return values, equations, labels
+
+    # -- symmetry ----------------------------------------------------------------------------------
+
+    def _symmetric(self, witness: Mapping[str, Any]) -> Known:
+        """The method of the file, as it stands, equals its adjoint: see the identities below.
+
+        Butcher, "B-Series" (2021), section 7.6. A proposed (L, P) is checked. Otherwise *every*
+        involution P of the stages that A + P A P = U V^-1 B may allow is found by a search that is
+        complete or says that it was cut off; for each, the conditions on L that follow from
+        L^2 = I, namely U V^-1 = P U L V V^-1.., are linear: they contradict each other, or have one
+        solution, whose square is looked at.
+        """
+        try:
+            inverses = {c: linalg.inverse(b[3]) for c, b in self.blocks.items()}
+        except ExactnessError:
+            if all(is_exact(b[3]) for b in self.blocks.values()):
+                return Known(False, True, "V is singular: no step can be reversed")
+            raise
+        proposed = witness.get("involutions")
+        if proposed is not None:
+            answers = []
+            Ls, exchanges = proposed
+            for c, L in zip(self.blocks, Ls, strict=True):
+                residuals = self._symmetry_residuals(c, inverses[c], L, exchanges)
+                answers += [vanishes(m) for m in residuals]
+            if all(P[P[i]] == i for P in exchanges.values() for i in range(len(P))):
+                if self.shared and self.is_pair and exchanges["f"] != exchanges["k"]:
+                    answers.append(None)
+                if all_of(answers) is True:
+                    return Known(True, self.exact)
+        return self._not_symmetric(inverses)
+
+    def _symmetric_reduced(self, witness: Mapping[str, Any]) -> Known:
+        """The same for the method without the values that are never reached or never seen.
+
+        A proposed method with the same A is that method where U V^k B agree for k < r + r' (by
+        Cayley and Hamilton then for all k: stages see the same) and where it is itself minimal:
+        minimal methods with equal U V^k B differ by a change of basis only (Kalman 1963).
+        """
+        smaller = witness.get("reduced")
+        if smaller is None or not self.exact or not _is_glm_exact(smaller):
+            raise ExactnessError("the method without idle values was not found")
+        if len(smaller.A) != len(self.blocks["o"][0]):
+            raise ExactnessError(
+                "the method has equal or idle stages, which are not taken out here"
+            )
+        A, U, B, V = self.blocks["o"]
+        if vanishes(linalg.sub(A, smaller.A)) is not True:
+            raise ExactnessError("the method without idle values has another A")
+        left, right = U, smaller.U
+        for _ in range(len(V) + len(smaller.V)):
+            gap = linalg.sub(linalg.matmul(left, B), linalg.matmul(right, smaller.B))
+            if vanishes(gap) is not True:
+                raise ExactnessError("the method without idle values is not equivalent")
+            left, right = linalg.matmul(left, V), linalg.matmul(right, smaller.V)
+        inner = Kernel(smaller)
+        minimal = inner.known("reducible", Proposal()).truth is False
+        found = inner.known("symmetric", Proposal(lambda: witness))
+        return found if minimal else Known(None, True, "the reduced method is not minimal")
+
+    def _symmetry_residuals(
+        self, c: str, inverse: Matrix, L: Matrix, exchanges: Mapping[str, Sequence[int]]
+    ) -> list[Matrix]:
+        """L^2 - I, L V^-1 L - V, B - V L B P, U - P U L V, A + P A P - U V^-1 B."""
+        A, U, B, V = self.blocks[c]
+        # stages of this component, where its rows of A and U belong, and its slopes
+        rows = exchanges[c]
+        columns = exchanges[c] if not self.is_pair else exchanges["k" if c == "f" else "f"]
+        matmul, sub = linalg.matmul, linalg.sub
+        turned = tuple(tuple(A[i][j] for j in columns) for i in rows)
+        return [
+            sub(matmul(L, L), linalg.identity(len(L))),
+            sub(matmul(L, inverse, L), V),
+            sub(B, matmul(V, L, tuple(tuple(row[j] for j in columns) for row in B))),
+            sub(U, matmul(tuple(U[i] for i in rows), L, V)),
+            sub(linalg.add(A, turned), matmul(U, inverse, B)),
+        ]
+
+    def exchange_problem(
+        self, inverses: Mapping[str, Matrix]
+    ) -> tuple[list[tuple[Matrix, Matrix, int, int]], list[int]]:
+        """Relations and group sizes of the search for exchanges: stages Q come first, then P."""
+        relations = []
+        offset = {"o": 0, "f": 0, "k": 0}
+        if self.is_pair and not self.shared:
+            offset["k"] = len(self.blocks["f"][0])  # stages Q first, then stages P
+        for c, (A, U, B, _) in self.blocks.items():
+            target = linalg.matmul(U, inverses[c], B)
+            other = c if not self.is_pair else "k" if c == "f" else "f"
+            relations.append((A, target, offset[c], offset[other]))
+        sizes = [len(self.blocks[c][0]) for c in self.blocks]
+        if self.is_pair and self.shared:
+            sizes = sizes[:1]
+        return relations, sizes
+
+    def _not_symmetric(self, inverses: Mapping[str, Matrix]) -> Known:
+        relations, sizes = self.exchange_problem(inverses)
+        exchanges = involutions(relations, sizes)
+        if exchanges is None:
+            return Known(None, self.exact, "the search for an exchange of stages was cut off")
+        for P in exchanges:
+            split = dict.fromkeys(self.blocks, P)
+            if self.is_pair and not self.shared:
+                n = len(self.blocks["f"][0])
+                split = {"f": P[:n], "k": tuple(i - n for i in P[n:])}
+            if not any(self._excluded(c, inverses[c], split) for c in self.blocks):
+                return Known(
+                    None, self.exact, "an exchange of stages was neither proved nor excluded"
+                )
+        return Known(False, self.exact)
+
+    def _excluded(self, c: str, inverse: Matrix, exchanges: Mapping[str, Sequence[int]]) -> bool:
+        """Whether no L goes with these exchanges of stages; exact numbers only."""
+        A, U, B, V = self.blocks[c]
+        if not is_exact(U, B, V):
+            return False
+        r, s = len(V), len(U)
+        columns = exchanges[c] if not self.is_pair else exchanges["k" if c == "f" else "f"]
+        PU = tuple(U[i] for i in exchanges[c])
+        BP = tuple(tuple(row[j] for j in columns) for row in B)
+        U_back, B_back = linalg.matmul(U, inverse), linalg.matmul(inverse, B)
+        rows: list[list[Scalar]] = []
+
+        def add(entries: Mapping[int, Scalar], value: Scalar) -> None:
+            row: list[Scalar] = [_ZERO] * (r * r + 1)
+            for place, x in entries.items():
+                row[place] = x
+            row[-1] = -value
+            rows.append(row)
+
+        for i, k in product(range(s), range(r)):  # P U L = U V^-1
+            add({a * r + k: PU[i][a] for a in range(r)}, U_back[i][k])
+        for a, j in product(range(r), range(len(B[0]))):  # L B P = V^-1 B
+            add({a * r + b: BP[b][j] for b in range(r)}, B_back[a][j])
+        for a, k in product(range(r), repeat=2):  # V L = L V^-1
+            row: list[Scalar] = [_ZERO] * (r * r + 1)
+            for b in range(r):
+                row[b * r + k] = row[b * r + k] + V[a][b]
+                row[a * r + b] = row[a * r + b] - inverse[b][k]
+            rows.append(row)
+        solutions = linalg.nullspace(tuple(map(tuple, rows)))
+        whole = [x for x in solutions if x[-1].is_zero() is False]
+        if not whole:
+            return True  # the conditions contradict each other
+        if len(solutions) > 1:
+            return False
+        flat = [x / whole[0][-1] for x in whole[0][:-1]]
+        L = tuple(tuple(flat[a * r : a * r + r]) for a in range(r))
+        return vanishes(linalg.sub(linalg.matmul(L, L), linalg.identity(r))) is False
+
+    # -- structure ---------------------------------------------------------------------------------
+
+    def _explicit(self, witness: Mapping[str, Any]) -> Known:
+        """The stages have an order in which each needs earlier ones only: no cycle of dependences.
+
+        Where f and k are evaluated at the same stages (Q_i, P_i), stage i needs j where A or A^ has
+        an entry; in a separable pair stages Q need stages P and the other way. Only exact zeros say
+        that nothing is needed, only entries that exclude zero that something is.
+        """
+        edges = self._needs()
+        structural = self.implied is None or not self.implied.zeros
+        if acyclic({a: set(b) for a, b in edges.items()}):
+            return Known(True, structural)
+        if not acyclic({a: {x for x, sure in b.items() if sure} for a, b in edges.items()}):
+            return Known(False, self.exact)
+        raise ExactnessError("whether some entries of A are zero is not decided within the digits")
+
+    def _needs(self) -> dict[tuple[str, int], dict[tuple[str, int], bool]]:
+        """What each stage needs: stage -> {stage: whether certainly}; stages of f are Q, of k P."""
+        edges: dict[tuple[str, int], dict[tuple[str, int], bool]] = {}
+        for c, (A, _, _, _) in self.blocks.items():
+            other = c if self.shared else "k" if c == "f" else "f"
+            for i, row in enumerate(A):
+                needs = edges.setdefault(("" if self.shared else c, i), {})
+                for j, x in enumerate(row):
+                    zero = x.is_zero()
+                    if zero is not True:
+                        there = ("" if self.shared else other, j)
+                        needs[there] = needs.get(there, False) or zero is False
+        return edges
+
+    @staticmethod
+    def _stage_name(stage: tuple[str, int]) -> int | str:
+        letter = {"": "", "f": "Q", "k": "P"}[stage[0]]
+        return f"{letter}{stage[1] + 1}" if letter else stage[1]
+
+    def explicit_order(self) -> list[int | str]:
+        """The stages in an order in which each needs earlier ones only, by name."""
+        waiting, found = {a: set(b) for a, b in self._needs().items()}, []
+        while waiting:
+            ready = [a for a, b in waiting.items() if not b & waiting.keys()]
+            if not ready:
+                raise ExactnessError("the stages have no order")
+            found += ready
+            for a in ready:
+                del waiting[a]
+        return [self._stage_name(x) for x in found]
+
+    def cycle(self) -> list[int | str]:
+        """Stages of which each certainly needs the next, and the last the first."""
+        needs = {a: [x for x, sure in b.items() if sure] for a, b in self._needs().items()}
+        while any(not b for b in needs.values()):
+            gone = {a for a, b in needs.items() if not b}
+            needs = {a: [x for x in b if x not in gone] for a, b in needs.items() if a not in gone}
+        if not needs:
+            raise ExactnessError("the stages have no cycle")
+        walk = [next(iter(needs))]
+        while walk[-1] not in walk[:-1]:
+            walk.append(needs[walk[-1]][0])
+        return [self._stage_name(x) for x in walk[walk.index(walk[-1]) : -1]]
+
+    def reached_and_seen(self, colour: str) -> tuple[Matrix, Matrix]:
+        """Rows that span what is reached, u and V^k B, and what is seen, U V^k."""
+        A, U, B, V = self.blocks[colour]
+        u = preconsistency(U, V) if is_exact(U, V) else component(A, U, B, V).u
+        reached = list(linalg.transpose(B)) + ([u] if u is not None else [])
+        layer = linalg.transpose(B)
+        seen, images = list(U), U
+        for _ in range(len(V) - 1):
+            layer = linalg.matmul(layer, linalg.transpose(V))
+            images = linalg.matmul(images, V)
+            reached += layer
+            seen += images
+        return tuple(reached), tuple(seen)
+
+    def _reducible(self, witness: Mapping[str, Any]) -> Known:
+        """Some value is never reached (from u and B by V) or never seen (by U V^k): Kalman (1963)."""
+        answers = [
+            full_rank(rows, len(b[3]))
+            for c, b in self.blocks.items()
+            for rows in self.reached_and_seen(c)
+        ]
+        full = all_of(answers)
+        return Known(None if full is None else not full, self.exact)
+
+    # -- linear stability --------------------------------------------------------------------------
+
+    def _a_stable(self, witness: Mapping[str, Any]) -> Known:
+        """M(z) = V + z B (I - z A)^-1 U is power-bounded for every z with Re z <= 0, 0 included.
+
+        Holds where (1) V is power-bounded; (2) M has no pole there; (3) the limits for large z are
+        finite and in the closed disc; (4) on the imaginary axis all eigenvalues lie in the closed
+        disc: then, by the maximum principle for the moduli of eigenvalues, they do so in the half
+        plane, and in its interior only an eigenvalue that z does not move has modulus 1; (5) there
+        is none, and on the axis eigenvalues of modulus 1 are simple (y = 0 apart, which is (1)).
+        Dahlquist, BIT 3 (1963) 27; Hairer and Wanner (1996), IV.3; Marden (1966), 42 and 45.
+        """
+        if not self.exact:
+            raise ExactnessError(
+                "published decimals: A-stability is decided for exact methods only"
+            )
+        m = self.method
+        assert isinstance(m, GLM)
+        if bounded(m.V) is False:
+            return Known(False, True, "V = M(0) is not power-bounded")
+        P = stability_polynomial(m)
+        leading, unbounded = leading_part(P)
+        if unbounded:
+            return Known(
+                False, True, "an eigenvalue of M(z) grows without bound as z goes to infinity"
+            )
+        if not in_closed_disc(leading):
+            return Known(False, True, escape(leading, "as z goes to infinity"))
+        if m.is_diagonally_implicit and m.r == 1:
+            for a in (m.A[i - 1][i - 1] for i in m.implicit_stages):
+                reversed_ = [tuple(reversed(p)) for p in P]
+                if a.real.sign() < 0 and any(
+                    poly.evaluate(p, a).is_zero() is False for p in reversed_
+                ):
+                    return Known(False, True, f"M(z) has the pole z = {1 / float(a.real):.6g}")
+        axis = on_imaginary_axis(P)
+        for y in SAMPLES:
+            p = poly.trim([poly.evaluate(c, y) for c in axis])
+            if p and len(p) > m.r and not in_closed_disc(p):
+                return Known(False, True, escape(p, f"at z = {y} i"))
+        poles = self._poles(m, P)
+        if not in_right_half(poles):
+            return Known(
+                False, True, "M(z) has a pole in the left half-plane or on the imaginary axis"
+            )
+        if m.r == 1:
+            P = without_content(m, P)
+        elif len(poles) < len(poly.trim(P[-1])):
+            P = tuple(poly.divide(p, poly.divide(poly.trim(P[-1]), poles)[0])[0] for p in P)
+        failure, strict = leaves_disc(on_imaginary_axis(P))
+        if failure is not None:
+            return Known(False, True, failure)
+        if m.r == 1:
+            return Known(True)
+        fixed = fixed_part(P)
+        if strict and not unimodular_roots(fixed):
+            return Known(bounded(m.V))
+        axis = on_imaginary_axis(P)
+        if len(poly.trim(fixed)) <= 1 and not multiple_on_axis(axis):
+            return Known(True)
+        for y in SAMPLES:
+            if bounded(stability_matrix(m, Exact(-1).sqrt() * y)) is False:
+                return Known(False, True, f"M(z) is not power-bounded at z = {y} i")
+        return Known(None, True, "M(z) has eigenvalues of modulus 1 that may be multiple")
+
+    @staticmethod
+    def _poles(m: GLM, P: Sequence[Any]) -> Any:
+        """Polynomial whose zeros are the poles of the matrix M(z): what no entry divides out."""
+        if m.r == 1:
+            return without_content(m, tuple(P))[-1]
+        determinant = poly.trim(P[-1])
+        if len(determinant) == 1 or in_right_half(determinant):
+            return determinant
+        points, values, candidate = [], [], 0
+        while len(points) <= m.s:
+            factor = poly.evaluate(determinant, candidate)
+            if factor.is_zero() is False:
+                points.append(candidate)
+                M = stability_matrix(m, candidate)
+                values.append([factor * x for row in M for x in row])
+            candidate = -candidate if candidate > 0 else 1 - candidate
+        shared = determinant
+        for k in range(m.r * m.r):
+            entry = poly.trim(poly.interpolate(points, [v[k] for v in values]))
+            if entry:
+                shared = poly.gcd(shared, entry)
+        return poly.divide(determinant, shared)[0]
+
+    def _l_stable(self, witness: Mapping[str, Any]) -> Known:
+        """A-stable, and every eigenvalue of M(z) tends to 0 as z goes to infinity (Ehle 1969)."""
+        if not self.exact:
+            raise ExactnessError(
+                "published decimals: L-stability is decided for exact methods only"
+            )
+        assert isinstance(self.method, GLM)
+        if not only_zeros(*leading_part(stability_polynomial(self.method))):
+            return Known(
+                False, True, "the eigenvalues of M(z) do not all tend to 0 as z goes to infinity"
+            )
+        return self._a_stable(witness)
+
+
+def _compared(
+    found: Sequence[Scalar], declared: Sequence[Scalar], *, exact: bool, offset: int = 0
+) -> Known:
+    """Entry by entry: the first difference that is not zero decides, or else one that is open."""
+    differences = [x - y for x, y in zip(found, declared, strict=True)]
+    answers = [d.is_zero() for d in differences]
+    truth = all_of(answers)
+    if truth is True:
+        return Known(True, exact)
+    at = answers.index(truth)
+    size = max(d.magnitude() for d, a in zip(differences, answers, strict=True) if a is not True)
+    exact = exact and all(isinstance(d, Exact) for d in differences)
+    return Known(truth, exact, shown_number(found[at]), size, offset + at)
+
+
+_ORDERS = frozenset(
+    {"order", "order-identity", "effective-order", "nystrom-order", "stage-order"}
+    | {"starting-order", "nystrom-starting-order", "finishing-order"}
+)
+
+
+def _is_glm_exact(m: GLM) -> bool:
+    return is_exact(m.A, m.U, m.B, m.V)
+
+
+_LISTS = frozenset({"growth", "abscissae", "error-constant"})
+_PLURAL = {"growth": "growth parameters", "abscissae": "abscissae"}

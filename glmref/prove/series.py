@@ -1,0 +1,413 @@
+"""Starting series and order conditions over coloured trees, for k components: the kernel's own.
+
+Component c has the blocks (A, U, B, V) and the colour c; ``X = h A F + U x``, ``x+ = h B F + V x``.
+For a tree t = [t1 .. tm] with root colour c, eta(empty) = u_c::
+
+    xiD(t) = xi(t1) ... xi(tm)                          xi(t) = A xiD(t) + U eta(t)
+    R(t)   = B xiD(t) - ((E eta)(t) - eta(t))           (I - V) eta(t) = R(t)
+
+A starting method S with M S = S E + O(h^(p+1)) exists exactly if these can be solved through p.
+W (rows) and N (columns) are bases of the left and right eigenvectors of V to 1, W N = I: then t has
+the condition ``W R(t) = 0``, and eta(t) is determined up to ``N beta(t)``. Changing beta at the
+trees of order k changes the condition of a tree t of order k + 1 by
+
+    (L beta)(t) = K beta(t1) [only if t = [t1]] - sum n(s, t) beta(s),     K = W B U N
+
+**L is injective for k >= 2** (proof in :mod:`glmref.theory.conditions`): for each s of order k let
+t be s with one more leaf of a fixed colour at its root; taken by falling number of children, and of
+such leaves, of s, these equations are triangular in beta with n(s, t) > 0 on the diagonal, and K
+plays no part. So *at most one* choice of beta at order k satisfies the conditions of these t, and
+it is found by back substitution; the conditions of the other trees decide. At k = 1 the kernel of L
+must be the shift along the flow, S E^a, which acts on all starting series: then a normalisation
+loses nothing. This is the case for one colour with a simple eigenvalue, and for any number of
+colours with simple eigenvalues, where [x]_y says beta_x - beta_y = known; for one colour with a
+multiple eigenvalue the rank of K - I is computed.
+
+Over balls every quantity encloses that of each method within them, since each step (solving with
+the exact V, back substitution) does. A residual that excludes zero excludes every starting series
+of every such method; a residual that contains zero proves nothing.
+
+References
+----------
+Butcher, "The effective order of Runge-Kutta methods" (1969), Lecture Notes in Math. 109.
+Butcher, "Numerical Methods for Ordinary Differential Equations" (2016), sections 389, 535.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import lru_cache
+from math import factorial
+from typing import Any
+
+from ..errors import ExactnessError
+from ..exact import Exact, linalg
+from ..exact.linalg import Matrix, Vector
+from ..theory.coefficients import is_zero, plus, times, weighted
+from .forest import Forest
+
+__all__ = ["Component", "NotPreconsistent", "StartingSeries", "component"]
+
+_ZERO, _ONE = Exact(0), Exact(1)
+_Rows = tuple[tuple[tuple[int, Any], ...], ...]
+
+
+class NotPreconsistent(Exception):
+    """There is no u with V u = u and U u = 1, or none with the condition of order 1."""
+
+
+@dataclass(frozen=True, eq=False)
+class Component:
+    """One colour's method, prepared; its V is exact.
+
+    Attributes
+    ----------
+        A, U, B, W: entries by row, exact zeros left out. slopes: columns of A.
+        u: V u = u, U u = 1. N, W: see the module docstring.
+        place: the first k with u_k not 0: the value that carries the solution.
+        lift: R -> the solution x of (I - V) x = R with x_place = 0, for W R = 0.
+        certain: whether U u = 1 exactly.
+    """
+
+    A: _Rows
+    U: _Rows
+    B: _Rows
+    W: _Rows
+    slopes: int
+    u: Vector
+    N: tuple[Vector, ...]
+    place: int
+    lift: _Rows
+    certain: bool
+
+
+def _sparse(matrix: Sequence[Sequence[Any]]) -> _Rows:
+    return tuple(
+        tuple((j, x) for j, x in enumerate(row) if is_zero(x) is not True) for row in matrix
+    )
+
+
+def _apply(rows: _Rows, x: Sequence[Any]) -> tuple[Any, ...]:
+    return tuple([weighted(row, x) for row in rows])
+
+
+def _scalars(vector: Sequence[Any]) -> Vector:
+    return tuple(Exact(x) if isinstance(x, int | Fraction) else x for x in vector)
+
+
+def component(A: Matrix, U: Matrix, B: Matrix, V: Matrix) -> Component:
+    """Prepare one component.
+
+    Raises
+    ------
+        NotPreconsistent: a proof that there is no order 1, or no u, with the reason.
+        ExactnessError: when V holds balls, or the eigenvalue 1 is defective: nothing is decided.
+    """
+    if not all(isinstance(x, Exact) for row in V for x in row):
+        raise ExactnessError("V holds published decimals: whether 1 is an eigenvalue is open")
+    r = len(V)
+    D = linalg.sub(V, linalg.identity(r))
+    N, left = linalg.nullspace(D), linalg.nullspace(linalg.transpose(D))
+    if not N:
+        raise NotPreconsistent("V has no eigenvalue 1")
+    pairing = tuple(tuple(linalg.dot(w, v) for v in N) for w in left)
+    if linalg.rank(pairing) < len(N):
+        raise ExactnessError("the eigenvalue 1 of V is defective: other starts are not excluded")
+    W = linalg.solve(pairing, tuple(left))
+    if len(N) == 1:
+        image = linalg.matvec(U, N[0])
+        at = next((x for x in image if x.is_zero() is False), None)
+        if at is None:
+            if all(x.is_zero() is True for x in image):
+                raise NotPreconsistent("the eigenvector u of V to the eigenvalue 1 has U u = 0")
+            raise ExactnessError("whether U u = 1 is not decided within the digits")
+        u = tuple(x / at for x in N[0])
+        N, W = [u], linalg.scale(at, W)
+    else:  # the condition of order 1, W u = W B 1, determines u
+        total = linalg.matvec(linalg.matmul(W, B), [_ONE] * len(B[0]))
+        u = linalg.matvec(linalg.transpose(tuple(N)), total)
+    seen = [x - 1 for x in linalg.matvec(U, u)]
+    for i, x in enumerate(seen):
+        if x.is_zero() is False:
+            size = complex(x + 1)
+            shown = f"{size.real:.6g}" if size.imag == 0 else f"{size:.6g}"
+            raise NotPreconsistent(
+                f"row {i + 1} of U u is {shown} instead of 1, u the eigenvector of V to 1"
+                if len(N) == 1
+                else "no eigenvector u of V to the eigenvalue 1 has U u = 1 and order 1"
+            )
+    place = next((i for i, x in enumerate(u) if x.is_zero() is False), None)
+    if place is None:
+        raise ExactnessError("no entry of u is certainly not zero")
+    lift = _lift(D, N, left, u, place)
+    certain = all(x.is_zero() is True for x in seen)
+    return Component(
+        _sparse(A), _sparse(U), _sparse(B), _sparse(W), len(A[0]), u, tuple(N), place, lift, certain
+    )
+
+
+def _lift(D: Matrix, N: Sequence[Vector], left: Sequence[Vector], u: Vector, place: int) -> _Rows:
+    """Solve (I - V) x = R up to the part that W sees, through the bordered matrix."""
+    r, d = len(D), len(N)
+    rows = [(*(-x for x in D[i]), *(left[k][i].conjugate() for k in range(d))) for i in range(r)]
+    rows += [(*(x.conjugate() for x in v), *([_ZERO] * d)) for v in N]
+    solve = tuple(row[:r] for row in linalg.inverse(tuple(rows))[:r])
+    shadow = [x / u[place] for x in solve[place]]
+    return _sparse(
+        [[x - u[i] * y for x, y in zip(row, shadow, strict=True)] for i, row in enumerate(solve)]
+    )
+
+
+@lru_cache(maxsize=4096)
+def _weight(ways: int, size: int) -> Exact:
+    return Exact(Fraction(-ways, size))
+
+
+class StartingSeries:
+    """The one starting series of a method, up to what is free, and the residuals beyond.
+
+    Args:
+        components: by colour, in the order of the palette.
+        trees: all trees of the palette.
+        free: whether principal parts are free; otherwise eta(t)_place = 0.
+        counts: which trees count; the set is closed under subtrees and cuts.
+
+    Attributes
+    ----------
+        eta: by tree; vectors of zeros are left out. Principal parts of the last order are zero.
+        determined: trees whose conditions were used to determine principal parts.
+        complete: whether a residual that is not zero excludes every starting series.
+    """
+
+    def __init__(
+        self,
+        components: dict[str, Component],
+        trees: Forest,
+        *,
+        free: bool,
+        counts: Callable[[int], bool] = lambda t: True,
+    ) -> None:
+        self.components, self.trees, self.free, self.counts = components, trees, free, counts
+        self.simple = all(len(c.N) == 1 for c in components.values())
+        self.complete = self.simple or len(components) == 1
+        self.order = 0
+        self.eta: dict[int, tuple[Any, ...]] = {}
+        self.determined: frozenset[int] = frozenset()
+        # xi(t) = ratio * product of stored vectors: trees that a stage order makes alike cost once
+        self._bases: list[tuple[Any, ...]] = []
+        self._stage: dict[int, tuple[Fraction, tuple[int, ...]]] = {}
+        self._shared: dict[tuple[str, tuple[int, ...]], tuple[Fraction, tuple[int, ...]]] = {}
+        self._images: dict[tuple[str, tuple[int, ...]], tuple[Any, Any]] = {}
+        self._abscissae: dict[str, int] = {}
+
+    # -- stages
+
+    def _image(self, colour: str, monomial: tuple[int, ...]) -> tuple[Any, Any]:
+        key = (colour, monomial)
+        if key not in self._images:
+            c = self.components[colour]
+            vector: tuple[Any, ...] = (1,) * c.slopes
+            for k, base in enumerate(monomial):
+                factor = self._bases[base]
+                vector = factor if k == 0 else tuple(map(times, vector, factor))
+            self._images[key] = (_apply(c.A, vector), _apply(c.B, vector))
+        return self._images[key]
+
+    def _slope(self, t: int) -> tuple[Fraction, tuple[int, ...]]:
+        ratio, factors = Fraction(1), []
+        for child in self.trees.children[t]:
+            factor, monomial = self._stage[child]
+            ratio *= factor
+            factors += monomial
+        return ratio, tuple(sorted(factors))
+
+    def stage(self, t: int, value: Sequence[Any]) -> tuple[Any, ...]:
+        """xi(t) from its definition, with eta(t) = value."""
+        colour = self.trees.colour[t]
+        ratio, monomial = self._slope(t)
+        vector = times(ratio, self._image(colour, monomial)[0])
+        return plus(vector, _apply(self.components[colour].U, value))
+
+    def _settle_stage(self, t: int) -> None:
+        colour, value = self.trees.colour[t], self.eta.get(t)
+        if value is not None:
+            vector = self.stage(t, value)
+            self._stage[t] = self._store(t, vector, Fraction(1, self.trees.density[t]))
+            return
+        ratio, monomial = self._slope(t)
+        if ratio == 0:
+            self._stage[t] = (ratio, ())
+            return
+        key = (colour, monomial)
+        if key not in self._shared:
+            wanted = 1 / (self.trees.density[t] * ratio)
+            self._shared[key] = self._store(t, self._image(*key)[0], wanted)
+        factor, found = self._shared[key]
+        self._stage[t] = (ratio * factor, found)
+
+    def _store(self, t: int, vector: Any, wanted: Fraction) -> tuple[Fraction, tuple[int, ...]]:
+        """Write a stage vector as zero, as ``wanted * c^|t|``, or as a new one."""
+        vector = tuple(0 if is_zero(x) is True else x for x in vector)
+        if all(type(x) is int and x == 0 for x in vector):
+            return Fraction(0), ()
+        order, colour = self.trees.order[t], self.trees.colour[t]
+        base = self._abscissae.get(colour)
+        if base is not None:
+            power = self.power(self._bases[base], order)
+            if all(
+                is_zero(plus(x, times(-wanted, y))) is True
+                for x, y in zip(vector, power, strict=True)
+            ):
+                return wanted, (base,) * order
+        self._bases.append(vector)
+        if order == 1:
+            self._abscissae[colour] = len(self._bases) - 1
+        return Fraction(1), (len(self._bases) - 1,)
+
+    @staticmethod
+    def power(c: tuple[Any, ...], n: int) -> tuple[Any, ...]:
+        """c^n, entry by entry."""
+        result = c
+        for _ in range(n - 1):
+            result = tuple(map(times, result, c))
+        return result
+
+    # -- conditions
+
+    def _right(self, t: int) -> tuple[Any, ...]:
+        """R(t)."""
+        T = self.trees
+        c = self.components[T.colour[t]]
+        ratio, monomial = self._slope(t)
+        terms = [(Exact(ratio), self._image(T.colour[t], monomial)[1])] if ratio else []
+        terms.append((_weight(1, T.density[t]), c.u))
+        if self.eta:
+            for kept, ways in T.cuts[t].items():
+                value = self.eta.get(kept)
+                if value is not None:
+                    terms.append((_weight(ways, factorial(T.order[t] - T.order[kept])), value))
+        weights = list(enumerate(w for w, _ in terms))
+        return tuple([weighted(weights, x) for x in zip(*(v for _, v in terms), strict=True)])
+
+    def _set(self, t: int, value: tuple[Any, ...]) -> None:
+        value = tuple(0 if is_zero(x) is True else x for x in value)
+        if all(type(x) is int and x == 0 for x in value):
+            self.eta.pop(t, None)
+        else:
+            self.eta[t] = value
+
+    def advance(self) -> dict[int, tuple[Any, ...]]:
+        """Go to the next order: ``W R(t)`` of its trees that count (zero where it determines)."""
+        T, n = self.trees, self.order + 1
+        level = [t for t in T.level(n) if self.counts(t)]
+        right: dict[int, tuple[Any, ...]] = {}
+        if n == 2:
+            self._settle_first()
+        elif n > 2 and (self.free or not self.simple):
+            right = self._settle_principal(n)
+        self.determined = frozenset(right) if self.free else frozenset()
+        for t in T.level(n - 1):
+            if t not in self._stage and self.counts(t):
+                self._settle_stage(t)
+        residuals: dict[int, tuple[Any, ...]] = {}
+        for t in level:
+            if t not in right:
+                right[t] = self._right(t)
+            c = self.components[T.colour[t]]
+            residuals[t] = (0,) * len(c.N) if t in self.determined else _apply(c.W, right[t])
+        for t in level:
+            self._set(t, _apply(self.components[T.colour[t]].lift, right[t]))
+        self.order = n
+        return residuals
+
+    def _settle_first(self) -> None:
+        """Principal parts at the single vertices, up to the shift along the flow."""
+        T = self.trees
+        first, *others = T.level(1)
+        if not self.simple:
+            if self.complete:
+                self._settle_first_multiple(first)
+            return
+        if not self.free:
+            return
+        T.level(2)
+        self._settle_stage(first)
+        for node in others:
+            t = T.tree(T.colour[node], (first,))
+            c = self.components[T.colour[node]]
+            (beta,) = _apply(c.W, self._right(t))
+            self._set(node, plus(self.eta.get(node, (0,) * len(c.u)), times(beta, c.u)))
+
+    def _settle_first_multiple(self, node: int) -> None:
+        """One colour, several eigenvectors: (K - I) beta = -residual of [o], of corank 1."""
+        c = self.components[self.trees.colour[node]]
+        before = self.eta.get(node, (0,) * len(c.u))
+        right = plus(_apply(c.B, self.stage(node, before)), times(-1, before))
+        residual = _scalars(_apply(c.W, plus(right, times(Fraction(-1, 2), c.u))))
+        columns = [_scalars(_apply(c.W, _apply(c.B, _apply(c.U, x)))) for x in c.N]
+        K = linalg.transpose(tuple(columns))
+        square = linalg.sub(K, linalg.identity(len(K)))
+        try:
+            self.complete = linalg.rank(square) == len(K) - 1
+            wide = tuple((*row, x) for row, x in zip(square, residual, strict=True))
+            solutions = linalg.nullspace(wide)
+        except ExactnessError:
+            self.complete = False
+            return
+        solution = next((x for x in solutions if x[-1].is_zero() is False), None)
+        if solution is not None:
+            beta = [x / solution[-1] for x in solution[:-1]]
+            self._set(node, plus(before, self._principal(c, beta, whole=False)))
+
+    def _principal(self, c: Component, beta: Sequence[Any], *, whole: bool) -> tuple[Any, ...]:
+        """N beta; without its part along u that the place of the solution sees, unless whole."""
+        total: Any = (0,) * len(c.u)
+        for factor, vector in zip(beta, c.N, strict=True):
+            total = plus(total, times(factor, vector))
+        if whole:
+            return total
+        seen = total[c.place] / c.u[c.place] if total[c.place] != 0 else 0
+        return plus(total, times(-1, times(seen, c.u)))
+
+    def _settle_principal(self, n: int) -> dict[int, tuple[Any, ...]]:
+        """Principal parts of order n - 1 >= 2 by back substitution; R(t) of the trees used."""
+        if not (self.simple or self.complete):
+            return {}
+        T = self.trees
+        smaller = T.level(n - 1)
+        leaf = {c: T.tree(T.palette[c][0], ()) for c in T.palette}
+        larger = {s: T.tree(T.colour[s], (*T.children[s], leaf[T.colour[s]])) for s in smaller}
+        right = {t: self._right(t) for t in larger.values()}
+        residual = {t: _apply(self.components[T.colour[t]].W, x) for t, x in right.items()}
+        if all(is_zero(x) is True for x in residual.values()):
+            return right
+        below = {t: [(s, m) for s, m in T.cuts[t].items() if T.order[s] == n - 1] for t in right}
+        ranked = sorted(
+            smaller, key=lambda s: (-len(T.children[s]), -T.children[s].count(leaf[T.colour[s]]))
+        )
+        beta: dict[int, tuple[Any, ...]] = {}
+        for s in ranked:
+            t, ways = larger[s], 0
+            value: Any = residual[t]
+            for kept, count in below[t]:
+                if kept == s:
+                    ways = count
+                elif kept in beta:
+                    value = plus(value, times(-count, beta[kept]))
+            value = times(Fraction(1, ways), value)
+            if is_zero(value) is not True:
+                beta[s] = value
+        moved = {
+            s: self._principal(self.components[T.colour[s]], x, whole=self.free)
+            for s, x in beta.items()
+        }
+        for s, x in moved.items():
+            before = self.eta.get(s)
+            self._set(s, x if before is None else plus(before, x))
+        for t in right:
+            for kept, count in below[t]:
+                if kept in moved:
+                    right[t] = plus(right[t], times(-count, moved[kept]))
+        return right

@@ -1,0 +1,1 @@
+"""Files written to deceive: families of them, with exact twins beside."""

@@ -1,0 +1,137 @@
+"""Files that together notice every mutant of the kernel: shipped ones, and deceivers."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterator
+from typing import Any
+
+from .deceive import doc, shipped, texts
+
+NAMES = (
+    "rk4", "gauss-2", "bdf-2", "bdf-3", "leapfrog", "milne-simpson", "am-1", "ab-2",
+    "gsymplectic-n", "gsymplectic-p", "gsymplectic-n-start-3-6", "milne-predictor", "trapezoidal",
+    "stormer-verlet", "symplectic-euler-a", "yoshida-6-midpoint", "pair-4-4", "t115-i",
+    "radau-iia-2", "lobatto-iiic-2", "kutta-3", "heun-2", "blanes-moan-rkn-4",
+    "bdf-7", "ark-4-v-preconsistent", "gsymplectic-n-d-scaled", "gsymplectic-n-parasitism-free",
+    "gsymplectic-p-growth", "gauss-2-seven-digits", "bdf-3-a-stable", "gauss-2-l-stable",
+    "leapfrog-growth-sign", "pair-idle-value", "pair-4-5-not-palindromic", "radau-iia-2-symmetric",
+    "rk4-a44-one", "rk4-abscissae-ones", "rk4-symplectic", "s4-v-transposed", "explicit-2-step-order-3",
+    "symplectic-euler-b-symmetric", "thesis-3-8-symmetric", "trapezoidal-l-stable",
+    "thesis-start-3-6-printed", "am-2-error-constant", "butcher-effective-5-classical",
+    "lobatto-iiia-iiia-3", "pair-4-4-start-p-sign", "thesis-adams-moulton-printed",
+    "mclachlan-atela-4-digits-swapped", "gsymplectic-n-p-pair", "explicit-euler-pair-symplectic",
+)  # fmt: skip
+
+
+def _glm(A: Any, U: Any, B: Any, V: Any, **claims: Any) -> dict[str, Any]:
+    named = {k.replace("_", "-"): x for k, x in claims.items()}
+    return doc("glm", named, A=texts(A), U=texts(U), B=texts(B), V=texts(V))
+
+
+def documents() -> Iterator[tuple[str, dict[str, Any]]]:
+    """Deceivers and their twins, each with a name."""
+    one = [["1"]]
+    yield "jordan in V", _glm([[1]], [[1, 0, 0]], [[1], [0], [0]], [[1, 0, 0], [0, 1, 1], [0, 0, 1]],
+                              a_stable=True, l_stable=True, zero_stable=True, growth=[],
+                              parasitism_free=True)  # fmt: skip
+    yield "jordan on the axis", _glm([["1/2", 0], [0, "1/2"]], [[1, 0], [0, 1]], [[1, 1], [0, 1]],
+                                     [[1, 0], [0, 1]], a_stable=True)  # fmt: skip
+    yield "hidden pole", _glm([[1, 0], [0, -1]], [[1, 0], [0, 1]], [[1, 1], [0, 0]],
+                              [[1, 0], [0, 0]], a_stable=True)  # fmt: skip
+    yield "no hidden pole", _glm([[1, 0], [0, 1]], [[1, 0], [0, 1]], [[1, 1], [0, 0]],
+                                 [[1, 0], [0, 0]], a_stable=True, l_stable=True)  # fmt: skip
+    triple = ([[0] * 3] * 3, [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
+              [[1, 0, 0], [0, -2, -1], [0, 0, -3]], [[1, 0, 0], [0, -1, 0], [0, 0, -1]])  # fmt: skip
+    for name, numbers in (("right", ["3", "2"]), ("missing", []), ("twice", ["2", "2"])):
+        yield f"multiple growth, {name}", _glm(*triple, growth=numbers, parasitism_free=False)
+    nilpotent = (triple[0], triple[1], [[1, 0, 0], [0, 0, -1], [0, 0, 0]], triple[3])
+    yield "nilpotent growth", _glm(*nilpotent, growth=["0", "0"], parasitism_free=True)
+    double = ([[0]], [[1, 0]], [[1], [0]], [[1, 0], [0, 1]])
+    yield "double one", _glm(*double, growth=["0"], parasitism_free=True, zero_stable=True,
+                             order=1, consistent=True, preconsistent=True)  # fmt: skip
+    yield "double one, seen", _glm([[0]], [["1/2", "1/2"]], [[1], [1]], [[1, 0], [0, 1]], order=1,
+                                   growth=["0"], consistent=True, parasitism_free=True)  # fmt: skip
+    yield "double one, growing", _glm([[0, 0], [0, 0]], [[1, 0], [1, 1]], [[1, 0], [-1, 1]],
+                                      [[1, 0], [0, 1]], growth=["1"], parasitism_free=False)  # fmt: skip
+    yield "not consistent", _glm([[0]], [[1]], [["1/2"]], one, consistent=True, order=1,
+                                 preconsistent=True, abscissae=["0"])  # fmt: skip
+    yield "not preconsistent", _glm([[0], ], [[2]], [[1]], [["1/2"]], preconsistent=True,
+                                    consistent=True, order=1, g_symplectic=True)  # fmt: skip
+    yield "second value", _glm([["1/2"]], [[0, 1]], [[0], [1]], [["1/2", 0], [0, 1]], order=2,
+                               order_identity=2, abscissae=["1/2"], symmetric=False)  # fmt: skip
+    yield "idle value", _glm([["1/2"]], [[1, 0]], [[1], [0]], [[1, 0], [0, 2]], symmetric=True,
+                             symmetric_reduced=True)  # fmt: skip
+    yield "no form", _glm([[0]], [[1, 0]], [[1], [1]], [[1, 0], [0, 0]], g_symplectic=True)
+    yield "effective", _glm([[0, 0], ["1/2", 0]], [[1], [1]], [[0, 1]], one, effective_order=2)
+    yield "implicit cycle", _glm([[0, 1], [1, 0]], [[1], [1]], [["1/2", "1/2"]], one, explicit=True)
+    yield (
+        "explicit backwards",
+        _glm([[0, 1], [0, 0]], [[1], [1]], [["1/2", "1/2"]], one, explicit=True),
+    )
+    for radius in ("1/2", "3/2"):
+        yield f"inner {radius}", _glm([[0]], [[1, 0]], [[1], [0]], [[1, 1], [0, radius]],
+                                      zero_stable=True, parasitism_free=True, growth=[])  # fmt: skip
+    yield "rotation", _glm([["1/2"]], [[1, 0, 0]], [[1], [0], [0]],
+                           [[1, 0, 0], [0, "3/5", "-4/5"], [0, "4/5", "3/5"]], zero_stable=True,
+                           growth=["0", "0"], parasitism_free=True)  # fmt: skip
+    balls = {"digits": 3}
+    for claims in ({"zero-stable": True}, {"explicit": True, "order": 1}):
+        yield "block of balls", doc("glm", claims, A=[["0"]], U=[["1", "0", "0"]],
+                                    B=[["1"], ["1"], ["1"]],
+                                    V=[["1", "0.333", "0.7"], ["0", "0.25", "0.5"],
+                                       ["0", "0.125", "-0.25"]], **balls)  # fmt: skip
+    yield "unstable balls", doc("lmm", {"zero-stable": True}, alpha=["-5.000", "4.000", "1"],
+                                beta=["2.0", "4.0", "0"], **balls)  # fmt: skip
+    yield "leapfrog in balls", doc("lmm", {"zero-stable": True, "growth": [], "g-symplectic": True},
+                                   alpha=["-1.000", "0", "1"], beta=["0", "2.000", "0"], **balls)  # fmt: skip
+    yield "rk in balls", doc("rk", {"order": 2, "symplectic": True, "stage-order": 1,
+                                    "abscissae": ["1/2"], "consistent": True, "explicit": False,
+                                    "symmetric": True}, A=[["0.500"]], b=["1"], **balls)  # fmt: skip
+    yield "rk in wrong balls", doc("rk", {"order": 1, "symplectic": True, "symmetric": True,
+                                          "abscissae": ["1/2"], "explicit": True},
+                                   A=[["0.625"]], b=["1"], **balls)  # fmt: skip
+    halves = {"q": {"A": one, "U": one, "B": one, "V": one},
+              "p": {"A": [["0"]], "U": one, "B": one, "V": one}}  # fmt: skip
+    claims = {"explicit": True, "order": 1, "symplectic": True, "symmetric": False, "reducible": False,
+              "preconsistent": True, "consistent": True, "zero-stable": True}  # fmt: skip
+    yield "shared pair", doc("partitioned", claims, **halves)
+    yield (
+        "separable pair",
+        doc("partitioned", {**claims, "nystrom-order": 1}, separable=True, **halves),
+    )
+    yield from _enclosures()
+
+
+def _enclosures() -> Iterator[tuple[str, dict[str, Any]]]:
+    tiny = "1/1" + "0" * 80
+    for name in ("yoshida-6-midpoint", "t115-i", "pair-4-4"):
+        base = shipped(name)
+        for claim, value in (("order", base["claims"]["order"] - 2), ("growth", [tiny]),
+                             ("order-identity", base["claims"]["order"] + 2)):  # fmt: skip
+            d = copy.deepcopy(base)
+            d["claims"] = {"order": base["claims"]["order"], claim: value}
+            d.pop("starting", None), d.pop("finishing", None)
+            yield f"{name} {claim} {value}", d
+        d = copy.deepcopy(base)
+        d.pop("starting", None), d.pop("finishing", None)
+        d["claims"] = {"symmetric": True}
+        yield f"{name} without an order", d
+        equations = d["enclosure"]["equations"]
+        growth = [x for x in equations if x.startswith("growth")]
+        if growth:
+            e = copy.deepcopy(base)
+            e["enclosure"]["equations"][equations.index(growth[-1])] = growth[0]
+            yield f"{name} one growth twice", e
+    d = shipped("yoshida-6-midpoint")
+    d["X"][0][0] = f"1+{tiny}"
+    yield "X not one", d
+    d = shipped("t115-i")
+    d["X"][0] = [f"1+{tiny}" for _ in d["X"][0]]
+    yield "X not one anywhere", d
+    d = shipped("pair-4-4")
+    d["b"][-1] += f"+{tiny}"
+    yield "no palindrome", d
+    d = shipped("rk4")
+    d["digits"], d["enclosure"] = 75, {"equations": ["order o"], "radius": "1e-60"}
+    yield "enclosure of rk", d

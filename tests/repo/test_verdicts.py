@@ -1,0 +1,89 @@
+"""Only the kernel makes verdicts: checked over the source of the whole package."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import pytest
+
+import glmref
+from glmref.findings import Proof, Verdict
+from glmref.prove.implications import Implied
+from glmref.prove.kernel import Judgement
+
+PACKAGE = Path(glmref.__file__).parent
+#: Findings of the conformance suite are measurements of programs, with the proof "measured".
+SOURCES = sorted(p for p in PACKAGE.rglob("*.py") if p.parent.name != "conformance")
+#: The kernel, and the tables that colour what is read.
+READERS = {"prove/kernel.py", "tables.py"}
+
+
+def _made(tree: ast.AST) -> list[int]:
+    """Lines on which HOLDS or FAILS is a value that is handed on, not compared."""
+    parents = {child: node for node in ast.walk(tree) for child in ast.iter_child_nodes(node)}
+    found = []
+    for node in ast.walk(tree):
+        if not (isinstance(node, ast.Attribute) and node.attr in ("HOLDS", "FAILS")):
+            continue
+        if not (isinstance(node.value, ast.Name) and node.value.id == "Verdict"):
+            continue
+        above = parents[node]
+        if isinstance(above, ast.Compare):
+            continue
+        if isinstance(above, ast.Dict) and node in above.keys:  # a table of words for verdicts
+            continue
+        found.append(node.lineno)
+    return found
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=lambda p: str(p.relative_to(PACKAGE)))
+def test_no_other_module_makes_a_verdict(path: Path) -> None:
+    name = str(path.relative_to(PACKAGE))
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    if name not in READERS:
+        assert not _made(tree), f"{name} makes a verdict on lines {_made(tree)}"
+    calls = [
+        node.lineno
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "Judgement"
+    ]
+    assert not calls or name == "prove/kernel.py"
+    calls = [
+        node.lineno
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "Implied"
+    ]
+    assert not calls or name == "prove/implications.py"
+
+
+def test_findings_are_made_from_judgements_only() -> None:
+    for path in SOURCES:
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        for node in ast.walk(tree):
+            if not (isinstance(node, ast.Call) and getattr(node.func, "id", "") == "Finding"):
+                continue
+            verdict = next(k.value for k in node.keywords if k.arg == "verdict")
+            assert ast.unparse(verdict) in ("judgement.verdict", "row.verdict"), path
+
+
+def test_the_constructors_are_sealed() -> None:
+    with pytest.raises(TypeError, match="kernel"):
+        Judgement(Verdict.HOLDS, Proof.EXACT, True, 0.0, "", seal=object())
+    with pytest.raises(TypeError, match="implications"):
+        Implied({"order": "because"})
+
+
+def test_the_kernel_imports_no_finder() -> None:
+    allowed = {
+        "", "claims", "exact", "expression", "linalg", "method", "theory", "theory.polynomials",
+        "theory.coefficients", "theory.root_location", "theory.stability", "algebra", "forest",
+        "implications", "series",
+    }  # fmt: skip
+    for name in ("kernel", "series", "forest", "algebra"):
+        tree = ast.parse((PACKAGE / "prove" / f"{name}.py").read_text(encoding="utf-8"))
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ImportFrom) and node.level:
+                assert (node.module or "") in allowed, (name, node.module)
+            if isinstance(node, ast.ImportFrom) and node.module == "theory":
+                assert {x.name for x in node.names} <= {"polynomials"}
