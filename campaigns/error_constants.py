@@ -16,8 +16,8 @@ from typing import Any
 
 from campaigns.driver import fingerprint, renew
 from glmref.catalogue.lookup import load, names
+from glmref.prove.facts import PairFacts, facts_of
 from glmref.theory.error_constants import error_norm
-from glmref.theory.facts import PairFacts, facts_of
 from glmref.theory.order import OrderResult
 
 __all__ = ["LARGEST", "main", "row"]

@@ -16,7 +16,7 @@ from ..errors import GlmrefError
 from ..exact import Ball, Exact
 from ..exact.linalg import Matrix
 from ..method import GLM, PartitionedGLM
-from ..theory.facts import facts_of
+from ..prove.facts import facts_of
 from .numbers import decimal_of, decimals, rounded_up
 from .scheme import Scheme, error_bound, error_field
 from .traps import reversal

@@ -295,7 +295,7 @@ def reversal(method: GLM | PartitionedGLM) -> Matrix | None:
     """Return the involution L of a symmetric method, ``None`` for others and for pairs."""
     if isinstance(method, PartitionedGLM):
         return None
-    from ..theory.facts import facts_of
+    from ..prove.facts import facts_of
 
     symmetry = facts_of(method).symmetry
     if not symmetry.holds or symmetry.L is None:

@@ -18,7 +18,7 @@ from .kernel import Proposal
 
 __all__ = ["eigen_witness", "proposal_for"]
 
-#: :class:`glmref.theory.facts.Facts`, which imports the kernel.
+#: :class:`glmref.prove.facts.Facts`, which imports the kernel.
 Facts = Any
 
 

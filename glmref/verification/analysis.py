@@ -11,8 +11,8 @@ from ..exact.expression import shown_number
 from ..exact.linalg import Matrix, Vector
 from ..findings import Proof
 from ..method import GLM, PartitionedGLM
+from ..prove.facts import GLMFacts, PairFacts
 from ..prove.kernel import Range
-from ..theory.facts import GLMFacts, PairFacts
 
 __all__ = ["FORMAT", "Analysis", "analyze"]
 

@@ -11,9 +11,9 @@ from ..catalogue.reader import load_document
 from ..errors import DataError, GlmrefError
 from ..findings import Finding, Verdict
 from ..method import GLM, PartitionedGLM
+from ..prove.facts import Facts, PairFacts, facts_of
 from ..prove.implications import implied_by
 from ..prove.kernel import Judgement, refuted
-from ..theory.facts import Facts, PairFacts, facts_of
 
 __all__ = ["claims_of", "facts_for", "verify", "verify_file"]
 

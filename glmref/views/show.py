@@ -22,7 +22,7 @@ from ..exact import Ball, Scalar
 from ..exact.expression import shown_number
 from ..exact.linalg import Matrix, Vector
 from ..method import GLM, PartitionedGLM
-from ..theory.facts import GLMFacts, PairFacts, facts_of
+from ..prove.facts import GLMFacts, PairFacts, facts_of
 from .tableau_text import Cells, decimal_text, tableau
 from .tables import Style, one_line
 

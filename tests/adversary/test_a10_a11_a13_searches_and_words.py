@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from glmref.exact.expression import to_text
 from glmref.method import GLM, families
-from glmref.theory.facts import facts_of
+from glmref.prove.facts import facts_of
 
 from .deceive import Proof, Verdict, doc, findings, never_holds, shipped, texts, verdicts
 

@@ -14,7 +14,7 @@ from glmref.catalogue.lookup import document, load, names
 from glmref.engine.solve import solve
 from glmref.measure.longtime import along, g_form
 from glmref.problems import problem
-from glmref.theory.facts import facts_of
+from glmref.prove.facts import facts_of
 
 STEPS = 1000
 SEEDS = (1, 7, 23)

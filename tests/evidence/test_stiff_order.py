@@ -11,8 +11,8 @@ from glmref.catalogue.lookup import load
 from glmref.exact import Exact
 from glmref.measure.reduction import observed_order, smooth_start
 from glmref.problems import problem
+from glmref.prove.facts import GLMFacts
 from glmref.theory import polynomials as poly
-from glmref.theory.facts import GLMFacts
 from glmref.theory.stability import at_infinity
 
 METHODS = (

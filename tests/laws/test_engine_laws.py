@@ -22,7 +22,7 @@ from glmref.engine.kernel import prepare
 from glmref.engine.reference import stepper
 from glmref.engine.shape import shape_of
 from glmref.engine.start import zero_start
-from glmref.theory.facts import facts_of
+from glmref.prove.facts import facts_of
 
 EPS = 2.0**-52
 STEPS = 1000

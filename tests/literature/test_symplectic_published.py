@@ -11,7 +11,7 @@ import re
 import pytest
 
 from glmref.catalogue.lookup import document, load, names
-from glmref.theory.facts import facts_of
+from glmref.prove.facts import facts_of
 
 #: Pattern of names, whether the methods are symplectic, and who says so.
 PUBLISHED = [

@@ -7,7 +7,7 @@ import pytest
 from glmref.catalogue.lookup import document, load, names
 from glmref.findings import Proof, Verdict
 from glmref.method import GLM
-from glmref.theory.facts import facts_of
+from glmref.prove.facts import facts_of
 from glmref.verification.verifier import proven_claims, verify_file
 
 from .stored import RENEW, same, stored

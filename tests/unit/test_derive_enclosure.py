@@ -21,8 +21,8 @@ from glmref.method.sweep import sweep_blocks
 from glmref.prove import kernel
 from glmref.prove.enclosure import Outcome, krawczyk, obstruction, prove, shift_matrix
 from glmref.prove.equations import Blocks, starting_series
+from glmref.prove.facts import facts_of
 from glmref.prove.implications import implied_by
-from glmref.theory.facts import facts_of
 from glmref.theory.trees import parse_tree, single, trees
 from glmref.verification.verifier import verify
 

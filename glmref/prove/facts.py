@@ -17,16 +17,16 @@ from ..findings import Proof
 from ..method import GLM, PartitionedGLM
 
 if TYPE_CHECKING:
-    from ..prove.implications import Implied
-    from ..prove.kernel import Judgement, Kernel
-    from .consistency import Consistency
-    from .order import OrderResult
-    from .parasitism import PairParasitism, Parasitism
-    from .partitioned_symplectic import PairSymplecticity
-    from .reduction import Reduction
-    from .spectrum import Boundedness
-    from .symmetry import PairSymmetry, Symmetry
-    from .symplectic import GSymplecticity
+    from ..theory.consistency import Consistency
+    from ..theory.order import OrderResult
+    from ..theory.parasitism import PairParasitism, Parasitism
+    from ..theory.partitioned_symplectic import PairSymplecticity
+    from ..theory.reduction import Reduction
+    from ..theory.spectrum import Boundedness
+    from ..theory.symmetry import PairSymmetry, Symmetry
+    from ..theory.symplectic import GSymplecticity
+    from .implications import Implied
+    from .kernel import Judgement, Kernel
 
 __all__ = ["Facts", "GLMFacts", "PairFacts", "facts_of"]
 
@@ -46,7 +46,7 @@ class Facts:
     @cached_property
     def kernel(self) -> Kernel:
         """The rules that give verdicts about this method."""
-        from ..prove.kernel import Kernel
+        from .kernel import Kernel
 
         return Kernel(self.method, self.implied)
 
@@ -59,13 +59,13 @@ class Facts:
 
     def judge(self, claim: str, declared: object) -> Judgement:
         """Judge one claim: a finder proposes, the kernel decides."""
-        from ..prove.finders import proposal_for
+        from .finders import proposal_for
 
         return self.kernel.judge(claim, declared, proposal_for(self, claim))
 
     def truth(self, claim: str) -> bool | None:
         """Whether a claim that is true or false is true, as far as it is proved."""
-        from ..prove.finders import proposal_for
+        from .finders import proposal_for
 
         return self.kernel.known(claim, proposal_for(self, claim)).truth
 
@@ -105,56 +105,56 @@ class GLMFacts(Facts):
     @cached_property
     def consistency(self) -> Consistency:
         """u, v, c, and whether the method is pre-consistent and consistent."""
-        from .consistency import consistency
+        from ..theory.consistency import consistency
 
         return consistency(self.method)
 
     @cached_property
     def zero_stability(self) -> Boundedness:
         """Whether V is power-bounded."""
-        from .consistency import zero_stability
+        from ..theory.consistency import zero_stability
 
         return zero_stability(self.method)
 
     @cached_property
     def order(self) -> OrderResult:
         """Order with a free principal part of the starting series."""
-        from .order import order_of
+        from ..theory.order import order_of
 
         return order_of(self.method, principal="free")
 
     @cached_property
     def order_identity(self) -> OrderResult:
         """Order with the identity as principal part: the first value is the solution."""
-        from .order import order_of
+        from ..theory.order import order_of
 
         return order_of(self.method, principal="identity")
 
     @cached_property
     def g_symplecticity(self) -> GSymplecticity:
         """The forms G and D, those the file gives or those found."""
-        from .symplectic import g_symplectic
+        from ..theory.symplectic import g_symplectic
 
         return g_symplectic(self.method)
 
     @cached_property
     def symmetry(self) -> Symmetry:
         """Time-reversal symmetry with its involutions."""
-        from .symmetry import symmetry
+        from ..theory.symmetry import symmetry
 
         return symmetry(self.method)
 
     @cached_property
     def parasitism(self) -> Parasitism:
         """Growth parameters at the unimodular eigenvalues of V."""
-        from .parasitism import growth
+        from ..theory.parasitism import growth
 
         return growth(self.method)
 
     @cached_property
     def starting_order(self) -> tuple[int, str]:
         """Order to which the file's starting method agrees with the starting series, and why."""
-        from .starting import starting_order
+        from ..theory.starting import starting_order
 
         if self.method.starting is None:
             return 0, "the file gives no starting method"
@@ -164,7 +164,7 @@ class GLMFacts(Facts):
     @cached_property
     def finishing_order(self) -> tuple[int, str]:
         """Order to which the file's finishing method undoes its starting method, and why."""
-        from .starting import finishing_order
+        from ..theory.starting import finishing_order
 
         if self.method.finishing is None:
             return 0, "the file gives no finishing method"
@@ -210,7 +210,7 @@ class GLMFacts(Facts):
         It belongs to the tree with p leaves at the root: symmetry p!, and the exact value minus
         the method's is the negative residual.
         """
-        from .trees import single, tree
+        from ..theory.trees import single, tree
 
         result = self.classical_order
         bushy = tree([single()] * result.order)
@@ -222,14 +222,14 @@ class GLMFacts(Facts):
     @cached_property
     def a_stability(self) -> Any:
         """Whether M(z) is power-bounded in the left half-plane."""
-        from .a_stability import a_stability
+        from ..theory.a_stability import a_stability
 
         return a_stability(self.method)
 
     @cached_property
     def l_stability(self) -> Any:
         """A-stable, and M(z) tends to a nilpotent matrix as z tends to minus infinity."""
-        from .a_stability import l_stability
+        from ..theory.a_stability import l_stability
 
         return l_stability(self.method)
 
@@ -247,15 +247,15 @@ class PairFacts(Facts):
     @cached_property
     def consistency(self) -> tuple[Consistency, Consistency]:
         """Consistency of the q half and the p half."""
-        from .consistency import pair_consistency
+        from ..theory.consistency import pair_consistency
 
         return pair_consistency(self.method)
 
     @cached_property
     def zero_stability(self) -> tuple[Boundedness, Boundedness]:
         """Whether V and V^ are power-bounded."""
-        from .consistency import halves
-        from .spectrum import power_bounded
+        from ..theory.consistency import halves
+        from ..theory.spectrum import power_bounded
 
         q, p = halves(self.method)
         return power_bounded(q.V), power_bounded(p.V)
@@ -263,14 +263,14 @@ class PairFacts(Facts):
     @cached_property
     def order(self) -> OrderResult:
         """Order of both components, principal parts free."""
-        from .partitioned import pair_order_of
+        from ..theory.partitioned import pair_order_of
 
         return pair_order_of(self.method, principal="free", max_order=self.max_order)
 
     @cached_property
     def order_identity(self) -> OrderResult:
         """Order of both components, principal parts the identity."""
-        from .partitioned import pair_order_of
+        from ..theory.partitioned import pair_order_of
 
         return pair_order_of(self.method, principal="identity", max_order=self.max_order)
 
@@ -285,14 +285,14 @@ class PairFacts(Facts):
     @cached_property
     def nystrom_starting_order(self) -> tuple[int, str]:
         """The same on second-order systems."""
-        from .nystrom import is_nystrom
+        from ..theory.nystrom import is_nystrom
 
         return self._start_against(
             self.nystrom_order, counts=is_nystrom, compared="all trees of second-order systems"
         )
 
     def _start_against(self, known: OrderResult, **options: Any) -> tuple[int, str]:
-        from .partitioned_starting import pair_starting_order, zero_start_order
+        from ..theory.partitioned_starting import pair_starting_order, zero_start_order
 
         if self.method.starting is None:
             return zero_start_order(known)
@@ -302,35 +302,35 @@ class PairFacts(Facts):
     @cached_property
     def nystrom_order(self) -> OrderResult:
         """Order of both components on second-order systems, principal parts the identity."""
-        from .nystrom import nystrom_order_of
+        from ..theory.nystrom import nystrom_order_of
 
         return nystrom_order_of(self.method)
 
     @cached_property
     def reduction(self) -> Reduction:
         """Which of the values carried are needed."""
-        from .reduction import pair_reduction
+        from ..theory.reduction import pair_reduction
 
         return pair_reduction(self.method)
 
     @cached_property
     def g_symplecticity(self) -> PairSymplecticity:
         """The bilinear form the two halves conserve together."""
-        from .partitioned_symplectic import pair_symplectic
+        from ..theory.partitioned_symplectic import pair_symplectic
 
         return pair_symplectic(self.method)
 
     @cached_property
     def symmetry(self) -> PairSymmetry:
         """Time-reversal symmetry of the pair."""
-        from .symmetry import pair_symmetry
+        from ..theory.symmetry import pair_symmetry
 
         return pair_symmetry(self.method)
 
     @cached_property
     def parasitism(self) -> PairParasitism:
         """Coupled growth parameters."""
-        from .parasitism import pair_growth
+        from ..theory.parasitism import pair_growth
 
         return pair_growth(self.method)
 
