@@ -1,0 +1,419 @@
+"""Machine-checked proofs: a method's claims as theorems for the Coq proof assistant.
+
+Public names::
+
+    to_coq(method_or_name) -> str     text of a Coq file: definitions, witnesses, theorems
+
+    python -m glmref.prove.coq NAME... [--output FOLDER]
+
+The file needs the library in ``checker/coq``. This module is trusted for nothing: it writes down
+the method and witnesses (starting series, form, involution), and Coq computes every identity again.
+What is written, by claim:
+
+====================  ============================================================================
+order                 one-step methods: the classical order conditions, and one tree that fails at
+                      the next order; others: a starting series, over all trees
+G-symplectic          G, D
+symmetric             L, P
+zero growth           X, y with B U = V X - X V + u y^T, so that w B U v = 0 for eigenvectors
+====================  ============================================================================
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from ..catalogue import lookup as catalogue
+from ..errors import GlmrefError, UsageError
+from ..exact import Exact, linalg
+from ..exact.linalg import Matrix, Vector
+from ..method import GLM, PartitionedGLM
+from ..theory.affine import solve_affine
+from ..theory.coefficients import is_zero
+from ..theory.consistency import preconsistency_vector
+from ..theory.order import OrderResult, order_of
+from ..theory.partitioned import pair_order_of
+from ..theory.partitioned_symplectic import pair_symplectic
+from ..theory.symmetry import symmetry
+from ..theory.symplectic import g_symplectic
+from ..theory.trees import Tree
+from .radicals import Element, Tower
+
+__all__ = ["to_coq"]
+
+#: Largest order that is looked at: 719 trees have order 10.
+MAX_ORDER = 10
+#: The same for pairs, whose trees have two colours.
+MAX_PAIR_ORDER = 8
+
+_HEADER = """\
+(* {title}
+
+   Written by `glmref certify --format coq {name}`, checked with the library in checker/coq. *)
+From Coq Require Import List QArith.
+From Glmref Require Import Trees Field GLM Symplectic.
+Import ListNotations.
+Open Scope nat_scope.
+"""
+
+
+def to_coq(method: GLM | PartitionedGLM | str) -> str:
+    """Write the claims of a method as theorems with proofs, for Coq.
+
+    Args:
+        method: an exact method, or the name of one in the catalogue.
+
+    Raises
+    ------
+        UsageError: for a method with decimals: only exact coefficients have identities to prove.
+    """
+    if isinstance(method, str):
+        method = catalogue.load(method)
+    if not method.is_exact:
+        raise UsageError(
+            f"the method {method.name!r} has decimal coefficients; "
+            f"proofs for Coq are written for exact ones"
+        )
+    if isinstance(method, PartitionedGLM):
+        return _Pair(method).text()
+    return _One(method).text()
+
+
+#: The last step of a proof: the check is computed, and comes out true.
+_COMPUTE = "vm_compute; reflexivity."
+
+
+class _Writer:
+    """Numbers, vectors, matrices and trees as Coq terms, in one tower.
+
+    Everything is written twice: the first time the tower grows by the roots that are met, and only
+    then is it known how deep a number is nested.
+    """
+
+    def __init__(self, method: GLM | PartitionedGLM) -> None:
+        self.method = method
+        self.name = file_stem(method.name)
+        self.tower = Tower()
+        self.definitions: list[str] = []
+        self.theorems: list[tuple[str, str]] = []
+
+    def text(self) -> str:
+        self.write()
+        self.definitions, self.theorems = [], []
+        self.write()
+        title = str((self.method.document or {}).get("title", self.method.name))
+        header = _HEADER.format(title=_comment(title), name=_comment(self.method.name))
+        tower = (
+            "(* The roots, last one first: x^n = radicand. *)\n"
+            f"Definition T : tower := {self.levels()}.\n"
+        )
+        proofs = [text for _, text in self.theorems]
+        printed = "\n".join(f"Print Assumptions {name}." for name, _ in self.theorems)
+        return "\n".join([header, tower, *self.definitions, *proofs, printed, ""])
+
+    def write(self) -> None:
+        raise NotImplementedError
+
+    # -- terms -----------------------------------------------------------------------------------
+
+    def number(self, x: Any) -> str:
+        element = x if isinstance(x, Element) else self.tower.number(x)
+        return self._nested(dict(element.terms), len(self.tower.levels))
+
+    def _nested(self, terms: Mapping[tuple[int, ...], Fraction], depth: int) -> str:
+        """A polynomial in the last root whose coefficients lie in the levels below."""
+        if not set(terms) - {()}:
+            x = terms.get((), Fraction(0))
+            return f"Rat ({x.numerator}#{x.denominator})" if x else "Rat 0"
+        parts: dict[int, dict[tuple[int, ...], Fraction]] = {}
+        for power, x in terms.items():
+            top = power[depth - 1] if len(power) == depth else 0
+            low = power[: depth - 1]
+            while low and not low[-1]:
+                low = low[:-1]
+            parts.setdefault(top, {})[low] = x
+        text = self._nested(parts.get(max(parts), {}), depth - 1)
+        text = text if text.startswith("Rat") else f"Ext ({text}) (Rat 0)"
+        for k in range(max(parts) - 1, -1, -1):
+            text = f"Ext ({self._nested(parts.get(k, {}), depth - 1)}) ({text})"
+        return text
+
+    def vector(self, xs: Sequence[Any]) -> str:
+        return "[" + "; ".join(map(self.number, xs)) + "]"
+
+    def matrix(self, rows: Sequence[Sequence[Any]]) -> str:
+        return "[" + ";\n     ".join(map(self.vector, rows)) + "]"
+
+    def tree(self, t: Tree, palette: str) -> str:
+        """Graft the children, one after another."""
+        colour = {"o": "tt", "f": "false", "k": "true"}[t.colour]
+        text = f"leaf {palette} {colour}"
+        for child in t.children:
+            text = f"graft ({text}) ({self.tree(child, palette)})"
+        return text
+
+    def levels(self) -> str:
+        """The tower, last root first; every radicand lies in the levels below its root."""
+        items = [
+            f"({n}, {self._nested(dict(d.terms), depth)})"
+            for depth, (n, d) in reversed(list(enumerate(self.tower.levels)))
+        ]
+        return "[" + "; ".join(items) + "]"
+
+    # -- parts of the file -------------------------------------------------------------------------
+
+    def define(self, name: str, kind: str, value: str) -> None:
+        self.definitions.append(f"Definition {name} : {kind} :=\n    {value}.\n")
+
+    def theorem(self, suffix: str, statement: str, proof: str) -> None:
+        """A theorem for every field and all roots in it."""
+        name = f"{self.name}_{suffix}"
+        text = (
+            f"Theorem {name} : forall (F : field) (x : list F), roots_of F T x ->\n"
+            f"  {statement}.\nProof. intros F x H. {proof} Qed.\n"
+        )
+        self.theorems.append((name, text))
+
+    def block(self, letter: str, blocks: Sequence[Matrix]) -> None:
+        A, U, B, V = (f"\n    {self.matrix(x)}" for x in blocks)
+        value = f"@Build_glm (in_tower T){A}{U}{B}{V} {len(blocks[2][0])}"
+        self.define(letter, "glm (in_tower T)", value)
+
+    def starting_series(self, found: OrderResult, palette: str, method: str, method_K: str) -> None:
+        """The order, with the starting series as witness; trees left out have no weight."""
+        eta, p = found.eta, found.order
+        if eta is None:
+            return
+        support = eta.support()
+        rows = [f"({self.tree(t, palette)}, {self.vector(x)})" for t, x in support.items()]
+        self.define("eta", f"list (tree {palette} * list num)", "[" + ";\n     ".join(rows) + "]")
+        colours = list(eta.palette)
+        u = [self.vector(eta.empty(colour)) for colour in colours]
+        choice = u[0] if len(u) == 1 else f"if c then {u[1]} else {u[0]}"
+        self.define("u", f"{palette} -> list num", f"fun c => {choice}")
+        first = all((eta.empty(colour)[0] - 1).is_zero() for colour in colours)
+        identity = first and all(is_zero(x[0]) is True for x in support.values())
+        value = f"({method})"
+        proof = f"{palette} T {method_K} u eta F x H {p}); {_COMPUTE}"
+        if identity:
+            self.theorem(
+                f"order_identity_{p}",
+                f"has_order_identity {value} {p}",
+                f"apply (@check_order_identity {proof}",
+            )
+            earlier = f"{self.name}_order_identity_{p}"
+            self.theorem(
+                f"order_{p}", f"has_order {value} {p}", f"apply identity_order, {earlier}, H."
+            )
+        else:
+            self.theorem(f"order_{p}", f"has_order {value} {p}", f"apply (@check_order {proof}")
+
+
+def _comment(text: str) -> str:
+    return text.replace("(*", "( *").replace("*)", "* )").replace('"', "'")
+
+
+class _One(_Writer):
+    """A general linear method; one that carries a single value is a Runge-Kutta method."""
+
+    method: GLM
+
+    def write(self) -> None:
+        m = self.method
+        if m.r == 1:
+            self.define("a", "list (list num)", self.matrix(m.A))
+            self.define("b", "list num", self.vector(m.B[0]))
+            self.define("M", "glm (in_tower T)", "@rk (in_tower T) a b")
+            self.one_step(order_of(m, max_order=MAX_ORDER, principal="identity"))
+        else:
+            self.block("M", (m.A, m.U, m.B, m.V))
+            found = order_of(m, max_order=MAX_ORDER, principal="free")
+            same = order_of(m, max_order=max(found.order, 1), principal="identity")
+            best = same if same.order == found.order else found
+            self.starting_series(best, "rooted", "fun _ : rooted => method F x T M", "(fun _ => M)")
+        self.form()
+        self.symmetry()
+        if m.r > 1:
+            self.growth()
+
+    def one_step(self, found: OrderResult) -> None:
+        """Order by the classical conditions, and one tree that fails at the next order."""
+        p, values = found.order, "(matrix F x a) (vector F x b)"
+        if p:
+            proof = f"apply (@check_rk_order T a b F x H {p}); {_COMPUTE}"
+            self.theorem(f"order_{p}", f"rk_order {values} {p}", proof)
+        t = found.failing_tree
+        if t is not None:
+            inverse = 1 / (self.weight(t) - Fraction(1, t.density))
+            term = self.tree(t, "rooted")
+            self.theorem(
+                f"not_order_{p + 1}",
+                f"~ rk_order {values} {p + 1}",
+                f"apply (@check_rk_not_order T a b F x H {p + 1} ({term})\n"
+                f"  ({self.number(inverse)})); {_COMPUTE}",
+            )
+
+    def weight(self, t: Tree) -> Element:
+        """Elementary weight b phi(t), in the tower."""
+        A, (b,) = (
+            [[self.tower.number(as_exact(x)) for x in row] for row in a]
+            for a in (self.method.A, self.method.B)
+        )
+
+        def phi(t: Tree) -> list[Element]:
+            product = [self.tower.number(1)] * len(A)
+            for child in t.children:
+                below = phi(child)
+                stages = [_dot(row, below) for row in A]
+                product = [x * y for x, y in zip(product, stages, strict=True)]
+            return product
+
+        return _dot(b, phi(t))
+
+    def form(self) -> None:
+        """G-symplecticity where it holds with plain transposes: of real methods."""
+        m = self.method
+        found, u = g_symplectic(m), preconsistency_vector(m)
+        if not found.holds or not m.is_real or found.G is None or found.D is None or u is None:
+            return
+        size = 1 / self.tower.number(as_exact(linalg.dot(u, linalg.matvec(found.G, u))))
+        self.theorem(
+            "symplectic" if m.r == 1 else "g_symplectic",
+            "g_symplectic (method F x T M)",
+            f"apply (@check_g_symplectic T F x H M\n  {self.matrix(found.G)}\n"
+            f"  {self.vector(found.D)}\n  {self.vector(u)} ({self.number(size)})); {_COMPUTE}",
+        )
+
+    def symmetry(self) -> None:
+        m = self.method
+        found = symmetry(m)
+        if not found.holds or found.reduced or found.L is None or found.P is None:
+            return
+        inverse = linalg.inverse(m.V)
+        self.theorem(
+            "symmetric",
+            "symmetric (method F x T M)",
+            f"apply (@check_symmetric_value T F x H M\n  {self.matrix(found.L)}\n"
+            f"  {self.matrix(inverse)} [{'; '.join(map(str, found.P))}]); {_COMPUTE}",
+        )
+
+    def growth(self) -> None:
+        m, u = self.method, preconsistency_vector(self.method)
+        solution = None if u is None else commutator(m, u)
+        if solution is None or u is None:
+            return
+        X, y = solution
+        self.theorem(
+            "no_growth",
+            "no_growth (method F x T M)",
+            f"apply (@check_no_growth T F x H M\n  {self.matrix(X)}\n"
+            f"  {self.vector(u)} {self.vector(y)}); {_COMPUTE}",
+        )
+
+
+def _dot(x: Sequence[Element], y: Sequence[Element]) -> Element:
+    total = x[0] * y[0]
+    for a, b in zip(x[1:], y[1:], strict=True):
+        total = total + a * b
+    return total
+
+
+def as_exact(x: Any) -> Exact:
+    """Pass an exact number, where the types allow for a ball."""
+    assert isinstance(x, Exact)
+    return x
+
+
+def commutator(m: GLM, u: Vector) -> tuple[Matrix, Vector] | None:
+    """Solve B U = V X - X V + u y^T for X and y, which proves that no component grows.
+
+    Args:
+        m: a method. u: (r,) with V u = u.
+
+    Returns
+    -------
+        X (r, r) and y (r,), or ``None`` where there are none.
+    """
+    r, zero = m.r, Exact(0)
+    target = linalg.matmul(m.B, m.U)
+    rows, right = [], []
+    for i in range(r):
+        for j in range(r):
+            row: list[Any] = [zero] * (r * r + r)
+            for k in range(r):
+                row[k * r + j] = row[k * r + j] + m.V[i][k]
+                row[i * r + k] = row[i * r + k] - m.V[k][j]
+            row[r * r + j] = u[i]
+            rows.append(tuple(row))
+            right.append(target[i][j])
+    found = solve_affine(tuple(rows), tuple(right))
+    if found.failed is not None or found.undecided:
+        return None
+    point = found.point
+    return tuple(point[i * r : (i + 1) * r] for i in range(r)), point[r * r :]
+
+
+class _Pair(_Writer):
+    """A pair of methods for q' = f, p' = k."""
+
+    method: PartitionedGLM
+
+    def write(self) -> None:
+        m = self.method
+        palette = "separable" if m.separable else "general"
+        self.block("Mq", (m.A, m.U, m.B, m.V))
+        self.block("Mp", (m.A_hat, m.U_hat, m.B_hat, m.V_hat))
+        self.define("M", f"{palette} -> glm (in_tower T)", "fun c => if c then Mp else Mq")
+        found = pair_order_of(m, max_order=MAX_PAIR_ORDER, principal="identity")
+        best = pair_order_of(m, max_order=max(found.order, 1), principal="free")
+        choice = found if m.r == m.r_hat == 1 or found.order >= best.order else best
+        self.starting_series(choice, palette, f"fun c : {palette} => method F x T (M c)", "M")
+        form = pair_symplectic(m)
+        G, D_P, D_Q = form.G, form.D_P, form.D_Q
+        if choice.eta is None or not form.holds or G is None or D_P is None or D_Q is None:
+            return
+        u, v = choice.eta.empty("f"), choice.eta.empty("k")
+        size = 1 / self.tower.number(as_exact(linalg.dot(u, linalg.matvec(G, v))))
+        self.theorem(
+            "g_symplectic",
+            f"pair_g_symplectic {str(not m.separable).lower()} (method F x T Mq) (method F x T Mp)",
+            f"apply (@check_pair_g_symplectic T F x H {str(not m.separable).lower()} Mq Mp\n"
+            f"  {self.matrix(G)}\n  {self.vector(D_P)}\n  {self.vector(D_Q)}\n"
+            f"  {self.vector(u)} {self.vector(v)} ({self.number(size)})); {_COMPUTE}",
+        )
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Write the files of the methods named."""
+    parser = argparse.ArgumentParser(
+        prog="python -m glmref.prove.coq", description="Write proofs for Coq."
+    )
+    parser.add_argument("names", nargs="+", metavar="NAME", help="exact methods of the catalogue")
+    parser.add_argument("--output", type=Path, metavar="FOLDER", help="one file for each, m_NAME.v")
+    options = parser.parse_args(arguments)
+    for name in options.names:
+        try:
+            text = to_coq(name)
+        except GlmrefError as error:
+            sys.stderr.write(f"{error}\n")
+            return 2
+        if options.output is None:
+            sys.stdout.write(text)
+        else:
+            options.output.mkdir(parents=True, exist_ok=True)
+            (options.output / f"{file_stem(name)}.v").write_text(text, encoding="utf-8")
+    return 0
+
+
+def file_stem(name: str) -> str:
+    """Name of the Coq file, and first part of the theorems' names: ``m_gauss_2``."""
+    return "m_" + "".join(x if x.isalnum() else "_" for x in name)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
