@@ -20,6 +20,7 @@ from ..exact.linalg import Vector
 from ..method import GLM, PairStartingMethod, PartitionedGLM, StartingMethod
 from ..problems.model import Problem
 from .codegen import SCALAR_LIMIT
+from .inspection import inspected
 from .kernel import choose_form
 from .partitioned_start import explicit_order
 from .plan import notices_of, plan_of, resolved, step_size
@@ -71,6 +72,7 @@ def solve_ensemble(
         method, first, h, arithmetic, solver, workers, width, cancel
     )
     with np.errstate(all="ignore"):
+        inspected(stepper(method, problem), float(problem.t_span[0]), y0[0])
         values, evaluations = _starts(runner, method, problem, y0, h, start)
         found = runner.run(values, evaluations, plan)
     return replace(found, notices=(*found.notices, *notices_of(method)))

@@ -111,7 +111,8 @@ def _checked(values: Any, engine: Stepper) -> np.ndarray:
         )
     if engine.arithmetic.context is not None:
         return array
-    if np.iscomplexobj(array) and not np.iscomplexobj(_complex_like(engine)):
+    like = _complex_like(engine)
+    if np.iscomplexobj(array) and (like is None or not np.iscomplexobj(like)):
         raise UsageError("starting values must be real for a real method, got complex ones")
     try:
         array = array.astype(complex if np.iscomplexobj(array) else float)

@@ -300,6 +300,27 @@ def test_no_value_at_the_very_start_is_no_reason_to_refuse(engine):
     assert "raised" in explicit.message or "numba" in explicit.kernel
 
 
+def test_an_ensemble_looks_at_functions_too():
+    from glmref.engine.ensemble import solve_ensemble
+
+    table = {"k": 1.0}
+
+    def ends(t, y):  # which numba refuses, so that the trajectories are stepped by the interpreter
+        if y[1] < -2.5:
+            raise RuntimeError("too fast")
+        return [y[1], -table["k"] * y[0]]
+
+    random = np.random.default_rng(1)
+    with pytest.raises(UsageError, match="two different values at the same point"):
+        solve_ensemble(
+            oscillator(lambda t, y: y * random.random()), "rk4", [[1, 0]], h=0.1, steps=2
+        )
+    found = solve_ensemble(oscillator(ends), "rk4", [[1.0, 0.0], [3.0, 0.0]], h=0.1, steps=40)
+    assert [str(x) for x in found.outcomes] == ["completed", "right-hand side failed"]
+    assert found.steps[0] == 40 and 5 < found.steps[1] < 15
+    assert np.isfinite(found.y).all()
+
+
 def test_f_and_its_parts_must_agree():
     both = Problem(f=good, dq=lambda p: p, dp=lambda q: -2 * q, y0=(1.0, 0.0))
     with pytest.raises(UsageError, match="component 1 is -1 in f and -2 in the parts"):

@@ -15,9 +15,9 @@ from glmref.problems import names, parameters_of, problem
 def test_every_problem_is_built_and_evaluates(name):
     p = problem(name)
     assert p.name == name and p.source
-    with np.errstate(all="ignore"):
-        slope = p.f(p.t_span[0], p.y0)
-    if name != "fault-shape":
+    if name != "fault-shape":  # which every call refuses, see test_problems_extreme
+        with np.errstate(all="ignore"):
+            slope = p.f(p.t_span[0], p.y0)
         assert slope.shape == p.y0.shape and np.isfinite(slope).all()
     assert p.t_span[0] < p.t_span[1] and all(x > 0 for x in p.scales.values())
 

@@ -411,7 +411,7 @@ def test_a_right_hand_side_that_fails_is_a_named_outcome(tmp_path):
     text = text.replace('"state", "energy"', '"state"')
     (record,) = run(load_scene(write(tmp_path, text)))
     assert record["outcome"] == "right-hand side failed"
-    assert "must return an array of shape (2,), got (3,)" in record["message"]
+    assert "must return shape (2,), got (3,)" in record["message"]
 
 
 def test_only_an_answer_about_time_repeats_a_run(tmp_path):
