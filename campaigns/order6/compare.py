@@ -149,7 +149,7 @@ class Track:
             steps = round(self.case.first * RUNG**k)
             try:
                 outcome, _, values, tally = self.advance(steps)
-                y, h = values[0], self.case.t_end / steps
+                y, h = self.engine.solution(values), self.case.t_end / steps
                 if outcome is Outcome.COMPLETED and self.method.finishing is not None:
                     y, _ = apply_finish(self.method.finishing, self.engine, self.case.t_end, y, h)
             except GlmrefError:  # start or finish has no solution at this h

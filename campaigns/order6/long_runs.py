@@ -99,7 +99,7 @@ class LongRun:
 def parasitic_part(engine: Stepper, values: np.ndarray, h: float) -> tuple[np.ndarray, float]:
     """Finished solution (d,) and norm of ``values - S(F(y_1))`` for values (r, d)."""
     method = engine.method
-    y = values[0]
+    y = engine.solution(values)
     with np.errstate(all="ignore"):
         try:
             if method.finishing is not None:

@@ -92,7 +92,7 @@ def final_errors(name: str, kind: str) -> dict[str, Any]:
         n = round(T_END / h)
         for k in range(n):
             values = engine.step(k * h, values, h).values
-        y = values[0]
+        y = engine.solution(values)
         if method.finishing is not None and kind != "zero":
             y, _ = apply_finish(method.finishing, engine, T_END, y, h)
         errors.append(rounded(state_error(np.asarray(y, dtype=float), reference)))

@@ -45,7 +45,7 @@ COMMON = frozenset(
 _START = frozenset(["starting", "finishing"])
 #: Keys of each class.
 BLOCKS: Mapping[str, frozenset[str]] = {
-    "glm": frozenset(["A", "U", "B", "V", "G", "D"]) | _START,
+    "glm": frozenset(["A", "U", "B", "V", "G", "D", "output"]) | _START,
     "rk": frozenset(["A", "b"]) | _START,
     "lmm": frozenset(["alpha", "beta"]) | _START,
     "one-leg": frozenset(["alpha", "beta", "G"]) | _START,
@@ -59,7 +59,9 @@ BLOCKS: Mapping[str, frozenset[str]] = {
 #: Classes that stand for a pair of methods.
 PAIRS = frozenset(["splitting", "partitioned-rk", "partitioned", "pair-sweep"])
 #: Keys a file may leave out; ``D`` is one for class ``glm`` only.
-OPTIONAL = frozenset(["G", "D", "D_P", "D_Q", "separable", "starting", "finishing", "w", "v"])
+OPTIONAL = frozenset(
+    ["G", "D", "D_P", "D_Q", "separable", "starting", "finishing", "w", "v", "output"]
+)
 #: Keys of ``enclosure``.
 ENCLOSURE = frozenset(["equations", "radius", "xi"])
 #: Keys that are shown and not computed with, and what their values may be.

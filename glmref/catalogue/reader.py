@@ -21,6 +21,7 @@ from ..method import (
     StartingMethod,
     families,
 )
+from ..method.solution_value import components, output
 from .entries import Entries
 from .files import document, names
 from .keys import (
@@ -86,6 +87,9 @@ class _Reader(Entries):
         build: Callable[[], GLM | PartitionedGLM] = getattr(self, "_" + kind.replace("-", "_"))
         try:
             built = build()
+            for component in components(built):
+                if component.output is not None:
+                    output(component)  # refuses one that does not read the solution
         except DataError as error:
             prefix = f"{self.where}: "
             text = str(error)
@@ -149,7 +153,12 @@ class _Reader(Entries):
     def _glm(self) -> GLM:
         blocks = self.square(self.doc, "AUBV")
         r = len(blocks["V"])
-        return GLM(**blocks, **self._forms(r), **self._record(r))
+        declared = self._output(self.doc, "", "output")
+        return GLM(**blocks, **self._forms(r), **self._record(r), **declared)
+
+    def _output(self, block: Mapping[str, Any], where: str, name: str) -> dict[str, Vector]:
+        """Read the optional functional that says where the solution is among the values."""
+        return {name: self.vector(block["output"], f"{where}output")} if "output" in block else {}
 
     def _rk(self) -> GLM:
         return self._one_step(
@@ -237,10 +246,13 @@ class _Reader(Entries):
                 raise self.error(f"`{key}` must be an object with A, U, B and V")
         q = self.square(self.doc["q"], "AUBV", "q.")
         p = {f"{x}_hat": y for x, y in self.square(self.doc["p"], "AUBV", "p.").items()}
+        declared = self._output(self.doc["q"], "q.", "output")
+        declared |= self._output(self.doc["p"], "p.", "output_hat")
         separable = self.doc.get("separable", False)
         if not isinstance(separable, bool):
             raise self.error(f"`separable` must be true or false, got {shown(separable)}")
-        built = PartitionedGLM(**q, **p, **self._forms(len(q["V"])), separable=separable)
+        forms = self._forms(len(q["V"]))
+        built = PartitionedGLM(**q, **p, **forms, **declared, separable=separable)
         return self._pair(built)
 
     def _pair(self, built: PartitionedGLM) -> PartitionedGLM:
@@ -381,7 +393,8 @@ class _Reader(Entries):
             return
         hats = ("", "_hat") if isinstance(built, PartitionedGLM) else ("",)
         blocks = {x + hat: getattr(built, x + hat) for x in "AUBV" for hat in hats}
-        blocks |= {x: getattr(built, x, None) for x in ("G", "D", "D_P", "D_Q")}
+        names = ("G", "D", "D_P", "D_Q", "output", "output_hat")
+        blocks |= {x: getattr(built, x, None) for x in names}
         for letter, block in blocks.items():
             for i, row in enumerate(block or ()):
                 for j, x in enumerate(row if isinstance(row, tuple) else (row,)):

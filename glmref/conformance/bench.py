@@ -11,11 +11,11 @@ import numpy as np
 
 from ..engine.reference import Stepper, apply_finish, apply_start, stepper
 from ..engine.start import enhanced_start
-from ..engine.tableau import method_abscissae, preconsistency
-from ..errors import GlmrefError
+from ..errors import GlmrefError, UsageError
 from ..exact import Ball, Exact
 from ..exact.linalg import Matrix
 from ..method import GLM, PartitionedGLM
+from ..method.solution_value import outputs, preconsistency_vector, stage_times, unit_place
 from ..prove.facts import facts_of
 from .numbers import decimal_of, decimals, rounded_up
 from .scheme import Scheme, error_bound, error_field
@@ -96,7 +96,7 @@ class Bench:
                 found["G"] = shown(self.G)
             return found
         found |= {x: shown(getattr(m, x)) for x in "AUBV"}
-        found["c"] = shown((method_abscissae(m),))[0]
+        found["c"] = shown((stage_times(m),))[0]
         if self.G is not None:
             found["G"] = shown(self.G)
         if self.L is not None:
@@ -128,7 +128,7 @@ class Bench:
         y0 = [Fraction(x) for x in task.y0]
         u = [1] * self.r
         if isinstance(self.method, GLM) and self.r > 1:
-            found = preconsistency(self.method.U, self.method.V)
+            found = preconsistency_vector(self.method)
             u = [round(float(x)) for x in found or ()]
         return [
             [u[k] * y + (Fraction((7 * k + 5 * i) % 11 - 5, 64) + Fraction(1, 128)) * (k > 0)
@@ -194,10 +194,30 @@ class Bench:
 
     def solution(self, engine: Stepper, values: np.ndarray, t: Any, h: Any) -> np.ndarray:
         """Solution (d,) that belongs to the values, finished where the method has a finish."""
-        finishing = getattr(self.method, "finishing", None)
-        return (
-            values[0] if finishing is None else apply_finish(finishing, engine, t, values[0], h)[0]
-        )
+        finishing, y = getattr(self.method, "finishing", None), engine.solution(values)
+        return y if finishing is None else apply_finish(finishing, engine, t, y, h)[0]
+
+    def read_off(self, rows: Sequence[Sequence[Any]]) -> list[list[Any]]:
+        """The solution among values of any number type, as one row.
+
+        Raises
+        ------
+        UsageError
+            For a method whose solution combines several values: its vectors would need the error
+            of that sum, which is not followed here.
+        """
+        out: list[Any] = []
+        half = len(rows[0]) // 2
+        columns = (slice(0, half), slice(half, None)) if self.pair else (slice(None),)
+        for w, part in zip(outputs(self.method), columns, strict=True):
+            place = unit_place(w)
+            if place is None:
+                raise UsageError(
+                    f"test vectors need a solution that is one of the values, and the output of "
+                    f"{self.name} combines several; transform the values first"
+                )
+            out += rows[place][part]
+        return [out]
 
 
 def _is_symmetric(matrix: Matrix) -> bool:

@@ -14,9 +14,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..engine.tableau import preconsistency
 from ..errors import DataError
 from ..method import GLM, PartitionedGLM
+from ..method.solution_value import preconsistency_vector
 from .bench import DIGITS, SHOWN, Bench
 from .run_cases import RunCases
 from .step_cases import StepCases
@@ -43,7 +43,7 @@ def document_of(method: GLM | PartitionedGLM, name: str) -> dict[str, Any]:
     """
     if isinstance(method, GLM) and not method.is_real:
         raise DataError(f"{name}: vectors are made for real methods; take its real form")
-    if isinstance(method, GLM) and preconsistency(method.U, method.V) is None:
+    if isinstance(method, GLM) and preconsistency_vector(method) is None:
         raise DataError(f"{name}: the method is not pre-consistent, so nothing can be started")
     bench = Bench(method, name)
     cases = list(_cases(bench))

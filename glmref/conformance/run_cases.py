@@ -153,11 +153,11 @@ class _Run:
 
     def _show(self) -> None:
         """Print the solution (finished), and measure how far it is from the enclosure."""
-        first, errors = self.balls[:1], self.errors[:1]
+        first, errors = self.bench.read_off(self.balls), self.bench.read_off(self.errors)
         finishing = getattr(self.bench.method, "finishing", None)
         if finishing is not None:
             stages = self.bench.inner_stages(
-                finishing.A, self.task, self.time, self.values[0], self.size
+                finishing.A, self.task, self.time, self.engine.solution(self.values), self.size
             )
             first, errors = self._both(Scheme.of_finish(finishing), first, errors, stages)
         solution = self.bench.solution(self.engine, self.values, self.time, self.size)

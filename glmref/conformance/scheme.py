@@ -12,10 +12,11 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from ..engine.tableau import StageBlock, dependency_blocks, method_abscissae
 from ..exact import Ball, Exact, Scalar, ball
 from ..exact.linalg import Matrix
 from ..method import GLM, FinishingMethod, PartitionedGLM, StartingMethod
+from ..method.solution_value import stage_times
+from ..method.stage_order import StageBlock, dependency_blocks
 from .expressions import BALL_FUNCTIONS, Bounded, bounded_functions, evaluate
 
 __all__ = ["Field", "Scheme", "ball_field", "enclosed_step", "error_bound", "error_field"]
@@ -63,7 +64,7 @@ class Scheme:
     def of(cls, method: GLM | PartitionedGLM) -> Scheme:
         """One step of a method; of a pair, the stages Q come before the stages P."""
         if isinstance(method, GLM):
-            c = method_abscissae(method)
+            c = stage_times(method)
             return cls._plain(method.A, method.U, method.B, method.V, c)
         n_q, zero = method.n_Q, Exact(0)
         q = tuple(
@@ -87,7 +88,7 @@ class Scheme:
 
     @classmethod
     def of_finish(cls, finish: FinishingMethod) -> Scheme:
-        """From the first value, one row, to the solution."""
+        """From the output of the method, one row, to the solution."""
         return cls._plain(finish.A, _ones(finish.A), (finish.b,), ((Exact(1),),))
 
     @classmethod

@@ -142,13 +142,15 @@ class StepCases:
         values = self.bench.numbers(engine, self.bench.values(task))
         size = context.mpf(h.numerator) / h.denominator
         finishing, t = self.method.finishing, context.mpf(task.t0)
-        solution, _ = apply_finish(finishing, engine, t, values[0], size)
-        stages = self.bench.inner_stages(finishing.A, task, t, values[0], size)
+        output = engine.solution(values)
+        solution, _ = apply_finish(finishing, engine, t, output, size)
+        stages = self.bench.inner_stages(finishing.A, task, t, output, size)
         scheme = Scheme.of_finish(finishing)
-        first = [exact_decimal(x) for x in self.bench.values(task)[0]]
-        case = self._ends("finish", task, scheme, h, [first], solution[None, :], stages)
+        (first,) = self.bench.read_off(self.bench.values(task))
+        given = [[exact_decimal(x) for x in first]]
+        case = self._ends("finish", task, scheme, h, given, solution[None, :], stages)
         case["input"] = [[exact_decimal(x) for x in row] for row in self.bench.values(task)]
-        add_wrong(case, [Wrong("FinishSkipped", values[:1])])
+        add_wrong(case, [Wrong("FinishSkipped", output[None, :])])
         return case
 
     def _ends(

@@ -257,16 +257,16 @@ def wrong_runs(
         return y
 
     def solution(y: np.ndarray, n: int = steps) -> np.ndarray:
-        finishing = getattr(method, "finishing", None)
-        if finishing is None:
-            return y[:1]
-        return apply_finish(finishing, engine, t0 + n * h, y[0], h)[0][None, :]
+        finishing, found = getattr(method, "finishing", None), engine.solution(y)
+        if finishing is not None:
+            found = apply_finish(finishing, engine, t0 + n * h, found, h)[0]
+        return found[None, :]
 
     yield Wrong("StepMissing", solution(run(steps - 1), steps - 1))
     yield Wrong("StepExtra", solution(run(steps + 1), steps + 1))
     yield Wrong("TimeNotAdvanced", solution(run(steps, still=True)))
     if getattr(method, "finishing", None) is not None:
-        yield Wrong("FinishSkipped", run(steps)[:1])
+        yield Wrong("FinishSkipped", engine.solution(run(steps))[None, :])
     if isinstance(method, PartitionedGLM) or method.r == 1:
         yield Wrong("StepHalved", solution(run(2 * steps, h / 2)))
         return

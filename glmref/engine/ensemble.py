@@ -90,7 +90,7 @@ def _starts(
     start: Any,
 ) -> tuple[np.ndarray, int]:  # fmt: skip
     """Starting values (N, r, d) and the evaluations they cost."""
-    engine = stepper(method, problem)
+    engine = runner.engine
     if start is None:
         start = _own_start(method)
     if isinstance(start, StartingMethod):
@@ -121,7 +121,7 @@ def _starts(
         values = enhanced(k - 1, y)
         after, spent = runner.one_step(values)
         cost += spent
-        return values + correct(after - enhanced(k - 1, after[:, 0]))
+        return values + correct(after - enhanced(k - 1, engine.solution(after)))
 
     return enhanced(passes, y0), cost
 

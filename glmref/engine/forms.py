@@ -25,7 +25,9 @@ from ..exact import Scalar, exact, linalg
 from ..exact.linalg import Matrix
 from ..method import GLM
 from ..method.rounding import split_float
-from .tableau import StageBlock, as_balls, method_abscissae, preconsistency, stage_blocks
+from ..method.solution_value import preconsistency_vector, stage_times
+from ..method.stage_order import StageBlock, stage_blocks
+from .tableau import as_balls
 
 __all__ = [
     "CLOSE",
@@ -177,7 +179,7 @@ def mu_form(method: GLM) -> StepForm:
     return StepForm(
         kind="mu", s=s, r=1, running=False, U=((1.0,),) * s,
         M=tuple(tuple(row) for row in M), R=((1.0,) * s,), V=((1.0,),), weights=rounded,
-        R_residue=((0.0,) * s,), c=floats(method_abscissae(method)), blocks=blocks,
+        R_residue=((0.0,) * s,), c=floats(stage_times(method)), blocks=blocks,
         large=(True,), to_form=((1.0,),), from_form=((1.0,),), exact_V=True, G=((1.0,),),
     )  # fmt: skip
 
@@ -192,8 +194,8 @@ def standard_form(method: GLM) -> StepForm:
         kind="standard", s=s, r=r, running=False, U=float_rows(method.U),
         M=float_rows(method.A), R=tuple(tuple(x for x, _ in row) for row in pairs), V=V,
         weights=(1.0,) * s, R_residue=tuple(tuple(x for _, x in row) for row in pairs),
-        c=floats(method_abscissae(method)), blocks=stage_blocks(method.A),
-        large=large(preconsistency(method.U, method.V), r),
+        c=floats(stage_times(method)), blocks=stage_blocks(method.A),
+        large=large(preconsistency_vector(method), r),
         to_form=identity, from_form=identity,
         exact_V=all(x == int(x) for row in V for x in row),
     )  # fmt: skip

@@ -23,10 +23,11 @@ from ..exact import ball, exact, linalg
 from ..exact.linalg import Matrix
 from ..method import PartitionedGLM
 from ..method.rounding import split_float
+from ..method.solution_value import halves, preconsistency_vector
+from ..method.stage_order import StageBlock, pair_blocks
 from .forms import Row, all_vanish, changed_basis, float_rows, floats, large, vanishes
-from .reference import pair_blocks
 from .sweep import integral_basis
-from .tableau import StageBlock, as_balls, preconsistency
+from .tableau import as_balls
 
 __all__ = ["Half", "PairForm", "pair_form"]
 
@@ -206,8 +207,7 @@ def _sweep(pair: PartitionedGLM, blocks: tuple[StageBlock, ...]) -> PairForm:
         zero = ((0.0,) * n,) * r
         return Half(letter, n, r, U, ((0.0,) * other,) * n, rows, zero, floats(D))
 
-    u = preconsistency(pair.U, pair.V)
-    u_ = preconsistency(pair.U_hat, pair.V_hat)
+    u, u_ = map(preconsistency_vector, halves(pair))
     V, V_ = as_balls(pair.V), as_balls(pair.V_hat)
     back_p = linalg.inverse(to_p)
     return PairForm(
@@ -231,12 +231,13 @@ def _standard(pair: PartitionedGLM, blocks: tuple[StageBlock, ...]) -> PairForm:
         n = len(U)
         return Half(letter, n, len(U[0]), float_rows(U), float_rows(A), R, residue, (1.0,) * n)
 
+    u, u_ = map(preconsistency_vector, halves(pair))
     ones = (float_rows(linalg.identity(pair.r)), float_rows(linalg.identity(pair.r_hat)))
     return PairForm(
         kind="standard", running=False, r=pair.r, r_hat=pair.r_hat,
         Q=half("Q", pair.U, pair.A, pair.B_hat), P=half("P", pair.U_hat, pair.A_hat, pair.B),
         V=float_rows(pair.V), V_hat=float_rows(pair.V_hat), blocks=blocks,
-        large=large(preconsistency(pair.U, pair.V), pair.r),
-        large_hat=large(preconsistency(pair.U_hat, pair.V_hat), pair.r_hat),
+        large=large(u, pair.r),
+        large_hat=large(u_, pair.r_hat),
         to_form=ones, from_form=ones,
     )  # fmt: skip

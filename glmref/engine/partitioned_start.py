@@ -16,10 +16,11 @@ import numpy as np
 
 from ..errors import UsageError
 from ..exact import exact
-from ..exact.linalg import Matrix
+from ..exact.linalg import Matrix, Vector
 from ..method import PairStartingMethod, PartitionedGLM
+from ..method.stage_order import pair_blocks, reached
 from .outcome import StartFailed
-from .reference import PairStepper, pair_blocks
+from .reference import PairStepper
 
 __all__ = ["apply_pair_start", "explicit_order", "used_stages"]
 
@@ -32,19 +33,20 @@ def used_stages(start: PairStartingMethod, *, joint: bool = False) -> tuple[list
     Args:
         joint: whether stage i is (Q_i, P_i), evaluated together; their numbers must agree.
     """
+    n = len(start.A)  # stage P_i has the number n + i, or i where it goes with Q_i
 
-    def read(rows: Matrix, used: set[int] | None = None) -> set[int]:
-        chosen = rows if used is None else [rows[i] for i in sorted(used)]
-        return {j for row in chosen for j, x in enumerate(row) if x.is_zero() is not True}
+    def read(row: Vector, shift: int) -> list[int]:
+        return [j + shift for j, x in enumerate(row) if x.is_zero() is not True]
 
-    of_q, of_p = read(start.B_hat), read(start.B)
-    while True:
-        more_q, more_p = of_q | read(start.A_hat, of_p), of_p | read(start.A, of_q)
-        if joint:
-            more_q = more_p = more_q | more_p
-        if (more_q, more_p) == (of_q, of_p):
-            return sorted(of_q or {0}), sorted(of_p or {0})
-        of_q, of_p = more_q, more_p
+    if joint:
+        first = {j for row in (*start.B, *start.B_hat) for j in read(row, 0)}
+        both = reached(first, lambda i: read(start.A[i], 0) + read(start.A_hat[i], 0))
+        return sorted(both or {0}), sorted(both or {0})
+    first = {j for row in start.B_hat for j in read(row, 0)}
+    first |= {j for row in start.B for j in read(row, n)}
+    used = reached(first, lambda i: read(start.A[i], n) if i < n else read(start.A_hat[i - n], 0))
+    of_q, of_p = {i for i in used if i < n}, {i - n for i in used if i >= n}
+    return sorted(of_q or {0}), sorted(of_p or {0})
 
 
 def _chosen(rows: Matrix, columns: list[int], among: list[int] | None = None) -> Matrix:

@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -22,10 +22,11 @@ from ..errors import UsageError
 from ..exact import exact
 from ..exact.linalg import Matrix
 from ..method import GLM, FinishingMethod, PartitionedGLM, StartingMethod
+from ..method.solution_value import outputs, stage_times, unit_place
+from ..method.stage_order import pair_blocks, stage_blocks
 from ..problems.model import Problem
 from .arithmetic import Arithmetic, StageSolver, size
 from .outcome import StartFailed
-from .tableau import StageBlock, dependency_blocks, method_abscissae
 
 __all__ = [
     "PairStepper",
@@ -33,9 +34,23 @@ __all__ = [
     "Stepper",
     "apply_finish",
     "apply_start",
-    "pair_blocks",
     "stepper",
 ]
+
+
+class Reader(NamedTuple):
+    """How the solution of one component is read off its values.
+
+    Attributes
+    ----------
+        columns: of the state, those of the component.
+        place: of the value that is the solution, or ``None`` where several values are combined.
+        weights: (r,) output functional in the arithmetic of the run.
+    """
+
+    columns: slice
+    place: int | None
+    weights: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,19 +107,57 @@ class Stepper:
         number = self.arithmetic.array
         self.A, self.U = number(method.A), number(method.U)
         self.B, self.V = number(method.B), number(method.V)
-        self.c = self.arithmetic.array((method_abscissae(method),))[0]
-        self.blocks = dependency_blocks(method.s, lambda i, j: method.A[i][j].is_zero() is not True)
+        self.c = self.arithmetic.array((stage_times(method),))[0]
+        self.blocks = stage_blocks(method.A)
 
     @property
     def shape(self) -> tuple[int, int]:
         """Shape (r, d) of the values carried."""
         return self.method.r, self.problem.dimension
 
-    def values(self, y0: Any = None) -> np.ndarray:
-        """Return the zero start (y0, 0, ..., 0); y0 is the problem's by default."""
-        out = self.arithmetic.zeros(self.shape, self.V)
-        out[0] = self.problem.y0 if y0 is None else y0
-        return out
+    @property
+    def parts(self) -> tuple[slice, ...]:
+        """Columns of the state that each component of the method carries."""
+        return (slice(None),)
+
+    @cached_property
+    def readers(self) -> tuple[Reader, ...]:
+        """How the solution is read off the values, component by component."""
+        return tuple(
+            Reader(columns, unit_place(w), self.arithmetic.array((w,))[0])
+            for columns, w in zip(self.parts, outputs(self._read), strict=True)
+        )
+
+    @property
+    def _read(self) -> GLM | PartitionedGLM:
+        return self.method
+
+    @property
+    def first_value(self) -> bool:
+        """Whether the solution is the first value itself."""
+        return all(reader.place == 0 for reader in self.readers)
+
+    def solution(self, values: np.ndarray) -> np.ndarray:
+        """Return the solution among the values, before a finishing method.
+
+        Parameters
+        ----------
+        values : (..., r, d).
+
+        Returns
+        -------
+        (..., d). Where each component is one of the values these are its very bits.
+        """
+        if self.first_value:
+            return values[..., 0, :]
+        parts = []
+        for columns, place, weights in self.readers:
+            if place is not None:
+                parts.append(values[..., place, columns])
+                continue
+            terms = [w * values[..., k, columns] for k, w in enumerate(weights) if w]
+            parts.append(sum(terms[1:], terms[0]))
+        return np.concatenate(parts, axis=-1)
 
     def slope(self, t: Any, y: np.ndarray) -> np.ndarray:
         """Right-hand side at (t, y), shape (d,).
@@ -196,6 +249,15 @@ class PairStepper(Stepper):
         """Shape (max(r, r^), d) of the values carried."""
         return max(self.pair.r, self.pair.r_hat), self.problem.dimension
 
+    @property
+    def parts(self) -> tuple[slice, ...]:
+        """Columns of q and of p."""
+        return slice(0, self.half), slice(self.half, 2 * self.half)
+
+    @property
+    def _read(self) -> PartitionedGLM:
+        return self.pair
+
     def step(self, t: Any, values: np.ndarray, h: Any) -> Step:
         """Take one step of size h from the values at time t."""
         pair, m = self.pair, self.half
@@ -259,36 +321,6 @@ class PairStepper(Stepper):
 
         x = solver(rhs, np.concatenate([f[in_f], k[in_k]]), scale + size(f) + size(k))
         f[in_f], k[in_k] = x[: len(in_f)], x[len(in_f) :]
-
-
-def pair_blocks(pair: PartitionedGLM, *, joint: bool = False) -> tuple[StageBlock, ...]:
-    """Order the stages of a pair.
-
-    Args:
-        joint: whether stage i is (Q_i, P_i), as on a problem that is not separable.
-
-    Returns
-    -------
-        Blocks of numbers: Q stages 0..n_Q-1, then P stages n_Q..n_Q+n_P-1 (joint: stages 0..s-1).
-    """
-    n_q, n_p = pair.n_Q, pair.n_P
-
-    def zero(matrix: Matrix, i: int, j: int) -> bool:
-        return matrix[i][j].is_zero() is True
-
-    if joint:
-        return dependency_blocks(
-            n_q, lambda i, j: not (zero(pair.A, i, j) and zero(pair.A_hat, i, j))
-        )
-
-    def needs(i: int, j: int) -> bool:
-        if i < n_q <= j:
-            return not zero(pair.A, i, j - n_q)
-        if j < n_q <= i:
-            return not zero(pair.A_hat, i - n_q, j)
-        return False
-
-    return dependency_blocks(n_q + n_p, needs)
 
 
 def stepper(

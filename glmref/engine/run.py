@@ -44,6 +44,8 @@ class Run:
         self.problem, self.method, self.h, self.plan = problem, method, h, plan
         self.reference, self.start, self.history = reference, start.values, history
         self.cancel, self.progress = cancel, progress
+        # all values are kept where the caller wants them, or where the solution combines several
+        self.wide = history or not reference.first_value
         #: The rows (m, 1 or r, d) and how many there are so far; their step numbers where they do
         #: not follow from ``every``.
         self.rows, self.kept = self._room(), 0
@@ -107,7 +109,7 @@ class Run:
 
     def _room(self) -> np.ndarray:
         """Space for every row asked for, which the system hands out as it is written."""
-        width = self.start.shape[0] if self.history else 1
+        width = self.start.shape[0] if self.wide else 1
         shape = (max(1, len(self.plan.rows)), width, self.problem.dimension)
         complex_ = np.iscomplexobj(self.start) or np.iscomplexobj(getattr(self.reference, "V", 0.0))
         kind = self.start.dtype if self.start.dtype == object else complex if complex_ else float
@@ -123,7 +125,7 @@ class Run:
             ) from None
 
     def _keep(self, n: int, values: np.ndarray) -> None:
-        self.rows[self.kept] = values if self.history else values[:1]
+        self.rows[self.kept] = values if self.wide else values[:1]
         self.kept += 1
         if not self.plan.every:
             self.marks.append(n)
@@ -136,12 +138,12 @@ class Run:
 
         t0 = float(self.problem.t_span[0])
         try:
-            slope = self.reference.slope(t0, self.start[0])
+            slope = self.reference.slope(t0, self.reference.solution(self.start))
         except (ArithmeticError, ValueError):
             slope = np.full(self.problem.dimension, np.nan)  # a method may not evaluate there
         kernel = prepare(
             self.method, self.problem, h=self.h, arithmetic=arithmetic, form=form, solver=solver,
-            history=self.history, interpreted=interpreted,
+            history=self.wide, interpreted=interpreted,
         )  # fmt: skip
         self._adopt(kernel)
         if kernel.form.memory:
@@ -266,7 +268,8 @@ class Run:
         stacked = self.rows[: self.kept]
         if 2 * len(stacked) < len(self.rows):
             stacked = stacked.copy()  # a run that ended early lets go of the rest
-        y = self._finished(t, stacked[:, 0].copy() if self.history else stacked[:, 0])
+        y = self.reference.solution(stacked)
+        y = self._finished(t, y.copy() if self.history else y)
         t, stacked = t[: len(y)], stacked[: len(y)]
         return Solution(
             t=t, y=y, outcome=self.outcome,

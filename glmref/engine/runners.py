@@ -29,6 +29,7 @@ from .native import Tuning
 from .newton import INLINE_LIMIT
 from .outcome import KERNEL_OUTCOMES, Outcome
 from .plan import check_arithmetic
+from .reference import stepper
 
 __all__ = ["WIDTHS", "EnsembleSolution", "Lanes", "Runner", "Singles", "slopes_at"]
 
@@ -102,6 +103,7 @@ class Runner:
         self.method, self.problem, self.h, self.threads = method, problem, h, threads
         self.cancel, self.cancelled = cancel, False
         self.t0 = float(problem.t_span[0])
+        self.engine = stepper(method, problem)
         self.build(arithmetic, solver, width)
 
     def build(self, arithmetic: str, solver: str, width: int | None) -> None:
@@ -163,12 +165,12 @@ class Runner:
                 found = self.read()
                 if self.cancelled and n:
                     break
-                rows.append(found[0][:, 0].copy())
+                rows.append(self.engine.solution(found[0]).copy())
                 times.append(n)
         except KeyboardInterrupt:
             self.cancelled = True
         if not rows or self.cancelled:
-            rows.append(found[0][:, 0].copy())
+            rows.append(self.engine.solution(found[0]).copy())
             times.append(int(found[2].min()))
         seconds = time.perf_counter() - begin
         last, codes, steps, spent = found
@@ -221,7 +223,7 @@ class Lanes(Runner):
         self.heads = np.zeros((blocks, rows["done"] + 1, w))
         padded = np.concatenate([values, np.repeat(values[-1:], blocks * w - n, axis=0)])
         inner = self.form.into(padded)
-        slopes = slopes_at(self.problem, self.t0, padded[:, 0])
+        slopes = slopes_at(self.problem, self.t0, self.engine.solution(padded))
         for k in range(inner.shape[1]):
             self._put(f"y{k}", inner[:, k])
         for name, weight in self.form.memory:
@@ -322,7 +324,7 @@ class Singles(Runner):
 
     def load(self, values: np.ndarray) -> None:
         """See :class:`Runner`."""
-        slopes = slopes_at(self.problem, self.t0, values[:, 0])
+        slopes = slopes_at(self.problem, self.t0, self.engine.solution(values))
         self.states = [
             self.kernel.state(x, slope, self.h) for x, slope in zip(values, slopes, strict=True)
         ]

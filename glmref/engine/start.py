@@ -2,11 +2,10 @@
 
 The *enhanced start* needs no data. With S_0(y) = u y and M one step,
 
-    S_{k+1}(y) = S_k(y) + K^-1 [M S_k(y) - S_k((M S_k(y))_1)]    on the values 2..r,
+    S_{k+1}(y) = S_k(y) + K^-1 [M S_k(y) - S_k(w M S_k(y))],    K = I - V + u w V,
 
-K = I - V_22 + u_2 v_12 (which is I - V_22 where the first value is decoupled), each pass gains one
-order in these values, and k passes cost 2^k - 1 steps. It applies where the first value is the
-solution itself (u_1 = 1, no finishing method).
+w the output functional, each pass gains one order in what the solution w S(y) = y leaves open, and
+k passes cost 2^k - 1 steps. Where the solution is one of the values, that row is left out of K.
 """
 
 from __future__ import annotations
@@ -18,13 +17,12 @@ from typing import Any
 import numpy as np
 
 from ..errors import UsageError
-from ..exact.linalg import Matrix
 from ..method import GLM, PairStartingMethod, PartitionedGLM, StartingMethod
+from ..method.solution_value import Component, components, preconsistency_vector
 from ..problems.model import Problem
 from .outcome import StartFailed
 from .partitioned_start import apply_pair_start
-from .reference import PairStepper, Stepper, apply_start
-from .tableau import preconsistency
+from .reference import PairStepper, Reader, Stepper, apply_start
 
 __all__ = ["Start", "enhanced_start", "starting_values", "zero_start"]
 
@@ -139,12 +137,10 @@ def _from_pair(start: PairStartingMethod, engine: Stepper, t: Any, y0: Any, h: A
     return Start(values, evaluations, start.name or start.kind)
 
 
-def _halves(engine: Stepper) -> list[tuple[slice, Matrix, Matrix]]:
-    """(columns, U, V) of each half of a pair, or of the one method."""
-    if isinstance(engine, PairStepper):
-        m, pair = engine.half, engine.pair
-        return [(slice(0, m), pair.U, pair.V), (slice(m, 2 * m), pair.U_hat, pair.V_hat)]
-    return [(slice(None), engine.method.U, engine.method.V)]
+def _halves(engine: Stepper) -> list[tuple[Reader, Component]]:
+    """How each component of the method is read, and its coefficients."""
+    method = engine.pair if isinstance(engine, PairStepper) else engine.method
+    return list(zip(engine.readers, components(method), strict=True))
 
 
 def zero_start(engine: Stepper, y0: np.ndarray) -> np.ndarray:
@@ -160,8 +156,8 @@ def zero_start(engine: Stepper, y0: np.ndarray) -> np.ndarray:
     y0 = np.asarray(y0)
     shape = (*y0.shape[:-1], *engine.shape)
     values = engine.arithmetic.zeros(shape, _complex_like(engine))
-    for columns, U, V in _halves(engine):
-        u = preconsistency(U, V)
+    for (columns, _, _), m in _halves(engine):
+        u = preconsistency_vector(m)
         factors = [1] if u is None else engine.arithmetic.array((u,))[0]
         for k, factor in enumerate(factors):
             if abs(factor) > 1e-40:
@@ -174,31 +170,31 @@ def _complex_like(engine: Stepper) -> np.ndarray | None:
 
 
 def corrector(engine: Stepper) -> Callable[[np.ndarray], np.ndarray]:
-    """Return the map from a defect (..., r, d) to the correction of the values 2..r."""
+    """Return the map from a defect (..., r, d) to the correction of what is not the solution."""
     parts = []
-    for columns, U, V in _halves(engine):
-        u = preconsistency(U, V)
-        if u is None or (u[0] - 1).is_zero() is False:
+    for (columns, place, weights), m in _halves(engine):
+        exact_u = preconsistency_vector(m)
+        if exact_u is None:
             raise UsageError(
-                "the enhanced start needs a first value that is the solution (u_1 = 1); give "
-                "starting values or a starting method"
+                "the enhanced start needs a preconsistent method (V u = u, U u = 1); give starting "
+                "values or a starting method"
             )
-        number = engine.arithmetic.array
-        v, w = number(V), number((u,))[0]
-        n = len(V)
-        matrix = -v[1:, 1:] + np.outer(w[1:], v[0, 1:])
-        for k in range(n - 1):
+        v, u = engine.arithmetic.array(m.V), engine.arithmetic.array((exact_u,))[0]
+        # the rows solved for: without the solution where that is one of the values, else all
+        rows = [k for k in range(len(v)) if k != place]
+        matrix = -v[np.ix_(rows, rows)] + np.outer(u[rows], weights.dot(v)[rows])
+        for k in range(len(rows)):
             matrix[k, k] = matrix[k, k] + 1
-        parts.append((columns, n, matrix))
+        parts.append((columns, rows, matrix))
 
     def correct(defect: np.ndarray) -> np.ndarray:
         change = 0 * defect
-        for columns, n, matrix in parts:
-            if n > 1:
-                right = np.moveaxis(defect[..., 1:n, columns], -2, 0)
-                flat = right.reshape(n - 1, -1)
+        for columns, rows, matrix in parts:
+            if rows:
+                right = np.moveaxis(defect[..., rows, columns], -2, 0)
+                flat = right.reshape(len(rows), -1)
                 solved = engine.arithmetic.solve(matrix, flat).reshape(right.shape)
-                change[..., 1:n, columns] = np.moveaxis(solved, 0, -2)
+                change[..., rows, columns] = np.moveaxis(solved, 0, -2)
         return change
 
     return correct
@@ -214,7 +210,7 @@ def enhanced_start(
 
     Raises
     ------
-        UsageError: when the first value is not the solution, or a trial step fails.
+        UsageError: when the method is not preconsistent, or a trial step fails.
     """
     if not isinstance(passes, int) or not 0 <= passes <= MOST_PASSES:
         raise UsageError(f"the enhanced start takes 0 to {MOST_PASSES} passes, got {passes!r}")
@@ -230,7 +226,7 @@ def enhanced_start(
         evaluations += taken.evaluations
         if not taken.converged:
             raise StartFailed("a trial step of the enhanced start failed; use a smaller h")
-        defect = taken.values - start(k - 1, time + h, taken.values[0])
+        defect = taken.values - start(k - 1, time + h, engine.solution(taken.values))
         return values + correct(defect)
 
     return start(passes, t, y0), evaluations

@@ -23,6 +23,8 @@ from ..errors import UsageError
 from ..exact import Scalar, ball, exact, linalg
 from ..exact.linalg import Matrix
 from ..method import GLM
+from ..method.solution_value import preconsistency_vector, stage_times
+from ..method.stage_order import StageBlock
 from .forms import (
     CLOSE,
     StepForm,
@@ -36,7 +38,7 @@ from .forms import (
     standard_form,
     vanishes,
 )
-from .tableau import StageBlock, as_balls, method_abscissae, preconsistency
+from .tableau import as_balls
 
 __all__ = ["FORMS", "integral_basis", "step_form"]
 
@@ -236,7 +238,7 @@ def _sweep(method: GLM) -> StepForm:
             break
     x = min(candidates, key=lambda candidate: candidate.defect)
     s, r = method.s, method.r
-    u = preconsistency(method.U, method.V)
+    u = preconsistency_vector(method)
     return StepForm(
         kind="sweep", s=s, r=r, running=True,
         U=tuple(tuple(float(_dot(g, w)) for g in x.G) for w in x.omega),
@@ -245,7 +247,7 @@ def _sweep(method: GLM) -> StepForm:
         V=tuple(tuple(float(e) for e in row) for row in x.V),
         weights=consistent_weights([float(d) for d in D], [float(w[0]) for w in x.omega]),
         R_residue=((0.0,) * s,) * r,
-        c=floats(method_abscissae(method)),
+        c=floats(stage_times(method)),
         blocks=tuple(StageBlock((i,), x.half[i] != 0.0) for i in range(s)),
         large=large(None if u is None else linalg.matvec(x.to_form, u), r),
         to_form=float_rows(x.to_form), from_form=float_rows(x.back),
@@ -300,7 +302,9 @@ def _nudge(
         units.append(Fraction(0) if fixed else unit)
     for k in r:
         if not image[k] and omega[k]:
-            omega[k] -= _dot(G[k], omega) / G[k][k]
+            # an indefinite form may have a zero on its diagonal: then another value makes up for it
+            at = k if G[k][k] else max(r, key=lambda m: abs(G[k][m]))
+            omega[at] -= _dot(G[k], omega) / G[k][at]
     free = sorted((k for k in r if units[k]), key=lambda k: units[k])[: len(_REACH)]
     if free:
         half = _norm(G, omega) / 2

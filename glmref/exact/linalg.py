@@ -2,17 +2,22 @@
 
 A matrix is a tuple of rows, each a tuple of :class:`~glmref.exact.Exact` or
 :class:`~glmref.exact.Ball`. Over balls the same code encloses; where a decision (a pivot, a rank)
-cannot be made because a ball contains zero, :class:`~glmref.errors.ExactnessError` says so.
+cannot be made because a ball contains zero, :class:`~glmref.claims.ExactnessError` says so.
+:func:`solve_affine` takes systems with any number of rows. Over balls a pivot is an entry that
+excludes zero; rows in which no such entry is left are not used, and whoever asks checks the
+residual of the point found, which encloses the solution if there is one.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 from ..errors import ExactnessError
 from . import Ball, Exact, Scalar, sum_of_products
 
 __all__ = [
+    "Affine",
     "Matrix",
     "Vector",
     "add",
@@ -21,6 +26,7 @@ __all__ = [
     "diagonal",
     "entries",
     "identity",
+    "independent_rows",
     "inverse",
     "is_lower_triangular",
     "largest",
@@ -30,6 +36,7 @@ __all__ = [
     "rank",
     "scale",
     "solve",
+    "solve_affine",
     "sub",
     "transpose",
     "vecmat",
@@ -226,3 +233,115 @@ def nullspace(a: Matrix) -> list[Vector]:
             vector[pivot] = -row[free]
         basis.append(tuple(vector))
     return basis
+
+
+# --- systems with any number of rows: all solutions, or the row that contradicts the others ------
+
+
+@dataclass(frozen=True, eq=False)
+class Affine:
+    """Solutions ``point + sum t_k directions[k]`` of a linear system.
+
+    Attributes
+    ----------
+        point: (n,), the solution with every free unknown zero.
+        directions: basis of the homogeneous solutions.
+        failed: index of the row (from 0) that contradicts those before it, or ``None``.
+        undecided: whether balls around zero were left out of the decision.
+    """
+
+    point: Vector
+    directions: tuple[Vector, ...]
+    failed: int | None = None
+    undecided: bool = False
+
+
+def _pivot(row: Sequence[Scalar], used: set[int]) -> int | None:
+    """Column to solve for: of exact entries the first, of balls the one furthest from zero."""
+    best: tuple[float, int] | None = None
+    for j, x in enumerate(row):
+        if j in used or x.is_zero() is not False:
+            continue
+        size = x.lower_magnitude() if isinstance(x, Ball) else float("inf")
+        if best is None or size > best[0]:
+            best = (size, j)
+    return None if best is None else best[1]
+
+
+def solve_affine(rows: Matrix, right: Vector) -> Affine:
+    """Solve ``rows x = right``, row by row; rows that follow from earlier ones cost little.
+
+    Args:
+        rows: (m, n). right: (m,).
+    """
+    n = len(rows[0])
+    solved: dict[
+        int, list[Scalar]
+    ] = {}  # column -> row with 1 there and 0 in the other solved ones
+    undecided = False
+    failed: int | None = None
+    for index, (row, value) in enumerate(zip(rows, right, strict=True)):
+        current: list[Scalar] = [*row, value]
+        for column, known in solved.items():
+            factor = current[column]
+            if factor.is_zero() is not True:
+                current = _subtract(current, factor, known)
+                current[column] = _ZERO
+        at = _pivot(current[:n], set(solved))
+        if at is None:
+            open_entries = any(x.is_zero() is None for x in current[:n])
+            undecided = undecided or open_entries or current[n].is_zero() is None
+            if failed is None and not open_entries and current[n].is_zero() is False:
+                failed = index
+            continue
+        lead = current[at]
+        current = [x if x.is_zero() is True else x / lead for x in current]
+        current[at] = _ONE
+        for column, known in solved.items():
+            factor = known[at]
+            if factor.is_zero() is not True:
+                solved[column] = _subtract(known, factor, current)
+                solved[column][at] = _ZERO
+        solved[at] = current
+    return Affine(*_read_off(solved, n), failed, undecided)
+
+
+def independent_rows(rows: Matrix, enough: int | None = None) -> list[int]:
+    """Numbers of rows that are independent of those before them, at most ``enough`` of them.
+
+    Over balls a row counts only if its independence is certain.
+    """
+    solved: dict[int, list[Scalar]] = {}
+    chosen: list[int] = []
+    for index, row in enumerate(rows):
+        if enough is not None and len(chosen) == enough:
+            break
+        current = list(row)
+        for column, known in solved.items():
+            factor = current[column]
+            if factor.is_zero() is not True:
+                current = _subtract(current, factor, known)
+                current[column] = _ZERO
+        at = _pivot(current, set(solved))
+        if at is None:
+            continue
+        lead = current[at]
+        solved[at] = [x if x.is_zero() is True else x / lead for x in current]
+        chosen.append(index)
+    return chosen
+
+
+def _subtract(row: list[Scalar], factor: Scalar, other: list[Scalar]) -> list[Scalar]:
+    return [x if y.is_zero() is True else x - factor * y for x, y in zip(row, other, strict=True)]
+
+
+def _read_off(solved: dict[int, list[Scalar]], n: int) -> tuple[Vector, tuple[Vector, ...]]:
+    point = tuple(solved[j][n] if j in solved else _ZERO for j in range(n))
+    directions: list[Vector] = []
+    for free in (j for j in range(n) if j not in solved):
+        direction: list[Scalar] = [_ZERO] * n
+        direction[free] = _ONE
+        for column, row in solved.items():
+            direction[column] = -row[free]
+        directions.append(tuple(direction))
+    return point, tuple(directions)

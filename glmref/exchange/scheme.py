@@ -21,11 +21,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ..engine.tableau import abscissae, as_balls, dependency_blocks, preconsistency
+from ..engine.tableau import as_balls
 from ..errors import UsageError
 from ..exact import Scalar, exact, linalg
 from ..exact.linalg import Matrix, Vector
 from ..method import GLM, PartitionedGLM
+from ..method.solution_value import outputs, preconsistency, stage_times, unit_place
+from ..method.stage_order import dependency_blocks
 
 if TYPE_CHECKING:
     from ..method import FinishingMethod, StartingMethod
@@ -185,7 +187,7 @@ def _zeros(size: int) -> Matrix:
 
 
 def _zero_start(U: Matrix, V: Matrix) -> Vector:
-    u = preconsistency(U, V)
+    u = preconsistency(U, V).u
     if u is None:
         return (_ONE, *((_ZERO,) * (len(V) - 1)))
     return tuple(_ZERO if _vanishes(x) else x for x in u)
@@ -198,7 +200,7 @@ def _corrector(U: Matrix, V: Matrix, name: str) -> Matrix:
     ------
         UsageError: when the first value is not the solution.
     """
-    u = preconsistency(U, V)
+    u = preconsistency(U, V).u
     if u is None or (u[0] - 1).is_zero() is False:
         raise UsageError(
             f"{name} carries {len(V)} values and has no starting method, and its first value is "
@@ -234,11 +236,11 @@ def scheme_of(method: GLM | PartitionedGLM) -> Scheme:
             f"{method.name or 'the method'} has complex coefficients, and exported steppers "
             f"compute with real numbers; export a real method that is equivalent to it"
         )
-    c = abscissae(method.A, method.U, method.B, method.V)
+    c = stage_times(method)
     several = method.r > 1 and method.starting is None
     return Scheme(
         pair=False,
-        heads=(0,),
+        heads=(_place(outputs(method)[0], method.name),),
         step=_table(method.A, method.U, method.B, method.V, c),
         start=_start_of(method.starting) if method.starting is not None else None,
         finish=_finish_of(method.finishing) if method.finishing is not None else None,
@@ -250,7 +252,24 @@ def scheme_of(method: GLM | PartitionedGLM) -> Scheme:
     )
 
 
+def _place(output: Vector, name: str) -> int:
+    """Which value is the solution.
+
+    Raises
+    ------
+        UsageError: where the solution is a combination of several.
+    """
+    place = unit_place(output)
+    if place is None:
+        raise UsageError(
+            f"the output of {name or 'the method'} combines several values, and exported steppers "
+            f"carry the solution as one of them; export the method in another basis (`transform`)"
+        )
+    return place
+
+
 def _scheme_of_pair(pair: PartitionedGLM) -> Scheme:
+    reads = outputs(pair)
     n = pair.n_Q + pair.n_P
     half = (1,) * pair.n_Q + (0,) * pair.n_P
     step = _table(
@@ -283,7 +302,7 @@ def _scheme_of_pair(pair: PartitionedGLM) -> Scheme:
     zero = [_zero_start(pair.U, pair.V), _zero_start(pair.U_hat, pair.V_hat)]
     return Scheme(
         pair=True,
-        heads=(0, pair.r),
+        heads=(_place(reads[0], pair.name), pair.r + _place(reads[1], pair.name)),
         step=step,
         start=start,
         finish=None,

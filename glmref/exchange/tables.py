@@ -15,12 +15,12 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ..engine.tableau import abscissae
 from ..errors import ExactnessError, UsageError
 from ..exact import Ball, Exact, Scalar
 from ..exact.expression import to_text
 from ..exact.linalg import Matrix, Vector
 from ..method import GLM, PartitionedGLM
+from ..method.solution_value import stage_times
 from .header import Comment, header
 from .latex import latex
 from .numbers import decimal_of, is_zero
@@ -76,7 +76,7 @@ def butcher(method: GLM | PartitionedGLM, target: str) -> Butcher:
         )
     if not method.is_real:
         raise UsageError(f"{target} holds real numbers and {name} is complex; {other}")
-    c = abscissae(method.A, method.U, method.B, method.V)
+    c = stage_times(method)
     # the sums themselves where they are exact, so that c = A 1 is kept
     sums = tuple(sum(row[1:], row[0]) for row in method.A)
     c = sums if all(isinstance(x, Exact) for x in sums) else c

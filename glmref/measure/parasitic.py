@@ -17,9 +17,9 @@ import numpy as np
 from ..engine.outcome import Outcome, Solution
 from ..engine.reference import Stepper, stepper
 from ..engine.start import starting_values
-from ..engine.tableau import preconsistency
 from ..errors import UsageError
 from ..method import GLM, PartitionedGLM
+from ..method.solution_value import components, preconsistency_vector
 from ..problems.model import Problem
 from .underlying import Underlying
 
@@ -313,22 +313,21 @@ def period_of(problem: Problem, *, most: float = 1000.0) -> float | None:
 
 
 def solution_direction(method: GLM | PartitionedGLM) -> np.ndarray:
-    """Right eigenvector u of V at 1, (r,), scaled to u_1 = 1: what the solution is in the values.
+    """Preconsistency vector u, (r,): what the solution is in the values.
 
     (1, 0, ...) for a method that is not pre-consistent; for a pair, that of its q half.
     """
     r = max(method.r, getattr(method, "r_hat", 0))
     out = np.zeros(r)
     out[0] = 1.0
-    u = preconsistency(method.U, method.V)
-    if u is not None and u[0].is_zero() is False:
-        values = np.array([float(x.real) for x in u])
-        out[: len(values)] = values / values[0]
+    u = preconsistency_vector(components(method)[0])
+    if u is not None:
+        out[: len(u)] = [float(x.real) for x in u]
     return out
 
 
 def parasitic_size(solution: Solution, u: np.ndarray) -> np.ndarray:
-    """Norm of the values beyond ``u y_1`` at every sample of a solution with history, (m,).
+    """Norm of the values beyond ``u y`` at every sample of a solution with history, (m,).
 
     Smooth values are part of it: it is a bound of the parasitic part where that has grown, and of
     order h before.
@@ -336,7 +335,8 @@ def parasitic_size(solution: Solution, u: np.ndarray) -> np.ndarray:
     if solution.history is None:
         raise UsageError("the parasitic size needs all values; solve with history=True")
     history = np.asarray(solution.history)
-    rest = history - u[None, :, None] * history[:, :1] / u[0]
+    first = int(np.flatnonzero(u)[0])  # the first value that carries the solution
+    rest = history - u[None, :, None] * history[:, first : first + 1] / u[first]
     with np.errstate(all="ignore"):
         return np.sqrt(np.sum(np.abs(rest) ** 2, axis=(1, 2)))
 

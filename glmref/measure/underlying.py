@@ -1,6 +1,6 @@
 """The one-step method underlying a GLM, found by iteration alone: no series, no trees.
 
-A method that carries r values has, for small h, one starting map S whose first value is y itself
+A method that carries r values has, for small h, one starting map S whose output is y itself
 and with ``M S(y) = S(P(y))`` for a one-step method P. Iterating that equation gives S to any order
 in h: every pass gains one. What values lack to ``S(y)`` of their own solution y is parasitic.
 """
@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from ..engine.reference import PairStepper, Stepper
-from ..engine.tableau import preconsistency
+from ..engine.reference import PairStepper, Reader, Stepper
 from ..errors import UsageError
-from ..exact.linalg import Matrix, identity
+from ..exact.linalg import identity, vecmat
+from ..method.solution_value import Component, components, output, preconsistency_vector
 
 __all__ = ["Underlying"]
 
@@ -42,19 +42,16 @@ class _Half:
     steady: bool
 
 
-def _half(engine: Stepper, U: Matrix, V: Matrix, columns: slice, *, conjugate: bool) -> _Half:
+def _half(engine: Stepper, reader: Reader, m: Component, *, conjugate: bool) -> _Half:
     """Compute u, e and the inverse of one half in the engine's arithmetic."""
-    arithmetic, r = engine.arithmetic, len(V)
-    exact_u = preconsistency(U, V)
+    arithmetic, r = engine.arithmetic, len(m.V)
+    exact_u = preconsistency_vector(m)
     if exact_u is None:
         raise UsageError("the method is not pre-consistent: no u has V u = u and U u = 1")
     u = arithmetic.array((exact_u,))[0]
     one = arithmetic.array(identity(r))
-    # the first value is the solution wherever it holds y at all
-    row = next(k for k in range(r) if exact_u[k].is_zero() is not True)
-    e = one[row] / u[row]
-    v = arithmetic.array(V)
-    steady = all((V[row][k] - int(k == row)).is_zero() is True for k in range(r))
+    w, v, e = output(m), arithmetic.array(m.V), reader.weights
+    steady = all((x - y).is_zero() is True for x, y in zip(vecmat(w, m.V), w, strict=True))
     try:
         inverse = arithmetic.solve(one - v + np.outer(u, e.dot(v)), one.copy())
         if conjugate and not steady:
@@ -65,7 +62,7 @@ def _half(engine: Stepper, U: Matrix, V: Matrix, columns: slice, *, conjugate: b
         raise UsageError(
             "1 is not a simple eigenvalue of V; the underlying method is not unique"
         ) from None
-    return _Half(columns, r, u, e, inverse, steady)
+    return _Half(reader.columns, r, u, e, inverse, steady)
 
 
 class Underlying:
@@ -73,8 +70,8 @@ class Underlying:
 
     Args:
         engine: the reference stepper of the method on the problem.
-        conjugate: read the solution off by the left eigenvector of V at 1 instead of the first
-            value. Where that takes from others the underlying method becomes a conjugate one, and
+        conjugate: read the solution off by the left eigenvector of V at 1 instead of the
+            output. Where that takes from others the underlying method becomes a conjugate one, and
             starting it costs a quarter.
 
     Raises
@@ -84,16 +81,11 @@ class Underlying:
 
     def __init__(self, engine: Stepper, *, conjugate: bool = False) -> None:
         self.engine = engine
-        d = engine.problem.dimension
-        if isinstance(engine, PairStepper):
-            m, pair = d // 2, engine.pair
-            self.halves = (
-                _half(engine, pair.U, pair.V, slice(0, m), conjugate=conjugate),
-                _half(engine, pair.U_hat, pair.V_hat, slice(m, d), conjugate=conjugate),
-            )
-        else:
-            method = engine.method
-            self.halves = (_half(engine, method.U, method.V, slice(0, d), conjugate=conjugate),)
+        method = engine.pair if isinstance(engine, PairStepper) else engine.method
+        self.halves = tuple(
+            _half(engine, reader, m, conjugate=conjugate)
+            for reader, m in zip(engine.readers, components(method), strict=True)
+        )
         self.evaluations = 0
 
     @property

@@ -17,6 +17,7 @@ from ..errors import DataError
 from ..exact import Ball, Exact, Scalar, exact, linalg
 from ..exact.expression import parse
 from ..exact.linalg import Matrix, Vector
+from . import solution_value, stage_order
 from .starting import FinishingMethod, PairStartingMethod, StartingMethod
 
 if TYPE_CHECKING:
@@ -89,6 +90,39 @@ def _check_shape(name: str, value: Matrix, rows: int, columns: int, meaning: str
         )
 
 
+def _take_output(method: GLM | PartitionedGLM, name: str, r: int) -> None:
+    """Turn a declared output into a vector and check its length."""
+    declared = getattr(method, name)
+    if declared is None:
+        return
+    object.__setattr__(method, name, as_vector(declared, name))
+    if len(declared) != r:
+        raise DataError(f"`{name}` must have {r} entries, one for each value, got {len(declared)}")
+
+
+def _moved_output(m: solution_value.Component, back: Matrix) -> Vector | None:
+    """The output ``w T^-1`` after a change of values; ``None`` where there is no solution to read.
+
+    Written down even where the method declares none, because the rule that finds an undeclared one
+    looks at the values by number.
+    """
+    if m.output is None and solution_value.preconsistency_vector(m) is None:
+        return None
+    return linalg.vecmat(solution_value.output(m), back)
+
+
+def _transformation(T: Rows, name: str, r: int, letter: str) -> Matrix:
+    matrix = as_matrix(T, name)
+    _check_shape(name, matrix, r, r, f"({letter}, {letter})")
+    return matrix
+
+
+def _permutation(order: Sequence[int], name: str, size: int) -> Sequence[int]:
+    if sorted(order) != list(range(size)):
+        raise DataError(f"`{name}` must be a permutation of 0..{size - 1}, got {list(order)}")
+    return order
+
+
 @dataclass(frozen=True, eq=False)
 class GLM:
     """A general linear method: ``Y = h A f(Y) + U y``, ``y+ = h B f(Y) + V y``.
@@ -103,8 +137,12 @@ class GLM:
         G: (r, r) quadratic form its source gives, or ``None``; a claim, checked like the rest.
         D: (s,) diagonal its source gives, or ``None``.
         starting: starting method, or ``None``.
-        finishing: finishing method, or ``None`` where the first value is the solution.
-        claims: what its file claims, by key; empty for a method that was computed.
+        finishing: finishing method, or ``None`` where the output is the solution itself.
+        output: (r,) functional w: the solution is ``w y``, what a finishing method begins from.
+            ``None``: the first value that carries the solution, see
+            :mod:`glmref.method.solution_value`.
+        claims: what its file claims, by key; empty for a method that was computed. A change of
+            values or of the order of stages keeps them.
         source: citation, place and status, as in the file.
         document: the file's JSON object, ``None`` for a method that was computed.
         multistep: (alpha, beta) of a multistep or one-leg method, as its file gives them.
@@ -133,6 +171,7 @@ class GLM:
     source: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     document: Mapping[str, Any] | None = field(default=None, repr=False)
     multistep: tuple[Vector, Vector] | None = field(default=None, repr=False)
+    output: Vector | None = None
 
     if TYPE_CHECKING:  # what is taken is wider than what is kept
 
@@ -151,6 +190,7 @@ class GLM:
             source: Mapping[str, Any] = ...,
             document: Mapping[str, Any] | None = None,
             multistep: tuple[Vector, Vector] | None = None,
+            output: Sequence[Entry] | None = None,
         ) -> None: ...
 
     def __post_init__(self) -> None:
@@ -168,6 +208,7 @@ class GLM:
             object.__setattr__(self, "D", as_vector(self.D, "D"))
             if len(self.D) != s:
                 raise DataError(f"`D` must have s = {s} entries, got {len(self.D)}")
+        _take_output(self, "output", r)
 
     @property
     def s(self) -> int:
@@ -197,13 +238,12 @@ class GLM:
 
     @property
     def implicit_stages(self) -> tuple[int, ...]:
-        """Numbers (from 1) of the stages that need an equation solved.
+        """Numbers (from 1) of the stages that need an equation solved, however they are numbered.
 
-        For lower triangular A those with a nonzero diagonal entry; otherwise all of them.
+        Those that need themselves, directly or through others.
         """
-        if not self.is_diagonally_implicit:
-            return tuple(range(1, self.s + 1))
-        return tuple(i + 1 for i in range(self.s) if self.A[i][i].is_zero() is not True)
+        coupled = [block.stages for block in stage_order.stage_blocks(self.A) if block.implicit]
+        return tuple(sorted(i + 1 for stages in coupled for i in stages))
 
     @property
     def is_explicit(self) -> bool:
@@ -211,7 +251,10 @@ class GLM:
         return not self.implicit_stages
 
     def bare(self, **changes: Any) -> Self:
-        """Return a copy with other coefficients and without claims, source, start or finish."""
+        """Return a copy with other coefficients and without claims, source, start or finish.
+
+        The output stays where the number of values does.
+        """
         empty: dict[str, Any] = {
             "claims": MappingProxyType({}),
             "source": MappingProxyType({}),
@@ -222,10 +265,17 @@ class GLM:
             "G": None,
             "D": None,
         }
+        if len(changes.get("V", self.V)) != self.r:
+            empty["output"] = None
         return replace(self, **{**empty, **changes})
 
-    def transform(self, T: Sequence[Sequence[Entry]]) -> Self:
+    def transform(self, T: Rows) -> Self:
         """Carry the values ``T y`` instead of ``y``: an equivalent method.
+
+        What belongs to the method goes along: the starting method gives ``T B`` and ``T u``, the
+        output becomes ``w T^-1``, the quadratic form ``T^-* G T^-1``. The finishing method begins
+        from the output and stays as it is, and so do the claims: what is claimed of a method does
+        not depend on the values it carries.
 
         Args:
             T: (r, r) nonsingular.
@@ -234,10 +284,9 @@ class GLM:
         ------
             ExactnessError: when T is singular.
         """
-        T = as_matrix(T, "T")
-        _check_shape("T", T, self.r, self.r, "(r, r)")
+        T = _transformation(T, "T", self.r, "r")
         back = linalg.inverse(T)
-        G = self.G
+        G, start = self.G, self.starting
         if G is not None:
             G = linalg.matmul(linalg.conjugate_transpose(back), G, back)
         return self.bare(
@@ -246,18 +295,29 @@ class GLM:
             V=linalg.matmul(T, self.V, back),
             G=G,
             D=self.D,
+            claims=self.claims,
+            starting=None if start is None else start.transform(T),
+            finishing=self.finishing,
+            output=_moved_output(self, back),
+            multistep=self.multistep,
         )
 
     def permute_stages(self, order: Sequence[int]) -> Self:
-        """Number the stages anew: the new stage i is the old stage ``order[i]`` (from 0)."""
-        if sorted(order) != list(range(self.s)):
-            raise DataError(f"`order` must be a permutation of 0..{self.s - 1}, got {list(order)}")
+        """Number the stages anew: the new stage i is the old stage ``order[i]`` (from 0).
+
+        Starting and finishing methods have stages of their own and stay as they are.
+        """
+        order = _permutation(order, "order", self.s)
         return self.bare(
             A=tuple(tuple(self.A[i][j] for j in order) for i in order),
             U=tuple(self.U[i] for i in order),
             B=tuple(tuple(row[j] for j in order) for row in self.B),
             G=self.G,
             D=None if self.D is None else tuple(self.D[i] for i in order),
+            claims=self.claims,
+            starting=self.starting,
+            finishing=self.finishing,
+            multistep=self.multistep,
         )
 
     def to_float(self) -> FloatGLM:
@@ -295,8 +355,10 @@ class PartitionedGLM:
         G: (r, r^) bilinear form its source gives, or ``None``.
         D_P, D_Q: (n_P,) and (n_Q,) diagonals its source gives, or ``None``.
         separable: whether the pair is meant for separable systems only (two stage sets).
-        starting: starting method of the pair, or ``None``. There is no finishing method: the first
-            values are the solution.
+        starting: starting method of the pair, or ``None``. There is no finishing method: the
+            outputs are the solution.
+        output, output_hat: (r,) and (r^,) functionals that read the solution (q, p) off the values,
+            or ``None`` as in :class:`GLM`.
         name, claims, source, document: as in :class:`GLM`.
 
     Raises
@@ -321,6 +383,8 @@ class PartitionedGLM:
     claims: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     source: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     document: Mapping[str, Any] | None = field(default=None, repr=False)
+    output: Vector | None = None
+    output_hat: Vector | None = None
 
     if TYPE_CHECKING:  # as for a GLM
 
@@ -343,6 +407,8 @@ class PartitionedGLM:
             claims: Mapping[str, Any] = ...,
             source: Mapping[str, Any] = ...,
             document: Mapping[str, Any] | None = None,
+            output: Sequence[Entry] | None = None,
+            output_hat: Sequence[Entry] | None = None,
         ) -> None: ...
 
     def __post_init__(self) -> None:
@@ -373,6 +439,8 @@ class PartitionedGLM:
                 object.__setattr__(self, name, as_vector(value, name))
                 if len(value) != size:
                     raise DataError(f"`{name}` must have {size} entries, got {len(value)}")
+        _take_output(self, "output", r)
+        _take_output(self, "output_hat", r_hat)
 
     @property
     def n_P(self) -> int:
@@ -399,3 +467,88 @@ class PartitionedGLM:
         """Whether every coefficient is exact."""
         names = [x + y for x in "AUBV" for y in ("", "_hat")]
         return all(isinstance(x, Exact) for n in names for row in getattr(self, n) for x in row)
+
+    def bare(self, **changes: Any) -> Self:
+        """Return a copy with other coefficients and without claims, source or start.
+
+        The outputs stay where the numbers of values do.
+        """
+        empty: dict[str, Any] = {
+            "claims": MappingProxyType({}),
+            "source": MappingProxyType({}),
+            "document": None,
+            "starting": None,
+            "G": None,
+            "D_P": None,
+            "D_Q": None,
+        }
+        if len(changes.get("V", self.V)) != self.r:
+            empty["output"] = None
+        if len(changes.get("V_hat", self.V_hat)) != self.r_hat:
+            empty["output_hat"] = None
+        return replace(self, **{**empty, **changes})
+
+    def transform(self, T: Rows, T_hat: Rows | None = None) -> Self:
+        """Carry ``T q`` and ``T_hat p`` instead of q and p: an equivalent pair.
+
+        The starting method, the outputs and the bilinear form ``T^-* G T_hat^-1`` go along.
+
+        Args:
+            T: (r, r) nonsingular.
+            T_hat: (r^, r^) nonsingular, or ``None`` to leave the values of p as they are.
+
+        Raises
+        ------
+            ExactnessError: when T or T_hat is singular.
+        """
+        T = _transformation(T, "T", self.r, "r")
+        one = linalg.identity(self.r_hat)
+        T_hat = one if T_hat is None else _transformation(T_hat, "T_hat", self.r_hat, "r^")
+        back, back_hat = linalg.inverse(T), linalg.inverse(T_hat)
+        G, start = self.G, self.starting
+        if G is not None:
+            G = linalg.matmul(linalg.conjugate_transpose(back), G, back_hat)
+        q, p = solution_value.halves(self)
+        return self.bare(
+            U=linalg.matmul(self.U, back),
+            B=linalg.matmul(T, self.B),
+            V=linalg.matmul(T, self.V, back),
+            U_hat=linalg.matmul(self.U_hat, back_hat),
+            B_hat=linalg.matmul(T_hat, self.B_hat),
+            V_hat=linalg.matmul(T_hat, self.V_hat, back_hat),
+            G=G,
+            D_P=self.D_P,
+            D_Q=self.D_Q,
+            claims=self.claims,
+            starting=None if start is None else start.transform(T, T_hat),
+            output=_moved_output(q, back),
+            output_hat=_moved_output(p, back_hat),
+        )
+
+    def permute_stages(self, Q: Sequence[int], P: Sequence[int] | None = None) -> Self:
+        """Number the stages anew: the new Q_i is the old Q_j, j = ``Q[i]`` (from 0), P likewise.
+
+        Args:
+            Q: permutation of 0..n_Q-1.
+            P: permutation of 0..n_P-1; by default that of Q, as it must be where stages are shared.
+        """
+        Q = _permutation(Q, "Q", self.n_Q)
+        P = _permutation(Q if P is None else P, "P", self.n_P)
+        if not self.separable and list(P) != list(Q):
+            raise DataError(
+                "the stages Q and P of a pair that is not separable are evaluated together: give "
+                "one permutation for both"
+            )
+        return self.bare(
+            A=tuple(tuple(self.A[i][j] for j in P) for i in Q),
+            U=tuple(self.U[i] for i in Q),
+            B=tuple(tuple(row[j] for j in P) for row in self.B),
+            A_hat=tuple(tuple(self.A_hat[i][j] for j in Q) for i in P),
+            U_hat=tuple(self.U_hat[i] for i in P),
+            B_hat=tuple(tuple(row[j] for j in Q) for row in self.B_hat),
+            G=self.G,
+            D_P=None if self.D_P is None else tuple(self.D_P[i] for i in P),
+            D_Q=None if self.D_Q is None else tuple(self.D_Q[i] for i in Q),
+            claims=self.claims,
+            starting=self.starting,
+        )

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any
 
+from ..exact import linalg
 from ..exact.linalg import Matrix, Vector
 
 __all__ = ["FinishingMethod", "PairStartingMethod", "StartingMethod"]
@@ -38,6 +39,10 @@ class StartingMethod:
     def stages(self) -> int:
         """Number of internal stages (right-hand-side evaluations when explicit)."""
         return len(self.A)
+
+    def transform(self, T: Matrix) -> StartingMethod:
+        """The start of the same method carrying ``T y``: ``T B`` and ``T u``, T (r, r)."""
+        return replace(self, B=linalg.matmul(T, self.B), u=linalg.matvec(T, self.u))
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +76,16 @@ class PairStartingMethod:
         """Numbers of stages Q, where k is evaluated, and of stages P, where f is."""
         return len(self.A), len(self.A_hat)
 
+    def transform(self, T: Matrix, T_hat: Matrix) -> PairStartingMethod:
+        """The start of the same pair carrying ``T q`` and ``T_hat p``."""
+        return replace(
+            self,
+            B=linalg.matmul(T, self.B),
+            u=linalg.matvec(T, self.u),
+            B_hat=linalg.matmul(T_hat, self.B_hat),
+            u_hat=linalg.matvec(T_hat, self.u_hat),
+        )
+
     def rows(self) -> tuple[Vector, ...]:
         """Every coefficient, row by row."""
         return (*self.A, *self.B, *self.A_hat, *self.B_hat, self.u, self.u_hat)
@@ -78,7 +93,10 @@ class PairStartingMethod:
 
 @dataclass(frozen=True, eq=False)
 class FinishingMethod:
-    """Runge-Kutta-like finish on the first value: ``Y = y_1 + h A f(Y)``, ``y = y_1 + h b f(Y)``.
+    """Runge-Kutta-like finish on the output z = w y: ``Y = z + h A f(Y)``, ``y = z + h b f(Y)``.
+
+    The output is the first value where the method declares none and the first value is the
+    solution; see :mod:`glmref.method.solution_value`.
 
     Attributes
     ----------

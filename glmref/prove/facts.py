@@ -15,6 +15,7 @@ from ..exact import Scalar
 from ..exact.linalg import Vector
 from ..findings import Proof
 from ..method import GLM, PartitionedGLM
+from ..method.stage_order import pair_blocks
 
 if TYPE_CHECKING:
     from ..theory.consistency import Consistency
@@ -254,7 +255,7 @@ class PairFacts(Facts):
     @cached_property
     def zero_stability(self) -> tuple[Boundedness, Boundedness]:
         """Whether V and V^ are power-bounded."""
-        from ..theory.consistency import halves
+        from ..method.solution_value import halves
         from ..theory.spectrum import power_bounded
 
         q, p = halves(self.method)
@@ -363,27 +364,7 @@ class PairFacts(Facts):
     @cached_property
     def is_explicit(self) -> bool:
         """Whether the stages can be put in an order in which each needs earlier ones only."""
-        return _acyclic(self.method)
-
-
-def _acyclic(pair: PartitionedGLM) -> bool:
-    """Whether the dependence of stages Q on f(P) and of stages P on k(Q) has no cycle.
-
-    This is explicitness for separable systems, where f is evaluated at P and k at Q only.
-    """
-    waiting = {("Q", i): {("P", j) for j in _nonzero(pair.A[i])} for i in range(pair.n_Q)}
-    waiting |= {("P", i): {("Q", j) for j in _nonzero(pair.A_hat[i])} for i in range(pair.n_P)}
-    while waiting:
-        ready = {stage for stage, needs in waiting.items() if not needs & waiting.keys()}
-        if not ready:
-            return False
-        for stage in ready:
-            del waiting[stage]
-    return True
-
-
-def _nonzero(row: Any) -> list[int]:
-    return [j for j, x in enumerate(row) if x.is_zero() is not True]
+        return not any(block.implicit for block in pair_blocks(self.method))
 
 
 def facts_of(

@@ -211,7 +211,7 @@ def _cost(method: GLM | PartitionedGLM, subject: Problem) -> Cost:
     """Count the evaluations of a step: one for an explicit stage, unless the last step had it."""
     if isinstance(method, PartitionedGLM):
         return _pair_cost(method, subject)
-    from ..engine.tableau import stage_blocks
+    from ..method.stage_order import stage_blocks
 
     blocks = stage_blocks(method.A)
     explicit = sum(len(block.stages) for block in blocks if not block.implicit)
@@ -221,7 +221,7 @@ def _cost(method: GLM | PartitionedGLM, subject: Problem) -> Cost:
 def _pair_cost(pair: PartitionedGLM, subject: Problem) -> Cost:
     """Of a separable problem the evaluations of p' = k(q) count, at the stages Q."""
     from ..engine.kernel import choose_form
-    from ..engine.reference import pair_blocks
+    from ..method.stage_order import pair_blocks
 
     try:
         form, _ = choose_form(pair, subject, "auto")

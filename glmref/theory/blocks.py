@@ -12,8 +12,9 @@ from fractions import Fraction
 from typing import Any
 
 from ..errors import ExactnessError
-from ..exact import Exact, Scalar, linalg
+from ..exact import Ball, Exact, Scalar, linalg
 from ..exact.linalg import Matrix, Vector
+from ..method.solution_value import Component, first_functional, preconsistency
 from .coefficients import is_zero, plus, times, weighted
 
 __all__ = [
@@ -22,7 +23,9 @@ __all__ = [
     "Rows",
     "apply",
     "as_scalar",
+    "block_of",
     "equal",
+    "is_enclosed",
     "kernel",
     "make_block",
     "present",
@@ -51,7 +54,7 @@ class Block:
         u: (r,) with V u = u, U u = 1.
         N: eigenvectors of V to the eigenvalue 1, the first is u when it is the only one.
         W: left eigenvectors, one row each, with W N = I where the eigenvalue is semisimple.
-        output: (r,) functional with output u = 1: the first value that carries the solution.
+        output: (r,) functional with output u = 1 that reads off the solution.
         lift: (r, r), R -> the solution x of (I - V) x = R with output x = 0.
         semisimple: whether the eigenvalue 1 has as many eigenvectors as its multiplicity.
         certain: whether ranks were decided (False where balls only leave them possible).
@@ -147,10 +150,12 @@ def _lower(x: Scalar) -> float:
     return x.magnitude() if isinstance(x, Exact) else x.lower_magnitude()
 
 
-def principal_vectors(U: Matrix, B: Matrix, V: Matrix) -> tuple[Vector, Matrix, Matrix, bool]:
+def principal_vectors(
+    U: Matrix, B: Matrix, V: Matrix, output: Vector | None = None
+) -> tuple[Vector, Matrix, Matrix, bool]:
     """Find u, the right and the left eigenvectors of V to 1, and whether ranks are certain.
 
-    A vector u that is not unique is chosen so that the condition of order 1 holds, if it can.
+    The vector u is that of :func:`glmref.method.solution_value.preconsistency`.
 
     Raises
     ------
@@ -166,22 +171,13 @@ def principal_vectors(U: Matrix, B: Matrix, V: Matrix) -> tuple[Vector, Matrix, 
         at = next((x for x in image if is_zero(x) is False), None)
         if at is None:
             raise NotPreconsistent("the eigenvector u of V to the eigenvalue 1 has U u = 0")
-        u = tuple(x / at for x in right[0])
-        _check_stages(U, u)
-        return u, (u,), tuple(left), certain and same
-    # several eigenvectors: U N x = 1, and W N x = W B 1 (the condition of order 1) if possible
-    N, W = linalg.transpose(tuple(right)), tuple(left)
-    image = linalg.matmul(U, N)
-    system = [(*row, Exact(-1)) for row in image]
-    total = linalg.matvec(linalg.matmul(W, B), [Exact(1)] * len(B[0]))
-    more = [(*row, -y) for row, y in zip(linalg.matmul(W, N), total, strict=True)]
-    for equations in ([*system, *more], system):
-        solutions, decided = kernel(tuple(equations))
-        x = next((v for v in solutions if is_zero(v[-1]) is False), None)
-        if x is not None:
-            u = linalg.matvec(N, tuple(y / x[-1] for y in x[:-1]))
-            return u, tuple(right), W, certain and same and decided
-    raise NotPreconsistent("no eigenvector u of V to the eigenvalue 1 has U u = 1")
+        _check_stages(U, tuple(x / at for x in right[0]))
+    found = preconsistency(U, V, B, output)
+    if found.u is None:
+        raise NotPreconsistent("no eigenvector u of V to the eigenvalue 1 has U u = 1")
+    if len(right) == len(left) == 1:
+        return found.u, (found.u,), tuple(left), certain and same
+    return found.u, tuple(right), tuple(left), certain and same and found.certain
 
 
 def _check_stages(U: Matrix, u: Vector) -> None:
@@ -197,28 +193,39 @@ def _say(x: Scalar) -> str:
     return f"{value.real:.6g}" if value.imag == 0 else f"{value:.6g}"
 
 
-def make_block(A: Matrix, U: Matrix, B: Matrix, V: Matrix) -> Block:
+def make_block(A: Matrix, U: Matrix, B: Matrix, V: Matrix, output: Vector | None = None) -> Block:
     """Prepare one colour's method.
+
+    Args:
+        output: functional that reads the solution off the values, ``None`` for the first value
+            that carries it: see :mod:`glmref.method.solution_value`.
 
     Raises
     ------
         NotPreconsistent: when there is no u with V u = u and U u = 1.
         ExactnessError: when balls leave a rank open that matters.
     """
-    u, N, W, certain = principal_vectors(U, B, V)
+    u, N, W, certain = principal_vectors(U, B, V, output)
     pairing = linalg.matmul(W, linalg.transpose(N))
     semisimple = len(pairing) == len(pairing[0]) and not _singular(pairing)
     if semisimple:
         W = linalg.matmul(linalg.inverse(pairing), W)
-    first = next((i for i, x in enumerate(u) if is_zero(x) is False), None)
-    if first is None:
-        raise ExactnessError("no entry of u is certainly not zero; give more digits")
-    output = tuple(1 / u[first] if i == first else Exact(0) for i in range(len(u)))
+    output = first_functional(u) if output is None else output
     return Block(
         A=sparse(A), U=sparse(U), B=sparse(B),
         stages=len(A), slopes=len(A[0]), u=u, N=N, W=sparse(W), output=output,
         lift=sparse(_lift(V, u, N, W, output)), semisimple=semisimple, certain=certain,
     )  # fmt: skip
+
+
+def block_of(m: Component) -> Block:
+    """Prepare a method, or one half of a pair: see :func:`make_block`."""
+    return make_block(m.A, m.U, m.B, m.V, m.output)
+
+
+def is_enclosed(m: Component) -> bool:
+    """Whether some coefficient is a ball."""
+    return any(isinstance(x, Ball) for e in (m.A, m.U, m.B, m.V) for row in e for x in row)
 
 
 def seen(block: Block, value: Sequence[Any]) -> Any:

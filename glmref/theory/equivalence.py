@@ -24,10 +24,11 @@ from ..errors import UsageError
 from ..exact import Exact, Scalar, linalg
 from ..exact.linalg import Matrix, Vector
 from ..method import GLM
+from ..method.stage_order import reached
 from .affine import independent_rows, solve_affine
 from .complex_form import complex_pairs, rotation_pairs, to_complex, to_real
-from .consistency import preconsistency_vector
 from .involutions import matchings
+from .reduction import observed_rows, reached_rows
 
 __all__ = [
     "Equivalence",
@@ -197,11 +198,7 @@ def _pivot_columns(basis: Matrix) -> list[int]:
 
 def _observed(m: GLM) -> Matrix:
     """Basis of the span of the rows of U, U V, U V^2, ..: what the stages can see."""
-    rows, layer = m.U, m.U
-    for _ in range(m.r - 1):
-        layer = linalg.matmul(layer, m.V)
-        rows = (*rows, *layer)
-    return _row_basis(rows)
+    return _row_basis(observed_rows(m))
 
 
 def unobservable_values(m: GLM) -> list[Vector]:
@@ -214,14 +211,7 @@ def reachable_values(m: GLM) -> list[Vector]:
 
     Values outside are zero for ever once the start leaves them zero.
     """
-    u = preconsistency_vector(m)
-    layer = linalg.transpose(m.B)
-    rows = layer if u is None else (u, *layer)
-    V_transposed = linalg.transpose(m.V)
-    for _ in range(m.r - 1):
-        layer = linalg.matmul(layer, V_transposed)
-        rows = (*rows, *layer)
-    return list(_row_basis(rows))
+    return list(_row_basis(reached_rows(m)))
 
 
 def _keep_observed(m: GLM) -> GLM:
@@ -313,12 +303,8 @@ def drop_idle_stages(m: GLM) -> GLM:
 
     References: Dahlquist and Jeltsch (1979), for Runge-Kutta methods.
     """
-    active = {j for j in range(m.s) if any(row[j].is_zero() is not True for row in m.B)}
-    grown = True
-    while grown:
-        fed = {j for j in range(m.s) for i in active if m.A[i][j].is_zero() is not True}
-        grown = not fed <= active
-        active |= fed
+    read = {j for j in range(m.s) if any(row[j].is_zero() is not True for row in m.B)}
+    active = reached(read, lambda i: [j for j, x in enumerate(m.A[i]) if x.is_zero() is not True])
     if len(active) == m.s or not active:
         return m
     keep = sorted(active)

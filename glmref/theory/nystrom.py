@@ -3,7 +3,7 @@
 Where f is linear its second derivative is zero, and with it the elementary differential of every
 tree in which a vertex f has two children or more. What is left is a set of trees that contains,
 with a tree, all its subtrees and all trees left when branches are cut off: the conditions of these
-trees are a system of their own, in which the others do not occur. A pair whose first values are the
+trees are a system of their own, in which the others do not occur. A pair whose outputs are the
 solution itself has order p on such systems when the residuals of these trees vanish through p.
 
 Symplectic Runge-Kutta-Nyström methods in the form of splittings of p^2/2 + V(q) are the case r = 1.
@@ -24,10 +24,11 @@ from __future__ import annotations
 from functools import cache
 
 from ..errors import ExactnessError
-from ..exact import Ball, Scalar
+from ..exact import Scalar
 from ..findings import Proof
 from ..method import PartitionedGLM
-from .blocks import NotPreconsistent, as_scalar, make_block
+from ..method.solution_value import halves
+from .blocks import NotPreconsistent, as_scalar, block_of, is_enclosed
 from .coefficients import is_zero
 from .conditions import Conditions
 from .order import OrderResult
@@ -53,24 +54,19 @@ def nystrom_trees(order: int) -> tuple[Tree, ...]:
 def nystrom_order_of(pair: PartitionedGLM, *, max_order: int = 9) -> OrderResult:
     """Decide the order of a pair on systems q' = M^-1 p, p' = k(q).
 
-    The first values are taken as the solution itself (no finishing method).
+    The outputs are taken as the solution itself (no finishing method).
 
     Returns
     -------
         As :func:`~glmref.theory.order.order_of`, the starting series on the trees that count only;
         order 0 where the pair is not preconsistent or the two halves share their stages.
     """
-    blocks = {}
-    entries = {
-        "f": (pair.A, pair.U, pair.B, pair.V),
-        "k": (pair.A_hat, pair.U_hat, pair.B_hat, pair.V_hat),
-    }
-    enclosed = any(isinstance(x, Ball) for m in entries.values() for e in m for r in e for x in r)
-    proof = Proof.ENCLOSED if enclosed else Proof.EXACT
+    q, p = halves(pair)
+    proof = Proof.ENCLOSED if is_enclosed(q) or is_enclosed(p) else Proof.EXACT
     if not pair.separable:
         return OrderResult(0, "identity", proof=proof, reason="the stages are shared")
     try:
-        blocks = {colour: make_block(*m) for colour, m in entries.items()}
+        blocks = {"f": block_of(q), "k": block_of(p)}
     except (NotPreconsistent, ExactnessError) as reason:
         return OrderResult(0, "identity", proof=proof, reason=f"not preconsistent: {reason}")
     conditions = Conditions(blocks, SEPARABLE, "identity")

@@ -10,8 +10,9 @@ Public names::
 
 A method has order p when there is a starting series eta with ``M S = S E + O(h^(p+1))``. With
 ``principal="free"`` any series will do (for r = 1 this is Butcher's effective order); with
-``principal="identity"`` the first value must be the solution itself, ``eta_1(t) = 0`` for every
-tree, so that no finishing method is needed. The treatment is complete: see
+``principal="identity"`` the output must be the solution itself, ``w eta(t) = 0`` for every tree
+(w = (1, 0, ..) where a method declares no other, see :mod:`glmref.method.solution_value`), so that
+no finishing method is needed. The treatment is complete: see
 :mod:`glmref.theory.conditions` for the conditions and the proof that deciding order by order, with
 at most one choice of the principal parts left each time, loses no starting series.
 
@@ -28,11 +29,12 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 from ..errors import ExactnessError, UsageError
-from ..exact import Ball, Scalar
+from ..exact import Scalar
 from ..exact.linalg import Vector
 from ..findings import Proof
 from ..method import GLM
-from .blocks import Block, NotPreconsistent, as_scalar, make_block
+from ..method.solution_value import Component
+from .blocks import Block, NotPreconsistent, as_scalar, block_of, is_enclosed
 from .coefficients import is_zero, plus, times
 from .conditions import Conditions
 from .series import Series
@@ -68,6 +70,8 @@ class OrderResult:
             have none: see :mod:`.error_constants` for the least choice.
         eta: the starting series through order p, vectors with r entries; ``None`` at order 0.
             Principal parts of order p are free, and are zero here.
+        outputs: the functional that reads the solution off the values, by root colour; empty for
+            a method that is not preconsistent.
         abscissae: c = A 1 + U v by root colour (``"o"``; ``"f"`` for Q and ``"k"`` for P); empty at
             order 0.
         stage_order: largest q <= p such that every stage is the solution at time c_i h,
@@ -88,6 +92,7 @@ class OrderResult:
     residual: Scalar | None = None
     residuals: Mapping[Tree, Scalar] = field(default_factory=dict)
     eta: Series | None = None
+    outputs: Mapping[str, Vector] = field(default_factory=dict)
     abscissae: Mapping[str, Vector] = field(default_factory=dict)
     stage_order: int = 0
     proof: Proof = Proof.EXACT
@@ -115,7 +120,7 @@ def order_of(method: GLM, *, max_order: int = 12, principal: Principal = "free")
     Args:
         method: the method; entries may be exact or balls.
         max_order: largest order looked at.
-        principal: ``"free"``, or ``"identity"`` where the first value must be the solution itself.
+        principal: ``"free"``, or ``"identity"`` where the output must be the solution itself.
 
     Returns
     -------
@@ -125,8 +130,7 @@ def order_of(method: GLM, *, max_order: int = 12, principal: Principal = "free")
     ------
         UsageError: for another ``principal`` or a ``max_order`` for which trees are not listed.
     """
-    entries = (method.A, method.U, method.B, method.V)
-    return decide([("o", entries)], ROOTED, max_order, principal)
+    return decide([("o", method)], ROOTED, max_order, principal)
 
 
 def order_residuals(
@@ -143,7 +147,7 @@ def order_residuals(
     """
     _check_arguments(order, principal)
     try:
-        blocks = {"o": make_block(method.A, method.U, method.B, method.V)}
+        blocks = {"o": block_of(method)}
     except NotPreconsistent as reason:
         raise UsageError(f"the method {method.name!r} is not preconsistent: {reason}") from None
     return residuals_of(blocks, ROOTED, order, principal)
@@ -175,25 +179,29 @@ def _one(residual: Sequence[Any]) -> Scalar:
 
 
 def decide(
-    methods: Iterable[tuple[str, tuple[Any, Any, Any, Any]]],
+    methods: Iterable[tuple[str, Component]],
     palette: Palette,
     max_order: int,
     principal: Principal,
 ) -> OrderResult:
-    """Decide the order of one method or a pair, given as (A, U, B, V) by root colour."""
+    """Decide the order of one method, or of a pair given as its halves by root colour."""
     _check_arguments(max_order, principal)
     methods = list(methods)
-    exact = not any(isinstance(x, Ball) for _, m in methods for e in m for row in e for x in row)
+    exact = not any(map(is_enclosed, (m for _, m in methods)))
     proof = Proof.EXACT if exact else Proof.ENCLOSED
     try:
-        blocks = {colour: make_block(*entries) for colour, entries in methods}
+        blocks = {colour: block_of(m) for colour, m in methods}
     except NotPreconsistent as reason:
         return OrderResult(0, principal, proof=proof, reason=f"not preconsistent: {reason}")
     except ExactnessError as reason:
         return OrderResult(0, principal, proof=proof, decided=False, reason=str(reason))
     conditions = Conditions(blocks, palette, principal)
     result = OrderResult(
-        0, principal, proof=proof, multiplicity=max(len(b.N) for b in blocks.values())
+        0,
+        principal,
+        proof=proof,
+        multiplicity=max(len(b.N) for b in blocks.values()),
+        outputs={colour: block.output for colour, block in blocks.items()},
     )
     if not all(b.certain for b in blocks.values()):
         reason = "V has the eigenvalue 1 only within the radius of its balls"

@@ -26,8 +26,8 @@ from ..errors import ExactnessError
 from ..exact import Exact, Scalar, linalg
 from ..exact.linalg import Matrix, Vector
 from ..method import GLM, PartitionedGLM
+from ..method.solution_value import preconsistency_vector
 from .affine import verdict_of
-from .consistency import preconsistency_vector
 from .spectrum import Eigenvalue, eigenvectors, unimodular_eigenvalues
 
 __all__ = [

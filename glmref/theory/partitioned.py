@@ -31,12 +31,11 @@ Butcher, "Numerical Methods for Ordinary Differential Equations" (2016), section
 
 from __future__ import annotations
 
-from typing import Any
-
 from ..errors import UsageError
 from ..exact import Exact, Scalar
 from ..method import PartitionedGLM
-from .blocks import NotPreconsistent, make_block
+from ..method.solution_value import Component, halves
+from .blocks import NotPreconsistent, block_of
 from .order import OrderResult, Principal, decide, residuals_of
 from .stability import axis_polynomial
 from .trees import GENERAL, SEPARABLE, Palette, Tree
@@ -44,17 +43,13 @@ from .trees import GENERAL, SEPARABLE, Palette, Tree
 __all__ = ["pair_order_of", "pair_residuals", "parasitic_curvature"]
 
 
-def _parts(pair: PartitionedGLM) -> tuple[list[tuple[str, tuple[Any, Any, Any, Any]]], Palette]:
+def _parts(pair: PartitionedGLM) -> tuple[list[tuple[str, Component]], Palette]:
     """The two blocks by root colour, and the colours children may have.
 
     The stages Q are those of the method for q, and a tree with root f takes slopes f(P): where the
     two stage sets differ this is what alternating colours mean.
     """
-    blocks = [
-        ("f", (pair.A, pair.U, pair.B, pair.V)),
-        ("k", (pair.A_hat, pair.U_hat, pair.B_hat, pair.V_hat)),
-    ]
-    return blocks, SEPARABLE if pair.separable else GENERAL
+    return list(zip("fk", halves(pair), strict=True)), SEPARABLE if pair.separable else GENERAL
 
 
 def pair_order_of(
@@ -66,7 +61,7 @@ def pair_order_of(
         pair: a separable pair is checked on trees whose colours alternate, any other on all
             two-coloured trees.
         max_order: largest order looked at.
-        principal: ``"free"``, or ``"identity"`` where the first values of q and of p must be the
+        principal: ``"free"``, or ``"identity"`` where the outputs of q and of p must be the
             solution itself.
 
     Returns
@@ -93,7 +88,7 @@ def pair_residuals(
     """
     methods, palette = _parts(pair)
     try:
-        blocks = {colour: make_block(*entries) for colour, entries in methods}
+        blocks = {colour: block_of(m) for colour, m in methods}
     except NotPreconsistent as reason:
         raise UsageError(f"the pair {pair.name!r} is not preconsistent: {reason}") from None
     return residuals_of(blocks, palette, order, principal)

@@ -6,7 +6,7 @@ Public names::
     pair_starting_order(pair, start, known) -> StartingResult
     zero_start_order(known) -> (int, str)
 
-The first values of a pair are the solution, no finishing method follows, and so a start of order q
+The outputs of a pair are the solution, no finishing method follows, and so a start of order q
 agrees on all trees of order <= q with the one starting series whose principal parts are zero
 (:mod:`.theory.partitioned`): for separable pairs on the trees whose colours alternate, for others
 on all two-coloured trees. On second-order systems (:mod:`glmref.theory.nystrom`) only the trees
@@ -142,18 +142,18 @@ def _first_nonzero(vector: tuple[Any, ...]) -> int | None:
 
 
 def zero_start_order(result: OrderResult) -> tuple[int, str]:
-    """To which order the start (y_0, 0, ..) agrees with the starting series of a pair.
+    """To which order the start u y_0, (y_0, 0, ..) as a rule, agrees with the starting series.
 
     Args:
         result: its order with ``principal="identity"``, with the starting series.
 
     Returns
     -------
-        The largest q, not above the order, with zeta_k(t) = 0 for all k > 1 and |t| <= q; and one
-        sentence that names the first tree where it is not.
+        The largest q, not above the order, with zeta(t) = 0 for 0 < |t| <= q; and one sentence
+        that names the first tree where it is not.
     """
     for t in sorted(result.eta or {}, key=lambda t: t.order):
         values = () if result.eta is None else result.eta[t]
-        if t.order and any(as_scalar(x).is_zero() is False for x in values[1:]):
+        if t.order and any(as_scalar(x).is_zero() is False for x in values):
             return t.order - 1, f"a carried value starts with a term of {t}"
     return result.order, "every carried value starts with zero"

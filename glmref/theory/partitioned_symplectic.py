@@ -27,7 +27,7 @@ from ..errors import ExactnessError
 from ..exact import Exact, Scalar, linalg
 from ..exact.linalg import Matrix, Vector
 from ..method import PartitionedGLM
-from .consistency import halves, preconsistency_vector
+from ..method.solution_value import halves, preconsistency_vector
 from .forms import Form, FormSpace, choose_form, cut_down, invariant_matrices, is_nondegenerate
 from .symplectic import judge_identities, quadratic_value, rows_scaled
 

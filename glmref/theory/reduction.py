@@ -25,10 +25,10 @@ from dataclasses import dataclass
 from ..exact import linalg
 from ..exact.linalg import Matrix
 from ..method import PartitionedGLM
+from ..method.solution_value import Component, halves, preconsistency_vector
 from .blocks import kernel
-from .consistency import Blocks, halves, preconsistency_vector
 
-__all__ = ["Reduction", "is_reducible", "pair_reduction"]
+__all__ = ["Reduction", "is_reducible", "observed_rows", "pair_reduction", "reached_rows"]
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Reduction:
     witness: str = ""
 
 
-def _reached(m: Blocks) -> Matrix:
+def reached_rows(m: Component) -> Matrix:
     """Rows that span the values a run can reach from the solution."""
     u = preconsistency_vector(m)
     layer = linalg.transpose(m.B)
@@ -61,7 +61,7 @@ def _reached(m: Blocks) -> Matrix:
     return rows
 
 
-def _seen(m: Blocks) -> Matrix:
+def observed_rows(m: Component) -> Matrix:
     """Rows U, U V, U V^2, ..: what the stages see of the values."""
     layer = rows = m.U
     for _ in range(len(m.V) - 1):
@@ -76,8 +76,8 @@ def pair_reduction(pair: PartitionedGLM) -> Reduction:
     for name, half in zip(("q", "p"), halves(pair), strict=True):
         r = len(half.V)
         for what, rows, found in (
-            ("reached", _reached(half), reached),
-            ("seen by a stage", _seen(half), seen),
+            ("reached", reached_rows(half), reached),
+            ("seen by a stage", observed_rows(half), seen),
         ):
             missing, sure = kernel(rows)
             found.append(r - len(missing))

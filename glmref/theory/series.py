@@ -32,6 +32,7 @@ from math import factorial
 from typing import Any
 
 from ..errors import UsageError
+from ..method.stage_order import reached
 from .coefficients import Coefficient, is_zero, plus, pointwise, times, weighted
 from .trees import ROOTED, Palette, Tree, coproduct, pruned, trees, trees_up_to
 
@@ -345,12 +346,7 @@ def _nonzero(row: Sequence[Any]) -> _Sparse:
 
 def _needed(rows: list[_Sparse], weights: list[_Sparse]) -> tuple[list[_Sparse], list[_Sparse]]:
     """Leave out the stages on which no weight depends."""
-    waiting = [j for row in weights for j, _ in row]
-    found = set(waiting)
-    while waiting:
-        new = {j for j, _ in rows[waiting.pop()]} - found
-        found |= new
-        waiting += new
+    found = reached({j for row in weights for j, _ in row}, lambda i: {j for j, _ in rows[i]})
     place = {j: k for k, j in enumerate(sorted(found))}
     kept = [[(place[j], x) for j, x in rows[i]] for i in place]
     return kept, [[(place[j], x) for j, x in row] for row in weights]

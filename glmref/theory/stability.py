@@ -91,7 +91,7 @@ def stability_polynomial(m: GLM) -> Bivariate:
         return _stage_by_stage(m)
     if m.s <= max(6, m.r):
         return _through_stages(m)
-    return _through_powers(m) if _is_explicit_in_some_order(m.A) else _through_values(m)
+    return _through_powers(m) if m.is_explicit else _through_values(m)
 
 
 def _stage_by_stage(m: GLM) -> Bivariate:
@@ -152,17 +152,6 @@ def _through_values(m: GLM) -> Bivariate:
             tables.append(tuple(factor * x for x in table))
         candidate = -candidate if candidate > 0 else 1 - candidate  # 0, 1, -1, 2, -2, ..
     return tuple(poly.interpolate(points, [t[k] for t in tables]) for k in range(m.r + 1))
-
-
-def _is_explicit_in_some_order(A: Matrix) -> bool:
-    """Whether the stages can be ordered so that each needs earlier ones only: A is nilpotent."""
-    left = set(range(len(A)))
-    while left:
-        ready = {i for i in left if all(A[i][j].is_zero() is True for j in left)}
-        if not ready:
-            return False
-        left -= ready
-    return True
 
 
 def _through_powers(m: GLM) -> Bivariate:

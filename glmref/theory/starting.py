@@ -14,7 +14,7 @@ A method of order p has a family of starting series: one eta with principal part
 every ``eta(t) + beta(t) u`` at ``|t| = p``, and each of these after the exact flow of any duration
 (:mod:`glmref.theory.conditions` proves that there are no others). A starting method has order q
 when it agrees with a member of the family on all trees of order <= q. Then, for q = p, errors in
-all values are O(h^(p+1)) after the start; the first value may be a shifted or conjugated solution,
+all values are O(h^(p+1)) after the start; the output may be a shifted or conjugated solution,
 which the finishing method has to undo.
 
 References
@@ -29,10 +29,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ..errors import UsageError
-from ..exact import Ball, Exact, Scalar
+from ..exact import Ball, Exact, Scalar, linalg
 from ..findings import Proof
 from ..method import GLM, FinishingMethod, StartingMethod
-from .blocks import as_scalar
+from .blocks import apply, as_scalar, sparse
 from .coefficients import is_zero, plus, times
 from .order import OrderResult, Principal, order_of
 from .series import Series, compose, elementary_weights, shift
@@ -100,7 +100,7 @@ def finishing_series(finishing: FinishingMethod, order: int) -> Series:
 def exact_start_series(method: GLM, order: int, *, principal: Principal = "free") -> Series:
     """Return the exact starting series of a method through the given order.
 
-    With a free principal part the member of the family that is returned has, in the first value, no
+    With a free principal part the member of the family that is returned has, in the output, no
     shift in time, and zero principal parts at the order of the method.
 
     Raises
@@ -136,7 +136,7 @@ def starting_order(
         method: the method that is started.
         starting: the starting method; its ``B`` has one row for each of the r values.
         max_order: largest order looked at; the order of the method when ``None``.
-        principal: ``"free"``: any member of the family will do; ``"identity"``: the first value
+        principal: ``"free"``: any member of the family will do; ``"identity"``: the output
             must be the solution itself.
         known: what :func:`order_of` returned for the method, so that it is not computed again;
             its kind of principal part is taken.
@@ -163,11 +163,11 @@ def _compare(result: OrderResult, series: Series, proof: Proof) -> StartingResul
     """Compare a vector-valued series with the family of starting series, order by order."""
     eta, p = result.eta, result.order
     assert eta is not None
-    first = next(i for i, x in enumerate(eta.empty()) if is_zero(x) is False)
+    output = sparse((result.outputs["o"],))
     ahead: Any = 0
     if result.principal == "free":
         node = single()
-        ahead = _difference(series, eta, node)[first] / eta.empty()[first]
+        (ahead,) = apply(output, _difference(series, eta, node))
         if is_zero(ahead) is not True:
             eta = shift(eta, ahead)
     known: dict[str, Any] = {"proof": proof, "method_order": p, "shift": as_scalar(ahead)}
@@ -181,7 +181,7 @@ def _compare(result: OrderResult, series: Series, proof: Proof) -> StartingResul
         for t in trees(q):
             difference = _difference(series, eta, t)
             if q == p and result.principal == "free":
-                along = difference[first] / eta.empty()[first]
+                (along,) = apply(output, difference)
                 difference = plus(difference, times(-1, times(along, eta.empty())))
             place = _first_nonzero(difference)
             if place is not None:
@@ -207,11 +207,11 @@ def finishing_order(
     max_order: int | None = None,
     known: OrderResult | None = None,
 ) -> StartingResult:
-    """Decide through which order a finishing method undoes the start in the first value.
+    """Decide through which order a finishing method undoes the start in the output.
 
     Args:
         method: the method that is finished.
-        finishing: acts on the first value.
+        finishing: acts on the output.
         starting: the starting method used with it: finishing right after it must give y back. When
             ``None``, the exact starting series is taken, any member of its family.
         max_order: largest order looked at; the order of the method when ``None``.
@@ -220,21 +220,25 @@ def finishing_order(
 
     Raises
     ------
-        UsageError: when the first value carries no solution, so that there is nothing to finish.
+        UsageError: when the output of the starting method is not y, so that there is nothing to
+            finish.
     """
     result = known or order_of(method, max_order=max_order or MAX_ORDER - 1)
     enclosed = result.proof is Proof.ENCLOSED or _is_enclosed(finishing.A, [finishing.b])
     if result.eta is None:
         return StartingResult(-1, residual=Exact(1))
-    p = result.order
+    p, output = result.order, result.outputs["o"]
+    row = sparse((output,))
     if starting is None:
-        first = result.eta.map(lambda x: x[0])
+        first = result.eta.map(lambda x: apply(row, x)[0])
     else:
         enclosed = enclosed or _is_enclosed(starting.A, starting.B, [starting.u])
-        first = elementary_weights(starting.A, starting.B[0], p, u=starting.u[0])
+        weights = linalg.vecmat(output, starting.B)
+        first = elementary_weights(starting.A, weights, p, u=linalg.dot(output, starting.u))
     if is_zero(plus(first.empty(), -1)) is False:
         raise UsageError(
-            "a finishing method needs a first value that starts from y itself, u_1 = 1"
+            "a finishing method needs an output that starts from y itself, w u = 1 for the u of "
+            "the starting method"
         )
     first = Series(dict(first), 1, p)
     finish = finishing_series(finishing, p)

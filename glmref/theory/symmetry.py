@@ -32,8 +32,8 @@ from ..errors import ExactnessError
 from ..exact import Exact, exact, linalg
 from ..exact.linalg import Matrix
 from ..method import GLM, PartitionedGLM
+from ..method.solution_value import Blocks, halves
 from .affine import independent_rows, solve_affine
-from .consistency import Blocks, halves
 from .equivalence import reduce
 from .involutions import Relation, involutions
 from .symplectic import judge_identities

@@ -37,8 +37,8 @@ from ..errors import ExactnessError, UsageError
 from ..exact import Exact, Scalar, linalg
 from ..exact.linalg import Matrix, Vector
 from ..method import GLM
+from ..method.solution_value import preconsistency_vector
 from .affine import verdict_of
-from .consistency import preconsistency_vector
 from .forms import Form, FormSpace, choose_form, cut_down, invariant_matrices, is_nondegenerate
 
 __all__ = [

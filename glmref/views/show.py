@@ -245,7 +245,7 @@ class _Page:
         return body
 
     def _pair(self, facts: PairFacts) -> list[tuple[str, list[str]]]:
-        from ..theory.consistency import halves
+        from ..method.solution_value import halves
 
         doc, pair = self.document, facts.method
         texts: tuple[Mapping[str, Any], Mapping[str, Any]] = (

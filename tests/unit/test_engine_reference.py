@@ -7,7 +7,10 @@ import pytest
 import glmref
 from glmref import GLM, Problem, UsageError, load, problem
 from glmref.engine.reference import stepper
-from glmref.engine.tableau import abscissae, dependency_blocks, lagrange_weights, preconsistency
+from glmref.engine.start import zero_start
+from glmref.engine.tableau import lagrange_weights
+from glmref.method.solution_value import preconsistency_vector, stage_times
+from glmref.method.stage_order import dependency_blocks
 
 METHODS = ["rk4", "gauss-2", "gauss-3", "gsymplectic-n", "g6245", "lobatto-iiia-3", "ab-3", "bdf-2"]
 
@@ -25,7 +28,7 @@ def residual(engine, t, values, h, step):
 @pytest.mark.parametrize("name", METHODS)
 def test_a_step_satisfies_the_equations_that_define_it(name):
     engine = stepper(load(name), problem("double-pendulum"))
-    values = engine.values()
+    values = zero_start(engine, engine.problem.y0)
     values[1:] = 0.01
     step = engine.step(0.0, values, 0.05)
     assert step.converged
@@ -37,9 +40,11 @@ def test_a_step_satisfies_the_equations_that_define_it(name):
 def test_a_step_in_fifty_digits_satisfies_its_equations_to_fifty_digits(name):
     engine = stepper(load(name), problem("kepler"), digits=50)
     h = engine.arithmetic.number("0.05")
-    step = engine.step(engine.arithmetic.number(0), engine.values(), h)
+    step = engine.step(engine.arithmetic.number(0), zero_start(engine, engine.problem.y0), h)
     assert step.converged
-    assert residual(engine, 0, engine.values(), h, step) < mpmath.mpf(10) ** -47
+    assert (
+        residual(engine, 0, zero_start(engine, engine.problem.y0), h, step) < mpmath.mpf(10) ** -47
+    )
 
 
 def test_rk4_is_the_formula_everybody_knows():
@@ -51,7 +56,7 @@ def test_rk4_is_the_formula_everybody_knows():
     k3 = f(y + h / 2 * k2)
     k4 = f(y + h * k3)
     expected = y + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
-    step = engine.step(0.0, engine.values(), h)
+    step = engine.step(0.0, zero_start(engine, engine.problem.y0), h)
     assert np.abs(step.values[0] - expected).max() < 1e-15
     assert step.evaluations == 4
     assert step.iterations == 0
@@ -62,7 +67,7 @@ def test_stages_are_evaluated_at_their_abscissae():
     quintic = Problem(f=("5*t**4",), y0=(0.0,))
     for name, exact in (("gauss-3", True), ("rk4", False), ("g6245", True)):
         engine = stepper(load(name), quintic)
-        step = engine.step(1.0, engine.values(), 0.5)
+        step = engine.step(1.0, zero_start(engine, engine.problem.y0), 0.5)
         error = abs(float(step.values[0, 0]) - (1.5**5 - 1))
         assert (error < 1e-14) == exact, name
 
@@ -70,7 +75,7 @@ def test_stages_are_evaluated_at_their_abscissae():
 def test_a_stiff_stage_is_solved_by_newton():
     stiff = Problem(f=("-1000000*(y[0] - cos(t)) - sin(t)",), y0=(1.0,))
     engine = stepper(load("radau-iia-2"), stiff)
-    step = engine.step(0.0, engine.values(), 0.5)
+    step = engine.step(0.0, zero_start(engine, engine.problem.y0), 0.5)
     assert step.converged
     assert abs(step.values[0, 0] - np.cos(0.5)) < 1e-6
 
@@ -85,7 +90,7 @@ def test_a_stage_equation_without_solution_is_reported():
 def test_the_complex_form_of_a_method_steps_like_its_real_form():
     pendulum = problem("pendulum")
     real, other = stepper(load("g6245-w3"), pendulum), stepper(load("g6245-w3-complex"), pendulum)
-    y, z = real.values(), other.values()
+    y, z = zero_start(real, real.problem.y0), zero_start(other, other.problem.y0)
     for _ in range(5):
         y = real.step(0.0, y, 0.1).values
         z = other.step(0.0, z, 0.1).values
@@ -122,17 +127,17 @@ def test_a_pair_for_separable_problems_refuses_another():
 
 def test_abscissae_follow_from_consistency():
     n = load("gsymplectic-n")
-    c = [float(x) for x in abscissae(n.A, n.U, n.B, n.V)]
+    c = [float(x) for x in stage_times(n)]
     root = 3**0.5
     assert c == pytest.approx([(3 - root) / 6, (3 + root) / 6], abs=2e-16)
-    u = preconsistency(n.U, n.V)
+    u = preconsistency_vector(n)
     assert u is not None
     assert [float(x) for x in u] == [1.0, 0.0]
 
 
 def test_preconsistency_refuses_a_method_that_has_none():
     broken = GLM(A=[["0"]], U=[["1"]], B=[["1"]], V=[["2"]])
-    assert preconsistency(broken.U, broken.V) is None
+    assert preconsistency_vector(broken) is None
 
 
 def test_stages_are_ordered_by_what_they_need():

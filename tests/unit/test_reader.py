@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from typing import Any
 
 import pytest
@@ -10,6 +11,7 @@ from glmref.catalogue.keys import BLOCKS, CLAIMS, PAIRS, SOURCE, without_meaning
 from glmref.catalogue.lookup import document, load, names
 from glmref.catalogue.reader import load_document
 from glmref.errors import DataError
+from glmref.exact import exact
 from glmref.exact.expression import Text
 from glmref.method import GLM, PartitionedGLM
 
@@ -192,3 +194,29 @@ def test_a_method_of_one_value_has_no_start_to_read() -> None:
     started = {**document("stormer-verlet"), "starting": document("pair-4-4")["starting"]}
     with pytest.raises(DataError, match="the key 'starting' is unknown for class 'splitting'"):
         load_document(started)
+
+
+def test_a_file_says_which_functional_of_its_values_is_the_solution():
+    found = dict(document("gsymplectic-n"))
+    for key in ("starting", "finishing", "enclosure"):
+        found.pop(key, None)
+    found |= {"claims": {"order": 4}, "output": ["1", "3"]}
+    method = load_document(found)
+    assert isinstance(method, GLM)
+    assert method.output == (1, 3)
+    with pytest.raises(DataError, match=r"`output` must read the solution off the values.*got 0"):
+        load_document(found | {"output": ["0", "1"]})
+    with pytest.raises(DataError, match="`output` must have 2 entries"):
+        load_document(found | {"output": ["1"]})
+    with pytest.raises(DataError, match=r"`output\[1\]` must be a string"):
+        load_document(found | {"output": [1, 0]})
+
+
+def test_a_pair_says_it_for_each_of_its_halves():
+    found = dict(document("gsymplectic-n-pair"))
+    q, p = dict(found["q"]) | {"output": ["1", "0"]}, dict(found["p"]) | {"output": ["1", "1/2"]}
+    method = load_document(found | {"q": q, "p": p})
+    assert isinstance(method, PartitionedGLM)
+    assert (method.output, method.output_hat) == ((1, 0), (1, exact(Fraction(1, 2))))
+    with pytest.raises(DataError, match="`output_hat` must have 2 entries"):
+        load_document(found | {"p": dict(found["p"]) | {"output": ["1"]}})
