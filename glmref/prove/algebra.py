@@ -34,10 +34,12 @@ def vanishes(matrix: Sequence[Sequence[Scalar]]) -> bool | None:
 
 
 def is_exact(*matrices: Sequence[Sequence[Any]]) -> bool:
+    """Whether no ball stands in the matrices."""
     return all(isinstance(x, Exact) for m in matrices for row in m for x in row)
 
 
 def scaled(d: Sequence[Scalar], a: Matrix) -> Matrix:
+    """diag(d) a."""
     return tuple(tuple(x * y for y in row) for x, row in zip(d, a, strict=True))
 
 
@@ -63,14 +65,17 @@ def first_nonzero(residual: Sequence[Any]) -> Scalar:
 
 
 def scalars(vector: Sequence[Any]) -> Vector:
+    """The entries as numbers of the exact field or balls."""
     return tuple(Exact(x) if isinstance(x, int | Fraction) else x for x in vector)
 
 
 def difference(x: Sequence[Any], y: Sequence[Any]) -> Vector:
+    """x - y."""
     return scalars([plus(a, times(-1, b)) for a, b in zip(x, y, strict=True)])
 
 
 def bilinear(u: Vector, G: Matrix, v: Vector) -> Scalar:
+    """u^* G v."""
     return linalg.dot([x.conjugate() for x in u], linalg.matvec(G, v))
 
 
@@ -112,7 +117,7 @@ def tableau_series(trees: Any, table: Mapping[str, Any], p: int, counts: Any) ->
     stages: dict[int, Any] = {}
     for n in range(1, p + 1):
         for t in (t for t in trees.level(n) if counts(t)):
-            A, B, _ = table[trees.colour[t]]
+            _, B, _ = table[trees.colour[t]]
             slopes: Any = (1,) * len(B[0])
             for child in trees.children[t]:
                 slopes = tuple(map(times, slopes, stages[child]))
@@ -157,8 +162,9 @@ def sum_over_cuts(trees: Any, t: int, a: Mapping[Any, Any], b: Mapping[Any, Any]
 
 
 def inside_circle(p: Any) -> bool | None:
-    """Whether all roots lie inside the circle; ``False`` only where one lies outside *or on* it
-    over exact numbers, and strictly outside over balls; ``None`` where balls leave it open.
+    """Whether all roots lie inside the circle; ``None`` where balls leave it open.
+
+    ``False`` says that one lies outside the closed disc.
 
     Schur-Cohn: as long as |p_n| > |p_0| the step p -> (conj(p_n) p - p_0 p~) / x keeps the number
     of roots outside; |p_n| < |p_0| says that one is outside (Marden 1966, section 42).
@@ -171,8 +177,10 @@ def inside_circle(p: Any) -> bool | None:
                 p = p[1:]
                 continue
             sign = (high * high.conjugate() - low * low.conjugate()).real.sign()
-            if sign <= 0:
-                return False
+            if sign < 0:
+                return False  # the product of the roots is above 1: one lies outside
+            if sign == 0:
+                return None  # they may all lie on the circle
             mirrored = tuple(x.conjugate() for x in reversed(p))
             p = tuple(high.conjugate() * x - low * y for x, y in zip(p, mirrored, strict=True))[1:]
     except ExactnessError:
@@ -208,6 +216,7 @@ def bounded(V: Matrix) -> bool | None:
 
 
 def bounded_exactly(V: Matrix) -> bool:
+    """The exact case of :func:`bounded`."""
     h = poly.characteristic_polynomial(V)
     zeros = 0
     while h[0].is_zero():
@@ -262,6 +271,7 @@ def full_rank(rows: Matrix, r: int) -> bool | None:
 
 
 def acyclic(needs: dict[Any, set[Any]]) -> bool:
+    """Whether a graph of needs has no cycle."""
     waiting = dict(needs)
     while waiting:
         ready = [a for a, b in waiting.items() if not b & waiting.keys()]
@@ -355,6 +365,7 @@ def multiple_on_axis(P: Sequence[Any]) -> bool:
 
 
 def escape(p: Any, where: str) -> str:
+    """A sentence with the largest modulus of a root."""
     size = max((abs(x) for x in poly.approximate_roots(p)), default=float("inf"))
     return f"M(z) has an eigenvalue of modulus {size:.10g} {where}"
 
@@ -384,8 +395,9 @@ def _conjugate(p: Any) -> Any:
 
 
 def leaves_disc(q: Sequence[Any]) -> tuple[str | None, bool]:
-    """Why some root w of q(w, y) leaves the closed disc for some real y, or ``None``; and whether
-    for y other than 0 the roots of modulus 1 are simple.
+    """Why some root w of q(w, y) leaves the closed disc for some real y, or ``None``.
+
+    The second answer says whether for y other than 0 the roots of modulus 1 are simple.
 
     Schur-Cohn with polynomials in y: the differences |q_n|^2 - |q_0|^2 must nowhere be negative
     (where one is, nearby y have the former ones positive). Where one vanishes identically, q must

@@ -1,8 +1,8 @@
 """Certificates: what was proved about a file, written so that others can check it.
 
-The format is ``glmref-certificate-1`` (``docs/certificates.md``). The kernel decides first; then its
-series, and the witnesses it was handed, are written down. A statement whose numbers have no form in
-radicals, or that rests on an enclosure, has no certificate yet, and the reason is said.
+The format is ``glmref-certificate-1`` (``docs/certificates.md``). The kernel decides first; then
+its series, and the witnesses it was handed, are written down. A statement whose numbers have no
+form in radicals, or that rests on an enclosure, has no certificate yet, and the reason is said.
 """
 
 from __future__ import annotations
@@ -257,7 +257,7 @@ class _Writer:
         found = self.kernel.range("stage-order")
         parts = self._order()
         q = found.upper
-        if found.lower != q or parts[0]["rule"] != "order-at-least":
+        if q is None or found.lower != q or parts[0]["rule"] != "order-at-least":
             raise ExactnessError("the stage order is not settled")
         tree = (
             self._failing_stage(parts[0]["witness"], q) if q < parts[0]["witness"]["order"] else ""
@@ -292,7 +292,9 @@ class _Writer:
         claim = "nystrom-starting-order" if nystrom else "starting-order"
         found, free = kernel.range(claim), not kernel.is_pair
         known = kernel.order_range(free=free, nystrom=nystrom)
-        if found.lower != found.upper or not known.value or (free, nystrom) not in kernel.series:
+        if found.upper is None or found.lower != found.upper:
+            raise ExactnessError("the order of the start is not settled")
+        if not known.value or (free, nystrom) not in kernel.series:
             raise ExactnessError("the order of the start is not settled")
         if not kernel._exact_start():
             raise ExactnessError("certificates of enclosed starts are not written yet")
@@ -434,17 +436,18 @@ class _Writer:
                     if not x.is_zero():
                         where = {"identity": name, "entry": [i, j]}
                         return [{"rule": "given-form-fails", "witness": where}]
-            return [self._vectors(v=False),
-                    {"rule": "given-form-fails", "witness": {"identity": "solution", "entry": [0, 0]}}]  # fmt: skip
+            where = {"identity": "solution", "entry": [0, 0]}
+            return [self._vectors(v=False), {"rule": "given-form-fails", "witness": where}]
         return self._no_form()
 
     def _no_form(self) -> list[Part]:
         """Factors of the identities whose sum is u^* G u, whatever G and D are."""
         kernel = self.kernel
         vectors = [preconsistency(b[1], b[3]) for b in kernel.blocks.values()]
-        if None in vectors:
+        u, u_hat = vectors[0], vectors[-1]
+        if u is None or u_hat is None:
             raise ExactnessError("without u there is no form: not written out")
-        values, columns, labels = kernel.form_system(vectors[0], vectors[-1])
+        values, columns, labels = kernel.form_system(u, u_hat)
         # x (columns) = values: a combination of the identities
         rows = [(*row, -value) for row, value in zip(columns, values, strict=True)]
         whole = next((x for x in linalg.nullspace(tuple(rows)) if not x[-1].is_zero()), None)

@@ -1,8 +1,9 @@
 """Number fields as towers, for certificates: generators with monic polynomials and boxes.
 
-Square roots of rationals become products of square roots of a few independent whole numbers. Another
-radical is first looked for in the field made so far, as a rational combination of its basis (found
-by lattice reduction, checked exactly); only where it is not there it becomes a new generator.
+Square roots of rationals become products of square roots of a few independent whole numbers.
+Another radical is first looked for in the field made so far, as a rational combination of its
+basis (found by lattice reduction, checked exactly); only where it is not there it becomes a new
+generator.
 """
 
 from __future__ import annotations

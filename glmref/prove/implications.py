@@ -23,10 +23,10 @@ growth = 0                V has r different eigenvalues, and for each of modulus
                           a number, the growth parameter is an equation
 stage-order >= q          q = 1; or symmetric and the equations ``defect`` for half of the stages
 abscissae                 each is fixed by an equation, by symmetry, or is the middle
-starting-order >= q       the interval test on the conditions of the start itself; or, for a start of
-                          zeros, every value zero by an equation ``start`` or by parity
-finishing-order >= q      the interval test on the conditions of the finish, or it is the inverse of
-                          the start for all values of the digits
+starting-order >= q       the interval test on the conditions of the start itself; or, for a start
+                          of zeros, every value zero by an equation ``start`` or by parity
+finishing-order >= q      the interval test on the conditions of the finish, or it is the inverse
+                          of the start for all values of the digits
 ========================  =========================================================================
 
 The theorems are in :mod:`glmref.method.sweep`, :mod:`.partitioned_sweep`,
@@ -159,7 +159,7 @@ def _check_regular(V: Matrix, name: str) -> None:
 
 
 def _zero_growths(V: Matrix, texts: Sequence[str]) -> int | None:
-    """Number of eigenvalues of modulus 1 other than 1, where each has an equation; else ``None``."""
+    """Number of eigenvalues of modulus 1 but 1 where each has an equation, else ``None``."""
     named: list[Exact] = []
     for text in texts:
         z = parse(text)

@@ -310,7 +310,10 @@ class Kernel:
         reason = known.reason
         if known.entry is not None:
             what = "error constant" if claim == "error-constant" else _PLURAL[claim]
-            reason = f"number {known.entry + 1} of the {what} is {reason}, declared is {texts[known.entry]}"
+            declared_text = texts[known.entry]
+            reason = (
+                f"number {known.entry + 1} of the {what} is {reason}, declared is {declared_text}"
+            )
         return self._made(
             known.truth,
             exact=known.exact,
@@ -432,7 +435,7 @@ class Kernel:
         try:
             series = StartingSeries(self._components, forest(self.palette), free=not self.one_step)
             sizes: list[float] = []
-            for n in range(1, most + 1):
+            for _ in range(most):
                 largest = max(first_nonzero(x).magnitude() for x in series.advance().values())
                 sizes.append(max(largest, sizes[-1] if sizes else 0.0))
                 if largest > 1e-3:
@@ -484,8 +487,10 @@ class Kernel:
     # -- starts and finishes -----------------------------------------------------------------------
 
     def _starting_order(self, *, nystrom: bool) -> Range:
-        """Where the start of the file agrees with the starting series, which is unique up to a
-        shift along the flow, fixed at a single vertex, and to the principal parts of the last order.
+        """Where the start of the file agrees with the starting series.
+
+        That is unique up to a shift along the flow, which is fixed at a single vertex, and up to
+        the principal parts of the last order.
         """
         start = self.method.starting
         free = not self.is_pair
@@ -541,7 +546,7 @@ class Kernel:
         return Range(min(lower, known.lower), upper, exact=exact, value=p, reason=reason)
 
     def _exact_start(self) -> bool:
-        start = self.method.starting
+        start: Any = self.method.starting
         if start is None:
             return True
         rows = start.rows() if self.is_pair else (*start.A, *start.B, start.u)
@@ -679,7 +684,7 @@ class Kernel:
         return Known(all_of(answers), exact)
 
     def _abscissae(self, declared: list[Scalar]) -> Known:
-        """c = A 1 + U v, v zero where the solution is carried; unique where 1 is a simple eigenvalue.
+        """c = A 1 + U v, v zero where the solution is carried; unique for a simple eigenvalue 1.
 
         Over balls every pair (u, v) of a method in them lies in the (u, v) used here.
         """
@@ -956,9 +961,9 @@ class Kernel:
     def _g_symplectic(self, witness: Mapping[str, Any]) -> Known:
         """Some (G, D) satisfies the identities and sees the solution, u^* G u not 0.
 
-        Butcher and Hewitt, Numer. Algorithms 51 (2009) 33. A given or proposed form is checked. Where
-        none is given and none works, the identities are a real-linear system in (G, D); that all
-        its solutions have u^* G u = 0 is found by elimination, so that no form exists.
+        Butcher and Hewitt, Numer. Algorithms 51 (2009) 33. A given or proposed form is checked.
+        Where none is given and none works, the identities are a real-linear system in (G, D); that
+        all its solutions have u^* G u = 0 is found by elimination, so that no form exists.
         """
         vectors = [
             preconsistency(b[1], b[3]) if is_exact(b[1], b[3]) else None
@@ -966,13 +971,13 @@ class Kernel:
         ]
         if any(x is None for x in vectors):
             if all(is_exact(b[1], b[3]) for b in self.blocks.values()):
-                return Known(
-                    False, True, "the method is not preconsistent: no form sees a solution"
-                )
+                return Known(False, True, "the method is not preconsistent: no form counts")
             vectors = [c.u if c.certain else None for c in self._components.values()]
             if any(x is None for x in vectors):
                 raise ExactnessError("whether V u = u, U u = 1 is not decided within the digits")
         u, u_hat = vectors[0], vectors[-1]
+        assert u is not None
+        assert u_hat is not None
         form = witness.get("form")
         if form is not None:
             G, diagonals = form
@@ -984,7 +989,7 @@ class Kernel:
                 return Known(truth, self.exact and is_exact(G, diagonals))
         if witness.get("given") or not self.exact:
             raise ExactnessError("no form was proved or excluded within the digits")
-        return Known(True if self._some_form(u, u_hat) else False)
+        return Known(self._some_form(u, u_hat))
 
     def _form_residuals(self, G: Matrix, diagonals: Sequence[Vector]) -> list[Matrix]:
         """Left minus right of the identities; the last one says that D is real, G Hermitian."""
@@ -1040,7 +1045,7 @@ class Kernel:
         lengths = [len(self.blocks["o"][0])] if not self.is_pair else [
             len(self.blocks["k"][0]), len(self.blocks["f"][0])
         ]  # fmt: skip
-        nil = [(_ZERO,) * n for n in lengths]
+        nil: list[Vector] = [(_ZERO,) * n for n in lengths]
         for i, j, x in product(range(rows), range(columns), factors):
             if not self.is_pair and (j < i or (i == j and x is not _ONE)):
                 continue
@@ -1078,8 +1083,8 @@ class Kernel:
         Butcher, "B-Series" (2021), section 7.6. A proposed (L, P) is checked. Otherwise *every*
         involution P of the stages that A + P A P = U V^-1 B may allow is found by a search that is
         complete or says that it was cut off; for each, the conditions on L that follow from
-        L^2 = I, namely U V^-1 = P U L V V^-1.., are linear: they contradict each other, or have one
-        solution, whose square is looked at.
+        L^2 = I, namely P U L = U V^-1, L B P = V^-1 B and V L = L V^-1, are linear: they contradict
+        each other, or have one solution, whose square is looked at.
         """
         try:
             inverses = {c: linalg.inverse(b[3]) for c, b in self.blocks.items()}
@@ -1182,7 +1187,7 @@ class Kernel:
 
     def _excluded(self, c: str, inverse: Matrix, exchanges: Mapping[str, Sequence[int]]) -> bool:
         """Whether no L goes with these exchanges of stages; exact numbers only."""
-        A, U, B, V = self.blocks[c]
+        _, U, B, V = self.blocks[c]
         if not is_exact(U, B, V):
             return False
         r, s = len(V), len(U)
@@ -1295,7 +1300,7 @@ class Kernel:
         return tuple(reached), tuple(seen)
 
     def _reducible(self, witness: Mapping[str, Any]) -> Known:
-        """Some value is never reached (from u and B by V) or never seen (by U V^k): Kalman (1963)."""
+        """Some value is never reached (from u, B by V) or never seen (by U V^k): Kalman (1963)."""
         answers = [
             full_rank(rows, len(b[3]))
             for c, b in self.blocks.items()

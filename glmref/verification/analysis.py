@@ -73,7 +73,10 @@ def analyze(method: GLM | PartitionedGLM) -> Analysis:
     from .verifier import facts_for
 
     facts = facts_for(method)
-    return _analyze_pair(facts) if isinstance(facts, PairFacts) else _analyze_glm(facts)
+    if isinstance(facts, PairFacts):
+        return _analyze_pair(facts)
+    assert isinstance(facts, GLMFacts)
+    return _analyze_glm(facts)
 
 
 def _shared(facts: GLMFacts | PairFacts) -> dict[str, Any]:

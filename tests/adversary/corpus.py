@@ -9,6 +9,7 @@ from typing import Any
 from .deceive import doc, shipped, texts
 
 NAMES = (
+    "butcher-effective-5", "g4123", "gsymplectic-n-order-2",
     "rk4", "gauss-2", "bdf-2", "bdf-3", "leapfrog", "milne-simpson", "am-1", "ab-2",
     "gsymplectic-n", "gsymplectic-p", "gsymplectic-n-start-3-6", "milne-predictor", "trapezoidal",
     "stormer-verlet", "symplectic-euler-a", "yoshida-6-midpoint", "pair-4-4", "t115-i",
@@ -63,6 +64,20 @@ def documents() -> Iterator[tuple[str, dict[str, Any]]]:
     yield "idle value", _glm([["1/2"]], [[1, 0]], [[1], [0]], [[1, 0], [0, 2]], symmetric=True,
                              symmetric_reduced=True)  # fmt: skip
     yield "no form", _glm([[0]], [[1, 0]], [[1], [1]], [[1, 0], [0, 0]], g_symplectic=True)
+    low = shipped("rk4")
+    low["claims"] = {"order": 3, "order-identity": 2, "stage-order": 0}
+    yield "order too low", low
+    other = shipped("bdf-7")
+    other["broken"] = {**other["broken"], "found": "another reason"}
+    yield "another reason", other
+    mixed = doc("partitioned", {"order": 1, "symplectic": False, "order-identity": 1}, separable=True,
+                q={"A": [["0"]], "U": [["1"]], "B": [["1"]], "V": [["1"]]},
+                p={"A": [["1"]], "U": [["1", "0"]], "B": [["1"], ["0"]],
+                   "V": [["1", "0"], ["0", "-1"]]})  # fmt: skip
+    yield "one value and two", mixed
+    start = _glm([[0]], [[1, 0]], [[1], [0]], [[1, 0], [0, 1]], order=1, starting_order=1)
+    start["starting"] = {"A": [["0"]], "B": [["0"], ["0"]], "u": ["1", "0"]}
+    yield "start, double one", start
     yield "effective", _glm([[0, 0], ["1/2", 0]], [[1], [1]], [[0, 1]], one, effective_order=2)
     yield "implicit cycle", _glm([[0, 1], [1, 0]], [[1], [1]], [["1/2", "1/2"]], one, explicit=True)
     yield (
@@ -81,6 +96,16 @@ def documents() -> Iterator[tuple[str, dict[str, Any]]]:
                                     B=[["1"], ["1"], ["1"]],
                                     V=[["1", "0.333", "0.7"], ["0", "0.25", "0.5"],
                                        ["0", "0.125", "-0.25"]], **balls)  # fmt: skip
+    for corner in ("1", "-1"):  # two blocks on the circle, coupled: open
+        yield f"coupled {corner}", doc("glm", {"zero-stable": True}, A=[["0"]], U=[["1", "0"]],
+                                       B=[["1"], ["0"]], V=[["1", "0.333"], ["0", corner]],
+                                       **balls)  # fmt: skip
+    yield "decimal start", _decimal_start()
+    # eigenvalues of M(iy) that meet on the circle for one irrational y, or for none
+    for name, a, b in (("collision", "1/10", "-1/5"), ("no collision", "1/3", "-2/3")):
+        A = [["1/4", "1/4-sqrt(3)/6", 0], ["1/4+sqrt(3)/6", "1/4", 0], [0, 0, a]]
+        U, B = [[1, 0], [1, 0], [0, 1]], [["1/2", "1/2", 1], [0, 0, b]]
+        yield name, _glm(A, U, B, [[1, 0], [0, -1]], a_stable=True)
     yield "unstable balls", doc("lmm", {"zero-stable": True}, alpha=["-5.000", "4.000", "1"],
                                 beta=["2.0", "4.0", "0"], **balls)  # fmt: skip
     yield "leapfrog in balls", doc("lmm", {"zero-stable": True, "growth": [], "g-symplectic": True},
@@ -101,6 +126,15 @@ def documents() -> Iterator[tuple[str, dict[str, Any]]]:
         doc("partitioned", {**claims, "nystrom-order": 1}, separable=True, **halves),
     )
     yield from _enclosures()
+
+
+def _decimal_start() -> dict[str, Any]:
+    """An exact method with a start of few digits: nothing encloses it."""
+    d = shipped("gsymplectic-n")
+    d["digits"] = 2
+    d["starting"]["B"][1][0] = "0.14"
+    d["claims"] = {"starting-order": d["starting"]["order"], "order": d["claims"]["order"]}
+    return d
 
 
 def _enclosures() -> Iterator[tuple[str, dict[str, Any]]]:

@@ -33,11 +33,11 @@ _COMPARE: dict[type, type] = {
 
 def mutants(tree: ast.Module) -> Iterator[tuple[str, ast.Module]]:
     """Every tree with one change, and where it is."""
-    nodes = [n for n in ast.walk(tree)]
+    nodes = list(ast.walk(tree))
     for k, node in enumerate(nodes):
         for how in range(_ways(node)):
             changed = copy.deepcopy(tree)
-            other: Any = [n for n in ast.walk(changed)][k]
+            other: Any = list(ast.walk(changed))[k]
             label = _change(other, how)
             if label:
                 yield (
