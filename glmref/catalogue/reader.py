@@ -156,7 +156,7 @@ class _Reader(Entries):
         declared = self._output(self.doc, "", "output")
         return GLM(**blocks, **self._forms(r), **self._record(r), **declared)
 
-    def _output(self, block: Mapping[str, Any], where: str, name: str) -> dict[str, Vector]:
+    def _output(self, block: Mapping[str, Any], where: str, name: str) -> dict[str, Any]:
         """Read the optional functional that says where the solution is among the values."""
         return {name: self.vector(block["output"], f"{where}output")} if "output" in block else {}
 

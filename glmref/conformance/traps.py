@@ -9,11 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from ..engine.reference import Stepper, apply_finish, apply_start, stepper
+from ..engine.reference import Coupled, Stepper, apply_finish, apply_start, stepper
 from ..exact import Exact
 from ..exact.linalg import Matrix, matmul, transpose
 from ..method import GLM, PartitionedGLM
@@ -194,31 +195,16 @@ def _unsolved(engine: Stepper, t: Any, values: np.ndarray, h: Any) -> Iterator[W
     yield Wrong("NewtonStopped", _stopped(engine, t, values, h, _newton))
 
 
-Iteration = Callable[[Stepper, Callable[..., Any], np.ndarray, Any], np.ndarray]
+Iteration = Callable[[Stepper, Callable[..., Any], np.ndarray, Coupled], np.ndarray]
 
 
 def _stopped(engine: Stepper, t: Any, values: np.ndarray, h: Any, iterate: Iteration) -> np.ndarray:
     """A step whose implicit blocks are settled by ``iterate`` instead of solved."""
-    slopes = engine.arithmetic.zeros((engine.method.s, values.shape[1]))
-    known = engine.U.dot(values)
-    for block in engine.blocks:
-        index = list(block.stages)
-        base = known[index] + h * engine.A[index].dot(slopes)
-        inner = engine.A[np.ix_(index, index)]
-        times = [t + engine.c[i] * h for i in index]
-
-        def rhs(x: np.ndarray, base: Any = base, inner: Any = inner, times: Any = times) -> Any:
-            y = base + h * inner.dot(x)
-            return np.stack([engine.slope(s, row) for s, row in zip(times, y, strict=True)])
-
-        first = rhs(0 * base)
-        jacobian = (h, inner, times, base)
-        slopes[index] = iterate(engine, rhs, first, jacobian) if block.implicit else first
-    return h * engine.B.dot(slopes) + engine.V.dot(values)
+    return engine.step(t, values, h, settle=partial(iterate, engine)).values
 
 
 def _fixed_point(rounds: int) -> Iteration:
-    def iterate(engine: Stepper, rhs: Callable[..., Any], x: np.ndarray, _: Any) -> np.ndarray:
+    def iterate(engine: Stepper, rhs: Callable[..., Any], x: np.ndarray, _: Coupled) -> np.ndarray:
         for _round in range(rounds):
             x = rhs(x)
         return x
@@ -226,9 +212,11 @@ def _fixed_point(rounds: int) -> Iteration:
     return iterate
 
 
-def _newton(engine: Stepper, rhs: Callable[..., Any], x: np.ndarray, with_: Any) -> np.ndarray:
+def _newton(
+    engine: Stepper, rhs: Callable[..., Any], x: np.ndarray, coupled: Coupled
+) -> np.ndarray:
     """One iteration from the slopes at ``U y``, the Jacobian at the same place."""
-    h, inner, times, base = with_
+    h, inner, times, base = coupled
     m, d = x.shape
     at = base + h * inner.dot(x)
     blocks = [engine.problem.jacobian(s, y) for s, y in zip(times, at, strict=True)]

@@ -75,6 +75,25 @@ class Step:
     converged: bool
 
 
+class Coupled(NamedTuple):
+    """Equations of m coupled stages: ``Y = base + h inner F``, ``F_i = f(times_i, Y_i)``.
+
+    Attributes
+    ----------
+        h: step size. inner: (m, m). times: (m,). base: (m, d).
+    """
+
+    h: Any
+    inner: np.ndarray
+    times: list[Any]
+    base: np.ndarray
+
+
+#: ``settle(rhs, F, coupled)``: slopes (m, d) of coupled stages. ``rhs(F)`` is f at the stages
+#: that the slopes F make; the F given are those at ``base``.
+Settle = Callable[[Callable[[np.ndarray], np.ndarray], np.ndarray, Coupled], np.ndarray]
+
+
 def _shaped(found: Any, like: np.ndarray, name: str) -> np.ndarray:
     """What a user's function returned, as an array of the shape of its argument."""
     array = np.asarray(found)
@@ -168,8 +187,13 @@ class Stepper:
         """
         return _shaped(self.problem.f(t, y), y, "f")
 
-    def step(self, t: Any, values: np.ndarray, h: Any) -> Step:
-        """Take one step of size h from the values at time t."""
+    def step(self, t: Any, values: np.ndarray, h: Any, *, settle: Settle | None = None) -> Step:
+        """Take one step of size h from the values at time t.
+
+        Parameters
+        ----------
+        settle : what finds the slopes of coupled stages; by default iteration to round-off.
+        """
         solver = StageSolver(self.arithmetic)
         s, evaluations = self.method.s, 0
         stages = self.arithmetic.zeros((s, values.shape[1]), values + self.V[0, 0])
@@ -195,6 +219,10 @@ class Stepper:
                 return np.stack([evaluate(i, y[k]) for k, i in enumerate(index)])
 
             guess = np.stack([evaluate(i, base[k]) for k, i in enumerate(index)])
+            if settle is not None:
+                times = [t + self.c[i] * h for i in index]
+                slopes[index] = settle(rhs, guess, Coupled(h, inner, times, base))
+                continue
             scale = size(guess) + size(base) / abs(h) if h else size(guess)
             slopes[index] = solver(rhs, guess, scale)
         new = self.B.dot(slopes) * h + self.V.dot(values)

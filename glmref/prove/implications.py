@@ -1,8 +1,8 @@
 """What an enclosure implies: the table of implications, each with the hypotheses that are checked.
 
 A file with an ``enclosure`` names as many equations as it has unknowns; the interval test proves
-that they have exactly one root within the digits (:func:`~glmref.prove.enclosure.prove` and
-:func:`~glmref.prove.partitioned_enclosure.prove_pair`). That the *method* at this root has a property is
+that they have exactly one root within the digits (:func:`~.enclosure.prove` and
+:func:`~.partitioned_enclosure.prove_pair`). That the *method* at this root has a property is
 another step, and this module is the only place where it is taken:
 
 ========================  =========================================================================
@@ -30,7 +30,7 @@ finishing-order >= q      the interval test on the conditions of the finish, or 
 ========================  =========================================================================
 
 The theorems are in :mod:`glmref.method.sweep`, :mod:`.partitioned_sweep`,
-:mod:`glmref.prove.equations` and :mod:`glmref.prove.partitioned_series`. There is no implication for
+:mod:`.equations` and :mod:`.partitioned_series`. There is no implication for
 claims that fail, and none for upper bounds: those are proved by balls that exclude zero.
 """
 

@@ -12,7 +12,7 @@ order, a proved lower bound and a proved upper bound. :meth:`Kernel.judge` compa
 is declared. For a file with an enclosure the lower bounds and truths of the one true method within
 its digits come from :mod:`glmref.prove.implications`, whose hypotheses are checked there each time.
 
-What the kernel trusts: the arithmetic of :mod:`glmref.exact`, elimination in :mod:`glmref.exact.linalg`,
+What the kernel trusts: the arithmetic of :mod:`glmref.exact`, elimination in :mod:`~.exact.linalg`,
 polynomials and their root counts (Sturm, Schur-Cohn), its own trees and series.
 """
 

@@ -52,7 +52,7 @@ def test_a_missing_block_is_refused_by_the_checker_and_at_run_time() -> None:
 
 
 def test_the_signature_for_the_checker_has_the_fields_that_there_are() -> None:
-    tree = ast.parse(inspect.getsource(glmref.method))
+    tree = ast.parse(inspect.getsource(glmref.method.glm))
     written = {
         node.name: [x.arg for x in inner.args.args[1:]]
         for node in tree.body
