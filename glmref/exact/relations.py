@@ -37,10 +37,12 @@ def rational_combination(value: Exact, basis: Sequence[Exact]) -> list[Fraction]
         for k, x in enumerate(columns):
             ball = x.ball(_BITS + 64)._acb
             scaled = [
-                int((flint.arb(2) ** _BITS * part.mid()).floor().unique_fmpz())
+                (flint.arb(2) ** _BITS * part.mid()).floor().unique_fmpz()
                 for part in (ball.real, ball.imag)
             ]
-            rows.append([*(int(k == j) for j in range(size)), *scaled])
+            if None in scaled:  # a part so large that its last bit is unknown
+                return None
+            rows.append([*(int(k == j) for j in range(size)), *map(int, scaled)])
     finally:
         flint.ctx.prec = before
     first = flint.fmpz_mat(rows).lll()

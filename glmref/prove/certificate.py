@@ -21,7 +21,7 @@ from .algebra import consistency_vectors, involutions, preconsistency, scalars
 from .field import Tower, radicals_of, written_out
 from .finders import proposal_for
 from .kernel import Judgement, Kernel
-from .series import StartingSeries
+from .series import StartingSeries, read
 
 __all__ = ["FORMAT", "certificates_of"]
 
@@ -54,6 +54,8 @@ def _certificate(facts: Any, claim: str, declared: Any, judged: Judgement) -> di
         raise ExactnessError("the claim is open")
     if judged.proof is not Proof.EXACT or not facts.kernel.exact:
         raise ExactnessError("certificates of enclosed statements are not written yet")
+    if any(w is not None for w in facts.kernel.outputs.values()):
+        raise ExactnessError("certificates of methods that declare an output are not written yet")
     writer = _Writer(facts, claim, declared, judged)
     parts = writer.parts()
     document = facts.method.document
@@ -311,7 +313,7 @@ class _Writer:
                 gap = scalars([plus(x, times(-1, y)) for x, y in zip(given[t], own, strict=True)])
                 c = series.components[trees.colour[t]]
                 if n == p and free:
-                    along = gap[c.place] / c.u[c.place]
+                    along = read(c, gap)
                     if n <= q:
                         eta[t] = plus(own, times(along, c.u))
                     gap = tuple(x - along * y for x, y in zip(gap, c.u, strict=True))

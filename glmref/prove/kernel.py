@@ -32,6 +32,7 @@ from ..exact.expression import Text, parse, shown_number
 from ..exact.linalg import Matrix, Vector
 from ..findings import Proof, Verdict
 from ..method import GLM, PartitionedGLM
+from ..method.solution_value import components, first_functional, output, outputs
 from ..theory import polynomials as poly
 from ..theory.coefficients import is_zero, plus, times, weighted
 from ..theory.root_location import (
@@ -73,7 +74,7 @@ from .algebra import (
 )
 from .forest import forest
 from .implications import Implied
-from .series import Component, NotPreconsistent, StartingSeries, component
+from .series import Component, NotPreconsistent, StartingSeries, component, read
 
 __all__ = ["Judgement", "Kernel", "Proposal", "Range", "refuted"]
 
@@ -226,6 +227,11 @@ class Kernel:
             c: tuple(getattr(method, x + hat) for x in "AUBV")  # type: ignore[misc]
             for c, hat in zip(colours, hats, strict=True)
         }
+        #: output functionals by colour, where the method declares them
+        self.outputs: dict[str, Vector | None] = {
+            c: None if m.output is None else output(m)  # refuses one that reads something else
+            for c, m in zip(colours, components(method), strict=True)
+        }
         self.shared = not self.is_pair or not method.separable  # type: ignore[union-attr]
         inner = {"o": "o"} if not self.is_pair else {"f": "k", "k": "f"}
         self.palette = tuple(
@@ -326,7 +332,7 @@ class Kernel:
 
     @cached_property
     def _components(self) -> dict[str, Component]:
-        return {c: component(*b) for c, b in self.blocks.items()}
+        return {c: component(*b, self.outputs[c]) for c, b in self.blocks.items()}
 
     def range(self, claim: str) -> Range:
         """Proved bounds of an order: see :mod:`glmref.prove.series` for the theorem."""
@@ -557,8 +563,7 @@ class Kernel:
         start: Any = self.method.starting
         if start is None:
             found: dict[Any, tuple[Any, ...]] = {
-                c: tuple(Exact(int(k == 0)) for k in range(len(x.u)))
-                for c, x in series.components.items()
+                c: x.u for c, x in series.components.items()
             }
             for n in range(1, p + 1):
                 found |= {t: self._none(t, series) for t in series.trees.level(n)}
@@ -570,7 +575,7 @@ class Kernel:
         return tableau_series(series.trees, table, p, series.counts)
 
     def _shifted(self, series: StartingSeries, given: Mapping[Any, Any], p: int) -> dict[int, Any]:
-        """eta E^a, with a such that the place of the solution agrees with the start at one vertex.
+        """eta E^a, with a such that its output agrees with that of the start at one vertex.
 
         ``(eta E^a)(t) = u a^|t| / gamma(t) + sum N(t, s) a^m / m! eta(s)``, m = |t| - |s|.
         """
@@ -578,10 +583,9 @@ class Kernel:
         (node,) = trees.level(1)
         c = series.components["o"]
         own = series.eta.get(node, self._none(node, series))
-        gap = difference(given[node], own)[c.place]
-        if gap.is_zero() is True:
+        ahead = read(c, difference(given[node], own))
+        if is_zero(ahead) is True:
             return series.eta
-        ahead = gap / c.u[c.place]
         powers: list[Any] = [1]
         for _ in range(p):
             powers.append(times(ahead, powers[-1]))
@@ -599,15 +603,15 @@ class Kernel:
 
     def _without_principal(self, series: StartingSeries, t: int, gap: Vector) -> Vector:
         c = series.components[series.trees.colour[t]]
-        along = gap[c.place] / c.u[c.place]
+        along = read(c, gap)
         return tuple(x - along * y for x, y in zip(gap, c.u, strict=True))
 
     @cached_property
     def _finishing_order(self) -> Range:
-        """Trees on which the finish, after the first value of the start, gives y back.
+        """Trees on which the finish, after the output of the start, gives y back.
 
         ``(a b)(t) = a(t) + sum over cuts of b(kept) * product of a(branches)``, a the series of the
-        first value of the start and b that of the finish.
+        output of the start and b that of the finish.
         """
         finish, start = self.method.finishing, self.method.starting  # type: ignore[union-attr]
         if finish is None:
@@ -617,11 +621,13 @@ class Kernel:
         known = self.order_range(free=True)
         p, trees = known.value, forest(self.palette)
         everything = lambda t: True  # noqa: E731
-        a = tableau_series(trees, {"o": (start.A, start.B[:1], start.u[:1])}, p, everything)
+        (w,) = outputs(self.method)
+        first = (linalg.vecmat(w, start.B),), (linalg.dot(w, start.u),)
+        a = tableau_series(trees, {"o": (start.A, *first)}, p, everything)
         b = tableau_series(trees, {"o": (finish.A, (finish.b,), (_ONE,))}, p, everything)
         exact = self.exact and self._exact_start() and is_exact(finish.A, (finish.b,))
         if (a["o"][0] - 1).is_zero() is not True:
-            raise ExactnessError("a finishing method needs a first value that starts from y itself")
+            raise ExactnessError("a finishing method needs an output that starts from y itself")
         lower, proved = 0, known.lower > 0
         for q in range(1, p + 1):
             answers = []
@@ -684,7 +690,7 @@ class Kernel:
         return Known(all_of(answers), exact)
 
     def _abscissae(self, declared: list[Scalar]) -> Known:
-        """c = A 1 + U v, v zero where the solution is carried; unique for a simple eigenvalue 1.
+        """c = A 1 + U v, w v = 0 for the output w; unique where 1 is a simple eigenvalue.
 
         Over balls every pair (u, v) of a method in them lies in the (u, v) used here.
         """
@@ -699,8 +705,11 @@ class Kernel:
                 if both is None:
                     return Known(False, True, "the method has no abscissae")
                 u, v = both
-                k = next(i for i, x in enumerate(u) if x.is_zero() is False)
-                v = tuple(x - v[k] / u[k] * y for x, y in zip(v, u, strict=True))
+                w = self.outputs["o"] or first_functional(u)
+                if linalg.dot(w, u) != 1:
+                    raise ExactnessError("the declared output does not read the solution")
+                ahead = linalg.dot(w, v)
+                v = tuple(x - ahead * y for x, y in zip(v, u, strict=True))
                 c = linalg.matvec(A, (_ONE,) * len(A))
                 found = [x + y for x, y in zip(c, linalg.matvec(U, v), strict=True)]
                 unique = linalg.rank(linalg.sub(V, linalg.identity(len(V)))) == len(V) - 1

@@ -45,10 +45,11 @@ from typing import Any
 from ..errors import ExactnessError
 from ..exact import Exact, linalg
 from ..exact.linalg import Matrix, Vector
+from ..method.solution_value import first_functional
 from ..theory.coefficients import is_zero, plus, times, weighted
 from .forest import Forest
 
-__all__ = ["Component", "NotPreconsistent", "StartingSeries", "component"]
+__all__ = ["Component", "NotPreconsistent", "StartingSeries", "component", "read"]
 
 _ZERO, _ONE = Exact(0), Exact(1)
 _Rows = tuple[tuple[tuple[int, Any], ...], ...]
@@ -66,8 +67,9 @@ class Component:
     ----------
         A, U, B, W: entries by row, exact zeros left out. slopes: columns of A.
         u: V u = u, U u = 1. N, W: see the module docstring.
-        place: the first k with u_k not 0: the value that carries the solution.
-        lift: R -> the solution x of (I - V) x = R with x_place = 0, for W R = 0.
+        output: one row w with w u = 1 that reads the solution off the values: the declared one, or
+            that of the first k with u_k not 0.
+        lift: R -> the solution x of (I - V) x = R with w x = 0, for W R = 0.
         certain: whether U u = 1 exactly.
     """
 
@@ -78,7 +80,7 @@ class Component:
     slopes: int
     u: Vector
     N: tuple[Vector, ...]
-    place: int
+    output: _Rows
     lift: _Rows
     certain: bool
 
@@ -93,17 +95,25 @@ def _apply(rows: _Rows, x: Sequence[Any]) -> tuple[Any, ...]:
     return tuple([weighted(row, x) for row in rows])
 
 
+def read(c: Component, values: Sequence[Any]) -> Any:
+    """The solution that a vector of values holds: what the output functional sees of it."""
+    return _apply(c.output, values)[0]
+
+
 def _scalars(vector: Sequence[Any]) -> Vector:
     return tuple(Exact(x) if isinstance(x, int | Fraction) else x for x in vector)
 
 
-def component(A: Matrix, U: Matrix, B: Matrix, V: Matrix) -> Component:
+def component(
+    A: Matrix, U: Matrix, B: Matrix, V: Matrix, output: Vector | None = None
+) -> Component:
     """Prepare one component.
 
     Raises
     ------
         NotPreconsistent: a proof that there is no order 1, or no u, with the reason.
-        ExactnessError: when V holds balls, or the eigenvalue 1 is defective: nothing is decided.
+        ExactnessError: when V holds balls, the eigenvalue 1 is defective, or the declared output
+            does not read the solution: nothing is decided.
     """
     if not all(isinstance(x, Exact) for row in V for x in row):
         raise ExactnessError("V holds published decimals: whether 1 is an eigenvalue is open")
@@ -138,23 +148,32 @@ def component(A: Matrix, U: Matrix, B: Matrix, V: Matrix) -> Component:
                 if len(N) == 1
                 else "no eigenvector u of V to the eigenvalue 1 has U u = 1 and order 1"
             )
-    place = next((i for i, x in enumerate(u) if x.is_zero() is False), None)
-    if place is None:
-        raise ExactnessError("no entry of u is certainly not zero")
-    lift = _lift(D, N, left, u, place)
+    w = first_functional(u) if output is None else output
+    if (linalg.dot(w, u) - 1).is_zero() is not True:
+        raise ExactnessError("whether the declared output reads the solution is not decided")
+    lift = _lift(D, N, left, u, w)
     certain = all(x.is_zero() is True for x in seen)
     return Component(
-        _sparse(A), _sparse(U), _sparse(B), _sparse(W), len(A[0]), u, tuple(N), place, lift, certain
+        _sparse(A),
+        _sparse(U),
+        _sparse(B),
+        _sparse(W),
+        len(A[0]),
+        u,
+        tuple(N),
+        _sparse((w,)),
+        lift,
+        certain,
     )
 
 
-def _lift(D: Matrix, N: Sequence[Vector], left: Sequence[Vector], u: Vector, place: int) -> _Rows:
+def _lift(D: Matrix, N: Sequence[Vector], left: Sequence[Vector], u: Vector, w: Vector) -> _Rows:
     """Solve (I - V) x = R up to the part that W sees, through the bordered matrix."""
     r, d = len(D), len(N)
     rows = [(*(-x for x in D[i]), *(left[k][i].conjugate() for k in range(d))) for i in range(r)]
     rows += [(*(x.conjugate() for x in v), *([_ZERO] * d)) for v in N]
     solve = tuple(row[:r] for row in linalg.inverse(tuple(rows))[:r])
-    shadow = [x / u[place] for x in solve[place]]
+    shadow = linalg.vecmat(w, solve)
     return _sparse(
         [[x - u[i] * y for x, y in zip(row, shadow, strict=True)] for i, row in enumerate(solve)]
     )
@@ -171,7 +190,7 @@ class StartingSeries:
     Args:
         components: by colour, in the order of the palette.
         trees: all trees of the palette.
-        free: whether principal parts are free; otherwise eta(t)_place = 0.
+        free: whether principal parts are free; otherwise w eta(t) = 0, w the output.
         counts: which trees count; the set is closed under subtrees and cuts.
 
     Attributes
@@ -362,14 +381,13 @@ class StartingSeries:
             self._set(node, plus(before, self._principal(c, beta, whole=False)))
 
     def _principal(self, c: Component, beta: Sequence[Any], *, whole: bool) -> tuple[Any, ...]:
-        """N beta; without its part along u that the place of the solution sees, unless whole."""
+        """N beta; without its part along u that the output sees, unless whole."""
         total: Any = (0,) * len(c.u)
         for factor, vector in zip(beta, c.N, strict=True):
             total = plus(total, times(factor, vector))
         if whole:
             return total
-        seen = total[c.place] / c.u[c.place] if total[c.place] != 0 else 0
-        return plus(total, times(-1, times(seen, c.u)))
+        return plus(total, times(-1, times(read(c, total), c.u)))
 
     def _settle_principal(self, n: int) -> dict[int, tuple[Any, ...]]:
         """Principal parts of order n - 1 >= 2 by back substitution; R(t) of the trees used."""
