@@ -1,0 +1,2809 @@
+"""Check certificates of format glmref-certificate-1 with Python's standard library only.
+
+``python checker/glmref_check.py FILE...`` says ``yes`` or ``no`` and why for every file. The
+sections below are those of docs/certificates.md; each function names the section it implements.
+Exit code: 0 when all are accepted, 1 when one is refused, 2 when a file cannot be read.
+"""
+
+import argparse
+import json
+import re
+import signal
+import sys
+from fractions import Fraction
+from functools import cache
+from itertools import pairwise, product
+from math import factorial
+
+SECONDS = 60  # wall clock for one certificate
+MEGABYTES = 32  # size of a file
+TREES = 40_000  # trees of one order
+DIMENSION = 64  # of a tower over the rationals
+SIZE = 200  # rows and columns of a matrix of the document
+DIGITS = 4000  # characters of an entry
+BITS = (64, 256, 1024, 4096)  # precisions of the interval arithmetic
+FORMAT = "glmref-certificate-1"
+
+
+class Refused(Exception):
+    """The certificate proves nothing: the answer is no."""
+
+
+class Unreadable(Exception):
+    """The file is not JSON: the exit code is 2."""
+
+
+def require(truth, why):
+    """Refuse unless `truth`."""
+    if not truth:
+        raise Refused(why)
+
+
+def not_covered(what):
+    """Refuse what this checker does not decide."""
+    raise Refused(f"not covered: {what}")
+
+
+def beyond(_number=None, _frame=None):
+    """Refuse what takes too long."""
+    raise Refused("beyond the limits of this checker")
+
+
+def keys(thing, needed, optional="", where="witness"):
+    """Refuse an object whose keys are not the `needed` ones and some `optional` ones."""
+    require(isinstance(thing, dict), f"the {where} is no object")
+    needed, optional = set(needed.split()), set(optional.split())
+    for key in needed - set(thing):
+        raise Refused(f"the {where} has no key {key!r}")
+    for key in set(thing) - needed - optional:
+        raise Refused(f"the {where} has an unknown key {key!r}")
+
+
+def whole(value, low=0, high=20):
+    """Return an integer within bounds."""
+    require(type(value) is int and low <= value <= high, f"{value!r} is no whole number in bounds")
+    return value
+
+
+# ---------------------------------------------------------------- linear algebra over any numbers
+
+
+def total(values):
+    """Return a sum that starts from an exact zero."""
+    return sum(values, Fraction(0))
+
+
+def dot(x, y):
+    """Return sum x_i y_i; zeros cost nothing."""
+    require(len(x) == len(y), "shapes do not fit")
+    return total(a * b for a, b in zip(x, y, strict=True) if a and b)
+
+
+def transpose(M):
+    """Return the transpose."""
+    return [list(column) for column in zip(*M, strict=True)]
+
+
+def star(M):
+    """Return the conjugate transpose."""
+    return [[conj(x) for x in column] for column in transpose(M)]
+
+
+def apply(M, x):
+    """Return M x."""
+    return [dot(row, x) for row in M]
+
+
+def times(first, *others):
+    """Return a product of matrices."""
+    for M in others:
+        require(len(first[0]) == len(M), "shapes do not fit")
+        columns = transpose(M)
+        first = [[dot(row, column) for column in columns] for row in first]
+    return first
+
+
+def combine(M, N, factor=1):
+    """Return M + factor N."""
+    require(len(M) == len(N) and len(M[0]) == len(N[0]), "shapes do not fit")
+    return [[a + factor * b for a, b in zip(p, q, strict=True)] for p, q in zip(M, N, strict=True)]
+
+
+def minus(M, N):
+    """Return M - N."""
+    return combine(M, N, -1)
+
+
+def scale(factor, M):
+    """Return factor M."""
+    return [[factor * x for x in row] for row in M]
+
+
+def diagonal(values):
+    """Return the diagonal matrix of `values`."""
+    return [
+        [x if i == j else Fraction(0) for j in range(len(values))] for i, x in enumerate(values)
+    ]
+
+
+def identity(n):
+    """Return the unit matrix."""
+    return diagonal([Fraction(1)] * n)
+
+
+def ones(n):
+    """Return a vector of ones."""
+    return [Fraction(1)] * n
+
+
+def vanishes(thing):
+    """Tell whether a number, vector or matrix reduces to 0."""
+    return all(vanishes(x) for x in thing) if isinstance(thing, list) else not thing
+
+
+def equal(x, y, why):
+    """Refuse two vectors or matrices that differ."""
+    same = len(x) == len(y) and (not isinstance(x[0], list) or len(x[0]) == len(y[0]))
+    require(same, f"{why}: shapes do not fit")
+    difference = (
+        minus(x, y) if isinstance(x[0], list) else [a - b for a, b in zip(x, y, strict=True)]
+    )
+    require(vanishes(difference), f"{why} does not hold")
+
+
+def echelon(M):
+    """Return the reduced rows and the pivot columns of M."""
+    rows, pivots = [list(row) for row in M], []
+    for column in range(len(rows[0]) if rows else 0):
+        top = len(pivots)
+        found = next((i for i in range(top, len(rows)) if rows[i][column]), None)
+        if found is None:
+            continue
+        rows[top], rows[found] = rows[found], rows[top]
+        factor = inverse(rows[top][column])
+        rows[top] = [factor * x if x else x for x in rows[top]]
+        for i, row in enumerate(rows):
+            if i != top and row[column]:
+                head = row[column]
+                rows[i] = [x - head * y if y else x for x, y in zip(row, rows[top], strict=True)]
+        pivots.append(column)
+    return rows[: len(pivots)], pivots
+
+
+def rank(M):
+    """Return the rank of M."""
+    return len(echelon(M)[1])
+
+
+def solve(M, y):
+    """Return (x, unique) with M x = y, or (None, False) where the equations contradict."""
+    n = len(M[0])
+    rows, pivots = echelon([[*row, b] for row, b in zip(M, y, strict=True)])
+    if n in pivots:
+        return None, False
+    x = [Fraction(0)] * n
+    for row, column in zip(rows, pivots, strict=True):
+        x[column] = row[n]
+    return x, len(pivots) == n
+
+
+def kernel(M):
+    """Return a basis of the vectors x with M x = 0."""
+    rows, pivots = echelon(M)
+    basis = []
+    for free in set(range(len(M[0]))) - set(pivots):
+        x = [Fraction(int(j == free)) for j in range(len(M[0]))]
+        for row, column in zip(rows, pivots, strict=True):
+            x[column] = -row[free]
+        basis.append(x)
+    return basis
+
+
+def inverse_matrix(M):
+    """Return the inverse of M."""
+    n = len(M)
+    rows, pivots = echelon([[*row, *unit] for row, unit in zip(M, identity(n), strict=True)])
+    require(pivots == list(range(n)), "a matrix that must be inverted is singular")
+    return [row[n:] for row in rows]
+
+
+def determinant(M):
+    """Return det M by elimination."""
+    rows, value = [list(row) for row in M], Fraction(1)
+    for k in range(len(rows)):
+        found = next((i for i in range(k, len(rows)) if rows[i][k]), None)
+        if found is None:
+            return Fraction(0)
+        if found != k:
+            rows[k], rows[found], value = rows[found], rows[k], -value
+        value, factor = value * rows[k][k], inverse(rows[k][k])
+        for i in range(k + 1, len(rows)):
+            if rows[i][k]:
+                head = rows[i][k] * factor
+                rows[i] = [x - head * y if y else x for x, y in zip(rows[i], rows[k], strict=True)]
+    return value
+
+
+# ------------------------------------------------------- section 1: from the document to matrices
+
+COMMON = "$schema format name title class field broken notes digits constants claims source"
+CLASSES = {  # needed keys, optional keys
+    "glm": ("A U B V", "G D starting finishing"),
+    "rk": ("A b", "starting finishing"),
+    "composition": ("base gamma", "starting finishing"),
+    "lmm": ("alpha beta", "starting finishing"),
+    "one-leg": ("alpha beta", "G starting finishing"),
+    "sweep": ("D X V G", "unknowns enclosure starting finishing"),
+    "splitting": ("first a b", "unknowns enclosure starting"),
+    "partitioned-rk": ("A b A_hat b_hat", "starting separable"),
+    "partitioned": ("q p", "G D_P D_Q separable starting"),
+    "pair-sweep": ("stages b w c v V V_hat G", "unknowns enclosure starting"),
+}
+
+
+class Component:
+    """Matrices A (stages, slopes), U, B, V, each made from the document when it is needed."""
+
+    def __init__(self, **makers):
+        self.makers = makers
+
+    def __getattr__(self, name):
+        if name not in ("A", "U", "B", "V"):
+            raise AttributeError(name)
+        value = self.makers[name]()
+        setattr(self, name, value)
+        return value
+
+    @property
+    def r(self):
+        """Number of values."""
+        return len(self.V)
+
+
+class Method:
+    """Components with their colours, the palette, and what else the file gives."""
+
+    def __init__(self, document, numbers, base=None):
+        self.document, self.numbers = document, numbers
+        kind = document.get("class")
+        require(isinstance(kind, str) and kind in CLASSES, f"no class is called {kind!r}")
+        needed, optional = CLASSES[kind]
+        keys(document, needed + " class", COMMON + " " + optional, where="document")
+        require(document.get("format", "glmref-method-1") == "glmref-method-1", "another format")
+        require((base is not None) == (kind == "composition"), "a base belongs to compositions")
+        self.kind, self.base = kind, base
+        made = getattr(self, "make_" + kind.replace("-", "_"))()
+        self.pair = isinstance(made, tuple)
+        self.parts = {"f": made[0], "k": made[1]} if self.pair else {"o": made}
+        fixed = {"splitting": True, "pair-sweep": True, "partitioned-rk": False}
+        self.separable = self.pair and document.get("separable", fixed.get(kind, False)) is True
+        children = {"o": "o"} if not self.pair else {"f": "k", "k": "f"}
+        self.palette = tuple((c, "fk" if self.pair and not self.separable else children[c])
+                             for c in self.parts)  # fmt: skip
+
+    def single(self):
+        """Return the component of a method that is no pair."""
+        require(not self.pair, "the rule is for single methods")
+        return self.parts["o"]
+
+    def part(self, colour):
+        """Return the component of a colour."""
+        require(isinstance(colour, str) and colour in self.parts, f"no component {colour!r}")
+        return self.parts[colour]
+
+    def list(self, key, source=None):
+        """Return a vector of the document."""
+        return self.numbers.vector((source or self.document).get(key), self.document)
+
+    def matrix(self, key, source=None):
+        """Return a matrix of the document."""
+        return self.numbers.matrix((source or self.document).get(key), self.document)
+
+    def form(self, key="G"):
+        """Return a matrix that may be written as its diagonal."""
+        value = self.document[key]
+        flat = isinstance(value, list) and value and isinstance(value[0], str)
+        return diagonal(self.list(key)) if flat else self.matrix(key)
+
+    @staticmethod
+    def runge_kutta(A, b):
+        """Return the component of a Runge-Kutta method."""
+        return Component(A=A, U=lambda: [[Fraction(1)] for _ in A()], B=lambda: [b()],
+                         V=lambda: [[Fraction(1)]])  # fmt: skip
+
+    def make_glm(self, source=None):
+        """Return the matrices as they stand."""
+        return Component(**{key: lambda key=key: self.matrix(key, source) for key in "AUBV"})
+
+    def make_rk(self):
+        """Return A, U = 1, B = b, V = 1."""
+        return self.runge_kutta(lambda: self.matrix("A"), lambda: self.list("b"))
+
+    def make_composition(self):
+        """Return the base with steps gamma_1 h, gamma_2 h, .."""
+        require(isinstance(self.base, dict) and self.base.get("class") == "rk", "a base must be rk")
+        require(self.base.get("name") == self.document.get("base"), "the base has another name")
+        base = Method(self.base, self.numbers).single()
+
+        def matrix():
+            gamma, b = self.list("gamma"), base.B[0]
+            rows = []
+            for k, g in enumerate(gamma):
+                for row in base.A:
+                    left = [h * x for h in gamma[:k] for x in b]
+                    right = [Fraction(0)] * (len(b) * (len(gamma) - k - 1))
+                    rows.append(left + [g * x for x in row] + right)
+            return rows
+
+        weights = lambda: [g * x for g in self.list("gamma") for x in base.B[0]]  # noqa: E731
+        return self.runge_kutta(matrix, weights)
+
+    def multistep(self):
+        """Return alpha and beta of equal lengths."""
+        alpha, beta = self.list("alpha"), self.list("beta")
+        require(len(alpha) == len(beta) >= 2, "alpha and beta have other lengths")
+        require(nonzero(alpha[-1]), "alpha_k is 0")
+        return alpha, beta
+
+    def make_lmm(self):
+        """Return the form with one stage and the values y and f that are needed."""
+        alpha, beta = self.multistep()
+        k, unit = len(alpha) - 1, inverse(alpha[-1])
+        a, b = [unit * x for x in alpha], [unit * x for x in beta]
+        implicit = bool(b[k])
+        low = next((m for m in range(k) if a[m]), k - 1)
+        ys = list(range(k - 1, low - 1, -1))
+        first = next((m for m in range(k + 1) if b[m]), k)
+        fs = list(range(k - 1 if implicit else k - 2, first - 1, -1))
+        r, e = len(ys) + len(fs), identity(len(ys) + len(fs))
+        new = [-a[m] for m in ys] + [b[m] for m in fs]
+        V = [new, *e[: len(ys) - 1]]
+        B = [b[k] if implicit else b[k - 1]] + [Fraction(0)] * (len(ys) - 1)
+        if fs:
+            V += [[Fraction(0)] * r, *e[len(ys) : r - 1]]
+            B += [Fraction(1)] + [Fraction(0)] * (len(fs) - 1)
+        U = new if implicit else e[0]
+        return Component(A=lambda: [[b[k]]], U=lambda: [U], B=lambda: [[x] for x in B], V=lambda: V)
+
+    def make_one_leg(self):
+        """Return the one-leg form."""
+        alpha, beta = self.multistep()
+        unit, k = inverse(alpha[-1]), len(alpha) - 1
+        a, back = [unit * x for x in alpha], range(k - 1, -1, -1)
+        V = [[-a[m] for m in back], *identity(k)[: k - 1]]
+        U = [beta[m] - beta[k] * a[m] for m in back]
+        B = [[unit]] + [[Fraction(0)] for _ in range(k - 1)]
+        return Component(A=lambda: [[unit * beta[k]]], U=lambda: [U], B=lambda: B, V=lambda: V)
+
+    def make_sweep(self):
+        """Return B = X D, U = X^* G V, A from S = X^* G X."""
+
+        def matrix():
+            X, d = self.matrix("X"), self.list("D")
+            S = times(star(X), self.form(), X)
+            half, s = Fraction(1, 2), len(d)
+            texts = self.document.get("enclosure", {}).get("equations", [])
+            if any(str(text).startswith("explicit") for text in texts):
+                not_covered("stages of a sweep that an equation makes explicit")
+            return [[d[j] * S[i][j] if j < i else half * d[i] * S[i][i] if j == i else Fraction(0)
+                     for j in range(s)] for i in range(s)]  # fmt: skip
+
+        return Component(
+            A=matrix, V=lambda: self.matrix("V"),
+            U=lambda: times(star(self.matrix("X")), self.form(), self.matrix("V")),
+            B=lambda: times(self.matrix("X"), diagonal(self.list("D"))))  # fmt: skip
+
+    def make_partitioned(self):
+        """Return two methods as they stand."""
+        for key in ("q", "p"):
+            keys(self.document[key], "A U B V", where=f"component {key}")
+        return self.make_glm(self.document["q"]), self.make_glm(self.document["p"])
+
+    def make_partitioned_rk(self):
+        """Return two Runge-Kutta methods."""
+        hat = self.runge_kutta(lambda: self.matrix("A_hat"), lambda: self.list("b_hat"))
+        return self.make_rk(), hat
+
+    def make_splitting(self):
+        """Return the pair of a splitting: P stages from a, Q stages from b."""
+        first = self.document["first"]
+        require(first in ("q", "p"), "first is q or p")
+        early, zero = int(first == "q"), Fraction(0)
+        a, b = lambda: self.list("a"), lambda: self.list("b")
+        A = lambda: [[x if i < j + early else zero for i, x in enumerate(a())]  # noqa: E731
+                     for j in range(len(b()))]  # fmt: skip
+        A_hat = lambda: [[x if j + early <= i else zero for j, x in enumerate(b())]  # noqa: E731
+                         for i in range(len(a()))]  # fmt: skip
+        return self.runge_kutta(A, a), self.runge_kutta(A_hat, b)
+
+    def make_pair_sweep(self):
+        """Return the pair of a sweep through the letters of `stages`."""
+        letters = self.document["stages"]
+        require(isinstance(letters, str) and set(letters) <= set("PQ"), "stages are letters P, Q")
+        P = [n for n, x in enumerate(letters) if x == "P"]
+        Q = [n for n, x in enumerate(letters) if x == "Q"]
+        G, b, c, zero = self.form, lambda: self.list("b"), lambda: self.list("c"), Fraction(0)
+        X = lambda: [ones(len(P)), *(self.matrix("w") if self.document["w"] else [])]  # noqa: E731
+        Y = lambda: [ones(len(Q)), *(self.matrix("v") if self.document["v"] else [])]  # noqa: E731
+        S = lambda: times(transpose(X()), G(), Y())  # noqa: E731
+        V, V_hat = lambda: self.matrix("V"), lambda: self.matrix("V_hat")
+        q = Component(
+            A=lambda: [[x * row[j] if P[i] < Q[j] else zero
+                        for i, (x, row) in enumerate(zip(b(), S(), strict=True))]
+                       for j in range(len(Q))],
+            U=lambda: times(transpose(Y()), transpose(G()), V()),
+            B=lambda: times(X(), diagonal(b())), V=V)  # fmt: skip
+        p = Component(
+            A=lambda: [[x * s if Q[j] < P[i] else zero
+                        for j, (x, s) in enumerate(zip(c(), row, strict=True))]
+                       for i, row in enumerate(S())],
+            U=lambda: times(transpose(X()), G(), V_hat()),
+            B=lambda: times(Y(), diagonal(c())), V=V_hat)  # fmt: skip
+        return q, p
+
+    def check_shapes(self):
+        """Refuse matrices that do not fit each other, and stages of a pair that do not meet."""
+        for c, m in self.parts.items():
+            slopes, r = len(m.B[0]), m.r
+            partner = self.parts["k" if c == "f" else "f"] if self.pair else m
+            fits = len(m.A) == len(m.U) == len(partner.B[0]) and len(m.A[0]) == slopes
+            fits = fits and len(m.U[0]) == len(m.V[0]) == len(m.B) == r
+            fits = fits and (self.separable or len(m.A) == slopes)
+            require(fits, f"shapes of component {c} do not fit")
+
+    def u(self, colour):
+        """Return the u with V u = u and U u = 1, which must be the only one."""
+        m = self.part(colour)
+        rows = minus(m.V, identity(m.r)) + m.U
+        u, unique = solve(rows, [Fraction(0)] * m.r + ones(len(m.U)))
+        require(u is not None and unique, "u is not determined by V u = u, U u = 1")
+        return u
+
+
+# ---------------------------------------------------------------------------- section 2: numbers
+
+
+class Element:
+    """A polynomial in the generators of a tower, reduced; never a rational number."""
+
+    __slots__ = ("terms", "tower")
+
+    def __init__(self, tower, terms):
+        self.tower, self.terms = tower, terms
+
+    def __add__(self, other):
+        terms = dict(self.terms)
+        for k, x in other.terms.items() if isinstance(other, Element) else ((0, other),):
+            terms[k] = terms.get(k, 0) + x
+        return self.tower.element(terms)
+
+    def __mul__(self, other):
+        if not isinstance(other, Element):
+            return self.tower.element({k: x * other for k, x in self.terms.items()})
+        terms = {}
+        for (i, x), (j, y) in product(self.terms.items(), other.terms.items()):
+            for k, z in self.tower.table(i, j):
+                terms[k] = terms.get(k, 0) + x * y * z
+        return self.tower.element(terms)
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def __neg__(self):
+        return self * -1
+
+    def __sub__(self, other):
+        return self + other * -1
+
+    def __rsub__(self, other):
+        return self * -1 + other
+
+    def __eq__(self, other):
+        return vanishes(self - other)
+
+    def __hash__(self):
+        return hash(frozenset(self.terms.items()))
+
+    def __pow__(self, n):
+        return self if n == 1 else self * self ** (n - 1) if n else Fraction(1)
+
+
+class Box:
+    """A closed rectangle with ends that are whole multiples of 2^-bits, rounded outward."""
+
+    __slots__ = ("bits", "im", "re")
+
+    def __init__(self, re, im, bits):
+        self.re, self.im, self.bits = re, im, bits
+
+    @classmethod
+    def of(cls, re, im, bits):
+        """Return the rectangle around two intervals of rationals."""
+        return cls(*((int((lo * 2**bits).__floor__()), int((hi * 2**bits).__ceil__()))
+                     for lo, hi in (re, im)), bits)  # fmt: skip
+
+    @classmethod
+    def within(cls, re, im, bits):
+        """Return the largest rectangle inside two intervals of rationals."""
+        return cls(*(((lo * 2**bits).__ceil__(), (hi * 2**bits).__floor__())
+                     for lo, hi in (re, im)), bits)  # fmt: skip
+
+    def __add__(self, other):
+        (a, b), (c, d), (e, f), (g, h) = self.re, self.im, other.re, other.im
+        return Box((a + e, b + f), (c + g, d + h), self.bits)
+
+    def __neg__(self):
+        return Box((-self.re[1], -self.re[0]), (-self.im[1], -self.im[0]), self.bits)
+
+    def __sub__(self, other):
+        return self + -other
+
+    def __mul__(self, other):
+        def by(x, y):
+            ends = [a * b for a in x for b in y]
+            return min(ends), max(ends)
+
+        (a, b), (c, d) = by(self.re, other.re), by(self.im, other.im)
+        (e, f), (g, h) = by(self.re, other.im), by(self.im, other.re)
+        n = self.bits
+        return Box(((a - d) >> n, -((c - b) >> n)), ((e + g) >> n, -((-f - h) >> n)), n)
+
+    def excludes_zero(self):
+        """Tell whether 0 lies outside."""
+        return any(lo > 0 or hi < 0 for lo, hi in (self.re, self.im))
+
+    def inside(self, other, strict=True):
+        """Tell whether the rectangle lies in (the interior of) another."""
+        return all((c < a and b < d) if strict else (c <= a and b <= d)
+                   for (a, b), (c, d) in ((self.re, other.re), (self.im, other.im)))  # fmt: skip
+
+    def meet(self, other):
+        """Return the intersection."""
+        return Box(*((max(a, c), min(b, d))
+                     for (a, b), (c, d) in ((self.re, other.re), (self.im, other.im))),
+                   self.bits)  # fmt: skip
+
+    def at(self, bits):
+        """Return the rectangle at a precision that is not lower."""
+        more = bits - self.bits
+        return Box(*(tuple(x << more for x in ends) for ends in (self.re, self.im)), bits)
+
+    def middle(self):
+        """Return the midpoint, a rectangle without width."""
+        return Box(*((sum(x) // 2,) * 2 for x in (self.re, self.im)), self.bits)
+
+
+def horner(coefficients, x):
+    """Return the value of a polynomial, constant first."""
+    value = coefficients[-1]
+    for c in reversed(coefficients[:-1]):
+        value = value * x + c
+    return value
+
+
+def derivative(p):
+    """Return p' of a list of coefficients, constant first."""
+    return [k * c for k, c in enumerate(p)][1:] or [Fraction(0)]
+
+
+class Tower:
+    """The rationals with generators; arithmetic by reduction, enclosures by bisection (2)."""
+
+    def __init__(self, generators=()):
+        self.names, self.degrees, self.polynomials, self.start = [], [], [], []
+        self.real, self.conjugates, self.boxes, self.inverses = [], [], {}, {}
+        self.tables, self.basis, self.index = {}, [()], {(): 0}
+        require(isinstance(generators, list | tuple), "generators are a list")
+        for k, entry in enumerate(generators):
+            keys(entry, "name polynomial real imag", "conjugate", "generator")
+            require(entry["name"] == f"g{k + 1}", "generators are called g1, g2, ..")
+            self.adjoin(entry)
+        for entry, name in zip(generators, self.names, strict=True):
+            self.check_conjugate(entry, name)
+
+    def adjoin(self, entry):
+        """Add a generator: its polynomial, and a box that is shown to hold one root."""
+        polynomial = entry["polynomial"]
+        require(isinstance(polynomial, list) and polynomial, "a polynomial is a list")
+        degree = len(polynomial)
+        require(2 <= degree and degree * len(self.basis) <= DIMENSION, "degrees of the tower")
+        self.polynomials.append([self.parse(text) for text in polynomial])
+        ends = [[rational(x) for x in entry[key]] for key in ("real", "imag")]
+        require(all(len(x) == 2 and x[0] <= x[1] for x in ends), "a box has ends that are ordered")
+        self.names.append(entry["name"])
+        self.degrees.append(degree)
+        old = self.basis
+        self.basis = [(*e, k) for k in range(degree) for e in old]  # old indices keep their place
+        self.index = {e: k for k, e in enumerate(self.basis)}
+        self.tables, self.inverses = {}, {}
+        self.start.append(ends)
+        self.boxes.clear()
+        self.real.append(ends[1] == [0, 0])
+        self.enclosure(len(self.names) - 1, BITS[0])
+
+    def element(self, terms):
+        """Return a reduced element, as a rational where it is one."""
+        terms = {k: x for k, x in terms.items() if x}
+        if set(terms) <= {0}:
+            return Fraction(terms.get(0, 0))
+        return Element(self, terms)
+
+    def generator(self, k):
+        """Return g_(k+1)."""
+        return self.element({self.index[tuple(int(j == k) for j in range(len(self.names)))]: 1})
+
+    def table(self, i, j):
+        """Return the product of two monomials of the basis, reduced."""
+        if (i, j) not in self.tables:
+            powers = tuple(a + b for a, b in zip(self.basis[i], self.basis[j], strict=True))
+            self.tables[i, j] = list(self.reduce(powers).items())
+        return self.tables[i, j]
+
+    def reduce(self, powers):
+        """Return a monomial by the monic polynomials."""
+        high = next((k for k in reversed(range(len(powers))) if powers[k] >= self.degrees[k]), None)
+        if high is None:
+            return {self.index[powers]: Fraction(1)}
+        terms, degree = {}, self.degrees[high]
+        for k, c in enumerate(self.polynomials[high]):
+            for at, x in c.terms.items() if isinstance(c, Element) else ((0, c),):
+                inner = self.basis[at] + (0,) * (len(powers) - len(self.basis[at]))
+                moved = [a + b for a, b in zip(powers, inner, strict=True)]
+                moved[high] += k - degree
+                for index, y in self.reduce(tuple(moved)).items() if x else ():
+                    terms[index] = terms.get(index, 0) - x * y
+        return terms
+
+    def inverse(self, x):
+        """Return y with x y = 1 in the ring."""
+        if x not in self.inverses:
+            n = len(self.basis)
+            columns = []
+            for k in range(n):
+                y = x * self.element({k: Fraction(1)})
+                terms = y.terms if isinstance(y, Element) else {0: y}
+                columns.append([terms.get(i, Fraction(0)) for i in range(n)])
+            y, _ = solve(transpose(columns), [Fraction(int(i == 0)) for i in range(n)])
+            require(y is not None, "a divisor has no inverse in the ring of the tower")
+            self.inverses[x] = self.element(dict(enumerate(y)))
+        return self.inverses[x]
+
+    def parse(self, text):
+        """Return a number of the certificate: rationals and names of generators."""
+        names = {name: self.generator(k) for k, name in enumerate(self.names)}
+        return Parser(text, names.get, None).value
+
+    def conj(self, x):
+        """Return the conjugate: each generator replaced by its own."""
+        if all(self.real):
+            return x
+        value = Fraction(0)
+        for k, c in x.terms.items():
+            for g, power in enumerate(self.basis[k]):
+                if power:
+                    c = c * self.conjugate(g) ** power
+            value = value + c
+        return value
+
+    def conjugate(self, k):
+        """Return the conjugate of a generator."""
+        require(self.conjugates[k] is not None, f"the conjugate of g{k + 1} is not given")
+        return self.conjugates[k]
+
+    def check_conjugate(self, entry, name):
+        """Show that `conjugate` is the root of the conjugate polynomial in the mirrored box."""
+        k = self.names.index(name)
+        if "conjugate" not in entry:
+            self.conjugates.append(self.generator(k) if self.real[k] else None)
+            return
+        value = self.parse(entry["conjugate"])
+        mirrored = [conj(c) for c in self.polynomials[k]] + [Fraction(1)]
+        require(vanishes(horner(mirrored, value)), f"the conjugate of {name} is no conjugate root")
+        (a, b), (c, d) = self.start[k]
+        box = enclose(value, BITS[1])
+        mirror = Box.within((a, b), (-d, -c), BITS[1])
+        require(box.inside(mirror, strict=False), f"the conjugate of {name} is another root")
+        self.conjugates.append(value)
+
+    def enclosure(self, k, bits):
+        """Return a box around a generator, which is the only root in its first box."""
+        if (k, bits) not in self.boxes:
+            coefficients = [enclose(c, bits) for c in self.polynomials[k]] + [enclose(1, bits)]
+            re, im = self.start[k]
+            if im == [0, 0] or re == [0, 0]:
+                self.boxes[k, bits] = self.on_axis(coefficients, re, im, bits)
+            else:
+                self.boxes[k, bits] = in_plane(coefficients, Box.of(re, im, bits),
+                                                 Box.within(re, im, bits))  # fmt: skip
+        return self.boxes[k, bits]
+
+    @staticmethod
+    def on_axis(coefficients, re, im, bits):
+        """Return the root on one of the axes: a change of sign where p' has none."""
+        turn = Box.of(*(((1, 1), (0, 0)) if im == [0, 0] else ((0, 0), (1, 1))), bits)
+        power, q = enclose(1, bits), []
+        for c in coefficients:
+            q.append(c * power)
+            power = power * turn
+        require(all(c.im == (0, 0) for c in q), "a polynomial is not real on its axis")
+
+        def value(t, p):
+            return horner(p, Box(t, (0, 0), bits)).re
+
+        def monotone(t, depth):
+            low, high = value(t, slopes)
+            if low > 0 or high < 0:
+                return
+            require(depth and t[1] - t[0] > 1, "a box is not shown to hold one root")
+            half = sum(t) // 2
+            monotone((t[0], half), depth - 1)
+            monotone((half, t[1]), depth - 1)
+
+        slopes = [Box((n * c.re[0], n * c.re[1]), (0, 0), bits) for n, c in enumerate(q)][1:]
+        ends = re if im == [0, 0] else im
+        low, high = (int(-(-ends[0] * 2**bits // 1)), int(ends[1] * 2**bits // 1))
+        require(low <= high, "a box is too narrow")
+        if value((low, low), q) != (0, 0) or low != high:
+            monotone((low, high), 12)
+            left, right = value((low, low), q), value((high, high), q)
+            require(left[1] < 0 < right[0] or right[1] < 0 < left[0], "a box holds no root")
+            rising = left[1] < 0
+            while high - low > 2:
+                for cut in ((low + high) // 2, (2 * low + high) // 3):
+                    sign_low, sign_high = value((cut, cut), q)
+                    if sign_low > 0 or sign_high < 0:
+                        break
+                else:
+                    break
+                low, high = (cut, high) if (sign_high < 0) == rising else (low, cut)
+        return Box((low, high), (0, 0), bits) * turn
+
+
+def in_plane(p, box, inner):
+    """Return the one root of p in a box: subdivision, then the test of Krawczyk on the hull."""
+    slopes = [Box(tuple(n * x for x in c.re), tuple(n * x for x in c.im), c.bits)
+              for n, c in enumerate(p)][1:]  # fmt: skip
+    parts = [box]
+    for _ in range(40):
+        parts = [q for part in parts for q in quarters(part) if not horner(p, q).excludes_zero()]
+        require(0 < len(parts) <= 256, "a box is not shown to hold one root")
+        ends = [(min(getattr(q, key)[0] for q in parts), max(getattr(q, key)[1] for q in parts))
+                for key in ("re", "im")]  # fmt: skip
+        hull = Box(
+            *((lo - (hi - lo) // 8 - 2, hi + (hi - lo) // 8 + 2) for lo, hi in ends), box.bits
+        )
+        image = krawczyk(p, slopes, hull)
+        if image is not None and image.inside(hull):
+            for _ in range(20):
+                better = krawczyk(p, slopes, image)
+                image = image.meet(better) if better is not None else image
+            require(image.inside(inner, strict=False), "the root is not in its box")
+            return image
+    raise Refused("a box is not shown to hold one root")
+
+
+def quarters(box):
+    """Return four rectangles that cover one."""
+    halves = [((lo, (lo + hi) // 2), ((lo + hi) // 2, hi)) for lo, hi in (box.re, box.im)]
+    return [Box(x, y, box.bits) for x, y in product(*halves)]
+
+
+def krawczyk(p, slopes, box):
+    """Return m - Y p(m) + (1 - Y p'(X)) (X - m), Y about 1 / p'(m)."""
+    m, n = box.middle(), box.bits
+    at = horner(slopes, m).middle()
+    a, b = at.re[0], at.im[0]
+    if not a * a + b * b:
+        return None
+    Y = Box(*(((x << 2 * n) // (a * a + b * b),) * 2 for x in (a, -b)), n)
+    one = Box.of((1, 1), (0, 0), n)
+    return m - Y * horner(p, m) + (one - Y * horner(slopes, box)) * (box - m)
+
+
+def enclose(x, bits):
+    """Return a box around a number."""
+    if not isinstance(x, Element):
+        return Box.of((Fraction(x),) * 2, (0, 0), bits)
+    value = Box((0, 0), (0, 0), bits)
+    for k, c in x.terms.items():
+        term = enclose(c, bits)
+        for g, power in enumerate(x.tower.basis[k]):
+            for _ in range(power):
+                term = term * x.tower.enclosure(g, bits)
+        value = value + term
+    return value
+
+
+def conj(x):
+    """Return the conjugate of a number."""
+    return x.tower.conj(x) if isinstance(x, Element) else x
+
+
+def inverse(x):
+    """Return 1 / x."""
+    require(x, "a division by 0")
+    return x.tower.inverse(x) if isinstance(x, Element) else 1 / Fraction(x)
+
+
+def nonzero(x):
+    """Tell whether a number is not 0: it reduces to 0, or a box excludes 0."""
+    if not isinstance(x, Element):
+        return bool(x)
+    for bits in BITS:
+        if enclose(x, bits).excludes_zero():
+            return True
+    return bool(inverse(x))
+
+
+def sign(x):
+    """Return the sign of a number that is its own conjugate."""
+    if not isinstance(x, Element):
+        return (x > 0) - (x < 0)
+    require(conj(x) == x, "a sign is asked of a number that is not real")
+    for bits in BITS:
+        low, high = enclose(x, bits).re
+        if low > 0 or high < 0:
+            return 1 if low > 0 else -1
+    return beyond()
+
+
+def real(x):
+    """Return the real part."""
+    return (x + conj(x)) * Fraction(1, 2)
+
+
+def upper(x):
+    """Tell whether the imaginary part is shown to be positive."""
+    return any(enclose(x, bits).im[0] > 0 for bits in BITS[:2])
+
+
+def rational(text):
+    """Return a rational number written as a string."""
+    found = isinstance(text, str) and re.fullmatch(r"-?[0-9]+(/[0-9]+)?", text)
+    require(found and len(text) <= DIGITS, f"{str(text)[:40]!r} is no rational number")
+    top, _, bottom = text.partition("/")
+    require(int(bottom or 1), "a division by 0")
+    return Fraction(int(top), int(bottom or 1))
+
+
+class Parser:
+    """The grammar of entries (data contract); `value` is the number, `text` the expanded text."""
+
+    token = re.compile(r"[0-9]+\.[0-9]+|[0-9]+|[A-Za-z_][A-Za-z_0-9]*|[-+*/(),]")
+
+    def __init__(self, text, name, radical, constant_text=None, decimal=None):
+        require(isinstance(text, str) and 0 < len(text) <= DIGITS, "an entry is no short string")
+        text = text.replace(" ", "")
+        self.tokens = self.token.findall(text)
+        require("".join(self.tokens) == text, f"{text[:40]!r} is no entry")
+        self.name, self.radical, self.constant_text = name, radical, constant_text
+        self.decimal, self.at = decimal, 0
+        self.value, self.text = self.sum()
+        require(self.at == len(self.tokens), f"{text[:40]!r} is no entry")
+
+    def peek(self):
+        """Return the next token, or an empty string."""
+        return self.tokens[self.at] if self.at < len(self.tokens) else ""
+
+    def take(self, expected=None):
+        """Return the next token and go on."""
+        token = self.peek()
+        require(token and expected in (None, token), "an entry breaks the grammar")
+        self.at += 1
+        return token
+
+    def sum(self):
+        """Return product (("+" | "-") product)*."""
+        value, text = self.product()
+        while self.peek() in ("+", "-"):
+            token = self.take()
+            other, more = self.product()
+            value, text = value + other if token == "+" else value - other, text + token + more
+        return value, text
+
+    def product(self):
+        """Return factor (("*" | "/") factor)*."""
+        value, text = self.factor()
+        while self.peek() in ("*", "/"):
+            token = self.take()
+            other, more = self.factor()
+            value, text = value * (other if token == "*" else inverse(other)), text + token + more
+        return value, text
+
+    def factor(self):
+        """Return ("+" | "-") factor | atom."""
+        if self.peek() in ("+", "-"):
+            token = self.take()
+            value, text = self.factor()
+            return (-value if token == "-" else value), token + text
+        return self.atom()
+
+    def atom(self):
+        """Return a number, a name, a sum in parentheses or a radical."""
+        token = self.take()
+        if token.isdigit():
+            return Fraction(int(token)), token
+        if token[0].isdigit():
+            require(self.decimal, "a decimal is no exact number")
+            return self.decimal(token), token
+        if token == "(":
+            value, text = self.sum()
+            return value, "(" + text + self.take(")")
+        require(token[0].isalpha() or token[0] == "_", "an entry breaks the grammar")
+        if token in ("sqrt", "root", "exp"):
+            return self.function(token)
+        if token == "i":
+            require(self.radical, "i stands where no radical may")
+            return self.radical("i"), "i"
+        value = self.name(token)
+        require(value is not None, f"nothing is called {token[:40]!r}")
+        return value, "(" + self.constant_text(token) + ")" if self.constant_text else token
+
+    def function(self, token):
+        """Return sqrt(..), root(.., n) or exp(..): what the certificate says it is."""
+        require(self.radical, "a radical stands where none may")
+        self.take("(")
+        if token == "exp":
+            inner = ""
+            while self.peek() not in (")", ""):
+                inner += self.take()
+        else:
+            inner = self.sum()[1]
+        if token == "root":
+            self.take(",")
+            inner += "," + self.take()
+        text = f"{token}({inner}{self.take(')')}"
+        return self.radical(text), text
+
+
+class Numbers:
+    """The field of a certificate: reads entries and checks radicals (2)."""
+
+    def __init__(self, field):
+        keys(field, "kind", "generators radicals digits unknowns equations centre radius inverse "
+             "implications", "field")  # fmt: skip
+        kind = field["kind"]
+        if kind in ("balls", "enclosure"):
+            not_covered(f"field of kind {kind}")
+        require(kind in ("rational", "tower"), f"no field is of kind {kind!r}")
+        keys(field, "kind" if kind == "rational" else "kind generators radicals", "", "field")
+        self.tower, self.memory, self.radicals = Tower(field.get("generators", ())), {}, {}
+        texts = field.get("radicals", {})
+        require(isinstance(texts, dict) and len(texts) <= 100, "radicals are an object")
+        self.radicals = {text: self.tower.parse(value) for text, value in texts.items()}
+        for text, value in self.radicals.items():
+            self.check_radical(text, value)
+
+    def radical(self, text):
+        """Return what a radical is said to be."""
+        require(text in self.radicals, f"the radical {text[:60]} is not in the field")
+        return self.radicals[text]
+
+    def check_radical(self, text, x):
+        """Refuse a value that is not the radical."""
+        wrong = f"{text[:60]} is another number"
+        if text == "i":
+            require(x * x == -1 and upper(x), wrong)
+            return
+        found = re.fullmatch(r"(sqrt|root|exp)\((.*)\)", text)
+        require(found, f"{text[:60]!r} is no radical")
+        kind, inner = found.groups()
+        if kind == "exp":
+            self.check_root_of_unity(inner, x, wrong)
+            return
+        power = 2
+        if kind == "root":
+            inner, _, last = inner.rpartition(",")
+            require(last.isdigit() and 1 <= int(last) <= DIMENSION, wrong)
+            power = int(last)
+        radicand = Parser(inner, lambda name: None, self.radical).value
+        require(x**power == radicand, wrong)
+        if not x:
+            return
+        half = vanishes(real(x)) and upper(x) if kind == "sqrt" else False
+        require(half or (enclose(x, BITS[1]).re[0] > 0 and (kind == "sqrt" or conj(x) == x)), wrong)
+
+    @staticmethod
+    def check_root_of_unity(inner, x, wrong):
+        """Refuse x unless x^n = 1 and x is nearer to the angle than other roots are."""
+        found = re.fullmatch(r"([-+]?)(?:([0-9]+)\*)?pi\*i(?:/([0-9]+))?", inner)
+        require(found, f"not covered: the angle {inner[:40]}")
+        signed, top, bottom = found.groups()
+        require(int(bottom or 1), wrong)
+        turns = Fraction(int(top or 1), 2 * int(bottom or 1)) * (-1 if signed == "-" else 1)
+        n = turns.denominator
+        require(n <= 100 and x**n == 1, wrong)
+        angle, bits = enclose(turns - turns.__floor__(), 256), 256
+        two_pi = Box((TWO_PI, TWO_PI + 1), (0, 0), bits)
+        angle = Box((0, 0), (angle * two_pi).re, bits)  # i times the angle
+        value, term = enclose(1, bits), enclose(1, bits)
+        for k in range(1, 120):  # exp by its series; the tail is far below 2^-200
+            term = term * angle * enclose(Fraction(1, k), bits)
+            value = value + term
+        gap = value - enclose(x, bits)
+        require(max(abs(e) for e in gap.re + gap.im) * n < 2 ** (bits - 1), wrong)
+
+    def name(self, document, name):
+        """Return (value, text) of a constant or unknown of the document."""
+        if (id(document), name) not in self.memory:
+            self.memory[id(document), name] = None  # a constant that uses itself finds nothing
+            own = document.get("constants", {})
+            require(isinstance(own, dict), "constants are an object")
+            if name in document.get("unknowns", {}):
+                not_covered("unknowns of an enclosure")
+            if name not in own:
+                return None
+            above = set(list(own)[: list(own).index(name)])
+            parser = self.parser(own[name], document, above)
+            self.memory[id(document), name] = (parser.value, parser.text)
+        return self.memory[id(document), name]
+
+    def parser(self, text, document, allowed=None):
+        """Return the parsed entry of a document."""
+
+        def known(name):
+            found = self.name(document, name) if allowed is None or name in allowed else None
+            return found and found[0]
+
+        def decimal(_text):
+            not_covered("decimals in a statement about exact numbers")
+
+        return Parser(text, known, self.radical, lambda n: self.name(document, n)[1],
+                      decimal if "digits" in document else None)  # fmt: skip
+
+    def vector(self, texts, document=None):
+        """Return a list of entries of the document, or of a witness."""
+        require(isinstance(texts, list) and 0 < len(texts) <= SIZE, "a list of numbers is missing")
+        if document is None:
+            return [self.number(text) for text in texts]
+        return [self.parser(text, document).value for text in texts]
+
+    def matrix(self, rows, document=None):
+        """Return a matrix of the document, or of a witness."""
+        require(isinstance(rows, list) and 0 < len(rows) <= SIZE, "a matrix is missing")
+        rows = [self.vector(row, document) for row in rows]
+        require(len({len(row) for row in rows}) == 1, "rows of a matrix have other lengths")
+        return rows
+
+    def number(self, text):
+        """Return a number of a witness."""
+        names = {name: self.tower.generator(k) for k, name in enumerate(self.tower.names)}
+        return Parser(text, names.get, self.radical).value
+
+
+def two_pi_floor(bits):
+    """Return floor of 2 pi 2^bits by Machin's formula, with guard bits."""
+    guard = bits + 32
+
+    def arctan(n):
+        term, value, k = (1 << guard) // n, 0, 1
+        while term:
+            value += term // k if k % 4 == 1 else -(term // k)
+            term, k = term // (n * n), k + 2
+        return value
+
+    return (8 * (4 * arctan(5) - arctan(239))) >> 32
+
+
+TWO_PI = two_pi_floor(256)
+
+
+# ------------------------------------------------------------------- section 3: trees and series
+
+
+@cache
+def size(tree):
+    """Return |t|; a tree is (colour, children in order)."""
+    return 1 + sum(size(child) for child in tree[1])
+
+
+@cache
+def gamma(tree):
+    """Return the density gamma(t)."""
+    value = size(tree)
+    for child in tree[1]:
+        value *= gamma(child)
+    return value
+
+
+@cache
+def trees(palette, order):
+    """Return all trees of an order: each colour of root with all multisets of children."""
+    smaller = [t for n in range(1, order) for t in trees(palette, n)]
+    found = []
+    for colour, children in palette:
+        pool = [t for t in smaller if t[0] in children]
+        for forest in forests(pool, order - 1, 0):
+            found.append((colour, tuple(sorted(forest))))
+            require(len(found) <= TREES, "beyond the limits of this checker")
+    return found
+
+
+def forests(pool, left, start):
+    """Yield the multisets of trees of the pool, which is ordered by size, with `left` vertices."""
+    if not left:
+        yield ()
+        return
+    for i in range(start, len(pool)):
+        if size(pool[i]) > left:
+            return
+        for rest in forests(pool, left - size(pool[i]), i):
+            yield (pool[i], *rest)
+
+
+def is_nystrom(tree):
+    """Tell whether no vertex f has two children or more."""
+    return not (tree[0] == "f" and len(tree[1]) > 1) and all(map(is_nystrom, tree[1]))
+
+
+def read_tree(text):
+    """Return the tree of a text such as f[kk[f]]."""
+    require(isinstance(text, str) and 0 < len(text) <= 200, "a tree is a short text")
+    place = 0
+
+    def vertex():
+        nonlocal place
+        colour, children = text[place : place + 1], []
+        require(colour and colour in "ofk[", f"{text!r} is no tree")
+        place += colour != "["
+        if colour == "o":  # always a single vertex: with children the colour o is not written
+            return "o", ()
+        colour = "o" if colour == "[" else colour
+        if text[place : place + 1] == "[":
+            place += 1
+            while text[place : place + 1] not in ("]", ""):
+                children.append(vertex())
+            require(children and text[place : place + 1] == "]", f"{text!r} is no tree")
+            place += 1
+        return colour, tuple(sorted(children))
+
+    tree = vertex()
+    require(place == len(text), f"{text!r} is no tree")
+    return tree
+
+
+@cache
+def cut(tree):
+    """Return pairs (s, N(t, s) / m!): what is left when branches are cut, the root kept."""
+    return list(cuts(tree).items())
+
+
+def cuts(tree, weight=None):
+    """Return {s: sum over the ways to cut of the product of the weights, else of 1 / gamma}."""
+    found = {(): Fraction(1)}
+    for child in tree[1]:
+        kept = cut(child) if weight is None else cuts(child, weight).items()
+        gone = Fraction(1, gamma(child)) if weight is None else weight(child)
+        options = [((), gone), *(((s,), w) for s, w in kept)]
+        more = {}
+        for (forest, x), (rest, y) in product(found.items(), options):
+            key = tuple(sorted(forest + rest))
+            more[key] = more.get(key, 0) + x * y
+        found = more
+    return {(tree[0], forest): w for forest, w in found.items()}
+
+
+class Series:
+    """A starting series eta and what follows from it; also the series of a start."""
+
+    def __init__(self, method, u, eta):
+        self.method, self.u, self.eta_of = method, u, eta
+        self.known = {}
+
+    @classmethod
+    def read(cls, method, witness, order, nystrom, identity_mode):
+        """Return the series of a witness, with every tree through the order."""
+        u = read_u(method, witness["u"])
+        pool = [t for n in range(1, order + 1) for t in trees(method.palette, n)]
+        pool = [t for t in pool if not nystrom or is_nystrom(t)]
+        zero = {c: [Fraction(0)] * method.part(c).r for c in method.parts}
+        if witness["eta"] == "zero":
+            eta = {t: zero[t[0]] for t in pool}
+        else:
+            require(isinstance(witness["eta"], dict), "eta is an object")
+            eta = {}
+            for text, values in witness["eta"].items():
+                tree = read_tree(text)
+                require(tree not in eta, f"the tree {text} is there twice")
+                eta[tree] = method.numbers.vector(values)
+            for tree in pool:
+                require(tree in eta, "a tree is missing in eta")
+                require(len(eta[tree]) == len(zero[tree[0]]), "a value of eta has another length")
+            require(len(eta) == len(pool), "there are trees too many in eta")
+        if identity_mode:
+            place = {c: first_place(x) for c, x in u.items()}
+            fine = all(not x[place[t[0]]] for t, x in eta.items())
+            require(fine, "eta is not 0 in the value that carries the solution")
+        return cls(method, u, eta.__getitem__)
+
+    def derivative(self, tree):
+        """Return xiD(t), the product of the xi of the children."""
+        value = ones(len(self.method.part(tree[0]).B[0]))
+        for child in tree[1]:
+            value = [x * y if x and y else Fraction(0)
+                     for x, y in zip(value, self.stages(child), strict=True)]  # fmt: skip
+        return value
+
+    def stages(self, tree):
+        """Return xi(t) = A xiD(t) + U eta(t)."""
+        if tree not in self.known:
+            m = self.method.part(tree[0])
+            slopes, values = apply(m.A, self.derivative(tree)), apply(m.U, self.eta_of(tree))
+            self.known[tree] = [x + y for x, y in zip(slopes, values, strict=True)]
+        return self.known[tree]
+
+    def moved(self, tree):
+        """Return (E eta)(t) - eta(t)."""
+        value = [x * Fraction(1, gamma(tree)) for x in self.u[tree[0]]]
+        for s, weight in cut(tree):
+            if s != tree:
+                value = [x + weight * y if y else x
+                         for x, y in zip(value, self.eta_of(s), strict=True)]  # fmt: skip
+        return value
+
+    def residual(self, tree):
+        """Return R(t) = B xiD(t) - ((E eta)(t) - eta(t))."""
+        output = apply(self.method.part(tree[0]).B, self.derivative(tree))
+        return [x - y for x, y in zip(output, self.moved(tree), strict=True)]
+
+
+def first_place(u):
+    """Return the first place where u is not 0."""
+    place = next((k for k, x in enumerate(u) if nonzero(x)), None)
+    require(place is not None, "u is 0")
+    return place
+
+
+def read_u(method, given):
+    """Return u of each colour after V u = u, U u = 1."""
+    require(isinstance(given, dict) and set(given) == set(method.parts), "u is given by colours")
+    u = {c: method.numbers.vector(x) for c, x in given.items()}
+    for c, x in u.items():
+        m = method.part(c)
+        require(len(x) == m.r, "u has another length")
+        equal(apply(m.V, x), x, f"V u = u ({c})")
+        equal(apply(m.U, x), ones(len(m.U)), f"U u = 1 ({c})")
+    return u
+
+
+# ---------------------------------------------------------------- section 4: rules for orders
+
+
+def mode(witness):
+    """Return (identity?, nystrom?) of a witness."""
+    require(witness["principal"] in ("free", "identity"), "principal is free or identity")
+    require(witness["trees"] in ("all", "nystrom"), "trees are all or nystrom")
+    return witness["principal"] == "identity", witness["trees"] == "nystrom"
+
+
+def pool_of(method, order, nystrom):
+    """Return the trees of one order that count."""
+    return [t for t in trees(method.palette, order) if not nystrom or is_nystrom(t)]
+
+
+def check_series(method, series, order, nystrom):
+    """Refuse unless (I - V) eta(t) = R(t) for every tree through the order."""
+    for tree in (t for n in range(1, order + 1) for t in pool_of(method, n, nystrom)):
+        m, eta = method.part(tree[0]), series.eta_of(tree)
+        left = [x - y for x, y in zip(eta, apply(m.V, eta), strict=True)]
+        equal(left, series.residual(tree), f"the condition of tree {show(tree)}")
+
+
+def show(tree):
+    """Return the text of a tree."""
+    inner = "".join(map(show, tree[1]))
+    return (tree[0] if tree[0] != "o" or not inner else "") + (f"[{inner}]" if inner else "")
+
+
+def order_at_least(proof, w):
+    """Rule order-at-least."""
+    keys(w, "order principal trees u eta")
+    identity_mode, nystrom = mode(w)
+    order = whole(w["order"], 0, 14)
+    series = Series.read(proof.method, w, order, nystrom, identity_mode)
+    check_series(proof.method, series, order, nystrom)
+    proof.series, proof.low = series, (order, identity_mode, nystrom)
+
+
+def order_at_most(proof, w):
+    """Rule order-at-most: order p + 1 is not reached."""
+    method, same = proof.method, w.get("same", False) is True
+    keys(w, "order principal trees W N n" + (" same" if same else " u eta"))
+    identity_mode, nystrom = mode(w)
+    p = whole(w["order"], 0, 14)
+    if same:
+        require(proof.low == (p, identity_mode, nystrom), "order-at-least has another series")
+        series = proof.series
+    else:
+        series = Series.read(method, w, p, nystrom, identity_mode)
+        check_series(method, series, p, nystrom)
+    W, N = eigenspaces_to_one(method, w)
+    d = {c: len(W[c]) for c in W}
+    K = {(c, e): times(W[c], method.part(c).B, method.part(e).U, N[e])
+         for c, children in method.palette for e in children}  # fmt: skip
+    if p >= 2 and (len(d) > 1 or max(d.values()) > 1):
+        check_kernel(method, d, K)
+    n = {read_tree(text): method.numbers.vector(x) for text, x in as_object(w["n"]).items()}
+    require(len(n) == len(w["n"]), "a tree is there twice in n")
+    counted = set(pool_of(method, p + 1, nystrom))
+    require(set(n) <= counted, "a tree of n is not of order p + 1")
+    require(all(len(x) == d[t[0]] for t, x in n.items()), "a value of n has another length")
+    first = total(dot(x, apply(W[t[0]], series.residual(t))) for t, x in n.items())
+    require(nonzero(first), "the sum (a) is 0")
+    check_sum_b(method, p, nystrom, n, K, principal_parts(series, N, identity_mode))
+    proof.high, proof.simple = (p, identity_mode, nystrom), max(d.values()) == 1
+
+
+def as_object(value):
+    """Return an object of the certificate."""
+    require(isinstance(value, dict), "an object is missing")
+    return value
+
+
+def eigenspaces_to_one(method, w):
+    """Return W and N of each colour: V N = N, W V = W, W N = I, rank (I - V) = r - d."""
+    W, N = {}, {}
+    for key, store in (("W", W), ("N", N)):
+        require(set(as_object(w[key])) == set(method.parts), f"{key} is given by colours")
+        store.update({c: method.numbers.matrix(M) for c, M in w[key].items()})
+    for c in W:
+        V, r, d = method.part(c).V, method.part(c).r, len(W[c])
+        require(len(W[c][0]) == len(N[c]) == r and len(N[c][0]) == d, "W or N has another shape")
+        equal(times(V, N[c]), N[c], "V N = N")
+        equal(times(W[c], V), W[c], "W V = W")
+        equal(times(W[c], N[c]), identity(d), "W N = I")
+        require(rank(minus(identity(r), V)) == r - d, "the rank of I - V is not r - d")
+    return W, N
+
+
+def check_kernel(method, d, K):
+    """Refuse unless beta -> (K beta(s) [t = [s]] - N(t, s) beta(s))_t has a kernel line."""
+    offset, width = {}, 0
+    for c in d:
+        offset[c], width = width, width + d[c]
+    rows = []
+    for tree in trees(method.palette, 2):
+        c, e = tree[0], tree[1][0][0]
+        for i in range(d[c]):
+            row = [Fraction(0)] * width
+            for j in range(d[e]):
+                row[offset[e] + j] += K[c, e][i][j]
+            row[offset[c] + i] -= 1
+            rows.append(row)
+    require(width - rank(rows) == 1, "principal parts at order 1 are not unique up to the flow")
+
+
+def principal_parts(series, N, identity_mode):
+    """Return a basis of F for each colour: all e, or those with (N e)_k = 0."""
+    if not identity_mode:
+        return {c: identity(len(M[0])) for c, M in N.items()}
+    return {c: kernel([M[first_place(series.u[c])]]) for c, M in N.items()}
+
+
+def check_sum_b(method, p, nystrom, n, K, free):
+    """Refuse unless (b) holds for every tree s of order p and e in F_s."""
+    for s in pool_of(method, p, nystrom) if p else ():
+        for e in free[s[0]]:
+            value = Fraction(0)
+            for t, x in n.items():
+                if t[1] == (s,):
+                    value = value + dot(x, apply(K[t[0], s[0]], e))
+                weight = dict(cut(t)).get(s, 0)  # m = 1: N(t, s) / 1!
+                if weight:
+                    value = value - weight * dot(x, e)
+            require(vanishes(value), f"the sum (b) is not 0 for the tree {show(s)}")
+
+
+def contradiction(proof, w, preconsistency):
+    """Rules no-order-1 and not-preconsistent."""
+    keys(w, "colour x y" + ("" if preconsistency else " z"))
+    m = proof.method.part(w["colour"])
+    x, y, *z = (proof.method.numbers.vector(w[k]) for k in ("x", "y", "z") if k in w)
+    shift = transpose(minus(m.V, identity(m.r)))
+    right = z[0] if z else [Fraction(0)] * m.r
+    left = [a + b for a, b in zip(apply(shift, x), apply(transpose(m.U), y), strict=True)]
+    equal(left, right, "x (V - I) + y U = z")
+    value = total(y)
+    if z:
+        require(vanishes(apply(shift, z[0])), "z (V - I) = 0 does not hold")
+        value = value - dot(z[0], apply(m.B, ones(len(m.B[0]))))
+    require(nonzero(value), "the contradiction is 0 = 0")
+
+
+def preconsistent(proof, w):
+    """Rule preconsistent."""
+    keys(w, "u")
+    proof.u = read_u(proof.method, w["u"])
+
+
+def consistent(proof, w):
+    """Rule consistent: also B 1 + V v = u + v; return u and v."""
+    keys(w, "u v")
+    u = read_u(proof.method, w["u"])
+    require(set(as_object(w["v"])) == set(u), "v is given by colours")
+    v = {c: proof.method.numbers.vector(x) for c, x in w["v"].items()}
+    for c in u:
+        m = proof.method.part(c)
+        left = [x + y for x, y in zip(apply(m.B, ones(len(m.B[0]))), apply(m.V, v[c]), strict=True)]
+        equal(left, [x + y for x, y in zip(u[c], v[c], strict=True)], "B 1 + V v = u + v")
+    return u, v
+
+
+def stage_defect(series, tree, ones_count):
+    """Return whether xi(t) = c^|t| / gamma(t), up to a multiple of ones where that counts."""
+    c = series.stages((tree[0], ()))
+    want = [x ** size(tree) * Fraction(1, gamma(tree)) if x else x for x in c]
+    gap = [x - y for x, y in zip(series.stages(tree), want, strict=True)]
+    return [x - gap[0] for x in gap] if ones_count else gap
+
+
+def exception(proof, order):
+    """Tell whether a multiple of ones may be added at this order."""
+    p, identity_mode, _ = proof.low
+    several = any(m.r > 1 for m in proof.method.parts.values())
+    return order == p and not identity_mode and several
+
+
+def stage_order_at_least(proof, w):
+    """Rule stage-order-at-least."""
+    keys(w, "q")
+    q = whole(w["q"])
+    require(proof.low and q <= proof.low[0], "the stage order is above the order")
+    for n in range(1, q + 1):
+        for tree in pool_of(proof.method, n, proof.low[2]):
+            gap = stage_defect(proof.series, tree, exception(proof, n))
+            require(vanishes(gap), f"the stages are wrong at tree {show(tree)}")
+    return q
+
+
+def stage_order_at_most(proof, w):
+    """Rule stage-order-at-most."""
+    keys(w, "q", "tree")
+    q = whole(w["q"])
+    require(proof.high and proof.low and proof.high == proof.low, "the order is not enclosed")
+    if q < proof.low[0]:
+        require("tree" in w, "the tree is missing")
+        tree = read_tree(w["tree"])
+        require(tree in pool_of(proof.method, q + 1, proof.low[2]), "the tree has another order")
+        gap = stage_defect(proof.series, tree, exception(proof, q + 1))
+        require(any(nonzero(x) for x in gap), "the stages are right at the tree")
+    require(q <= proof.low[0], "the stage order is above the order")
+    return q
+
+
+class StartSeries(Series):
+    """The series of a starting or finishing method: xi = A xiD, value = B xiD."""
+
+    def __init__(self, method, tables, u):
+        super().__init__(method, u, None)
+        self.tables = tables  # colour: (A, B)
+
+    def derivative(self, tree):
+        """Return xiD(t)."""
+        value = ones(len(self.tables[tree[0]][0][0]))
+        for child in tree[1]:
+            value = [x * y for x, y in zip(value, self.stages(child), strict=True)]
+        return value
+
+    def stages(self, tree):
+        """Return A xiD(t)."""
+        if tree not in self.known:
+            self.known[tree] = apply(self.tables[tree[0]][0], self.derivative(tree))
+        return self.known[tree]
+
+    def value(self, tree):
+        """Return B xiD(t)."""
+        return apply(self.tables[tree[0]][1], self.derivative(tree))
+
+
+class ZeroStart:
+    """The start (y0, 0, ..) of a pair without `starting`."""
+
+    def __init__(self, method):
+        self.u = {c: [Fraction(int(k == 0)) for k in range(m.r)] for c, m in method.parts.items()}
+
+    def value(self, tree):
+        """Return zeros."""
+        return [Fraction(0)] * len(self.u[tree[0]])
+
+
+def start_of(method):
+    """Return the series of the file's start."""
+    table = method.document.get("starting")
+    if table is None:
+        require(method.pair, "the file has no start")
+        return ZeroStart(method)
+    hats = {"o": ""} if not method.pair else {"f": "", "k": "_hat"}
+    needed = " ".join(f"A{h} B{h} u{h}" for h in hats.values()) + " order"
+    keys(table, needed, "name kind", "start")
+    tables = {c: (method.matrix("A" + h, table), method.matrix("B" + h, table))
+              for c, h in hats.items()}  # fmt: skip
+    u = {c: method.list("u" + h, table) for c, h in hats.items()}
+    for c, (_, B) in tables.items():
+        require(len(B) == len(u[c]) == method.part(c).r, "the start has another number of values")
+    return StartSeries(method, tables, u)
+
+
+def start_series(proof, w):
+    """Return (q, order, eta, start) of a start-at-.. witness; eta satisfies order-at-least."""
+    method = proof.method
+    order, q = whole(w["order"], 0, 14), whole(w["q"])
+    require(w["trees"] in ("all", "nystrom"), "trees are all or nystrom")
+    require(proof.low and proof.low == proof.high, "the order is not enclosed")
+    p, identity_mode, nystrom = proof.low
+    fits = (
+        order == p and nystrom == (w["trees"] == "nystrom") and (identity_mode or not method.pair)
+    )
+    require(fits and q <= order, "the order of the series is not that of the method")
+    series = Series.read(method, w, order, nystrom, identity_mode)
+    check_series(method, series, order, nystrom)
+    return q, order, series, start_of(method)
+
+
+def start_at_least(proof, w):
+    """Rule start-at-least."""
+    keys(w, "q order u eta trees")
+    q, _, series, start = start_series(proof, w)
+    for c, u in series.u.items():
+        equal(start.u[c], u, "u of the start")
+    for tree in (t for n in range(1, q + 1) for t in pool_of(proof.method, n, proof.low[2])):
+        equal(start.value(tree), series.eta_of(tree), f"the start at tree {show(tree)}")
+    return q
+
+
+def start_at_most(proof, w):
+    """Rule start-at-most."""
+    keys(w, "q order u eta tree", "value trees")
+    q, order, series, start = start_series(proof, {"trees": "all", **w})
+    require(proof.simple, "the eigenvalue 1 is not simple")
+    colour = next(iter(series.u))
+    if w["tree"] == "":
+        different = any(nonzero(x - y) for c, u in series.u.items()
+                        for x, y in zip(start.u[c], u, strict=True))  # fmt: skip
+        require(q == 0 and different, "u is that of the start")
+        return q
+    k, single = first_place(series.u[colour]), (colour, ())
+    same = order == 0 or start.value(single)[k] == series.eta_of(single)[k]
+    require(same, "eta does not agree with the start at the single vertex")
+    if q == order:
+        return q
+    tree, place = read_tree(w["tree"]), whole(w.get("value"), 1) - 1  # from 1
+    require(tree in pool_of(proof.method, q + 1, proof.low[2]), "the tree has another order")
+    gap = [x - y for x, y in zip(start.value(tree), series.eta_of(tree), strict=True)]
+    require(place < len(gap), "there is no such value")
+    if q + 1 == order and not proof.low[1]:
+        u = series.u[tree[0]]
+        apart = any(nonzero(gap[i] * u[j] - gap[j] * u[i]) for i in range(len(u)) for j in range(i))
+    else:
+        apart = nonzero(gap[place])
+    require(apart, "the start is right at the tree")
+    return q
+
+
+def finish_defect(proof, tree):
+    """Return (a b)(t), a the first value of the start and b the finish."""
+    method = proof.method
+    require(not method.pair, "pairs have no finish")
+    start, table = start_of(method), method.document.get("finishing")
+    require(start.u["o"][0] == 1, "the first value of the start is not y0")
+    keys(table, "A b", "name kind order", "finish")
+    A, b = method.matrix("A", table), [method.list("b", table)]
+    finish = StartSeries(method, {"o": (A, b)}, None)
+
+    def first(t):
+        return start.value(t)[0]
+
+    return first(tree) + total(w * finish.value(s)[0] for s, w in cuts(tree, first).items())
+
+
+def finish_at_least(proof, w):
+    """Rule finish-at-least."""
+    keys(w, "q")
+    for tree in (
+        t for n in range(1, whole(w["q"], 0, 12) + 1) for t in trees(proof.method.palette, n)
+    ):
+        require(vanishes(finish_defect(proof, tree)), f"the finish is wrong at {show(tree)}")
+    return w["q"]
+
+
+def finish_at_most(proof, w):
+    """Rule finish-at-most."""
+    keys(w, "q tree")
+    tree = read_tree(w["tree"])
+    require(tree in trees(proof.method.palette, whole(w["q"], 0, 12) + 1), "another order")
+    require(nonzero(finish_defect(proof, tree)), "the finish is right at the tree")
+    return w["q"]
+
+
+# --------------------------------------------------------- section 5: polynomials and their roots
+
+
+def trim(p):
+    """Return p without leading zeros; constant first."""
+    p = list(p)
+    while p and not p[-1]:
+        p.pop()
+    return p
+
+
+def multiply(p, q):
+    """Return p q."""
+    out = [Fraction(0)] * (len(p) + len(q) - 1) if p and q else []
+    for i, a in enumerate(p):
+        for j, b in enumerate(q):
+            if a and b:
+                out[i + j] = out[i + j] + a * b
+    return trim(out)
+
+
+def plus(p, q, factor=1):
+    """Return p + factor q."""
+    n = max(len(p), len(q))
+    p, q = (list(x) + [Fraction(0)] * (n - len(x)) for x in (p, q))
+    return trim([a + factor * b for a, b in zip(p, q, strict=True)])
+
+
+def divide(p, q):
+    """Return quotient and remainder."""
+    p, q, unit, out = trim(p), trim(q), inverse(trim(q)[-1]), []
+    out = [Fraction(0)] * max(len(p) - len(q) + 1, 0)
+    while len(p) >= len(q):
+        shift, factor = len(p) - len(q), p[-1] * unit
+        out[shift] = factor
+        p = trim([x - factor * q[i - shift] if i >= shift else x for i, x in enumerate(p)][:-1])
+    return out, p
+
+
+def gcd(p, q):
+    """Return a monic greatest common divisor."""
+    p, q = trim(p), trim(q)
+    while q:
+        p, q = q, divide(p, q)[1]
+    return [inverse(p[-1]) * x for x in p]
+
+
+def mirror(p):
+    """Return p~, the coefficients conjugated and reversed."""
+    return [conj(x) for x in reversed(p)]
+
+
+def squared(x):
+    """Return |x|^2."""
+    return x * conj(x)
+
+
+def step(p):
+    """Return (conj(p_n) p - p_0 p~) / x."""
+    a, b = conj(p[-1]), p[0]
+    return [a * x - b * y for x, y in zip(p, mirror(p), strict=True)][1:]
+
+
+def is_schur(p):
+    """Tell whether all roots lie inside the circle (Schur, Cohn)."""
+    p = trim(p)
+    require(p, "a polynomial is 0")
+    while len(p) > 1:
+        if not p[0]:
+            p = p[1:]
+            continue
+        if sign(squared(p[-1]) - squared(p[0])) <= 0:
+            return False
+        p = step(p)
+    return True
+
+
+def in_disc(p):
+    """Tell whether all roots lie in the closed disc (Schur, Cohn)."""
+    p = trim(p)
+    require(p, "a polynomial is 0")
+    while len(p) > 1:
+        if not p[0]:
+            p = p[1:]
+            continue
+        margin = squared(p[-1]) - squared(p[0])
+        if not margin:
+            if not vanishes(
+                [x * p[-1] - conj(p[0]) * y for x, y in zip(mirror(p), p, strict=True)]
+            ):
+                return False
+            p = derivative(p)
+        elif sign(margin) < 0:
+            return False
+        else:
+            p = step(p)
+    return True
+
+
+def at_matrix(p, V):
+    """Return p(V)."""
+    value = scale(p[-1], identity(len(V)))
+    for c in reversed(p[:-1]):
+        value = combine(times(value, V), scale(c, identity(len(V))))
+    return value
+
+
+def characteristic(M):
+    """Return det(x I - M), constant first (Faddeev, LeVerrier)."""
+    n = len(M)
+    require(n <= 40, "beyond the limits of this checker")
+    coefficients, N = [Fraction(1)], [[Fraction(0)] * n for _ in range(n)]
+    for k in range(1, n + 1):
+        N = combine(times(M, N), scale(coefficients[-1], identity(n)))
+        product_ = times(M, N)
+        coefficients.append(total(product_[i][i] for i in range(n)) * Fraction(-1, k))
+    return coefficients[::-1]
+
+
+def polynomial(proof, texts):
+    """Return a polynomial of a witness: its leading coefficient is not 0."""
+    p = proof.method.numbers.vector(texts)
+    require(nonzero(p[-1]), "a leading coefficient is 0")
+    return p
+
+
+def square_free(p):
+    """Tell whether gcd(p, p') = 1."""
+    return len(gcd(p, derivative(p))) == 1
+
+
+def bounded(proof, w):
+    """Rule bounded: the powers of V are bounded."""
+    keys(w, "which q h")
+    V = proof.method.part(w["which"]).V
+    q, h = polynomial(proof, w["q"]), polynomial(proof, w["h"])
+    require(vanishes(at_matrix(multiply(q, h), V)), "q(V) h(V) is not 0")
+    require(in_disc(q), "q has a root outside the disc")
+    require(square_free(q), "q has a multiple root")
+    require(is_schur(h), "h has a root that is not inside the circle")
+    proof.stable.add(w["which"])
+
+
+def unbounded(proof, w):
+    """Rule unbounded: an eigenvalue outside, or a defective one on the circle."""
+    keys(w, "which value")
+    V, value, read = proof.method.part(w["which"]).V, as_object(w["value"]), proof.method.numbers
+    if "lambda" in value:
+        keys(value, "lambda x", "y")
+        z, x = read.number(value["lambda"]), read.vector(value["x"])
+        require(any(map(nonzero, x)), "x is 0")
+        equal(apply(V, x), [z * e for e in x], "V x = lambda x")
+        if "y" not in value:
+            require(sign(squared(z) - 1) > 0, "|lambda| is not above 1")
+            return
+        y = read.vector(value["y"])
+        require(squared(z) == 1, "|lambda| is not 1")
+        equal(apply(V, y), [z * a + b for a, b in zip(y, x, strict=True)], "V y = lambda y + x")
+        return
+    keys(value, "charpoly", "chain")
+    require(value["charpoly"] is True, "charpoly is true")
+    p = characteristic(V)
+    if "chain" not in value:
+        require(not in_disc(p), "the characteristic polynomial is in the disc")
+        return
+    chain = value["chain"]
+    keys(chain, "q h")
+    q, h = polynomial(proof, chain["q"]), polynomial(proof, chain["h"])
+    require(plus(multiply(q, h), p, -1) == [], "q h is not the characteristic polynomial")
+    on_circle = in_disc(q) and not squared(q[-1]) - squared(q[0])
+    require(is_schur(h) and on_circle, "q or h has roots elsewhere")
+    radical, _ = divide(q, gcd(q, derivative(q)))
+    M = at_matrix(radical, V)
+    for _ in V:
+        M = times(M, at_matrix(h, V))
+    require(any(nonzero(x) for row in M for x in row), "rad(q)(V) h(V)^r is 0")
+
+
+def eigen(proof, w):
+    """Rule eigen: all eigenvalues of modulus 1 with their projections."""
+    keys(w, "which parts h")
+    m, read = proof.method.part(w["which"]), proof.method.numbers
+    found, rest = [], identity(m.r)
+    require(isinstance(w["parts"], list), "parts are a list")
+    for part in w["parts"]:
+        keys(part, "zeta W N", where="eigenvalue")
+        z, W, N = read.number(part["zeta"]), read.matrix(part["W"]), read.matrix(part["N"])
+        equal(times(m.V, N), scale(z, N), "V N = zeta N")
+        equal(times(W, m.V), scale(z, W), "W V = zeta W")
+        equal(times(W, N), identity(len(W)), "W N = I")
+        require(squared(z) == 1, "an eigenvalue is not of modulus 1")
+        require(all(nonzero(z - other) for other, _, _ in found), "an eigenvalue is there twice")
+        found.append((z, W, N))
+        rest = minus(rest, times(N, W))
+    h = polynomial(proof, w["h"])
+    require(is_schur(h), "h has a root that is not inside the circle")
+    require(vanishes(times(at_matrix(h, m.V), rest)), "h(V) (I - sum N W) is not 0")
+    require(w["which"] not in proof.eigen, "eigen is there twice")
+    proof.eigen[w["which"]] = found
+
+
+def half_turn(z):
+    """Return 0 for arguments in [0, pi), 1 for [pi, 2 pi)."""
+    if conj(z) == z:
+        return 0 if sign(z) > 0 else 1
+    return 0 if upper(z) else 1
+
+
+def comes_before(y, z):
+    """Tell whether arg y < arg z in [0, 2 pi), for numbers of modulus 1."""
+    if half_turn(y) != half_turn(z):
+        return half_turn(y) < half_turn(z)
+    order = sign(real(y) - real(z))
+    return order > 0 if half_turn(y) == 0 else order < 0
+
+
+def growth_groups(proof):
+    """Return for each eigenvalue of modulus 1 (zeta, matrices (1/zeta) W B U N).
+
+    Pairs: for each shared eigenvalue but 1 the products of W_f B_f with U_k N_k and the like.
+    """
+    require(set(proof.eigen) == set(proof.method.parts), "eigen is missing for a component")
+    for found in proof.eigen.values():
+        for before, after in pairwise(found):
+            require(comes_before(before[0], after[0]), "arguments do not increase")
+    if not proof.method.pair:
+        m = proof.method.single()
+        return [(z, [scale(conj(z), times(W, m.B, m.U, N))]) for z, W, N in proof.eigen["o"]]
+    groups, m = [], proof.method.parts
+    children = dict(proof.method.palette)
+    for z, *_ in proof.eigen["f"]:
+        spaces = {c: next((e for e in proof.eigen[c] if not nonzero(e[0] - z)), None) for c in m}
+        if not nonzero(z - 1) or spaces["k"] is None:
+            continue
+        require(all(len(e[1]) == 1 for e in spaces.values()), "a shared eigenvalue is not simple")
+        groups.append((z, [scale(conj(z), times(spaces[c][1], m[c].B, m[e].U, spaces[e][2]))
+                           for c, others in children.items() for e in others]))  # fmt: skip
+    return groups
+
+
+def from_roots(numbers):
+    """Return the product of (x - mu)."""
+    p = [Fraction(1)]
+    for mu in numbers:
+        p = plus([Fraction(0), *p], p, -mu)
+    return p
+
+
+def growth(proof, w):
+    """Rule growth, for the claims growth and parasitism-free; pairs: all are 0."""
+    keys(w, "list")
+    groups, pair = growth_groups(proof), proof.method.pair
+    free = proof.claim == "parasitism-free"
+    if pair:
+        declared = [] if free else proof.claimed(proof.declared)
+        require(
+            all_zero(proof, w["list"]), "not covered: growth parameters of pairs that are not 0"
+        )
+        require(vanishes(declared), "not covered: growth parameters of pairs that are not 0")
+        require(free or len(declared) == sum(len(Ms) for _, Ms in groups), "another number of them")
+        require(vanishes([M for _, Ms in groups for M in Ms]), "a growth parameter is not 0")
+        return
+    sizes = [len(M) - int(not nonzero(z - 1)) for z, (M,) in groups]
+    zero = [[Fraction(0)] * n for n in sizes]
+    if free:
+        values = zero
+        require(all_zero(proof, w["list"]), "a growth parameter is not 0")
+    else:
+        require(isinstance(w["list"], list) and len(w["list"]) == len(sizes), "list fits no parts")
+        values = [proof.method.numbers.vector(x) if x else [] for x in w["list"]]
+        given = declared_groups(proof, sizes)
+        for mine, claimed in zip(values, given, strict=True):
+            require(plus(from_roots(mine), from_roots(claimed), -1) == [], "other parameters")
+    for (z, (M,)), mine in zip(groups, values, strict=True):
+        require(growth_gap(z, M, mine) == [], "a list is not that of the eigenvalues")
+
+
+def all_zero(proof, given):
+    """Tell whether a witness is "zero" or lists of zeros."""
+    return given == "zero" or vanishes([proof.method.numbers.vector(x) for x in given if x])
+
+
+def growth_gap(z, M, numbers):
+    """Return det(x I - M) minus the product of (x - mu), times x - 1 for zeta = 1."""
+    one = [] if nonzero(z - 1) else [Fraction(1)]
+    return plus(characteristic(M), from_roots(numbers + one), -1)
+
+
+def declared_groups(proof, sizes):
+    """Return the declared list in groups of given sizes."""
+    numbers = proof.claimed(proof.declared)
+    require(len(numbers) == sum(sizes), "the declared list has another length")
+    return [[numbers.pop(0) for _ in range(n)] for n in sizes]
+
+
+def grows(proof, w):
+    """Rule grows: the parameters of one part are other ones than declared."""
+    keys(w, "part")
+    groups, free = growth_groups(proof), proof.claim == "parasitism-free"
+    sizes = [sum(len(M) - int(not nonzero(z - 1)) for M in Ms) for z, Ms in groups]
+    if w["part"] == -1:
+        require(not free and len(proof.declared) != sum(sizes), "the number of parameters is right")
+        return
+    k = whole(w["part"], 0, len(groups) - 1)
+    z, matrices = groups[k]
+    if proof.method.pair:
+        require(free or vanishes(declared_groups(proof, sizes)[k]), "not covered: pairs that grow")
+        different = [M[0][0] for M in matrices]
+    else:
+        mine = [Fraction(0)] * sizes[k] if free else declared_groups(proof, sizes)[k]
+        different = growth_gap(z, matrices[0], mine)
+    require(any(map(nonzero, different)), "the growth parameters are as declared")
+
+
+# ------------------------------------------------ section 5: quadratic forms, symmetry, structure
+
+
+def form_defects(method, G, D):
+    """Return left - right of each identity, by name; D is a list, for pairs (D_P, D_Q)."""
+    if not method.pair:
+        m = method.parts["o"]
+        B, E = star(m.B), diagonal(D)
+        return {"V": minus(G, times(star(m.V), G, m.V)),
+                "U": minus(times(E, m.U), times(B, G, m.V)),
+                "A": minus(combine(times(E, m.A), times(star(m.A), E)), times(B, G, m.B)),
+                "real": [[x - conj(x) for x in D]], "hermitian": minus(G, star(G))}  # fmt: skip
+    q, p, (D_P, D_Q) = method.parts["f"], method.parts["k"], map(diagonal, D)
+    return {"V": minus(times(star(q.V), G, p.V), G),
+            "P": minus(times(D_P, p.U), times(star(q.B), G, p.V)),
+            "Q": minus(times(D_Q, q.U), times(star(p.B), star(G), q.V)),
+            "A": minus(combine(times(D_P, p.A), times(star(q.A), D_Q)), times(star(q.B), G, p.B)),
+            "real": [[x - conj(x) for x in D[0] + D[1]]]}  # fmt: skip
+
+
+def energy(method, G):
+    """Return u^* G u, for pairs u^* G u^."""
+    first, last = next(iter(method.parts)), list(method.parts)[-1]
+    return dot([conj(x) for x in method.u(first)], apply(G, method.u(last)))
+
+
+def given_form(method):
+    """Return (G, D) of the file; D is None where it gives none."""
+    G = method.form() if "G" in method.document else None
+    names = ("D_P", "D_Q") if method.pair else ("D",)
+    if method.kind == "pair-sweep":
+        return G, None
+    D = [method.list(key) for key in names if key in method.document]
+    return G, (None if len(D) < len(names) else tuple(D) if method.pair else D[0])
+
+
+def form(proof, w):
+    """Rule form: G and D satisfy the identities; they are those of the file if it has some."""
+    method, read = proof.method, proof.method.numbers
+    keys(w, "G D_P D_Q" if method.pair else "G D")
+    G = read.matrix(w["G"])
+    D = (read.vector(w["D_P"]), read.vector(w["D_Q"])) if method.pair else read.vector(w["D"])
+    own_G, own_D = given_form(method)
+    if own_G is not None:
+        equal(G, own_G, "the G of the file")
+    if own_D is not None:
+        equal(list(map(list, D)) if method.pair else D, list(own_D), "the D of the file")
+    for name, defect in form_defects(method, G, D).items():
+        require(vanishes(defect), f"the identity {name} of the form does not hold")
+    if method.pair and not method.separable:
+        equal(D[0], D[1], "D_P = D_Q")
+    require(nonzero(energy(method, G)), "u^* G u is 0")
+
+
+def entry_of(M, place):
+    """Return the entry [i, j] of a matrix."""
+    require(isinstance(place, list) and len(place) == 2, "an entry is [i, j]")
+    return M[whole(place[0], 0, len(M) - 1)][whole(place[1], 0, len(M[0]) - 1)]
+
+
+def given_form_fails(proof, w):
+    """Rule given-form-fails: with the G (and D) of the file one identity does not hold."""
+    keys(w, "identity", "entry")
+    method, name = proof.method, w["identity"]
+    G, D = given_form(method)
+    require(G is not None, "the file gives no G")
+    if name == "solution":
+        require(vanishes(energy(method, G)), "u^* G u is not 0")
+        return
+    if D is None:  # D = B^* G u, the only D that the second identity times u allows
+        m, last = method.parts, list(method.parts)[-1]
+        D = apply(star(next(iter(m.values())).B), apply(G, method.u(last)))
+        if method.pair:
+            D = D, apply(star(m["k"].B), apply(star(G), method.u("f")))
+    defects = form_defects(method, G, D)
+    if method.pair and not method.separable:
+        defects["shared"] = [[x - y for x, y in zip(*D, strict=True)]]
+    require(name in defects, f"no identity is called {name!r}")
+    require(nonzero(entry_of(defects[name], w.get("entry"))), f"the entry of {name} is 0")
+
+
+def no_form(proof, w):
+    """Rule no-form, for real methods: a combination of the identities is u^* G u."""
+    keys(w, "lambda")
+    method, parts = proof.method, proof.method.parts.values()
+    require("G" not in method.document, "the file gives a form")
+    entries = [x for m in parts for M in (m.A, m.U, m.B, m.V) for row in M for x in row]
+    if any(conj(x) != x for x in entries):
+        not_covered("no-form for complex methods")
+    terms = []
+    require(isinstance(w["lambda"], list) and len(w["lambda"]) <= 10_000, "lambda is a list")
+    for term in w["lambda"]:
+        keys(term, "identity entry part factor", where="term of lambda")
+        require(term["part"] == "re" and term["identity"] in ("V", "U", "A", "P", "Q"), "a term")
+        factor = method.numbers.number(term["factor"])
+        require(conj(factor) == factor, "a factor is not real")
+        terms.append((term["identity"], term["entry"], factor))
+    for G, D in unit_forms(method):
+        defects = form_defects(method, G, D)
+        require(all(name in defects for name, _, _ in terms), "no such identity")
+        value = total(factor * entry_of(defects[name], at) for name, at, factor in terms)
+        require(vanishes(value - energy(method, G)), "lambda does not give u^* G u")
+
+
+def unit_forms(method):
+    """Yield (G, D) through a basis: each G with D = 0, then each D with G = 0."""
+    m, *others = method.parts.values()
+    rows, columns, zero = m.r, (others[0].r if others else m.r), Fraction(0)
+    slopes = [len(x.B[0]) for x in method.parts.values()]
+    none = tuple([zero] * n for n in slopes)
+    for i, j in product(range(rows), range(columns)):
+        if others or i <= j:
+            G = [[zero] * columns for _ in range(rows)]
+            G[i][j] = Fraction(1)
+            if not others:
+                G[j][i] = Fraction(1)
+            yield G, none if others else none[0]
+    G = [[zero] * columns for _ in range(rows)]
+    shared = method.pair and not method.separable
+    for at in range(slopes[0] if not others or shared else sum(slopes)):
+        places = (at, at + slopes[0]) if shared else (at,)
+        flat = [Fraction(int(k in places)) for k in range(sum(slopes))]
+        yield G, (flat[: slopes[0]], flat[slopes[0] :]) if others else flat
+
+
+def weights_of(method):
+    """Return (b, A, b^, A^) of a method that carries one value; a single one twice."""
+    for m in method.parts.values():
+        require(m.r == 1 and m.V == [[1]] and m.U == [[1]] * len(m.U), "not one value carried")
+    first, last = method.parts[min(method.parts)], method.parts[max(method.parts)]
+    return first.B[0], first.A, last.B[0], last.A
+
+
+def quadratic_defect(method, i, j):
+    """Return b_i a^_ij + b^_j a_ji - b_i b^_j."""
+    b, A, b_hat, A_hat = weights_of(method)
+    i, j = whole(i, 0, len(b) - 1), whole(j, 0, len(b_hat) - 1)
+    return b[i] * A_hat[i][j] + b_hat[j] * A[j][i] - b[i] * b_hat[j]
+
+
+def quadratic(proof, w):
+    """Rule quadratic (claim symplectic)."""
+    keys(w, "")
+    b, _, b_hat, _ = weights_of(proof.method)
+    for i, j in product(range(len(b)), range(len(b_hat))):
+        require(vanishes(quadratic_defect(proof.method, i, j)), f"the identity ({i}, {j})")
+    if proof.method.pair and not proof.method.separable:
+        equal(b, b_hat, "b = b^")
+
+
+def not_quadratic(proof, w):
+    """Rule not-quadratic."""
+    if "several-values" in w:
+        keys(w, "several-values")
+        several = any(m.r > 1 for m in proof.method.parts.values())
+        require(w["several-values"] is True and several, "one value is carried")
+        return
+    keys(w, "entry")
+    require(isinstance(w["entry"], list) and len(w["entry"]) == 2, "an entry is [i, j]")
+    require(nonzero(quadratic_defect(proof.method, *w["entry"])), "the identity holds there")
+
+
+def permutation(p, n):
+    """Return a 0-based involution of n places."""
+    fine = isinstance(p, list) and all(type(x) is int for x in p) and sorted(p) == list(range(n))
+    require(fine and all(p[x] == k for k, x in enumerate(p)), "P is no involution")
+    return p
+
+
+def symmetric(proof, w):
+    """Rule symmetric: L and P exchange a step with its reversal."""
+    method, read = proof.method, proof.method.numbers
+    if method.pair:
+        keys(w, "L L_hat P_Q P_P")
+        L = {"f": read.matrix(w["L"]), "k": read.matrix(w["L_hat"])}
+        slopes, places = {"f": w["P_P"], "k": w["P_Q"]}, {"f": w["P_Q"], "k": w["P_P"]}
+        require(method.separable or w["P_Q"] == w["P_P"], "P_Q and P_P differ")
+    else:
+        keys(w, "L P")
+        L, slopes, places = {"o": read.matrix(w["L"])}, {"o": w["P"]}, {"o": w["P"]}
+    for c, m in method.parts.items():
+        J, back = L[c], inverse_matrix(m.V)
+        P, R = permutation(slopes[c], len(m.B[0])), permutation(places[c], len(m.A))
+        equal(times(J, J), identity(m.r), "L^2 = I")
+        equal(times(J, back, J), m.V, "L V^-1 L = V")
+        equal([[row[x] for x in P] for row in times(m.V, J, m.B)], m.B, "B = V L B P")
+        mirrored = times(m.U, J, m.V)
+        equal([mirrored[x] for x in R], m.U, "U = P U L V")
+        moved = [[m.A[x][y] for y in P] for x in R]
+        equal(combine(m.A, moved), times(m.U, back, m.B), "A + P A P = U V^-1 B")
+
+
+def involutions(method):
+    """Return all P with A + P A P = U V^-1 B, by backtracking; separable pairs: Q, then P."""
+    blocks, kinds = [], None
+    for m in method.parts.values():
+        blocks.append((m.A, times(m.U, inverse_matrix(m.V), m.B)))
+    n = len(blocks[0][0])
+    if method.separable:
+        (A, M), (A_hat, M_hat) = blocks
+        n_P = len(A_hat)
+        kinds = [0] * n + [1] * n_P
+        blocks = [(corners(A, A_hat), corners(M, M_hat))]
+        n += n_P
+    found, steps = [], 0
+
+    def place(P):
+        nonlocal steps
+        steps += 1
+        require(steps <= 100_000, "beyond the limits of this checker")
+        k = next((i for i, x in enumerate(P) if x is None), None)
+        if k is None:
+            found.append(list(P))
+            return
+        for x in range(k, n):
+            if P[x] is None and (kinds is None or kinds[x] == kinds[k]):
+                P[k], P[x] = x, k
+                if fits_all(P, k):
+                    place(P)
+                P[k] = P[x] = None
+
+    def fits_all(P, k):
+        known = [i for i, x in enumerate(P) if x is not None]
+        pairs = [(i, j) for e in (k, P[k]) for o in known for i, j in ((e, o), (o, e))]
+        return all(not A[i][j] + A[P[i]][P[j]] - M[i][j] for A, M in blocks for i, j in pairs)
+
+    place([None] * n)
+    return found
+
+
+def corners(M, N):
+    """Return the matrix with M right above and N left below."""
+    zero = Fraction(0)
+    return [[zero] * len(M) + row for row in M] + [row + [zero] * len(M[0]) for row in N]
+
+
+def not_symmetric(proof, w):
+    """Rule not-symmetric."""
+    method = proof.method
+    if "singular" in w:
+        keys(w, "singular", "which")
+        m = method.part(w.get("which", "o"))
+        x = method.numbers.vector(w["singular"])
+        require(vanishes(apply(m.V, x)) and any(map(nonzero, x)), "V x = 0 with x not 0")
+    elif "trace" in w:
+        keys(w, "trace")
+        m = method.single()
+        M = times(m.U, inverse_matrix(m.V), m.B)
+        gap = total(2 * m.A[i][i] - M[i][i] for i in range(len(M)))
+        require(w["trace"] is True and nonzero(gap), "the traces agree")
+    elif "stages" in w:
+        keys(w, "stages")
+        require(w["stages"] is True and not involutions(method), "a permutation of stages exists")
+    else:
+        keys(w, "values")
+        refute_values(method, w["values"])
+
+
+def refute_values(method, given):
+    """Refuse unless the P listed are all there are and none has an L."""
+    found = involutions(method)
+    require(isinstance(given, list), "values are a list")
+    for entry in given:
+        keys(entry, "P", "functional square", "value")
+    listed = [entry["P"] for entry in given]
+    require(all(P in found for P in listed), "a P that is listed does not fit")
+    require(all(P in listed for P in found) and len(found) == len(listed), "a P is not listed")
+    for P in found:
+        require(any(no_reversal(method, c, P) for c in method.parts), "an involution L exists")
+
+
+def no_reversal(method, c, P):
+    """Tell whether the linear conditions on L contradict or have one solution, no involution."""
+    m, back = method.part(c), inverse_matrix(method.part(c).V)
+    n_Q = len(method.parts["f"].A) if method.separable else 0
+    Q_of, P_of = (P[:n_Q], [x - n_Q for x in P[n_Q:]]) if method.separable else (P, P)
+    stages, slopes = (P_of, Q_of) if c == "k" else (Q_of, P_of)
+    left, right, r = times(m.U, back), times(back, m.B), m.r
+    rows, values = [], []
+
+    def condition(coefficients, value):
+        row = [Fraction(0)] * (r * r)
+        for (i, j), x in coefficients:
+            row[i * r + j] = row[i * r + j] + x
+        rows.append(row)
+        values.append(value)
+
+    for s, j in product(range(len(m.U)), range(r)):  # U V^-1 = P U L
+        condition([((k, j), m.U[stages[s]][k]) for k in range(r)], left[s][j])
+    for i, s in product(range(r), range(len(m.B[0]))):  # V^-1 B = L B P
+        condition([((i, k), m.B[k][slopes[s]]) for k in range(r)], right[i][s])
+    for i, j in product(range(r), range(r)):  # V L = L V^-1
+        condition([((k, j), m.V[i][k]) for k in range(r)]
+                  + [((i, k), -back[k][j]) for k in range(r)], Fraction(0))  # fmt: skip
+    x, unique = solve(rows, values)
+    if x is None:
+        return True
+    L = [x[i * r : i * r + r] for i in range(r)]
+    return unique and not vanishes(minus(times(L, L), identity(r)))
+
+
+def needs(method):
+    """Return {stage: stages it needs, exact zeros left out}."""
+    if not method.separable:
+        n = len(next(iter(method.parts.values())).A)
+        return {i: {j for j in range(n) if any(m.A[i][j] for m in method.parts.values())}
+                for i in range(n)}  # fmt: skip
+    q, p = method.parts["f"], method.parts["k"]
+    found = {
+        f"Q{i + 1}": {f"P{j + 1}" for j, x in enumerate(row) if x} for i, row in enumerate(q.A)
+    }
+    found.update({f"P{i + 1}": {f"Q{j + 1}" for j, x in enumerate(row) if x}
+                  for i, row in enumerate(p.A)})  # fmt: skip
+    return found
+
+
+def stage_names(needed, names):
+    """Return 0-based stages; a list without 0 that holds the number of stages counts from 1."""
+    fine = isinstance(names, list) and names and all(type(x) in (int, str) for x in names)
+    require(fine, "stages are a list")
+    if 0 not in names and len(needed) in names:
+        names = [x - 1 for x in names if type(x) is int]
+    require(all(x in needed for x in names), "no such stage")
+    return names
+
+
+def explicit(proof, w):
+    """Rule explicit: each stage needs earlier ones only."""
+    keys(w, "order")
+    needed = needs(proof.method)
+    order = stage_names(needed, w["order"])
+    require(len(order) == len(needed) == len(set(order)), "the order is not one of all stages")
+    for k, stage in enumerate(order):
+        require(needed[stage] <= set(order[:k]), f"stage {stage} needs a later one")
+
+
+def implicit(proof, w):
+    """Rule implicit: a cycle of stages, each needing the next."""
+    keys(w, "cycle")
+    needed = needs(proof.method)
+    cycle = stage_names(needed, w["cycle"])
+    for stage, after in zip(cycle, cycle[1:] + cycle[:1], strict=True):
+        require(after in needed[stage], f"stage {stage} does not need {after}")
+    check_entries(proof.method)
+
+
+def check_entries(method):
+    """Refuse where an entry of A that does not reduce to 0 is not shown to be no zero."""
+    fine = all(nonzero(x) for m in method.parts.values() for row in m.A for x in row if x)
+    require(fine, "an entry of A is not shown to be no zero")
+
+
+def abscissae_of(proof, w):
+    """Return c = A 1 + U v with v_k = 0 at the first k with u_k not 0."""
+    u, v = consistent(proof, {key: w.get(key) for key in ("u", "v")})
+    m = proof.method.single()
+    require(not v["o"][first_place(u["o"])], "v is not 0 in the value that carries the solution")
+    return [x + y for x, y in zip(apply(m.A, ones(len(m.A))), apply(m.U, v["o"]), strict=True)]
+
+
+def abscissae(proof, w):
+    """Rule abscissae."""
+    keys(w, "u v")
+    equal(abscissae_of(proof, w), proof.claimed(proof.declared), "the list of abscissae")
+
+
+def other_abscissae(proof, w):
+    """Rule other-abscissae."""
+    keys(w, "u v", "stage")
+    m, c, given = proof.method.single(), abscissae_of(proof, w), proof.claimed(proof.declared)
+    require(rank(minus(identity(m.r), m.V)) == m.r - 1, "the rank of I - V is not r - 1")
+    if len(c) != len(given):
+        require(w.get("stage") in (None, -1), "the lengths differ")
+        return
+    stage = whole(w.get("stage"), 0, len(c) - 1)
+    require(nonzero(c[stage] - given[stage]), "the abscissa is as declared")
+
+
+def error_constant(proof, w, same=True):
+    """Rules error-constant and other-error-constant."""
+    keys(w, "order")
+    require(proof.method.kind in ("lmm", "one-leg"), "only multistep methods have one")
+    p, (alpha, beta) = whole(w["order"], 0, 40), proof.method.multistep()
+    C = []
+    for q in range(p + 2):
+        value = dot(alpha, [Fraction(m**q) for m in range(len(alpha))])
+        if q:
+            value = value - q * dot(beta, [Fraction(m ** (q - 1)) for m in range(len(beta))])
+        C.append(value * Fraction(1, factorial(q)))
+    require(vanishes(C[:-1]) and nonzero(C[-1]), "the order is another one")
+    gap = C[-1] * inverse(total(beta)) - proof.claimed([proof.declared])[0]
+    require(vanishes(gap) if same else nonzero(gap), "the error constant is (not) the declared one")
+
+
+def reducible(proof, w):
+    """Rule reducible: a value that is never reached or never seen."""
+    side = "x" if "x" in w else "y"
+    keys(w, f"component {side}")
+    m, z = proof.method.part(w["component"]), proof.method.numbers.vector(w[side])
+    require(any(map(nonzero, z)), f"{side} is 0")
+    V, M = (transpose(m.V), transpose(m.B)) if side == "x" else (m.V, m.U)
+    if side == "x":
+        require(vanishes(dot(z, proof.method.u(w["component"]))), "x u is not 0")
+    for _ in range(m.r):
+        require(vanishes(apply(M, z)), "a power does not vanish")
+        z = apply(V, z)
+
+
+def irreducible(proof, w):
+    """Rule irreducible: every value of both components is reached and seen."""
+    keys(w, "")
+    for c, m in proof.method.parts.items():
+        reached, seen = [proof.method.u(c), *transpose(m.B)], list(m.U)
+        for _ in range(m.r - 1):
+            reached += [apply(m.V, x) for x in reached[-len(m.B[0]) :]]
+            seen += times(seen[-len(m.U) :], m.V)
+        require(rank(reached) == rank(seen) == m.r, f"component {c} can be reduced")
+
+
+# --------------------------------------------------------------- section 5: linear stability
+
+
+def interpolate(values):
+    """Return the polynomial with these values at 0, 1, 2, .. (Newton)."""
+    p, basis, rest = [], [Fraction(1)], list(values)
+    for k in range(len(values)):
+        p = plus(p, basis, rest[0])
+        basis = multiply(basis, [Fraction(-k), Fraction(1)])
+        rest = [(b - a) * Fraction(1, k + 1) for a, b in pairwise(rest)]
+    return p
+
+
+def stability_polynomial(m):
+    """Return P(w, z) = det(w I - M(z)) det(I - z A): for each power of w a polynomial in z."""
+    s, r = len(m.A), m.r
+
+    def value(z, w):
+        top = [a + list(u) for a, u in zip(minus(identity(s), scale(z, m.A)), m.U, strict=True)]
+        low = minus(scale(w, identity(r)), m.V)
+        return determinant(top + [[z * x for x in b] + v for b, v in zip(m.B, low, strict=True)])
+
+    columns = []
+    for z in range(s + 1):
+        column = interpolate([value(Fraction(z), Fraction(w)) for w in range(r + 1)])
+        columns.append(column + [Fraction(0)] * (r + 1 - len(column)))
+    return [interpolate([column[k] for column in columns]) for k in range(r + 1)]
+
+
+def poles(m):
+    """Return det(I - z A) without what it shares with all entries of M(z) det(I - z A)."""
+    s, grid = len(m.A), [Fraction(z) for z in range(len(m.A) + 1)]
+    stage = {z: minus(identity(s), scale(z, m.A)) for z in grid}
+    below = interpolate([determinant(stage[z]) for z in grid])
+    common = below
+    for i, j in product(range(m.r), range(m.r)):
+        entry = interpolate([determinant(
+            [[*row, u[j]] for row, u in zip(stage[z], m.U, strict=True)]
+            + [[-z * x for x in m.B[i]] + [m.V[i][j]]]) for z in grid])  # fmt: skip
+        common = gcd(common, entry) if entry else common
+    return divide(below, common)[0]
+
+
+def poles_lie_right(m):
+    """Rule a-stable (2): all poles have Re z > 0."""
+    d = poles(m)
+    n, q = len(d) - 1, []
+    for k, c in enumerate(d):  # z = (x + 1) / (x - 1): Re z > 0 is |x| > 1
+        term = [c]
+        for factor in [[Fraction(1), Fraction(1)]] * k + [[Fraction(-1), Fraction(1)]] * (n - k):
+            term = multiply(term, factor)
+        q = plus(q, term)
+    backwards = (q + [Fraction(0)] * (n + 1 - len(q)))[::-1]
+    return bool(backwards[-1]) and is_schur(backwards)  # a pole at z = -1 makes the last one 0
+
+
+def at_infinity(P):
+    """Return the coefficient of the highest power of z in P, a polynomial in w."""
+    high = max(len(p) for p in P) - 1
+    return trim([p[high] if len(p) > high else Fraction(0) for p in P])
+
+
+def on_imaginary_axis(P, y=None):
+    """Return the coefficients of P(w, i y) as pairs of real polynomials in y, or their values."""
+    out = []
+    for p in P:
+        require(all(conj(c) == c for c in p), "not covered: linear stability of complex methods")
+        turned = [c * (-1) ** (k // 2) for k, c in enumerate(p)]
+        parts = (
+            [c if k % 2 == odd else Fraction(0) for k, c in enumerate(turned)] for odd in (0, 1)
+        )
+        pair = tuple(map(trim, parts))
+        if y is not None:
+            pair = tuple(trim([horner(x, y)]) if x else x for x in pair)
+        out.append(pair)
+    return out
+
+
+def c_times(x, y):
+    """Return the product of two pairs (real part, imaginary part)."""
+    (a, b), (c, d) = x, y
+    return plus(multiply(a, c), multiply(b, d), -1), plus(multiply(a, d), multiply(b, c))
+
+
+def c_minus(x, y):
+    """Return the difference of two pairs."""
+    return tuple(plus(a, b, -1) for a, b in zip(x, y, strict=True))
+
+
+def c_conj(x):
+    """Return the conjugate of a pair."""
+    return x[0], [-c for c in x[1]]
+
+
+def c_norm(x):
+    """Return |x|^2, a real polynomial."""
+    return plus(multiply(x[0], x[0]), multiply(x[1], x[1]))
+
+
+def differences(p):
+    """Return the differences |p_n|^2 - |p_0|^2 of Schur and Cohn; None where a step of Cohn fails.
+
+    Differences that are the zero polynomial are left out.
+    """
+    found = []
+    while len(p) > 1:
+        require(any(p[-1]), "P loses its degree in w")
+        if not any(p[0]):
+            p = p[1:]
+            continue
+        reverse = [c_conj(x) for x in reversed(p)]
+        margin = plus(c_norm(p[-1]), c_norm(p[0]), -1)
+        a, b = c_conj(p[-1]), p[0]
+        if margin:
+            found.append(margin)
+            p = [c_minus(c_times(a, x), c_times(b, y)) for x, y in zip(p, reverse, strict=True)][1:]
+            continue
+        for x, y in zip(reverse, p, strict=True):
+            if any(c_minus(c_times(x, p[-1]), c_times(c_conj(b), y))):
+                return None
+        p = [tuple([k * c for c in part] for part in x) for k, x in enumerate(p)][1:]
+    return found
+
+
+def real_roots(p):
+    """Return the number of different real roots of p (Sturm)."""
+    chain = [trim(p), derivative(trim(p))]
+    while trim(chain[-1]):
+        chain.append([-x for x in divide(chain[-2], chain[-1])[1]])
+    ends = []
+    for side in (-1, 1):
+        signs = [sign(q[-1]) * side ** (len(q) - 1) for q in map(trim, chain) if q]
+        ends.append(sum(a != b for a, b in pairwise(signs)))
+    return ends[0] - ends[1]
+
+
+def nowhere_negative(p):
+    """Tell whether p(y) >= 0 for all real y: no real root of odd multiplicity, a positive end."""
+    p = trim(p)
+    if sign(p[-1]) < 0 or len(p) % 2 == 0:
+        return False
+    common = gcd(p, derivative(p))  # Yun: factors of multiplicity 1, 2, ..
+    first, rest, k = divide(p, common)[0], common, 1
+    while len(first) > 1:
+        shared = gcd(first, rest)
+        factor = divide(first, shared)[0]
+        if k % 2 and len(factor) > 1 and real_roots(factor):
+            return False
+        first, rest, k = shared, divide(rest, shared)[0], k + 1
+    return True
+
+
+def no_root_but_zero(p):
+    """Tell whether p has no real root other than 0."""
+    while p and not p[0]:
+        p = p[1:]
+    return len(p) <= 1 or not real_roots(p)
+
+
+def a_stable(proof, w):
+    """Rule a-stable; `bounded` for V is another part."""
+    keys(w, "")
+    m = proof.method.single()
+    require("o" in proof.stable, "bounded is not part of the certificate")
+    P = stability_polynomial(m)
+    require(poles_lie_right(m), "(2): a pole does not lie in Re z > 0")
+    last = at_infinity(P)
+    require(len(last) == m.r + 1 and in_disc(last), "(3): an eigenvalue at infinity")
+    margins = differences(on_imaginary_axis(P))
+    require(margins is not None, "(4): a step of Cohn fails")
+    for margin in margins:
+        require(nowhere_negative(margin), "(4): a difference is negative somewhere")
+    if m.r > 1 and not all(map(no_root_but_zero, margins)):
+        not_covered("(5) by the discriminant")
+
+
+def not_a_stable(proof, w):
+    """Rule not-a-stable."""
+    require(isinstance(w, dict) and len(w) == 1, "one reason is given")
+    ((reason, value),) = w.items()
+    m = proof.method.single()
+    if reason == "y":
+        pairs = on_imaginary_axis(stability_polynomial(m), rational(value))
+        require(any(pairs[-1]), "there is a pole at i y")
+        margins = differences(pairs)
+        out = margins is None or any(sign(x[0]) < 0 for x in margins)
+        require(out, "P(w, i y) is in the disc")
+        return
+    if reason == "defect":
+        not_covered("a defective matrix M(i y)")
+    require(reason in ("infinity", "pole", "axis", "start") and value is True, "no such reason")
+    if reason == "infinity":
+        last = at_infinity(stability_polynomial(m))
+        require(len(last) < m.r + 1 or not in_disc(last), "(3) holds")
+    elif reason == "pole":
+        require(not poles_lie_right(m), "(2) holds")
+    elif reason == "axis":
+        margins = differences(on_imaginary_axis(stability_polynomial(m)))
+        out = margins is None or any(not nowhere_negative(x) for x in margins)
+        require(out, "no difference is negative")
+    else:
+        require("unbounded" in proof.rules, "unbounded is not part of the certificate")
+
+
+def l_limit(proof, w, wanted=True):
+    """Rules l-limit and not-l-limit."""
+    keys(w, "")
+    m = proof.method.single()
+    last = at_infinity(stability_polynomial(m))
+    zero = len(last) == m.r + 1 and vanishes(last[:-1])
+    if not wanted and len(last) == m.r + 1:
+        zero = not any(map(nonzero, last[:-1]))
+    require(zero == wanted, "the limit is (not) a multiple of w^r")
+
+
+# ------------------------------------------------ section 7: which parts prove which statement
+
+RULES = {
+    "order-at-least": order_at_least, "order-at-most": order_at_most,
+    "no-order-1": lambda proof, w: contradiction(proof, w, False),
+    "not-preconsistent": lambda proof, w: contradiction(proof, w, True),
+    "preconsistent": preconsistent, "consistent": consistent,
+    "stage-order-at-least": stage_order_at_least, "stage-order-at-most": stage_order_at_most,
+    "start-at-least": start_at_least, "start-at-most": start_at_most,
+    "finish-at-least": finish_at_least, "finish-at-most": finish_at_most,
+    "bounded": bounded, "unbounded": unbounded, "eigen": eigen, "growth": growth, "grows": grows,
+    "form": form, "given-form-fails": given_form_fails, "no-form": no_form,
+    "quadratic": quadratic, "not-quadratic": not_quadratic,
+    "symmetric": symmetric, "not-symmetric": not_symmetric,
+    "explicit": explicit, "implicit": implicit,
+    "abscissae": abscissae, "other-abscissae": other_abscissae,
+    "error-constant": error_constant,
+    "other-error-constant": lambda proof, w: error_constant(proof, w, False),
+    "reducible": reducible, "irreducible": irreducible,
+    "a-stable": a_stable, "not-a-stable": not_a_stable,
+    "l-limit": l_limit, "not-l-limit": lambda proof, w: l_limit(proof, w, False),
+}  # fmt: skip
+
+ORDERS = ("order", "order-identity", "effective-order", "nystrom-order")
+SECOND = {  # claims about orders that rest on the order: their pair of rules
+    "stage-order": ("stage-order-at-least", "stage-order-at-most"),
+    "starting-order": ("start-at-least", "start-at-most"),
+    "nystrom-starting-order": ("start-at-least", "start-at-most"),
+    "finishing-order": ("finish-at-least", "finish-at-most"),
+}
+BOOLEAN = {  # claim: lists of rules that prove it, lists of rules that refute it
+    "preconsistent": ([["preconsistent"]], [["not-preconsistent"]]),
+    "consistent": ([["consistent"]], [["no-order-1"]]),
+    "symplectic": ([["quadratic"]], [["not-quadratic"]]),
+    "g-symplectic": ([["preconsistent", "form"], ["form"]],
+                     [["given-form-fails"], ["preconsistent", "no-form"], ["no-form"]]),
+    "symmetric": ([["symmetric"]], [["not-symmetric"]]),
+    "explicit": ([["explicit"]], [["implicit"]]),
+    "reducible": ([["reducible"]], [["irreducible"]]),
+    "a-stable": ([["bounded", "a-stable"]], [["not-a-stable"], ["unbounded", "not-a-stable"]]),
+    "l-stable": ([["bounded", "a-stable", "l-limit"]],
+                 [["not-a-stable"], ["unbounded", "not-a-stable"], ["not-l-limit"]]),
+}  # fmt: skip
+LISTS = {  # claim: rule where it holds, rule where it fails
+    "abscissae": ("abscissae", "other-abscissae"),
+    "error-constant": ("error-constant", "other-error-constant"),
+}
+
+
+class Proof:
+    """One certificate while it is checked: the statement, the method, what is shown so far."""
+
+    def __init__(self, certificate):
+        keys(certificate, "format statement document field parts identities", "base", "certificate")
+        require(certificate["format"] == FORMAT, "another format")
+        statement, parts = certificate["statement"], certificate["parts"]
+        keys(statement, "method claim declared verdict proof", where="statement")
+        self.claim, self.declared = statement["claim"], statement["declared"]
+        require(statement["verdict"] in ("holds", "fails"), "a verdict is holds or fails")
+        require(isinstance(self.claim, str), "a claim is a string")
+        self.holds = statement["verdict"] == "holds"
+        texts = certificate["identities"]
+        require(isinstance(texts, list) and all(isinstance(x, str) for x in texts), "identities")
+        require(isinstance(parts, list) and 0 < len(parts) <= 20, "parts are a list")
+        for part in parts:
+            keys(part, "rule witness", "field", "part")
+            require(part["rule"] in RULES, f"no rule is called {part['rule']!r}")
+            if "field" in part:
+                not_covered("parts with a field of their own")
+        self.parts, self.rules = parts, [part["rule"] for part in parts]
+        document = as_object(certificate["document"])
+        require(document.get("name") == statement["method"], "the document is another method")
+        claims = as_object(document.get("claims", {}))
+        declared = claims.get(self.claim, self.declared)
+        same = type(declared) is type(self.declared) and declared == self.declared
+        require(same, "the document declares something else")
+        numbers = Numbers(certificate["field"])
+        require(statement["proof"] == "exact", "the numbers are exact, the proof is not")
+        self.method = Method(document, numbers, certificate.get("base"))
+        self.method.check_shapes()
+        self.series = self.low = self.high = None
+        self.simple, self.stable, self.eigen, self.claim_text = (
+            False,
+            set(),
+            {},
+            f"{self.claim} = {self.declared}",
+        )
+
+    def claimed(self, texts):
+        """Return declared numbers; claims use no constants."""
+        require(isinstance(texts, list), "a list is declared")
+        return [self.method.numbers.parser(text, {}).value for text in texts]
+
+    def check(self):
+        """Check that the parts are those of the statement (7), and each of them."""
+        self.check_rules()
+        results = [RULES[part["rule"]](self, as_object(part["witness"])) for part in self.parts]
+        if self.claim in ORDERS:
+            self.check_order(self.low and self.low[0], self.high and self.high[0])
+        elif self.claim in SECOND:
+            low, high = ([value for rule, value in zip(self.rules, results, strict=True)
+                          if rule == name] for name in SECOND[self.claim])  # fmt: skip
+            self.check_order(*(found[0] if found else None for found in (low, high)))
+        if self.claim == "zero-stable" and "bounded" in self.rules:
+            require(self.stable == set(self.method.parts), "V of one component is missing")
+        for shown in (self.low, self.high):
+            if shown and (self.claim in ORDERS or self.claim in SECOND):
+                require(shown[1:] == self.mode(), "principal or trees are not those of the claim")
+
+    def mode(self):
+        """Return (identity?, nystrom?) of the orders that a claim is about."""
+        single = all(m.r == 1 for m in self.method.parts.values())
+        nystrom = self.claim.startswith("nystrom")
+        if self.claim in ("order", "stage-order", "finishing-order"):
+            return single, False
+        if self.claim == "starting-order":
+            return single or self.method.pair, False
+        return self.claim != "effective-order", nystrom
+
+    def check_rules(self):
+        """Refuse parts that are not exactly those of the statement."""
+        allowed = self.allowed()
+        require(self.rules in allowed, f"these parts do not prove {self.claim}: {self.rules}")
+
+    def allowed(self):
+        """Return the lists of rules that prove the statement."""
+        pair = ["order-at-least", "order-at-most"]
+        if self.claim in ORDERS:
+            whole(self.declared)
+            ends = [] if self.holds else [[x] for x in pair]
+            return [pair, ["no-order-1"], *ends]
+        if self.claim in SECOND:
+            whole(self.declared)
+            first, last = SECOND[self.claim]
+            chains = [[first, last]] if self.holds else [[first, last], [first], [last]]
+            bare = chains if self.claim == "finishing-order" else []
+            return [pair + chain for chain in chains] + bare
+        if self.claim in LISTS:
+            inconsistent = [["no-order-1"]] if self.claim == "abscissae" and not self.holds else []
+            return [[LISTS[self.claim][0 if self.holds else 1]], *inconsistent]
+        eigen = ["eigen"] * len(self.method.parts)
+        growth = [[*eigen, "growth"]], [[*eigen, "grows"], ["unbounded"]]
+        if self.claim == "growth":
+            return growth[0 if self.holds else 1]
+        if self.claim == "parasitism-free":
+            table = growth
+        elif self.claim == "zero-stable":
+            table = [["bounded"] * len(self.method.parts)], [["unbounded"]]
+        elif self.claim in BOOLEAN:
+            table = BOOLEAN[self.claim]
+        else:
+            not_covered(f"the claim {self.claim[:40]!r}")
+        require(type(self.declared) is bool, "the claim is true or false")
+        return table[0 if self.declared == self.holds else 1]
+
+    def check_order(self, low, high):
+        """Refuse bounds that do not decide the declared order."""
+        if self.rules == ["no-order-1"]:
+            low = high = 0
+        p = self.declared
+        if low is not None and high is not None:
+            decided = low == high and (low == p) == self.holds
+        elif low is not None:
+            decided = not self.holds and low == p + 1
+        else:
+            decided = not self.holds and high == p - 1
+        require(decided, f"the parts show {low} <= order <= {high}")
+
+
+# -------------------------------------------------------------------------------- the command
+
+
+def no_float(text):
+    """Refuse a JSON number that is not whole."""
+    raise Refused(f"{text[:40]} is a JSON number that is not whole")
+
+
+def no_twins(pairs):
+    """Refuse an object that has a key twice."""
+    found = dict(pairs)
+    require(len(found) == len(pairs), "a key stands twice in one object")
+    return found
+
+
+def read(path):
+    """Return the JSON value of a file."""
+    try:
+        with open(path, "rb") as file:
+            data = file.read(MEGABYTES * 2**20 + 1)
+        require(len(data) <= MEGABYTES * 2**20, "beyond the limits of this checker")
+        return json.loads(data.decode("utf-8"), parse_float=no_float, parse_constant=no_float,
+                          object_pairs_hook=no_twins)  # fmt: skip
+    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
+        raise Unreadable(f"{path} cannot be read: {error}") from error
+
+
+def verdict(certificate):
+    """Return (accepted, sentence) for the value of one JSON file."""
+    try:
+        proof = Proof(certificate)
+        proof.check()
+    except Refused as refused:
+        return False, str(refused)
+    except (RecursionError, MemoryError, OverflowError):
+        return False, "beyond the limits of this checker"
+    except (ValueError, TypeError, KeyError, IndexError, AttributeError) as error:
+        return False, f"a part has another shape ({type(error).__name__})"
+    name, word = proof.method.document["name"], "holds" if proof.holds else "fails"
+    return True, f"{name}: {proof.claim_text} {word} ({', '.join(proof.rules)})"
+
+
+def check_file(path):
+    """Return (accepted, sentence) for one file, within the limits of time."""
+    if hasattr(signal, "SIGALRM"):
+        signal.signal(signal.SIGALRM, beyond)
+        signal.alarm(SECONDS)
+    try:
+        return verdict(read(path))
+    except Refused as refused:
+        return False, str(refused)
+    except (RecursionError, ValueError):
+        return False, "beyond the limits of this checker"
+    finally:
+        if hasattr(signal, "SIGALRM"):
+            signal.alarm(0)
+
+
+def main(arguments=None):
+    """Check the files named and return the exit code."""
+    parser = argparse.ArgumentParser(description="Check certificates of glmref-certificate-1.")
+    parser.add_argument("files", nargs="+", metavar="FILE")
+    code = 0
+    for path in parser.parse_args(arguments).files:
+        try:
+            accepted, sentence = check_file(path)
+        except Unreadable as error:
+            sys.stderr.write(f"{error}\n")
+            return 2
+        sys.stdout.write(f"{path}: {'yes' if accepted else 'no'}: {sentence}\n")
+        code = code if accepted else 1
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,352 @@
+"""The checker of certificates accepts what is proved and refuses every change of a number in it."""
+
+from __future__ import annotations
+
+import copy
+import importlib.util
+import json
+import math
+import random
+import subprocess
+import sys
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PATH = ROOT / "checker" / "glmref_check.py"
+SPEC = importlib.util.spec_from_file_location("glmref_check", PATH)
+check = importlib.util.module_from_spec(SPEC)
+SPEC.loader.exec_module(check)
+
+SQRT3 = {
+    "kind": "tower",
+    "generators": [
+        {"name": "g1", "polynomial": ["-3", "0"], "real": ["1", "2"], "imag": ["0", "0"]}
+    ],
+    "radicals": {"sqrt(3)": "g1"},
+}
+RATIONAL = {"kind": "rational"}
+
+
+def document(path):
+    return json.loads((ROOT / "data" / path).read_text(encoding="utf-8"))
+
+
+def certificate(doc, claim, parts, field=RATIONAL, verdict="holds", declared=None):
+    """Return a certificate with what is needed of a document."""
+    doc = {key: value for key, value in doc.items() if key not in ("source", "title")}
+    declared = doc["claims"][claim] if declared is None else declared
+    doc["claims"] = {claim: declared}
+    return {
+        "format": "glmref-certificate-1",
+        "statement": {"method": doc["name"], "claim": claim, "declared": declared, "verdict": verdict, "proof": "exact"},
+        "document": doc, "field": field, "identities": [],
+        "parts": [{"rule": rule, "witness": witness} for rule, witness in parts],
+    }  # fmt: skip
+
+
+def order_parts(order, tree, principal="identity", u=None, eta="zero", W=None, N=None, n="1"):
+    series = {"order": order, "principal": principal, "trees": "all"}
+    low = {**series, "u": {"o": u or ["1"]}, "eta": eta}
+    high = {
+        **series,
+        "same": True,
+        "W": {"o": W or [["1"]]},
+        "N": {"o": N or [["1"]]},
+        "n": {tree: [n]},
+    }
+    return [("order-at-least", low), ("order-at-most", high)]
+
+
+RK4 = document("methods/rk/rk4.json")
+GAUSS = document("methods/rk/gauss-2.json")
+LEAPFROG = document("methods/lmm/leapfrog.json")
+METHOD_N = document("methods/glm/gsymplectic-n.json")
+TRAPEZOIDAL = document("methods/rk/lobatto-iiia-2.json")
+ETA_N = {
+    "o": ["0", "0"], "[o]": ["0", "-sqrt(3)/12"], "[oo]": ["0", "0"], "[[o]]": ["0", "0"],
+    "[ooo]": ["0", "sqrt(3)/18"], "[o[o]]": ["0", "sqrt(3)/36"], "[[oo]]": ["0", "(3-g1)/36"],
+    "[[[o]]]": ["0", "(3-g1)/72"],
+}  # fmt: skip
+EIGEN_N = {
+    "which": "o", "h": ["1"],
+    "parts": [{"zeta": "1", "W": [["1", "0"]], "N": [["1"], ["0"]]},
+              {"zeta": "-1", "W": [["0", "1"]], "N": [["0"], ["1"]]}],
+}  # fmt: skip
+DIAGONAL_N = {"G": METHOD_N["G"], "D": METHOD_N["D"]}
+CERTIFICATES = {
+    "rk4 order": certificate(RK4, "order", order_parts(4, "[oooo]")),
+    "rk4 abscissae": certificate(RK4, "abscissae", [("abscissae", {"u": {"o": ["1"]}, "v": {"o": ["0"]}})]),
+    "rk4 order fails": certificate(RK4, "order", order_parts(4, "[oooo]"), verdict="fails", declared=5),
+    "gauss-2 order": certificate(GAUSS, "order", order_parts(4, "[oooo]"), SQRT3),
+    "gauss-2 stage order": certificate(
+        GAUSS, "stage-order",
+        [*order_parts(4, "[oooo]"), ("stage-order-at-least", {"q": 2}), ("stage-order-at-most", {"q": 2, "tree": "[oo]"})], SQRT3),
+    "gauss-2 symplectic": certificate(GAUSS, "symplectic", [("quadratic", {})], SQRT3),
+    "gauss-2 symmetric": certificate(GAUSS, "symmetric", [("symmetric", {"L": [["1"]], "P": [1, 0]})], SQRT3),
+    "leapfrog error": certificate(LEAPFROG, "error-constant", [("error-constant", {"order": 2})]),
+    "leapfrog order-identity": certificate(
+        LEAPFROG, "order-identity",
+        order_parts(2, "[oo]", u=["1", "1"], eta={"o": ["0", "-1"], "[o]": ["0", "1/2"]}, W=[["1/2", "1/2"]], N=[["1"], ["1"]])),
+    "leapfrog zero-stable": certificate(
+        LEAPFROG, "zero-stable", [("bounded", {"which": "o", "q": ["-1", "0", "1"], "h": ["1"]})]),
+    "N order-identity": certificate(
+        METHOD_N, "order-identity", order_parts(4, "[oooo]", u=["1", "0"], eta=ETA_N, W=[["1", "0"]], N=[["1"], ["0"]]), SQRT3),
+    "N g-symplectic": certificate(METHOD_N, "g-symplectic", [("form", DIAGONAL_N)], SQRT3),
+    "N symmetric": certificate(
+        METHOD_N, "symmetric", [("symmetric", {"L": [["1", "0"], ["0", "1"]], "P": [1, 0]})], SQRT3),
+    "N growth": certificate(
+        METHOD_N, "growth", [("eigen", EIGEN_N), ("growth", {"list": [[], ["1-2/sqrt(3)"]]})], SQRT3),
+    "trapezoidal a-stable": certificate(
+        TRAPEZOIDAL, "a-stable", [("bounded", {"which": "o", "q": ["-1", "1"], "h": ["1"]}), ("a-stable", {})]),
+    "rk4 not a-stable": certificate(RK4, "a-stable", [("not-a-stable", {"infinity": True})], declared=False),
+    "rk4 explicit": certificate(RK4, "explicit", [("explicit", {"order": [0, 1, 2, 3]})]),
+}  # fmt: skip
+
+
+def answer(value):
+    return check.verdict(value)
+
+
+@pytest.mark.parametrize("name", CERTIFICATES)
+def test_accepted(name):
+    accepted, why = answer(CERTIFICATES[name])
+    assert accepted, why
+
+
+def test_series_satisfy_their_tree_counts():
+    single = (("o", "o"),)
+    assert [len(check.trees(single, n)) for n in range(1, 9)] == [1, 1, 2, 4, 9, 20, 48, 115]
+    alternating = (("f", "k"), ("k", "f"))
+    assert [len(check.trees(alternating, n)) for n in range(1, 7)] == [2, 2, 4, 8, 18, 40]
+
+
+def changed(name, change):
+    value = copy.deepcopy(CERTIFICATES[name])
+    change(value)
+    return value
+
+
+def witness(value, k=0):
+    return value["parts"][k]["witness"]
+
+
+REFUSED = {
+    "another order": ("rk4 order", lambda v: witness(v).update(order=3)),
+    "a claim of order 5": ("rk4 order", lambda v: v["statement"].update(declared=5)),
+    "a tree left out": ("N order-identity", lambda v: witness(v)["eta"].pop("[o[o]]")),
+    "a tree twice": ("N order-identity", lambda v: witness(v)["eta"].update({"[[o]o]": ["0", "sqrt(3)/36"]})),
+    "a tree too many": ("N order-identity", lambda v: witness(v)["eta"].update({"[oooo]": ["0", "0"]})),
+    "a part left out": ("gauss-2 order", lambda v: v["parts"].pop()),
+    "a part too many": ("gauss-2 symplectic", lambda v: v["parts"].append(v["parts"][0])),
+    "an unknown key": ("rk4 order", lambda v: v.update(note="x")),
+    "an unknown key of a witness": ("rk4 order", lambda v: witness(v).update(note="x")),
+    "an unknown key of the document": ("rk4 order", lambda v: v["document"].update(c=["0"])),
+    "an unknown rule": ("rk4 order", lambda v: v["parts"][0].update(rule="order")),
+    "the other verdict": ("rk4 order", lambda v: v["statement"].update(verdict="fails")),
+    "another method": ("rk4 order", lambda v: v["statement"].update(method="rk38")),
+    "a float": ("rk4 order", lambda v: witness(v).update(order=4.0)),
+    "the other root": ("gauss-2 order", lambda v: v["field"]["generators"][0].update(real=["-2", "-1"])),
+    "a box with both roots": ("gauss-2 order", lambda v: v["field"]["generators"][0].update(real=["-2", "2"])),
+    "a box without a root": ("gauss-2 order", lambda v: v["field"]["generators"][0].update(real=["2", "3"])),
+    "another polynomial": ("gauss-2 order", lambda v: v["field"]["generators"][0].update(polynomial=["-2", "0"])),
+    "a radical of the other sign": ("gauss-2 order", lambda v: v["field"]["radicals"].update({"sqrt(3)": "-g1"})),
+    "another principal part": ("rk4 order", lambda v: [witness(v, k).update(principal="free") for k in (0, 1)]),
+    "another G than in the file": ("N g-symplectic", lambda v: witness(v).update(G=[["0", "0"], ["0", "0"]])),
+    "no involution": ("gauss-2 symmetric", lambda v: witness(v).update(P=[1, 1])),
+    "shapes": ("gauss-2 symmetric", lambda v: witness(v).update(L=[["1", "0"]])),
+    "explicit in the wrong order": ("rk4 explicit", lambda v: witness(v).update(order=[0, 2, 1, 3])),
+    "a multiple root on the circle": ("leapfrog zero-stable", lambda v: witness(v).update(q=["1", "-2", "1"])),
+    "beyond the limits": ("rk4 order", lambda v: witness(v).update(order=10**9)),
+    "huge numbers": ("rk4 abscissae", lambda v: v["document"].update(b=["9" * 5000] * 4)),
+    "deep parentheses": ("rk4 abscissae", lambda v: v["document"].update(b=["(" * 1900 + "1" + ")" * 1900] * 4)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("reason", REFUSED)
+def test_refused(reason):
+    name, change = REFUSED[reason]
+    accepted, why = answer(changed(name, change))
+    assert not accepted, why
+
+
+def test_an_unstable_method_is_not_called_stable():
+    doc = document("broken/bdf-7.json")
+    charpoly = {"which": "o", "value": {"charpoly": True}}
+    assert answer(
+        certificate(doc, "zero-stable", [("unbounded", charpoly)], verdict="fails", declared=True)
+    )[0]
+    stable = certificate(
+        LEAPFROG, "zero-stable", [("unbounded", charpoly)], verdict="fails", declared=True
+    )
+    assert not answer(stable)[0]
+
+
+def test_a_pole_at_minus_one_is_seen():
+    """Radau-like method with det(I - z A) = 1 + z: not A-stable."""
+    doc = {"name": "p", "class": "rk", "A": [["-1"]], "b": ["1"], "claims": {"a-stable": True}}
+    bounded = ("bounded", {"which": "o", "q": ["-1", "1"], "h": ["1"]})
+    assert not answer(certificate(doc, "a-stable", [bounded, ("a-stable", {})]))[0]
+    doc["claims"] = {"a-stable": False}
+    assert answer(certificate(doc, "a-stable", [("not-a-stable", {"pole": True})]))[0]
+
+
+# ------------------------------------------------------------------------- random changes
+
+# Places where a number stands in identities only, so that a change makes one of them false.
+# The weights of a list of abscissae are not among them (their sum counts), nor is the q of a
+# bounded V (-q does as well).
+PLACES = {
+    "rk4 order": [("document", "A"), ("document", "b")],
+    "rk4 abscissae": [("parts", 0, "witness", "u"), ("document", "claims", "abscissae")],
+    "gauss-2 order": [("document", "A"), ("document", "b"), ("parts", 1, "witness", "W"), ("parts", 1, "witness", "N")],
+    "gauss-2 symplectic": [("document", "b")],
+    "gauss-2 symmetric": [("document", "A")],
+    "leapfrog error": [("document", "beta"), ("document", "claims", "error-constant")],
+    "leapfrog order-identity": [("parts", 0, "witness", "eta"), ("parts", 0, "witness", "u"), ("parts", 1, "witness", "W")],
+    "N order-identity": [("parts", 0, "witness", "eta"), ("document", "B"), ("document", "A")],
+    "N g-symplectic": [("document", "U"), ("document", "B"), ("parts", 0, "witness", "G"), ("parts", 0, "witness", "D")],
+    "N growth": [("parts", 0, "witness", "parts"), ("parts", 1, "witness", "list"), ("document", "claims", "growth")],
+}  # fmt: skip
+
+
+def leaves(value, path=()):
+    """Yield the paths of the strings below a value."""
+    if isinstance(value, str):
+        yield path
+    elif isinstance(value, dict | list):
+        for key in value if isinstance(value, dict) else range(len(value)):
+            yield from leaves(value[key], (*path, key))
+
+
+def at(value, path):
+    for key in path:
+        value = value[key]
+    return value
+
+
+def number(text):
+    return Fraction(text) if set(text) <= set("0123456789/-") else None
+
+
+def mutate(value, places, rng):
+    """Change one number: a digit, a sign, or exchange it with another; return what was done."""
+    place = rng.choice(places)
+    path = place + rng.choice(list(leaves(at(value, place))))
+    parent, key = at(value, path[:-1]), path[-1]
+    text = parent[key]
+    kind = rng.choice(["digit", "sign", "swap"])
+    if kind == "swap" and isinstance(parent, list) and len(parent) > 1:
+        other = rng.choice([k for k in range(len(parent)) if k != key])
+        parent[key], parent[other] = parent[other], parent[key]
+    elif kind == "sign":
+        parent[key] = f"-({text})" if number(text) != 0 else "1/7"
+    else:
+        digits = [k for k, c in enumerate(text) if c.isdigit()]
+        k = rng.choice(digits)
+        parent[key] = text[:k] + str((int(text[k]) + rng.randint(1, 8)) % 10) + text[k + 1 :]
+    return path
+
+
+def same_numbers(old, new):
+    """Tell whether all numbers of two entries agree in floating point (a change of no effect)."""
+
+    def evaluate(text):
+        names = {
+            "__builtins__": {},
+            "sqrt": lambda x: math.sqrt(abs(x)) if x >= 0 else float("nan"),
+            "g1": math.sqrt(3),
+        }
+        try:
+            return eval(text, names)
+        except (ZeroDivisionError, NameError, SyntaxError):  # no number: certainly a change
+            return float("nan")
+
+    olds, news = [[evaluate(at(v, p)) for p in leaves(v)] for v in (old, new)]
+    return all(abs(a - b) < 1e-12 for a, b in zip(olds, news, strict=True))
+
+
+def mutants(count, seed):
+    """Yield changed certificates whose numbers differ from the true ones."""
+    rng = random.Random(seed)
+    while count:
+        name = rng.choice(list(PLACES))
+        value = copy.deepcopy(CERTIFICATES[name])
+        path = mutate(value, PLACES[name], rng)
+        top = path[: 2 if path[0] == "document" else 4]
+        if same_numbers(at(CERTIFICATES[name], top), at(value, top)):
+            continue
+        if path[:2] == ("document", "claims"):
+            value["statement"]["declared"] = value["document"]["claims"][
+                value["statement"]["claim"]
+            ]
+        count -= 1
+        yield name, path, value
+
+
+def test_a_thousand_random_changes_are_refused():
+    accepted = []
+    for name, path, value in mutants(1000, seed=20260):
+        if answer(value)[0]:
+            accepted.append((name, path, at(value, path)))
+    assert not accepted
+
+
+# ------------------------------------------------------------------------------- the command
+
+
+def run(*files):
+    return subprocess.run(
+        [sys.executable, str(PATH), *map(str, files)], capture_output=True, text=True, check=False
+    )
+
+
+def test_exit_codes(tmp_path):
+    good, bad, broken = (tmp_path / f"{name}.json" for name in ("good", "bad", "broken"))
+    good.write_text(json.dumps(CERTIFICATES["rk4 order"]), encoding="utf-8")
+    bad.write_text(json.dumps(changed(*REFUSED["another order"])), encoding="utf-8")
+    broken.write_text("{", encoding="utf-8")
+    assert run(good).returncode == 0
+    refused = run(good, bad)
+    assert refused.returncode == 1
+    assert [line.split(": ")[1] for line in refused.stdout.splitlines()] == ["yes", "no"]
+    unreadable = run(broken)
+    assert (unreadable.returncode, len(unreadable.stderr.splitlines())) == (2, 1)
+    assert run(tmp_path / "missing.json").returncode == 2
+
+
+@pytest.mark.parametrize(
+    "text", ['"identities": [], "identities": []', '"identities": [1.5]', '"identities": [NaN]']
+)
+def test_twins_and_floats_are_refused(tmp_path, text):
+    path = tmp_path / "c.json"
+    path.write_text(
+        json.dumps(CERTIFICATES["rk4 order"]).replace('"identities": []', text), encoding="utf-8"
+    )
+    assert run(path).returncode == 1
+
+
+def test_nothing_but_the_standard_library_is_imported():
+    lines = PATH.read_text(encoding="utf-8").splitlines()
+    modules = {line.split()[1] for line in lines if line.startswith(("import ", "from "))}
+    assert modules <= sys.stdlib_module_names
+
+
+def test_no_form_needs_the_right_factor():
+    """Explicit Euler: D A + A^* D - B^* G B is -G for D = 0, and 0 for G = 0."""
+    doc = document("methods/lmm/ab-1.json")
+    for factor, expected in (("-1", True), ("1", False)):
+        term = {"identity": "A", "entry": [0, 0], "part": "re", "factor": factor}
+        found = answer(certificate(doc, "g-symplectic", [("no-form", {"lambda": [term]})]))
+        assert found[0] is expected, found[1]
+
+
+def test_the_basis_of_forms_of_a_separable_pair_is_complete():
+    method = check.Method(
+        document("methods/partitioned/stormer-verlet.json"), check.Numbers(RATIONAL)
+    )
+    slopes = [len(m.B[0]) for m in method.parts.values()]
+    units = [P + Q for G, (P, Q) in check.unit_forms(method) if check.vanishes(G)]
+    assert units == check.identity(sum(slopes))
