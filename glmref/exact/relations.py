@@ -42,7 +42,7 @@ def rational_combination(value: Exact, basis: Sequence[Exact]) -> list[Fraction]
             ]
             if None in scaled:  # a part so large that its last bit is unknown
                 return None
-            rows.append([*(int(k == j) for j in range(size)), *map(int, scaled)])
+            rows.append([*(int(k == j) for j in range(size)), *(int(str(x)) for x in scaled)])
     finally:
         flint.ctx.prec = before
     first = flint.fmpz_mat(rows).lll()

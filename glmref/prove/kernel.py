@@ -562,9 +562,7 @@ class Kernel:
         """Series of the start by tree, and its multiples of y by colour."""
         start: Any = self.method.starting
         if start is None:
-            found: dict[Any, tuple[Any, ...]] = {
-                c: x.u for c, x in series.components.items()
-            }
+            found: dict[Any, tuple[Any, ...]] = {c: x.u for c, x in series.components.items()}
             for n in range(1, p + 1):
                 found |= {t: self._none(t, series) for t in series.trees.level(n)}
             return found
