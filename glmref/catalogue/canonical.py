@@ -25,6 +25,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from .claims import CLAIMS
+
 __all__ = [
     "IN_ORDER",
     "KEY_ORDER",
@@ -55,11 +57,7 @@ KEY_ORDER: tuple[str, ...] = (
         "finishing",
         "claims",
     ),
-    *("order", "order-identity", "effective-order", "nystrom-order", "stage-order"),
-    *("starting-order", "nystrom-starting-order"),
-    *("error-constant", "abscissae"),
-    *("preconsistent", "consistent", "zero-stable", "explicit", "symplectic", "g-symplectic"),
-    *("symmetric", "parasitism-free", "reducible", "growth", "a-stable", "l-stable"),
+    *CLAIMS,
     *("claim", "flag", "why", "found"),
     *("source", "citation", "doi", "where", "status", "errata", "bibtex"),
 )

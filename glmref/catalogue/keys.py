@@ -6,11 +6,11 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
+from .claims import CLAIMS
 from .strict_json import shown
 
 __all__ = [
     "BLOCKS",
-    "CLAIMS",
     "COMMON",
     "FORMAT",
     "MAX_ORDER",
@@ -76,36 +76,6 @@ SOURCE: Mapping[str, tuple[type, ...]] = {
     "errata": (list,),
     "notes": (str, list),
 }
-#: Claims and the kind of value each takes.
-CLAIMS: Mapping[str, type] = {
-    "order": int,
-    "order-identity": int,
-    "effective-order": int,
-    "nystrom-order": int,
-    "stage-order": int,
-    "starting-order": int,
-    "nystrom-starting-order": int,
-    "finishing-order": int,
-    "preconsistent": bool,
-    "consistent": bool,
-    "zero-stable": bool,
-    "explicit": bool,
-    "symplectic": bool,
-    "g-symplectic": bool,
-    "symmetric": bool,
-    "symmetric-reduced": bool,
-    "parasitism-free": bool,
-    "reducible": bool,
-    "a-stable": bool,
-    "l-stable": bool,
-    "growth": list,
-    "abscissae": list,
-    "error-constant": str,
-}
-_OF_A_PAIR = frozenset(["nystrom-order", "nystrom-starting-order", "reducible"])
-_OF_ONE_METHOD = frozenset(
-    ["finishing-order", "a-stable", "l-stable", "abscissae", "error-constant", "symmetric-reduced"]
-)
 
 
 def bare(doc: Mapping[str, Any]) -> bool:
@@ -158,7 +128,8 @@ def needed_keys(kind: str) -> frozenset[str]:
 
 def without_meaning(kind: str) -> frozenset[str]:
     """Claims that a class cannot make: those about one method for a pair, and the other way."""
-    return _OF_ONE_METHOD if kind in PAIRS else _OF_A_PAIR
+    pair = kind in PAIRS
+    return frozenset(key for key, spec in CLAIMS.items() if not spec.has_meaning(pair=pair))
 
 
 def fault_of_texts(doc: Mapping[str, Any]) -> str:

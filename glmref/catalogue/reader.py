@@ -362,12 +362,13 @@ class _Reader(Entries):
             if key in without_meaning(self.doc["class"]):
                 kind = "a pair" if self.doc["class"] in PAIRS else "one method"
                 raise self.error(f"the claim {key!r} has no meaning for {kind}; take it out")
-            if CLAIMS[key] is int:
+            wanted = CLAIMS[key].type
+            if wanted is int:
                 self._whole_number(value, f"the claim {key!r}")
-            elif not isinstance(value, CLAIMS[key]):
-                kind = {bool: "true or false", list: "a list of strings"}
-                wanted = kind.get(CLAIMS[key], "a string")
-                raise self.error(f"the claim {key!r} must be {wanted}, got {shown(value)}")
+            elif not isinstance(value, wanted):
+                kinds = {bool: "true or false", list: "a list of strings"}
+                kind = kinds.get(wanted, "a string")
+                raise self.error(f"the claim {key!r} must be {kind}, got {shown(value)}")
         return {key: self._claimed(value, f"claims.{key}") for key, value in claims.items()}
 
     def _claimed(self, value: Any, where: str) -> Any:

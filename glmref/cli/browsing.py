@@ -9,6 +9,7 @@ from typing import Any
 
 import click
 
+from ..catalogue.claims import ORDER
 from ..catalogue.keys import BLOCKS
 from ..errors import UsageError
 from ..system.files import write_text
@@ -51,7 +52,7 @@ def _row(doc: Mapping[str, Any]) -> dict[str, Any]:
         "name": doc["name"],
         "class": doc["class"],
         "title": doc.get("title", ""),
-        "order": doc["claims"].get("order"),
+        "order": doc["claims"].get(ORDER.key),
         "status": doc["source"]["status"],
         "citation": doc["source"]["citation"],
         "where": doc["source"]["where"],

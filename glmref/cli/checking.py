@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..catalogue.keys import CLAIMS
+from ..catalogue.claims import CLAIMS
 from ..errors import UsageError
 from ..findings import Finding, Verdict
 from ..views.tables import FORMATS, Style

@@ -331,12 +331,12 @@ def _other_times(
 @cache
 def _abscissae(name: str) -> np.ndarray:
     """Abscissae of a method as doubles, without stages on which nothing depends."""
-    from ..engine.tableau import method_abscissae
+    from ..method.solution_value import stage_times
 
     method = load(name)
     assert isinstance(method, GLM)
     blocks = [np.array([[complex(x) for x in row] for row in m]) for m in (method.A, method.B)]
-    c = np.array([complex(x).real for x in method_abscissae(method)])
+    c = np.array([complex(x).real for x in stage_times(method)])
     return c[needed(*blocks)]
 
 

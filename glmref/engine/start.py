@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from ..catalogue.claims import ORDER
 from ..errors import UsageError
 from ..method import GLM, PairStartingMethod, PartitionedGLM, StartingMethod
 from ..method.solution_value import Component, components, preconsistency_vector
@@ -92,7 +93,7 @@ def starting_values(
 
 
 def default_passes(method: GLM | PartitionedGLM) -> int:
-    order = method.claims.get("order", DEFAULT_PASSES)
+    order = method.claims.get(ORDER.key, DEFAULT_PASSES)
     return min(MOST_PASSES, order) if isinstance(order, int) else DEFAULT_PASSES
 
 

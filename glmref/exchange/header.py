@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from .. import __version__
+from ..catalogue.claims import ORDER
 from ..method import GLM, PartitionedGLM
 
 __all__ = ["Comment", "facts", "header"]
@@ -49,7 +50,7 @@ def facts(method: GLM | PartitionedGLM) -> list[str]:
     document = method.document or {}
     name, title = method.name or "a method without a name", document.get("title", "")
     lines = [_plain(f"{name}: {title}" if title else name)]
-    order = method.claims.get("order")
+    order = method.claims.get(ORDER.key)
     if isinstance(method, PartitionedGLM):
         size = f"{method.n_Q} stages Q, {method.n_P} stages P, {method.r} values of q and "
         size += f"{method.r_hat} of p"

@@ -18,6 +18,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
+from ..catalogue.claims import ABSCISSAE, EXPLICIT, ORDER, PRECONSISTENT
 from ..errors import DataError, ExactnessError
 from ..exact import Scalar
 from ..exact.expression import parse, to_text
@@ -280,14 +281,14 @@ class _Writer:
     def _claims(self, entries: Mapping[str, Any], c: list[list[str]] | None) -> dict[str, Any]:
         claims: dict[str, Any] = {}
         if self.found.order:
-            claims["order"] = self.found.order
+            claims[ORDER.key] = self.found.order
         if c is not None:
-            claims["abscissae"] = c[0]
+            claims[ABSCISSAE.key] = c[0]
         if not claims and "q.A" not in entries:
             A = [[self._value(x) for x in row] for row in entries["A"]]
             explicit = all(x.is_zero() is True for i, row in enumerate(A) for x in row[i:])
-            claims["explicit"] = explicit
-        return claims or {"preconsistent": True}
+            claims[EXPLICIT.key] = explicit
+        return claims or {PRECONSISTENT.key: True}
 
 
 def _normal_or_same(text: str) -> tuple[str, list[int]]:

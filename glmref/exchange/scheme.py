@@ -21,6 +21,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from ..catalogue.claims import ORDER
 from ..engine.tableau import as_balls
 from ..errors import UsageError
 from ..exact import Scalar, exact, linalg
@@ -218,7 +219,7 @@ def _corrector(U: Matrix, V: Matrix, name: str) -> Matrix:
 
 
 def _passes(method: GLM | PartitionedGLM) -> int:
-    order = method.claims.get("order", _DEFAULT_PASSES)
+    order = method.claims.get(ORDER.key, _DEFAULT_PASSES)
     return min(_MOST_PASSES, order) if isinstance(order, int) else _DEFAULT_PASSES
 
 

@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from ..catalogue.claims import ORDER
 from ..errors import ExactnessError, UsageError
 from ..exact import Ball, Exact, Scalar
 from ..exact.expression import to_text
@@ -84,7 +85,7 @@ def butcher(method: GLM | PartitionedGLM, target: str) -> Butcher:
 
 
 def _order(method: GLM) -> int:
-    order = method.claims.get("order")
+    order = method.claims.get(ORDER.key)
     if isinstance(order, int):
         return order
     from ..verification.analysis import analyze
@@ -382,8 +383,8 @@ def _about(method: GLM | PartitionedGLM) -> dict[str, Any]:
     about: dict[str, Any] = {"name": method.name or "method"}
     if "title" in document:
         about["title"] = document["title"]
-    if isinstance(method.claims.get("order"), int):
-        about["order"] = method.claims["order"]
+    if isinstance(method.claims.get(ORDER.key), int):
+        about["order"] = method.claims[ORDER.key]
     if "citation" in method.source:
         about["source"] = {
             key: method.source[key] for key in ("citation", "where", "doi") if key in method.source

@@ -11,6 +11,15 @@ from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from typing import Any
 
+from ..catalogue.claims import (
+    CLAIMS,
+    EFFECTIVE_ORDER,
+    NYSTROM_ORDER,
+    NYSTROM_STARTING_ORDER,
+    ORDER_IDENTITY,
+    STAGE_ORDER,
+    STARTING_ORDER,
+)
 from ..catalogue.files import document as shipped_document
 from ..errors import ExactnessError
 from ..exact import Exact, linalg
@@ -133,13 +142,12 @@ class _Writer:
         self.holds = judged.verdict is Verdict.HOLDS
 
     def parts(self) -> list[Part]:
-        name = self.claim.replace("-", "_")
-        special = getattr(self, f"_{name}", None)
+        special = getattr(self, f"_{CLAIMS[self.claim].rule}", None)
         if special is not None:
             return special()
-        if self.claim in ("order-identity", "effective-order", "nystrom-order"):
-            free = self.claim == "effective-order"
-            return self._order_parts(free=free, nystrom=self.claim == "nystrom-order")
+        if self.claim in (ORDER_IDENTITY.key, EFFECTIVE_ORDER.key, NYSTROM_ORDER.key):
+            free = self.claim == EFFECTIVE_ORDER.key
+            return self._order_parts(free=free, nystrom=self.claim == NYSTROM_ORDER.key)
         raise ExactnessError(f"certificates of {self.claim!r} are not written yet")
 
     # -- orders
@@ -256,7 +264,7 @@ class _Writer:
         raise ExactnessError("order 1 is not excluded by consistency")
 
     def _stage_order(self) -> list[Part]:
-        found = self.kernel.range("stage-order")
+        found = self.kernel.range(STAGE_ORDER.key)
         parts = self._order()
         q = found.upper
         if q is None or found.lower != q or parts[0]["rule"] != "order-at-least":
@@ -291,7 +299,7 @@ class _Writer:
 
     def _starting_order(self, *, nystrom: bool = False) -> list[Part]:
         kernel = self.kernel
-        claim = "nystrom-starting-order" if nystrom else "starting-order"
+        claim = NYSTROM_STARTING_ORDER.key if nystrom else STARTING_ORDER.key
         found, free = kernel.range(claim), not kernel.is_pair
         known = kernel.order_range(free=free, nystrom=nystrom)
         if found.upper is None or found.lower != found.upper:

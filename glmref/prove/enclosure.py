@@ -37,6 +37,7 @@ from fractions import Fraction
 from functools import cache
 from typing import Any
 
+from ..catalogue.claims import ORDER, ORDER_IDENTITY
 from ..errors import DataError, ExactnessError
 from ..exact import Ball, BallMatrix, Exact, ball, jets, lift, linalg
 from ..exact.expression import parse
@@ -188,7 +189,7 @@ def prove(document: Mapping[str, Any]) -> Enclosure:
     """
     system = SweepSystem(document)
     claims = document.get("claims", {})
-    order = max(claims.get("order", 0), claims.get("order-identity", 0))
+    order = max(claims.get(ORDER.key, 0), claims.get(ORDER_IDENTITY.key, 0))
     if order < 1:
         raise DataError("a file with an `enclosure` must claim an order of at least 1")
     signs = _checked_signs(system, order)

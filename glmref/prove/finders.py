@@ -8,6 +8,21 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from ..catalogue.claims import (
+    ABSCISSAE,
+    CONSISTENT,
+    ERROR_CONSTANT,
+    EXPLICIT,
+    G_SYMPLECTIC,
+    GROWTH,
+    PARASITISM_FREE,
+    PRECONSISTENT,
+    REDUCIBLE,
+    SYMMETRIC,
+    SYMMETRIC_REDUCED,
+    SYMPLECTIC,
+    ZERO_STABLE,
+)
 from ..errors import ExactnessError
 from ..exact import Exact, linalg
 from ..exact.expression import shown_number
@@ -184,17 +199,17 @@ def _reducible(facts: Facts) -> Proposal:
 
 
 _FINDERS: Mapping[str, Callable[[Facts], Proposal]] = {
-    "preconsistent": _consistent,
-    "consistent": _consistent,
-    "zero-stable": _zero_stable,
-    "explicit": _explicit,
-    "symplectic": _symplectic,
-    "g-symplectic": _g_symplectic,
-    "symmetric": _symmetric,
-    "symmetric-reduced": _symmetric_reduced,
-    "parasitism-free": _parasitism,
-    "growth": _growth,
-    "abscissae": _abscissae,
-    "error-constant": _error_constant,
-    "reducible": _reducible,
+    PRECONSISTENT.key: _consistent,
+    CONSISTENT.key: _consistent,
+    ZERO_STABLE.key: _zero_stable,
+    EXPLICIT.key: _explicit,
+    SYMPLECTIC.key: _symplectic,
+    G_SYMPLECTIC.key: _g_symplectic,
+    SYMMETRIC.key: _symmetric,
+    SYMMETRIC_REDUCED.key: _symmetric_reduced,
+    PARASITISM_FREE.key: _parasitism,
+    GROWTH.key: _growth,
+    ABSCISSAE.key: _abscissae,
+    ERROR_CONSTANT.key: _error_constant,
+    REDUCIBLE.key: _reducible,
 }

@@ -41,6 +41,21 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
+from ..catalogue.claims import (
+    CONSISTENT,
+    EFFECTIVE_ORDER,
+    G_SYMPLECTIC,
+    NYSTROM_ORDER,
+    NYSTROM_STARTING_ORDER,
+    ORDER,
+    ORDER_IDENTITY,
+    PARASITISM_FREE,
+    PRECONSISTENT,
+    STAGE_ORDER,
+    STARTING_ORDER,
+    SYMMETRIC,
+    SYMPLECTIC,
+)
 from ..errors import DataError, ExactnessError
 from ..exact import Exact, linalg
 from ..exact.expression import parse
@@ -97,7 +112,7 @@ def implied_by(document: Mapping[str, Any] | None, method: Any) -> Implied | Non
             f"one has class {kind!r}; take it out"
         )
     claims = document.get("claims", {})
-    if not any(claims.get(x, 0) for x in ("order", "order-identity", "nystrom-order")):
+    if not any(claims.get(x, 0) for x in (ORDER.key, ORDER_IDENTITY.key, NYSTROM_ORDER.key)):
         raise DataError(
             "a file with an `enclosure` must claim an order of at least 1: it says which equations "
             "are needed"
@@ -119,21 +134,21 @@ def _sweep(document: Mapping[str, Any]) -> Implied:
     _check_regular(system.V, "V")
     record = prove(document)  # palindromic, covered, one root: or an error
     true = {
-        "preconsistent": "the first column of U is the first row of X, which is 1",
-        "consistent": "the condition of the tree with one node",
-        "g-symplectic": "holds for every value of the unknowns, V^T G V = G",
-        "symmetric": "palindromic for every value of the unknowns",
+        PRECONSISTENT.key: "the first column of U is the first row of X, which is 1",
+        CONSISTENT.key: "the condition of the tree with one node",
+        G_SYMPLECTIC.key: "holds for every value of the unknowns, V^T G V = G",
+        SYMMETRIC.key: "palindromic for every value of the unknowns",
     }
     if system.r == 1:
-        true["symplectic"] = true["g-symplectic"]
-    at_least = {"order": record.order, "effective-order": record.order}
+        true[SYMPLECTIC.key] = true[G_SYMPLECTIC.key]
+    at_least = {ORDER.key: record.order, EFFECTIVE_ORDER.key: record.order}
     if all(x[0].is_zero() is True for t, x in record.series.zeta.items() if t.order < record.order):
-        at_least["order-identity"] = record.order
-    at_least["stage-order"] = min(system.stage_order, record.order)
+        at_least[ORDER_IDENTITY.key] = record.order
+    at_least[STAGE_ORDER.key] = min(system.stage_order, record.order)
     at_least |= dict.fromkeys(record.started, record.order)
     zeros = _zero_growths(system.V, [e.what for e in system.equations if e.kind == "growth"])
     if zeros is not None:
-        true["parasitism-free"] = "the growth parameters are equations"
+        true[PARASITISM_FREE.key] = "the growth parameters are equations"
     return Implied(true, at_least, zeros, abscissae(system), bool(system.explicit), _SEAL)
 
 
@@ -210,37 +225,37 @@ def _pair(document: Mapping[str, Any]) -> Implied:
     _check_regular(system.V_hat, "V^")
     prove_pair(document)  # covered, one root: or an error
     true = {
-        "preconsistent": "the first rows of X and Y are 1",
-        "consistent": "the conditions of the two trees with one node",
-        "g-symplectic": "holds for every value of the unknowns, V^T G V^ = G",
+        PRECONSISTENT.key: "the first rows of X and Y are 1",
+        CONSISTENT.key: "the conditions of the two trees with one node",
+        G_SYMPLECTIC.key: "holds for every value of the unknowns, V^T G V^ = G",
     }
     if system.is_one_step:
-        true["symplectic"] = true["g-symplectic"]
+        true[SYMPLECTIC.key] = true[G_SYMPLECTIC.key]
     if system.signs() is not None:
-        true["symmetric"] = "palindromic for every value of the unknowns"
+        true[SYMMETRIC.key] = "palindromic for every value of the unknowns"
     at_least: dict[str, int] = {}
     order, nystrom = system.claimed, system.claimed_nystrom
     if order:
-        at_least["order"] = at_least["effective-order"] = order
+        at_least[ORDER.key] = at_least[EFFECTIVE_ORDER.key] = order
         if system.identity_through(order - 1):
-            at_least["order-identity"] = at_least["nystrom-order"] = order
-    if nystrom > at_least.get("nystrom-order", 0) and system.identity_through(
+            at_least[ORDER_IDENTITY.key] = at_least[NYSTROM_ORDER.key] = order
+    if nystrom > at_least.get(NYSTROM_ORDER.key, 0) and system.identity_through(
         nystrom - 1, nystrom=True
     ):
-        at_least["nystrom-order"] = nystrom
+        at_least[NYSTROM_ORDER.key] = nystrom
     block = document.get("starting")
     if block is None:
         for claim, base, kind in (
-            ("starting-order", "order-identity", False),
-            ("nystrom-starting-order", "nystrom-order", True),
+            (STARTING_ORDER.key, ORDER_IDENTITY.key, False),
+            (NYSTROM_STARTING_ORDER.key, NYSTROM_ORDER.key, True),
         ):
             at_least[claim] = _zero_start(system, at_least.get(base, 0), nystrom=kind)
     elif start_system(block).unknowns:
         orders = start_orders(document["claims"], block)
-        at_least["starting-order"], at_least["nystrom-starting-order"] = orders
+        at_least[STARTING_ORDER.key], at_least[NYSTROM_STARTING_ORDER.key] = orders
     zeros = _pair_growths(system)
     if zeros is not None:
-        true["parasitism-free"] = "the growth parameters of both halves are equations"
+        true[PARASITISM_FREE.key] = "the growth parameters of both halves are equations"
     return Implied(true, at_least, zeros, None, False, _SEAL)
 
 

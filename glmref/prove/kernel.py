@@ -26,6 +26,15 @@ from itertools import product
 from math import factorial
 from typing import Any, NoReturn
 
+from ..catalogue.claims import (
+    ABSCISSAE,
+    CLAIMS,
+    ERROR_CONSTANT,
+    GROWTH,
+    NYSTROM_ORDER,
+    ORDER,
+    ORDER_IDENTITY,
+)
 from ..errors import ExactnessError
 from ..exact import Exact, Scalar, linalg
 from ..exact.expression import Text, parse, shown_number
@@ -80,6 +89,12 @@ __all__ = ["Judgement", "Kernel", "Proposal", "Range", "refuted"]
 
 _ZERO, _ONE = Exact(0), Exact(1)
 _SEAL = object()
+#: What the numbers of a claim are called in a sentence.
+_CALLED: Mapping[str, str] = {
+    GROWTH.key: "growth parameters",
+    ABSCISSAE.key: "abscissae",
+    ERROR_CONSTANT.key: "error constant",
+}
 #: Largest order to which trees are compared: of one method, a separable pair, another pair.
 MAX_ORDER = (12, 9, 8)
 #: Points of the imaginary axis at which a violation of A-stability is looked for.
@@ -245,9 +260,10 @@ class Kernel:
     def judge(self, claim: str, declared: object, proposal: Proposal) -> Judgement:
         """Judge one claim: the only way to a verdict."""
         try:
-            if claim in _ORDERS:
+            kind = CLAIMS[claim].type
+            if kind is int:
                 return self._judge_range(claim, declared, proposal)
-            if claim in _LISTS:
+            if kind is not bool:
                 return self._judge_list(claim, declared, proposal)
             known = self.known(claim, proposal)
         except ExactnessError as error:
@@ -274,11 +290,18 @@ class Kernel:
         """What is known of a claim that is true or false."""
         if self.implied is not None and claim in self.implied.true:
             return Known(True, False)
-        rule = getattr(self, "_" + claim.replace("-", "_"))
         try:
-            return rule(proposal.witness())
+            return self._rule(claim)(proposal.witness())
         except ExactnessError as error:
             return Known(None, self.exact, str(error))
+
+    def _rule(self, claim: str) -> Any:
+        """The rule of a claim: ``_rule`` with the name in its :class:`ClaimSpec`.
+
+        Of an order it is a property, a :class:`Range`; of a truth value a method of what was
+        proposed; of numbers a method of those declared and of what was proposed.
+        """
+        return getattr(self, f"_{CLAIMS[claim].rule}")
 
     def _judge_range(self, claim: str, declared: object, proposal: Proposal) -> Judgement:
         found = self.range(claim)
@@ -307,19 +330,11 @@ class Kernel:
 
     def _judge_list(self, claim: str, declared: object, proposal: Proposal) -> Judgement:
         texts = list(declared) if isinstance(declared, list) else [declared]
-        if claim == "growth":
-            known = self._growth([_number(x) for x in texts], proposal.witness())
-        elif claim == "abscissae":
-            known = self._abscissae([_number(x) for x in texts])
-        else:
-            known = self._error_constant(_number(texts[0]))
+        known = self._rule(claim)([_number(x) for x in texts], proposal.witness())
         reason = known.reason
         if known.entry is not None:
-            what = "error constant" if claim == "error-constant" else _PLURAL[claim]
-            declared_text = texts[known.entry]
-            reason = (
-                f"number {known.entry + 1} of the {what} is {reason}, declared is {declared_text}"
-            )
+            what, entry = _CALLED[claim], known.entry
+            reason = f"number {entry + 1} of the {what} is {reason}, declared is {texts[entry]}"
         return self._made(
             known.truth,
             exact=known.exact,
@@ -336,18 +351,7 @@ class Kernel:
 
     def range(self, claim: str) -> Range:
         """Proved bounds of an order: see :mod:`glmref.prove.series` for the theorem."""
-        rules = {
-            "order": lambda: self._order,
-            "order-identity": lambda: self.order_range(free=False),
-            "effective-order": lambda: self.order_range(free=True),
-            "nystrom-order": lambda: self.order_range(free=False, nystrom=True),
-            "stage-order": lambda: self._stage_order,
-            "starting-order": lambda: self._starting_order(nystrom=False),
-            "nystrom-starting-order": lambda: self._starting_order(nystrom=True),
-            "finishing-order": lambda: self._finishing_order,
-        }
-        found = rules[claim]()
-        return self._with_implied(claim, found)
+        return self._with_implied(claim, self._rule(claim))
 
     def _with_implied(self, claim: str, found: Range) -> Range:
         implied = self.implied.at_least.get(claim) if self.implied else None
@@ -371,6 +375,18 @@ class Kernel:
             return identity
         free = self.order_range(free=True)
         return identity if identity.value == free.value else free
+
+    @property
+    def _order_identity(self) -> Range:
+        return self.order_range(free=False)
+
+    @property
+    def _effective_order(self) -> Range:
+        return self.order_range(free=True)
+
+    @property
+    def _nystrom_order(self) -> Range:
+        return self.order_range(free=False, nystrom=True)
 
     def order_range(self, *, free: bool, nystrom: bool = False) -> Range:
         """Bounds by the trees: all residuals exactly zero below, one that excludes zero above."""
@@ -492,7 +508,15 @@ class Kernel:
 
     # -- starts and finishes -----------------------------------------------------------------------
 
-    def _starting_order(self, *, nystrom: bool) -> Range:
+    @property
+    def _starting_order(self) -> Range:
+        return self._start_range(nystrom=False)
+
+    @property
+    def _nystrom_starting_order(self) -> Range:
+        return self._start_range(nystrom=True)
+
+    def _start_range(self, *, nystrom: bool) -> Range:
         """Where the start of the file agrees with the starting series.
 
         That is unique up to a shift along the flow, which is fixed at a single vertex, and up to
@@ -503,8 +527,8 @@ class Kernel:
         if start is None and not self.is_pair:
             return Range(0, 0, exact=True, reason="the file gives no starting method")
         known = self.order_range(free=free, nystrom=nystrom)
-        base = "nystrom-order" if nystrom else "order-identity" if self.is_pair else "order"
-        known = self._with_implied(base, known)
+        base = NYSTROM_ORDER if nystrom else ORDER_IDENTITY if self.is_pair else ORDER
+        known = self._with_implied(base.key, known)
         p = known.value
         if not p or (free, nystrom) not in self.series:
             return Range(0, 0 if known.upper == 0 else None, exact=self.exact,
@@ -687,7 +711,7 @@ class Kernel:
             answers.append(None if answer is True and not c.certain else answer)
         return Known(all_of(answers), exact)
 
-    def _abscissae(self, declared: list[Scalar]) -> Known:
+    def _abscissae(self, declared: list[Scalar], witness: Mapping[str, Any]) -> Known:
         """c = A 1 + U v, w v = 0 for the output w; unique where 1 is a simple eigenvalue.
 
         Over balls every pair (u, v) of a method in them lies in the (u, v) used here.
@@ -724,7 +748,7 @@ class Kernel:
         known = _compared(found, declared, exact=exact)
         return known if known.truth is not False or unique else Known(None, exact, known.reason)
 
-    def _error_constant(self, declared: Scalar) -> Known:
+    def _error_constant(self, declared: list[Scalar], witness: Mapping[str, Any]) -> Known:
         """C_(p+1) / sigma(1) from alpha and beta of the file: independent of the values carried.
 
         Hairer, Norsett, Wanner (1993), III.2, (2.6) and (2.13). For methods of other classes the
@@ -746,7 +770,7 @@ class Kernel:
                 defect = defect + a * m**q - (b * (q * m ** (q - 1)) if q else _ZERO)
             if defect.is_zero() is False:
                 found = defect / sigma * Fraction(1, factorial(q))
-                return _compared([found], [declared], exact=True)
+                return _compared([found], declared[:1], exact=True)
         raise ExactnessError("no term of the local error was found")
 
     # -- stability of V ----------------------------------------------------------------------------
@@ -1433,15 +1457,5 @@ def _compared(
     return Known(truth, exact, shown_number(found[at]), size, offset + at)
 
 
-_ORDERS = frozenset(
-    {"order", "order-identity", "effective-order", "nystrom-order", "stage-order"}
-    | {"starting-order", "nystrom-starting-order", "finishing-order"}
-)
-
-
 def _is_glm_exact(m: GLM) -> bool:
     return is_exact(m.A, m.U, m.B, m.V)
-
-
-_LISTS = frozenset({"growth", "abscissae", "error-constant"})
-_PLURAL = {"growth": "growth parameters", "abscissae": "abscissae"}

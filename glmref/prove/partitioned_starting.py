@@ -24,6 +24,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
+from ..catalogue.claims import NYSTROM_ORDER, NYSTROM_STARTING_ORDER, ORDER, STARTING_ORDER
 from ..catalogue.writer import DIGITS, decimal
 from ..errors import DataError, ExactnessError
 from ..exact import Exact, ball, linalg
@@ -114,7 +115,7 @@ def start_orders(
         claims: of the file. block: its ``"starting"``, whose order is a claim as well.
     """
     own = 0 if block is None else block.get("order", 0)
-    return claims.get("starting-order", own), claims.get("nystrom-starting-order", 0)
+    return claims.get(STARTING_ORDER.key, own), claims.get(NYSTROM_STARTING_ORDER.key, 0)
 
 
 def start_system(block: Mapping[str, Any]) -> StartingSystem:
@@ -323,16 +324,16 @@ def with_start(
         ConvergenceError, ExactnessError: when the digits lead to no exact start.
     """
     claims = dict(document["claims"])
-    claims["starting-order"] = claims["order"]
-    if "nystrom-order" in claims:
-        claims["nystrom-starting-order"] = claims["nystrom-order"]
+    claims[STARTING_ORDER.key] = claims[ORDER.key]
+    if NYSTROM_ORDER.key in claims:
+        claims[NYSTROM_STARTING_ORDER.key] = claims[NYSTROM_ORDER.key]
     system, orders = PairSystem(document), start_orders(claims)
     series = [
         system.series(numbers, {}, order, nystrom=nystrom, starts=True)
         for order, nystrom in zip(orders, (False, True), strict=True)
         if order
     ]
-    block, _ = complete_start(half, pair_target(system, series, orders), claims["order"])
+    block, _ = complete_start(half, pair_target(system, series, orders), claims[ORDER.key])
     return {**document, "starting": block, "claims": claims}
 
 

@@ -18,6 +18,7 @@ from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
+from ..catalogue.claims import NYSTROM_ORDER, ORDER, ORDER_IDENTITY
 from ..errors import DataError
 from ..exact import Exact, linalg
 from ..exact.expression import parse
@@ -103,8 +104,8 @@ class PairSystem:
         self.equations = tuple(PairEquation.read(x) for x in block.get("equations", ()))
         self.principal = {parse_tree(t): x for t, x in block.get("xi", {}).items()}
         claims = document.get("claims", {})
-        self.claimed = max((claims.get(x, 0) for x in ("order", "order-identity")), default=0)
-        self.claimed_nystrom = claims.get("nystrom-order", 0)
+        self.claimed = max((claims.get(x, 0) for x in (ORDER.key, ORDER_IDENTITY.key)), default=0)
+        self.claimed_nystrom = claims.get(NYSTROM_ORDER.key, 0)
         one = ((Exact(1),),)
         if self.is_splitting:
             self.V, self.V_hat, self.G = one, one, one

@@ -23,6 +23,7 @@ from fractions import Fraction
 from functools import cached_property, lru_cache
 from typing import Any
 
+from ..catalogue.claims import FINISHING_ORDER, STARTING_ORDER
 from ..errors import DataError, ExactnessError
 from ..exact import Ball, Exact, ball, linalg
 from ..exact.expression import parse
@@ -334,14 +335,14 @@ def prove_blocks(document: Mapping[str, Any], target: Target) -> list[str]:
 
     digits = document.get("digits", 75)
     start = prove_starting(opening, target, digits=digits)
-    claims = ["starting-order"]
+    claims = [STARTING_ORDER.key]
     closing = document.get("finishing")
     if closing is not None and is_inverse(opening, closing):
-        claims.append("finishing-order")
+        claims.append(FINISHING_ORDER.key)
     elif closing is not None and finishing_system(closing).unknowns:
         base = first_value(opening, start.box, target.order)
         prove_finishing(closing, base, target.order, digits=digits)
-        claims.append("finishing-order")
+        claims.append(FINISHING_ORDER.key)
     return claims
 
 

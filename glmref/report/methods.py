@@ -6,6 +6,17 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Any
 
+from ..catalogue.claims import (
+    FINISHING_ORDER,
+    G_SYMPLECTIC,
+    GROWTH,
+    ORDER,
+    ORDER_IDENTITY,
+    PARASITISM_FREE,
+    STARTING_ORDER,
+    SYMMETRIC,
+    SYMPLECTIC,
+)
 from ..catalogue.errata import find_errata
 from ..catalogue.lookup import document, load
 from ..method import GLM, PartitionedGLM
@@ -77,21 +88,21 @@ def _row(site: Site, results: Results, name: str, evaluations: Mapping[str, floa
     found = results.findings.get(name, [])
     proved = _of_this_file(doc, found)
     held = sum(x.get("verdict") == "holds" for x in proved)
-    kept = claims.get("g-symplectic", claims.get("symplectic"))
-    growth = claims.get("growth")
+    kept = claims.get(G_SYMPLECTIC.key, claims.get(SYMPLECTIC.key))
+    growth = claims.get(GROWTH.key)
     stages, implicit, values = _sizes(method)
     return [
         site.link(f"method-{name}", name),
         escape(doc["class"]),
-        number(claims.get("order")),
-        number(_seen(results, name, "order") or _measured_order(found)),
+        number(claims.get(ORDER.key)),
+        number(_seen(results, name, ORDER.key) or _measured_order(found)),
         escape(" and ".join(_proofs(proved))) or number(None),
         number(stages),
         number(implicit),
         number(values),
         number(kept),
-        number(claims.get("symmetric")),
-        number(claims.get("parasitism-free")),
+        number(claims.get(SYMMETRIC.key)),
+        number(claims.get(PARASITISM_FREE.key)),
         _listed(growth),
         number(evaluations.get(name)),
         f"{held} of {len(proved)}" if proved else number(None),
@@ -157,7 +168,8 @@ def _of_this_file(doc: Record, found: Sequence[Record]) -> list[Record]:
 
 def _declared(doc: Record) -> Record:
     """Claims of a file, with the orders that its starting and its finishing method declare."""
-    orders = {f"{kind}-order": doc.get(kind, {}).get("order") for kind in ("starting", "finishing")}
+    kinds = {STARTING_ORDER.key: "starting", FINISHING_ORDER.key: "finishing"}
+    orders = {key: doc.get(kind, {}).get("order") for key, kind in kinds.items()}
     more = {k: x for k, x in orders.items() if x is not None and k not in doc["claims"]}
     return {**doc["claims"], **more}
 
@@ -166,8 +178,8 @@ def _seen(results: Results, name: str, claim: str) -> Any:
     """Order that runs show, as it is stored; one with identity that is the order stands once."""
     found = results.observed(name)
     claims = _document(name)["claims"]
-    if claim == "order-identity" and claims.get(claim) == claims.get("order"):
-        claim = "order"
+    if claim == ORDER_IDENTITY.key and claims.get(claim) == claims.get(ORDER.key):
+        claim = ORDER.key
     return found.get(claim, {}).get("observed")
 
 

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from ..catalogue.claims import EXPLICIT, G_SYMPLECTIC, PARASITISM_FREE, SYMMETRIC, SYMPLECTIC
+
 __all__ = [
     "ANSWERS",
     "ASK",
@@ -45,7 +47,7 @@ TIMED = ("fastest",)
 #: Answers that judge an error, and so need it asked.
 JUDGING = ("fastest", "accurate")
 #: Groups of methods by what their files claim.
-KINDS = ("explicit", "g-symplectic", "parasitism-free", "symmetric", "symplectic")
+KINDS = tuple(x.key for x in (EXPLICIT, G_SYMPLECTIC, PARASITISM_FREE, SYMMETRIC, SYMPLECTIC))
 STARTS = ("zero", "enhanced")
 
 

@@ -6,6 +6,18 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from ..catalogue.claims import (
+    CONSISTENT,
+    EXPLICIT,
+    G_SYMPLECTIC,
+    ORDER,
+    ORDER_IDENTITY,
+    PARASITISM_FREE,
+    PRECONSISTENT,
+    STAGE_ORDER,
+    SYMMETRIC,
+    ZERO_STABLE,
+)
 from ..exact import Scalar
 from ..exact.expression import shown_number
 from ..exact.linalg import Matrix, Vector
@@ -81,17 +93,17 @@ def analyze(method: GLM | PartitionedGLM) -> Analysis:
 
 def _shared(facts: GLMFacts | PairFacts) -> dict[str, Any]:
     kernel = facts.kernel
-    order, identity = kernel.range("order"), kernel.range("order-identity")
+    order, identity = kernel.range(ORDER.key), kernel.range(ORDER_IDENTITY.key)
     same = order.value == identity.value or facts.is_one_step
-    stages = kernel.range("stage-order")
+    stages = kernel.range(STAGE_ORDER.key)
     constants = facts.classical_order.residuals
     settled = order.lower == order.upper
     return {
         "method": facts.method.name,
-        "explicit": facts.truth("explicit") is True,
-        "preconsistent": facts.truth("preconsistent"),
-        "consistent": facts.truth("consistent"),
-        "zero_stable": facts.truth("zero-stable"),
+        "explicit": facts.truth(EXPLICIT.key) is True,
+        "preconsistent": facts.truth(PRECONSISTENT.key),
+        "consistent": facts.truth(CONSISTENT.key),
+        "zero_stable": facts.truth(ZERO_STABLE.key),
         "order": order.value,
         "order_proved": [order.lower, order.upper],
         "principal": "identity" if same else "free",
@@ -101,7 +113,7 @@ def _shared(facts: GLMFacts | PairFacts) -> dict[str, Any]:
             x for x in (staircase(facts), "" if settled else _open(order), order.sentence) if x
         ),
         "error_constants": {str(t): _real(x) for t, x in constants.items()},
-        "parasitism_free": facts.truth("parasitism-free"),
+        "parasitism_free": facts.truth(PARASITISM_FREE.key),
         "proof": facts.proof,
     }
 
@@ -123,7 +135,7 @@ def staircase(facts: GLMFacts | PairFacts) -> str:
         the proved one is nearly reached.
     """
     kernel = facts.kernel
-    proved = kernel.range("order").lower
+    proved = kernel.range(ORDER.key).lower
     sizes = kernel.nearly(most=proved + 8)
     steps: list[str] = []
     for n in range(len(sizes), proved, -1):
@@ -135,14 +147,14 @@ def staircase(facts: GLMFacts | PairFacts) -> str:
 
 def _analyze_glm(facts: GLMFacts) -> Analysis:
     form, symmetry = facts.g_symplecticity, facts.symmetry
-    held = facts.truth("symmetric")
+    held = facts.truth(SYMMETRIC.key)
     return Analysis(
         **_shared(facts),
         stages=facts.method.s,
         values=facts.method.r,
         implicit_stages=list(facts.method.implicit_stages),
         g_symplectic={
-            "holds": facts.truth("g-symplectic"),
+            "holds": facts.truth(G_SYMPLECTIC.key),
             "G": _matrix(form.G),
             "D": _vector(form.D),
         },
@@ -170,12 +182,12 @@ def _analyze_pair(facts: PairFacts) -> Analysis:
         values=[pair.r, pair.r_hat],
         implicit_stages=[],
         g_symplectic={
-            "holds": facts.truth("g-symplectic"),
+            "holds": facts.truth(G_SYMPLECTIC.key),
             "G": _matrix(form.G),
             "D": {"D_P": _vector(form.D_P), "D_Q": _vector(form.D_Q)},
         },
         symmetric={
-            "holds": facts.truth("symmetric"),
+            "holds": facts.truth(SYMMETRIC.key),
             "L": _matrix(symmetry.L),
             "L_hat": _matrix(symmetry.L_hat),
             "P": [_stages(symmetry.P_P), _stages(symmetry.P_Q)],

@@ -6,6 +6,7 @@ from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
+from ..catalogue.claims import CLAIMS, FINISHING_ORDER, STARTING_ORDER
 from ..catalogue.lookup import document, path_of
 from ..catalogue.reader import load_document
 from ..errors import DataError, GlmrefError
@@ -18,10 +19,6 @@ from ..prove.kernel import Judgement, refuted
 __all__ = ["claims_of", "facts_for", "verify", "verify_file"]
 
 Method = GLM | PartitionedGLM
-#: Claims that have no meaning for a pair.
-FOR_ONE_METHOD = frozenset(
-    {"finishing-order", "abscissae", "error-constant", "a-stable", "l-stable", "symmetric-reduced"}
-)
 
 
 def verify(method: Method, *, only: Collection[str] = ()) -> list[Finding]:
@@ -59,15 +56,15 @@ def claims_of(method: Method) -> Mapping[str, Any]:
         DataError: where a block and a claim disagree.
     """
     claims = dict(method.claims)
-    for kind in ("starting", "finishing"):
+    for kind, claim in (("starting", STARTING_ORDER.key), ("finishing", FINISHING_ORDER.key)):
         block = getattr(method, kind, None)
         if block is None or "order" not in block.claims:
             continue
         order = block.claims["order"]
-        if claims.setdefault(f"{kind}-order", order) != order:
+        if claims.setdefault(claim, order) != order:
             raise DataError(
-                f"`{kind}.order` is {order} and the claim `{kind}-order` "
-                f"{claims[f'{kind}-order']}; they must agree"
+                f"`{kind}.order` is {order} and the claim `{claim}` {claims[claim]}; "
+                f"they must agree"
             )
     return claims
 
@@ -83,7 +80,12 @@ def facts_for(method: Method) -> Facts:
 
 
 def _judged(facts: Facts, claim: str, declared: object) -> Judgement:
-    if claim in FOR_ONE_METHOD and isinstance(facts, PairFacts):
+    if claim not in CLAIMS:
+        raise DataError(
+            f"the claim {claim!r} of {facts.method.name!r} is unknown; "
+            f"known are {', '.join(sorted(CLAIMS))}"
+        )
+    if isinstance(facts, PairFacts) and not CLAIMS[claim].has_meaning(pair=True):
         raise DataError(
             f"the claim {claim!r} of {facts.method.name!r} has no meaning for a pair; remove it"
         )

@@ -18,6 +18,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from ..catalogue.claims import ABSCISSAE, ORDER
 from ..exact import Ball, Scalar
 from ..exact.expression import shown_number
 from ..exact.linalg import Matrix, Vector
@@ -159,7 +160,7 @@ class _Page:
         """Return the column c as the file writes it, if it does; empty where there is none."""
         if values is None:
             return [[""]] * count
-        texts: Any = self.method.claims.get("abscissae", ())
+        texts: Any = self.method.claims.get(ABSCISSAE.key, ())
         if len(texts) != len(values) or any(
             (x - text.value).is_zero() is not True for x, text in zip(values, texts, strict=True)
         ):
@@ -343,6 +344,6 @@ def _count(number: int, what: str) -> str:
 
 
 def _named(kind: str, method: Any, stages: str = "Y = h A f(Y) + y0") -> str:
-    order = f", order {method.claims['order']}" if "order" in method.claims else ""
+    order = f", order {method.claims[ORDER.key]}" if ORDER.key in method.claims else ""
     name = f" {one_line(method.name)}" if method.name else ""
     return f"{kind}{name}{order}:  {stages}"

@@ -11,7 +11,8 @@ from typing import Any
 from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 
-from glmref.catalogue.keys import BLOCKS, CLAIMS, COMMON
+from glmref.catalogue.claims import CLAIMS
+from glmref.catalogue.keys import BLOCKS, COMMON
 from glmref.catalogue.lookup import document, names
 from glmref.catalogue.reader import load_document
 from glmref.catalogue.strict_json import read_json

@@ -7,7 +7,8 @@ from typing import Any
 
 import pytest
 
-from glmref.catalogue.keys import BLOCKS, CLAIMS, PAIRS, SOURCE, without_meaning
+from glmref.catalogue.claims import CLAIMS
+from glmref.catalogue.keys import BLOCKS, PAIRS, SOURCE, without_meaning
 from glmref.catalogue.lookup import document, load, names
 from glmref.catalogue.reader import load_document
 from glmref.errors import DataError
@@ -94,10 +95,10 @@ def test_claimed_expressions_keep_text_and_value() -> None:
 
 def test_each_claim_is_refused_with_a_value_of_another_kind() -> None:
     wrong = {int: True, bool: 1, list: "1", str: ["1"]}
-    for claim, kind in CLAIMS.items():
+    for claim, spec in CLAIMS.items():
         base = "stormer-verlet" if claim in without_meaning("rk") else "rk4"
         with pytest.raises(DataError, match=f"the claim '{claim}' must be"):
-            load_document({**document(base), "claims": {claim: wrong[kind]}})
+            load_document({**document(base), "claims": {claim: wrong[spec.type]}})
 
 
 def test_claims_of_one_method_and_of_a_pair_are_refused_for_the_other() -> None:
@@ -106,7 +107,7 @@ def test_claims_of_one_method_and_of_a_pair_are_refused_for_the_other() -> None:
         for claim in without_meaning(kind):
             values = {int: 1, bool: True, list: ["1"], str: "1"}
             with pytest.raises(DataError, match="has no meaning for"):
-                load_document({**document(base), "claims": {claim: values[CLAIMS[claim]]}})
+                load_document({**document(base), "claims": {claim: values[CLAIMS[claim].type]}})
         assert not without_meaning(kind) & without_meaning(("splitting", "rk")[right])
 
 

@@ -1,0 +1,370 @@
+"""The claims a method file can make, one :class:`ClaimSpec` each.
+
+What the package knows of a claim apart from its proof follows from this table: the keys a file may
+have and their kinds of values (:mod:`.keys`, :mod:`.reader`), their order in a file
+(:mod:`.canonical`), which methods can make it (:mod:`glmref.verification`), the rule of the kernel
+that decides (:mod:`glmref.prove.kernel`), and the JSON Schema and the table of ``data/README.md``,
+which ``python -m tools.method_schema`` writes. Modules that need one particular claim take its key
+from here, for example ``ZERO_STABLE.key``.
+
+Only the standard library is used.
+"""
+
+from __future__ import annotations
+
+import builtins
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+__all__ = [
+    "ABSCISSAE",
+    "A_STABLE",
+    "CLAIMS",
+    "CONSISTENT",
+    "EFFECTIVE_ORDER",
+    "ERROR_CONSTANT",
+    "EXPLICIT",
+    "FINISHING_ORDER",
+    "GROWTH",
+    "G_SYMPLECTIC",
+    "L_STABLE",
+    "NYSTROM_ORDER",
+    "NYSTROM_STARTING_ORDER",
+    "ORDER",
+    "ORDER_IDENTITY",
+    "PARASITISM_FREE",
+    "PRECONSISTENT",
+    "REDUCIBLE",
+    "STAGE_ORDER",
+    "STARTING_ORDER",
+    "SYMMETRIC",
+    "SYMMETRIC_REDUCED",
+    "SYMPLECTIC",
+    "ZERO_STABLE",
+    "ClaimSpec",
+]
+
+Kind = Literal["any", "single", "partitioned"]
+ANY: Kind = "any"
+SINGLE: Kind = "single"
+PARTITIONED: Kind = "partitioned"
+
+
+@dataclass(frozen=True)
+class ClaimSpec:
+    """What a claim is.
+
+    Parameters
+    ----------
+    key : str
+        The key under ``claims`` of a method file.
+    type : type
+        Of the value: ``int`` for an order, ``bool``, ``list`` of expressions, or ``str`` for one.
+    applies_to : {"any", "single", "partitioned"}
+        The methods for which the claim has a meaning.
+    rule : str
+        The rule of the kernel, the method or property ``_rule`` of
+        :class:`glmref.prove.kernel.Kernel`.
+    schema : Mapping
+        JSON Schema of the value, within the schema of ``glmref-method-1``.
+    sentence : str
+        When the claim is true, as Markdown for ``data/README.md``.
+    """
+
+    key: str
+    type: builtins.type
+    applies_to: Kind
+    rule: str
+    schema: Mapping[str, Any]
+    sentence: str
+
+    def has_meaning(self, *, pair: bool) -> bool:
+        """Whether a partitioned method (``pair``) or a single one can make this claim."""
+        return self.applies_to in (ANY, PARTITIONED if pair else SINGLE)
+
+
+_ORDER = {"$ref": "#/$defs/order"}
+_TRUTH = {"type": "boolean"}
+_NUMBERS = {"type": "array", "maxItems": 200, "items": {"$ref": "#/$defs/expression"}}
+
+ORDER = ClaimSpec(
+    "order",
+    int,
+    ANY,
+    "order",
+    _ORDER,
+    (
+        "largest p such that a step from the starting values of the exact solution is right "
+        "to O(h^{p+1}). Methods that carry one value start from the solution itself; for the "
+        "others some starting method must exist. Trees are compared through order 12 "
+        "(separable pairs 9, other pairs 8): where none fails there, the order is at least "
+        "that and the claim stays open"
+    ),
+)
+ORDER_IDENTITY = ClaimSpec(
+    "order-identity",
+    int,
+    ANY,
+    "order_identity",
+    _ORDER,
+    (
+        "the same with the value that carries the solution, the first k with u_k not 0, "
+        "divided by u_k, equal to it, so that no finishing method is needed"
+    ),
+)
+EFFECTIVE_ORDER = ClaimSpec(
+    "effective-order",
+    int,
+    ANY,
+    "effective_order",
+    _ORDER,
+    (
+        "the same with any start, for methods that carry one value: the order between a start "
+        "and a finish"
+    ),
+)
+NYSTROM_ORDER = ClaimSpec(
+    "nystrom-order",
+    int,
+    PARTITIONED,
+    "nystrom_order",
+    _ORDER,
+    (
+        "pairs: `order-identity` on second-order systems q' = M^{-1} p, p' = k(q): trees in "
+        "which a vertex f has two children or more do not count"
+    ),
+)
+STAGE_ORDER = ClaimSpec(
+    "stage-order",
+    int,
+    ANY,
+    "stage_order",
+    _ORDER,
+    (
+        "largest q such that every stage is the solution at its abscissa to O(h^{q+1}), and q "
+        "is not above the order"
+    ),
+)
+STARTING_ORDER = ClaimSpec(
+    "starting-order",
+    int,
+    ANY,
+    "starting_order",
+    _ORDER,
+    (
+        "the starting method of the file agrees with the series that the method asks for on "
+        "all trees of that order; pairs without `starting`: the start (y0, 0, ..) does"
+    ),
+)
+NYSTROM_STARTING_ORDER = ClaimSpec(
+    "nystrom-starting-order",
+    int,
+    PARTITIONED,
+    "nystrom_starting_order",
+    _ORDER,
+    "pairs: the same on second-order systems, as in `nystrom-order`",
+)
+ERROR_CONSTANT = ClaimSpec(
+    "error-constant",
+    str,
+    SINGLE,
+    "error_constant",
+    {"$ref": "#/$defs/expression"},
+    (
+        "C in the local error C h^{p+1} y^{(p+1)} of a multistep method for y' = g(x): "
+        "C_{p+1} / sigma(1), computed from `alpha` and `beta`, whatever values are carried; "
+        "BDF with k steps has -1/(k + 1). Classes `lmm` and `one-leg` only: for others it "
+        "depends on which value is called the solution"
+    ),
+)
+ABSCISSAE = ClaimSpec(
+    "abscissae",
+    list,
+    SINGLE,
+    "abscissae",
+    {"$ref": "#/$defs/vector"},
+    "c = A 1 + U v, v of `consistent` with v_k = 0 at the first k with u_k not 0",
+)
+PRECONSISTENT = ClaimSpec(
+    "preconsistent",
+    bool,
+    ANY,
+    "preconsistent",
+    _TRUTH,
+    "V u = u and U u = 1 for some u",
+)
+CONSISTENT = ClaimSpec(
+    "consistent",
+    bool,
+    ANY,
+    "consistent",
+    _TRUTH,
+    "B 1 + V v = u + v for some v",
+)
+ZERO_STABLE = ClaimSpec(
+    "zero-stable",
+    bool,
+    ANY,
+    "zero_stable",
+    _TRUTH,
+    "the powers of V are bounded",
+)
+EXPLICIT = ClaimSpec(
+    "explicit",
+    bool,
+    ANY,
+    "explicit",
+    _TRUTH,
+    (
+        "the stages have an order in which each needs earlier ones only. Where f and k are "
+        "evaluated at the same stages (pairs that are not separable), stage i needs stage j "
+        "if A or A^ has an entry there"
+    ),
+)
+SYMPLECTIC = ClaimSpec(
+    "symplectic",
+    bool,
+    ANY,
+    "symplectic",
+    _TRUTH,
+    (
+        "methods that carry one value: b_i a_ij + b_j a_ji = b_i b_j; pairs: b_i a^_ij + b^_j "
+        "a_ji = b_i b^_j and, for systems that are not separable, b = b^"
+    ),
+)
+G_SYMPLECTIC = ClaimSpec(
+    "g-symplectic",
+    bool,
+    ANY,
+    "g_symplectic",
+    _TRUTH,
+    (
+        "G = V^* G V, D U = B^* G V, D A + A^* D = B^* G B with the G and D of the file, or "
+        "with some G and D where it gives none, and u^* G u is not 0; pairs: V^* G V^ = G, "
+        "D_P U^ = B^* G V^, D_Q U = B^^* G^* V, D_P A^ + A^* D_Q = B^* G B^"
+    ),
+)
+SYMMETRIC = ClaimSpec(
+    "symmetric",
+    bool,
+    ANY,
+    "symmetric",
+    _TRUTH,
+    (
+        "L^2 = I, L V^{-1} L = V, B = V L B P, U = P U L V, A + P A P = U V^{-1} B for some L "
+        "and some P with P^2 = I that exchanges stages: of the method of the file as it "
+        "stands, V singular is never symmetric"
+    ),
+)
+PARASITISM_FREE = ClaimSpec(
+    "parasitism-free",
+    bool,
+    ANY,
+    "parasitism_free",
+    _TRUTH,
+    (
+        "V is power-bounded and every growth parameter is 0, where an eigenvalue is multiple "
+        "the whole matrix"
+    ),
+)
+REDUCIBLE = ClaimSpec(
+    "reducible",
+    bool,
+    PARTITIONED,
+    "reducible",
+    _TRUTH,
+    (
+        "pairs: some value carried is never reached from the solution (by V and B) or never "
+        "seen by a stage (through U and V), so that a pair with fewer values does the same"
+    ),
+)
+GROWTH = ClaimSpec(
+    "growth",
+    list,
+    ANY,
+    "growth",
+    _NUMBERS,
+    (
+        "growth parameters zeta^{-1} w B U v, one for each eigenvalue zeta of V of modulus 1 "
+        "other than the principal 1, by increasing argument in [0, 2 pi); w and v are its "
+        "eigenvectors, w v = 1. A multiple zeta has a matrix zeta^{-1} W B U N (W N = I), and "
+        "its eigenvalues, with multiplicity, are listed in any order; for zeta = 1 the one "
+        "that belongs to the principal component, which is 1, is left out. A method that is "
+        "not zero-stable has no growth parameters; pairs (only whether they are 0 is "
+        "independent of the scaling): zeta^{-1} w B U^ v^ and zeta^{-1} w^ B^ U v at each "
+        "eigenvalue that V and V^ share"
+    ),
+)
+A_STABLE = ClaimSpec(
+    "a-stable",
+    bool,
+    SINGLE,
+    "a_stable",
+    _TRUTH,
+    (
+        "M(z) = V + z B (I - z A)^{-1} U is power-bounded for every z with Re z <= 0: it has "
+        "no pole there, the imaginary axis included, its eigenvalues lie in the closed disc, "
+        "and those of modulus 1 are semisimple, also at z = 0, where M(0) = V"
+    ),
+)
+L_STABLE = ClaimSpec(
+    "l-stable",
+    bool,
+    SINGLE,
+    "l_stable",
+    _TRUTH,
+    "A-stable, and every eigenvalue of M(z) tends to 0 as z tends to minus infinity",
+)
+FINISHING_ORDER = ClaimSpec(
+    "finishing-order",
+    int,
+    SINGLE,
+    "finishing_order",
+    _ORDER,
+    (
+        "the finishing method of the file undoes the starting method of the file in the "
+        "output on all trees of that order"
+    ),
+)
+SYMMETRIC_REDUCED = ClaimSpec(
+    "symmetric-reduced",
+    bool,
+    SINGLE,
+    "symmetric_reduced",
+    _TRUTH,
+    (
+        "single methods: `symmetric` for the method without the values that are never reached "
+        "or never seen"
+    ),
+)
+
+#: Every claim by its key, in the order of canonical files.
+CLAIMS: Mapping[str, ClaimSpec] = {
+    spec.key: spec
+    for spec in (
+        ORDER,
+        ORDER_IDENTITY,
+        EFFECTIVE_ORDER,
+        NYSTROM_ORDER,
+        STAGE_ORDER,
+        STARTING_ORDER,
+        NYSTROM_STARTING_ORDER,
+        ERROR_CONSTANT,
+        ABSCISSAE,
+        PRECONSISTENT,
+        CONSISTENT,
+        ZERO_STABLE,
+        EXPLICIT,
+        SYMPLECTIC,
+        G_SYMPLECTIC,
+        SYMMETRIC,
+        PARASITISM_FREE,
+        REDUCIBLE,
+        GROWTH,
+        A_STABLE,
+        L_STABLE,
+        FINISHING_ORDER,
+        SYMMETRIC_REDUCED,
+    )
+}

@@ -1,0 +1,88 @@
+"""One table of claims: what is written from it is up to date, and nothing spells a key again."""
+
+import ast
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import glmref
+from glmref.catalogue.canonical import KEY_ORDER
+from glmref.catalogue.claims import ANY, CLAIMS, PARTITIONED, SINGLE
+from glmref.errors import DataError
+from glmref.exact import Exact
+from glmref.exact.expression import Text
+from glmref.findings import Verdict
+from glmref.method import families
+from glmref.prove.facts import facts_of
+from glmref.prove.finders import proposal_for
+from glmref.prove.kernel import Kernel
+from glmref.verification.verifier import verify
+from tools.method_schema import CONTRACT, SCHEMA, with_claims, with_table
+
+PACKAGE = Path(glmref.__file__).parent
+RUN = "run `python -m tools.method_schema`"
+#: Derivations write method files, key by key as they stand in them; the reader refuses unknown keys.
+DOCUMENTS = "derive/"
+#: Modules with vocabularies of their own that share words: the rules of certificates, JSON of `analyze`.
+SAME_WORDS = {"prove/certificate.py", "verification/analysis.py", "cli/describing.py"}
+#: Keys that are no words of another vocabulary: these can be looked for in the source.
+OWN = frozenset(key for key in CLAIMS if "-" in key) | {"preconsistent"}
+
+
+def test_the_schema_and_the_contract_are_those_of_the_table() -> None:
+    for path, generated in ((SCHEMA, with_claims), (CONTRACT, with_table)):
+        text = path.read_text(encoding="utf-8")
+        assert generated(text) == text, f"{path.name}: {RUN}"
+
+
+def test_a_changed_schema_or_contract_is_noticed() -> None:
+    schema, contract = (path.read_text(encoding="utf-8") for path in (SCHEMA, CONTRACT))
+    for old, new in (('"a-stable": {"type": "boolean"}', '"a-stable": {}'), ('"growth"', '"grow"')):
+        assert with_claims(schema.replace(old, new)) == schema != schema.replace(old, new)
+    changed = contract.replace("the powers of V are bounded", "V is bounded")
+    assert with_table(changed) == contract != changed
+    with pytest.raises(ValueError, match="found 0 times"):
+        with_table(contract.replace("<!-- table: claims -->", ""))
+
+
+def test_keys_stand_in_canonical_order_and_once() -> None:
+    first = KEY_ORDER.index("claims") + 1
+    assert KEY_ORDER[first : first + len(CLAIMS)] == tuple(CLAIMS)
+    assert len(set(KEY_ORDER)) == len(KEY_ORDER)
+
+
+@pytest.mark.parametrize("key", CLAIMS)
+def test_every_claim_is_decided_by_a_rule_of_its_own(key: str) -> None:
+    spec = CLAIMS[key]
+    assert callable(getattr(Kernel, f"_{spec.rule}")) == (spec.type is not int)
+    assert [x.key for x in CLAIMS.values() if x.rule == spec.rule] == [key]
+    values = {int: 0, bool: True, list: [Text("7", Exact(7))]}
+    declared = values.get(spec.type, Text("7", Exact(7)))
+    names = {ANY: ("bdf-2", "stormer-verlet"), SINGLE: ("bdf-2",), PARTITIONED: ("stormer-verlet",)}
+    for name in names[spec.applies_to]:
+        facts = facts_of(glmref.load(name))
+        judged = facts.kernel.judge(key, declared, proposal_for(facts, key))
+        assert judged.verdict in (Verdict.HOLDS, Verdict.FAILS), (name, judged.reason)
+
+
+def test_a_claim_that_is_unknown_is_refused_by_name() -> None:
+    method = replace(families.runge_kutta([["0"]], ["1"], name="euler"), claims={"ordre": 1})
+    with pytest.raises(DataError, match="the claim 'ordre' of 'euler' is unknown; known are a-st"):
+        verify(method)
+
+
+def spelled(path: Path) -> set[str]:
+    """Keys of claims that stand in a module as strings."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    return {x.value for x in ast.walk(tree) if isinstance(x, ast.Constant) and x.value in OWN}
+
+
+def test_a_key_is_spelled_in_one_module() -> None:
+    found = {
+        path.relative_to(PACKAGE).as_posix(): keys
+        for path in PACKAGE.rglob("*.py")
+        if (keys := spelled(path))
+    }
+    assert found.pop("catalogue/claims.py") == OWN
+    assert {x for x in found if not x.startswith(DOCUMENTS)} == SAME_WORDS
