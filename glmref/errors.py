@@ -4,7 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-__all__ = ["DataError", "ExactnessError", "GlmrefError", "UsageError", "did_you_mean"]
+__all__ = [
+    "BudgetError",
+    "DataError",
+    "ExactnessError",
+    "GlmrefError",
+    "UndecidedError",
+    "UsageError",
+    "did_you_mean",
+]
 
 
 class GlmrefError(Exception):
@@ -24,6 +32,14 @@ class DataError(GlmrefError):
 
 class ExactnessError(GlmrefError):
     """An exact answer was asked for and does not exist in the field of algebraic numbers used."""
+
+
+class UndecidedError(ExactnessError):
+    """A question about algebraic numbers has an answer, and it was not found."""
+
+
+class BudgetError(GlmrefError):
+    """The processor time allowed to a proof is spent; nothing is known of what it would give."""
 
 
 def did_you_mean(word: object, known: Iterable[str], before: str = "", otherwise: str = "") -> str:

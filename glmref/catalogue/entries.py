@@ -10,6 +10,7 @@ from ..errors import DataError, ExactnessError
 from ..exact import Scalar
 from ..exact.expression import Weight, parse, weigh
 from ..exact.linalg import Matrix, Vector
+from ..system.budget import spend
 from .keys import MAX_SIZE, RESERVED
 from .strict_json import shown
 
@@ -100,6 +101,7 @@ class Entries:
             raise self.error(
                 f"`{where}` must be a string such as '1/2', got {shown(text)}; quote the number"
             )
+        spend()
         try:
             weigh(text, self.weights)
             return parse(text, constants=self.constants, digits=self.digits)

@@ -3,12 +3,24 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
+from ..errors import BudgetError, DataError
 from ..method import GLM, PartitionedGLM
+from ..system.budget import READING, limited
 from .files import data_root, document, is_broken, names, path_of
 from .reader import load_document
 
-__all__ = ["data_root", "document", "is_broken", "load", "names", "path_of"]
+__all__ = [
+    "data_root",
+    "document",
+    "is_broken",
+    "is_shipped",
+    "load",
+    "names",
+    "path_of",
+    "read_method",
+]
 
 
 def load(name: str | Path) -> GLM | PartitionedGLM:
@@ -19,5 +31,38 @@ def load(name: str | Path) -> GLM | PartitionedGLM:
         UsageError: for an unknown name or a missing file.
         DataError: for a file that is not what it must be.
     """
-    path = path_of(name)
-    return load_document(document(path), where=path.name)
+    return read_method(path_of(name))[1]
+
+
+def is_shipped(path: Path) -> bool:
+    """Whether a file is one of the package, for which no budget is needed."""
+    return path.resolve().is_relative_to(data_root().resolve())
+
+
+def read_method(path: Path) -> tuple[dict[str, Any], GLM | PartitionedGLM]:
+    """Read a method file, and a user's in bounded time.
+
+    Parameters
+    ----------
+    path : Path
+        An existing file, as :func:`path_of` gives it.
+
+    Returns
+    -------
+    dict, GLM or PartitionedGLM
+        The JSON object, and the method it stands for.
+
+    Raises
+    ------
+    DataError
+        For a file that is not what it must be, or takes too long to be read.
+    """
+    doc = document(path)
+    try:
+        with limited(None if is_shipped(path) else READING):
+            return doc, load_document(doc, where=path.name)
+    except BudgetError as error:
+        raise DataError(
+            f"{path.name}: the entries take more than {READING:g} s of processor time to read "
+            f"({error}); write them with fewer roots, or as decimals with `digits`"
+        ) from None

@@ -90,13 +90,13 @@ class _Reader(Entries):
             for component in components(built):
                 if component.output is not None:
                     output(component)  # refuses one that does not read the solution
+            self._check_real(built)
         except DataError as error:
             prefix = f"{self.where}: "
             text = str(error)
             raise DataError(text if text.startswith(prefix) else prefix + text) from None
         except (ExactnessError, ZeroDivisionError) as error:
             raise self.error(f"the coefficients do not define a method ({error})") from None
-        self._check_real(built)
         self.check_constants_used()
         return built
 

@@ -78,11 +78,15 @@ def _row(doc: Mapping[str, Any]) -> dict[str, Any]:
 )
 def show(name: str, decimal: int | None, plot: Path | None) -> int:
     """Show a method's tableau as one reads it in a paper, with its source."""
-    from ..catalogue.lookup import load
+    from ..catalogue.lookup import load, path_of
+    from ..system.budget import limited
+    from ..verification.verifier import budget_of
     from ..views.show import show as page
 
     method = load(name)
-    say(page(method, decimal=decimal, style=Style.of(sys.stdout)))
+    with limited(budget_of(path_of(name))):
+        text = page(method, decimal=decimal, style=Style.of(sys.stdout))
+    say(text)
     if plot is not None:
         from ..views.portrait import portrait
 

@@ -40,23 +40,25 @@ def certify(name: str, output: str | None) -> int:
 
 
 def _certificates(name: str) -> Iterator[tuple[str, dict[str, Any] | str]]:
-    from ..catalogue.lookup import document, path_of
-    from ..catalogue.reader import load_document
+    from ..catalogue.lookup import path_of, read_method
     from ..prove.certificate import certificates_of
-    from ..verification.verifier import claims_of, facts_for
+    from ..system.budget import limited
+    from ..verification.verifier import budget_of, claims_of, facts_for
 
     path = path_of(name)
-    doc = document(path)
-    method = load_document(doc, where=path.name)
-    facts = facts_for(method)
+    doc, method = read_method(path)
+    with limited(budget_of(path)):
+        facts = facts_for(method)
     claims = claims_of(method)
     broken = doc.get("broken")
     if broken is not None:
         claims = {broken["claim"]: claims[broken["claim"]]}
-    statements = {
-        claim: (declared, facts.judge(claim, declared)) for claim, declared in claims.items()
-    }
-    yield from certificates_of(facts, statements)
+    with limited(budget_of(path)):
+        statements = {
+            claim: (declared, facts.judge(claim, declared)) for claim, declared in claims.items()
+        }
+        found = list(certificates_of(facts, statements))
+    yield from found
 
 
 def _write(folder: Path, certificate: dict[str, Any]) -> None:

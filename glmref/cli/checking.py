@@ -40,8 +40,18 @@ __all__ = ["verify"]
     metavar="DIR",
     help="Write the certificate of every claim that has one, a file each.",
 )
+@click.option(
+    "--budget",
+    type=click.FloatRange(min=0, min_open=True),
+    metavar="SECONDS",
+    help="Processor time for the proofs of each file; 60 for your own, else no limit.",
+)
 def verify(
-    names: tuple[str, ...], form: str, only: tuple[str, ...], certificates: str | None
+    names: tuple[str, ...],
+    form: str,
+    only: tuple[str, ...],
+    certificates: str | None,
+    budget: float | None,
 ) -> int:
     """Recompute every claim of the methods named, and say how each was proved.
 
@@ -54,7 +64,7 @@ def verify(
     report = _Report(form, every=bool(names), width=max(map(len, asked), default=0))
     try:
         with _progress(len(asked)) as advance:
-            _check(asked, only, report, advance)
+            _check(asked, only, report, advance, budget)
     except KeyboardInterrupt:
         report.finish(len(asked), interrupted=True)
         return INTERRUPTED
@@ -75,10 +85,12 @@ def _certify(names: Sequence[str], folder: str) -> None:
     complain(f"{count} certificates written to {folder}, none for {len(missing)} claims")
 
 
-def _check(names: Sequence[str], only: Sequence[str], report: _Report, advance: Any) -> None:
+def _check(
+    names: Sequence[str], only: Sequence[str], report: _Report, advance: Any, budget: float | None
+) -> None:
     from .parallel import check_all
 
-    for checked in check_all(names, only):
+    for checked in check_all(names, only, budget=budget):
         with advance():
             report.add(checked)
 

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..errors import UsageError
+from ..errors import BudgetError, UsageError
 from ..views.tables import Style, columns, csv_text, json_text, one_line, shown_value
 from .browsing import LISTS
-from .output import HOLDS, INTERNAL, say
+from .output import HOLDS, INTERNAL, complain, say
 
 if TYPE_CHECKING:
     from ..catalogue.errata import Erratum
@@ -43,10 +43,15 @@ def analyze(name: str, form: str) -> int:
 
     Exit code 3 when something could not be decided.
     """
-    from ..catalogue.lookup import load
+    from ..catalogue.lookup import load, path_of
     from ..verification.analysis import analyze as examine
+    from ..verification.verifier import budget_of
 
-    record = examine(load(name)).as_json()
+    try:
+        record = examine(load(name), budget=budget_of(path_of(name))).as_json()
+    except BudgetError as error:
+        complain(f"{name}: {error}, and what the method is was not decided")
+        return INTERNAL
     if form == "json":
         say(json_text(record))
     elif form == "csv":

@@ -9,6 +9,7 @@ from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import partial
 from multiprocessing import get_context
 from threading import current_thread, main_thread
 from time import perf_counter
@@ -48,12 +49,12 @@ class Checked:
 Check = Callable[[str, Sequence[str]], Checked]
 
 
-def check(name: str, only: Sequence[str] = ()) -> Checked:
-    """Check one data file; every outcome, good or bad, is a record."""
+def check(name: str, only: Sequence[str] = (), budget: float | None = None) -> Checked:
+    """Check one data file in a budget of processor time; every outcome is a record."""
     from ..verification.verifier import verify_file
 
     try:
-        found = verify_file(name, only=only)
+        found = verify_file(name, only=only, budget=budget)
     except GlmrefError as error:
         return Checked(name, error=str(error))
     except Exception as error:
@@ -68,7 +69,11 @@ def check(name: str, only: Sequence[str] = ()) -> Checked:
 
 
 def check_all(
-    names: Sequence[str], only: Sequence[str] = (), *, processes: int | None = None
+    names: Sequence[str],
+    only: Sequence[str] = (),
+    *,
+    processes: int | None = None,
+    budget: float | None = None,
 ) -> Iterator[Checked]:
     """Check data files in order.
 
@@ -78,16 +83,19 @@ def check_all(
         names: names or paths.
         only: claims to check; all by default.
         processes: at most so many; as many as there are cores by default.
+        budget: seconds of processor time for the proofs of each file, see
+            :func:`~glmref.verification.verifier.verify_file`.
     """
+    function = partial(check, budget=budget)
     processes = _cores() if processes is None else processes
     started = perf_counter()
     for done, name in enumerate(names):
         elapsed, left = perf_counter() - started, len(names) - done
         pays = done and elapsed > STARTUP / 2 and elapsed / done * left > 2 * STARTUP
         if processes > 1 and left > 2 and pays:
-            yield from _in_processes(names[done:], only, min(processes, left))
+            yield from _in_processes(names[done:], only, min(processes, left), function=function)
             return
-        yield check(name, only)
+        yield function(name, only)
 
 
 def _cores() -> int:

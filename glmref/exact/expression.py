@@ -15,10 +15,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from math import isfinite
+from math import isfinite, prod
 from typing import NamedTuple
 
 from ..errors import DataError, ExactnessError
+from ..system.budget import spend
 from . import Ball, Exact, Scalar, root_of_unity
 
 __all__ = ["Text", "Weight", "parse", "shown_number", "to_text", "weigh"]
@@ -29,6 +30,8 @@ MAX_INTEGER_DIGITS = 1000
 MAX_TURN_DENOMINATOR = 30  # of a root of unity exp(2*pi*i*k/n), whose degree is up to n - 1
 MAX_ROOT = 12  # n of root(x, n)
 MAX_RADICALS = 40  # in one entry, its constants written out: each may double the field's degree
+MAX_DEGREE = 1024  # of the field its different roots generate
+MAX_HEIGHT = 20_000  # digits of the coefficients, as estimated
 MAX_RADICAL_DEPTH = 4  # sqrt inside sqrt, constants written out
 
 _SPACES = " \t\r\n\f\v"
@@ -48,6 +51,13 @@ class Weight(NamedTuple):
     length: int
     radicals: int
     depth: int
+    height: int = 1  # estimates the digits of the coefficients in the field of its roots
+    roots: frozenset[tuple[str, int]] = frozenset()  # different roots, and the degree of each
+
+    @property
+    def degree(self) -> int:
+        """Bound of the degree of the field its roots generate."""
+        return prod(degree for _, degree in self.roots)
 
 
 class Text(str):
@@ -79,35 +89,67 @@ def weigh(text: str, weights: Mapping[str, Weight]) -> Weight:
         DataError: when it is more than this module computes.
     """
     if _RATIONAL.fullmatch(text):
-        return Weight(len(text), 0, 0)
+        return Weight(len(text), 0, 0, len(text))
     if len(text) > MAX_LENGTH:
         raise DataError(
             f"an entry has {len(text)} characters and at most {MAX_LENGTH} are read: "
             f"{text[:30]!r}...; declare a constant for the repeated part"
         )
-    length = radicals = depth = 0
+    length = radicals = depth = height = 0
     open_roots: list[bool] = []
-    before = ""
+    opened: list[tuple[str, int]] = []  # what each parenthesis belongs to, and where that begins
+    roots: set[tuple[str, int]] = set()
+    divided = False
+    before, place = "", 0
     for match in _TOKEN.finditer(text):
         token = match[1] or match[2] or match[3]
         if token == "(":
             open_roots.append(before in ("sqrt", "root"))
+            opened.append((before, place))
             radicals += open_roots[-1]
             depth = max(depth, sum(open_roots))
         elif token == ")" and open_roots:
             open_roots.pop()
-        inner = weights.get(token, Weight(len(token), 0, 0))
+            kind, start = opened.pop()
+            roots |= _generator(kind, text[start : match.end()])
+        elif token == "i":
+            roots.add(("i", 2))
+        divided |= before == "/" and not token[0].isdigit()
+        inner = weights.get(token, Weight(len(token), 0, 0, len(token)))
+        height += inner.height
+        roots |= inner.roots
         length += inner.length
         radicals += inner.radicals
         depth = max(depth, sum(open_roots) + inner.depth)
-        before = token
+        before, place = token, match.start()
+    found = Weight(length, radicals, depth, height, frozenset(roots))
+    if divided:  # a quotient in a field of degree n has coefficients n times as long
+        found = found._replace(height=height * found.degree)
     if length > MAX_LENGTH or radicals > MAX_RADICALS or depth > MAX_RADICAL_DEPTH:
         raise DataError(
             f"the entry {_shortened(text)} stands for {length} characters and {radicals} roots "
             f"nested {depth} deep when its constants are written out, and at most {MAX_LENGTH}, "
             f"{MAX_RADICALS} and {MAX_RADICAL_DEPTH} are computed; simplify it"
         )
-    return Weight(length, radicals, depth)
+    if found.degree > MAX_DEGREE or found.height > MAX_HEIGHT:
+        raise DataError(
+            f"the entry {_shortened(text)} stands for a number in a field of degree up to "
+            f"{found.degree} with coefficients of up to {found.height} digits, and at most "
+            f"{MAX_DEGREE} and {MAX_HEIGHT} are computed; simplify it"
+        )
+    return found
+
+
+def _generator(kind: str, text: str) -> set[tuple[str, int]]:
+    """The root that a function with its argument stands for, with its degree."""
+    if kind == "sqrt":
+        return {(text.strip(), 2)}
+    if kind in ("root", "exp"):
+        numbers = re.findall("[0-9]+", text)
+        last = numbers[-1] if numbers else "1"
+        degree = int(last) if len(last) < 4 else MAX_TURN_DENOMINATOR
+        return {(f"exp/{last}" if kind == "exp" else text.strip(), max(1, degree))}
+    return set()
 
 
 def _shortened(text: str) -> str:
@@ -326,6 +368,7 @@ def to_text(value: Scalar) -> str:
     """
     if isinstance(value, Ball):
         raise ExactnessError("a ball has no exact text; write its decimals and declare `digits`")
+    spend()
     fraction = value.as_fraction()
     if fraction is not None:
         if max(abs(fraction.numerator), fraction.denominator).bit_length() > 3 * MAX_LENGTH:

@@ -14,6 +14,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from ..errors import ExactnessError
+from ..system.budget import spend
 from . import Ball, Exact, Scalar, sum_of_products
 
 __all__ = [
@@ -181,6 +182,7 @@ def _reduce(a: Sequence[Sequence[Scalar]], columns: int) -> tuple[list[list[Scal
         rows[top] = [x if x.vanishes() else x / lead for x in rows[top]]
         rows[top][column] = _ONE
         for i, row in enumerate(rows):
+            spend()
             factor = row[column]
             if i == top or factor.vanishes():
                 continue
@@ -332,6 +334,7 @@ def independent_rows(rows: Matrix, enough: int | None = None) -> list[int]:
 
 
 def _subtract(row: list[Scalar], factor: Scalar, other: list[Scalar]) -> list[Scalar]:
+    spend()
     return [x if y.is_zero() is True else x - factor * y for x, y in zip(row, other, strict=True)]
 
 

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import flint
 
-from ..errors import ExactnessError
+from ..errors import ExactnessError, UndecidedError
+from ..system.budget import spend
 from .field import (
     BALL_BITS,
     FIELD,
@@ -96,6 +97,7 @@ class Exact(Arithmetic):
             result = _new(Exact)
             result._q, result._gr, result._ball = operation(self._q, other._q), None, None
             return result
+        spend()
         try:
             return Exact._wrap(operation(self._element, other._element))
         except AssertionError:  # flint's way to say that there is no quotient
@@ -158,13 +160,14 @@ class Exact(Arithmetic):
 
         Raises
         ------
-            ExactnessError: when flint cannot decide (never seen for the degrees met here).
+            UndecidedError: when flint cannot decide, as among many roots of unity.
         """
         if self._q is not None:
             return self._q == 0
+        spend()
         answer = self._gr.is_zero()
         if answer is None:
-            raise ExactnessError(f"flint could not decide whether {self!r} is zero")
+            raise UndecidedError(f"flint could not decide whether {self._brief()} is zero")
         return bool(answer)
 
     vanishes = is_zero
@@ -229,7 +232,7 @@ class Exact(Arithmetic):
         if self.is_zero():
             return 0
         if not self.is_real():
-            raise ExactnessError(f"only a real number has a sign, got {self!r}")
+            raise ExactnessError(f"only a real number has a sign, got {self._brief()}")
         bits = 64
         while bits <= MAX_BITS:
             part = enclose(self._element, bits).real
@@ -238,7 +241,7 @@ class Exact(Arithmetic):
             if part < 0:
                 return -1
             bits *= 2
-        raise ExactnessError(f"the sign of {self!r} needs more than {MAX_BITS} bits")
+        raise UndecidedError(f"the sign of {self._brief()} needs more than {MAX_BITS} bits")
 
     def ball(self, bits: int = BALL_BITS) -> Ball:
         """Return a ball that contains this number, of relative width about ``2**-bits``."""
@@ -267,7 +270,7 @@ class Exact(Arithmetic):
 
     def __float__(self) -> float:
         if not self.is_real():
-            raise ExactnessError(f"a complex number has no float value: {self!r}")
+            raise ExactnessError(f"a complex number has no float value: {self._brief()}")
         return float(self.ball())
 
     def magnitude(self) -> float:
@@ -277,6 +280,11 @@ class Exact(Arithmetic):
     def description(self) -> str:
         """Return flint's own text: a value and the field it lives in."""
         return repr(self._element)
+
+    def _brief(self) -> str:
+        """The number in a message, however long its text is."""
+        text = repr(self)
+        return text if len(text) <= 100 else f"{text[:80]}... ({len(text)} characters)"
 
     def __repr__(self) -> str:
         return f"Exact({self._q})" if self._q is not None else f"Exact<{self.description()}>"

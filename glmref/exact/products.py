@@ -11,6 +11,7 @@ from typing import Any
 import flint
 
 from ..errors import ExactnessError
+from ..system.budget import spend
 from .ball import Ball, ball
 from .jet import Jet
 from .number import Exact
@@ -29,6 +30,7 @@ def sum_of_products(pairs: Sequence[tuple[Any, Any]]) -> Any:
     -------
         Exact where no ball took part; a ball; a jet where one took part.
     """
+    spend()
     kinds = {type(x) for x, _ in pairs} | {type(y) for _, y in pairs}
     if Jet in kinds:
         return Jet.sum_of_products(pairs)

@@ -105,6 +105,8 @@ def krawczyk(
     """
     point = [x.real.midpoint() for x in centre]
     size = len(point)
+    if not size:
+        raise DataError("a file with an `enclosure` must have `unknowns`, and it has none")
     box = tuple(Ball.around(x, radius) for x in point)
     at_point = [lift(x, size) for x in function(jets(point))]
     over_box = [lift(x, size) for x in function(jets(box))]

@@ -42,6 +42,7 @@ from ..exact.linalg import Matrix, Vector
 from ..findings import Proof, Verdict
 from ..method import GLM, PartitionedGLM
 from ..method.solution_value import components, first_functional, output, outputs
+from ..system.budget import fits
 from ..theory import polynomials as poly
 from ..theory.coefficients import is_zero, plus, times, weighted
 from ..theory.root_location import (
@@ -282,6 +283,8 @@ class Kernel:
     def _made(
         truth: bool | None, *, exact: bool, value: object, residual: float, reason: str
     ) -> Judgement:
+        if truth is None and not reason:
+            reason = "no rule decides it" if exact else "the published digits do not decide it"
         verdict = Verdict.OPEN if truth is None else Verdict.HOLDS if truth else Verdict.FAILS
         proof = Proof.EXACT if exact else Proof.ENCLOSED
         return Judgement(verdict, proof, value, residual, reason, seal=_SEAL)
@@ -1077,6 +1080,8 @@ class Kernel:
             len(self.blocks["k"][0]), len(self.blocks["f"][0])
         ]  # fmt: skip
         nil: list[Vector] = [(_ZERO,) * n for n in lengths]
+        stages = sum(lengths)
+        fits(rows * columns + stages, rows * columns + (rows + columns + stages) * stages, "(G, D)")
         for i, j, x in product(range(rows), range(columns), factors):
             if not self.is_pair and (j < i or (i == j and x is not _ONE)):
                 continue

@@ -61,6 +61,7 @@ from math import factorial
 from typing import Any
 
 from ..exact import Exact
+from ..system.budget import spend
 from .blocks import Block, apply, as_scalar, equal, kernel, present, seen, tidy
 from .coefficients import is_zero, plus, times, weighted
 from .trees import Palette, Tree, pruned, single, tree, trees
@@ -237,6 +238,7 @@ class Conditions:
                 self._settle_stage(t)
         residuals: dict[Tree, tuple[Any, ...]] = {}
         for t in level:
+            spend()
             if t not in right:
                 right[t] = self._right_side(t)
             block = self.blocks[t.colour]

@@ -14,6 +14,7 @@ from itertools import product
 from ..errors import ExactnessError
 from ..exact import Exact, Scalar, linalg
 from ..exact.linalg import Matrix, Vector
+from ..system.budget import fits, spend
 
 __all__ = ["Form", "FormSpace", "choose_form", "combine", "cut_down", "invariant_matrices"]
 
@@ -77,6 +78,7 @@ def invariant_matrices(V: Matrix, W: Matrix, *, hermitian: bool) -> list[Matrix]
         ExactnessError: when balls leave the dimension open.
     """
     rows, columns = len(V), len(W)
+    fits(rows * columns, rows * columns, "the form")
     is_real = all(x.is_real() for m in (V, W) for row in m for x in row)
     units = list(_unit_matrices(rows, columns, hermitian=hermitian, is_real=is_real))
     V_star = linalg.conjugate_transpose(V)
@@ -111,6 +113,7 @@ def _unit_matrices(rows: int, columns: int, *, hermitian: bool, is_real: bool) -
         if hermitian and (b < a):
             continue
         for factor in factors:
+            spend()
             if hermitian and a == b and factor is i:
                 continue
             other = factor.conjugate()

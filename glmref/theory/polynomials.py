@@ -26,6 +26,7 @@ from fractions import Fraction
 from ..errors import ExactnessError
 from ..exact import Exact, Scalar, exact, linalg
 from ..exact.linalg import Matrix
+from ..system.budget import spend
 
 __all__ = [
     "Polynomial",
@@ -87,6 +88,7 @@ def mul(p: Polynomial, q: Polynomial) -> Polynomial:
         return ()
     result: list[Scalar] = [_ZERO] * (len(p) + len(q) - 1)
     for i, a in enumerate(p):
+        spend()
         if a.is_zero() is True:
             continue
         for j, b in enumerate(q):
@@ -118,6 +120,7 @@ def divide(p: Polynomial, q: Polynomial) -> tuple[Polynomial, Polynomial]:
     rest = list(p)
     quotient: list[Scalar] = [_ZERO] * max(0, len(p) - len(q) + 1)
     for shift in range(len(p) - len(q), -1, -1):
+        spend()
         top = rest[shift + len(q) - 1]
         if top.is_zero() is True:
             continue

@@ -25,6 +25,7 @@ from ..findings import Proof
 from ..method import GLM, PartitionedGLM
 from ..prove.facts import GLMFacts, PairFacts
 from ..prove.kernel import Range
+from ..system.budget import limited
 
 __all__ = ["FORMAT", "Analysis", "analyze"]
 
@@ -76,19 +77,25 @@ class Analysis:
         return {"format": FORMAT, **asdict(self), "proof": str(self.proof)}
 
 
-def analyze(method: GLM | PartitionedGLM) -> Analysis:
+def analyze(method: GLM | PartitionedGLM, *, budget: float | None = None) -> Analysis:
     """Compute everything there is to know of a method; claims play no part.
 
     Args:
         method: a GLM or a pair, from a file or made by hand.
+        budget: seconds of processor time, no limit by default.
+
+    Raises
+    ------
+        BudgetError: when they are spent.
     """
     from .verifier import facts_for
 
-    facts = facts_for(method)
-    if isinstance(facts, PairFacts):
-        return _analyze_pair(facts)
-    assert isinstance(facts, GLMFacts)
-    return _analyze_glm(facts)
+    with limited(budget):
+        facts = facts_for(method)
+        if isinstance(facts, PairFacts):
+            return _analyze_pair(facts)
+        assert isinstance(facts, GLMFacts)
+        return _analyze_glm(facts)
 
 
 def _shared(facts: GLMFacts | PairFacts) -> dict[str, Any]:

@@ -7,26 +7,30 @@ from pathlib import Path
 from typing import Any
 
 from ..catalogue.claims import CLAIMS, FINISHING_ORDER, STARTING_ORDER
-from ..catalogue.lookup import document, path_of
-from ..catalogue.reader import load_document
-from ..errors import DataError, GlmrefError
-from ..findings import Finding, Verdict
+from ..catalogue.lookup import is_shipped, path_of, read_method
+from ..errors import BudgetError, DataError, GlmrefError, UndecidedError
+from ..findings import Finding, Proof, Verdict
 from ..method import GLM, PartitionedGLM
 from ..prove.facts import Facts, PairFacts, facts_of
 from ..prove.implications import implied_by
 from ..prove.kernel import Judgement, refuted
+from ..system.budget import PROVING, limited
 
-__all__ = ["claims_of", "facts_for", "verify", "verify_file"]
+__all__ = ["budget_of", "claims_of", "facts_for", "undecided", "verify", "verify_file"]
 
 Method = GLM | PartitionedGLM
 
 
-def verify(method: Method, *, only: Collection[str] = ()) -> list[Finding]:
+def verify(
+    method: Method, *, only: Collection[str] = (), budget: float | None = None
+) -> list[Finding]:
     """Check every claim the method carries.
 
     Args:
         method: a loaded method; its ``claims`` are those of its file.
         only: keys of the claims to check; all by default.
+        budget: seconds of processor time for all of them, no limit by default. What is not decided
+            when they are spent is open.
 
     Returns
     -------
@@ -44,8 +48,52 @@ def verify(method: Method, *, only: Collection[str] = ()) -> list[Finding]:
     asked = {key: x for key, x in claims_of(method).items() if not only or key in only}
     if not asked:
         return []
-    facts = facts_for(method)
-    return [_check(facts, claim, declared) for claim, declared in asked.items()]
+    found: list[Finding] = []
+    facts: Facts | None = None
+    spent = ""
+    with limited(budget):
+        for claim, declared in asked.items():
+            if spent:
+                found.append(undecided(method, claim, declared, spent))
+                continue
+            try:
+                facts = facts or facts_for(method)
+                found.append(_check(facts, claim, declared))
+            except BudgetError as error:
+                spent = _spent(error)
+                found.append(undecided(method, claim, declared, spent))
+            except UndecidedError as error:
+                # a search that was left half-way is not to be gone on with
+                facts = facts and facts_of(method, implied=facts.implied)
+                found.append(undecided(method, claim, declared, str(error)))
+    return found
+
+
+def _spent(error: BudgetError) -> str:
+    return f"{error}; a larger --budget may decide it"
+
+
+def undecided(method: Method, claim: str, declared: object, reason: str) -> Finding:
+    """Say that a claim was not decided, and why.
+
+    Parameters
+    ----------
+    method : GLM or PartitionedGLM
+        The method.
+    claim, declared : str, object
+        Key and value of the claim.
+    reason : str
+        One sentence.
+    """
+    return Finding(
+        method=method.name,
+        claim=claim,
+        declared=declared,
+        verdict=Verdict.OPEN,
+        proof=Proof.EXACT if method.is_exact else Proof.MEASURED,
+        residual=float("nan"),
+        witness=reason,
+    )
 
 
 def claims_of(method: Method) -> Mapping[str, Any]:
@@ -109,20 +157,24 @@ def _check(facts: Facts, claim: str, declared: object) -> Finding:
     return _finding(facts, claim, declared, _judged(facts, claim, declared))
 
 
-def verify_file(name: str | Path, *, only: Collection[str] = ()) -> list[Finding]:
+def verify_file(
+    name: str | Path, *, only: Collection[str] = (), budget: float | None = None
+) -> list[Finding]:
     """Check a data file; for one of ``broken/`` the finding is that the named claim fails.
 
     Args:
         name: a shipped name or a path.
         only: keys of the claims to check; all by default.
+        budget: seconds of processor time for its proofs; by default 60 for a file of the user and
+            no limit for a shipped one.
 
     Raises
     ------
         UsageError, DataError: for a name or a file that cannot be read.
     """
     path = path_of(name)
-    doc = document(path)
-    method = load_document(doc, where=path.name)
+    doc, method = read_method(path)
+    budget = budget_of(path, budget)
     broken = doc.get("broken")
     if broken is not None and only and broken["claim"] not in only:
         return []
@@ -133,12 +185,35 @@ def verify_file(name: str | Path, *, only: Collection[str] = ()) -> list[Finding
         )
     try:
         if broken is None:
-            return verify(method, only=only)
-        return [_refute(method, broken)]
+            return verify(method, only=only, budget=budget)
+        with limited(budget):
+            return [_refute(method, broken)]
+    except (BudgetError, UndecidedError) as error:
+        reason = _spent(error) if isinstance(error, BudgetError) else str(error)
+        claim = str(broken["claim"]) if broken else ""
+        return [undecided(method, f"refutes {claim}", method.claims.get(claim), reason)]
     except GlmrefError as error:
         if path.name in str(error):
             raise
         raise type(error)(f"{path.name}: {error}") from error
+
+
+def budget_of(path: Path, budget: float | None = None) -> float | None:
+    """Seconds of processor time that the proofs of a file may take.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    budget : float or None
+        What was asked for.
+
+    Returns
+    -------
+    float or None
+        It, or what files of users get; ``None`` for a shipped file: no limit.
+    """
+    return budget if budget is not None or is_shipped(path) else PROVING
 
 
 def _refute(method: Method, broken: Mapping[str, Any]) -> Finding:

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from .. import __version__
-from ..catalogue.lookup import data_root, document, path_of
+from ..catalogue.lookup import data_root, load, path_of
 from ..errors import DataError
 from .tables import one_line
 
@@ -83,8 +83,8 @@ def file_entry(name: str | Path) -> str:
     ------
         UsageError, DataError: for a name or a file that cannot be read.
     """
-    path, method = path_of(name), document(name)
-    root = data_root()
+    path, root = path_of(name), data_root()
+    method = load(path).document or {}  # checked, and a bare tableau has its name
     shipped = path.is_relative_to(root)
     place = (
         f"glmref {__version__}, data/{path.relative_to(root).as_posix()}" if shipped else path.name
@@ -139,12 +139,10 @@ def entries(names: Iterable[str | Path]) -> list[str]:
     ------
         UsageError, DataError: for a name or a file that cannot be read.
     """
-    from ..catalogue.reader import load_document
-
     found: dict[str, str] = {}
     for name in names:
         # cite nothing that is not a method
-        method = load_document(document(name), where=path_of(name).name).document
+        method = load(name).document
         assert method is not None
         for text in (source_entry(method), file_entry(name)):
             match = _KEY.match(text)

@@ -141,7 +141,7 @@ def test_exit_code_follows_the_verdicts(
     run: Run, monkeypatch: pytest.MonkeyPatch, verdicts: list[Verdict], code: int
 ) -> None:
     monkeypatch.setattr(
-        verification, "verify_file", lambda name, only: [found(v) for v in verdicts]
+        verification, "verify_file", lambda name, **options: [found(v) for v in verdicts]
     )
     assert run("verify", "euler")[0] == code
 

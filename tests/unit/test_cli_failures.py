@@ -32,7 +32,7 @@ def shell(script: str, **environment: str) -> subprocess.CompletedProcess[str]:
     )
 
 
-def broken(name: str, only: object) -> list[Finding]:
+def broken(name: str, **options: object) -> list[Finding]:
     if name == "euler":
         raise RuntimeError("the\nsky\x1b fell")
     return [Finding(name, "order", 4, Verdict.HOLDS, 4)]
@@ -113,7 +113,7 @@ def test_an_ascii_terminal_gets_ascii_rules_and_no_encoding_error() -> None:
 def test_interruption_keeps_what_was_found_and_leaves_with_130(
     form: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def interrupted(name: str, only: object) -> list[Finding]:
+    def interrupted(name: str, **options: object) -> list[Finding]:
         if name == "gauss-2":
             raise KeyboardInterrupt
         return [Finding(name, "order", 4, Verdict.HOLDS, 4)]

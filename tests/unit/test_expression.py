@@ -9,7 +9,7 @@ import pytest
 
 from glmref.errors import DataError, ExactnessError
 from glmref.exact import Ball, exact, root_of_unity
-from glmref.exact.expression import MAX_LENGTH, MAX_RADICALS, Text, Weight, parse, to_text, weigh
+from glmref.exact.expression import MAX_LENGTH, MAX_RADICALS, Text, parse, to_text, weigh
 
 
 @pytest.mark.parametrize(
@@ -121,8 +121,9 @@ def test_unbounded_balls_are_refused() -> None:
 
 def test_weights_count_what_constants_stand_for() -> None:
     weights = {"c": weigh("sqrt(2)+1", {})}
-    assert weights["c"] == Weight(length=9, radicals=1, depth=1)
-    assert weigh("sqrt(c)*c", weights) == Weight(length=4 + 3 + 18, radicals=3, depth=2)
+    assert weights["c"][:3] == (9, 1, 1) and weights["c"].degree == 2
+    found = weigh("sqrt(c)*c", weights)
+    assert found[:3] == (4 + 3 + 18, 3, 2) and found.degree == 4
     weights["d"] = weigh("sqrt(sqrt(c))", weights)
     with pytest.raises(DataError, match="nested 5 deep when its constants are written out"):
         weigh("sqrt(sqrt(d))", weights)

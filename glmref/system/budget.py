@@ -1,0 +1,86 @@
+"""A limit to the processor time of a proof, looked at wherever exact arithmetic is slow.
+
+The time of the running thread counts, so that a busy machine changes nothing. One operation on
+algebraic numbers is not interrupted: the limit takes effect when it returns.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from time import thread_time
+
+from ..errors import BudgetError, UndecidedError
+
+__all__ = ["CELLS", "PROVING", "READING", "fits", "limited", "spend"]
+
+#: Seconds of processor time that reading one file of a user may take.
+READING = 2.0
+#: Seconds of processor time that the proofs of one file of a user may take, unless asked otherwise.
+PROVING = 60.0
+#: Most coefficients of a linear system that is written down; each takes up to 100 bytes.
+CELLS = 20_000_000
+
+_limit: ContextVar[tuple[float, float] | None] = ContextVar("limit", default=None)
+
+
+@contextmanager
+def limited(seconds: float | None) -> Iterator[None]:
+    """Let what is computed inside take at most so much processor time.
+
+    Parameters
+    ----------
+    seconds : float or None
+        The budget; ``None`` for no limit of its own. A limit that is already there stays.
+
+    Raises
+    ------
+    BudgetError
+        From :func:`spend`, when it is spent.
+    """
+    outer = _limit.get()
+    if seconds is None:
+        yield
+        return
+    until = thread_time() + seconds
+    token = _limit.set(outer if outer is not None and outer[0] <= until else (until, seconds))
+    try:
+        yield
+    finally:
+        _limit.reset(token)
+
+
+def spend() -> None:
+    """Look whether the budget is spent.
+
+    Raises
+    ------
+    BudgetError
+        When it is.
+    """
+    limit = _limit.get()
+    if limit is not None and thread_time() > limit[0]:
+        raise BudgetError(f"the budget of {limit[1]:g} s of processor time is spent")
+
+
+def fits(unknowns: int, equations: int, what: str) -> None:
+    """Look whether a linear system is small enough to be written down.
+
+    Parameters
+    ----------
+    unknowns, equations : int
+        Its size.
+    what : str
+        What it is for.
+
+    Raises
+    ------
+    UndecidedError
+        When it has more than :data:`CELLS` coefficients.
+    """
+    if unknowns * equations > CELLS:
+        raise UndecidedError(
+            f"the linear system for {what} has {unknowns} unknowns and {equations} equations, more "
+            f"than is computed"
+        )
