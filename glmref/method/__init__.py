@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from .glm import (
     GLM,
+    Entry,
     FinishingMethod,
     PairStartingMethod,
     PartitionedGLM,
+    Rows,
     StartingMethod,
     as_matrix,
     as_vector,
@@ -14,9 +16,11 @@ from .glm import (
 
 __all__ = [
     "GLM",
+    "Entry",
     "FinishingMethod",
     "PairStartingMethod",
     "PartitionedGLM",
+    "Rows",
     "StartingMethod",
     "as_matrix",
     "as_vector",

@@ -67,4 +67,5 @@ def on_context(function: Any, context: Any) -> Any:
         return None
     if isinstance(function, UserFunction):
         return function.in_context(context)
-    return function.on(context)
+    # a plain function of the package, such as the identity, serves every number type
+    return function.on(context) if hasattr(function, "on") else function

@@ -428,6 +428,8 @@ class _Reader:
             path = method_path(name)
         except UsageError as error:
             raise self.fail(where, str(error)) from None
+        if path.suffix != ".json":
+            raise self.fail(where, f"the method {shown(name)} is not a file that ends in .json")
         if is_broken(name):
             raise self.fail(
                 where,

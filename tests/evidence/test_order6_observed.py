@@ -15,6 +15,7 @@ import pytest
 
 from glmref.catalogue.lookup import document, load, names
 from glmref.engine.reference import apply_finish, apply_start, stepper
+from glmref.engine.start import zero_start
 from glmref.measure.convergence import ConvergenceRecord, observed_order
 from glmref.method import GLM
 from glmref.problems import problem
@@ -56,7 +57,7 @@ def runs(name: str, case: str, *, zero: bool = False) -> tuple[Any, Any]:
     def end(n: int) -> tuple[np.ndarray, Any]:
         h = number(LENGTH.numerator) / LENGTH.denominator / n
         if n not in ends:
-            values = engine.values() if zero else apply_start(start, engine, 0, y0, h)[0]
+            values = zero_start(engine, y0) if zero else apply_start(start, engine, 0, y0, h)[0]
             for _ in range(n):
                 step = engine.step(0, values, h)
                 assert step.converged

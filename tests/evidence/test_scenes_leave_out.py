@@ -155,5 +155,6 @@ def test_evaluations_counted_are_evaluations_made():
             Problem(f=f, y0=[1.0]), load(name), h=0.1, steps=10, engine="interpreted",
             solver="fixed-point",
         )  # fmt: skip
-        # beside the run itself f is called a few times to look at it: at the start
-        assert found.total_evaluations <= calls <= found.total_evaluations + 5, name
+        # beside the run itself f is called five times to look at it, and once for the slope at the
+        # start that a kernel of explicit stages remembers
+        assert found.total_evaluations <= calls <= found.total_evaluations + 6, name

@@ -8,7 +8,7 @@ from glmref.catalogue.lookup import document, load, names
 from glmref.findings import Proof, Verdict
 from glmref.method import GLM
 from glmref.prove.facts import facts_of
-from glmref.verification.verifier import proven_claims, verify_file
+from glmref.verification.verifier import facts_for, verify_file
 
 from .stored import RENEW, same, stored
 
@@ -43,7 +43,7 @@ def test_a_broken_file_is_refuted_for_the_declared_reason(name: str) -> None:
 @pytest.mark.parametrize("name", names("methods"))
 def test_the_order_is_exact_and_one_more_fails_at_a_named_tree(name: str) -> None:
     method = load(name)
-    result = facts_of(method, proven=proven_claims(method)).classical_order
+    result = facts_for(method).classical_order
     assert result.failing_tree is not None
     assert result.failing_tree.order == result.order + 1
     assert result.residual is not None
