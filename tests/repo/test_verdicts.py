@@ -64,7 +64,9 @@ def test_findings_are_made_from_judgements_only() -> None:
             if not (isinstance(node, ast.Call) and getattr(node.func, "id", "") == "Finding"):
                 continue
             verdict = next(k.value for k in node.keywords if k.arg == "verdict")
-            assert ast.unparse(verdict) in ("judgement.verdict", "row.verdict"), path
+            # what was not decided, because a budget was spent, may be said anywhere
+            allowed = ("judgement.verdict", "row.verdict", "Verdict.OPEN")
+            assert ast.unparse(verdict) in allowed, path
 
 
 def test_the_constructors_are_sealed() -> None:
