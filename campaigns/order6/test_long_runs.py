@@ -97,10 +97,12 @@ def test_other_data_would_recommend_others(name: str, run: str, change: Record) 
 def test_a_million_steps_are_the_beginning_of_the_ten(name: str, run: str) -> None:
     ten, one = recorded(name, run), long_run(name, run, steps=1_000_000)
     assert one.bounded, one
-    # the same path, looked at in other places: its largest error is no larger, its parasitic part
-    # lies between that of the first hundredth of the ten million steps and that of them all, each
-    # but for what the looks miss of a smooth maximum, which is less than a tenth
-    assert one.energy < 1.1 * ten["energy"]
+    # The same solution, looked at in other places. On Henon-Heiles the error of H has sharp peaks:
+    # of 11,001 rows one in a hundred exceeds 0.75 of the largest and one in a thousand 0.93, so the
+    # 580 looks of a run see between 0.75 of it and all of it: two runs differ by 4/3 at the most.
+    # The parasitic part is smooth: its looks miss less than a tenth. It lies between that of the
+    # first hundredth of the ten million steps and that of them all.
+    assert one.energy < 4 / 3 * ten["energy"]
     assert 0.9 * ten["parasitic_early"] < one.parasitic < 1.1 * ten["parasitic"]
 
 
