@@ -40,7 +40,7 @@ __all__ = [
 #: Keys of method files in reading order: what it is, its coefficients, what is claimed, from where.
 KEY_ORDER: tuple[str, ...] = (
     *("$schema", "$id", "format", "name", "title", "class", "field", "broken", "notes"),
-    *("digits", "unknowns", "constants", "base", "first", "separable", "stages", "kind"),
+    *("digits", "unknowns", "constants", "base", "first", "separable", "stages", "kind", "parts"),
     *("alpha", "beta", "a", "A", "U", "B", "V", "V_hat", "b", "w", "c", "v"),
     *("omega", "gamma", "q", "p", "A_hat", "B_hat", "b_hat"),
     *(

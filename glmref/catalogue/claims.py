@@ -79,6 +79,11 @@ class ClaimSpec:
     schema: Mapping[str, Any]
     sentence: str
 
+    @property
+    def additive(self) -> bool:
+        """Whether a method for a sum of right-hand sides can make this claim."""
+        return self.key in _OF_SUMS
+
     def has_meaning(self, *, pair: bool) -> bool:
         """Whether a partitioned method (``pair``) or a single one can make this claim."""
         return self.applies_to in (ANY, PARTITIONED if pair else SINGLE)
@@ -368,3 +373,12 @@ CLAIMS: Mapping[str, ClaimSpec] = {
         SYMMETRIC_REDUCED,
     )
 }
+
+#: Claims that an additive method can make: those about its trees, its V and its stages.
+_OF_SUMS = frozenset(
+    x.key
+    for x in (
+        ORDER, ORDER_IDENTITY, EFFECTIVE_ORDER, STAGE_ORDER, PRECONSISTENT, CONSISTENT, ZERO_STABLE,
+        EXPLICIT,
+    )
+)  # fmt: skip

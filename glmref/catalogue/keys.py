@@ -52,6 +52,7 @@ BLOCKS: Mapping[str, frozenset[str]] = {
     "sweep": frozenset(["D", "X", "V", "G"]) | _START,
     "composition": frozenset(["base", "gamma"]) | _START,
     "splitting": frozenset(["a", "b", "first"]),
+    "additive": frozenset(["parts"]),
     "partitioned-rk": frozenset(["A", "b", "A_hat", "b_hat"]),
     "partitioned": frozenset(["q", "p", "G", "D_P", "D_Q", "separable", "starting"]),
     "pair-sweep": frozenset(["stages", "b", "w", "c", "v", "V", "V_hat", "G", "starting"]),
@@ -129,7 +130,11 @@ def needed_keys(kind: str) -> frozenset[str]:
 def without_meaning(kind: str) -> frozenset[str]:
     """Claims that a class cannot make: those about one method for a pair, and the other way."""
     pair = kind in PAIRS
-    return frozenset(key for key, spec in CLAIMS.items() if not spec.has_meaning(pair=pair))
+    return frozenset(
+        key
+        for key, spec in CLAIMS.items()
+        if not (spec.additive if kind == "additive" else spec.has_meaning(pair=pair))
+    )
 
 
 def fault_of_texts(doc: Mapping[str, Any]) -> str:

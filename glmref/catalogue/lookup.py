@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from ..errors import BudgetError, DataError
-from ..method import GLM, PartitionedGLM
+from ..errors import BudgetError, DataError, UsageError
+from ..method import GLM, AdditiveGLM, PartitionedGLM
 from ..system.budget import READING, limited
 from .files import data_root, document, is_broken, names, path_of
 from .reader import load_document
@@ -17,13 +17,14 @@ __all__ = [
     "is_broken",
     "is_shipped",
     "load",
+    "method_of",
     "names",
     "path_of",
     "read_method",
 ]
 
 
-def load(name: str | Path) -> GLM | PartitionedGLM:
+def load(name: str | Path) -> GLM | PartitionedGLM | AdditiveGLM:
     """Load a method by name or path.
 
     Raises
@@ -34,12 +35,29 @@ def load(name: str | Path) -> GLM | PartitionedGLM:
     return read_method(path_of(name))[1]
 
 
+def method_of(given: Any) -> GLM | PartitionedGLM | AdditiveGLM:
+    """Return the method that a name, a path or a method stands for.
+
+    Raises
+    ------
+        UsageError: for an unknown name, a missing file, or anything else.
+        DataError: for a file that is not what it must be.
+    """
+    if isinstance(given, str | Path):
+        return load(given)
+    if not isinstance(given, GLM | PartitionedGLM | AdditiveGLM):
+        raise UsageError(
+            f"`method` must be a method, its name or its file, got {type(given).__name__}"
+        )
+    return given
+
+
 def is_shipped(path: Path) -> bool:
     """Whether a file is one of the package, for which no budget is needed."""
     return path.resolve().is_relative_to(data_root().resolve())
 
 
-def read_method(path: Path) -> tuple[dict[str, Any], GLM | PartitionedGLM]:
+def read_method(path: Path) -> tuple[dict[str, Any], Any]:
     """Read a method file, and a user's in bounded time.
 
     Parameters
@@ -49,7 +67,7 @@ def read_method(path: Path) -> tuple[dict[str, Any], GLM | PartitionedGLM]:
 
     Returns
     -------
-    dict, GLM or PartitionedGLM
+    dict, Method
         The JSON object, and the method it stands for.
 
     Raises

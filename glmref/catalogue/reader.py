@@ -10,18 +10,21 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from ..errors import DataError, ExactnessError
+from ..errors import DataError, ExactnessError, did_you_mean
 from ..exact.expression import Text
 from ..exact.linalg import Matrix, Vector, diagonal
 from ..method import (
     GLM,
+    AdditiveGLM,
     FinishingMethod,
+    Method,
     PairStartingMethod,
     PartitionedGLM,
     StartingMethod,
     families,
 )
-from ..method.solution_value import components, output
+from ..method.additive import MAX_PARTS
+from ..method.solution_value import output
 from .entries import Entries
 from .files import document, names
 from .keys import (
@@ -43,7 +46,7 @@ from .strict_json import shown
 __all__ = ["CLAIMS", "FORMAT", "load_document"]
 
 
-def load_document(doc: Mapping[str, Any], *, where: str = "document") -> GLM | PartitionedGLM:
+def load_document(doc: Mapping[str, Any], *, where: str = "document") -> Method:
     """Turn a method document into a method, checking everything on the way.
 
     A document without claims may be a bare tableau: ``format``, ``name``, ``class`` and ``source``
@@ -65,7 +68,7 @@ def load_document(doc: Mapping[str, Any], *, where: str = "document") -> GLM | P
 class _Reader(Entries):
     """Checks one document and builds its method."""
 
-    def method(self) -> GLM | PartitionedGLM:
+    def method(self) -> Method:
         if not isinstance(self.doc, Mapping):
             raise self.error(f"a method must be a JSON object, got {shown(self.doc)}")
         if self.doc.get("format") != FORMAT:
@@ -84,10 +87,10 @@ class _Reader(Entries):
         if fault:
             raise self.error(fault)
         self.read_constants()
-        build: Callable[[], GLM | PartitionedGLM] = getattr(self, "_" + kind.replace("-", "_"))
+        build: Callable[[], Method] = getattr(self, "_" + kind.replace("-", "_"))
         try:
             built = build()
-            for component in components(built):
+            for component in built.components:
                 if component.output is not None:
                     output(component)  # refuses one that does not read the solution
             self._check_real(built)
@@ -116,7 +119,7 @@ class _Reader(Entries):
             if key not in allowed:
                 raise self.error(
                     f"the key {key!r} is unknown for class {kind!r}; allowed are "
-                    f"{', '.join(sorted(allowed))}"
+                    f"{', '.join(sorted(allowed))}{did_you_mean(key, allowed, '; ')}"
                 )
         for key in ("name", "claims", "source", *sorted(BLOCKS[kind] - OPTIONAL)):
             if key not in self.doc:
@@ -240,6 +243,23 @@ class _Reader(Entries):
         )
         return self._pair(built)
 
+    def _additive(self) -> AdditiveGLM:
+        parts = self.doc["parts"]
+        if not isinstance(parts, list) or not all(isinstance(x, dict) for x in parts):
+            raise self.error("`parts` must be a list of objects with A and b")
+        if not 2 <= len(parts) <= MAX_PARTS:
+            raise self.error(f"`parts` must be 2 to {MAX_PARTS} tableaux, got {len(parts)}")
+        A, B = [], []
+        for n, part in enumerate(parts, 1):
+            if set(part) != {"A", "b"}:
+                raise self.error(f"`parts[{n}]` must have the keys A and b, and no others")
+            A.append(self.matrix(part["A"], f"parts[{n}].A"))
+            B.append((self.vector(part["b"], f"parts[{n}].b"),))
+        return AdditiveGLM(
+            A, B, name=self.doc["name"], claims=self._claims(), source=self._source(),
+            document=self.doc,
+        )  # fmt: skip
+
     def _partitioned(self) -> PartitionedGLM:
         for key in ("q", "p"):
             if not isinstance(self.doc[key], dict):
@@ -358,9 +378,12 @@ class _Reader(Entries):
             if key not in CLAIMS:
                 raise self.error(
                     f"the claim {key!r} is unknown; known are {', '.join(sorted(CLAIMS))}"
+                    f"{did_you_mean(key, CLAIMS, '; ')}"
                 )
             if key in without_meaning(self.doc["class"]):
                 kind = "a pair" if self.doc["class"] in PAIRS else "one method"
+                if self.doc["class"] == "additive":
+                    kind = "an additive method"
                 raise self.error(f"the claim {key!r} has no meaning for {kind}; take it out")
             wanted = CLAIMS[key].type
             if wanted is int:
@@ -385,15 +408,17 @@ class _Reader(Entries):
     def _source(self) -> Mapping[str, Any]:
         return dict(self.doc["source"])
 
-    def _check_real(self, built: GLM | PartitionedGLM) -> None:
+    def _check_real(self, built: Method) -> None:
         """A real tableau has real entries; a complex one says ``"field": "complex"``."""
         field = self.doc.get("field", "real")
         if field not in ("real", "complex"):
             raise self.error(f"`field` must be 'real' or 'complex', got {shown(field)}")
         if field == "complex":
             return
-        hats = ("", "_hat") if isinstance(built, PartitionedGLM) else ("",)
-        blocks = {x + hat: getattr(built, x + hat) for x in "AUBV" for hat in hats}
+        blocks: dict[str, Any] = {}
+        for n, c in enumerate(built.components, 1):
+            hat = f"^{n}" if built.additive else built.LETTERS[c.colour]
+            blocks |= {x + hat: getattr(c, x) for x in "AUBV"}
         names = ("G", "D", "D_P", "D_Q", "output", "output_hat")
         blocks |= {x: getattr(built, x, None) for x in names}
         for letter, block in blocks.items():

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from .additive import AdditiveGLM
+from .component import Component, Method
 from .glm import (
     GLM,
+    Entries,
     Entry,
     FinishingMethod,
     PairStartingMethod,
@@ -16,8 +19,12 @@ from .glm import (
 
 __all__ = [
     "GLM",
+    "AdditiveGLM",
+    "Component",
+    "Entries",
     "Entry",
     "FinishingMethod",
+    "Method",
     "PairStartingMethod",
     "PartitionedGLM",
     "Rows",

@@ -21,10 +21,9 @@ So ``runge_kutta(*gauss(2))`` and ``linear_multistep(*bdf(3))`` are methods.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from fractions import Fraction
 
 from ..errors import DataError
-from ..exact import Exact, Scalar, exact
+from ..exact import Exact, exact
 from ..exact.linalg import Matrix, Vector, dot
 from .classical import (
     adams_bashforth,
@@ -37,7 +36,7 @@ from .classical import (
     lobatto_iiic,
     radau_iia,
 )
-from .glm import GLM, PartitionedGLM, as_matrix, as_vector
+from .glm import GLM, Entries, PartitionedGLM, Rows, as_matrix, as_vector
 
 __all__ = [
     "adams_bashforth",
@@ -59,11 +58,10 @@ __all__ = [
     "splitting",
 ]
 
-Entry = str | int | Fraction | Scalar
 _ZERO, _ONE = Exact(0), Exact(1)
 
 
-def runge_kutta(A: Sequence[Sequence[Entry]], b: Sequence[Entry], name: str = "") -> GLM:
+def runge_kutta(A: Rows, b: Entries, name: str = "") -> GLM:
     """Runge-Kutta method as the GLM with r = 1, U = 1, V = 1.
 
     Args:
@@ -88,7 +86,7 @@ def _check_length(letter: str, values: Sequence[object], size: int) -> None:
         )
 
 
-def _multistep(alpha: Sequence[Entry], beta: Sequence[Entry]) -> tuple[Vector, Vector]:
+def _multistep(alpha: Entries, beta: Entries) -> tuple[Vector, Vector]:
     """Check the coefficients of a multistep method and divide by ``alpha_k``."""
     alpha, beta = as_vector(alpha, "alpha"), as_vector(beta, "beta")
     if len(alpha) != len(beta) or len(alpha) < 2:
@@ -108,7 +106,7 @@ def _first_nonzero(values: Vector) -> int:
     return next((i for i, x in enumerate(values) if x.is_zero() is not True), len(values))
 
 
-def linear_multistep(alpha: Sequence[Entry], beta: Sequence[Entry], name: str = "") -> GLM:
+def linear_multistep(alpha: Entries, beta: Entries, name: str = "") -> GLM:
     """Linear multistep method ``sum alpha_m y_(n+m) = h sum beta_m f_(n+m)`` as a GLM with s = 1.
 
     The values carried are ``y_(n+k-1), y_(n+k-2), ..`` as far back as alpha reaches, then ``h f``
@@ -148,7 +146,7 @@ def linear_multistep(alpha: Sequence[Entry], beta: Sequence[Entry], name: str = 
     return GLM(A=((b[k],),), U=(new_y if implicit else unit(0),), B=B, V=V, name=name)
 
 
-def one_leg(alpha: Sequence[Entry], beta: Sequence[Entry], name: str = "") -> GLM:
+def one_leg(alpha: Entries, beta: Entries, name: str = "") -> GLM:
     """One-leg method ``sum alpha_m y_(n+m) = h f(sum beta_m y_(n+m))`` as a GLM with s = 1, r = k.
 
     The values carried are ``y_(n+k-1), .., y_n``. Consistency asks for ``sum beta_m = 1``:
@@ -178,7 +176,7 @@ def one_leg(alpha: Sequence[Entry], beta: Sequence[Entry], name: str = "") -> GL
     )
 
 
-def one_leg_twin(alpha: Sequence[Entry], beta: Sequence[Entry]) -> tuple[Vector, Vector]:
+def one_leg_twin(alpha: Entries, beta: Entries) -> tuple[Vector, Vector]:
     """Coefficients of the one-leg twin of a multistep method: scaled so that ``sum beta_m = 1``.
 
     Raises
@@ -194,7 +192,7 @@ def one_leg_twin(alpha: Sequence[Entry], beta: Sequence[Entry]) -> tuple[Vector,
     return tuple(x / total for x in a), tuple(x / total for x in b)
 
 
-def error_constant(alpha: Sequence[Entry], beta: Sequence[Entry]) -> tuple[int, Exact]:
+def error_constant(alpha: Entries, beta: Entries) -> tuple[int, Exact]:
     """Order p of a multistep method and its error constant ``C = C_(p+1) / sigma(1)``.
 
     ``C_q = (sum alpha_m m^q - q sum beta_m m^(q-1)) / q!``; the division by sigma(1) makes C free
@@ -226,10 +224,10 @@ def error_constant(alpha: Sequence[Entry], beta: Sequence[Entry]) -> tuple[int, 
 
 
 def partitioned_runge_kutta(
-    A: Sequence[Sequence[Entry]],
-    b: Sequence[Entry],
-    A_hat: Sequence[Sequence[Entry]],
-    b_hat: Sequence[Entry],
+    A: Rows,
+    b: Entries,
+    A_hat: Rows,
+    b_hat: Entries,
     name: str = "",
 ) -> PartitionedGLM:
     """Pair of Runge-Kutta methods: (A, b) for q acts on f, (A_hat, b_hat) for p acts on k.
@@ -247,9 +245,7 @@ def partitioned_runge_kutta(
     )
 
 
-def splitting(
-    a: Sequence[Entry], b: Sequence[Entry], first: str = "q", name: str = ""
-) -> PartitionedGLM:
+def splitting(a: Entries, b: Entries, first: str = "q", name: str = "") -> PartitionedGLM:
     """Splitting method for q' = f(p), p' = k(q): ``q += a_i h f(p)``, ``p += b_j h k(q)`` in turn.
 
     Args:
@@ -293,7 +289,7 @@ def splitting(
     )
 
 
-def composition(base: GLM, gamma: Sequence[Entry], name: str = "") -> GLM:
+def composition(base: GLM, gamma: Entries, name: str = "") -> GLM:
     """Composition of a one-step method with itself, with steps ``gamma_1 h, gamma_2 h, ..``.
 
     Args:

@@ -11,31 +11,37 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from ..errors import DataError
 from ..exact import Ball, Exact, Scalar, exact, linalg
 from ..exact.expression import parse
 from ..exact.linalg import Matrix, Vector
-from . import solution_value, stage_order
+from . import solution_value
+from .component import GENERAL, SEPARABLE, Method, Palette
+from .own import Array, Own, as_list, of_float
 from .starting import FinishingMethod, PairStartingMethod, StartingMethod
 
 if TYPE_CHECKING:
-    from .rounding import FloatGLM
+    from .rounding import FloatGLM, FloatPair
 
 __all__ = [
     "GLM",
+    "Entries",
+    "Entry",
     "FinishingMethod",
     "PairStartingMethod",
     "PartitionedGLM",
+    "Rows",
     "StartingMethod",
     "as_matrix",
     "as_vector",
 ]
 
-Entry = str | int | Fraction | Scalar
-#: What constructors take for a matrix and turn into one.
-Rows = Sequence[Sequence[Entry]]
+Entry = str | int | float | complex | Fraction | Scalar | Array
+#: What constructors take for a vector and for a matrix and turn into one.
+Entries = Sequence[Entry] | Array
+Rows = Sequence[Sequence[Entry]] | Array
 
 
 def _as_scalar(value: Entry, where: str) -> Scalar:
@@ -43,33 +49,39 @@ def _as_scalar(value: Entry, where: str) -> Scalar:
         return value
     if isinstance(value, str):
         return parse(value)
+    value = as_list(value)
     if isinstance(value, int | Fraction) and not isinstance(value, bool):
         return exact(value)
+    if isinstance(value, float | complex):
+        return of_float(value, where)
     raise DataError(
-        f"{where} must be a string, an integer or a Fraction, got {value!r}; "
-        f"write '1/4' instead of 0.25"
+        f"{where} must be a number or a string such as '1/4', got {value!r}; correct the entry"
     )
 
 
-def as_vector(values: Sequence[Entry], name: str) -> Vector:
-    """Convert a sequence of strings, ints, Fractions or scalars to a vector.
+def as_vector(values: Entries, name: str) -> Vector:
+    """Convert a sequence of strings, numbers or scalars, or an array, to a vector.
+
+    A floating point number is the shortest decimal that stands for it, see :func:`.own.of_float`.
 
     Raises
     ------
         DataError: naming the entry that cannot be read.
     """
+    values = as_list(values)
     if isinstance(values, str) or not isinstance(values, Sequence):
         raise DataError(f"`{name}` must be a list of entries, got {values!r}")
     return tuple(_as_scalar(x, f"`{name}[{i + 1}]`") for i, x in enumerate(values))
 
 
-def as_matrix(rows: Sequence[Sequence[Entry]], name: str) -> Matrix:
-    """Convert rows of strings, ints, Fractions or scalars to a matrix.
+def as_matrix(rows: Rows, name: str) -> Matrix:
+    """Convert rows of entries as :func:`as_vector` takes them, or an array, to a matrix.
 
     Raises
     ------
         DataError: for an empty or ragged matrix, naming the row.
     """
+    rows = as_list(rows)
     if isinstance(rows, str) or not isinstance(rows, Sequence) or not rows:
         raise DataError(f"`{name}` must be a list of rows, got {rows!r}")
     matrix = tuple(as_vector(row, f"{name}[{i + 1}]") for i, row in enumerate(rows))
@@ -82,7 +94,8 @@ def as_matrix(rows: Sequence[Sequence[Entry]], name: str) -> Matrix:
     return matrix
 
 
-def _check_shape(name: str, value: Matrix, rows: int, columns: int, meaning: str) -> None:
+def check_shape(name: str, value: Matrix, rows: int, columns: int, meaning: str) -> None:
+    """Refuse a matrix that has not the shape its method asks for."""
     if (len(value), len(value[0])) != (rows, columns):
         raise DataError(
             f"`{name}` must have shape {meaning} = ({rows}, {columns}), "
@@ -100,7 +113,7 @@ def _take_output(method: GLM | PartitionedGLM, name: str, r: int) -> None:
         raise DataError(f"`{name}` must have {r} entries, one for each value, got {len(declared)}")
 
 
-def _moved_output(m: solution_value.Component, back: Matrix) -> Vector | None:
+def _moved_output(m: solution_value.Block, back: Matrix) -> Vector | None:
     """The output ``w T^-1`` after a change of values; ``None`` where there is no solution to read.
 
     Written down even where the method declares none, because the rule that finds an undeclared one
@@ -113,7 +126,7 @@ def _moved_output(m: solution_value.Component, back: Matrix) -> Vector | None:
 
 def _transformation(T: Rows, name: str, r: int, letter: str) -> Matrix:
     matrix = as_matrix(T, name)
-    _check_shape(name, matrix, r, r, f"({letter}, {letter})")
+    check_shape(name, matrix, r, r, f"({letter}, {letter})")
     return matrix
 
 
@@ -123,8 +136,8 @@ def _permutation(order: Sequence[int], name: str, size: int) -> Sequence[int]:
     return order
 
 
-@dataclass(frozen=True, eq=False)
-class GLM:
+@dataclass(frozen=True, eq=False, repr=False)
+class GLM(Own, Method):
     """A general linear method: ``Y = h A f(Y) + U y``, ``y+ = h B f(Y) + V y``.
 
     Attributes
@@ -147,7 +160,8 @@ class GLM:
         document: the file's JSON object, ``None`` for a method that was computed.
         multistep: (alpha, beta) of a multistep or one-leg method, as its file gives them.
 
-    The constructor takes strings, ints, Fractions or scalars and checks shapes.
+    The constructor takes strings, numbers and arrays and checks shapes. A floating point number
+    stands for the shortest decimal that gives it: 0.1 is 1/10.
 
     Raises
     ------
@@ -183,32 +197,34 @@ class GLM:
             V: Rows,
             name: str = "",
             G: Rows | None = None,
-            D: Sequence[Entry] | None = None,
+            D: Entries | None = None,
             starting: StartingMethod | None = None,
             finishing: FinishingMethod | None = None,
             claims: Mapping[str, Any] = ...,
             source: Mapping[str, Any] = ...,
             document: Mapping[str, Any] | None = None,
             multistep: tuple[Vector, Vector] | None = None,
-            output: Sequence[Entry] | None = None,
+            output: Entries | None = None,
         ) -> None: ...
 
     def __post_init__(self) -> None:
         for letter in "AUBV":
             object.__setattr__(self, letter, as_matrix(getattr(self, letter), letter))
         s, r = len(self.A), len(self.V)
-        _check_shape("A", self.A, s, s, "(s, s)")
-        _check_shape("V", self.V, r, r, "(r, r)")
-        _check_shape("U", self.U, s, r, "(s, r)")
-        _check_shape("B", self.B, r, s, "(r, s)")
+        check_shape("A", self.A, s, s, "(s, s)")
+        check_shape("V", self.V, r, r, "(r, r)")
+        check_shape("U", self.U, s, r, "(s, r)")
+        check_shape("B", self.B, r, s, "(r, s)")
         if self.G is not None:
             object.__setattr__(self, "G", as_matrix(self.G, "G"))
-            _check_shape("G", self.G, r, r, "(r, r)")
+            check_shape("G", self.G, r, r, "(r, r)")
         if self.D is not None:
             object.__setattr__(self, "D", as_vector(self.D, "D"))
             if len(self.D) != s:
                 raise DataError(f"`D` must have s = {s} entries, got {len(self.D)}")
         _take_output(self, "output", r)
+
+    SIZES = ("s", "r")
 
     @property
     def s(self) -> int:
@@ -221,34 +237,14 @@ class GLM:
         return len(self.V)
 
     @property
-    def is_exact(self) -> bool:
-        """Whether every coefficient is exact (no published decimal among them)."""
-        blocks = (self.A, self.U, self.B, self.V)
-        return all(isinstance(x, Exact) for m in blocks for row in m for x in row)
-
-    @property
-    def is_real(self) -> bool:
-        """Whether every coefficient is real."""
-        return all(x.is_real() for m in (self.A, self.U, self.B, self.V) for row in m for x in row)
-
-    @property
     def is_diagonally_implicit(self) -> bool:
         """Whether A is lower triangular (explicit methods included)."""
         return linalg.is_lower_triangular(self.A)
 
     @property
-    def implicit_stages(self) -> tuple[int, ...]:
-        """Numbers (from 1) of the stages that need an equation solved, however they are numbered.
-
-        Those that need themselves, directly or through others.
-        """
-        coupled = [block.stages for block in stage_order.stage_blocks(self.A) if block.implicit]
-        return tuple(sorted(i + 1 for stages in coupled for i in stages))
-
-    @property
-    def is_explicit(self) -> bool:
-        """Whether no stage needs an equation solved."""
-        return not self.implicit_stages
+    def diagonals(self) -> tuple[Vector | None, ...]:
+        """D alone."""
+        return (self.D,)
 
     def bare(self, **changes: Any) -> Self:
         """Return a copy with other coefficients and without claims, source, start or finish.
@@ -322,22 +318,13 @@ class GLM:
 
     def to_float(self) -> FloatGLM:
         """Round every coefficient to double precision, once, and keep the residue."""
-        import numpy as np
+        from .rounding import FloatGLM, rounded_blocks
 
-        from .rounding import FloatGLM, float_arrays
-
-        arrays: dict[str, Any] = {}
-        for letter in "AUBV":
-            arrays[letter], arrays[f"{letter}_residue"] = float_arrays(getattr(self, letter))
-        if self.G is not None:
-            arrays["G"] = float_arrays(self.G)[0]
-        if self.D is not None:
-            arrays["D"] = np.array([float(x) for x in self.D])
-        return FloatGLM(name=self.name, **arrays)
+        return FloatGLM(name=self.name, **rounded_blocks(self, "AUBV", "G", "D"))
 
 
-@dataclass(frozen=True, eq=False)
-class PartitionedGLM:
+@dataclass(frozen=True, eq=False, repr=False)
+class PartitionedGLM(Own, Method):
     """A pair of GLMs for ``q' = f(p)``, ``p' = k(q)`` (or ``f(q, p)``, ``k(q, p)``).
 
     One step is::
@@ -374,6 +361,7 @@ class PartitionedGLM:
     U_hat: Matrix
     B_hat: Matrix
     V_hat: Matrix
+    LETTERS: ClassVar[Mapping[str, str]] = MappingProxyType({"f": "", "k": "_hat"})
     name: str = ""
     G: Matrix | None = None
     D_P: Vector | None = None
@@ -400,31 +388,30 @@ class PartitionedGLM:
             V_hat: Rows,
             name: str = "",
             G: Rows | None = None,
-            D_P: Sequence[Entry] | None = None,
-            D_Q: Sequence[Entry] | None = None,
+            D_P: Entries | None = None,
+            D_Q: Entries | None = None,
             separable: bool = False,
             starting: PairStartingMethod | None = None,
             claims: Mapping[str, Any] = ...,
             source: Mapping[str, Any] = ...,
             document: Mapping[str, Any] | None = None,
-            output: Sequence[Entry] | None = None,
-            output_hat: Sequence[Entry] | None = None,
+            output: Entries | None = None,
+            output_hat: Entries | None = None,
         ) -> None: ...
 
     def __post_init__(self) -> None:
-        for letter in "AUBV":
-            for name in (letter, f"{letter}_hat"):
-                object.__setattr__(self, name, as_matrix(getattr(self, name), name))
+        for name in (letter + hat for letter in "AUBV" for hat in self.LETTERS.values()):
+            object.__setattr__(self, name, as_matrix(getattr(self, name), name))
         n_q, n_p = len(self.A), len(self.A_hat)
         r, r_hat = len(self.V), len(self.V_hat)
-        _check_shape("A", self.A, n_q, n_p, "(n_Q, n_P)")
-        _check_shape("U", self.U, n_q, r, "(n_Q, r)")
-        _check_shape("B", self.B, r, n_p, "(r, n_P)")
-        _check_shape("V", self.V, r, r, "(r, r)")
-        _check_shape("A_hat", self.A_hat, n_p, n_q, "(n_P, n_Q)")
-        _check_shape("U_hat", self.U_hat, n_p, r_hat, "(n_P, r^)")
-        _check_shape("B_hat", self.B_hat, r_hat, n_q, "(r^, n_Q)")
-        _check_shape("V_hat", self.V_hat, r_hat, r_hat, "(r^, r^)")
+        check_shape("A", self.A, n_q, n_p, "(n_Q, n_P)")
+        check_shape("U", self.U, n_q, r, "(n_Q, r)")
+        check_shape("B", self.B, r, n_p, "(r, n_P)")
+        check_shape("V", self.V, r, r, "(r, r)")
+        check_shape("A_hat", self.A_hat, n_p, n_q, "(n_P, n_Q)")
+        check_shape("U_hat", self.U_hat, n_p, r_hat, "(n_P, r^)")
+        check_shape("B_hat", self.B_hat, r_hat, n_q, "(r^, n_Q)")
+        check_shape("V_hat", self.V_hat, r_hat, r_hat, "(r^, r^)")
         if n_p != n_q and not self.separable:
             raise DataError(
                 f"a pair with {n_p} stages P and {n_q} stages Q is for separable systems: "
@@ -432,7 +419,7 @@ class PartitionedGLM:
             )
         if self.G is not None:
             object.__setattr__(self, "G", as_matrix(self.G, "G"))
-            _check_shape("G", self.G, r, r_hat, "(r, r^)")
+            check_shape("G", self.G, r, r_hat, "(r, r^)")
         for name, size in (("D_P", n_p), ("D_Q", n_q)):
             value = getattr(self, name)
             if value is not None:
@@ -441,6 +428,8 @@ class PartitionedGLM:
                     raise DataError(f"`{name}` must have {size} entries, got {len(value)}")
         _take_output(self, "output", r)
         _take_output(self, "output_hat", r_hat)
+
+    SIZES = ("n_Q", "n_P", "r", "r_hat")
 
     @property
     def n_P(self) -> int:
@@ -463,10 +452,14 @@ class PartitionedGLM:
         return len(self.V_hat)
 
     @property
-    def is_exact(self) -> bool:
-        """Whether every coefficient is exact."""
-        names = [x + y for x in "AUBV" for y in ("", "_hat")]
-        return all(isinstance(x, Exact) for n in names for row in getattr(self, n) for x in row)
+    def palette(self) -> Palette:
+        """Alternating colours on separable systems, else every colour below each."""
+        return SEPARABLE if self.separable else GENERAL
+
+    @property
+    def diagonals(self) -> tuple[Vector | None, ...]:
+        """D_P and D_Q."""
+        return self.D_P, self.D_Q
 
     def bare(self, **changes: Any) -> Self:
         """Return a copy with other coefficients and without claims, source or start.
@@ -508,7 +501,7 @@ class PartitionedGLM:
         G, start = self.G, self.starting
         if G is not None:
             G = linalg.matmul(linalg.conjugate_transpose(back), G, back_hat)
-        q, p = solution_value.halves(self)
+        q, p = self.components
         return self.bare(
             U=linalg.matmul(self.U, back),
             B=linalg.matmul(T, self.B),
@@ -552,3 +545,10 @@ class PartitionedGLM:
             claims=self.claims,
             starting=self.starting,
         )
+
+    def to_float(self) -> FloatPair:
+        """Round every coefficient to double precision, once, and keep the residue."""
+        from .rounding import FloatPair, rounded_blocks
+
+        names = [f"{letter}{hat}" for hat in ("", "_hat") for letter in "AUBV"]
+        return FloatPair(name=self.name, **rounded_blocks(self, names, "G", "D_P", "D_Q"))

@@ -6,9 +6,10 @@ bound it.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..exact import Scalar
 from ..exact.linalg import Matrix
@@ -16,7 +17,7 @@ from ..exact.linalg import Matrix
 if TYPE_CHECKING:
     import numpy as np
 
-__all__ = ["FloatGLM", "float_arrays", "split_float"]
+__all__ = ["FloatGLM", "FloatPair", "float_arrays", "rounded_blocks", "split_float"]
 
 
 def split_float(value: Scalar) -> tuple[float, float]:
@@ -47,6 +48,60 @@ class FloatGLM:
     G: np.ndarray | None = None
     D: np.ndarray | None = None
     name: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class FloatPair:
+    """A partitioned GLM rounded to double precision once, with what the rounding lost.
+
+    Attributes
+    ----------
+        A, U, B, V: (n_Q, n_P), (n_Q, r), (r, n_P), (r, r), for q.
+        A_hat, U_hat, B_hat, V_hat: (n_P, n_Q), (n_P, r^), (r^, n_Q), (r^, r^), for p.
+        A_residue, .., V_hat_residue: exact minus rounded, themselves rounded.
+        G: (r, r^) or ``None``; D_P: (n_P,) or ``None``; D_Q: (n_Q,) or ``None``.
+    """
+
+    A: np.ndarray
+    U: np.ndarray
+    B: np.ndarray
+    V: np.ndarray
+    A_hat: np.ndarray
+    U_hat: np.ndarray
+    B_hat: np.ndarray
+    V_hat: np.ndarray
+    A_residue: np.ndarray
+    U_residue: np.ndarray
+    B_residue: np.ndarray
+    V_residue: np.ndarray
+    A_hat_residue: np.ndarray
+    U_hat_residue: np.ndarray
+    B_hat_residue: np.ndarray
+    V_hat_residue: np.ndarray
+    G: np.ndarray | None = None
+    D_P: np.ndarray | None = None
+    D_Q: np.ndarray | None = None
+    name: str = ""
+
+
+def rounded_blocks(
+    method: Any, blocks: Iterable[str], form: str, *diagonals: str
+) -> dict[str, Any]:
+    """Round blocks, form and diagonals of a method.
+
+    Returns
+    -------
+        Arrays by name; for each block also its residues.
+    """
+    arrays: dict[str, Any] = {}
+    for name in blocks:
+        arrays[name], arrays[f"{name}_residue"] = float_arrays(getattr(method, name))
+    if getattr(method, form) is not None:
+        arrays[form] = float_arrays(getattr(method, form))[0]
+    for name in diagonals:
+        if getattr(method, name) is not None:
+            arrays[name] = float_arrays((getattr(method, name),))[0][0]
+    return arrays
 
 
 def float_arrays(matrix: Matrix) -> tuple[np.ndarray, np.ndarray]:

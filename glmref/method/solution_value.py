@@ -20,7 +20,6 @@ Theory works with these numbers as they are, exact or enclosed; an engine rounds
 
 Public names::
 
-    components(method) -> tuple of the methods of its components: one of a GLM, two of a pair
     preconsistency(U, V, B=None, output=None) -> Preconsistency
     preconsistency_vector(m) -> Vector | None
     output(m) -> Vector                                         outputs(method) -> tuple of them
@@ -44,18 +43,15 @@ from ..errors import DataError, ExactnessError
 from ..exact import Exact, Scalar, linalg
 from ..exact.linalg import Matrix, Vector
 
-if TYPE_CHECKING:  # a method asks this module where its solution is
-    from .glm import GLM, PartitionedGLM
+if TYPE_CHECKING:  # a method of k components asks this module
+    from .component import Method
 
 __all__ = [
-    "Blocks",
-    "Component",
+    "Block",
     "Preconsistency",
     "abscissae",
-    "components",
     "consistency_vector",
     "first_functional",
-    "halves",
     "output",
     "outputs",
     "preconsistency",
@@ -70,8 +66,8 @@ _ZERO, _ONE = Exact(0), Exact(1)
 _KEPT = 256
 
 
-class Component(Protocol):
-    """What the functions below take: a method, or one component of a partitioned one.
+class Block(Protocol):
+    """What the functions below take: a component, or a method of one.
 
     A (n, m), U (n, r), B (r, m), V (r, r), and the declared output (r,) or ``None``.
     """
@@ -103,23 +99,6 @@ class Component(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Blocks:
-    """One component of a partitioned method: A (n, m), U (n, r), B (r, m), V (r, r).
-
-    Attributes
-    ----------
-        output: (r,) functional that reads the solution off the values, ``None`` where the method
-            says nothing: see the module's docstring.
-    """
-
-    A: Matrix
-    U: Matrix
-    B: Matrix
-    V: Matrix
-    output: Vector | None = None
-
-
-@dataclass(frozen=True, eq=False)
 class Preconsistency:
     """Solution of ``V u = u, U u = 1``.
 
@@ -135,20 +114,6 @@ class Preconsistency:
     unique: bool = True
     certain: bool = True
     witness: str = ""
-
-
-@lru_cache(maxsize=_KEPT)
-def halves(pair: PartitionedGLM) -> tuple[Blocks, Blocks]:
-    """Split a pair into the method for q (stages Q, driven by f at P) and the method for p."""
-    return (
-        Blocks(pair.A, pair.U, pair.B, pair.V, pair.output),
-        Blocks(pair.A_hat, pair.U_hat, pair.B_hat, pair.V_hat, pair.output_hat),
-    )
-
-
-def components(method: GLM | PartitionedGLM) -> tuple[Component, ...]:
-    """Methods of the components: a GLM has one, itself; a pair has that for q and that for p."""
-    return halves(method) if hasattr(method, "A_hat") else (method,)
 
 
 # --- u --------------------------------------------------------------------------------------------
@@ -211,12 +176,12 @@ def _choices(V: Matrix, B: Matrix | None, output: Vector | None) -> list[tuple[M
 
 
 @lru_cache(maxsize=_KEPT)
-def preconsistency_of(m: Component) -> Preconsistency:
+def preconsistency_of(m: Block) -> Preconsistency:
     """Solve ``V u = u, U u = 1`` for a method or a component."""
     return preconsistency(m.U, m.V, m.B, m.output)
 
 
-def preconsistency_vector(m: Component) -> Vector | None:
+def preconsistency_vector(m: Block) -> Vector | None:
     """Return u with ``V u = u`` and ``U u = 1``, or ``None`` where there is none."""
     return preconsistency_of(m).u
 
@@ -239,7 +204,7 @@ def first_functional(u: Sequence[Scalar]) -> Vector:
 
 
 @lru_cache(maxsize=_KEPT)
-def output(m: Component) -> Vector:
+def output(m: Block) -> Vector:
     """Return w, (r,): the solution is ``w y``, y the values after a step.
 
     A method that is not preconsistent carries no solution; without a declared output its first
@@ -266,9 +231,9 @@ def output(m: Component) -> Vector:
     return declared
 
 
-def outputs(method: GLM | PartitionedGLM) -> tuple[Vector, ...]:
-    """Output functionals of the components: one of a GLM; of a pair that of q and that of p."""
-    return tuple(output(m) for m in components(method))
+def outputs(method: Method) -> tuple[Vector, ...]:
+    """Output functionals of the components."""
+    return tuple(output(m) for m in method.components)
 
 
 def unit_place(w: Vector) -> int | None:
@@ -285,7 +250,7 @@ def unit_place(w: Vector) -> int | None:
 
 
 @lru_cache(maxsize=_KEPT)
-def consistency_vector(m: Component) -> Vector | None:
+def consistency_vector(m: Block) -> Vector | None:
     """Return v with ``B 1 + V v = u + v`` and ``w v = 0``, or ``None`` where there is none."""
     u = preconsistency_vector(m)
     if u is None:
@@ -303,7 +268,7 @@ def consistency_vector(m: Component) -> Vector | None:
 
 
 @lru_cache(maxsize=_KEPT)
-def abscissae(m: Component) -> Vector | None:
+def abscissae(m: Block) -> Vector | None:
     """Return c = A 1 + U v, (n,), or ``None`` for a method that is not consistent."""
     v = consistency_vector(m)
     if v is None:
@@ -312,7 +277,7 @@ def abscissae(m: Component) -> Vector | None:
     return tuple(x + y for x, y in zip(sums, linalg.matvec(m.U, v), strict=True))
 
 
-def stage_times(m: Component) -> Vector:
+def stage_times(m: Block) -> Vector:
     """Return the c at which an integrator evaluates f: A 1 for a method that is not consistent.
 
     Such a method (a deliberately broken one) has no times of its own and must still be stepped.

@@ -6,29 +6,28 @@ relation between numbers: nothing depends on how the stages are numbered.
 Public names::
 
     dependency_blocks(size, needs) -> tuple of StageBlock(stages, implicit), in a possible order
-    stage_blocks(A)                                       of one method
-    pair_blocks(pair, joint=False)                        of a pair
-    is_acyclic(size, needs) -> bool                       no stage needs an equation solved
+    stage_blocks(components, palette)                     of the stages of a method
     reached(first, needs) -> set of numbers               everything the first ones need
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ..exact.linalg import Matrix
+from ..exact import Scalar
 
 if TYPE_CHECKING:  # a method asks this module for its implicit stages
-    from .glm import PartitionedGLM
+    from .component import Component
 
 __all__ = [
     "StageBlock",
     "dependency_blocks",
-    "is_acyclic",
-    "pair_blocks",
+    "is_shared",
+    "offsets",
     "reached",
+    "read_stages",
     "stage_blocks",
 ]
 
@@ -89,47 +88,59 @@ def dependency_blocks(size: int, needs: Needs) -> tuple[StageBlock, ...]:
     return tuple(blocks)
 
 
-def is_acyclic(size: int, needs: Needs) -> bool:
-    """Whether the unknowns have an order in which each needs earlier ones only."""
-    return not any(block.implicit for block in dependency_blocks(size, needs))
+def is_shared(palette: Mapping[str, str]) -> bool:
+    """Whether every right-hand side is evaluated at the stages of all components."""
+    return all(len(seen) == len(palette) for seen in palette.values())
 
 
-def stage_blocks(A: Matrix) -> tuple[StageBlock, ...]:
-    """Order the stages of a GLM: explicit ones, diagonally implicit ones, coupled blocks.
+def offsets(components: Sequence[Component], palette: Mapping[str, str]) -> dict[str, int]:
+    """Number of the first stage of each component, by colour; 0 where stages are shared."""
+    found, at = {}, 0
+    for c in components:
+        found[c.colour] = at
+        at += 0 if is_shared(palette) else len(c.A)
+    return found
+
+
+def stage_blocks(
+    components: Sequence[Component], palette: Mapping[str, str]
+) -> tuple[StageBlock, ...]:
+    """Order the stages of a method: explicit ones, diagonally implicit ones, coupled blocks.
 
     Parameters
     ----------
-    A : (s, s); the pattern of its exact zeros decides.
-    """
-    return dependency_blocks(len(A), lambda i, j: A[i][j].is_zero() is not True)
-
-
-def pair_blocks(pair: PartitionedGLM, *, joint: bool = False) -> tuple[StageBlock, ...]:
-    """Order the stages of a pair.
-
-    Parameters
-    ----------
-    joint : whether stage i is (Q_i, P_i), as on a problem that is not separable.
+    components : their A; the pattern of exact zeros decides.
+    palette : at the stages of which components each right-hand side is evaluated.
 
     Returns
     -------
-        Blocks of numbers: Q stages 0..n_Q-1, then P stages n_Q..n_Q+n_P-1 (joint: stages 0..s-1).
+        Blocks of numbers: the stages of the components one after another, or, where all
+        right-hand sides are evaluated at the same stages, the numbers of these.
     """
-    n_q, n_p = pair.n_Q, pair.n_P
+    table = _needs(components, palette)
+    return dependency_blocks(len(table), lambda i, j: j in table[i])
 
-    def zero(matrix: Matrix, i: int, j: int) -> bool:
-        return matrix[i][j].is_zero() is True
 
-    if joint:
-        return dependency_blocks(
-            n_q, lambda i, j: not (zero(pair.A, i, j) and zero(pair.A_hat, i, j))
-        )
+def read_stages(components: Sequence[Component], palette: Mapping[str, str]) -> frozenset[int]:
+    """Stages that some value reads, directly or through others; numbers as in stage_blocks."""
+    table, first = _needs(components, palette), offsets(components, palette)
+    ends = {j for c in components for row in c.B for j in _sources(c, row, palette, first)}
+    return frozenset(reached(ends, table.__getitem__))
 
-    def needs(i: int, j: int) -> bool:
-        if i < n_q <= j:
-            return not zero(pair.A, i, j - n_q)
-        if j < n_q <= i:
-            return not zero(pair.A_hat, i - n_q, j)
-        return False
 
-    return dependency_blocks(n_q + n_p, needs)
+def _needs(components: Sequence[Component], palette: Mapping[str, str]) -> dict[int, set[int]]:
+    """What each stage is computed from: stages by number."""
+    first = offsets(components, palette)
+    table: dict[int, set[int]] = {}
+    for c in components:
+        for i, row in enumerate(c.A):
+            table.setdefault(first[c.colour] + i, set()).update(_sources(c, row, palette, first))
+    return table
+
+
+def _sources(
+    c: Component, row: Sequence[Scalar], palette: Mapping[str, str], first: Mapping[str, int]
+) -> set[int]:
+    """Stages whose slopes a row of A or B sums."""
+    slopes = [j for j, x in enumerate(row) if x.is_zero() is not True]
+    return {first[d] + j for d in palette[c.colour] for j in slopes}

@@ -4,17 +4,50 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from types import MappingProxyType
-from typing import Any
+from typing import Any, ClassVar
 
-from ..exact import linalg
+from ..exact import Exact, linalg
 from ..exact.linalg import Matrix, Vector
+from .component import SEPARABLE, Component, Method, Palette
 
 __all__ = ["FinishingMethod", "PairStartingMethod", "StartingMethod"]
 
 
+def _row_sums(A: Matrix) -> Vector:
+    return tuple(sum(row, Exact(0)) for row in A)
+
+
+class _Start(Method):
+    """A method that makes r values of one: u and B, and stages that begin from that one."""
+
+    @cached_property
+    def components(self) -> tuple[Component, ...]:
+        """The components: U is a column of ones, V the column u."""
+        one = ((Exact(1),),)
+        return tuple(
+            Component(colour, A, one * len(A), B, tuple((x,) for x in u))
+            for colour, (A, B, u) in zip(
+                self.LETTERS,
+                ([getattr(self, x + hat) for x in "ABu"] for hat in self.LETTERS.values()),
+                strict=True,
+            )
+        )
+
+    @property
+    def times(self) -> tuple[Vector, ...]:
+        """A 1: stages begin from the one value that comes in."""
+        return tuple(_row_sums(c.A) for c in self.components)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of values that each component is given."""
+        return tuple(len(c.V) for c in self.components)
+
+
 @dataclass(frozen=True, eq=False)
-class StartingMethod:
+class StartingMethod(_Start):
     """Runge-Kutta-like start: ``Y = y0 + h A f(Y)``, ``y^[0]_k = u_k y0 + h B_k f(Y)``.
 
     Attributes
@@ -46,7 +79,7 @@ class StartingMethod:
 
 
 @dataclass(frozen=True, eq=False)
-class PairStartingMethod:
+class PairStartingMethod(_Start):
     """Runge-Kutta-like start of a pair, from (q0, p0).
 
     ``Q = q0 + h A f(P)``, ``P = p0 + h A^ k(Q)``, ``q^[0]_k = u_k q0 + h B_k f(P)`` and
@@ -67,6 +100,7 @@ class PairStartingMethod:
     A_hat: Matrix
     B_hat: Matrix
     u_hat: Vector
+    LETTERS: ClassVar[Mapping[str, str]] = MappingProxyType({"f": "", "k": "_hat"})
     name: str = ""
     kind: str = "runge-kutta"
     claims: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
@@ -86,13 +120,14 @@ class PairStartingMethod:
             u_hat=linalg.matvec(T_hat, self.u_hat),
         )
 
-    def rows(self) -> tuple[Vector, ...]:
-        """Every coefficient, row by row."""
-        return (*self.A, *self.B, *self.A_hat, *self.B_hat, self.u, self.u_hat)
+    @property
+    def palette(self) -> Palette:
+        """Colours as on separable systems; the method that is started says what is meant."""
+        return SEPARABLE
 
 
 @dataclass(frozen=True, eq=False)
-class FinishingMethod:
+class FinishingMethod(Method):
     """Runge-Kutta-like finish on the output z = w y: ``Y = z + h A f(Y)``, ``y = z + h b f(Y)``.
 
     The output is the first value where the method declares none and the first value is the
@@ -113,3 +148,14 @@ class FinishingMethod:
     def stages(self) -> int:
         """Number of internal stages."""
         return len(self.A)
+
+    @cached_property
+    def components(self) -> tuple[Component, ...]:
+        """The one component: U is a column of ones, V is 1."""
+        one = ((Exact(1),),)
+        return (Component("o", self.A, one * len(self.A), (self.b,), one),)
+
+    @property
+    def times(self) -> tuple[Vector, ...]:
+        """A 1: stages begin from the output."""
+        return (_row_sums(self.A),)

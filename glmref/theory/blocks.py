@@ -12,9 +12,10 @@ from fractions import Fraction
 from typing import Any
 
 from ..errors import ExactnessError
-from ..exact import Ball, Exact, Scalar, linalg
+from ..exact import Exact, Scalar, linalg
 from ..exact.linalg import Matrix, Vector
-from ..method.solution_value import Component, first_functional, preconsistency
+from ..method import Component
+from ..method.solution_value import first_functional, preconsistency
 from .coefficients import is_zero, plus, times, weighted
 
 __all__ = [
@@ -25,7 +26,6 @@ __all__ = [
     "as_scalar",
     "block_of",
     "equal",
-    "is_enclosed",
     "kernel",
     "make_block",
     "present",
@@ -219,13 +219,8 @@ def make_block(A: Matrix, U: Matrix, B: Matrix, V: Matrix, output: Vector | None
 
 
 def block_of(m: Component) -> Block:
-    """Prepare a method, or one half of a pair: see :func:`make_block`."""
+    """Prepare a component: see :func:`make_block`."""
     return make_block(m.A, m.U, m.B, m.V, m.output)
-
-
-def is_enclosed(m: Component) -> bool:
-    """Whether some coefficient is a ball."""
-    return any(isinstance(x, Ball) for e in (m.A, m.U, m.B, m.V) for row in e for x in row)
 
 
 def seen(block: Block, value: Sequence[Any]) -> Any:

@@ -1,7 +1,7 @@
-"""Order conditions of general linear methods, tree by tree, for one system or a pair.
+"""Order conditions of general linear methods, tree by tree, in any number of colours.
 
 This module only computes: blocks, starting series, residuals. What follows from them is decided in
-:mod:`glmref.theory.order` and :mod:`.theory.partitioned`, where the public names are.
+:mod:`glmref.theory.order`, where the public names are.
 
 Every colour c of vertices has a block (A, U, B, V): ``X = h A F + U x``, ``x+ = h B F + V x``. A
 single method has the one colour ``o``; a pair has ``f`` (the method for q) and ``k`` (for p).

@@ -12,7 +12,6 @@ Public names::
     consistency(m) -> Consistency                      u, v, c and what failed
     is_preconsistent(m), is_consistent(m) -> bool | None
     zero_stability(m) -> Boundedness                   is_zero_stable(m) -> bool | None
-    pair_consistency(pair) -> (Consistency, Consistency)
 """
 
 from __future__ import annotations
@@ -21,13 +20,10 @@ from dataclasses import dataclass
 
 from ..exact import Exact, linalg
 from ..exact.linalg import Matrix, Vector
-from ..method import PartitionedGLM
 from ..method.solution_value import (
-    Blocks,
-    Component,
+    Block,
     abscissae,
     consistency_vector,
-    halves,
     preconsistency_of,
     preconsistency_vector,
 )
@@ -35,16 +31,13 @@ from .affine import verdict_of
 from .spectrum import Boundedness, power_bounded
 
 __all__ = [
-    "Blocks",
     "Consistency",
     "abscissae",
     "consistency",
     "consistency_residual",
-    "halves",
     "is_consistent",
     "is_preconsistent",
     "is_zero_stable",
-    "pair_consistency",
     "preconsistency_residual",
     "preconsistency_vector",
     "zero_stability",
@@ -84,24 +77,24 @@ def _column(values: Vector) -> Matrix:
     return tuple((x,) for x in values)
 
 
-def preconsistency_residual(m: Component, u: Vector) -> Matrix:
+def preconsistency_residual(m: Block, u: Vector) -> Matrix:
     """``V u - u`` over ``U u - 1``, shape (r + s, 1)."""
     first = [x - y for x, y in zip(linalg.matvec(m.V, u), u, strict=True)]
     return _column((*first, *(x - 1 for x in linalg.matvec(m.U, u))))
 
 
-def consistency_residual(m: Component, u: Vector, v: Vector) -> Matrix:
+def consistency_residual(m: Block, u: Vector, v: Vector) -> Matrix:
     """``B 1 + V v - u - v``, shape (r, 1)."""
     total = linalg.matvec(m.B, (_ONE,) * len(m.B[0]))
     image = linalg.matvec(m.V, v)
     return _column(tuple(b + x - y - z for b, x, y, z in zip(total, image, u, v, strict=True)))
 
 
-def consistency(m: Component) -> Consistency:
+def consistency(m: Block) -> Consistency:
     """Find u, v and c, and say which condition fails.
 
     Args:
-        m: a method, or one half of a pair (:func:`halves`).
+        m: a method of one component, or a component.
 
     References: Butcher, "Numerical Methods for Ordinary Differential Equations" (2016), Definitions
     510B and 510C.
@@ -117,24 +110,39 @@ def consistency(m: Component) -> Consistency:
     if v is None:
         zero = (_ZERO,) * len(u)
         size = linalg.largest(consistency_residual(m, u, zero))
-        return Consistency(first.holds, False, u, unique=unique, residual=size, witness=_NO_V)
+        witness = f"{_NO_V}; {_row_off(m, u)}"
+        return Consistency(first.holds, False, u, unique=unique, residual=size, witness=witness)
     second = verdict_of(consistency_residual(m, u, v))
     both = False if False in (first.holds, second.holds) else second.holds if first.holds else None
     residual = max(first.residual, second.residual)
     return Consistency(first.holds, both, u, v, abscissae(m), unique, residual)
 
 
-def is_preconsistent(m: Component) -> bool | None:
+def _row_off(m: Block, u: Vector) -> str:
+    """Say which row of ``B 1 + V v = u + v`` contradicts the others, and by how much."""
+    rows = list(linalg.sub(linalg.identity(len(u)), m.V))
+    total = linalg.matvec(m.B, (_ONE,) * len(m.B[0]))
+    right = [b - x for b, x in zip(total, u, strict=True)]
+    k = linalg.solve_affine(tuple(rows), tuple(right)).failed
+    if k is None:
+        return "the rows are not decided"
+    row, value = rows.pop(k), right.pop(k)
+    v = linalg.solve_affine(tuple(rows), tuple(right)).point if rows else (_ZERO,) * len(u)
+    off = value - linalg.dot(row, v)
+    return f"row {k + 1} is off by {complex(off).real:.6g} where the others hold"
+
+
+def is_preconsistent(m: Block) -> bool | None:
     """Whether constants are reproduced; ``None`` where balls leave it open."""
     return consistency(m).preconsistent
 
 
-def is_consistent(m: Component) -> bool | None:
+def is_consistent(m: Block) -> bool | None:
     """Whether y' = 1 is solved exactly; ``None`` where balls leave it open."""
     return consistency(m).consistent
 
 
-def zero_stability(m: Component) -> Boundedness:
+def zero_stability(m: Block) -> Boundedness:
     """Decide whether V is power-bounded.
 
     References: Butcher (2016), Definition 510A.
@@ -142,12 +150,6 @@ def zero_stability(m: Component) -> Boundedness:
     return power_bounded(m.V)
 
 
-def is_zero_stable(m: Component) -> bool | None:
+def is_zero_stable(m: Block) -> bool | None:
     """Whether V is power-bounded; ``None`` where balls leave it open."""
     return power_bounded(m.V).holds
-
-
-def pair_consistency(pair: PartitionedGLM) -> tuple[Consistency, Consistency]:
-    """Consistency of both halves. The abscissae of q are those of the stages Q, of p those of P."""
-    q, p = halves(pair)
-    return consistency(q), consistency(p)

@@ -23,16 +23,9 @@ from __future__ import annotations
 
 from functools import cache
 
-from ..errors import ExactnessError
-from ..exact import Scalar
 from ..findings import Proof
-from ..method import PartitionedGLM
-from ..method.solution_value import halves
-from .blocks import NotPreconsistent, as_scalar, block_of, is_enclosed
-from .coefficients import is_zero
-from .conditions import Conditions
-from .order import OrderResult
-from .series import Series
+from ..method import Method
+from .order import OrderResult, order_of
 from .trees import SEPARABLE, Tree, trees
 
 __all__ = ["is_nystrom", "nystrom_order_of", "nystrom_trees"]
@@ -51,7 +44,7 @@ def nystrom_trees(order: int) -> tuple[Tree, ...]:
     return tuple(t for t in trees(order, SEPARABLE) if is_nystrom(t))
 
 
-def nystrom_order_of(pair: PartitionedGLM, *, max_order: int = 9) -> OrderResult:
+def nystrom_order_of(pair: Method, *, max_order: int = 9) -> OrderResult:
     """Decide the order of a pair on systems q' = M^-1 p, p' = k(q).
 
     The outputs are taken as the solution itself (no finishing method).
@@ -59,56 +52,9 @@ def nystrom_order_of(pair: PartitionedGLM, *, max_order: int = 9) -> OrderResult
     Returns
     -------
         As :func:`~glmref.theory.order.order_of`, the starting series on the trees that count only;
-        order 0 where the pair is not preconsistent or the two halves share their stages.
+        order 0 where the pair is not preconsistent or the two components share their stages.
     """
-    q, p = halves(pair)
-    proof = Proof.ENCLOSED if is_enclosed(q) or is_enclosed(p) else Proof.EXACT
-    if not pair.separable:
+    if pair.shared:
+        proof = Proof.EXACT if pair.is_exact else Proof.ENCLOSED
         return OrderResult(0, "identity", proof=proof, reason="the stages are shared")
-    try:
-        blocks = {"f": block_of(q), "k": block_of(p)}
-    except (NotPreconsistent, ExactnessError) as reason:
-        return OrderResult(0, "identity", proof=proof, reason=f"not preconsistent: {reason}")
-    conditions = Conditions(blocks, SEPARABLE, "identity")
-    largest, undecided = 0.0, []
-    for n in range(1, max_order + 1):
-        level = {t: _one(x) for t, x in conditions.advance().items() if is_nystrom(t)}
-        failing = next((t for t, x in level.items() if is_zero(x) is False), None)
-        if failing is not None:
-            return OrderResult(
-                n - 1,
-                "identity",
-                failing_tree=failing,
-                residual=level[failing],
-                residuals=level,
-                proof=proof,
-                largest_residual=largest,
-                undecided=tuple(undecided),
-                eta=_starting_series(conditions, n - 1),
-                multiplicity=max(len(b.N) for b in blocks.values()),
-            )
-        undecided += [t for t, x in level.items() if is_zero(x) is None]
-        largest = max([largest, *(x.magnitude() for x in level.values() if is_zero(x) is None)])
-    return OrderResult(
-        max_order,
-        "identity",
-        proof=proof,
-        largest_residual=largest,
-        undecided=tuple(undecided),
-        eta=_starting_series(conditions, max_order),
-        at_least=True,
-    )
-
-
-def _starting_series(conditions: Conditions, order: int) -> Series | None:
-    """The starting series on the trees that count; zero on all others."""
-    if not order:
-        return None
-    values = {t: x for t, x in conditions.eta.items() if t.order <= order and is_nystrom(t)}
-    empty = {colour: block.u for colour, block in conditions.blocks.items()}
-    return Series({t: tuple(map(as_scalar, x)) for t, x in values.items()}, empty, order, SEPARABLE)
-
-
-def _one(residual: tuple[object, ...]) -> Scalar:
-    """The residual of a tree as one number: the first entry that is not certainly zero."""
-    return as_scalar(next((x for x in residual if is_zero(x) is not True), 0))
+    return order_of(pair, max_order=max_order, principal="identity", counts=is_nystrom)

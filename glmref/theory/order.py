@@ -2,8 +2,9 @@
 
 Public names::
 
-    order_of(method, *, max_order=12, principal="free") -> OrderResult
+    order_of(method, *, max_order=None, principal="free") -> OrderResult
     order_residuals(method, order, *, principal="identity") -> dict[Tree, Scalar]
+    highest_order(palette) -> int            how far trees are compared by default
     residuals_of(blocks, palette, order, principal) -> dict[Tree, Scalar]    the same from blocks
                                              of any number type, see theory.blocks.make_block
     OrderResult                              frozen record, see its attributes
@@ -12,9 +13,12 @@ A method has order p when there is a starting series eta with ``M S = S E + O(h^
 ``principal="free"`` any series will do (for r = 1 this is Butcher's effective order); with
 ``principal="identity"`` the output must be the solution itself, ``w eta(t) = 0`` for every tree
 (w = (1, 0, ..) where a method declares no other, see :mod:`glmref.method.solution_value`), so that
-no finishing method is needed. The treatment is complete: see
-:mod:`glmref.theory.conditions` for the conditions and the proof that deciding order by order, with
-at most one choice of the principal parts left each time, loses no starting series.
+no finishing method is needed. A method of k components has a starting series for each, over trees
+in k colours: a tree with root ``f`` belongs to q, one with root ``k`` to p, and one with root ``1``
+to the first right-hand side of an additive method. With ``principal="free"`` symplectic Euler has
+order 2 on separable systems, being conjugate to Störmer-Verlet there. The treatment is complete:
+see :mod:`glmref.theory.conditions` for the conditions and the proof that deciding order by order,
+with at most one choice of the principal parts left each time, loses no starting series.
 
 References
 ----------
@@ -24,7 +28,7 @@ Khan, MS thesis, COMSATS University Islamabad, Lahore (2018), section 2.3.3.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
@@ -32,17 +36,18 @@ from ..errors import ExactnessError, UsageError
 from ..exact import Scalar
 from ..exact.linalg import Vector
 from ..findings import Proof
-from ..method import GLM
-from ..method.solution_value import Component
-from .blocks import Block, NotPreconsistent, as_scalar, block_of, is_enclosed
+from ..method import Method
+from ..method.stage_order import is_shared
+from .blocks import Block, NotPreconsistent, as_scalar, block_of
 from .coefficients import is_zero, plus, times
 from .conditions import Conditions
 from .series import Series
-from .trees import MAX_ORDER, ROOTED, Palette, Tree, trees
+from .trees import MAX_ORDER, Palette, Tree, trees
 
 __all__ = [
     "OrderResult",
     "Principal",
+    "highest_order",
     "order_of",
     "order_residuals",
     "residuals_of",
@@ -114,27 +119,66 @@ class OrderResult:
         return f"{fails}; {self.reason}" if self.reason else fails
 
 
-def order_of(method: GLM, *, max_order: int = 12, principal: Principal = "free") -> OrderResult:
-    """Decide the order of a method.
+def highest_order(palette: Palette) -> int:
+    """Order up to which trees are compared: in two colours there are 19,000 of order 8 alone."""
+    if len(palette) == 1:
+        return 12
+    return {2: 8, 3: 6}.get(len(palette), 5) if is_shared(palette) else 9
+
+
+def _everything(t: Tree) -> bool:
+    return True
+
+
+def order_of(
+    method: Method,
+    *,
+    max_order: int | None = None,
+    principal: Principal = "free",
+    counts: Callable[[Tree], bool] = _everything,
+) -> OrderResult:
+    """Decide the order of a method, over all trees that its systems have.
 
     Args:
         method: the method; entries may be exact or balls.
-        max_order: largest order looked at.
+        max_order: largest order looked at; by default :func:`highest_order`.
         principal: ``"free"``, or ``"identity"`` where the output must be the solution itself.
+        counts: which trees count, a set closed under subtrees and cuts; all by default.
 
     Returns
     -------
         The order with its witness; order 0 with the reason for a method that is not consistent.
+        With several colours the principal parts at the single nodes are zero for the first.
 
     Raises
     ------
         UsageError: for another ``principal`` or a ``max_order`` for which trees are not listed.
     """
-    return decide([("o", method)], ROOTED, max_order, principal)
+    most = highest_order(method.palette) if max_order is None else max_order
+    _check_arguments(most, principal)
+    proof = Proof.EXACT if method.is_exact else Proof.ENCLOSED
+    try:
+        blocks = {c.colour: block_of(c) for c in method.components}
+    except NotPreconsistent as reason:
+        return OrderResult(0, principal, proof=proof, reason=f"not preconsistent: {reason}")
+    except ExactnessError as reason:
+        return OrderResult(0, principal, proof=proof, decided=False, reason=str(reason))
+    conditions = Conditions(blocks, method.palette, principal)
+    result = OrderResult(
+        0,
+        principal,
+        proof=proof,
+        multiplicity=max(len(b.N) for b in blocks.values()),
+        outputs={colour: block.output for colour, block in blocks.items()},
+    )
+    if not all(b.certain for b in blocks.values()):
+        reason = "V has the eigenvalue 1 only within the radius of its balls"
+        result = replace(result, reason=reason)
+    return _search(conditions, result, most, counts)
 
 
 def order_residuals(
-    method: GLM, order: int, *, principal: Principal = "identity"
+    method: Method, order: int, *, principal: Principal = "identity"
 ) -> dict[Tree, Scalar]:
     """Return the residuals of all conditions through the given order, decided or not.
 
@@ -143,14 +187,14 @@ def order_residuals(
 
     Raises
     ------
-        UsageError: when the method has no u with V u = u and U u = 1.
+        UsageError: when a component has no u with V u = u and U u = 1.
     """
     _check_arguments(order, principal)
     try:
-        blocks = {"o": block_of(method)}
+        blocks = {c.colour: block_of(c) for c in method.components}
     except NotPreconsistent as reason:
         raise UsageError(f"the method {method.name!r} is not preconsistent: {reason}") from None
-    return residuals_of(blocks, ROOTED, order, principal)
+    return residuals_of(blocks, method.palette, order, principal)
 
 
 def residuals_of(
@@ -178,43 +222,14 @@ def _one(residual: Sequence[Any]) -> Scalar:
     return as_scalar(value)
 
 
-def decide(
-    methods: Iterable[tuple[str, Component]],
-    palette: Palette,
-    max_order: int,
-    principal: Principal,
+def _search(
+    conditions: Conditions, result: OrderResult, max_order: int, counts: Callable[[Tree], bool]
 ) -> OrderResult:
-    """Decide the order of one method, or of a pair given as its halves by root colour."""
-    _check_arguments(max_order, principal)
-    methods = list(methods)
-    exact = not any(map(is_enclosed, (m for _, m in methods)))
-    proof = Proof.EXACT if exact else Proof.ENCLOSED
-    try:
-        blocks = {colour: block_of(m) for colour, m in methods}
-    except NotPreconsistent as reason:
-        return OrderResult(0, principal, proof=proof, reason=f"not preconsistent: {reason}")
-    except ExactnessError as reason:
-        return OrderResult(0, principal, proof=proof, decided=False, reason=str(reason))
-    conditions = Conditions(blocks, palette, principal)
-    result = OrderResult(
-        0,
-        principal,
-        proof=proof,
-        multiplicity=max(len(b.N) for b in blocks.values()),
-        outputs={colour: block.output for colour, block in blocks.items()},
-    )
-    if not all(b.certain for b in blocks.values()):
-        reason = "V has the eigenvalue 1 only within the radius of its balls"
-        result = replace(result, reason=reason)
-    return _search(conditions, result, max_order)
-
-
-def _search(conditions: Conditions, result: OrderResult, max_order: int) -> OrderResult:
-    """Advance until a tree fails or ``max_order`` is reached."""
+    """Advance until a tree that counts fails or ``max_order`` is reached."""
     largest, undecided = 0.0, []
     for n in range(1, max_order + 1):
         try:
-            level = {t: _one(x) for t, x in conditions.advance().items()}
+            level = {t: _one(x) for t, x in conditions.advance().items() if counts(t)}
             answers = {t: is_zero(x) for t, x in level.items()}
         except ExactnessError as reason:  # a number too large to be told from zero
             return replace(
@@ -228,10 +243,11 @@ def _search(conditions: Conditions, result: OrderResult, max_order: int) -> Orde
         failing = next((t for t, answer in answers.items() if answer is False), None)
         if failing is not None:
             result = replace(result, failing_tree=failing, residual=level[failing], residuals=level)
-            return _finish(conditions, result, n - 1, largest, undecided)
+            return _finish(conditions, result, n - 1, largest, undecided, counts)
         undecided += [t for t, answer in answers.items() if answer is None]
         largest = max([largest, *(level[t].magnitude() for t, a in answers.items() if a is None)])
-    return _finish(conditions, replace(result, at_least=True), max_order, largest, undecided)
+    result = replace(result, at_least=True)
+    return _finish(conditions, result, max_order, largest, undecided, counts)
 
 
 def _finish(
@@ -240,6 +256,7 @@ def _finish(
     order: int,
     largest: float,
     undecided: Sequence[Tree],
+    counts: Callable[[Tree], bool],
 ) -> OrderResult:
     """Add to a result what follows once the order is known."""
     complete = conditions.complete or result.at_least
@@ -249,7 +266,7 @@ def _finish(
             "order is not decided"
         )
         result = replace(result, reason="; ".join(x for x in (result.reason, more) if x))
-    eta = _starting_series(conditions, order) if order else None
+    eta = _starting_series(conditions, order, counts) if order else None
     nodes = [] if eta is None else [(node, eta[node]) for node in trees(1, conditions.palette)]
     c = {node.colour: conditions.stage_vector(node, value) for node, value in nodes}
     return replace(
@@ -260,17 +277,17 @@ def _finish(
         decided=complete,
         eta=eta,
         abscissae={colour: tuple(map(as_scalar, x)) for colour, x in c.items()},
-        stage_order=0 if eta is None else _stage_order(conditions, eta, c, order),
+        stage_order=0 if eta is None else _stage_order(conditions, eta, c, order, counts),
     )
 
 
-def _starting_series(conditions: Conditions, order: int) -> Series:
+def _starting_series(conditions: Conditions, order: int, counts: Callable[[Tree], bool]) -> Series:
     """The starting series through ``order``, principal parts of that order zero."""
     values = {t: x for t, x in conditions.eta.items() if t.order < order}
     last = conditions.eta if conditions.order == order else conditions.last_free
     values.update({t: x for t, x in last.items() if t.order == order})
     return Series(
-        {t: tuple(map(as_scalar, x)) for t, x in values.items()},
+        {t: tuple(map(as_scalar, x)) for t, x in values.items() if counts(t)},
         {colour: block.u for colour, block in conditions.blocks.items()},
         order,
         conditions.palette,
@@ -278,10 +295,14 @@ def _starting_series(conditions: Conditions, order: int) -> Series:
 
 
 def _stage_order(
-    conditions: Conditions, eta: Series, c: Mapping[str, Sequence[Any]], order: int
+    conditions: Conditions,
+    eta: Series,
+    c: Mapping[str, Sequence[Any]],
+    order: int,
+    counts: Callable[[Tree], bool],
 ) -> int:
     for q in range(1, order + 1):
-        for t in trees(q, conditions.palette):
+        for t in filter(counts, trees(q, conditions.palette)):
             defect = conditions.stage_defect(t, eta[t], c[t.colour])
             if q == order and _adjustable(conditions, eta, t.colour):
                 defect = tuple(plus(x, times(-1, defect[0])) for x in defect[1:])

@@ -15,32 +15,29 @@ Public names::
     growth(m) -> Parasitism                    growth_parameters(m) -> tuple[Scalar, ...]
     growth_parameter(m, zeta, w, v) -> Scalar  is_parasitism_free(m) -> bool | None
     real_block_residual(m, k) -> (sum, difference)
-    pair_growth(pair) -> PairParasitism        is_pair_parasitism_free(pair) -> bool | None
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import cast
 
 from ..errors import ExactnessError
 from ..exact import Exact, Scalar, linalg
 from ..exact.linalg import Matrix, Vector
-from ..method import GLM, PartitionedGLM
+from ..method import GLM, Method
 from ..method.solution_value import preconsistency_vector
 from .affine import verdict_of
 from .spectrum import Eigenvalue, eigenvectors, unimodular_eigenvalues
 
 __all__ = [
     "Growth",
-    "PairGrowth",
-    "PairParasitism",
     "Parasitism",
     "growth",
     "growth_parameter",
     "growth_parameters",
-    "is_pair_parasitism_free",
     "is_parasitism_free",
-    "pair_growth",
     "real_block_residual",
 ]
 
@@ -51,17 +48,36 @@ class Growth:
 
     Attributes
     ----------
-        eigenvalue: zeta, of modulus one.
+        eigenvalue: zeta, of modulus one; of several components, one that their V share.
         multiplicity: of zeta; beyond the principal component where zeta = 1.
-        matrix: (multiplicity, multiplicity) growth matrix ``zeta^-1 W B U X`` in a basis of
-            eigenvectors. One number for a simple eigenvalue.
-        mu: that number for multiplicity 1, else ``None``.
+        matrices: growth matrices ``zeta^-1 W B U X`` in bases of eigenvectors, (multiplicity,
+            multiplicity), by name: ``mu`` of a single method, ``mu_q`` and ``mu_p`` of a
+            partitioned one, with ``mu_qq`` and ``mu_pp`` where its stages are shared.
     """
 
     eigenvalue: Exact
     multiplicity: int
-    matrix: Matrix
-    mu: Scalar | None
+    matrices: Mapping[str, Matrix]
+
+    @property
+    def matrix(self) -> Matrix:
+        """The growth matrix of a single method, ``mu_q`` of a partitioned one."""
+        return next(iter(self.matrices.values()))
+
+    @property
+    def mu(self) -> Scalar | None:
+        """The growth parameter: that matrix where it is one number, else ``None``."""
+        return self.matrix[0][0] if self.multiplicity == 1 else None
+
+    @property
+    def mu_q(self) -> Matrix:
+        """How components of p feed into those of q."""
+        return self.matrices["mu_q"]
+
+    @property
+    def mu_p(self) -> Matrix:
+        """How components of q feed into those of p."""
+        return self.matrices["mu_p"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,8 +143,25 @@ def _growth_at(m: GLM, eigenvalue: Eigenvalue) -> Growth:
         left, right = _without_principal(m, m.V)
     else:
         left, right = eigenvectors(m.V, zeta)
-    matrix = _growth_matrix(zeta, left, m.B, m.U, right)
-    return Growth(zeta, len(right), matrix, matrix[0][0] if len(right) == 1 else None)
+    return Growth(zeta, len(right), {"mu": _growth_matrix(zeta, left, m.B, m.U, right)})
+
+
+def _coupled_growth_at(m: Method, zeta: Exact) -> Growth:
+    """Growth at an eigenvalue that V and V^ share: how each feeds the other, or each all."""
+    vectors = {c.colour: eigenvectors(c.V, zeta) for c in m.components}
+    by_colour = {c.colour: c for c in m.components}
+    f, k = m.palette
+    pairs = {"mu_q": (f, k), "mu_p": (k, f)}
+    if m.shared:
+        pairs |= {"mu_qq": (f, f), "mu_pp": (k, k)}
+    return Growth(
+        zeta,
+        len(vectors[f][1]),
+        {
+            name: _growth_matrix(zeta, vectors[a][0], by_colour[a].B, by_colour[b].U, vectors[b][1])
+            for name, (a, b) in pairs.items()
+        },
+    )
 
 
 def _eigenvalue_text(zeta: Exact) -> str:
@@ -136,43 +169,73 @@ def _eigenvalue_text(zeta: Exact) -> str:
     return str(fraction) if fraction is not None else f"{complex(zeta):.6g}"
 
 
-def growth(m: GLM) -> Parasitism:
+def _parasitic(V: Matrix) -> list[Exact]:
+    """Eigenvalues of modulus one but 1.
+
+    Raises
+    ------
+        ExactnessError: for a multiple eigenvalue 1.
+    """
+    found = unimodular_eigenvalues(V)
+    if any(e.multiplicity > 1 and (e.value - 1).is_zero() for e in found):
+        raise ExactnessError("1 is a multiple eigenvalue of V, which is not supported for pairs")
+    return [e.value for e in found if not (e.value - 1).is_zero()]
+
+
+def _growths(m: Method) -> tuple[tuple[Growth, ...], str]:
+    """Growth at each eigenvalue, and why the question is open all the same, or ``""``."""
+    if len(m.components) == 1:
+        one = cast("GLM", m)
+        found = [
+            e
+            for e in unimodular_eigenvalues(one.V)
+            if e.multiplicity > 1 or not (e.value - 1).is_zero()
+        ]
+        return tuple(_growth_at(one, e) for e in found), ""
+    q, p = (_parasitic(c.V) for c in m.components)
+    common = [z for z in q if any((z - x).is_zero() for x in p)]
+    growths = tuple(_coupled_growth_at(m, zeta) for zeta in common)
+    if m.shared and len(common) < max(len(q), len(p)):
+        return growths, (
+            "V and V^ have different eigenvalues and the stages are shared: not supported"
+        )
+    return growths, ""
+
+
+def growth(m: Method) -> Parasitism:
     """Growth parameters at all eigenvalues of V on the unit circle but the principal one.
 
+    A component at an eigenvalue that only one half of a partitioned method has meets no partner at
+    first order in h, unless the stages are shared: then its growth within that half counts.
+
     Args:
-        m: a method whose V is exact; A, U and B may be balls.
+        m: a single or a partitioned method whose V are exact; A, U and B may be balls.
 
     References: Butcher, Habib, Hill and Norton, SIAM J. Numer. Anal. 52 (2014) 2440.
     """
     try:
-        found = [
-            e
-            for e in unimodular_eigenvalues(m.V)
-            if e.multiplicity > 1 or not (e.value - 1).is_zero()
-        ]
-        growths = tuple(_growth_at(m, e) for e in found)
+        growths, why = _growths(m)
     except ExactnessError as error:
         return Parasitism(None, witness=f"the growth parameters are open: {error}")
+    if why:
+        return Parasitism(None, growths, witness=why)
     free: bool | None = True
     residual, witness = 0.0, ""
     for g in growths:
-        verdict = verdict_of(g.matrix)
-        if verdict.residual > residual:
-            residual = verdict.residual
-            size = (
-                f"is {residual:.6g}" if verdict.holds is False else f"may be up to {residual:.3g}"
-            )
-            witness = (
-                f"the growth parameter at the eigenvalue {_eigenvalue_text(g.eigenvalue)} of V "
-                f"{size} in size"
-            )
-        free = (
-            False
-            if False in (free, verdict.holds)
-            else None
-            if None in (free, verdict.holds)
-            else True
-        )
+        at = f"at the eigenvalue {_eigenvalue_text(g.eigenvalue)} of V"
+        for name, matrix in g.matrices.items():
+            verdict = verdict_of(matrix)
+            if verdict.residual > residual:
+                residual = verdict.residual
+                if name == "mu":
+                    sure = f"is {residual:.6g}"
+                    size = sure if verdict.holds is False else f"may be up to {residual:.3g}"
+                    witness = f"the growth parameter {at} {size} in size"
+                else:
+                    size = "is" if verdict.holds is False else "may be up to"
+                    witness = f"{name} {size} {residual:.6g} in size {at}"
+            if free is not False and verdict.holds is not True:
+                free = verdict.holds
     return Parasitism(free, growths, residual, "" if free else witness)
 
 
@@ -195,7 +258,7 @@ def growth_parameters(m: GLM) -> tuple[Scalar, ...]:
     return tuple(g.mu for g in found.growths if g.mu is not None)
 
 
-def is_parasitism_free(m: GLM) -> bool | None:
+def is_parasitism_free(m: Method) -> bool | None:
     """Whether all growth parameters are zero; ``None`` where balls leave it open."""
     return growth(m).free
 
@@ -216,95 +279,3 @@ def real_block_residual(m: GLM, k: int) -> tuple[Scalar, Scalar]:
     columns = [[row[j] for row in m.U] for j in (k, k + 1)]
     block = [[linalg.dot(m.B[i], column) for column in columns] for i in (k, k + 1)]
     return block[0][0] + block[1][1], block[0][1] - block[1][0]
-
-
-@dataclass(frozen=True, eq=False)
-class PairGrowth:
-    """Coupled growth of a pair at one eigenvalue that V and V^ share.
-
-    Attributes
-    ----------
-        eigenvalue: zeta. mu_q, mu_p: the coupled parameters (matrices for multiple eigenvalues).
-        mu_qq, mu_pp: the parameters within q and within p where the stages are shared, or ``None``.
-    """
-
-    eigenvalue: Exact
-    mu_q: Matrix
-    mu_p: Matrix
-    mu_qq: Matrix | None = None
-    mu_pp: Matrix | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class PairParasitism:
-    """Coupled growth at all shared parasitic eigenvalues: the fields of :class:`Parasitism`."""
-
-    free: bool | None
-    growths: tuple[PairGrowth, ...] = ()
-    residual: float = 0.0
-    witness: str = ""
-
-
-def _parasitic(V: Matrix) -> list[Eigenvalue]:
-    found = unimodular_eigenvalues(V)
-    for e in found:
-        if e.multiplicity > 1 and (e.value - 1).is_zero():
-            raise ExactnessError(
-                "1 is a multiple eigenvalue of V, which is not supported for pairs"
-            )
-    return [e for e in found if not (e.value - 1).is_zero()]
-
-
-def _pair_growth_at(pair: PartitionedGLM, zeta: Exact, *, both: bool) -> PairGrowth:
-    w, v = eigenvectors(pair.V, zeta)
-    w_hat, v_hat = eigenvectors(pair.V_hat, zeta)
-    return PairGrowth(
-        zeta,
-        _growth_matrix(zeta, w, pair.B, pair.U_hat, v_hat),
-        _growth_matrix(zeta, w_hat, pair.B_hat, pair.U, v),
-        _growth_matrix(zeta, w, pair.B, pair.U, v) if both else None,
-        _growth_matrix(zeta, w_hat, pair.B_hat, pair.U_hat, v_hat) if both else None,
-    )
-
-
-def pair_growth(pair: PartitionedGLM) -> PairParasitism:
-    """Coupled growth parameters of a pair at the eigenvalues its two halves share.
-
-    A component at an eigenvalue that only one half has meets no partner at first order in h,
-    unless the stages are shared: then its growth within that half counts.
-    """
-    shared = not pair.separable
-    try:
-        q, p = _parasitic(pair.V), _parasitic(pair.V_hat)
-        common = [e.value for e in q if any((e.value - x.value).is_zero() for x in p)]
-        growths = [_pair_growth_at(pair, zeta, both=shared) for zeta in common]
-        if shared and len(common) < max(len(q), len(p)):
-            return PairParasitism(
-                None,
-                tuple(growths),
-                witness="V and V^ have different eigenvalues and the stages are shared: "
-                "not supported",
-            )
-    except ExactnessError as error:
-        return PairParasitism(None, witness=f"the growth parameters are open: {error}")
-    free: bool | None = True
-    residual, witness = 0.0, ""
-    for g in growths:
-        for name in ("mu_q", "mu_p", "mu_qq", "mu_pp"):
-            matrix = getattr(g, name)
-            verdict = verdict_of(matrix or ())
-            if verdict.residual > residual:
-                residual = verdict.residual
-                size = "is" if verdict.holds is False else "may be up to"
-                witness = (
-                    f"{name} {size} {residual:.6g} in size at the eigenvalue "
-                    f"{_eigenvalue_text(g.eigenvalue)} of V"
-                )
-            if free is not False and verdict.holds is not True:
-                free = verdict.holds
-    return PairParasitism(free, tuple(growths), residual, "" if free else witness)
-
-
-def is_pair_parasitism_free(pair: PartitionedGLM) -> bool | None:
-    """Whether all coupled growth parameters are zero; ``None`` where balls leave it open."""
-    return pair_growth(pair).free

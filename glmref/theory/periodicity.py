@@ -28,7 +28,7 @@ from itertools import pairwise
 from math import pi, tan
 
 from ..exact import Ball, Exact, ball
-from ..method import GLM, PartitionedGLM
+from ..method import Method
 from . import polynomials as poly
 from .polynomials import Polynomial
 from .stability import axis_polynomial
@@ -75,7 +75,7 @@ class Periodicity:
 
 
 def periodicity(
-    m: GLM | PartitionedGLM, *, conserving: bool = False, width: Fraction = Fraction(1, 10**10)
+    m: Method, *, conserving: bool = False, width: Fraction = Fraction(1, 10**10)
 ) -> Periodicity:
     """Find the periodicity interval on the imaginary axis.
 
@@ -90,7 +90,7 @@ def periodicity(
     References: Lambert and Watson, J. Inst. Maths Applics 18 (1976) 189, for multistep methods;
     D'Ambrosio and Hairer, J. Sci. Comput. 60 (2014) 627, for parasitic eigenvalues.
     """
-    if isinstance(m, GLM) and m.is_exact and _is_definite(m):
+    if m.parts == 1 and m.is_exact and _is_definite(m):
         return Periodicity(
             None, True, Fraction(FARTHEST), "M(iy) is unitary in the definite form G"
         )
@@ -114,12 +114,12 @@ def periodicity(
     return _March(tuple(q), width).run()
 
 
-def _is_definite(m: GLM) -> bool:
+def _is_definite(m: Method) -> bool:
     """Whether the method is G-symplectic with a positive definite G (Sylvester's criterion)."""
     found = g_symplectic(m)
     if not found.holds or found.G is None:
         return False
-    minors = (tuple(row[:k] for row in found.G[:k]) for k in range(1, m.r + 1))
+    minors = (tuple(row[:k] for row in found.G[:k]) for k in range(1, m.carried + 1))
     for minor in minors:  # the constant coefficient of the characteristic polynomial: a determinant
         determinant = poly.characteristic_polynomial(minor)[0] * (-1) ** len(minor)
         if determinant.real.sign() <= 0:

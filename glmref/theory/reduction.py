@@ -1,6 +1,7 @@
-"""Whether a pair carries values it could do without: reachable and observable values.
+"""Whether a method carries values it could do without: reachable and observable values.
 
-The half for q is a linear machine with the inputs f(P), the state q (r values) and the outputs Q.
+A component is a linear machine with the slopes as inputs, the values as state and the stages as
+outputs: for q of a partitioned method, f(P), q (r values) and Q.
 Values outside the span of u and of the columns of B, V B, V^2 B, .. are zero for ever once the
 start leaves them zero (*never reached*); values in the common kernel of U, U V, U V^2, .. never
 enter a stage (*never seen*). A machine all of whose values are reached and seen is minimal, and
@@ -10,7 +11,7 @@ stages that may have; one that is carries one value of each component.
 
 Public names::
 
-    pair_reduction(pair) -> Reduction          is_reducible(pair) -> bool | None
+    reduction(m) -> Reduction          is_reducible(m) -> bool | None
 
 References
 ----------
@@ -24,32 +25,32 @@ from dataclasses import dataclass
 
 from ..exact import linalg
 from ..exact.linalg import Matrix
-from ..method import PartitionedGLM
-from ..method.solution_value import Component, halves, preconsistency_vector
+from ..method import Method
+from ..method.solution_value import Block, preconsistency_vector
 from .blocks import kernel
 
-__all__ = ["Reduction", "is_reducible", "observed_rows", "pair_reduction", "reached_rows"]
+__all__ = ["Reduction", "is_reducible", "observed_rows", "reached_rows", "reduction"]
 
 
 @dataclass(frozen=True)
 class Reduction:
-    """Which values of a pair are needed.
+    """Which values of a method are needed.
 
     Attributes
     ----------
         reducible: whether some value is never reached or never seen; ``None`` where balls leave
             the ranks open.
-        reached, seen: dimensions for q and for p.
+        reached, seen: dimensions for each component.
         witness: one sentence naming what can be left out, or ``""``.
     """
 
     reducible: bool | None
-    reached: tuple[int, int]
-    seen: tuple[int, int]
+    reached: tuple[int, ...]
+    seen: tuple[int, ...]
     witness: str = ""
 
 
-def reached_rows(m: Component) -> Matrix:
+def reached_rows(m: Block) -> Matrix:
     """Rows that span the values a run can reach from the solution."""
     u = preconsistency_vector(m)
     layer = linalg.transpose(m.B)
@@ -61,7 +62,7 @@ def reached_rows(m: Component) -> Matrix:
     return rows
 
 
-def observed_rows(m: Component) -> Matrix:
+def observed_rows(m: Block) -> Matrix:
     """Rows U, U V, U V^2, ..: what the stages see of the values."""
     layer = rows = m.U
     for _ in range(len(m.V) - 1):
@@ -70,27 +71,29 @@ def observed_rows(m: Component) -> Matrix:
     return rows
 
 
-def pair_reduction(pair: PartitionedGLM) -> Reduction:
-    """Count the values that are reached and seen, in both halves."""
+#: What the values of a component are called, by its colour.
+_NAMES = {"o": "", "f": " of q", "k": " of p"}
+
+
+def reduction(m: Method) -> Reduction:
+    """Count the values that are reached and seen, in every component."""
     reached, seen, faults, certain = [], [], [], True
-    for name, half in zip(("q", "p"), halves(pair), strict=True):
-        r = len(half.V)
+    for c in m.components:
+        r, whose = len(c.V), _NAMES.get(c.colour, f" of part {c.colour}")
         for what, rows, found in (
-            ("reached", reached_rows(half), reached),
-            ("seen by a stage", observed_rows(half), seen),
+            ("reached", reached_rows(c), reached),
+            ("seen by a stage", observed_rows(c), seen),
         ):
             missing, sure = kernel(rows)
             found.append(r - len(missing))
             if missing:
-                faults.append(f"{found[-1]} of the {r} values of {name} are ever {what}")
+                faults.append(f"{found[-1]} of the {r} values{whose} are ever {what}")
                 certain = certain and sure
     reducible = bool(faults) if certain else None
-    return Reduction(
-        reducible, (reached[0], reached[1]), (seen[0], seen[1]), "only " + "; ".join(faults)
-        if faults else "",
-    )  # fmt: skip
+    witness = "only " + "; ".join(faults) if faults else ""
+    return Reduction(reducible, tuple(reached), tuple(seen), witness)
 
 
-def is_reducible(pair: PartitionedGLM) -> bool | None:
+def is_reducible(m: Method) -> bool | None:
     """Whether fewer values would do; ``None`` where balls leave it open."""
-    return pair_reduction(pair).reducible
+    return reduction(m).reducible

@@ -6,15 +6,17 @@ Exact numbers only are decided; a ball whose sign is open raises
 Public names::
 
     real_roots(p, low=None, high=None) -> int  is_nonnegative(p) -> bool
+    first_root(p, low, high, width) -> Fraction | None
     is_schur(p) -> bool                        in_closed_disc(p) -> bool
     unimodular_roots(p) -> int
 """
 
 from __future__ import annotations
 
+from fractions import Fraction
 from itertools import pairwise
 
-from ..exact import Exact, Scalar
+from ..exact import Exact, Scalar, exact
 from .polynomials import (
     Polynomial,
     compose_moebius,
@@ -32,7 +34,14 @@ from .polynomials import (
     trim,
 )
 
-__all__ = ["in_closed_disc", "is_nonnegative", "is_schur", "real_roots", "unimodular_roots"]
+__all__ = [
+    "first_root",
+    "in_closed_disc",
+    "is_nonnegative",
+    "is_schur",
+    "real_roots",
+    "unimodular_roots",
+]
 
 _ZERO, _ONE = Exact(0), Exact(1)
 
@@ -71,6 +80,40 @@ def real_roots(p: Polynomial, low: Scalar | None = None, high: Scalar | None = N
         return 0
     chain = _sturm_chain(p)
     return _sign_changes(_signs_at(chain, low, -1)) - _sign_changes(_signs_at(chain, high, 1))
+
+
+def first_root(p: Polynomial, low: Fraction, high: Fraction, width: Fraction) -> Fraction | None:
+    """The smallest real root in ``(low, high]``, to a relative width, or itself where it is simple.
+
+    Args:
+        p: not zero, with real coefficients.
+        low, high: ends of the interval.
+        width: the root lies at most so far below what is returned, relative to its size above 1.
+
+    Returns
+    -------
+        A bound of the root from above, or the root where it has a denominator of at most 1000;
+        ``None`` where there is none.
+    """
+    p = squarefree(p)
+    if len(p) <= 1:
+        return None
+    chain = _sturm_chain(p)
+    left, right = low, high
+    below = _sign_changes(_signs_at(chain, exact(left), 1))
+    if below == _sign_changes(_signs_at(chain, exact(right), 1)):
+        return None
+    while right - left > width * max(1, right):
+        simple = ((left + right) / 2).limit_denominator(1000)
+        is_root = left < simple <= right and evaluate(p, simple).is_zero() is True
+        if is_root and _sign_changes(_signs_at(chain, exact(simple), 1)) == below - 1:
+            return simple
+        middle = (left + right) / 2
+        if _sign_changes(_signs_at(chain, exact(middle), 1)) < below:
+            right = middle
+        else:
+            left = middle
+    return right
 
 
 def _odd_part(p: Polynomial) -> Polynomial:

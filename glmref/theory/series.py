@@ -10,6 +10,7 @@ Public names::
     derivative(series) -> Series                     coefficients of h f(series(y))
     shift(series, time=1) -> Series                  compose(flow(time), series), much faster
     elementary_weights(A, B, order, u=1, ...)        series of Y = y + h A f(Y), x = u y + h B f(Y)
+    values_series(start, order, palette) -> Series  of a starting or finishing method
     combine(terms) -> Series                         linear combination of series
     is_zero(coefficient)                             True, False or None (undecided), any type
 
@@ -32,6 +33,7 @@ from math import factorial
 from typing import Any
 
 from ..errors import UsageError
+from ..method import Method
 from ..method.stage_order import reached
 from .coefficients import Coefficient, is_zero, plus, pointwise, times, weighted
 from .trees import ROOTED, Palette, Tree, coproduct, pruned, trees, trees_up_to
@@ -48,6 +50,7 @@ __all__ = [
     "inverse",
     "is_zero",
     "shift",
+    "values_series",
 ]
 
 
@@ -321,19 +324,47 @@ def elementary_weights(
     """
     outputs = B if isinstance(u, tuple) else (B,)
     rows, weights = _needed([_nonzero(row) for row in A], [_nonzero(row) for row in outputs])
+    values = _weights({"o": rows}, {"o": weights}, order, ROOTED)
+    return Series(
+        values if isinstance(u, tuple) else {t: x for t, (x,) in values.items()}, u, order
+    )
+
+
+def values_series(method: Method, order: int, palette: Palette | None = None) -> Series:
+    """Return the series of the values that a starting or finishing method makes.
+
+    Args:
+        method: a start or a finish. order: largest order of a tree.
+        palette: colours below each vertex, those of the method that is started; by default its own.
+
+    Returns
+    -------
+        Vectors with one entry for each value; the component of a tree is that of its root.
+    """
+    palette = method.palette if palette is None else palette
+    rows = {c.colour: [_nonzero(row) for row in c.A] for c in method.components}
+    outputs = {c.colour: [_nonzero(row) for row in c.B] for c in method.components}
+    empty = {c.colour: tuple(row[0] for row in c.V) for c in method.components}
+    return Series(_weights(rows, outputs, order, palette), empty, order, palette)
+
+
+def _weights(
+    rows: Mapping[str, list[_Sparse]], outputs: Mapping[str, list[_Sparse]],
+    order: int, palette: Palette,
+) -> dict[Tree, tuple[Any, ...]]:  # fmt: skip
+    """Series of ``h B f(Y)``, ``Y = y + h A f(Y)`` by tree, over any palette."""
     stages: dict[Tree, tuple[Any, ...]] = {}
-    values: dict[Tree, Coefficient] = {}
-    ones = tuple(1 for _ in rows)
+    values: dict[Tree, tuple[Any, ...]] = {}
+    ones = {colour: tuple(1 for _ in rows[seen[0]]) for colour, seen in palette.items()}
     for n in range(1, order + 1):
-        for t in trees(n):
-            slopes = ones if not t.children else stages[t.children[0]]
+        for t in trees(n, palette):
+            slopes = ones[t.colour] if not t.children else stages[t.children[0]]
             for child in t.children[1:]:
                 slopes = pointwise(slopes, stages[child])
             if n < order:
-                stages[t] = tuple([weighted(row, slopes) for row in rows])
-            result = tuple([weighted(row, slopes) for row in weights])
-            values[t] = result if isinstance(u, tuple) else result[0]
-    return Series(values, u, order)
+                stages[t] = tuple([weighted(row, slopes) for row in rows[t.colour]])
+            values[t] = tuple([weighted(row, slopes) for row in outputs[t.colour]])
+    return values
 
 
 #: The entries of a row that are not certainly zero, with their columns.

@@ -10,6 +10,7 @@ Public names::
     stability_function(m) -> (N, D)                     R = N/D of a one-step method
     at_infinity(m) -> AtInfinity                        eigenvalues of M(z) as z grows
     oscillator(pair) -> GLM                             a pair on q' = p, p' = -q
+    parasitic_curvature(pair) -> Scalar                 how its eigenvalues near -1 move
 
 The periodicity interval is in :mod:`glmref.theory.periodicity`, A- and L-stability in
 :mod:`glmref.theory.a_stability`.
@@ -20,11 +21,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import cast
 
 from ..errors import ExactnessError, UsageError
 from ..exact import Exact, Scalar, exact, linalg
 from ..exact.linalg import Matrix
-from ..method import GLM, PartitionedGLM
+from ..method import GLM, Method
 from . import polynomials as poly
 from .polynomials import Polynomial
 
@@ -34,6 +36,7 @@ __all__ = [
     "axis_polynomial",
     "on_imaginary_axis",
     "oscillator",
+    "parasitic_curvature",
     "stability_function",
     "stability_matrix",
     "stability_polynomial",
@@ -270,7 +273,7 @@ def divided(q: Bivariate, factor: Polynomial) -> Bivariate:
     return q if any(rest for _, rest in results) else tuple(quotient for quotient, _ in results)
 
 
-def oscillator(pair: PartitionedGLM) -> GLM:
+def oscillator(pair: Method) -> GLM:
     """One method whose M(y), y = h omega real, is a pair's step for q' = omega p, p' = -omega q.
 
     The values are those of q and then those of p, the stages Q and then P.
@@ -284,17 +287,52 @@ def oscillator(pair: PartitionedGLM) -> GLM:
         top = side(linalg.zeros(len(upper), len(lower[0])), upper)
         return (*top, *side(linalg.scale(-1, lower), linalg.zeros(len(lower), len(upper[0]))))
 
+    f, k = pair.components
     return GLM(
-        A=off_diagonal(pair.A, pair.A_hat),
-        U=linalg.block_diagonal(pair.U, pair.U_hat),
-        B=off_diagonal(pair.B, pair.B_hat),
-        V=linalg.block_diagonal(pair.V, pair.V_hat),
+        A=off_diagonal(f.A, k.A),
+        U=linalg.block_diagonal(f.U, k.U),
+        B=off_diagonal(f.B, k.B),
+        V=linalg.block_diagonal(f.V, k.V),
         name=pair.name,
     )
 
 
-def axis_polynomial(m: GLM | PartitionedGLM) -> Sequence[Polynomial]:
+def axis_polynomial(m: Method) -> Sequence[Polynomial]:
     """``P(w, i y)`` of a method, or ``P(w, y)`` of a pair's oscillator, by powers of w."""
-    if isinstance(m, PartitionedGLM):
+    if m.parts == 2:
         return stability_polynomial(oscillator(m))
-    return on_imaginary_axis(stability_polynomial(m))
+    return on_imaginary_axis(stability_polynomial(cast("GLM", m)))
+
+
+def parasitic_curvature(pair: Method) -> Scalar:
+    """Return kappa: its sign says whether oscillations of a pair near w = -1 stay bounded.
+
+    With V and V^ of eigenvalues 1 and -1 the step of a pair on q' = p, p' = -q is a matrix M(y),
+    y = h, with w = -1 twice at y = 0. For a symmetric G-symplectic pair the eigenvalues come as z,
+    1/z: ``det(w - M) = w^2 (s^2 - t s + u - 2)`` with s = w + 1/w, t = tr M and u the sum of the
+    principal minors of order two. So ``2 + 2 t + u = det(1 + M) = e(y)`` and, near s = -2,
+    ``(s + 2)(4 + t) = e(y) + O((s + 2)^2)`` with t(0) = 0. Without growth to first order e begins
+    with y^6, and ``s = -2 + kappa y^6 + ..``, kappa = e_6 / 4: the parasitic eigenvalues stay on
+    the unit circle for small y if kappa > 0, and leave it at once, ``|w| - 1 = sqrt(-kappa) y^3``,
+    if kappa < 0. Growth parameters that are zero say nothing about the sign.
+
+    Args:
+        pair: explicit, r = r^ = 2, V and V^ with the eigenvalues 1 and -1.
+
+    Raises
+    ------
+        UsageError: for another pair, or one that grows already in the first order.
+    """
+    if any(len(c.V) != 2 for c in pair.components):
+        raise UsageError(f"the pair {pair.name!r} must carry two values of q and two of p")
+    by_power = axis_polynomial(pair)
+    total: list[Scalar] = [Exact(0)] * max(map(len, by_power))
+    for k, coefficients in enumerate(by_power):
+        for j, x in enumerate(coefficients):
+            total[j] = total[j] + (x if k % 2 == 0 else -x)
+    if len(by_power) != 5 or (by_power[4][0] - 1).is_zero() is False or len(by_power[4]) > 1:
+        raise UsageError(f"the pair {pair.name!r} must be explicit")
+    low = (*total[:6], sum((row[0] for row in by_power if row), Exact(0)))
+    if any(x.is_zero() is False for x in low):
+        raise UsageError(f"the pair {pair.name!r} has other eigenvalues than 1 and -1, or grows")
+    return total[6] / 4 if len(total) > 6 else Exact(0)

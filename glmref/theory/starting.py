@@ -4,6 +4,7 @@ Public names::
 
     starting_order(method, starting, *, max_order=None, principal="free", known=None)
         -> StartingResult
+    zero_start_order(result) -> (int, str)
     finishing_order(method, finishing, *, starting=None, max_order=None) -> StartingResult
     exact_start_series(method, order, *, principal="free") -> Series     (vectors of r entries)
     starting_series(starting, order) -> Series                          (vectors of r entries)
@@ -15,7 +16,10 @@ every ``eta(t) + beta(t) u`` at ``|t| = p``, and each of these after the exact f
 (:mod:`glmref.theory.conditions` proves that there are no others). A starting method has order q
 when it agrees with a member of the family on all trees of order <= q. Then, for q = p, errors in
 all values are O(h^(p+1)) after the start; the output may be a shifted or conjugated solution,
-which the finishing method has to undo.
+which the finishing method has to undo. The components of a partitioned or an additive method have
+a starting series each, over trees in their colours; no finishing method follows there, and so the
+principal parts are zero. On second-order systems (:mod:`glmref.theory.nystrom`) only the trees
+count in which no vertex f has two children.
 
 References
 ----------
@@ -25,17 +29,18 @@ Khan, MS thesis, COMSATS University Islamabad, Lahore (2018), equations (3.6) an
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from ..errors import UsageError
-from ..exact import Ball, Exact, Scalar, linalg
+from ..exact import Exact, Scalar, linalg
 from ..findings import Proof
-from ..method import GLM, FinishingMethod, StartingMethod
+from ..method import GLM, FinishingMethod, Method, StartingMethod
 from .blocks import apply, as_scalar, sparse
 from .coefficients import is_zero, plus, times
 from .order import OrderResult, Principal, order_of
-from .series import Series, compose, elementary_weights, shift
+from .series import Series, compose, elementary_weights, shift, values_series
 from .trees import MAX_ORDER, Tree, single, trees
 
 __all__ = [
@@ -45,6 +50,7 @@ __all__ = [
     "finishing_series",
     "starting_order",
     "starting_series",
+    "zero_start_order",
 ]
 
 
@@ -56,7 +62,8 @@ class StartingResult:
     ----------
         order: largest order through which it agrees; -1 when already the multiples of y differ.
         failing_tree: first tree on which it differs, ``None`` when none was found.
-        component: value, counted from 1, in which it differs there; 0 when none.
+        component: value, counted from 1, in which it differs there; 0 when none. The root of the
+            tree says of which component.
         residual: by how much, or ``None``.
         shift: duration, in steps, by which the start runs ahead of the solution (0 is usual).
         proof: exact, or enclosed where balls took part.
@@ -87,9 +94,13 @@ class StartingResult:
         return f"{where} differs by {size:.6g} in value {self.component}"
 
 
-def starting_series(starting: StartingMethod, order: int) -> Series:
-    """Return the vector-valued series of a starting method, through the given order."""
-    return elementary_weights(starting.A, starting.B, order, u=tuple(starting.u))
+def starting_series(starting: Method, order: int, *, like: Method | None = None) -> Series:
+    """Return the vector-valued series of a starting method, through the given order.
+
+    Args:
+        like: the method that is started, whose colours are taken.
+    """
+    return values_series(starting, order, None if like is None else like.palette)
 
 
 def finishing_series(finishing: FinishingMethod, order: int) -> Series:
@@ -97,7 +108,7 @@ def finishing_series(finishing: FinishingMethod, order: int) -> Series:
     return elementary_weights(finishing.A, finishing.b, order)
 
 
-def exact_start_series(method: GLM, order: int, *, principal: Principal = "free") -> Series:
+def exact_start_series(method: Method, order: int, *, principal: Principal = "free") -> Series:
     """Return the exact starting series of a method through the given order.
 
     With a free principal part the member of the family that is returned has, in the output, no
@@ -118,77 +129,103 @@ def exact_start_series(method: GLM, order: int, *, principal: Principal = "free"
     return result.eta
 
 
-def _is_enclosed(*matrices: Any) -> bool:
-    return any(isinstance(x, Ball) for matrix in matrices for row in matrix for x in row)
-
-
 def starting_order(
-    method: GLM,
-    starting: StartingMethod,
+    method: Method,
+    starting: Method,
     *,
     max_order: int | None = None,
-    principal: Principal = "free",
+    principal: Principal | None = None,
     known: OrderResult | None = None,
+    counts: Callable[[Tree], bool] = lambda t: True,
+    compared: str = "all trees",
 ) -> StartingResult:
     """Decide through which order a starting method agrees with the exact starting series.
 
     Args:
         method: the method that is started.
-        starting: the starting method; its ``B`` has one row for each of the r values.
+        starting: the starting method; its ``B`` has one row for each value of the component.
         max_order: largest order looked at; the order of the method when ``None``.
         principal: ``"free"``: any member of the family will do; ``"identity"``: the output
-            must be the solution itself.
+            must be the solution itself. By default free for one component; the outputs of several
+            are the solution, since no finishing method follows.
         known: what :func:`order_of` returned for the method, so that it is not computed again;
             its kind of principal part is taken.
+        counts: which trees are compared. compared: the same in words.
 
     Raises
     ------
         UsageError: when the number of values differs.
     """
-    if len(starting.B) != method.r or len(starting.u) != method.r:
+    wanted = tuple(len(c.V) for c in method.components)
+    given = tuple(len(c.V) for c in starting.components)
+    if given != wanted or any(len(c.B) != len(c.V) for c in starting.components):
         raise UsageError(
-            f"a starting method for r = {method.r} values must have as many rows in `B` and "
-            f"entries in `u`, got {len(starting.B)} and {len(starting.u)}"
+            f"a starting method for {' and '.join(map(str, wanted))} values must have as many rows "
+            f"in `B` and entries in `u`, got {' and '.join(map(str, given))}"
         )
-    result = known or order_of(method, max_order=max_order or MAX_ORDER - 1, principal=principal)
-    enclosed = result.proof is Proof.ENCLOSED or _is_enclosed(starting.A, starting.B, [starting.u])
-    proof = Proof.ENCLOSED if enclosed else Proof.EXACT
+    principal = principal or ("free" if len(wanted) == 1 else "identity")
+    result = known or order_of(method, max_order=max_order, principal=principal)
+    exact = result.proof is Proof.EXACT and starting.is_exact
+    proof = Proof.EXACT if exact else Proof.ENCLOSED
     if result.eta is None:
         return StartingResult(-1, residual=Exact(1), proof=proof)
-    series = starting_series(starting, result.order)
-    return _compare(result, series, proof)
+    series = starting_series(starting, result.order, like=method)
+    found = _compare(result, series, proof, counts)
+    return replace(found, compared=compared)
 
 
-def _compare(result: OrderResult, series: Series, proof: Proof) -> StartingResult:
+def _compare(
+    result: OrderResult, series: Series, proof: Proof, counts: Callable[[Tree], bool]
+) -> StartingResult:
     """Compare a vector-valued series with the family of starting series, order by order."""
-    eta, p = result.eta, result.order
+    eta, p, free = result.eta, result.order, result.principal == "free"
     assert eta is not None
-    output = sparse((result.outputs["o"],))
+    output = {colour: sparse((w,)) for colour, w in result.outputs.items()}
     ahead: Any = 0
-    if result.principal == "free":
-        node = single()
-        (ahead,) = apply(output, _difference(series, eta, node))
+    if free:
+        first = next(iter(eta.palette))
+        (ahead,) = apply(output[first], _difference(series, eta, single(first)))
         if is_zero(ahead) is not True:
             eta = shift(eta, ahead)
     known: dict[str, Any] = {"proof": proof, "method_order": p, "shift": as_scalar(ahead)}
     largest = 0.0
-    start = plus(series.empty(), times(-1, eta.empty()))
-    place = _first_nonzero(start)
-    if place is not None:
-        known.update(component=place + 1, residual=as_scalar(start[place]))
-        return StartingResult(-1, **known)
+    for colour in eta.palette:
+        start = plus(series.empty(colour), times(-1, eta.empty(colour)))
+        place = _first_nonzero(start)
+        if place is not None:
+            known.update(component=place + 1, residual=as_scalar(start[place]))
+            return StartingResult(-1, **known)
     for q in range(1, p + 1):
-        for t in trees(q):
+        for t in filter(counts, trees(q, eta.palette)):
             difference = _difference(series, eta, t)
-            if q == p and result.principal == "free":
-                (along,) = apply(output, difference)
-                difference = plus(difference, times(-1, times(along, eta.empty())))
+            if q == p and free:
+                (along,) = apply(output[t.colour], difference)
+                principal = times(along, eta.empty(t.colour))
+                difference = plus(difference, times(-1, principal))
             place = _first_nonzero(difference)
             if place is not None:
                 known.update(component=place + 1, residual=as_scalar(difference[place]))
                 return StartingResult(q - 1, failing_tree=t, largest_residual=largest, **known)
             largest = max(largest, *(as_scalar(x).magnitude() for x in difference))
     return StartingResult(p, largest_residual=largest, **known)
+
+
+def zero_start_order(result: OrderResult) -> tuple[int, str]:
+    """To which order the start u y_0, (y_0, 0, ..) as a rule, agrees with the starting series.
+
+    Args:
+        result: its order with ``principal="identity"``, with the starting series.
+
+    Returns
+    -------
+        The largest q, not above the order, with zeta(t) = 0 for 0 < |t| <= q; and one sentence
+        that names the first tree where it is not.
+    """
+    for t in sorted(result.eta or {}, key=lambda t: t.order):
+        values = () if result.eta is None else result.eta[t]
+        if t.order and is_zero(values) is False:
+            return t.order - 1, f"a carried value starts with a term of {t}"
+    return result.order, "every carried value starts with zero"
 
 
 def _difference(series: Series, eta: Series, t: Tree) -> tuple[Any, ...]:
@@ -224,7 +261,7 @@ def finishing_order(
             finish.
     """
     result = known or order_of(method, max_order=max_order or MAX_ORDER - 1)
-    enclosed = result.proof is Proof.ENCLOSED or _is_enclosed(finishing.A, [finishing.b])
+    enclosed = result.proof is Proof.ENCLOSED or not finishing.is_exact
     if result.eta is None:
         return StartingResult(-1, residual=Exact(1))
     p, output = result.order, result.outputs["o"]
@@ -232,7 +269,7 @@ def finishing_order(
     if starting is None:
         first = result.eta.map(lambda x: apply(row, x)[0])
     else:
-        enclosed = enclosed or _is_enclosed(starting.A, starting.B, [starting.u])
+        enclosed = enclosed or not starting.is_exact
         weights = linalg.vecmat(output, starting.B)
         first = elementary_weights(starting.A, weights, p, u=linalg.dot(output, starting.u))
     if is_zero(plus(first.empty(), -1)) is False:

@@ -10,8 +10,9 @@ last condition has no L in it and selects P. Where ``L^2 = I`` the second condit
 ``V L = L V^-1``, and then ``(P U V^k) L = U V^(-1-k)`` for every k: a linear system that fixes L as
 far as the stages see the values. L^2 = I is checked, never assumed.
 
-For a pair the two halves have involutions L and L^, and the stages P and Q are exchanged among
-themselves: forward and backward sweep change places.
+A method of several components has an involution of the values for each, the conditions with its own
+blocks, and the stages of each are exchanged among themselves: of a partitioned method on separable
+systems, forward and backward sweep change places. Shared stages are exchanged alike.
 
 Public names::
 
@@ -19,33 +20,30 @@ Public names::
     symmetry_residual(m, L, P) -> list of (name, Matrix)
     check_symmetry(m, L, P) -> Symmetry        symmetry(m) -> Symmetry
     is_symmetric(m) -> bool | None
-    pair_symmetry(pair) -> PairSymmetry        is_pair_symmetric(pair) -> bool | None
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import islice, product
+from typing import cast
 
 from ..errors import ExactnessError
 from ..exact import Exact, exact, linalg
 from ..exact.linalg import Matrix
-from ..method import GLM, PartitionedGLM
-from ..method.solution_value import Blocks, halves
+from ..method import GLM, Component, Method
+from ..method.stage_order import offsets
 from .affine import independent_rows, solve_affine
 from .equivalence import reduce
 from .involutions import Relation, involutions
 from .symplectic import judge_identities
 
 __all__ = [
-    "PairSymmetry",
     "Symmetry",
     "adjoint",
     "check_symmetry",
-    "is_pair_symmetric",
     "is_symmetric",
-    "pair_symmetry",
     "symmetry",
     "symmetry_residual",
 ]
@@ -63,9 +61,11 @@ class Symmetry:
     Attributes
     ----------
         holds: the decision; ``None`` where balls, or a search that ended, leave it open.
-        L: (r, r) involution of the values, or ``None``. Where the method failed it is the only
-            matrix that the linear conditions allow, if there is one.
-        P: (s,) stages: stage i is exchanged with stage P[i], from 0; or ``None``.
+        involutions: (r, r) involution of the values of each component, by colour, or ``None``.
+            Where the method failed it is the only matrix that the linear conditions allow, if
+            there is one.
+        exchanges: how the stages of each component are exchanged, by colour: stage i with stage
+            P[i], from 0. Empty where there is none.
         residual: largest entry of the conditions, 0.0 when all hold exactly.
         witness: one sentence naming the condition that fails, or ``""``.
         reduced: whether L and P belong to the reduced method (:func:`equivalence.reduce`), as for a
@@ -73,32 +73,36 @@ class Symmetry:
     """
 
     holds: bool | None
-    L: Matrix | None = None
-    P: tuple[int, ...] | None = None
+    involutions: Mapping[str, Matrix | None] = field(default_factory=dict)
+    exchanges: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     residual: float = 0.0
     witness: str = ""
     reduced: bool = False
 
+    @property
+    def L(self) -> Matrix | None:
+        """Involution of the first component: of q, or of a single method."""
+        return next(iter(self.involutions.values()), None)
 
-@dataclass(frozen=True, eq=False)
-class PairSymmetry:
-    """Whether a pair is symmetric.
+    @property
+    def L_hat(self) -> Matrix | None:
+        """Involution of the last component: of p."""
+        return next(iter(list(self.involutions.values())[::-1]), None)
 
-    Attributes
-    ----------
-        holds: the decision; ``None`` where it is open.
-        L, L_hat: involutions of the q and p values, or ``None``.
-        P_P, P_Q: how the stages P and the stages Q are exchanged, from 0, or ``None``.
-        residual, witness: as in :class:`Symmetry`.
-    """
+    @property
+    def P(self) -> tuple[int, ...] | None:
+        """Exchange of the stages of the first component: Q, or of a single method."""
+        return next(iter(self.exchanges.values()), None)
 
-    holds: bool | None
-    L: Matrix | None = None
-    L_hat: Matrix | None = None
-    P_P: tuple[int, ...] | None = None
-    P_Q: tuple[int, ...] | None = None
-    residual: float = 0.0
-    witness: str = ""
+    @property
+    def P_Q(self) -> tuple[int, ...] | None:
+        """Exchange of the stages Q."""
+        return self.P
+
+    @property
+    def P_P(self) -> tuple[int, ...] | None:
+        """Exchange of the stages P."""
+        return next(iter(list(self.exchanges.values())[::-1]), None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +120,8 @@ class _Half:
     hat: str = ""
 
 
-def _half(m: GLM | Blocks, hat: str = "") -> _Half:
+def _half(m: GLM | Component) -> _Half:
+    hat = "^" if isinstance(m, Component) and m.colour == "k" else ""
     back = linalg.inverse(m.V)
     U_back = linalg.matmul(m.U, back)
     return _Half(
@@ -265,39 +270,79 @@ def _judge_half(
 def check_symmetry(m: GLM, L: Matrix, P: Sequence[int]) -> Symmetry:
     """Check given involutions: all five conditions and that P is an involution."""
     if any(P[P[i]] != i for i in range(m.s)):
-        return Symmetry(False, L, tuple(P), 1.0, "P is not an involution")
+        return Symmetry(False, {"o": L}, {"o": tuple(P)}, 1.0, "P is not an involution")
     holds, size, witness = judge_identities(symmetry_residual(m, L, P))
-    return Symmetry(holds, L, tuple(P), size, witness)
+    return Symmetry(holds, {"o": L}, {"o": tuple(P)}, size, witness)
 
 
-def _symmetry_as_given(m: GLM) -> Symmetry:
+def _symmetry_as_given(m: Method) -> Symmetry:
     try:
-        half = _half(m)
+        halves = [_half(c) for c in m.components]
     except ExactnessError as error:
+        if len(m.components) > 1:
+            return Symmetry(False, witness="V or V^ is singular: no step can be reversed")
         singular = "rank" in str(error)
         text = "V is singular: no step can be reversed" if singular else str(error)
         return Symmetry(False if singular else None, witness=text)
-    relation = Relation(half.A, half.exchange, 0, 0)
+    # where the rows of A belong, and at whose stages its columns are: those of another component
+    colours = list(m.palette)
+    first = offsets(m.components, m.palette)
+    sizes = {c.colour: len(c.A) for c in m.components}
+    relations = [
+        Relation(x.A, x.exchange, first[c], first[m.palette[c][0]])
+        for c, x in zip(colours, halves, strict=True)
+    ]
+    kinds = [n for n, c in enumerate(colours[:1] if m.shared else colours) for _ in range(sizes[c])]
     best: Symmetry | None = None
-    for P in islice(involutions([relation], (0,) * m.s), MAX_PERMUTATIONS):
-        holds, L, size, witness = _judge_half(half, P, P)
-        if holds is True:  # with balls the condition on the stages may still be open
-            stage_holds, size, witness = judge_identities(
-                [("A + P A P - U V^-1 B", _stage_residual(half, P, P))]
-            )
-            holds = stage_holds
-        found = Symmetry(holds, L, P, size, witness)
-        if holds is True or (holds is None and not m.is_exact):
+    for order in islice(involutions(relations, kinds), MAX_PERMUTATIONS):
+        exchanges = {
+            c: tuple(i - first[c] for i in order[first[c] : first[c] + sizes[c]]) for c in colours
+        }
+        found = _at(m, halves, exchanges)
+        if found.holds is True or (found.holds is None and not m.is_exact):
             return found  # no other exchange of stages can decide more about balls
         best = _better(best, found)
     if best is not None:
         return best
-    reversal = tuple(range(m.s - 1, -1, -1))
-    _, size, witness = judge_identities(
-        [("A + P A P - U V^-1 B", _stage_residual(half, reversal, reversal))]
-    )
+    reversal = {c: tuple(range(n)[::-1]) for c, n in sizes.items()}
+    _, size, witness = judge_identities(_stage_residuals(m, halves, reversal))
+    what = "P" if len(colours) == 1 else ""
+    text = f"no exchange of stages {what} works; for the reversal {witness}".replace("  ", " ")
+    return Symmetry(False, residual=size, witness=text)
+
+
+def _stage_residuals(
+    m: Method, halves: Sequence[_Half], exchanges: Mapping[str, Sequence[int]]
+) -> Named:
+    """``A + P A P' - U V^-1 B`` of each component, P its exchange and P' that of its slopes."""
+    found: Named = []
+    for c, x in zip(m.components, halves, strict=True):
+        P, Q, h = ("P", "P", "") if len(halves) == 1 else ("P_Q", "P_P", x.hat)
+        P, Q = (Q, P) if h else (P, Q)
+        name = f"A{h} + {P} A{h} {Q} - U{h} V{h}^-1 B{h}"
+        columns = exchanges[m.palette[c.colour][0]]
+        found.append((name, _stage_residual(x, exchanges[c.colour], columns)))
+    return found
+
+
+def _at(m: Method, halves: Sequence[_Half], exchanges: Mapping[str, tuple[int, ...]]) -> Symmetry:
+    """What given exchanges of stages make of the conditions."""
+    found = [
+        _judge_half(x, exchanges[c.colour], exchanges[m.palette[c.colour][0]])
+        for c, x in zip(m.components, halves, strict=True)
+    ]
+    judged = [(holds, size, witness) for holds, _, size, witness in found]
+    if len(judged) > 1 or judged[0][0] is True:  # with balls the stages may still be open
+        stages = judge_identities(_stage_residuals(m, halves, exchanges))
+        judged = [stages, *judged] if len(judged) > 1 else [stages]
+    verdicts = [holds for holds, _, _ in judged]
+    holds = False if False in verdicts else None if None in verdicts else True
     return Symmetry(
-        False, None, None, size, f"no exchange of stages P works; for the reversal {witness}"
+        holds,
+        {c: L for c, (_, L, _, _) in zip(m.palette, found, strict=True)},
+        exchanges,
+        max(size for _, size, _ in judged),
+        judged[verdicts.index(holds)][2],
     )
 
 
@@ -306,17 +351,18 @@ def _better(best, found):  # type: ignore[no-untyped-def]
     return found if best is None or (best.holds is False and found.holds is None) else best
 
 
-def symmetry(m: GLM) -> Symmetry:
-    """Decide time-reversal symmetry, finding L and P.
+def symmetry(m: Method) -> Symmetry:
+    """Decide time-reversal symmetry, finding L and P for each component.
 
-    A method that is not symmetric as it stands, but has values or stages without influence, is
-    tried again without them.
+    A single method that is not symmetric as it stands, but has values or stages without influence,
+    is tried again without them.
 
     References: Butcher, "B-Series" (2021), section 7.6; Khan (2018), section 2.3.1, corrected.
     """
     found = _symmetry_as_given(m)
-    if found.holds is True or not m.is_exact:
+    if found.holds is True or not m.is_exact or len(m.components) > 1:
         return found
+    m = cast("GLM", m)
     smaller = reduce(m)
     if (smaller.s, smaller.r) == (m.s, m.r):
         return found
@@ -326,64 +372,6 @@ def symmetry(m: GLM) -> Symmetry:
     return replace(second, reduced=True)
 
 
-def is_symmetric(m: GLM) -> bool | None:
+def is_symmetric(m: Method) -> bool | None:
     """Whether the method is symmetric; ``None`` where it is open."""
     return symmetry(m).holds
-
-
-def pair_symmetry(pair: PartitionedGLM) -> PairSymmetry:
-    """Decide time-reversal symmetry of a pair, finding both involutions and the exchanges.
-
-    Where the stages are shared (systems that are not separable) P and Q stages are exchanged alike.
-    """
-    try:
-        q, p = (_half(h, hat) for h, hat in zip(halves(pair), ("", "^"), strict=True))
-    except ExactnessError:
-        return PairSymmetry(False, witness="V or V^ is singular: no step can be reversed")
-    n_q, n_p = pair.n_Q, pair.n_P
-    offset = n_q if pair.separable else 0
-    kinds = (0,) * n_q + (1,) * n_p if pair.separable else (0,) * n_q
-    relations = [Relation(q.A, q.exchange, 0, offset), Relation(p.A, p.exchange, offset, 0)]
-
-    def split(both: tuple[int, ...]) -> tuple[tuple[int, ...], tuple[int, ...]]:
-        if pair.separable:
-            return both[:n_q], tuple(i - n_q for i in both[n_q:])
-        return both, both
-
-    best: PairSymmetry | None = None
-    for both in islice(involutions(relations, kinds), MAX_PERMUTATIONS):
-        found = _pair_at(q, p, *split(both))
-        if found.holds is True or (found.holds is None and not pair.is_exact):
-            return found
-        best = _better(best, found)
-    if best is not None:
-        return best
-    P_Q, P_P = tuple(range(n_q - 1, -1, -1)), tuple(range(n_p - 1, -1, -1))
-    _, size, witness = judge_identities(_pair_stage_residuals(q, p, P_Q, P_P))
-    return PairSymmetry(
-        False, residual=size, witness=f"no exchange of stages works; for the reversal {witness}"
-    )
-
-
-def _pair_stage_residuals(q: _Half, p: _Half, P_Q: Sequence[int], P_P: Sequence[int]) -> Named:
-    return [
-        ("A + P_Q A P_P - U V^-1 B", _stage_residual(q, P_Q, P_P)),
-        ("A^ + P_P A^ P_Q - U^ V^^-1 B^", _stage_residual(p, P_P, P_Q)),
-    ]
-
-
-def _pair_at(q: _Half, p: _Half, P_Q: tuple[int, ...], P_P: tuple[int, ...]) -> PairSymmetry:
-    stages = judge_identities(_pair_stage_residuals(q, p, P_Q, P_P))
-    first = _judge_half(q, P_Q, P_P)
-    second = _judge_half(p, P_P, P_Q)
-    verdicts = (stages[0], first[0], second[0])
-    holds = False if False in verdicts else None if None in verdicts else True
-    sizes = (stages[1], first[2], second[2])
-    witnesses = (stages[2], first[3], second[3])
-    witness = witnesses[verdicts.index(holds)]
-    return PairSymmetry(holds, first[1], second[1], P_P, P_Q, max(sizes), witness)
-
-
-def is_pair_symmetric(pair: PartitionedGLM) -> bool | None:
-    """Whether the pair is symmetric; ``None`` where it is open."""
-    return pair_symmetry(pair).holds

@@ -5,12 +5,20 @@ A method is G-symplectic with a Hermitian G and a real diagonal D if
     G = V^* G V        D U = B^* G V        D A + A^* D = B^* G B
 
 (plain transposes for real methods). Then every quadratic invariant Q of y' = f(y) is carried
-exactly by ``sum g_ij y_i^T Q y_j``. Given the method the identities are linear in (G, D), so all
-forms are found as a nullspace.
+exactly by ``sum g_ij y_i^T Q y_j``. A partitioned method for q' = f(p), p' = k(q) carries
+``sum G_ij q_i^T S p_j`` for every bilinear invariant ``q^T S p`` if there are G (r, r^) and real
+diagonals D_P, D_Q with the same identities between its two components::
+
+    V^* G V^ = G    D_P U^ = B^* G V^    D_Q U = B^^* G^* V    D_P A^ + A^* D_Q = B^* G B^
+
+Where its stages are shared D_P = D_Q is asked as well; r = r^ = 1 is then the condition of
+symplectic partitioned Runge-Kutta methods. A single method is the case without hats, where the
+second and the third identity say the same. Given the method the identities are linear in G and the
+diagonals, so all forms are found as a nullspace.
 
 **What counts.** G = 0, or a form that ignores the principal solution, conserves nothing of
-interest: ``holds`` asks for ``u^* G u != 0``, where ``V u = u, U u = 1``, and forms are scaled to
-``u^* G u = 1``. That is enough. Multiplied by u the second identity gives ``d_i = b_i^* G u``, so
+interest: ``holds`` asks for ``u^* G u^ != 0``, where ``V u = u, U u = 1``, and forms are scaled to
+``u^* G u^ = 1``. That is enough. Multiplied by u the second identity gives ``d_i = b_i^* G u``, so
 that D follows from G and, for a consistent method, ``sum d_i = u^* G u = 1``. And let K be the
 kernel of G and suppose d_i = 0: V maps K into K and is an isometry of the quotient;
 ``b_i^* G V = 0`` then says that b_i lies in K, and the third identity that ``d_j a_ji = 0``. So the
@@ -18,12 +26,10 @@ stages with d_i = 0 and the values in K feed nothing back, and what is left is a
 nonsingular G and D that carries the principal solution. ``nondegenerate`` says whether that is the
 whole method. A method without u (not pre-consistent) is held to nonsingular G and D instead.
 
-For pairs see :mod:`glmref.theory.partitioned_symplectic`.
-
 Public names::
 
-    g_symplectic_residual(m, G, D) -> (Matrix, Matrix, Matrix)
-    find_forms(m) -> FormSpace                  check_g_symplectic(m, G, D) -> GSymplecticity
+    g_symplectic_residual(m, G, *diagonals) -> list of (name, Matrix)
+    find_forms(m) -> FormSpace                  check_g_symplectic(m, G, *diagonals)
     g_symplectic(m) -> GSymplecticity           is_g_symplectic(m) -> bool | None
     symplectic_residual(m) -> Matrix            is_symplectic(m) -> bool | None   (one-step methods)
 """
@@ -31,12 +37,12 @@ Public names::
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ..errors import ExactnessError, UsageError
 from ..exact import Exact, Scalar, linalg
 from ..exact.linalg import Matrix, Vector
-from ..method import GLM
+from ..method import GLM, Component, Method
 from ..method.solution_value import preconsistency_vector
 from .affine import verdict_of
 from .forms import Form, FormSpace, choose_form, cut_down, invariant_matrices, is_nondegenerate
@@ -53,7 +59,6 @@ __all__ = [
 ]
 
 _ZERO, _ONE = Exact(0), Exact(1)
-NAMES = ("G - V* G V", "D U - B* G V", "D A + A* D - B* G B")
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,44 +68,78 @@ class GSymplecticity:
     Attributes
     ----------
         holds: the decision; ``None`` where balls leave it open.
-        G, D: the form that was checked or found, scaled to ``u^* G u = 1`` when found.
+        G, diagonals: the form that was checked or found, scaled to ``u^* G u^ = 1`` when found. Of
+            a single method there is one diagonal D, of a partitioned one there are D_P and D_Q.
         dimension: of the space of all forms, or ``None`` where a given form was checked.
-        nondegenerate: whether G is nonsingular and no d_i is zero.
+        nondegenerate: whether G is square and nonsingular and no entry of a diagonal is zero.
         residual: largest entry of the identities, 0.0 when they hold exactly.
         witness: one sentence naming the entry that decides, or ``""``.
     """
 
     holds: bool | None
     G: Matrix | None = None
-    D: Vector | None = None
+    diagonals: tuple[Vector, ...] = ()
     dimension: int | None = None
     nondegenerate: bool | None = None
     residual: float = 0.0
     witness: str = ""
 
+    @property
+    def D(self) -> Vector | None:
+        """The diagonal of a single method, D_P of a partitioned one."""
+        return self.diagonals[0] if self.diagonals else None
 
-def g_symplectic_residual(m: GLM, G: Matrix, D: Sequence[Scalar]) -> tuple[Matrix, Matrix, Matrix]:
-    """``G - V^* G V``, ``D U - B^* G V`` and ``D A + A^* D - B^* G B``: all zero for a form of m.
+    @property
+    def D_P(self) -> Vector | None:
+        """The diagonal over the stages where f is evaluated."""
+        return self.D
+
+    @property
+    def D_Q(self) -> Vector | None:
+        """The diagonal over the stages where k is evaluated."""
+        return self.diagonals[-1] if self.diagonals else None
+
+
+def _ends(m: Method) -> tuple[Component, Component]:
+    """The components between which the form is taken: f and k, or the only one twice."""
+    if m.additive:
+        raise UsageError("forms are looked for in single and partitioned methods only")
+    return m.components[0], m.components[-1]
+
+
+def g_symplectic_residual(
+    m: Method, G: Matrix, *diagonals: Sequence[Scalar]
+) -> list[tuple[str, Matrix]]:
+    """The identities of the module docstring, left minus right, with their names.
 
     Args:
-        G: (r, r) Hermitian. D: (s,) real.
+        G: (r, r^). diagonals: D, or D_P (n_P,) and D_Q (n_Q,).
 
     Returns
     -------
-        Matrices (r, r), (s, r) and (s, s).
+        ``G - V^* G V^`` (r, r^), then (n_P, r^), for a partitioned method (n_Q, r), and (n_P, n_Q).
 
     References: Butcher and Hewitt, Numer. Algorithms 51 (2009) 33; Khan (2018), Theorem 3.0.6, with
-    conjugate transposes for complex methods.
+    conjugate transposes for complex methods. For r = 1, Sun, J. Comput. Math. 11 (1993) 365 and
+    Hairer, Lubich and Wanner, "Geometric Numerical Integration" (2006), Theorem VI.4.6.
     """
-    V_star, B_star = linalg.conjugate_transpose(m.V), linalg.conjugate_transpose(m.B)
-    G_V = linalg.matmul(G, m.V)
-    first = linalg.sub(G, linalg.matmul(V_star, G_V))
-    second = linalg.sub(rows_scaled(D, m.U), linalg.matmul(B_star, G_V))
-    D_A = rows_scaled(D, m.A)
-    third = linalg.sub(
-        linalg.add(D_A, linalg.conjugate_transpose(D_A)), linalg.matmul(B_star, G, m.B)
-    )
-    return first, second, third
+    f, k = _ends(m)
+    D_P, D_Q = diagonals[0], diagonals[-1]
+    star = linalg.conjugate_transpose
+    B_star, G_V = star(f.B), linalg.matmul(G, k.V)
+    mixed = linalg.add(rows_scaled(D_P, k.A), star(rows_scaled(D_Q, f.A)))
+    first = linalg.sub(G, linalg.matmul(star(f.V), G_V))
+    second = linalg.sub(rows_scaled(D_P, k.U), linalg.matmul(B_star, G_V))
+    last = linalg.sub(mixed, linalg.matmul(B_star, G, k.B))
+    if f is k:
+        return [("G - V* G V", first), ("D U - B* G V", second), ("D A + A* D - B* G B", last)]
+    third = linalg.sub(rows_scaled(D_Q, f.U), linalg.matmul(star(k.B), star(G), f.V))
+    return [
+        ("G - V* G V^", first),
+        ("D_P U^ - B* G V^", second),
+        ("D_Q U - B^* G* V", third),
+        ("D_P A^ + A* D_Q - B* G B^", last),
+    ]
 
 
 def rows_scaled(D: Sequence[Scalar], a: Matrix) -> Matrix:
@@ -114,29 +153,46 @@ def quadratic_value(G: Matrix, u: Vector, v: Vector | None = None) -> Scalar:
     return linalg.dot([x.conjugate() for x in u], linalg.matvec(G, u if v is None else v))
 
 
-def _start_forms(m: GLM, u: Vector | None) -> list[Form]:
-    """Forms with V^* G V = G; D follows from G where u is known, else it is free."""
-    found = invariant_matrices(m.V, m.V, hermitian=True)
-    if u is None:
-        zero_D: Vector = (_ZERO,) * m.s
-        units = [tuple(_ONE if i == k else _ZERO for i in range(m.s)) for k in range(m.s)]
-        zero_G = linalg.zeros(m.r, m.r)
-        return [Form(G, (zero_D,)) for G in found] + [Form(zero_G, (d,)) for d in units]
-    B_star = linalg.conjugate_transpose(m.B)
-    return [
-        Form(G, (tuple(x.real for x in linalg.matvec(B_star, linalg.matvec(G, u))),)) for G in found
-    ]
+def _principal_vectors(m: Method) -> tuple[Vector | None, Vector | None]:
+    f, k = _ends(m)
+    return preconsistency_vector(f), preconsistency_vector(k)
 
 
-def find_forms(m: GLM) -> FormSpace:
-    """Find every (G, D) with which the method is G-symplectic.
+def _diagonals(m: Method, G: Matrix, u: Vector, u_hat: Vector) -> tuple[Vector, ...]:
+    """The diagonals as they follow from G: the identities with U multiplied by u^ and u."""
+    f, k = _ends(m)
+    star = linalg.conjugate_transpose
+    D_P = linalg.matvec(star(f.B), linalg.matvec(G, u_hat))
+    return (D_P,) if f is k else (D_P, linalg.matvec(star(k.B), linalg.matvec(star(G), u)))
+
+
+def _start_forms(m: Method, u: Vector | None, u_hat: Vector | None) -> list[Form]:
+    """Forms with V^* G V^ = G; the diagonals follow from G where u is known, else they are free."""
+    f, k = _ends(m)
+    found = invariant_matrices(f.V, k.V, hermitian=f is k)
+    if u is not None and u_hat is not None:
+        return [
+            Form(G, tuple(tuple(x.real for x in d) for d in _diagonals(m, G, u, u_hat)))
+            for G in found
+        ]
+    nil: list[Vector] = [(_ZERO,) * len(c.U) for c in ((k,) if f is k else (k, f))]
+    forms = [Form(G, tuple(nil)) for G in found]
+    no_G = linalg.zeros(len(f.V), len(k.V))
+    for which, d in enumerate(nil):
+        for unit in linalg.identity(len(d)):
+            forms.append(Form(no_G, tuple(unit if i == which else x for i, x in enumerate(nil))))
+    return forms
+
+
+def find_forms(m: Method) -> FormSpace:
+    """Find every form with its diagonals with which the method is G-symplectic.
 
     Args:
         m: a method; V must be exact.
 
     Returns
     -------
-        A basis over the reals; where it has a form with ``u^* G u != 0``, the first one is scaled
+        A basis over the reals; where it has a form with ``u^* G u^ != 0``, the first one is scaled
         to 1 and the others to 0. Over balls in A, U, B it is the only candidate there can be, and
         its residual is for the caller to check.
 
@@ -144,36 +200,55 @@ def find_forms(m: GLM) -> FormSpace:
     ------
         ExactnessError: when V holds balls.
     """
-    u = preconsistency_vector(m)
+    u, u_hat = _principal_vectors(m)
 
     def identities(form: Form) -> list[tuple[str, Matrix]]:
-        found = g_symplectic_residual(m, form.G, form.D[0])
-        upper = tuple(  # the third is Hermitian: its lower part says nothing new
-            tuple(x if j >= i else _ZERO for j, x in enumerate(row))
-            for i, row in enumerate(found[2])
+        found = g_symplectic_residual(m, form.G, *form.D)[1:]
+        if len(m.components) > 1:
+            return found + _shared_stages(m, form.D)
+        name, square = found[-1]
+        upper = tuple(  # it is Hermitian: its lower part says nothing new
+            tuple(x if j >= i else _ZERO for j, x in enumerate(row)) for i, row in enumerate(square)
         )
-        return [(NAMES[1], found[1]), (NAMES[2], upper)]
+        return [*found[:-1], (name, upper)]
 
-    principal = None if u is None else lambda form: quadratic_value(form.G, u).real
-    return cut_down(_start_forms(m, u), identities, principal)
+    def principal(form: Form) -> Scalar:
+        return quadratic_value(form.G, u or (), u_hat).real
+
+    has_u = u is not None and u_hat is not None
+    return cut_down(_start_forms(m, u, u_hat), identities, principal if has_u else None)
 
 
-def check_g_symplectic(m: GLM, G: Matrix, D: Sequence[Scalar]) -> GSymplecticity:
-    """Check a given form: Hermitian G, real D, the three identities, and that it is not trivial."""
-    residuals = [("G - G*", linalg.sub(G, linalg.conjugate_transpose(G)))]
-    residuals += [("the imaginary part of D", (tuple(x.imag for x in D),))]
-    residuals += list(zip(NAMES, g_symplectic_residual(m, G, D), strict=True))
+def _shared_stages(m: Method, diagonals: Sequence[Sequence[Scalar]]) -> list[tuple[str, Matrix]]:
+    """Ask for one diagonal where f and k are evaluated at the same stages."""
+    if len(diagonals) == 1 or not m.shared:
+        return []
+    return [("D_P - D_Q", (tuple(x - y for x, y in zip(*diagonals, strict=True)),))]
+
+
+def check_g_symplectic(m: Method, G: Matrix, *diagonals: Sequence[Scalar]) -> GSymplecticity:
+    """Check a given form: real diagonals (of one method Hermitian G), and what it sees."""
+    imaginary: Matrix = (tuple(x.imag for d in diagonals for x in d),)
+    if len(diagonals) == 1:
+        residuals = [("G - G*", linalg.sub(G, linalg.conjugate_transpose(G)))]
+        residuals += [("the imaginary part of D", imaginary)]
+    else:
+        residuals = [("the imaginary part of D_P and D_Q", imaginary)]
+    residuals += g_symplectic_residual(m, G, *diagonals) + _shared_stages(m, diagonals)
     holds, size, witness = judge_identities(residuals)
-    form = Form(G, (tuple(D),))
+    form = Form(G, tuple(map(tuple, diagonals)))
     nondegenerate = is_nondegenerate(form)
     if holds is not False:
-        seen = _sees_solution(m, form, nondegenerate=nondegenerate)
+        u, u_hat = _principal_vectors(m)
+        seen = nondegenerate
+        if u is not None and u_hat is not None:
+            zero = quadratic_value(G, u, u_hat).is_zero()
+            seen = None if zero is None else not zero
         if seen is False:
-            return GSymplecticity(
-                False, G, tuple(D), None, nondegenerate, size, "the form ignores the solution"
-            )
-        holds = holds if seen else None
-    return GSymplecticity(holds, G, tuple(D), None, nondegenerate, size, witness)
+            holds, witness = False, "the form ignores the solution"
+        elif seen is None:
+            holds = None
+    return GSymplecticity(holds, G, form.D, None, nondegenerate, size, witness)
 
 
 def judge_identities(residuals: Sequence[tuple[str, Matrix]]) -> tuple[bool | None, float, str]:
@@ -194,67 +269,46 @@ def judge_identities(residuals: Sequence[tuple[str, Matrix]]) -> tuple[bool | No
     return holds, size, witness
 
 
-def _sees_solution(m: GLM, form: Form, *, nondegenerate: bool | None) -> bool | None:
-    u = preconsistency_vector(m)
-    if u is None:
-        return nondegenerate
-    zero = quadratic_value(form.G, u).is_zero()
-    return None if zero is None else not zero
-
-
-def _given_form(m: GLM) -> tuple[Matrix, Vector] | None:
-    """The form that comes with the method; D follows from G where only G is given."""
+def _given_form(m: Method) -> tuple[Matrix, tuple[Vector, ...]] | None:
+    """The form that comes with the method; diagonals follow from G where they are not given."""
     if m.G is None:
         return None
-    if m.D is not None:
-        return m.G, m.D
-    u = preconsistency_vector(m)
-    if u is None:
+    known = tuple(d for d in m.diagonals if d is not None)
+    if len(known) == len(m.diagonals):
+        return m.G, known
+    u, u_hat = _principal_vectors(m)
+    if u is None or u_hat is None:
         return None
-    return m.G, linalg.matvec(linalg.conjugate_transpose(m.B), linalg.matvec(m.G, u))
+    found = _diagonals(m, m.G, u, u_hat)
+    return m.G, tuple(d or e for d, e in zip(m.diagonals, found, strict=True))
 
 
-def g_symplectic(m: GLM) -> GSymplecticity:
+def g_symplectic(m: Method) -> GSymplecticity:
     """Decide G-symplecticity: with the form the method carries if it does, else with any form.
 
     Args:
-        m: a method; ``m.G`` and ``m.D`` are checked where they are given.
+        m: a single or a partitioned method; its G and diagonals are checked where they are given.
 
     References: Butcher and Hewitt, Numer. Algorithms 51 (2009) 33; Khan (2018), Theorem 3.0.6.
     """
     given = _given_form(m)
     if given is not None:
-        return check_g_symplectic(m, *given)
+        return check_g_symplectic(m, given[0], *given[1])
     try:
         space = find_forms(m)
     except ExactnessError as error:
         return GSymplecticity(None, witness=f"no form was looked for: {error}")
     dimension = len(space.forms)
     form = choose_form(space)
-    has_u = preconsistency_vector(m) is not None
+    has_u = None not in _principal_vectors(m)
     if form is None or (has_u and not space.principal):
-        return GSymplecticity(
-            False,
-            None,
-            None,
-            dimension,
-            False,
-            space.residual,
-            space.witness or "only G = 0, D = 0",
-        )
-    checked = check_g_symplectic(m, form.G, form.D[0])
-    return GSymplecticity(
-        checked.holds,
-        form.G,
-        form.D[0],
-        dimension,
-        checked.nondegenerate,
-        checked.residual,
-        checked.witness,
-    )
+        zeros = "D = 0" if len(m.components) == 1 else "D_P = 0, D_Q = 0"
+        witness = space.witness or f"only G = 0, {zeros}"
+        return GSymplecticity(False, None, (), dimension, False, space.residual, witness)
+    return replace(check_g_symplectic(m, form.G, *form.D), dimension=dimension)
 
 
-def is_g_symplectic(m: GLM) -> bool | None:
+def is_g_symplectic(m: Method) -> bool | None:
     """Whether the method is G-symplectic; ``None`` where balls leave it open."""
     return g_symplectic(m).holds
 
@@ -270,7 +324,7 @@ def symplectic_residual(m: GLM) -> Matrix:
     """
     if m.r != 1:
         raise UsageError(f"`symplectic` is for one-step methods, and this one carries {m.r} values")
-    return g_symplectic_residual(m, ((_ONE,),), m.B[0])[2]
+    return g_symplectic_residual(m, ((_ONE,),), m.B[0])[2][1]
 
 
 def is_symplectic(m: GLM) -> bool | None:

@@ -1,4 +1,4 @@
-"""Rooted trees, one-coloured and two-coloured, in one design.
+"""Rooted trees in any number of colours.
 
 Public names::
 
@@ -17,7 +17,8 @@ The text form writes ``o`` for a single node and ``[...]`` for a root with the t
 brackets as its subtrees: ``[o[oo]]``. Two-coloured trees write the colour of every vertex, ``f`` or
 ``k``, before its bracket: ``f[kk[f]]``. For ``q' = f(q, p)``, ``p' = k(q, p)`` a vertex ``f``
 stands for f; its children ``f`` differentiate f by q, its children ``k`` by p. For a separable
-system (f depends on p only, k on q only) colours alternate along every edge.
+system (f depends on p only, k on q only) colours alternate along every edge. The vertices of an
+additive method have the numbers of its right-hand sides as colours, ``1[12]``.
 
 References
 ----------
@@ -34,6 +35,7 @@ from types import MappingProxyType
 from typing import Any, NoReturn
 
 from ..errors import UsageError
+from ..method.component import GENERAL, ROOTED, SEPARABLE, Palette
 
 __all__ = [
     "GENERAL",
@@ -51,22 +53,17 @@ __all__ = [
     "trees_up_to",
 ]
 
-#: Colours that children of a vertex of a given colour may have.
-Palette = Mapping[str, str]
-
-ROOTED: Palette = MappingProxyType({"o": "o"})
-GENERAL: Palette = MappingProxyType({"f": "fk", "k": "fk"})
-SEPARABLE: Palette = MappingProxyType({"f": "k", "k": "f"})
-
 #: Largest order for which all trees are listed (12486 one-coloured trees have order 13).
 MAX_ORDER = 13
 
-_COLOURS = "ofk"
+#: Colours that occur together: of one method, of a partitioned one, of the parts of a sum.
+_FAMILIES = ("o", "fk", "123456789")
+_COLOURS = "".join(_FAMILIES)
 _MAX_TEXT = 2000  # characters of a tree's text form
 
 
 class Tree:
-    """A rooted tree, its vertices coloured ``o`` (one colour) or ``f`` and ``k`` (two).
+    """A rooted tree, its vertices coloured ``o``, or ``f`` and ``k``, or ``1`` to ``9``.
 
     Trees are interned: two equal trees are the same object, so comparison and hashing cost nothing.
     Make them with :func:`tree`, :func:`parse_tree` or :func:`trees`.
@@ -226,7 +223,7 @@ def parse_tree(text: str) -> Tree:
     place = 0
     while place < len(text):
         letter = text[place]
-        if letter == "[" or (letter in "fk" and text[place + 1 : place + 2] == "["):
+        if letter == "[" or (letter in _COLOURS[1:] and text[place + 1 : place + 2] == "["):
             open_roots.append(("o" if letter == "[" else letter, []))
             place += 1 if letter == "[" else 2
         elif letter in _COLOURS:
@@ -241,8 +238,12 @@ def parse_tree(text: str) -> Tree:
     if len(open_roots) != 1 or len(open_roots[0][1]) != 1:
         raise UsageError(f"{text!r} is not one tree such as 'o', '[o[oo]]' or 'f[kk[f]]'")
     result = open_roots[0][1][0]
-    if len({vertex.colour == "o" for vertex in _vertices(result)}) > 1:
-        raise UsageError(f"{text!r} mixes 'o' with 'f' and 'k': a tree has one colour or two")
+    seen = {vertex.colour for vertex in _vertices(result)}
+    if not any(seen <= set(family) for family in _FAMILIES):
+        raise UsageError(
+            f"{text!r} mixes 'o' with 'f' and 'k' or digits: the colours of a tree are those of "
+            f"one method, 'o', of a partitioned one, 'f' and 'k', or of an additive one, '1' to '9'"
+        )
     return result
 
 

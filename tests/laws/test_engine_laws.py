@@ -41,7 +41,7 @@ def claiming(*keys):
         name
         for name in names("methods")
         if any(document(name)["claims"].get(key) is True for key in keys)
-        and document(name)["class"] not in PAIRS
+        and document(name)["class"] not in {*PAIRS, "additive"}
         and document(name).get("field") != "complex"
     ]
 
@@ -192,7 +192,7 @@ def refuted():
         name
         for name in names("broken")
         if document(name)["broken"]["claim"] == "g-symplectic"
-        and document(name)["class"] not in PAIRS
+        and document(name)["class"] not in {*PAIRS, "additive"}
         and "G" in document(name)
         and name != "gsymplectic-n-d-scaled"
         and load_once(name).is_real

@@ -14,17 +14,26 @@ from glmref.exact import Ball, Exact, Scalar
 from glmref.exact.linalg import Matrix
 from glmref.exchange.export import export
 from glmref.exchange.reading import FORMATS, read_table
-from glmref.method import GLM, PartitionedGLM
+from glmref.method import GLM, AdditiveGLM, PartitionedGLM
 
 #: Formats of Runge-Kutta tableaux; the others hold every method.
 TABLES = tuple(form for form in FORMATS if form not in ("json", "csv"))
 #: Starting methods with more stages than this take seconds to read.
 LARGE = 40
 
-NAMES = glmref.names("methods")
+NAMES = [x for x in glmref.names("methods") if not glmref.load(x).additive]
+ADDITIVE = [x for x in glmref.names("methods") if glmref.load(x).additive]
+SPLITTINGS = [x for x in NAMES if document(x)["class"] == "splitting"]
 
 
-def blocks(method: GLM | PartitionedGLM, *, everything: bool) -> Iterator[tuple[str, Matrix]]:
+def blocks(
+    method: GLM | PartitionedGLM | AdditiveGLM, *, everything: bool
+) -> Iterator[tuple[str, Matrix]]:
+    if isinstance(method, AdditiveGLM):
+        for n in (1, 2):
+            part = method.part(n)
+            yield from ((f"{x}^{n}", getattr(part, x)) for x in "AUBV")
+        return
     letters = ("A", "U", "B", "V", "A_hat", "U_hat", "B_hat", "V_hat")
     yield from ((x, getattr(method, x)) for x in letters if hasattr(method, x))
     if not everything:
@@ -72,6 +81,7 @@ def is_large(name: str) -> bool:
 CASES = [pytest.param(name, marks=[pytest.mark.slow] if is_large(name) else []) for name in NAMES]
 
 
+@pytest.mark.sampled(20)
 @pytest.mark.parametrize("name", CASES)
 def test_json_comes_back(name: str) -> None:
     check(name, "json", 60)
@@ -83,6 +93,7 @@ def test_csv_comes_back(name: str) -> None:
     check(name, "csv", 60)
 
 
+@pytest.mark.sampled(20)
 @pytest.mark.parametrize("name", NAMES)
 def test_tables_of_other_packages_come_back_or_are_refused_in_one_sentence(name: str) -> None:
     method = glmref.load(name)
@@ -105,6 +116,22 @@ def test_decimals_of_chosen_length_come_back(name: str) -> None:
     for letter, matrix in blocks(method, everything=False):
         for row, found in zip(matrix, getattr(again, letter), strict=True):
             assert all(same(x, y, 20) for x, y in zip(row, found, strict=True))
+
+
+@pytest.mark.parametrize("name", ADDITIVE)
+def test_additive_methods_come_back(name: str) -> None:
+    for form in ("petsc", "sundials"):
+        check(name, form, 30)
+        claims = read_table(export(name, to=form), form)["claims"]
+        assert claims == {"order": document(name)["claims"]["order"]}
+
+
+@pytest.mark.parametrize("name", SPLITTINGS)
+def test_splittings_come_back(name: str) -> None:
+    check(name, "sundials", 30)
+    again = read_table(export(name, to="sundials"), "sundials")
+    assert again["first"] == document(name)["first"]
+    assert again["claims"] == {"order": document(name)["claims"]["order"]}
 
 
 def test_a_changed_digit_does_not_come_back_as_the_same() -> None:

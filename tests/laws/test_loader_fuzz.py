@@ -20,6 +20,7 @@ from glmref.errors import DataError
 from glmref.exact import Ball, Exact
 from glmref.exact.expression import parse
 from glmref.method import GLM, PartitionedGLM
+from tests.examples import examples
 
 #: One small document of each class, with and without starting methods, constants, decimals.
 BASES = (
@@ -98,9 +99,7 @@ def loads_or_says_why(doc: Any) -> None:
         assert isinstance(result, GLM | PartitionedGLM)
 
 
-FUZZ = settings(
-    max_examples=250, deadline=None, suppress_health_check=[HealthCheck.filter_too_much]
-)
+FUZZ = settings(examples(250), suppress_health_check=[HealthCheck.filter_too_much])
 
 
 @FUZZ
@@ -117,7 +116,7 @@ def test_random_json_gives_a_data_error(doc: Any) -> None:
     loads_or_says_why(doc)
 
 
-@settings(max_examples=60, deadline=None)
+@examples(60)
 @given(st.sampled_from(sorted(BLOCKS)), st.dictionaries(st.sampled_from(KEYS), values, max_size=8))
 def test_a_document_of_random_members_gives_a_data_error(kind: str, members: Any) -> None:
     head = {"format": "glmref-method-1", "class": kind, "name": "fuzz"}
@@ -125,7 +124,7 @@ def test_a_document_of_random_members_gives_a_data_error(kind: str, members: Any
     loads_or_says_why({**head, "claims": {"order": 1}, "source": source, **members})
 
 
-@settings(max_examples=200, deadline=None)
+@examples(200)
 @given(st.sampled_from(BASES), st.data())
 def test_a_file_with_changed_bytes_reads_or_gives_a_data_error(
     tmp_path_factory: Any, base: str, data: st.DataObject
@@ -146,7 +145,7 @@ def test_a_file_with_changed_bytes_reads_or_gives_a_data_error(
         loads_or_says_why(doc)
 
 
-@settings(max_examples=400, deadline=None)
+@examples(400)
 @given(
     st.text(alphabet="0123456789+-*/()., \t_isqrtoexpc", max_size=40) | st.text(max_size=20),
     st.sampled_from([None, 3]),

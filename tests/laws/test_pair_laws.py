@@ -93,6 +93,7 @@ def system_with_invariant(rng, d):
     return S, f, k
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", PAIRS)
 @settings(max_examples=2, deadline=None)
 @given(seed=SEEDS)
@@ -145,6 +146,7 @@ def test_the_weights_of_a_consistent_method_have_equal_sums(name):
     assert (first - second + pair.D_Q[-1]).is_zero() is False  # the last weight left out
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", PAIRS)
 def test_an_invariant_whose_halves_do_not_vanish_is_kept_too(name):
     """H = ln p + ln q: f(p) p = 1, q k(q) = -1, and 0 lies in neither domain."""
@@ -193,6 +195,7 @@ def symplecticity_defect(sweep, seed, h=0.2):
     return defect, (np.abs(J).T @ np.abs(omega) @ np.abs(J)).max()
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", PAIRS)
 @settings(max_examples=5, deadline=None)
 @given(seed=SEEDS)
@@ -241,6 +244,7 @@ def planted(doc, key, change):
     return wrong
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", ["pair-4-4", "pair-6-7"])
 @pytest.mark.parametrize("key", ["b", "w", "c", "v"])
 def test_an_error_in_one_component_only_is_caught(name, key):
@@ -251,6 +255,7 @@ def test_an_error_in_one_component_only_is_caught(name, key):
         assert "order" in refuted(planted(doc, key, change)), (key, change("x"))
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", ["pair-4-4", "pair-6-7"])
 @pytest.mark.parametrize("place", [3, 20, 70])
 def test_a_wrong_digit_of_p_alone_is_caught_by_the_enclosure(name, place):

@@ -11,15 +11,16 @@ from fractions import Fraction
 from typing import Any
 
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from glmref.errors import DataError, ExactnessError
 from glmref.exact import Ball, BallMatrix, Exact, Jet, ball, exact, jets, linalg, sum_of_products
 from glmref.exact.expression import parse
 from glmref.theory.coefficients import weighted
+from tests.examples import examples
 
-LAWS = settings(max_examples=60, deadline=None)
+LAWS = examples(60)
 fractions = st.fractions(min_value=-4, max_value=4, max_denominator=12)
 RADIUS = Fraction(1, 10**40)
 KINDS = ("whole", "rational", "surd", "ball", "narrow")

@@ -2,13 +2,14 @@
 
 from fractions import Fraction as F
 
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from glmref.method import GLM
 from glmref.theory.order import order_of
 from glmref.theory.series import Series, combine, compose, flow, identity, inverse, shift
 from glmref.theory.trees import GENERAL, ROOTED, SEPARABLE, trees_up_to
+from tests.examples import examples
 
 ORDER = 4
 fractions = st.fractions(min_value=-2, max_value=2, max_denominator=6)
@@ -33,14 +34,14 @@ def one_series(draw):
 
 
 @given(three_series())
-@settings(max_examples=30, deadline=None)
+@examples(30)
 def test_composition_is_associative(series):
     a, b, c = series
     assert compose(compose(a, b), c) == compose(a, compose(b, c))
 
 
 @given(one_series())
-@settings(max_examples=30, deadline=None)
+@examples(30)
 def test_every_series_has_one_inverse(a):
     one = identity(a.order, a.palette)
     assert compose(a, inverse(a)) == one == compose(inverse(a), a)
@@ -48,20 +49,20 @@ def test_every_series_has_one_inverse(a):
 
 
 @given(fractions, fractions, palettes)
-@settings(max_examples=30, deadline=None)
+@examples(30)
 def test_flows_form_a_one_parameter_group(s, t, palette):
     assert compose(flow(ORDER, s, palette), flow(ORDER, t, palette)) == flow(ORDER, s + t, palette)
 
 
 @given(one_series(), fractions, fractions)
-@settings(max_examples=30, deadline=None)
+@examples(30)
 def test_shifts_add_up_and_are_compositions_with_the_flow(a, s, t):
     assert shift(shift(a, s), t) == shift(a, s + t)
     assert shift(a, s) == compose(flow(a.order, s, a.palette), a)
 
 
 @given(three_series(), fractions)
-@settings(max_examples=20, deadline=None)
+@examples(20)
 def test_composition_is_linear_in_what_is_applied_last(series, factor):
     a, b, c = series
     both = compose(a, combine([(factor, b), (1 - factor, c)]))
@@ -91,7 +92,7 @@ def conjugate(method, a, b):
 
 
 @given(st.lists(fractions, min_size=5, max_size=5), st.sampled_from([(GAUSS_2, 4), (HEUN_3, 3)]))
-@settings(max_examples=12, deadline=None)
+@examples(12)
 def test_conjugation_leaves_the_order_with_a_free_principal_part(x, known):
     tableau, order = known
     a, b = [[F(0), F(0)], [x[0], x[1]]], [x[2], x[3]]
@@ -110,7 +111,7 @@ def invertible(draw, size):
 
 
 @given(invertible(2), st.permutations([0, 1, 2]))
-@settings(max_examples=20, deadline=None)
+@examples(20)
 def test_equivalent_methods_have_the_same_order(T, stages):
     g4123 = GLM(
         A=[[0, 0, 0], ["2/3", 0, 0], ["2/5", "-3/10", "1/2"]],

@@ -20,6 +20,7 @@ from glmref.theory.periodicity import periodicity
 from glmref.theory.stability import stability_polynomial
 from glmref.theory.symmetry import adjoint, symmetry
 from glmref.theory.symplectic import find_forms, g_symplectic, g_symplectic_residual
+from tests.examples import examples
 
 SMALL = st.integers(-3, 3)
 LAWS = settings(max_examples=8, deadline=None)
@@ -41,6 +42,7 @@ def same(a, b):
     return all(x == y for r, s in zip(a, b, strict=True) for x, y in zip(r, s, strict=True))
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", METHODS)
 @given(data=st.data())
 @LAWS
@@ -56,6 +58,7 @@ def test_structure_does_not_depend_on_values_or_order_of_stages(name, data):
     assert stability_polynomial(other) == stability_polynomial(m)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", METHODS)
 @given(data=st.data())
 @LAWS
@@ -127,9 +130,11 @@ def g_symplectic_method(draw):
 
 
 @given(m=g_symplectic_method())
-@settings(max_examples=40, deadline=None)
+@examples(40)
 def test_methods_of_the_sweep_form_are_g_symplectic(m):
-    assert all(x == 0 for part in g_symplectic_residual(m, m.G, m.D) for row in part for x in row)
+    assert all(
+        x == 0 for _, part in g_symplectic_residual(m, m.G, m.D) for row in part for x in row
+    )
     assert g_symplectic(m).holds is True
     found = g_symplectic(m.bare())
     assert found.holds is True
@@ -139,7 +144,7 @@ def test_methods_of_the_sweep_form_are_g_symplectic(m):
 
 
 @given(m=g_symplectic_method(), data=st.data())
-@settings(max_examples=40, deadline=None)
+@examples(40)
 def test_disturbed_methods_do_not_conserve_the_form(m, data):
     letter = data.draw(st.sampled_from("AUBV"))
     rows = [list(row) for row in getattr(m, letter)]
@@ -151,8 +156,9 @@ def test_disturbed_methods_do_not_conserve_the_form(m, data):
     assert found.holds is False and 0 < found.residual < 1e-15 and "entry" in found.witness
 
 
+@pytest.mark.slow
 @given(m=g_symplectic_method())
-@settings(max_examples=15, deadline=None)
+@examples(15)
 def test_eigenvalues_of_g_symplectic_methods_never_leave_at_once_where_v_has_simple_ones(m):
     # V has simple eigenvalues of modulus one and M(iy) conserves G: mirrored in the circle they
     # cannot leave it before two of them meet
@@ -161,7 +167,7 @@ def test_eigenvalues_of_g_symplectic_methods_never_leave_at_once_where_v_has_sim
 
 
 @given(alpha=st.lists(SMALL, min_size=2, max_size=4), beta=st.lists(SMALL, min_size=2, max_size=4))
-@settings(max_examples=60, deadline=None)
+@examples(60)
 def test_reduced_multistep_methods_have_the_same_stability_polynomial_but_for_zeros(alpha, beta):
     k = min(len(alpha), len(beta))
     alpha, beta = alpha[:k], beta[:k]

@@ -1,0 +1,209 @@
+"""What every method is made of: k components, coupled by the colours of their right-hand sides.
+
+A component is one right-hand side f_c with the block (A, U, B, V) that it drives::
+
+    X^c = h A F^c + U x^c        x^c+ = h B F^c + V x^c        F^c_j = f_c at stage j
+
+The *colour* c of a component is the root of the trees that belong to it, and the *palette* says at
+which stages f_c is evaluated: at those of the components named ``palette[c]``, which are also the
+colours that the children of a vertex c may have. So
+
+* a general linear method has one component ``o`` with the palette ``{"o": "o"}``;
+* a partitioned method for q' = f(q, p), p' = k(q, p) has two, ``f`` and ``k``, with all colours
+  below each; on separable systems, q' = f(p), p' = k(q), colours alternate and the stages Q (of the
+  component f) and P (of k) are two sets;
+* an additive method for y' = f_1(y) + .. + f_k(y) has k components with all colours below each,
+  and they share their values and stages: U and V are the same, and ``Y = U y + h sum A^c F^c``. In
+  the series of trees this is the partitioned method for y = y^1 + .. + y^k; no condition differs.
+
+Starting and finishing methods are of the same kind, with one value going in or coming out.
+
+References
+----------
+Hairer, Lubich, Wanner, "Geometric Numerical Integration" (2006), section III.2; Araujo, Murua,
+Sanz-Serna, "Symplectic methods based on decompositions", SIAM J. Numer. Anal. 34 (1997), 1926-1947;
+Sandu, Günther, "A generalized-structure approach to additive Runge-Kutta methods", SIAM J. Numer.
+Anal. 53 (2015), 17-42.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from ..exact import Exact
+from ..exact.linalg import Matrix, Vector
+from . import solution_value, stage_order
+
+if TYPE_CHECKING:
+    from .starting import FinishingMethod
+
+__all__ = ["GENERAL", "ROOTED", "SEPARABLE", "Component", "Method", "Palette", "additive_palette"]
+
+#: Colours with the colours that children of a vertex may have.
+Palette = Mapping[str, str]
+
+ROOTED: Palette = MappingProxyType({"o": "o"})
+GENERAL: Palette = MappingProxyType({"f": "fk", "k": "fk"})
+SEPARABLE: Palette = MappingProxyType({"f": "k", "k": "f"})
+
+
+def additive_palette(k: int) -> Palette:
+    """Palette of an additive method of k parts: the digits 1 to k, each below each."""
+    colours = "123456789"[:k]
+    return MappingProxyType(dict.fromkeys(colours, colours))
+
+
+@dataclass(frozen=True, eq=False)
+class Component:
+    """One right-hand side of a method with its block.
+
+    Attributes
+    ----------
+        colour: root of the trees that belong to it.
+        A: (n, m) stages from slopes. U: (n, r) stages from values.
+        B: (r', m) values from slopes. V: (r', r) values from values. In a method r' = r; a start
+            makes r' values of one, a finish one of one.
+        output: (r,) functional that reads the solution off the values, ``None`` where the method
+            says nothing: see :mod:`glmref.method.solution_value`.
+    """
+
+    colour: str
+    A: Matrix
+    U: Matrix
+    B: Matrix
+    V: Matrix
+    output: Vector | None = None
+
+    @property
+    def matrices(self) -> tuple[Matrix, Matrix, Matrix, Matrix]:
+        """A, U, B and V."""
+        return self.A, self.U, self.B, self.V
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether every coefficient is exact (no published decimal among them)."""
+        return all(isinstance(x, Exact) for m in self.matrices for row in m for x in row)
+
+
+class Method:
+    """A method of k components: what theory, proofs, engines and suites read.
+
+    The public faces are :class:`glmref.method.GLM` (k = 1),
+    :class:`glmref.method.PartitionedGLM` (k = 2) and :class:`glmref.method.AdditiveGLM`.
+    """
+
+    #: Colours of the components and what is appended to A, U, B, V in the names of their fields.
+    LETTERS: ClassVar[Mapping[str, str]] = MappingProxyType({"o": ""})
+    #: Whether the components share values and stages and their right-hand sides are summed.
+    additive: ClassVar[bool] = False
+
+    if TYPE_CHECKING:  # fields of the classes below; starts and finishes have fewer
+        name: str
+        claims: Mapping[str, Any]
+        source: Mapping[str, Any]
+        document: Mapping[str, Any] | None
+        starting: Any
+        G: Matrix | None
+
+    @property
+    def finishing(self) -> FinishingMethod | None:
+        """Finishing method; ``None`` where the outputs are the solution."""
+        return None
+
+    @property
+    def diagonals(self) -> tuple[Vector | None, ...]:
+        """The diagonals that go with G, in their order; ``None`` where one is not given."""
+        return ()
+
+    @cached_property
+    def components(self) -> tuple[Component, ...]:
+        """The components, in the order of the palette."""
+        return tuple(
+            Component(
+                colour,
+                **{letter: getattr(self, letter + hat) for letter in "AUBV"},
+                output=getattr(self, f"output{hat}", None),
+            )
+            for colour, hat in self.LETTERS.items()
+        )
+
+    @property
+    def palette(self) -> Palette:
+        """At the stages of which components each right-hand side is evaluated."""
+        return ROOTED
+
+    @property
+    def shared(self) -> bool:
+        """Whether all right-hand sides are evaluated at the same stages."""
+        return stage_order.is_shared(self.palette)
+
+    @property
+    def parts(self) -> int:
+        """Number of equal parts of the state that have values of their own: 2 for y = (q, p)."""
+        return 1 if self.additive else len(self.components)
+
+    @property
+    def carriers(self) -> tuple[Component, ...]:
+        """The components whose values are carried: one for each part of the state."""
+        return self.components[: self.parts]
+
+    @property
+    def times(self) -> tuple[Vector, ...]:
+        """Where in a step the stages of each part stand, in steps; zeros for y = (q, p)."""
+        if self.parts > 1:
+            return tuple((Exact(0),) * len(c.U) for c in self.components)
+        return (solution_value.stage_times(self.components[0]),)
+
+    @property
+    def carried(self) -> int:
+        """Number of rows that hold the values: the largest r of a component."""
+        return max(len(c.V) for c in self.components)
+
+    @property
+    def is_one_step(self) -> bool:
+        """Whether one value (of each component) is carried."""
+        return self.carried == 1
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether every coefficient is exact (no published decimal among them)."""
+        return all(c.is_exact for c in self.components)
+
+    @property
+    def is_real(self) -> bool:
+        """Whether every coefficient is real."""
+        return all(
+            x.is_real() for c in self.components for m in c.matrices for row in m for x in row
+        )
+
+    def stage_blocks(self, palette: Palette | None = None) -> tuple[stage_order.StageBlock, ...]:
+        """Stages in an order in which they can be computed: see :mod:`.stage_order`.
+
+        Parameters
+        ----------
+        palette : at which stages the right-hand sides are evaluated; by default those of the
+            method. On a separable problem a method made for all systems needs fewer.
+        """
+        return stage_order.stage_blocks(self.components, palette or self.palette)
+
+    def read_stages(self, palette: Palette | None = None) -> frozenset[int]:
+        """Stages that some value reads, directly or through others: see :meth:`stage_blocks`."""
+        return stage_order.read_stages(self.components, palette or self.palette)
+
+    @property
+    def implicit_stages(self) -> tuple[int, ...]:
+        """Numbers (from 1) of the stages that need an equation solved, however they are numbered.
+
+        Those that need themselves, directly or through others.
+        """
+        coupled = [block.stages for block in self.stage_blocks() if block.implicit]
+        return tuple(sorted(i + 1 for stages in coupled for i in stages))
+
+    @property
+    def is_explicit(self) -> bool:
+        """Whether no stage needs an equation solved."""
+        return not self.implicit_stages

@@ -1,0 +1,151 @@
+"""How far along an axis a method is stable, exactly: the negative real and the imaginary interval.
+
+Along the ray z = d x, x > 0, the eigenvalues of M(z) are the roots in w of a polynomial whose
+coefficients are polynomials in x. The reduction of Schur and Cohn over these coefficients gives
+real polynomials in x; all roots lie in the closed unit disc as long as none of them has become
+negative. The interval ends at the first x at which one of them turns negative, which Sturm's
+theorem isolates.
+
+Public names::
+
+    real_interval(m) -> Interval                 on the negative real axis
+    imaginary_interval(m) -> Interval            on the imaginary axis
+
+References
+----------
+    Marden, "Geometry of Polynomials" (1966), sections 42 and 45; Hairer and Wanner, "Solving
+    Ordinary Differential Equations II" (1996), sections IV.2 and V.1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from ..errors import ExactnessError
+from ..exact import Exact
+from ..method import GLM
+from . import polynomials as poly
+from .polynomials import Polynomial
+from .root_location import first_root, in_closed_disc
+from .stability import Bivariate, divided, on_imaginary_axis, stability_polynomial, without_content
+
+__all__ = ["Interval", "imaginary_interval", "real_interval"]
+
+_ONE = Exact(1)
+#: Width to which the end of an interval is enclosed.
+WIDTH = Fraction(1, 10**16)
+#: Largest r s for which polynomials with irrational coefficients are reduced: minutes beyond.
+MOST = 12
+#: Bound of the ends that are looked for: a zero beyond counts as none.
+FARTHEST = Fraction(10**9)
+
+
+@dataclass(frozen=True)
+class Interval:
+    """Stability interval [0, end] along an axis.
+
+    Attributes
+    ----------
+        end: the end, rounded to double; infinity for a whole half-axis; ``None`` if not known.
+        witness: what happens there, or why it is not known.
+    """
+
+    end: float | None
+    witness: str = ""
+
+
+def real_interval(m: GLM) -> Interval:
+    """Largest x such that all eigenvalues of M(-t) lie in the closed unit disc for 0 <= t <= x."""
+
+    def turned(P: Bivariate) -> Bivariate:
+        return tuple(tuple(c if k % 2 == 0 else -c for k, c in enumerate(p)) for p in P)
+
+    return _interval(m, turned)
+
+
+def imaginary_interval(m: GLM) -> Interval:
+    """Largest y such that all eigenvalues of M(it) lie in the closed unit disc for 0 <= t <= y.
+
+    For a real method; eigenvalues at -it are their conjugates.
+    """
+    return _interval(m, on_imaginary_axis)
+
+
+def _interval(m: GLM, along: object) -> Interval:
+    if not (m.is_exact and m.is_real):
+        return Interval(None, "decided for exact real methods only")
+    try:
+        P = without_content(m, stability_polynomial(m))
+        degree = (len(P) - 1) * (max(map(len, P)) - 1)
+        rational = all(x.as_fraction() is not None for p in P for x in p if isinstance(x, Exact))
+        if degree > MOST and not rational:
+            return Interval(None, "too large for roots among the coefficients")
+        return _end(along(P))  # type: ignore[operator]
+    except ExactnessError as error:
+        return Interval(None, str(error))
+
+
+def _conjugate(p: Polynomial) -> Polynomial:
+    return tuple(x.conjugate() for x in p)
+
+
+def _end(q: Bivariate) -> Interval:
+    at_zero = poly.trim([poly.evaluate(p, 0) for p in q])
+    if not in_closed_disc(at_zero):
+        return Interval(0.0, "V has an eigenvalue outside the unit circle")
+    ends: list[Fraction] = []
+    previous: Polynomial = (_ONE,)
+    while len(q) > 1:
+        low, high = q[0], q[-1]
+        if not low:
+            q = q[1:]
+            continue
+        difference = poly.sub(poly.mul(high, _conjugate(high)), poly.mul(low, _conjugate(low)))
+        difference = tuple(x.real for x in difference)
+        if not difference:
+            if not _mirrored(q):
+                ends.append(Fraction(0))
+                break
+            if len(q) == 2:
+                break
+            q = tuple(poly.scale(k, p) for k, p in enumerate(q))[1:]
+            previous = (_ONE,)
+            continue
+        end = _turns_negative(difference)
+        if end is not None:
+            ends.append(end)
+        if end == 0:
+            break
+        reduced = tuple(
+            poly.sub(poly.mul(_conjugate(high), q[k + 1]), poly.mul(low, _conjugate(q[-2 - k])))
+            for k in range(len(q) - 1)
+        )
+        q, previous = divided(reduced, previous), high
+    if not ends:
+        return Interval(float("inf"), "no eigenvalue leaves the closed unit disc")
+    return Interval(float(min(ends)), "an eigenvalue leaves the closed unit disc")
+
+
+def _mirrored(q: Bivariate) -> bool:
+    low, high = q[0], q[-1]
+    return all(
+        not poly.sub(poly.mul(p, _conjugate(low)), poly.mul(_conjugate(other), high))
+        for p, other in zip(q, reversed(q), strict=True)
+    )
+
+
+def _turns_negative(p: Polynomial) -> Fraction | None:
+    """First x > 0 beyond which p is negative; 0 where it is so at once, ``None`` where never."""
+    low = 0
+    while p[low].is_zero() is True:
+        low += 1
+    p = p[low:]  # a power of x, which is positive
+    if p[0].sign() < 0:
+        return Fraction(0)
+    found: Fraction | None = Fraction(0)
+    while (found := first_root(p, found, FARTHEST, WIDTH)) is not None:
+        # the sign is taken a little beyond, since the root may be hit exactly
+        if poly.evaluate(p, found + WIDTH * max(1, found)).sign() < 0:
+            return found
+    return None  # it touches zero at most

@@ -1,0 +1,147 @@
+"""Additive methods: k parts on shared stages, by the trees in k colours; a problem as a sum."""
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+import glmref
+from glmref import GLM, AdditiveGLM, PartitionedGLM, UsageError
+from glmref.catalogue.reader import load_document
+from glmref.errors import DataError
+from glmref.findings import Verdict
+from glmref.theory.order import order_of, order_residuals
+from glmref.theory.trees import parse_tree, trees
+
+EULER = {
+    "format": "glmref-method-1",
+    "name": "imex-euler",
+    "class": "additive",
+    "parts": [
+        {"A": [["0", "0"], ["1", "0"]], "b": ["1", "0"]},
+        {"A": [["0", "0"], ["0", "1"]], "b": ["0", "1"]},
+    ],
+    "claims": {
+        "order": 1, "preconsistent": True, "consistent": True, "zero-stable": True,
+        "explicit": False,
+    },
+    "source": {"citation": "Ascher, Ruuth, Spiteri (1997)", "where": "2.1", "status": "as printed"},
+}  # fmt: skip
+
+
+def verdicts(method):
+    return {x.claim: x.verdict for x in glmref.verify(method)}
+
+
+def test_what_a_file_claims_is_proved():
+    method = load_document(EULER)
+    assert (method.k, method.s, method.r) == (2, 2, 1)
+    assert set(verdicts(method).values()) == {Verdict.HOLDS}
+    wrong = load_document({**EULER, "claims": {"order": 2, "explicit": True}})
+    assert set(verdicts(wrong).values()) == {Verdict.FAILS}
+
+
+def test_parts_of_order_two_need_not_make_a_method_of_order_two():
+    # two midpoint rules whose stages stand at other times: both of order 2, coupled of order 1
+    explicit = [["0", "0"], ["1/2", "0"]]
+    other = [["0", "0"], ["0", "1/2"]]
+    good = AdditiveGLM([explicit, other], [[["0", "1"]]] * 2)
+    assert order_of(good, principal="identity").order == 2
+    late = AdditiveGLM([explicit, [["1/2", "0"], ["0", "0"]]], [[["0", "1"]], [["1", "0"]]])
+    found = glmref.analyze(late)
+    assert found.order_parts == [2, 2] and found.order == 1
+    failing = order_of(late, principal="identity").failing_tree
+    assert len({failing.colour, failing.children[0].colour}) == 2
+
+
+def test_equal_parts_are_the_one_method():
+    m = glmref.load("rk4")
+    twice = AdditiveGLM([m.A, m.A], [m.B, m.B])
+    assert glmref.analyze(twice).order == 4
+    whole, one = order_residuals(twice, 5), order_residuals(m, 5)
+    for t, x in whole.items():
+        plain = parse_tree("".join("o" if y.isdigit() else y for y in str(t)).replace("o[", "["))
+        assert x == one[plain]
+
+
+def test_the_coupling_conditions_are_those_of_the_pair_with_the_same_blocks():
+    pair = glmref.load("lobatto-iiia-iiib-3")
+    both = AdditiveGLM([pair.A, pair.A_hat], [pair.B, pair.B_hat])
+    first = order_of(PartitionedGLM(*_blocks(pair, ""), *_blocks(pair, "_hat")), max_order=5)
+    second = order_of(both, max_order=5)
+    assert (first.order, first.residual.magnitude()) == (second.order, second.residual.magnitude())
+    assert len(trees(4, both.palette)) == len(trees(4, pair.palette))
+
+
+def _blocks(pair, hat):
+    return [getattr(pair, x + hat) for x in "AUBV"]
+
+
+def imex(h, steps, method, **options):
+    """y' = -y^2 (explicit) + (cos t - y) (implicit) against many small steps of the sum."""
+    problem = glmref.Problem(
+        terms=[("-y[0]**2",), ("cos(t) - y[0]",)], y0=("1/2",), t_span=(0.0, 1.0)
+    )
+    return glmref.solve(problem, method, h=h, steps=steps, **options).y[-1]
+
+
+def test_a_run_has_the_order_that_is_proved():
+    method = load_document(EULER)
+    reference = imex(1 / 64, 64, "gauss-3")
+    errors = [abs(imex(1 / n, n, method) - reference)[0] for n in (32, 64, 128)]
+    rates = [np.log2(a / b) for a, b in zip(errors, errors[1:], strict=False)]
+    assert all(abs(rate - 1) < 0.1 for rate in rates)
+    far = imex(1 / 32, 32, method, engine="reference", digits=30)
+    assert abs(float(far[0]) - imex(1 / 32, 32, method)[0]) < 1e-13
+
+
+def test_callables_are_summed_too():
+    problem = glmref.Problem(terms=[lambda t, y: -y, lambda t, y: 0 * y + t], y0=(1.0,))
+    assert problem.f(2.0, np.array([3.0])) == pytest.approx(-1.0)
+    end = glmref.solve(problem, load_document(EULER), h=0.5, steps=1).y[-1]
+    # stage 1 is y, stage 2 is 1 - 0.5 + 0.5 * 0.5
+    assert end == pytest.approx([1 - 0.5 * 1 + 0.5 * 0.5])
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"parts": EULER["parts"][:1]}, "2 to 9"),
+        ({"parts": [{**EULER["parts"][0], "c": ["0"]}, EULER["parts"][1]]}, "keys A and b"),
+        ({"claims": {"symmetric": True}}, "no meaning for an additive method"),
+        ({"parts": [{"A": [["0"]], "b": ["1"]}, EULER["parts"][1]]}, "shape"),
+    ],
+)
+def test_what_does_not_fit_is_refused(change, message):
+    with pytest.raises(DataError, match=message):
+        load_document({**EULER, **change})
+
+
+def test_a_problem_without_terms_is_refused():
+    with pytest.raises(UsageError, match="`terms`"):
+        glmref.solve("pendulum", load_document(EULER), h=0.1, steps=1)
+
+
+def test_the_part_alone_is_a_method():
+    part = load_document(EULER).part(2)
+    assert isinstance(part, GLM) and part.B[0][1] == Fraction(1)
+    assert glmref.analyze(part).order == 1
+
+
+@pytest.mark.parametrize(("name", "order"), [("ars-2-2-2", 2), ("ars-4-4-3", 3)])
+def test_the_order_is_seen_in_runs(name, order):
+    # y' = y^2/2 + (1 + t - y), nonlinear and not autonomous, in two parts that do not commute
+    problem = glmref.Problem(
+        terms=[lambda t, y: y * y / 2, lambda t, y: 1 + t - y], y0=(0.5,), t_span=(0.0, 1.0)
+    )
+    exact = glmref.solve(
+        glmref.Problem(f=lambda t, y: y * y / 2 + 1 + t - y, y0=(0.5,)), "gauss-4", h=1 / 64,
+        steps=64, engine="reference",
+    ).y[-1, 0]  # fmt: skip
+    error = [
+        abs(glmref.solve(problem, name, h=1 / n, steps=n).y[-1, 0] - exact) for n in (8, 16, 32)
+    ]
+    seen = np.log2(np.array(error[:-1]) / error[1:])
+    assert seen[-1] == pytest.approx(order, abs=0.15), seen
+    run = glmref.solve(problem, name, h=0.1, steps=2)
+    assert "the reference engine" in " ".join(run.notices)

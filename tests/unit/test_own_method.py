@@ -1,0 +1,263 @@
+"""An own method: given by arrays, numbers, lists; saved, shown, drawn, cited, analyzed, verified."""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import glmref
+from glmref.cli import main
+from glmref.errors import DataError, UsageError
+from glmref.exact import Exact
+from glmref.exact.expression import parse
+from glmref.views.show import show
+from glmref.views.tables import Style
+
+HEUN = {"A": [["0", "0"], ["1", "0"]], "b": ["1/2", "1/2"]}
+
+
+def heun() -> glmref.GLM:
+    return glmref.from_rk(np.array([[0, 0], [1.0, 0]]), [0.5, 0.5], name="heun")
+
+
+# --- given ----------------------------------------------------------------------------------------
+
+
+def test_arrays_nested_floats_and_families_make_the_same_method() -> None:
+    one = np.ones((1, 1))
+    arrays = glmref.GLM(
+        A=np.array([[0, 0], [1, 0]]), U=np.ones((2, 1)), B=np.full((1, 2), 0.5), V=one
+    )
+    floats = glmref.GLM(A=[[0.0, 0.0], [1.0, 0.0]], U=[[1.0], [1.0]], B=[[0.5, 0.5]], V=[[1.0]])
+    mixed = glmref.GLM(
+        A=[[0, 0], [np.int64(1), 0]], U=[[1], [1]], B=[["1/2", np.float64(0.5)]], V=[[1]]
+    )
+    for method in (arrays, floats, mixed):
+        assert (method.A, method.B) == (heun().A, heun().B)
+        assert method.is_exact and glmref.analyze(method).order == 2
+
+
+def test_a_float_is_the_shortest_decimal_that_gives_it() -> None:
+    method = glmref.from_rk([[0.1]], [1.0])
+    assert method.A[0][0] == Fraction(1, 10)
+    tiny = glmref.from_rk([[1e-5]], [1.0])
+    assert tiny.A[0][0] == Fraction(1, 100000)
+    turned = glmref.from_rk(np.array([[0.5 + 0.25j]]), [1.0])
+    assert turned.A[0][0] == Exact(1) / 2 + parse("i") / 4
+
+
+@pytest.mark.parametrize("bad", [float("nan"), float("inf"), True, None, [1]])
+def test_what_is_no_number_is_refused_with_its_place(bad: object) -> None:
+    with pytest.raises(DataError, match=r"`?A\[1\]\[1\]|`A\[1\]\[1\]`"):
+        glmref.from_rk([[bad]], [1.0])  # type: ignore[list-item]
+
+
+def test_a_rounded_tableau_is_told_from_an_exact_one() -> None:
+    third = 1 / 3
+    method = glmref.from_rk([[0, 0], [2 * third, 0]], [0.25, 0.75])
+    facts = glmref.analyze(method)
+    assert facts.order == 1 and "order 2 to" in facts.order_witness
+    assert glmref.analyze(glmref.from_rk([["0", "0"], ["2/3", "0"]], ["1/4", "3/4"])).order == 2
+
+
+def test_multistep_and_splitting_coefficients_make_methods() -> None:
+    ab2 = glmref.from_lmm([0, -1, 1], [-0.5, 1.5, 0])
+    assert glmref.analyze(ab2).order == 2
+    assert glmref.analyze(glmref.from_splitting([0.5, 0.5], [1.0])).order == 2
+    assert glmref.analyze(glmref.from_one_leg([-1, 1], [0.5, 0.5])).order == 2
+
+
+def test_zero_printed_with_digits_is_zero(tmp_path: Path) -> None:
+    assert parse("0.000", digits=3) == 0 and isinstance(parse("0.000", digits=3), Exact)
+    assert not isinstance(parse("0.001", digits=3), Exact)
+    path = tmp_path / "mine.json"
+    decimals = {"digits": 3, "A": [["0.000", "0.000"], ["1.000", "0.000"]], "b": ["0.500", "0.500"]}
+    path.write_text(json.dumps(decimals), encoding="utf-8")
+    assert glmref.analyze(path).explicit
+
+
+# --- names, files, objects --------------------------------------------------------------------------
+
+
+def test_every_function_takes_names_files_and_objects(tmp_path: Path) -> None:
+    file = glmref.load("rk4").save(tmp_path / "mine.json")
+    for given in ("rk4", file, str(file), glmref.load("rk4")):
+        assert {str(f.verdict) for f in glmref.verify(given)} == {"holds"}
+        assert glmref.analyze(given).order == 4
+        assert "1/6" in glmref.show(given)
+        assert glmref.plot(given).startswith("<svg")
+        assert "kutta" in glmref.cite(given).lower()
+        assert "step" in glmref.export(given, to="c")
+        assert glmref.solve("kepler", given, h=0.1, steps=2).completed
+    for function in (glmref.verify, glmref.analyze, glmref.show, glmref.plot, glmref.cite):
+        with pytest.raises(UsageError, match="a method, its name or its file, got int"):
+            function(3)  # type: ignore[arg-type]
+        with pytest.raises(UsageError, match="did you mean rk4"):
+            function("rk44")
+    with pytest.raises(UsageError, match="did you mean order"):
+        glmref.verify("rk4", only=["ordre"])
+    with pytest.raises(DataError, match="no source to cite"):
+        glmref.cite(heun())
+
+
+# --- saved ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "name", ["rk4", "gauss-2", "g6245-w3", "ab-2", "pair-4-4", "stormer-verlet"]
+)
+def test_save_and_load_give_the_method_back(name: str, tmp_path: Path) -> None:
+    method = glmref.load(name)
+    again = glmref.load(method.save(tmp_path / "again.json"))
+    assert again.document == method.document
+    doubled = method.transform([[2 * (i == j) for j in range(method.r)] for i in range(method.r)])
+    again = glmref.load(doubled.save(tmp_path / "doubled.json"))
+    assert type(again) is type(doubled) and again.claims.keys() == doubled.claims.keys()
+    for one, other in zip(
+        vars(again.to_float()).values(), vars(doubled.to_float()).values(), strict=True
+    ):
+        assert isinstance(one, str) or np.array_equal(one, other)
+
+
+def test_save_writes_what_the_method_is_and_not_what_its_file_was(tmp_path: Path) -> None:
+    from dataclasses import replace
+
+    changed = replace(glmref.load("rk4"), A=heun_like())
+    again = glmref.load(changed.save(tmp_path / "changed.json"))
+    assert again.A == changed.A != glmref.load("rk4").A
+    with pytest.raises(UsageError, match=r"mine\.json"):
+        heun().save(tmp_path / "missing" / "mine.json")
+
+
+def heun_like() -> list[list[float]]:
+    return [[0.0] * 4, [1.0, 0, 0, 0], [0, 0.5, 0, 0], [0, 0, 1.0, 0]]
+
+
+def test_to_float_of_a_pair_keeps_what_rounding_lost() -> None:
+    pair = glmref.load("pair-4-4")
+    assert isinstance(pair, glmref.PartitionedGLM)
+    rounded = pair.to_float()
+    assert rounded.A_hat.shape == (pair.n_P, pair.n_Q) and rounded.G is not None
+    i, j = np.argwhere(rounded.A_hat_residue != 0)[0]
+    left = pair.A_hat[i][j] - Fraction(float(rounded.A_hat[i, j]))
+    assert float(left) == rounded.A_hat_residue[i, j]
+
+
+# --- shown ------------------------------------------------------------------------------------------
+
+
+def test_a_repr_is_one_line_and_a_notebook_shows_the_tableau() -> None:
+    solution = glmref.solve("kepler", "rk4", h=0.1, steps=20, every=1)
+    facts = glmref.analyze("rk4")
+    for record in (glmref.load("rk4"), glmref.load("pair-4-4"), facts, solution, solution.plot()):
+        assert "\n" not in repr(record) and len(repr(record)) < 100
+    assert repr(glmref.load("rk4")) == "<GLM rk4: s = 4, r = 1>"
+    for record, said in (
+        (glmref.load("rk4"), "<mfrac><mrow><mn>1</mn></mrow><mrow><mn>6</mn></mrow></mfrac>"),
+        (facts, "<th>order</th><td>4</td>"),
+        (solution, "<svg"),
+    ):
+        assert said in record._repr_html_()
+    assert "<svg" not in glmref.solve("kepler", "rk4", h=0.1, steps=2)._repr_html_()
+    assert repr(glmref.show("rk4")) == str(glmref.show("rk4"))  # as it stands
+
+
+def test_html_escapes_what_a_file_says() -> None:
+    mine = glmref.from_rk([[0]], [1], name="<script>")
+    assert "<script>" not in mine._repr_html_()
+    assert "&lt;script&gt;" in mine._repr_html_()
+
+
+def test_a_solution_is_drawn_and_saved(tmp_path: Path) -> None:
+    solution = glmref.solve("kepler", "rk4", h=0.1, steps=20, every=1)
+    drawn = solution.plot(components=[0, 3])
+    assert drawn.count("<polyline") == 2 and ">y[3]<" in drawn
+    path = drawn.save(tmp_path / "run.svg")
+    assert path.read_text(encoding="utf-8") == drawn
+    with pytest.raises(UsageError, match=r"such as run\.svg"):
+        drawn.save(tmp_path / "run.png")
+    with pytest.raises(UsageError, match="numbers from 0 to 3"):
+        solution.plot(components=[4])
+    with pytest.raises(UsageError, match="one point"):
+        glmref.solve("kepler", "rk4", h=0.1, steps=2).plot()
+
+
+@pytest.mark.parametrize("width", [60, 80, 100, 140])
+@pytest.mark.parametrize("name", ["g6245-w3", "rk4", "pair-rkn-6-8b", "gauss-3"])
+def test_show_wraps_at_the_width_of_the_terminal(name: str, width: int) -> None:
+    text = show(name, style=Style(unicode=True, width=width))
+    assert max(map(len, text.split("\n"))) <= width
+    assert show(name, style=Style(width=100000)).count("columns") == 0
+
+
+def test_columns_that_are_wrapped_are_all_there() -> None:
+    method = glmref.load("g6245-w3")
+    narrow, wide = (show(method, decimal=6, style=Style(width=w)) for w in (60, 10000))
+
+    def numbers(text: str) -> list[str]:
+        body = text.split("\n\n")[1]
+        return sorted(
+            x
+            for line in body.split("\n")
+            if " of " not in line
+            for x in line.split()
+            if x[-1].isdigit()
+        )
+
+    assert numbers(narrow) == numbers(wide)
+    assert "columns 1 to " in narrow
+
+
+# --- analyzed -----------------------------------------------------------------------------------------
+
+
+def test_analyze_tells_stability_and_error_constants(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["analyze", "rk4"]) == 0
+    out = capsys.readouterr().out
+    for line in (
+        "A-stable  no",
+        "L-stable  no",
+        "real stability interval  [-2.78529356341, 0]",
+        "imaginary stability interval  [-2.82842712475 i, 2.82842712475 i]",
+        "periodicity interval  none",
+        "error constant  0.0145046, norm of residual / symmetry",
+    ):
+        assert " ".join(line.split()) in " ".join(out.split())
+    facts = glmref.analyze("ab-4")
+    assert facts.quadrature_constant == pytest.approx(251 / 720)  # Hairer, Norsett, Wanner, III.2
+    assert glmref.analyze("gauss-2").stability["A"] is True
+    assert glmref.analyze("stormer-verlet").stability == {"periodicity": pytest.approx(2)}
+    assert glmref.analyze("pair-rkn-6-8b").order_nystrom == 6
+
+
+def test_analyze_names_the_row_that_is_not_consistent(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    path = tmp_path / "off.json"
+    path.write_text(json.dumps({"A": [["0"]], "b": ["9/10"]}), encoding="utf-8")
+    assert main(["analyze", str(path)]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert "row 1 is off by -0.1 where the others hold" in out
+    two = glmref.GLM(A=[[0]], U=[[1, 0]], B=[[1], [2]], V=[[1, 0], [0, 1]])
+    assert "row 2 is off" not in glmref.analyze(two).consistency_witness  # u is chosen for it
+    three = glmref.GLM(A=[[0]], U=[[1, 0]], B=[[1], [2]], V=[["1", "0"], ["1", "0"]])
+    assert glmref.analyze(three).consistency_witness == ""  # v takes it up
+
+
+def test_an_additive_method_is_shown_saved_and_refused_in_one_sentence(tmp_path: Path) -> None:
+    method = glmref.load("ars-2-2-2")
+    assert isinstance(method, glmref.method.AdditiveGLM)
+    assert repr(method) == "<AdditiveGLM ars-2-2-2: k = 2, s = 3, r = 1>"
+    assert "<msqrt>" in method._repr_html_()
+    mine = glmref.method.AdditiveGLM(A=method.A, B=method.B, name="mine")
+    again = glmref.load(mine.save(tmp_path / "mine.json"))
+    assert isinstance(again, glmref.method.AdditiveGLM) and again.A == method.A
+    with pytest.raises(UsageError, match="no stability region of one variable"):
+        glmref.plot(method)
+    with pytest.raises(UsageError, match="export its parts"):
+        glmref.export(method, to="c")
+    assert "step" in glmref.export(method.part(1), to="c")
