@@ -9,12 +9,17 @@
 ``decimal`` is read only where the file declares its digits, and gives a ball. ``name`` is ``i`` or
 a constant the file declares. ``root(x, n)`` is the positive n-th root of a positive real number.
 ``angle`` is a rational multiple of ``pi*i``, as in ``exp(2*pi*i/3)``.
+
+:func:`syntax_tree` reads a text; what is made of a tree is written in one place each: its number
+here, its element of a tower of roots in :mod:`glmref.prove.radicals`, LaTeX in
+:mod:`glmref.exchange.latex`, MathML in :mod:`glmref.report.typeset`.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from dataclasses import dataclass
 from math import isfinite, prod
 from typing import NamedTuple
 
@@ -22,7 +27,23 @@ from ..errors import DataError, ExactnessError
 from ..system.budget import spend
 from . import Ball, Exact, Scalar, root_of_unity
 
-__all__ = ["Text", "Weight", "parse", "shown_number", "to_text", "weigh"]
+__all__ = [
+    "Exponential",
+    "Name",
+    "Negative",
+    "Node",
+    "Number",
+    "Product",
+    "Root",
+    "Sum",
+    "Text",
+    "Weight",
+    "parse",
+    "shown_number",
+    "syntax_tree",
+    "to_text",
+    "weigh",
+]
 
 MAX_LENGTH = 4000  # characters of one entry, its constants written out; published ones have 200
 MAX_DEPTH = 40  # nested parentheses and signs
@@ -39,6 +60,60 @@ _RATIONAL = re.compile(r"(-?[0-9]{1,40})(?:/([0-9]{1,40}))?", re.ASCII)  # most 
 _TOKEN = re.compile(
     r"\s*(?:([0-9]+\.[0-9]*|\.[0-9]+|[0-9]+)|([A-Za-z_][A-Za-z_0-9]*)|([-+*/(),]))", re.ASCII
 )
+_EXPONENT = re.compile(r"[eE][-+]?[0-9]+", re.ASCII)
+
+
+@dataclass(frozen=True)
+class Number:
+    """A whole number or a decimal, as it is written."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class Name:
+    """``i``, ``pi`` or a constant."""
+
+    name: str
+
+
+@dataclass(frozen=True)
+class Negative:
+    """Minus an expression."""
+
+    operand: Node
+
+
+@dataclass(frozen=True)
+class Sum:
+    """Two terms or more, each with the sign before it; the first has ``+``."""
+
+    terms: tuple[tuple[str, Node], ...]
+
+
+@dataclass(frozen=True)
+class Product:
+    """Two or more from the left, each with ``*`` or ``/`` before it; the first has ``*``."""
+
+    factors: tuple[tuple[str, Node], ...]
+
+
+@dataclass(frozen=True)
+class Root:
+    """``sqrt(x)``, of degree 2, or ``root(x, n)``."""
+
+    radicand: Node
+    degree: int
+
+
+@dataclass(frozen=True)
+class Exponential:
+    """``exp(angle)``."""
+
+    angle: Node
+
+
+Node = Number | Name | Negative | Sum | Product | Root | Exponential
 
 
 class Weight(NamedTuple):
@@ -181,50 +256,77 @@ def parse(
     rational = _RATIONAL.fullmatch(text)
     if rational and (rational[2] is None or int(rational[2])):
         return Exact(int(rational[1])) / Exact(int(rational[2] or 1))
-    return _Parser(text, constants or {}, digits).read()
+    tree = syntax_tree(text)
+    evaluator = _Evaluator(text, constants or {}, digits)
+    try:
+        value = evaluator.value(tree)
+    except ZeroDivisionError:
+        raise _error(text, "there is a division by zero") from None
+    except ExactnessError as error:
+        raise _error(text, f"{error}, so there is no exact value") from None
+    if isinstance(value, Ball) and not isfinite(value.magnitude()):
+        raise _error(text, "a quotient, a root or a size that its decimals do not bound stands")
+    return value
+
+
+def syntax_tree(text: str, *, exponents: bool = False) -> Node:
+    """Read an expression; its names may be any.
+
+    Parameters
+    ----------
+    text : str
+        The expression.
+    exponents : bool
+        Whether a number may have an exponent, as in ``1.5e-8``. Files have none; shown numbers may.
+
+    Raises
+    ------
+    DataError
+        With one sentence that names the entry and what to do.
+    """
+    return _Parser(text, exponents).read()
+
+
+def _error(text: str, what: str) -> DataError:
+    return DataError(
+        f"{what} in the entry {_shortened(text)}; write integers, + - * / ( ), sqrt(), "
+        f"root(x,n), i, exp(2*pi*i/n) or a declared constant"
+    )
 
 
 class _Parser:
     """Recursive descent over the tokens of one entry."""
 
-    def __init__(self, text: str, constants: Mapping[str, Scalar], digits: int | None) -> None:
+    def __init__(self, text: str, exponents: bool) -> None:
         weigh(text, {})
-        self.text, self.constants, self.digits = text, constants, digits
+        self.text = text
         self.tokens: list[str] = []
         self.position = 0
         self.depth = 0
-        self._split()
+        self._split(exponents)
 
-    def _split(self) -> None:
+    def _split(self, exponents: bool) -> None:
         position, text = 0, self.text.rstrip(_SPACES)
         while position < len(text):
             match = _TOKEN.match(text, position)
             if match is None:
                 wrong = text[position:].lstrip(_SPACES)[0]
                 raise self._error(f"the character {wrong!r} is not allowed")
-            self.tokens.append(match[0].strip())
             position = match.end()
+            exponent = _EXPONENT.match(text, position) if exponents and match[1] else None
+            self.tokens.append(match[0].strip() + (exponent[0] if exponent else ""))
+            position = exponent.end() if exponent else position
 
     def _error(self, what: str) -> DataError:
-        return DataError(
-            f"{what} in the entry {_shortened(self.text)}; write integers, + - * / ( ), sqrt(), "
-            f"root(x,n), i, exp(2*pi*i/n) or a declared constant"
-        )
+        return _error(self.text, what)
 
-    def read(self) -> Scalar:
+    def read(self) -> Node:
         if not self.tokens:
             raise self._error("an empty string stands for no number")
-        try:
-            value = self._sum()
-        except ZeroDivisionError:
-            raise self._error("there is a division by zero") from None
-        except ExactnessError as error:
-            raise self._error(f"{error}, so there is no exact value") from None
+        tree = self._sum()
         if self.position < len(self.tokens):
             raise self._error(f"{self.tokens[self.position]!r} is out of place")
-        if isinstance(value, Ball) and not isfinite(value.magnitude()):
-            raise self._error("a quotient, a root or a size that its decimals do not bound stands")
-        return value
+        return tree
 
     def _peek(self) -> str:
         return self.tokens[self.position] if self.position < len(self.tokens) else ""
@@ -243,57 +345,53 @@ class _Parser:
         if self.depth > MAX_DEPTH:
             raise self._error(f"parentheses and signs are nested deeper than {MAX_DEPTH}")
 
-    def _sum(self) -> Scalar:
-        value = self._product()
+    def _sum(self) -> Node:
+        terms = [("+", self._product())]
         while self._peek() in ("+", "-"):
-            sign = self._take()
-            term = self._product()
-            value = value + term if sign == "+" else value - term
-        return value
+            terms.append((self._take(), self._product()))
+        return Sum(tuple(terms)) if len(terms) > 1 else terms[0][1]
 
-    def _product(self) -> Scalar:
-        value = self._factor()
+    def _product(self) -> Node:
+        factors = [("*", self._factor())]
         while self._peek() in ("*", "/"):
-            operator = self._take()
-            factor = self._factor()
-            value = value * factor if operator == "*" else value / factor
-        return value
+            factors.append((self._take(), self._factor()))
+        return Product(tuple(factors)) if len(factors) > 1 else factors[0][1]
 
-    def _factor(self) -> Scalar:
+    def _factor(self) -> Node:
         if self._peek() in ("+", "-"):
             sign = self._take()
             self._deeper()
-            value = self._factor()
+            operand = self._factor()
             self.depth -= 1
-            return value if sign == "+" else -value
+            return operand if sign == "+" else Negative(operand)
         return self._atom()
 
-    def _atom(self) -> Scalar:
+    def _atom(self) -> Node:
         token = self._take()
         if token == "(":
+            self.position -= 1
             return self._parenthesis()
         if token[0].isdigit() or token[0] == ".":
-            return self._number(token)
+            return Number(token)
         if token in ("sqrt", "root"):
             return self._radical(token)
         if token == "exp":
-            return self._exponential()
-        if token in self.constants:
-            return self.constants[token]
-        if token == "i":
-            return Exact(-1).sqrt()
+            return Exponential(self._parenthesis())
         if token[0].isalpha() or token[0] == "_":
-            raise self._error(f"the name {token!r} is not known")
+            if self._peek() == "(":
+                raise self._error(f"the name {token!r} is not known")
+            return Name(token)
         raise self._error(f"{token!r} is out of place")
 
-    def _parenthesis(self) -> Scalar:
+    def _parenthesis(self) -> Node:
+        self._take("(")
         self._deeper()
-        value = self._sum()
+        inner = self._sum()
         self._take(")")
         self.depth -= 1
-        return value
+        return inner
 
-    def _radical(self, kind: str) -> Scalar:
+    def _radical(self, kind: str) -> Node:
         """``sqrt(x)`` or ``root(x, n)``; how many and how deep was bounded by :func:`weigh`."""
         self._take("(")
         degree = 2
@@ -304,11 +402,7 @@ class _Parser:
             degree = self._root_degree()
         self._take(")")
         self.depth -= 1
-        if kind == "sqrt":
-            return radicand.sqrt()
-        if not radicand.is_real() or radicand.sign() <= 0:
-            raise self._error("root(x, n) takes a positive real x; something else stands")
-        return radicand.root(degree)
+        return Root(radicand, degree)
 
     def _root_degree(self) -> int:
         token = self._take()
@@ -317,6 +411,57 @@ class _Parser:
                 f"root(x, n) takes a whole number n from 2 to {MAX_ROOT}, not {token!r},"
             )
         return int(token)
+
+
+class _Evaluator:
+    """The number that a tree stands for."""
+
+    def __init__(self, text: str, constants: Mapping[str, Scalar], digits: int | None) -> None:
+        self.text, self.constants, self.digits = text, constants, digits
+
+    def _error(self, what: str) -> DataError:
+        return _error(self.text, what)
+
+    def value(self, node: Node) -> Scalar:
+        match node:
+            case Number(token):
+                return self._number(token)
+            case Name(name):
+                return self._name(name)
+            case Negative(operand):
+                return -self.value(operand)
+            case Sum(terms):
+                (_, first), *others = terms
+                total = self.value(first)
+                for sign, term in others:
+                    total = total + self.value(term) if sign == "+" else total - self.value(term)
+                return total
+            case Product(factors):
+                (_, first), *others = factors
+                result = self.value(first)
+                for sign, factor in others:
+                    operand = self.value(factor)
+                    result = result * operand if sign == "*" else result / operand
+                return result
+            case Root(radicand, degree):
+                return self._root(self.value(radicand), degree)
+            case Exponential(angle):
+                return self._exponential(angle)
+        raise AssertionError(node)
+
+    def _name(self, name: str) -> Scalar:
+        if name in self.constants:
+            return self.constants[name]
+        if name == "i":
+            return Exact(-1).sqrt()
+        raise self._error(f"the name {name!r} is not known")
+
+    def _root(self, radicand: Scalar, degree: int) -> Scalar:
+        if degree == 2:
+            return radicand.sqrt()
+        if not radicand.is_real() or radicand.sign() <= 0:
+            raise self._error("root(x, n) takes a positive real x; something else stands")
+        return radicand.root(degree)
 
     def _number(self, token: str) -> Scalar:
         if len(token) > MAX_INTEGER_DIGITS:
@@ -332,14 +477,13 @@ class _Parser:
             raise self._error(
                 f"the decimal {token!r} has more digits than the declared {self.digits}"
             )
+        if not token.strip("0."):
+            return Exact(0)  # a zero of a table is printed with as many digits as its neighbours
         return Ball.decimal("0" + token if token[0] == "." else token, self.digits)
 
-    def _exponential(self) -> Scalar:
+    def _exponential(self, argument: Node) -> Scalar:
         """Exp of a rational multiple of pi*i: the angle is read with ``pi`` as the unit."""
-        self._take("(")
-        outer, self.constants = self.constants, {"pi": Exact(1)}
-        angle = self._parenthesis()
-        self.constants = outer
+        angle = _Evaluator(self.text, {"pi": Exact(1)}, self.digits).value(argument)
         turns = (angle / (Exact(-1).sqrt() * 2)) if isinstance(angle, Exact) else None
         fraction = turns.as_fraction() if turns is not None else None
         if fraction is None or fraction.denominator > MAX_TURN_DENOMINATOR:

@@ -88,7 +88,12 @@ def transpose(a: Matrix) -> Matrix:
 
 def conjugate_transpose(a: Matrix) -> Matrix:
     """Conjugate transpose."""
-    return tuple(tuple(x.conjugate() for x in column) for column in zip(*a, strict=True))
+
+    def conjugate(x: Scalar) -> Scalar:
+        spend()  # in a field with many roots one takes a tenth of a second
+        return x.conjugate()
+
+    return tuple(tuple(conjugate(x) for x in column) for column in zip(*a, strict=True))
 
 
 def dot(a: Iterable[Scalar], b: Iterable[Scalar]) -> Scalar:

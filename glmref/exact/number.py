@@ -129,13 +129,14 @@ class Exact(Arithmetic):
             return plain
         try:
             text = repr(MINIMAL(self._element)).partition(" of ")[2]
-        except AssertionError:  # the degree is beyond what flint converts
+            coefficients: dict[int, int] = {}
+            for term in TERM.finditer(text):
+                if term[0]:
+                    degree = int(term["n"] or 1) if term["a"] else 0
+                    coefficients[degree] = int(term["sign"] + (term["c"] or "1"))
+        except (AssertionError, ValueError):
+            # the degree is beyond what flint converts, or the digits beyond what Python does
             return plain
-        coefficients: dict[int, int] = {}
-        for term in TERM.finditer(text):
-            if term[0]:
-                degree = int(term["n"] or 1) if term["a"] else 0
-                coefficients[degree] = int(term["sign"] + (term["c"] or "1"))
         if 0 not in coefficients:  # a printed form that is not understood
             return plain
         value = Exact(0)

@@ -199,6 +199,11 @@ def write_bytes(path: Path, content: bytes, *, sync: bool = True) -> None:
         raise UsageError(f"{printable(path)} cannot be written ({error})") from None
     if mode is not None and not stat.S_ISREG(mode):
         raise UsageError(f"{printable(path)} is {kind_of(mode)}; name a regular file to write")
+    if not target.parent.is_dir():
+        raise UsageError(
+            f"{printable(path)} cannot be written: there is no folder {printable(target.parent)}; "
+            f"make it, or name another place"
+        )
     aside = target.with_name(f".{target.name[:100]}.{os.getpid()}.tmp")
     try:
         with aside.open("wb") as stream:

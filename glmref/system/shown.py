@@ -1,0 +1,71 @@
+"""What a record does for a person: shown in a notebook, drawn, saved.
+
+Methods, analyses and solutions lie below the rooms that draw and write them. They ask those rooms
+by name, here and nowhere else, and only when a person asks them.
+
+Public names::
+
+    Shown                       base class: ``_repr_html_``, what a notebook shows
+    Drawing                     a picture in SVG, which a notebook shows
+    above(module, function)     a function of a room above
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from ..errors import UsageError
+from .files import write_text
+
+__all__ = ["ABOVE", "Drawing", "Shown", "above"]
+
+#: What records ask of the rooms above: module and function.
+ABOVE = (
+    ("report.notebook", "html"),
+    ("views.plot", "plot"),
+    ("exchange.export", "save"),
+)
+
+
+def above(module: str, function: str) -> Callable[..., Any]:
+    """Return a function of :data:`ABOVE`."""
+    assert (module, function) in ABOVE
+    return getattr(import_module(f"glmref.{module}"), function)
+
+
+class Shown:
+    """A record that a notebook shows as HTML."""
+
+    __slots__ = ()
+
+    def _repr_html_(self) -> str:
+        return above("report.notebook", "html")(self)
+
+
+class Drawing(str):
+    """A picture as the text of an SVG document."""
+
+    __slots__ = ()
+
+    def __repr__(self) -> str:
+        return f"<Drawing in SVG, {len(self)} characters; .save(path) writes it>"
+
+    def _repr_svg_(self) -> str:
+        return str(self)
+
+    def save(self, path: str | Path) -> Path:
+        """Write the picture.
+
+        Raises
+        ------
+        UsageError
+            Where the file cannot be written, or is not called ``.svg``.
+        """
+        place = Path(path)
+        if place.suffix != ".svg":
+            raise UsageError(f"a picture is written as SVG; give a name such as {place.stem}.svg")
+        write_text(place, self)
+        return place
