@@ -10,6 +10,7 @@ import json
 import re
 import signal
 import sys
+from copy import copy
 from fractions import Fraction
 from functools import cache
 from itertools import pairwise, product
@@ -73,10 +74,15 @@ def total(values):
     return sum(values, Fraction(0))
 
 
+def is_nil(x):
+    """Tell whether a number is the exact zero."""
+    return type(x) is Fraction and not x
+
+
 def dot(x, y):
     """Return sum x_i y_i; zeros cost nothing."""
     require(len(x) == len(y), "shapes do not fit")
-    return total(a * b for a, b in zip(x, y, strict=True) if a and b)
+    return total(a * b for a, b in zip(x, y, strict=True) if not (is_nil(a) or is_nil(b)))
 
 
 def transpose(M):
@@ -233,6 +239,7 @@ CLASSES = {  # needed keys, optional keys
     "composition": ("base gamma", "starting finishing"),
     "lmm": ("alpha beta", "starting finishing"),
     "one-leg": ("alpha beta", "G starting finishing"),
+    "additive": ("parts", ""),
     "sweep": ("D X V G", "unknowns enclosure starting finishing"),
     "splitting": ("first a b", "unknowns enclosure starting"),
     "partitioned-rk": ("A b A_hat b_hat", "starting separable"),
@@ -273,17 +280,18 @@ class Method:
         require((base is not None) == (kind == "composition"), "a base belongs to compositions")
         self.kind, self.base = kind, base
         made = getattr(self, "make_" + kind.replace("-", "_"))()
-        self.pair = isinstance(made, tuple)
+        self.pair, self.additive = isinstance(made, tuple), kind == "additive"
         self.parts = {"f": made[0], "k": made[1]} if self.pair else {"o": made}
+        if self.additive:
+            self.parts = made
         fixed = {"splitting": True, "pair-sweep": True, "partitioned-rk": False}
         self.separable = self.pair and document.get("separable", fixed.get(kind, False)) is True
-        children = {"o": "o"} if not self.pair else {"f": "k", "k": "f"}
-        self.palette = tuple((c, "fk" if self.pair and not self.separable else children[c])
-                             for c in self.parts)  # fmt: skip
+        children = {"f": "k", "k": "f"} if self.separable else {}
+        self.palette = tuple((c, children.get(c, "".join(self.parts))) for c in self.parts)
 
     def single(self):
         """Return the component of a method that is no pair."""
-        require(not self.pair, "the rule is for single methods")
+        require("o" in self.parts, "the rule is for single methods")
         return self.parts["o"]
 
     def part(self, colour):
@@ -383,10 +391,12 @@ class Method:
             S = times(star(X), self.form(), X)
             half, s = Fraction(1, 2), len(d)
             texts = self.document.get("enclosure", {}).get("equations", [])
-            if any(str(text).startswith("explicit") for text in texts):
+            none = self.numbers.explicit
+            if none is None and any(str(text).startswith("explicit") for text in texts):
                 not_covered("stages of a sweep that an equation makes explicit")
-            return [[d[j] * S[i][j] if j < i else half * d[i] * S[i][i] if j == i else Fraction(0)
-                     for j in range(s)] for i in range(s)]  # fmt: skip
+            return [[d[j] * S[i][j] if j < i
+                     else half * d[i] * S[i][i] if j == i and i not in (none or ())
+                     else Fraction(0) for j in range(s)] for i in range(s)]  # fmt: skip
 
         return Component(
             A=matrix, V=lambda: self.matrix("V"),
@@ -403,6 +413,17 @@ class Method:
         """Return two Runge-Kutta methods."""
         hat = self.runge_kutta(lambda: self.matrix("A_hat"), lambda: self.list("b_hat"))
         return self.make_rk(), hat
+
+    def make_additive(self):
+        """Return a Runge-Kutta method for each right-hand side; the colours are digits."""
+        parts = self.document["parts"]
+        require(isinstance(parts, list) and 2 <= len(parts) <= 9, "there are 2 to 9 parts")
+        made = {}
+        for n, part in enumerate(parts, 1):
+            keys(part, "A b", where=f"part {n}")
+            made[str(n)] = self.runge_kutta(lambda part=part: self.matrix("A", part),
+                                            lambda part=part: self.list("b", part))  # fmt: skip
+        return made
 
     def make_splitting(self):
         """Return the pair of a splitting: P stages from a, Q stages from b."""
@@ -443,6 +464,8 @@ class Method:
 
     def check_shapes(self):
         """Refuse matrices that do not fit each other, and stages of a pair that do not meet."""
+        stages = {len(m.A) for m in self.parts.values()}
+        require(not self.additive or len(stages) == 1, "the parts have other stages")
         for c, m in self.parts.items():
             slopes, r = len(m.B[0]), m.r
             partner = self.parts["k" if c == "f" else "f"] if self.pair else m
@@ -472,12 +495,16 @@ class Element:
         self.tower, self.terms = tower, terms
 
     def __add__(self, other):
+        if not isinstance(other, Element | Fraction | int):
+            return NotImplemented
         terms = dict(self.terms)
         for k, x in other.terms.items() if isinstance(other, Element) else ((0, other),):
             terms[k] = terms.get(k, 0) + x
         return self.tower.element(terms)
 
     def __mul__(self, other):
+        if not isinstance(other, Element | Fraction | int):
+            return NotImplemented
         if not isinstance(other, Element):
             return self.tower.element({k: x * other for k, x in self.terms.items()})
         terms = {}
@@ -959,19 +986,34 @@ class Numbers:
     """The field of a certificate: reads entries and checks radicals (2)."""
 
     def __init__(self, field):
-        keys(field, "kind", "generators radicals digits unknowns equations centre radius inverse "
-             "implications", "field")  # fmt: skip
-        kind = field["kind"]
-        if kind in ("balls", "enclosure"):
-            not_covered(f"field of kind {kind}")
-        require(kind in ("rational", "tower"), f"no field is of kind {kind!r}")
-        keys(field, "kind" if kind == "rational" else "kind generators radicals", "", "field")
+        kind = field.get("kind") if isinstance(field, dict) else None
+        more = {"rational": "", "tower": "generators radicals", "balls": "generators radicals",
+                "enclosure": "generators radicals proofs"}  # fmt: skip
+        require(isinstance(kind, str) and kind in more, "no field is of this kind")
+        keys(field, "kind " + more[kind], "", "field")
         self.tower, self.memory, self.radicals = Tower(field.get("generators", ())), {}, {}
+        self.unknowns, self.decimal, self.explicit = {}, None, None
         texts = field.get("radicals", {})
         require(isinstance(texts, dict) and len(texts) <= 100, "radicals are an object")
         self.radicals = {text: self.tower.parse(value) for text, value in texts.items()}
         for text, value in self.radicals.items():
             self.check_radical(text, value)
+
+    def changed(self, **more):
+        """Return the same numbers with other unknowns, or another meaning of decimals."""
+        other = copy(self)
+        other.memory = {}
+        for key, value in more.items():
+            setattr(other, key, value)
+        return other
+
+    def with_unknowns(self, values):
+        """Return numbers in which the unknowns of the document have these values."""
+        return self.changed(unknowns=values)
+
+    def exactly(self, decimal):
+        """Return numbers in which a decimal is what `decimal` says of its text."""
+        return self.changed(unknowns={}, decimal=decimal)
 
     def radical(self, text):
         """Return what a radical is said to be."""
@@ -1024,18 +1066,21 @@ class Numbers:
 
     def name(self, document, name):
         """Return (value, text) of a constant or unknown of the document."""
-        if (id(document), name) not in self.memory:
-            self.memory[id(document), name] = None  # a constant that uses itself finds nothing
+        memory = self.memory.setdefault(id(document), (document, {}))[1]  # keeps the object
+        if name not in memory:
+            memory[name] = None  # a constant that uses itself finds nothing
             own = document.get("constants", {})
             require(isinstance(own, dict), "constants are an object")
             if name in document.get("unknowns", {}):
-                not_covered("unknowns of an enclosure")
-            if name not in own:
+                require(name in self.unknowns and name not in own, "an unknown")
+                memory[name] = (self.unknowns[name], name)
+            elif name not in own:
                 return None
-            above = set(list(own)[: list(own).index(name)])
-            parser = self.parser(own[name], document, above)
-            self.memory[id(document), name] = (parser.value, parser.text)
-        return self.memory[id(document), name]
+            else:
+                above = {*list(own)[: list(own).index(name)], *document.get("unknowns", {})}
+                parser = self.parser(own[name], document, above)
+                memory[name] = (parser.value, parser.text)
+        return memory[name]
 
     def parser(self, text, document, allowed=None):
         """Return the parsed entry of a document."""
@@ -1044,8 +1089,9 @@ class Numbers:
             found = self.name(document, name) if allowed is None or name in allowed else None
             return found and found[0]
 
-        def decimal(_text):
-            not_covered("decimals in a statement about exact numbers")
+        def decimal(number):
+            require(self.decimal is not None, "a decimal is no exact number")
+            return self.decimal(number)
 
         return Parser(text, known, self.radical, lambda n: self.name(document, n)[1],
                       decimal if "digits" in document else None)  # fmt: skip
@@ -1143,7 +1189,7 @@ def read_tree(text):
     def vertex():
         nonlocal place
         colour, children = text[place : place + 1], []
-        require(colour and colour in "ofk[", f"{text!r} is no tree")
+        require(colour and colour in "ofk123456789[", f"{text!r} is no tree")
         place += colour != "["
         if colour == "o":  # always a single vertex: with children the colour o is not written
             return "o", ()
@@ -1606,8 +1652,13 @@ def finish_at_least(proof, w):
 
 
 def finish_at_most(proof, w):
-    """Rule finish-at-most."""
-    keys(w, "q tree")
+    """Rule finish-at-most: a tree, or the order of the method."""
+    keys(w, "q", "tree")
+    if "tree" not in w:
+        whole(w["q"])
+        require(proof.high and proof.low == proof.high, "the order is not enclosed")
+        require(w["q"] == proof.high[0], "the finish has another order")
+        return w["q"]
     tree = read_tree(w["tree"])
     require(tree in trees(proof.method.palette, whole(w["q"], 0, 12) + 1), "another order")
     require(nonzero(finish_defect(proof, tree)), "the finish is right at the tree")
@@ -1889,6 +1940,8 @@ def growth(proof, w):
             require(plus(from_roots(mine), from_roots(claimed), -1) == [], "other parameters")
     for (z, (M,)), mine in zip(groups, values, strict=True):
         require(growth_gap(z, M, mine) == [], "a list is not that of the eigenvalues")
+        if free:
+            require(rank(M) == int(not nonzero(z - 1)), "a growth matrix is not 0")
 
 
 def all_zero(proof, given):
@@ -1925,6 +1978,8 @@ def grows(proof, w):
     else:
         mine = [Fraction(0)] * sizes[k] if free else declared_groups(proof, sizes)[k]
         different = growth_gap(z, matrices[0], mine)
+        if free and rank(matrices[0]) != int(not nonzero(z - 1)):
+            return
     require(any(map(nonzero, different)), "the growth parameters are as declared")
 
 
@@ -2118,6 +2173,7 @@ def symmetric(proof, w):
         equal([mirrored[x] for x in R], m.U, "U = P U L V")
         moved = [[m.A[x][y] for y in P] for x in R]
         equal(combine(m.A, moved), times(m.U, back, m.B), "A + P A P = U V^-1 B")
+    proof.reversal = L
 
 
 def involutions(method):
@@ -2152,10 +2208,17 @@ def involutions(method):
     def fits_all(P, k):
         known = [i for i, x in enumerate(P) if x is not None]
         pairs = [(i, j) for e in (k, P[k]) for o in known for i, j in ((e, o), (o, e))]
-        return all(not A[i][j] + A[P[i]][P[j]] - M[i][j] for A, M in blocks for i, j in pairs)
+        return all(
+            may_vanish(A[i][j] + A[P[i]][P[j]] - M[i][j]) for A, M in blocks for i, j in pairs
+        )
 
     place([None] * n)
     return found
+
+
+def may_vanish(x):
+    """Tell whether a number is 0, or an interval that holds 0."""
+    return x.lo <= 0 <= x.hi if type(x) is Interval else not x
 
 
 def corners(M, N):
@@ -2233,13 +2296,15 @@ def needs(method):
     """Return {stage: stages it needs, exact zeros left out}."""
     if not method.separable:
         n = len(next(iter(method.parts.values())).A)
-        return {i: {j for j in range(n) if any(m.A[i][j] for m in method.parts.values())}
+        return {i: {j for j in range(n)
+                    if any(not is_nil(m.A[i][j]) for m in method.parts.values())}
                 for i in range(n)}  # fmt: skip
     q, p = method.parts["f"], method.parts["k"]
     found = {
-        f"Q{i + 1}": {f"P{j + 1}" for j, x in enumerate(row) if x} for i, row in enumerate(q.A)
+        f"Q{i + 1}": {f"P{j + 1}" for j, x in enumerate(row) if not is_nil(x)}
+        for i, row in enumerate(q.A)
     }
-    found.update({f"P{i + 1}": {f"Q{j + 1}" for j, x in enumerate(row) if x}
+    found.update({f"P{i + 1}": {f"Q{j + 1}" for j, x in enumerate(row) if not is_nil(x)}
                   for i, row in enumerate(p.A)})  # fmt: skip
     return found
 
@@ -2276,7 +2341,8 @@ def implicit(proof, w):
 
 def check_entries(method):
     """Refuse where an entry of A that does not reduce to 0 is not shown to be no zero."""
-    fine = all(nonzero(x) for m in method.parts.values() for row in m.A for x in row if x)
+    fine = all(apart(x) for m in method.parts.values() for row in m.A for x in row
+               if not is_nil(x))  # fmt: skip
     require(fine, "an entry of A is not shown to be no zero")
 
 
@@ -2344,7 +2410,47 @@ def irreducible(proof, w):
         for _ in range(m.r - 1):
             reached += [apply(m.V, x) for x in reached[-len(m.B[0]) :]]
             seen += times(seen[-len(m.U) :], m.V)
-        require(rank(reached) == rank(seen) == m.r, f"component {c} can be reduced")
+        whole_ = full_rank(reached, m.r) and full_rank(seen, m.r)
+        require(whole_, f"component {c} can be reduced")
+
+
+def equivalent(proof, w):
+    """Rule equivalent: the method with the same A and these U, B, V makes the same steps.
+
+    U V^k B agree for k < r + r'. The parts that follow are about this method.
+    """
+    keys(w, "U B V")
+    m, read = proof.method.single(), proof.method.numbers
+    U, B, V = (read.matrix(w[key]) for key in "UBV")
+    other = copy(proof.method)
+    other.parts = {"o": Component(A=lambda: m.A, U=lambda: U, B=lambda: B, V=lambda: V)}
+    other.check_shapes()
+    left, right = m.U, U
+    for _ in range(m.r + len(V)):
+        equal(times(left, m.B), times(right, B), "U V^k B")
+        left, right = times(left, m.V), times(right, V)
+    proof.method = other
+
+
+def full_rank(rows, n):
+    """Tell whether rows of n numbers are shown to have rank n: pivots that are not 0."""
+    rows = [list(row) for row in rows]
+    if not any(type(x) is Interval for row in rows for x in row):
+        return rank(rows) == n
+    rows = [[Interval.of(x) for x in row] for row in rows]
+    for column in range(n):
+        good = [row for row in rows if apart(row[column])]
+        if not good:
+            return False
+        top = max(good, key=lambda row: min(abs(row[column].lo), abs(row[column].hi)))
+        rows = [row for row in rows if row is not top]
+        low, high = Fraction(2**PLACES, top[column].lo), Fraction(2**PLACES, top[column].hi)
+        unit = Interval.ends(min(low, high), max(low, high))
+        for row in rows:
+            factor = row[column] * unit
+            for j in range(column, n):
+                row[j] = row[j] - factor * top[j]
+    return True
 
 
 # --------------------------------------------------------------- section 5: linear stability
@@ -2562,6 +2668,1594 @@ def l_limit(proof, w, wanted=True):
     require(zero == wanted, "the limit is (not) a multiple of w^r")
 
 
+# ------------------------------------------------ section 6: intervals, and numbers with gradients
+
+PLACES = 448  # binary places of an interval
+
+
+class Interval:
+    """A closed interval of real numbers with ends that are whole multiples of 2^-PLACES.
+
+    Its truth value says that it excludes 0; where that is not decided the answer is a refusal, so
+    that the rules for exact numbers can be used with intervals and prove nothing wrong.
+    """
+
+    __slots__ = ("hi", "lo")
+
+    def __init__(self, lo, hi):
+        self.lo, self.hi = lo, hi
+
+    @classmethod
+    def of(cls, x):
+        """Return an interval around a number."""
+        return x if type(x) is Interval else around(x)
+
+    @classmethod
+    def ends(cls, lo, hi):
+        """Return the interval between two rationals, rounded outward."""
+        return cls((lo * 2**PLACES).__floor__(), (hi * 2**PLACES).__ceil__())
+
+    def __bool__(self):
+        require(not self.lo <= 0 <= self.hi, "an interval holds 0: nothing is decided")
+        return True
+
+    def __add__(self, other):
+        if type(other) is not Interval:
+            if isinstance(other, Gradient):
+                return NotImplemented
+            other = around(other)
+        return Interval(self.lo + other.lo, self.hi + other.hi)
+
+    __radd__ = __add__
+
+    def __neg__(self):
+        return Interval(-self.hi, -self.lo)
+
+    def __sub__(self, other):
+        return self + -other
+
+    def __rsub__(self, other):
+        return -self + other
+
+    def __mul__(self, other):
+        a, b = self.lo, self.hi
+        if type(other) is not Interval:
+            if isinstance(other, Gradient):
+                return NotImplemented
+            if not isinstance(other, Element):
+                n, d = other.numerator, other.denominator
+                a, b = (a * n, b * n) if n >= 0 else (b * n, a * n)
+                return Interval(a // d, -(-b // d))
+            other = around(other)
+        c, d = other.lo, other.hi
+        ends = (a * c, a * d, b * c, b * d)
+        return Interval(min(ends) >> PLACES, -(-max(ends) >> PLACES))
+
+    __rmul__ = __mul__
+
+    def __pow__(self, n):
+        return self if n == 1 else self * self ** (n - 1) if n else Fraction(1)
+
+    def __eq__(self, other):
+        raise Refused("intervals are not compared")
+
+    __hash__ = None
+
+
+@cache
+def around(x):
+    """Return an interval around an exact number, which must be real."""
+    if not isinstance(x, Element):
+        return Interval.ends(Fraction(x), Fraction(x))
+    require(conj(x) == x, "a number that must be real is not")
+    return Interval(*enclose(x, PLACES).re)
+
+
+def apart(x):
+    """Tell whether a number is shown not to be 0; an interval around 0 is not."""
+    return not x.lo <= 0 <= x.hi if type(x) is Interval else nonzero(x)
+
+
+def by(x, y):
+    """Return x y; a factor 1 costs nothing."""
+    return x if type(y) is Fraction and y == 1 else x * y
+
+
+def inner(x, y):
+    """Return sum x_i y_i over any numbers; exact zeros cost nothing."""
+    value = Fraction(0)
+    for a, b in zip(x, y, strict=True):
+        if not is_nil(a) and not is_nil(b):
+            value = value + a * b
+    return value
+
+
+class Gradient:
+    """An interval with its derivatives by the unknowns, exact zeros left out."""
+
+    __slots__ = ("by", "value")
+
+    def __init__(self, value, by):
+        self.value, self.by = value, by
+
+    def __add__(self, other):
+        if not isinstance(other, Gradient):
+            return Gradient(self.value + other, self.by)
+        by = dict(self.by)
+        for k, x in other.by.items():
+            by[k] = by[k] + x if k in by else x
+        return Gradient(self.value + other.value, by)
+
+    def __mul__(self, other):
+        if not isinstance(other, Gradient):
+            return Gradient(self.value * other, {k: x * other for k, x in self.by.items()})
+        by = {k: x * other.value for k, x in self.by.items()}
+        for k, x in other.by.items():
+            by[k] = by[k] + x * self.value if k in by else x * self.value
+        return Gradient(self.value * other.value, by)
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def __neg__(self):
+        return self * -1
+
+    def __sub__(self, other):
+        return self + -other
+
+    def __rsub__(self, other):
+        return -self + other
+
+    def __pow__(self, n):
+        return self if n == 1 else self * self ** (n - 1) if n else Fraction(1)
+
+
+class Linear:
+    """An expression c_0 + sum c_k x_k in the unknowns, with exact coefficients; never a number."""
+
+    __slots__ = ("terms",)
+
+    def __init__(self, terms):
+        self.terms = terms
+
+    @classmethod
+    def made(cls, terms):
+        """Return the expression, or the number that it is."""
+        terms = {k: x for k, x in terms.items() if x}
+        return cls(terms) if set(terms) - {None} else terms.get(None, Fraction(0))
+
+    def __add__(self, other):
+        terms = dict(self.terms)
+        for k, x in other.terms.items() if isinstance(other, Linear) else ((None, other),):
+            terms[k] = terms.get(k, Fraction(0)) + x
+        return Linear.made(terms)
+
+    def __mul__(self, other):
+        require(not isinstance(other, Linear), "a product of two expressions in the unknowns")
+        return Linear.made({k: x * other for k, x in self.terms.items()})
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def __neg__(self):
+        return self * -1
+
+    def __sub__(self, other):
+        return self + -other
+
+    def __rsub__(self, other):
+        return -self + other
+
+    def __eq__(self, other):
+        return is_nil(self - other)
+
+    __hash__ = None
+
+
+def at_values(thing, values):
+    """Return expressions, in lists or not, at values of the unknowns."""
+    if isinstance(thing, list):
+        return [at_values(x, values) for x in thing]
+    if not isinstance(thing, Linear):
+        return as_real(thing)
+    value = Fraction(0)
+    for k, x in thing.terms.items():
+        value = value + (as_real(x) if k is None else values[k] * as_real(x))
+    return value
+
+
+def as_real(x):
+    """Return a rational as it is, another exact number as an interval."""
+    return around(x) if isinstance(x, Element) else x
+
+
+def decimal_number(text):
+    """Return the rational of a decimal such as -1.25e-3."""
+    found = isinstance(text, str) and re.fullmatch(r"-?[0-9]+(\.[0-9]+)?(e-?[0-9]{1,3})?", text)
+    require(found and len(text) <= DIGITS, f"{str(text)[:40]!r} is no decimal")
+    return Fraction(text)
+
+
+def only_root(function, published, digits, proof):
+    """Return intervals around the one root of `function` near the published numbers (Krawczyk).
+
+    The box X has the half-width `radius` around the published numbers, the centre lies in it, Y
+    is the matrix `inverse`. The root must be published rounded to nearest.
+    """
+    n, radius = len(published), decimal_number(proof["radius"])
+    require(n and 0 < radius <= Fraction(1, 10**60), "the radius")
+    centre, rows = proof["centre"], proof["inverse"]
+    require(isinstance(centre, list) and len(centre) == n, "the centre")
+    require(isinstance(rows, list) and len(rows) == n, "the inverse")
+    centre = [decimal_number(x) for x in centre]
+    away = [abs(x - y) for x, y in zip(centre, published, strict=True)]
+    require(max(away) < radius, "the centre lies outside the box")
+    Y = []
+    for row in rows:
+        require(isinstance(row, list) and len(row) == n, "the inverse")
+        Y.append([round(decimal_number(x) * 2**80) for x in row])
+    unit = around(Fraction(1))
+    box = [Gradient(Interval.ends(x - radius, x + radius), {k: unit})
+           for k, x in enumerate(published)]  # fmt: skip
+    at_centre = [Interval.of(x) for x in function([around(x) for x in centre])]
+    over_box = function(box)
+    require(len(at_centre) == len(over_box) == n, "there are not as many equations as unknowns")
+    by = [x.by if isinstance(x, Gradient) else {} for x in over_box]
+    columns = [[(i, row[j].lo + row[j].hi, row[j].hi - row[j].lo)
+                for i, row in enumerate(by) if j in row] for j in range(n)]  # fmt: skip
+    whole, news, slacks = 1 << (PLACES + 81), [], []
+    for i, row in enumerate(Y):
+        low = high = slack = 0
+        for y, value in zip(row, at_centre, strict=True):
+            ends = y * value.lo, y * value.hi
+            low, high = low + min(ends), high + max(ends)
+        news.append(Fraction(max(abs(low), abs(high)), 1 << (PLACES + 80)))
+        for j, column in enumerate(columns):
+            middle, spread = whole if i == j else 0, 0
+            for k, twice, width in column:
+                middle -= row[k] * twice
+                spread += abs(row[k]) * width
+            slack += abs(middle) + spread
+        slacks.append(Fraction(slack, whole))
+    reach, worst = radius + max(away), max(slacks)
+    for d, step_, slack in zip(away, news, slacks, strict=True):
+        require(d + step_ + slack * reach < radius, "the image does not lie inside the box")
+    require(worst < 1, "the map is no contraction")
+    error = max(news) / (1 - worst)
+    half = Fraction(1, 2 * 10**digits)
+    require(max(away) + error <= half, "the digits are not those of the root, rounded")
+    return [Interval.ends(x - error, x + error) for x in centre]
+
+
+# ------------------------------------------------ section 6: trees whose root moves, and classes
+
+LEAF = ("o", ())
+
+
+def attach(t, u):
+    """Return t * u: u attached to the root of t."""
+    return t[0], tuple(sorted((*t[1], u)))
+
+
+@cache
+def neighbours(t):
+    """Return (rest, branch, tree with the root moved into the branch) for each branch."""
+    found = []
+    for u in dict.fromkeys(t[1]):
+        rest = list(t[1])
+        rest.remove(u)
+        found.append(((t[0], tuple(rest)), u, attach(u, (t[0], tuple(rest)))))
+    return found
+
+
+@cache
+def versions(t):
+    """Return all rooted versions of the free tree under t."""
+    found, waiting = {t}, [t]
+    while waiting:
+        for _, _, other in neighbours(waiting.pop()):
+            if other not in found:
+                found.add(other)
+                waiting.append(other)
+    return frozenset(found)
+
+
+@cache
+def reduced(t, q):
+    """Return the class of a tree at stage order q, and its factor."""
+    children, factor = [], Fraction(1)
+    for child in t[1]:
+        if 1 < size(child) <= q:
+            children += [LEAF] * size(child)
+            factor /= gamma(child)
+        else:
+            below, times_ = reduced(child, q)
+            children.append(below)
+            factor *= times_
+    return (t[0], tuple(sorted(children))), factor
+
+
+@cache
+def classes(n, q):
+    """Return the trees of an order that are their own class."""
+    return [t for t in trees((("o", "o"),), n) if reduced(t, q)[0] == t]
+
+
+@cache
+def pairs_of(n, q):
+    """Return the unordered pairs of classes of total order n."""
+    return [(t, u) for m in range(1, n // 2 + 1) for i, t in enumerate(classes(m, q))
+            for j, u in enumerate(classes(n - m, q)) if m < n - m or i <= j]  # fmt: skip
+
+
+def spread_of(t, u, q):
+    """Return the coefficients of x(t * u) + x(u * t) in the values of x at the classes."""
+    row = {}
+    for grown in (attach(t, u), attach(u, t)):
+        below, factor = reduced(grown, q)
+        row[below] = row.get(below, 0) + factor
+    return row
+
+
+class Span:
+    """Independent rows of rationals, by name of the column."""
+
+    def __init__(self):
+        self.rows = {}
+
+    def add(self, row):
+        """Add a row; return whether it was independent of the others."""
+        rest = {k: Fraction(x) for k, x in row.items() if x}
+        while rest:
+            lead = min(rest, key=repr)
+            if lead not in self.rows:
+                self.rows[lead] = {k: x / rest[lead] for k, x in rest.items()}
+                return True
+            factor = rest[lead]
+            for k, x in self.rows[lead].items():
+                rest[k] = rest.get(k, 0) - factor * x
+            rest = {k: x for k, x in rest.items() if x}
+        return False
+
+
+@cache
+def plan(n, q, free):
+    """Return (pairs that define zeta_1 at an even order, pairs left over, inverse matrix)."""
+    unknown, span, defining, left, rows = classes(n, q), Span(), [], [], []
+    for pair in pairs_of(n, q):
+        row = spread_of(*pair, q)
+        (defining if span.add(row) else left).append(pair)
+    for t, u in defining:
+        row = spread_of(t, u, q)
+        rows.append([row.get(x, Fraction(0)) for x in unknown])
+    for t in free:
+        below, factor = reduced(t, q)
+        require(span.add({below: factor}), f"zeta_1({show(t)}) is not free")
+        rows.append([factor if x == below else Fraction(0) for x in unknown])
+    require(len(rows) == len(unknown), f"the free trees of order {n} are not all given")
+    return defining, left, inverse_matrix([list(map(Fraction, row)) for row in rows])
+
+
+def cut_classes(t, q):
+    """Return {class: weight} of what is left when branches are cut, t itself included."""
+    found = {}
+    for s, weight in cut(t):
+        below, factor = reduced(s, q)
+        found[below] = found.get(below, 0) + weight * factor
+    return found
+
+
+def conditions_follow(n, q, given, free):
+    """Tell whether R = 0 at the given trees of an odd order n gives R = 0 at all of them (6.3)."""
+    if n == 1:
+        return LEAF in given
+    left, span, count = plan(n - 1, q, free.get(n - 1, ()))[1], Span(), 0
+    for t, u in pairs_of(n, q):
+        row = spread_of(t, u, q)
+        for a, x in cut_classes(t, q).items():
+            for b, y in cut_classes(u, q).items():
+                at = (a, b) if (a, b) in left else (b, a)
+                if size(a) + size(b) == n - 1 and at in left:
+                    row[at] = row.get(at, 0) - x * y
+        count += span.add(row)
+    for t in given:
+        if size(t) == n:
+            count += span.add({reduced(t, q)[0]: 1})
+    return count == len(classes(n, q)) + len(left)
+
+
+# ------------------------------------------------ section 6: sweeps with an enclosure
+
+EQUATION = re.compile(r"(order|growth|explicit|defect|abscissa|start|identity) ([^=]+?)"
+                      r"(?: = (.+))?")  # fmt: skip
+
+
+def bordered(M, name):
+    """Refuse a matrix that is not 1 in the first place and 0 beside and below it."""
+    fine = all((M[i][j] - (i == j)) == 0 for k in range(len(M)) for i, j in ((0, k),))
+    fine = fine and all((M[k][0] - (k == 0)) == 0 for k in range(len(M)))
+    require(fine, f"the first row and column of {name} are not 1, 0, .., 0")
+
+
+def lower_resolvent(M):
+    """Return the inverse of 1 - M on the values 2..r."""
+    n = range(1, len(M))
+    rest = [[Fraction(int(i == j)) - M[i][j] for j in n] for i in n]
+    return [list(map(as_real, row)) for row in inverse_matrix(rest)] if rest else []
+
+
+def palindrome(row):
+    """Return 1 or -1 where a row is its own mirror image up to this sign, else None."""
+    for s in (1, -1):
+        if all(x == y * s for x, y in zip(row, reversed(row), strict=True)):
+            return s
+    return None
+
+
+def real_matrix(M):
+    """Return a matrix of exact numbers after a check that they are real."""
+    require(all(conj(x) == x for row in M for x in row), "a matrix that must be real is not")
+    return M
+
+
+def eigenvector(M, z):
+    """Return the eigenvector of a simple eigenvalue."""
+    basis = kernel(minus(M, diagonal([z] * len(M))))
+    require(len(basis) == 1, "an eigenvalue of an equation is not simple")
+    return basis[0]
+
+
+def circle_is_named(V, named):
+    """Return how many eigenvalues of modulus 1 but 1 are named, where these and 1 are all."""
+    found = []
+    for z in named:
+        for x in (z, conj(z)):
+            if nonzero(x - 1) and all(nonzero(x - y) for y in found):
+                found.append(x)
+    simple = all(squared(z) == 1 and rank(minus(V, diagonal([z] * len(V)))) == len(V) - 1
+                 for z in found)  # fmt: skip
+    return len(found) if simple and len(found) == len(V) - 1 else None
+
+
+class Enclosed:
+    """What sweeps and pairs have in common: the document, its unknowns, and the root."""
+
+    def __init__(self, document, numbers, proof):
+        self.document, self.proof = document, proof
+        keys(proof, "radius centre inverse", "free trees", "proof of the method")
+        block = document.get("enclosure")
+        keys(block, "equations", "radius xi", "enclosure")
+        require("starting" not in block, "enclosure")
+        self.unknowns = list(as_object(document.get("unknowns", {})))
+        require(0 < len(self.unknowns) <= SIZE, "the unknowns")
+        require(
+            block.get("radius", "1e-60") == proof["radius"], "the radius is not that of the file"
+        )
+        self.digits = whole(document.get("digits", 75), 20, 400)
+        self.numbers = numbers.with_unknowns(
+            {name: Linear({k: Fraction(1)}) for k, name in enumerate(self.unknowns)})  # fmt: skip
+        self.exact = numbers
+        self.texts = block["equations"]
+        require(isinstance(self.texts, list) and len(self.texts) == len(self.unknowns), "equations")
+        self.xi = {read_tree(t): self.numbers.parser(x, document).value
+                   for t, x in as_object(block.get("xi", {})).items()}  # fmt: skip
+        self.prepare()
+        published = [published_decimal(document["unknowns"][x], self.digits) for x in self.unknowns]
+        self.root = only_root(self.residuals, published, self.digits, proof)
+
+    def matrix(self, key):
+        """Return a matrix of the document, in the unknowns; a form may be its diagonal."""
+        value = self.document[key]
+        if key == "G" and isinstance(value, list) and value and isinstance(value[0], str):
+            return diagonal(self.numbers.vector(value, self.document))
+        return self.numbers.matrix(value, self.document)
+
+    def fixed(self, key):
+        """Return a matrix of the document without unknowns, real."""
+        M = self.matrix(key)
+        require(not any(isinstance(x, Linear) for row in M for x in row), f"{key} holds unknowns")
+        return real_matrix(M)
+
+    def number(self, text):
+        """Return an exact number in the text of an equation."""
+        return self.exact.parser(text, {}).value
+
+
+def published_decimal(text, digits):
+    """Return the rational of an unknown that is given with this many places."""
+    found = isinstance(text, str) and re.fullmatch(r"-?[0-9]+\.([0-9]+)", text)
+    require(found and len(found[1]) == digits, "an unknown has another number of places")
+    return Fraction(text)
+
+
+class Sweep(Enclosed):
+    """A file of class sweep with an enclosure: equations, theorems 1 to 3 of 6.2 and 6.3."""
+
+    def prepare(self):
+        """Read the matrices and equations and check what the theorems suppose."""
+        self.V, self.G = self.fixed("V"), self.fixed("G")
+        self.D, self.X = self.numbers.vector(self.document["D"], self.document), self.matrix("X")
+        self.r, self.s = len(self.V), len(self.D)
+        require(len(self.X) == self.r == len(self.G) and len(self.X[0]) == self.s, "shapes")
+        bordered(self.V, "V")
+        bordered(self.G, "G")
+        equal(self.G, transpose(self.G), "G = G^T")
+        equal(times(transpose(self.V), self.G, self.V), self.G, "V^T G V = G")
+        require(all(x == 1 for x in self.X[0]), "the first row of X is not 1 identically")
+        self.resolvent = lower_resolvent(self.V)
+        self.equations = [self.read(text) for text in self.texts]
+        self.signs = self.find_signs()
+        self.q = self.find_stage_order()
+        given = as_object(self.proof.get("free", {}))
+        self.free = {int(n): tuple(read_tree(t) for t in ts) for n, ts in given.items()}
+        for n, ts in self.free.items():
+            require(all(size(t) == n for t in ts), "a free tree has another order")
+        require(all(t in self.free.get(size(t), ()) for t in self.xi), "a tree of xi is not free")
+        self.number_rows = [[as_real(x) for x in row] for row in self.V], [
+            [as_real(x) for x in row] for row in self.G]  # fmt: skip
+        self.explicit = {i for kind, i, *_ in self.equations if kind == "explicit"}
+        self.explicit |= {self.s - 1 - i for i in self.explicit}
+        self.order = max((size(e[2]) + (e[0] != "order") for e in self.equations
+                          if e[0] in ("order", "identity", "defect")), default=2)  # fmt: skip
+
+    def read(self, text):
+        """Return an equation (kind, stage or value, tree or number)."""
+        found = isinstance(text, str) and EQUATION.fullmatch(text)
+        require(found, f"{str(text)[:40]!r} is no equation")
+        kind, what, value = found.groups()
+        require((value is not None) == (kind == "abscissa"), "an equation")
+        if kind in ("order", "identity"):
+            tree = read_tree(what)
+            require(tree in trees((("o", "o"),), size(tree)), "an equation names another tree")
+            return kind, None, tree
+        if kind == "growth":
+            return kind, None, self.growth_form(what)
+        first, _, rest = what.partition(" ")
+        top = self.r if kind == "start" else self.s
+        require(first.isdigit() and 1 <= int(first) <= top, "an equation names another stage")
+        if kind == "abscissa":
+            number = self.number(value)
+            require(isinstance(number, Fraction) and not rest, "an abscissa is rational")
+            return kind, int(first) - 1, number
+        if kind == "explicit":
+            require(not rest, "an equation")
+            return kind, int(first) - 1, None
+        return kind, int(first) - 1, read_tree(rest or ("[o]" if kind == "defect" else "o"))
+
+    def growth_form(self, text):
+        """Return (z, H): the growth parameter of z is sum d_i x_i^T H x_i."""
+        z = self.number(text)
+        v = eigenvector(self.V, z)
+        seen = apply(self.G, v)
+        norm = dot([conj(x) for x in v], seen)
+        require(nonzero(norm) and conj(norm) == norm, "v^* G v is 0")
+        unit = inverse(norm)
+        return z, [[as_real(real(a * conj(b)) * unit) for b in seen] for a in seen]
+
+    def find_signs(self):
+        """Return the diagonal of E with X = E X P, after the checks of theorem 3, or None."""
+        if palindrome(self.D) != 1:
+            return None
+        found = [palindrome(row) for row in self.X]
+        if None in found:
+            return None
+        E = diagonal([Fraction(x) for x in found])
+        for M, N in ((self.G, self.G), (inverse_matrix(self.V), self.V)):
+            if not vanishes(minus(times(E, M, E), N)):
+                return None
+        return found
+
+    def find_stage_order(self):
+        """Return the stage order that the equations `defect` give."""
+        have, q = {(i, t) for kind, i, t in self.equations if kind == "defect"}, 1
+        while True:
+            tree = ("o", (LEAF,) * q)
+            half = self.s // 2 if (q + 1) % 2 else (self.s + 1) // 2
+            if self.signs is None or any((i, tree) not in have for i in range(half)):
+                return q
+            q += 1
+
+    def matrices(self, values):
+        """Return D, X, A, U, B at values of the unknowns."""
+        D, X = at_values(self.D, values), at_values(self.X, values)
+        V, G = self.number_rows
+        columns = transpose(X)
+        GX = [[inner(row, x) for row in G] for x in columns]  # G x_j, by stage
+        U = [[inner(g, v) for v in transpose(V)] for g in GX]
+        A = [[(inner(columns[i], GX[j]) * D[j] * (Fraction(1, 2) if i == j else 1))
+              if j < i or (j == i and i not in self.explicit_now) else Fraction(0)
+              for j in range(self.s)] for i in range(self.s)]  # fmt: skip
+        return D, X, A, U, [[x * d for x, d in zip(row, D, strict=True)] for row in X]
+
+    explicit_now = frozenset()
+
+    def series(self, values, order, wanted=None):
+        """Return (xi, zeta, R) by class through an order, with zeta_1 of theorem 2 (6.2)."""
+        _, _, A, U, B = self.matrices(values)
+        G, q = self.number_rows[1], self.q
+        given = {t: at_values(x, values) for t, x in self.xi.items()}
+        xi, zeta, R = {}, {}, {}
+
+        def known(t, store):
+            below, factor = reduced(t, q)
+            return store[below] if factor == 1 else [x * factor for x in store[below]]
+
+        for n in range(1, order + 1):
+            inside = n < order
+            todo = classes(n, q)
+            if wanted is not None:
+                own = [t for t in wanted if size(t) == n]
+                todo = [t for t in todo if inside or t in own]
+            first = self.principal(n, zeta, given, G) if inside else {}
+            for t in todo:
+                slopes = ones(self.s)
+                for child in t[1]:
+                    slopes = [by(x, y) for x, y in zip(known(child, xi), slopes, strict=True)]
+                right = [inner(row, slopes) for row in B]
+                for s, weight in cut(t):
+                    if s != t:
+                        right = [x if is_nil(y) else x - y * weight
+                                 for x, y in zip(right, known(s, zeta), strict=True)]  # fmt: skip
+                R[t] = right[0] - Fraction(1, gamma(t))
+                if inside:
+                    zeta[t] = [first[t], *(inner(row, right[1:]) for row in self.resolvent)]
+                    xi[t] = [inner(a, slopes) + inner(u, zeta[t])
+                             for a, u in zip(A, U, strict=True)]  # fmt: skip
+        return xi, zeta, R
+
+    def principal(self, n, zeta, given, G):
+        """Return zeta_1 at the classes of an order."""
+        if n % 2:
+            return dict.fromkeys(classes(n, self.q), Fraction(0))
+        free = self.free.get(n, ())
+        defining, _, back = plan(n, self.q, free)
+        right = [inner(zeta[t], [inner(row, zeta[u]) for row in G]) for t, u in defining]
+        right += [given.get(t, Fraction(0)) for t in free]
+        return dict(zip(classes(n, self.q), [inner(row, right) for row in back], strict=True))
+
+    def residuals(self, values):
+        """Return left minus right of every equation."""
+        wanted = [reduced(t, self.q)[0] for kind, _, t in self.equations if kind == "order"]
+        D, X, A, *_ = self.matrices(values)
+        xi, zeta, R = self.series(values, self.order, wanted)
+        found = []
+        for kind, i, what in self.equations:
+            if kind in ("order", "identity"):
+                below, factor = reduced(what, self.q)
+                found.append((R[below] if kind == "order" else zeta[below][0]) * factor)
+            elif kind == "growth":
+                value = Fraction(0)
+                for d, x in zip(D, transpose(X), strict=True):
+                    value = value + d * inner(x, [inner(row, x) for row in what[1]])
+                found.append(value)
+            elif kind == "explicit":
+                found.append(A[i][i])
+            elif kind == "start":
+                found.append(zeta[what][i])
+            elif kind == "abscissa":
+                found.append(xi[LEAF][i] - what)
+            else:
+                found.append(xi[what][i] - xi[LEAF][i] ** size(what) * Fraction(1, gamma(what)))
+        return found
+
+    # what follows at the root
+
+    def starts_at_two(self):
+        """Tell whether equations `start K` give zeta(o) = 0 (6.3)."""
+        if self.r == 1:
+            return True
+        L = self.reversal()
+        basis = kernel([row[1:] for row in combine(L, identity(self.r))])
+        values = [i for kind, i, t in self.equations if kind == "start" and t == LEAF]
+        return len(basis) == 1 and any(k and nonzero(basis[0][k - 1]) for k in values)
+
+    def reversal(self):
+        """Return L = V^-1 E."""
+        require(self.signs is not None, "the method is not symmetric")
+        return times(inverse_matrix(self.V), diagonal([Fraction(x) for x in self.signs]))
+
+    def abscissae(self):
+        """Return the abscissae that the file fixes exactly, or None."""
+        c = {}
+        for kind, i, value in self.equations:
+            if kind == "abscissa":
+                c[i] = value
+            elif kind == "explicit" and i == 0 and self.starts_at_two():
+                c[0] = Fraction(0)
+        for i, x in list(c.items()):
+            c.setdefault(self.s - 1 - i, 1 - x)
+        if self.s % 2:
+            c.setdefault(self.s // 2, Fraction(1, 2))
+        return [c[i] for i in range(self.s)] if len(c) == self.s else None
+
+    def quadrature(self, power):
+        """Tell whether sum d_i c_i^power = 1 / (power + 1) for all values of the unknowns."""
+        c = self.abscissae()
+        if c is None:
+            return False
+        value = Fraction(-1, power + 1)
+        for d, x in zip(self.D, c, strict=True):
+            value = value + d * x**power
+        return is_nil(value)
+
+    def given_trees(self):
+        """Return the trees whose conditions the file gives (6.3)."""
+        given = {t for kind, _, t in self.equations if kind == "order"}
+        third, fifth, bush, path = map(read_tree, ("[oo]", "[oooo]", "[oo[o]]", "[[o][o]]"))
+        free = [versions(t) for t in given]
+        value = Fraction(-1)
+        for d in self.D:
+            value = value + d
+        if is_nil(value):
+            given.add(LEAF)
+        if self.starts_at_two() and self.quadrature(2):
+            given.add(third)
+        has_third = third in given or versions(third) in free
+        if has_third and not self.xi and self.quadrature(2) and self.quadrature(4):
+            given.add(fifth)
+        if self.r == 1 and all(versions(t) in free for t in (third, fifth, path)):
+            given.add(bush)
+        return given
+
+    def order_holds(self, p, identity_mode, nystrom):
+        """Refuse unless the equations give order p."""
+        require(not nystrom and self.signs is not None, "the method is not symmetric")
+        given = self.given_trees()
+        for n in range(1, p + 1, 2):
+            require(conditions_follow(n, self.q, given, self.free), f"the conditions of order {n}")
+        if identity_mode:
+            zeta = self.series(self.root, p)[1] if p > 1 else {}
+            fine = all(is_nil(x[0]) for t, x in zeta.items() if size(t) < p)
+            require(fine, "a principal part is not shown to be 0")
+
+    def implies(self, claim):
+        """Tell whether a claim that is true or false holds at the root."""
+        if claim == "consistent":
+            return LEAF in self.given_trees()
+        if claim in ("preconsistent", "g-symplectic"):
+            return True
+        if claim == "symplectic":
+            return self.r == 1
+        return claim == "symmetric" and self.signs is not None
+
+    def zero_growths(self):
+        """Return how many growth parameters there are, all 0, or None."""
+        return circle_is_named(self.V, [t[0] for kind, _, t in self.equations if kind == "growth"])
+
+    def stage_order_holds(self, q, p):
+        """Refuse unless every stage has order q."""
+        require(1 <= q <= min(self.q, p), "the stages are not given")
+
+
+# ------------------------------------------------ section 6: pairs with an enclosure
+
+PAIR_EQUATION = re.compile(r"order (\S+)|growth ([qp]) (.+)|start (\S+) ([1-9][0-9]?)")
+ALTERNATING = (("f", "k"), ("k", "f"))
+
+
+@cache
+def second_order(t):
+    """Tell whether every vertex f of the free tree has two neighbours or fewer."""
+    return len(t[1]) <= (2 if t[0] == "f" else size(t)) and all(map(is_nystrom, t[1]))
+
+
+@cache
+def listed(n, nystrom):
+    """Return all alternating trees of an order, or those of second-order systems."""
+    return [t for t in trees(ALTERNATING, n) if not nystrom or second_order(t)]
+
+
+class Pair(Enclosed):
+    """A file of class pair-sweep or splitting with an enclosure (6.4)."""
+
+    def prepare(self):
+        """Read the matrices and equations and check what the theorems suppose."""
+        doc, one = self.document, [[Fraction(1)]]
+        self.splitting = doc["class"] == "splitting"
+        names = ("a", "b") if self.splitting else ("b", "c")
+        self.b, self.c = (self.numbers.vector(doc[x], doc) for x in names)
+        if self.splitting:
+            self.V = {"f": one, "k": one}
+            self.G, self.X, self.Y = one, [ones(len(self.b))], [ones(len(self.c))]
+            letters = ("PQ" if doc["first"] == "q" else "QP") * max(len(self.b), len(self.c))
+            letters = letters[: len(self.b) + len(self.c)]
+        else:
+            self.V = {"f": self.fixed("V"), "k": self.fixed("V_hat")}
+            self.G, letters = self.fixed("G"), doc["stages"]
+            self.X = [ones(len(self.b)), *(self.matrix("w") if doc["w"] else [])]
+            self.Y = [ones(len(self.c)), *(self.matrix("v") if doc["v"] else [])]
+        require(isinstance(letters, str) and set(letters) <= {"P", "Q"}, "the stages")
+        require(letters.count("P") == len(self.b) and letters.count("Q") == len(self.c), "stages")
+        seen = {"P": 0, "Q": 0}
+        self.letters, self.word = letters, []
+        for x in letters:
+            self.word.append((x, seen[x]))
+            seen[x] += 1
+        bordered(self.V["f"], "V")
+        bordered(self.V["k"], "V^")
+        bordered_form = [self.G[0][1:], [row[0] for row in self.G[1:]]]
+        require(self.G[0][0] == 1 and vanishes(bordered_form), "the first row and column of G")
+        equal(times(transpose(self.V["f"]), self.G, self.V["k"]), self.G, "V^T G V^ = G")
+        self.resolvent = {c: lower_resolvent(V) for c, V in self.V.items()}
+        self.one_step = len(self.V["f"]) == len(self.V["k"]) == 1
+        require(not self.xi and "free" not in self.proof, "pairs have zeta_1 = 0")
+        require(self.proof.get("trees", "all") in ("all", "nystrom"), "trees")
+        self.nystrom = self.proof.get("trees") == "nystrom"
+        self.equations = [self.read(text) for text in self.texts]
+        self.order = max((size(e[1]) + (e[0] == "start") for e in self.equations
+                          if e[0] != "growth"), default=1)  # fmt: skip
+        self.signs = self.find_signs()
+        self.forms = [as_real(x) for row in self.G for x in row]
+        self.real_G = [[as_real(x) for x in row] for row in self.G]
+        self.real_V = {c: [[as_real(x) for x in row] for row in V] for c, V in self.V.items()}
+        require(self.identity_through(self.order - 1, self.nystrom), "a principal part is not 0")
+
+    def read(self, text):
+        """Return an equation: (order, tree), (growth, half, z, H) or (start, tree, value)."""
+        found = isinstance(text, str) and PAIR_EQUATION.fullmatch(text)
+        require(found, f"{str(text)[:40]!r} is no equation")
+        tree, half, z, start, value = found.groups()
+        if half:
+            z = self.number(z)
+            v, w = (eigenvector(self.V[c], z) for c in "fk")
+            norm = dot([conj(x) for x in v], apply(self.G, w))
+            require(nonzero(norm) and conj(norm) == norm, "v^* G v^ is 0 or not real")
+            seen = apply(self.G, w) if half == "q" else apply(transpose(self.G), v)
+            unit = inverse(norm)
+            form = [[as_real(real(a * conj(b)) * unit) for b in seen] for a in seen]
+            return "growth", half, z, form
+        tree_ = read_tree(tree or start)
+        require(tree_ in trees(ALTERNATING, size(tree_)), "an equation names another tree")
+        require(not self.nystrom or second_order(tree_), "an equation names another tree")
+        if tree:
+            return "order", tree_
+        require(2 <= int(value) <= len(self.V[tree_[0]]), "an equation names another value")
+        return "start", tree_, int(value) - 1
+
+    def series(self, values, order, nystrom, wanted=None, starts=False):
+        """Return (zeta, R) through an order, with principal parts 0."""
+        b, c, X, Y = (at_values(x, values) for x in (self.b, self.c, self.X, self.Y))
+        GY = [[inner(g, y) for g in self.real_G] for y in transpose(Y)]  # G y_j
+        XG = [[inner(x, g) for g in transpose(self.real_G)] for x in transpose(X)]  # x_i^T G
+        half = {"f": ("P", b, transpose(X), GY), "k": ("Q", c, transpose(Y), XG)}
+        stages, zeta, R = {}, {}, {}
+        for n in range(1, order + 1):
+            last = n == order
+            level = listed(n, nystrom)
+            if last and wanted is not None:
+                level = [t for t in level if t in wanted]
+            for t in level:
+                letter, weights, columns, readers = half[t[0]]
+                slopes = ones(len(weights))
+                for child in t[1]:
+                    slopes = [by(x, y) for x, y in zip(stages[child], slopes, strict=True)]
+                updates = [w * x for w, x in zip(weights, slopes, strict=True)]
+                right = [inner(updates, row) for row in transpose(columns)]
+                for s, weight in cut(t):
+                    if s != t:
+                        right = [x if is_nil(y) else x - y * weight
+                                 for x, y in zip(right, zeta[s], strict=True)]  # fmt: skip
+                R[t] = right[0] - Fraction(1, gamma(t))
+                if last and not starts:
+                    continue
+                zeta[t] = [Fraction(0), *(inner(row, right[1:]) for row in self.resolvent[t[0]])]
+                now, found = [inner(row, zeta[t]) for row in self.real_V[t[0]]], []
+                for place, i in self.word:
+                    if place == letter:
+                        now = [x if is_nil(y) else x + updates[i] * y
+                               for x, y in zip(now, columns[i], strict=True)]  # fmt: skip
+                    else:
+                        found.append(inner(readers[i], now))
+                stages[t] = found
+        return zeta, R
+
+    def residuals(self, values):
+        """Return left minus right of every equation."""
+        wanted = {e[1] for e in self.equations if e[0] == "order"}
+        zeta, R = self.series(values, self.order, self.nystrom, wanted)
+        found = []
+        for e in self.equations:
+            if e[0] == "order":
+                found.append(R[e[1]])
+            elif e[0] == "start":
+                found.append(zeta[e[1]][e[2]])
+            else:
+                weights, X = (self.b, self.X) if e[1] == "q" else (self.c, self.Y)
+                value = Fraction(0)
+                columns = transpose(at_values(X, values))
+                for d, x in zip(at_values(weights, values), columns, strict=True):
+                    value = value + d * inner(x, [inner(row, x) for row in e[3]])
+                found.append(value)
+        return found
+
+    def find_signs(self):
+        """Return the diagonals of E and E^, after the checks of theorem 3, or None."""
+        if self.letters != self.letters[::-1] or palindrome(self.b) != 1 or palindrome(self.c) != 1:
+            return None
+        found = {"f": [palindrome(x) for x in self.X], "k": [palindrome(x) for x in self.Y]}
+        if any(None in x for x in found.values()):
+            return None
+        E = {c: diagonal([Fraction(x) for x in signs]) for c, signs in found.items()}
+        pairs = [(times(E["f"], self.G, E["k"]), self.G)]
+        pairs += [(times(E[c], inverse_matrix(V), E[c]), V) for c, V in self.V.items()]
+        return found if all(vanishes(minus(M, N)) for M, N in pairs) else None
+
+    def reversals(self):
+        """Return L and L^, V^-1 E of each component."""
+        return {c: times(inverse_matrix(V), diagonal([Fraction(x) for x in self.signs[c]]))
+                for c, V in self.V.items()}  # fmt: skip
+
+    def is_zero_start(self, t, k, L):
+        """Tell whether zeta_k(t) = 0 by an equation `start` or by parity."""
+        if ("start", t, k) in self.equations:
+            return True
+        off = any(nonzero(x) for j, x in enumerate(L[t[0]][k]) if j != k)
+        return not off and L[t[0]][k][k] == (-1) ** (size(t) + 1)
+
+    def identity_through(self, n, nystrom):
+        """Tell whether all principal parts through order n are 0 (6.4)."""
+        if self.one_step or n < 2:
+            return True
+        if self.signs is None:
+            return False
+        L = self.reversals()
+        level = [t for m in range(1, n) for t in listed(m, nystrom)]
+        shown = {(t, k): self.is_zero_start(t, k, L) for t in level for k in range(1, len(L[t[0]]))}
+        return all(shown[t, k] or shown[u, l]
+                   for t in level if t[0] == "f" for u in level if u[0] == "k"
+                   and size(t) + size(u) <= n
+                   for k in range(1, len(self.G)) for l in range(1, len(self.G[0]))
+                   if nonzero(self.G[k][l]))  # fmt: skip
+
+    def flow(self):
+        """Return the Lie algebra of a product of flows (6.4), None for several values."""
+        if not self.one_step:
+            return None
+        for outer, inside, pattern in ((self.b, self.c, "PQ"), (self.c, self.b, "QP")):
+            if self.letters != pattern * len(inside) + pattern[0]:
+                continue
+            steps = [Fraction(0), *inside, Fraction(0)]
+            if all(2 * x == a + b for x, (a, b) in zip(outer, pairwise(steps), strict=True)):
+                return "f" if pattern == "PQ" else "k"
+        return "splitting"
+
+    def covered(self, n, nystrom):
+        """Tell whether the equations give all conditions of order n."""
+        given = {e[1] for e in self.equations if e[0] == "order"}
+        if n == 1:
+            for root, weights in (("f", self.b), ("k", self.c)):
+                value = Fraction(-1)
+                for x in weights:
+                    value = value + x
+                if is_nil(value):
+                    given.add((root, ()))
+        kind = self.flow()
+        table = {versions(t) for t in listed(n, nystrom)}
+        if kind is None:
+            return all(any(t in given for t in free) for free in table)
+        every, chosen = Span(), Span()
+        for free in table:
+            row = dict(enumerate(lie_images(min(free), kind)))
+            every.add(row)
+            if any(t in given for t in free):
+                chosen.add(row)
+        return len(chosen.rows) == len(every.rows)
+
+    def order_holds(self, p, identity_mode, nystrom):
+        """Refuse unless the equations give order p."""
+        require(self.signs is not None or self.one_step, "the pair is not symmetric")
+        require(self.identity_through(p - 1, nystrom), "a principal part is not shown to be 0")
+        for n in range(1, p + 1, 2 if self.signs is not None else 1):
+            require(self.covered(n, nystrom), f"the conditions of order {n}")
+
+    def implies(self, claim):
+        """Tell whether a claim that is true or false holds at the root."""
+        if claim in ("g-symplectic", "symplectic"):
+            weights = at_values(self.b, self.root) + at_values(self.c, self.root)
+            require(all(map(apart, weights)), "a weight may be 0")
+            return claim == "g-symplectic" or self.one_step
+        if claim == "consistent":
+            return self.covered(1, False)
+        return claim == "preconsistent" or (claim == "symmetric" and self.signs is not None)
+
+    def zero_growths(self):
+        """Return how many growth parameters there are, all 0, or None."""
+        counts = [circle_is_named(self.V[c], [e[2] for e in self.equations
+                                              if e[0] == "growth" and e[1] == half])
+                  for half, c in (("q", "f"), ("p", "k"))]  # fmt: skip
+        return 2 * counts[0] if counts[0] is not None and counts[0] == counts[1] else None
+
+    def zero_start_holds(self, q, nystrom):
+        """Refuse unless every value but the first is 0 on all trees through order q."""
+        if self.one_step:
+            return
+        require(self.signs is not None, "the pair is not symmetric")
+        L = self.reversals()
+        fine = all(self.is_zero_start(t, k, L) for n in range(1, q + 1)
+                   for t in listed(n, nystrom) for k in range(1, len(L[t[0]])))  # fmt: skip
+        require(fine, "a value is not shown to start with 0")
+
+
+@cache
+def colour_words(t):
+    """Return {colours of the vertices, children before parents: number of ways}."""
+    found = {"": 1}
+    for child in t[1]:
+        more = {}
+        for (x, m), (y, n) in product(found.items(), colour_words(child).items()):
+            for word, count in shuffles(x, y).items():
+                more[word] = more.get(word, 0) + m * n * count
+        found = more
+    return {word + t[0]: n for word, n in found.items()}
+
+
+@cache
+def shuffles(x, y):
+    """Return the shuffles of two words, counted."""
+    if not x or not y:
+        return {x + y: 1}
+    found = {}
+    for rest, last in ((shuffles(x[:-1], y), x[-1]), (shuffles(x, y[:-1]), y[-1])):
+        for word, n in rest.items():
+            found[word + last] = found.get(word + last, 0) + n
+    return found
+
+
+def word_product(x, y, degree):
+    """Return x y in the free algebra, through a degree."""
+    found = {}
+    for (u, a), (v, b) in product(x.items(), y.items()):
+        if len(u) + len(v) <= degree:
+            found[u + v] = found.get(u + v, 0) + a * b
+    return {w: a for w, a in found.items() if a}
+
+
+def word_sum(x, y, factor=1):
+    """Return x + factor y."""
+    found = dict(x)
+    for w, a in y.items():
+        found[w] = found.get(w, 0) + factor * a
+    return {w: a for w, a in found.items() if a}
+
+
+@cache
+def verlet_logarithm(degree, outer):
+    """Return log(exp(X/2) exp(Y) exp(X/2)) through a degree, X the letter `outer`."""
+
+    def exponential(letter, scale_):
+        return {letter * n: scale_**n / factorial(n) for n in range(degree + 1)}
+
+    half = exponential(outer, Fraction(1, 2))
+    whole_ = exponential("k" if outer == "f" else "f", Fraction(1))
+    step_ = word_product(word_product(half, whole_, degree), half, degree)
+    step_.pop("")
+    value, power = {}, {"": Fraction(1)}
+    for n in range(1, degree + 1):
+        power = word_product(power, step_, degree)
+        value = word_sum(value, power, Fraction((-1) ** (n + 1), n))
+    return value
+
+
+@cache
+def lie_elements(n, kind):
+    """Return elements that span degree n of the Lie algebra of a kind of method (6.4).
+
+    All brackets [letter, element] of smaller degree: the right-nested ones span.
+    """
+    if kind == "splitting":
+        letters = {1: [{"f": Fraction(1)}, {"k": Fraction(1)}]}
+    else:
+        log = verlet_logarithm(n, kind)
+        letters = {m: [{w: a for w, a in log.items() if len(w) == m}] for m in range(1, n + 1, 2)}
+    found, span = [], Span()
+    for x in letters.get(n, []):
+        if span.add(x):
+            found.append(x)
+    for m, some in letters.items():
+        for x, y in product(some, lie_elements(n - m, kind) if m < n else ()):
+            z = word_sum(word_product(x, y, n), word_product(y, x, n), -1)
+            if span.add(z):
+                found.append(z)
+    return found
+
+
+@cache
+def lie_images(t, kind):
+    """Return the residual of a tree for each element of the Lie algebra."""
+    words = colour_words(t)
+    return [sum((n * x.get(w, 0) for w, n in words.items()), Fraction(0))
+            for x in lie_elements(size(t), kind)]  # fmt: skip
+
+
+# ------------------------------------------------ section 6: starts and finishes in decimals
+
+
+class Block:
+    """A start or finish whose decimals are unknowns; equal decimals are one unknown."""
+
+    def __init__(self, numbers):
+        self.unknowns, self.numbers = {}, numbers.exactly(self.unknown)
+
+    def unknown(self, text):
+        """Return the unknown that a decimal stands for."""
+        require(len(text.partition(".")[2]) >= 20, "a decimal of a start has few places")
+        return Linear({self.unknowns.setdefault(text, len(self.unknowns)): Fraction(1)})
+
+    def matrix(self, rows):
+        """Return the entries, expressions in the unknowns."""
+        require(isinstance(rows, list) and 0 < len(rows) <= SIZE, "a matrix is missing")
+        found = []
+        for row in rows:
+            require(isinstance(row, list) and 0 < len(row) <= SIZE, "a matrix is missing")
+            found.append([self.numbers.parser(text, {"digits": 75}).value for text in row])
+        require(len({len(row) for row in found}) == 1, "rows of a matrix have other lengths")
+        return found
+
+    def root(self, function, digits, proof):
+        """Return intervals around the one root."""
+        for text in self.unknowns:
+            published_decimal(text, digits)
+        return only_root(function, [Fraction(x) for x in self.unknowns], digits, proof)
+
+
+def partner(i):
+    """Return the stage that h -> -h exchanges with stage i: 0 alone, then (1, 2), (3, 4), .."""
+    return 0 if i == 0 else i + 1 if i % 2 else i - 1
+
+
+def opposite(rows, images):
+    """Refuse unless entry [i][partner j] of rows is minus entry [i][j] of images."""
+    for row, image in zip(rows, images, strict=True):
+        require(len(row) % 2 == 1, "a start with parity has an odd number of stages")
+        fine = all(is_nil(row[partner(j)] + x) for j, x in enumerate(image))
+        require(fine, "the stages have no parity")
+
+
+def slopes_of(A, n, q, base=None):
+    """Return the slopes by class through order n of Y_i = S + h sum A_ij f(Y_j), with parity."""
+    xi, found = {}, {}
+    for m in range(1, n + 1):
+        for t in classes(m, q):
+            value = ones(len(A))
+            for child in t[1]:
+                below, factor = reduced(child, q)
+                value = [by(x, y) if factor == 1 else x * factor * y
+                         for x, y in zip(xi[below], value, strict=True)]  # fmt: skip
+            found[t] = value
+            if m < n:
+                stages = []
+                for i in range(len(A)):
+                    if i and i % 2 == 0:
+                        stages.append(stages[-1] * (-1 if m % 2 else 1))
+                    else:
+                        stages.append(inner(A[i], value) + (base[t] if base else 0))
+                xi[t] = stages
+    return found
+
+
+def simplifies(A, most):
+    """Return the largest q <= most with A c^(k-1) = c^k / k for k = 2..q, c = A 1."""
+    c, q = [total(row) for row in A], 1
+    while q < most and vanishes([x - y**(q + 1) * Fraction(1, q + 1) for x, y in
+                                 zip(apply(A, [y**q for y in c]), c, strict=True)]):  # fmt: skip
+        q += 1
+    return q
+
+
+def parts_of(L):
+    """Return the rows f with f L = f or f L = -f, with the sign; e_1 comes first."""
+    found = []
+    for s in (1, -1):
+        found += [(f, s) for f in kernel(minus(transpose(L), diagonal([Fraction(s)] * len(L))))]
+    first = [x for x in found if nonzero(x[0][0])]
+    fine = len(found) == len(L) and len(first) == 1 and vanishes(first[0][0][1:])
+    require(fine and first[0][1] == 1, "L does not keep the first value apart")
+    return first + [x for x in found if x is not first[0]]
+
+
+def labels_of(proof, wanted):
+    """Return the conditions in the order of the certificate, which must be all that are wanted."""
+    given = proof["conditions"]
+    require(isinstance(given, list), "the conditions")
+    found = []
+    for entry in given:
+        require(isinstance(entry, list) and len(entry) == 2, "a condition")
+        found.append((whole(entry[0], 0, SIZE), read_tree(entry[1])))
+    require(len(set(found)) == len(found) and set(found) <= set(wanted), "a condition is twice")
+    return found
+
+
+def first_is_solution(numbers, texts, r):
+    """Refuse a start whose multiples of y are not 1, 0, .., 0."""
+    require(numbers.vector(texts) == [Fraction(int(k == 0)) for k in range(r)], "u of the start")
+
+
+def start_with_parity(proof, numbers, document, series, L, order, q_most):
+    """Return (block, root, rows) of the start; `series` gives zeta(t) for any tree (6.7)."""
+    keys(proof, "radius centre inverse conditions", where="proof of the start")
+    table, block, r = document["starting"], Block(numbers), len(L)
+    keys(table, "A B u order", "name kind", "start")
+    first_is_solution(numbers, table["u"], r)
+    A, B = block.matrix(table["A"]), block.matrix(table["B"])
+    n = len(A)
+    require(len(A[0]) == len(B[0]) == n and len(B) == r, "shapes of the start")
+    opposite(A, [A[partner(i)] for i in range(n)])
+    images = [[inner_sum(row, [b[j] for b in B]) for j in range(n)] for row in L]
+    opposite(B, images)
+    known = not any(isinstance(x, Linear) for row in A for x in row)
+    q = simplifies(A, q_most) if known else 1
+    rows = [([as_real(x) for x in f], s) for f, s in parts_of(L)]
+    wanted = [(k, t) for k, (_, s) in enumerate(rows) for m in range(1, order + (k > 0))
+              if (m % 2 == 0) == (s > 0) for t in classes(m, q)]  # fmt: skip
+    labels = labels_of(proof, wanted)
+    fixed = slopes_of(as_matrix(A), order, q) if known else None
+
+    def gap(k, t, weights, slopes):
+        values = [inner(b, slopes[t]) - z for b, z in zip(weights, series(t), strict=True)]
+        return inner(rows[k][0], values)
+
+    def function(values):
+        slopes = fixed or slopes_of(at_values(A, values), order, q)
+        weights = at_values(B, values)
+        return [gap(k, t, weights, slopes) for k, t in labels]
+
+    left = [x for x in wanted if x not in set(labels)]
+    require(all(k == 0 for k, _ in left), "a condition is missing")
+    root = block.root(function, whole(document.get("digits", 75), 20, 400), proof)
+    if left:
+        slopes = fixed or slopes_of(at_values(A, root), order, q)
+        weights = at_values(B, root)
+        require(all(is_nil(gap(k, t, weights, slopes)) for k, t in left), "a condition is missing")
+    return block, at_values(A, root), at_values(B, root)
+
+
+def as_matrix(A):
+    """Return a matrix of exact numbers with intervals in place of irrational ones."""
+    return [[as_real(x) for x in row] for row in A]
+
+
+def inner_sum(x, y):
+    """Return sum x_i y_i of expressions in unknowns."""
+    value = Fraction(0)
+    for a, b in zip(x, y, strict=True):
+        if not is_nil(a):
+            value = value + b * a
+    return value
+
+
+def undoes(numbers, opening, closing):
+    """Tell whether the finish undoes the first value of the start for all values of the digits."""
+    block = Block(numbers)
+    A, b = block.matrix(opening["A"]), block.matrix(opening["B"])[0]
+    C, d = block.matrix(closing["A"]), block.matrix([closing["b"]])[0]
+    needed = {j for j, x in enumerate(b) if not is_nil(x)}
+    while True:
+        more = {j for i in needed for j, x in enumerate(A[i]) if not is_nil(x)} | needed
+        if more == needed:
+            break
+        needed = more
+    stages = sorted(needed)
+    if len(C) != len(stages):
+        return False
+    return all(is_nil(y + b[j]) for y, j in zip(d, stages, strict=True)) and all(
+        is_nil(C[k][m] - (A[i][j] - b[j]))
+        for k, i in enumerate(stages) for m, j in enumerate(stages))  # fmt: skip
+
+
+def finish_with_parity(proof, numbers, document, A, b, order):
+    """Refuse unless the finish has the order, after the start with stages A and weights b."""
+    keys(proof, "radius centre inverse conditions", where="proof of the finish")
+    closing, block = document["finishing"], Block(numbers)
+    C, d = block.matrix(closing["A"]), block.matrix([closing["b"]])[0]
+    require(len(C) == len(C[0]) == len(d), "shapes of the finish")
+    opposite(C, [C[partner(i)] for i in range(len(C))])
+    opposite([d], [d])
+    base = {t: inner(b, x) for t, x in slopes_of(A, order, 1).items()}
+    wanted = [(0, t) for m in range(2, order + 1, 2) for t in classes(m, 1)]
+    labels = labels_of(proof, wanted)
+    require(len(labels) == len(wanted), "a condition is missing")
+
+    def function(values):
+        slopes = slopes_of(at_values(C, values), order, 1, base)
+        weights = at_values(d, values)
+        return [inner(weights, slopes[t]) + base[t] for _, t in labels]
+
+    block.root(function, whole(document.get("digits", 75), 20, 400), proof)
+
+
+def even_start(proof, pair, numbers, document):
+    """Return the orders (all trees, second-order systems) of the start of a pair (6.7)."""
+    keys(proof, "radius centre inverse conditions orders", where="proof of the start")
+    orders = proof["orders"]
+    require(isinstance(orders, list) and len(orders) == 2, "orders")
+    most, nystrom = (whole(x, 0, 12) for x in orders)
+    require(pair.signs is not None, "the pair is not symmetric")
+    for c, V in pair.V.items():
+        equal(V, diagonal([Fraction(x) for x in pair.signs[c]]), "L = I")
+    zeta = {}
+    for order, kind in ((most, False), (nystrom, True)):
+        if order:
+            require(pair.identity_through(order - 1, kind), "a principal part is not shown to be 0")
+            zeta.update(pair.series(pair.root, order, kind, starts=True)[0])
+    table, block = document["starting"], Block(numbers)
+    keys(table, "A B u A_hat B_hat u_hat order", "name kind", "start")
+    tables = {}
+    for c, hat in (("f", ""), ("k", "_hat")):
+        first_is_solution(numbers, table["u" + hat], len(pair.V[c]))
+        tables[c] = block.matrix(table["A" + hat]), block.matrix(table["B" + hat])
+    sizes = {"f": len(tables["f"][0]), "k": len(tables["k"][0])}
+    for c, other in (("f", "k"), ("k", "f")):
+        A, B = tables[c]
+        require(len(A[0]) == len(B[0]) == sizes[other] and len(B) == len(pair.V[c]), "shapes")
+        require(all(map(is_nil, A[0] + B[0])), "the first stage and value are the solution")
+        opposite(A, [A[partner(i)] for i in range(len(A))])
+        opposite(B, B)
+    wanted = [(k, t) for n in range(2, max(orders) + 1, 2) for t in trees(ALTERNATING, n)
+              if n <= most or (n <= nystrom and is_nystrom(t))
+              for k in range(1, len(pair.V[t[0]]))]  # fmt: skip
+    labels = labels_of(proof, wanted)
+    require(len(labels) == len(wanted), "a condition is missing")
+
+    def function(values):
+        here = {c: tuple(at_values(M, values) for M in Ms) for c, Ms in tables.items()}
+        stages = {}
+
+        def slopes(t):
+            value = ones(len(here[t[0]][1][0]))
+            for child in t[1]:
+                value = [by(x, y) for x, y in zip(stage(child), value, strict=True)]
+            return value
+
+        def stage(t):
+            if t not in stages:
+                below, found = slopes(t), []
+                for i, row in enumerate(here[t[0]][0]):
+                    if i and i % 2 == 0:
+                        found.append(found[-1] * (-1 if size(t) % 2 else 1))
+                    else:
+                        found.append(inner(row, below))
+                stages[t] = found
+            return stages[t]
+
+        return [inner(here[t[0]][1][k], slopes(t)) - zeta[t][k] for k, t in labels]
+
+    block.root(function, whole(document.get("digits", 75), 20, 400), proof)
+    return most, max(most, nystrom)
+
+
+# ------------------------------------------------ section 6: upper bounds from intervals
+
+
+class Bounds:
+    """Intervals around the only starting series that a higher order would allow (6.6)."""
+
+    def __init__(self, method, identity_mode, nystrom):
+        self.method, self.free, self.nystrom = method, not identity_mode, nystrom
+        self.u, self.W, self.lift, self.eta, self.stage = {}, {}, {}, {}, {}
+        self.k = {}
+        for c, m in method.parts.items():
+            exact_ = all(not isinstance(x, Interval) for row in m.V for x in row)
+            require(exact_, "V holds decimals")
+            (u,) = kernel(minus(m.V, identity(m.r))) or [None]
+            k = first_place(u)
+            left = kernel(minus(transpose(m.V), identity(m.r)))
+            scale_ = next((x for x in apply(m.U, u) if apart(x)), None)
+            require(len(left) == 1 and scale_ is not None, "the eigenvalue 1 is not simple")
+            require(not isinstance(scale_, Interval), "U u = 1 is not shown")
+            u = [inverse(scale_) * x for x in u]
+            require(all(is_nil(x - 1) for x in apply(m.U, u)), "U u = 1 is not shown")
+            along = dot(left[0], u)
+            require(nonzero(along), "the eigenvalue 1 is defective")
+            border = [[x * inverse(u[k]) if j == k else Fraction(0) for j in range(m.r)] for x in u]
+            back = inverse_matrix(combine(minus(identity(m.r), m.V), border))
+            self.u[c], self.k[c] = [as_real(x) for x in u], k
+            self.W[c] = [as_real(x * inverse(along)) for x in left[0]]
+            self.lift[c] = as_matrix(back)
+        self.A, self.U, self.B = ({c: as_matrix(getattr(m, key)) for c, m in method.parts.items()}
+                                  for key in "AUB")  # fmt: skip
+        self.order = 0
+
+    def slopes(self, t):
+        """Return xiD(t)."""
+        value = ones(len(self.B[t[0]][0]))
+        for child in t[1]:
+            value = [by(x, y) for x, y in zip(self.stages(child), value, strict=True)]
+        return value
+
+    def stages(self, t):
+        """Return xi(t)."""
+        if t not in self.stage:
+            c, slopes = t[0], self.slopes(t)
+            self.stage[t] = [inner(a, slopes) + inner(u, self.eta[t])
+                             for a, u in zip(self.A[c], self.U[c], strict=True)]  # fmt: skip
+        return self.stage[t]
+
+    def right(self, t):
+        """Return R(t)."""
+        slopes, c = self.slopes(t), t[0]
+        value = [inner(row, slopes) - u * Fraction(1, gamma(t))
+                 for row, u in zip(self.B[c], self.u[c], strict=True)]  # fmt: skip
+        for s, weight in cut(t):
+            if s != t:
+                value = [x if is_nil(y) else x - y * weight
+                         for x, y in zip(value, self.eta[s], strict=True)]  # fmt: skip
+        return value
+
+    def move(self, s, beta):
+        """Add beta u to eta(s)."""
+        self.eta[s] = [x + beta * u for x, u in zip(self.eta[s], self.u[s[0]], strict=True)]
+
+    def settle(self):
+        """Find the principal parts of the last order."""
+        n, palette = self.order + 1, dict(self.method.palette)
+        if n == 2:
+            first, *others = trees(self.method.palette, 1)
+            for s in others:
+                self.move(s, inner(self.W[s[0]], self.right((s[0], (first,)))))
+            return
+        found = {}
+        leaf = {c: (children[0], ()) for c, children in palette.items()}
+        level = pool_of(self.method, n - 1, self.nystrom)
+        for s in sorted(level, key=lambda s: (-len(s[1]), -s[1].count(leaf[s[0]]))):
+            t = (s[0], tuple(sorted((*s[1], leaf[s[0]]))))
+            value, ways = inner(self.W[t[0]], self.right(t)), 0
+            for kept, weight in cut(t):
+                if kept == s:
+                    ways = weight
+                elif kept in found:
+                    value = value - found[kept] * weight
+            found[s] = value * (1 / ways)
+        for s, beta in found.items():
+            if not is_nil(beta):
+                self.move(s, beta)
+
+    def advance(self, order):
+        """Go on until the conditions of an order can be evaluated; eta is known below it."""
+        while self.order < order:
+            if self.order and self.free:
+                self.settle()
+            self.order += 1
+            if self.order == order:
+                return
+            self.fill()
+
+    def fill(self):
+        """Find eta at the trees of the order that was reached, principal parts 0."""
+        for t in pool_of(self.method, self.order, self.nystrom):
+            c, right = t[0], self.right(t)
+            self.eta[t] = [Fraction(0) if j == self.k[c] else inner(row, right)
+                           for j, row in enumerate(self.lift[c])]  # fmt: skip
+
+    def condition(self, t):
+        """Return W R(t)."""
+        return inner(self.W[t[0]], self.right(t))
+
+
+# ------------------------------------------------ section 6: rules
+
+
+def implied_order(proof, w):
+    """Rule implied-order."""
+    keys(w, "order principal trees")
+    identity_mode, nystrom = mode(w)
+    p = whole(w["order"], 1, 14)
+    proof.root().order_holds(p, identity_mode, nystrom)
+    proof.low = (p, identity_mode, nystrom)
+
+
+def not_order(proof, w):
+    """Rule not-order: order p + 1 is not reached by any method in the intervals."""
+    keys(w, "order principal trees tree")
+    identity_mode, nystrom = mode(w)
+    p, tree = whole(w["order"], 0, 11), read_tree(w["tree"])
+    require(tree in pool_of(proof.method, p + 1, nystrom), "the tree has another order")
+    bounds = proof.bounds(identity_mode, nystrom, p + 1)
+    require(apart(bounds.condition(tree)), "the condition of the tree may hold")
+    proof.high, proof.simple = (p, identity_mode, nystrom), True
+
+
+def implied_stage_order(proof, w):
+    """Rule implied-stage-order."""
+    keys(w, "q")
+    q = whole(w["q"], 1)
+    require(proof.low is not None, "the order is not part of the certificate")
+    root = proof.root()
+    require(isinstance(root, Sweep), "the stage order of pairs")
+    root.stage_order_holds(q, proof.low[0])
+    return q
+
+
+def not_stage_order(proof, w):
+    """Rule not-stage-order."""
+    keys(w, "q tree")
+    q, tree = whole(w["q"]), read_tree(w["tree"])
+    require(proof.high and proof.low and proof.high == proof.low, "the order is not enclosed")
+    p, identity_mode, nystrom = proof.low
+    require(q < p and tree in pool_of(proof.method, q + 1, nystrom), "the tree has another order")
+    bounds = proof.bounds(identity_mode, nystrom, max(p, q + 1))
+    if q + 1 == bounds.order:
+        bounds.fill()
+    c = bounds.stages((tree[0], ()))
+    gap = [x - y ** (q + 1) * Fraction(1, gamma(tree))
+           for x, y in zip(bounds.stages(tree), c, strict=True)]  # fmt: skip
+    if exception(proof, q + 1):
+        gap = [x - gap[0] for x in gap]
+    require(any(map(apart, gap)), "the stages may be right at the tree")
+    return q
+
+
+def implied_start(proof, w):
+    """Rule implied-start."""
+    keys(w, "q")
+    q = whole(w["q"], 1)
+    require(proof.low is not None and q <= proof.low[0], "the order is not part of the certificate")
+    table = proof.method.document.get("starting")
+    if proof.method.pair:
+        pair = proof.root()
+        if table is None:
+            pair.zero_start_holds(q, proof.low[2])
+        else:
+            orders = proof.even_orders()
+            require(q <= orders[proof.low[2]], "the start has a lower order")
+        return q
+    require(q == proof.low[0] and table is not None, "the start has another order")
+    proof.odd_start(q)
+    return q
+
+
+def not_start(proof, w):
+    """Rule not-start: the order of the start is at most q."""
+    keys(w, "q", "tree value")
+    q = whole(w["q"])
+    if "tree" not in w:
+        require(proof.low and proof.low == proof.high and q == proof.low[0], "the order is open")
+        return q
+    method, tree = proof.method, read_tree(w["tree"])
+    identity_mode, nystrom = proof.mode()
+    require(method.pair and identity_mode, "for pairs only")
+    require(tree in pool_of(method, q + 1, nystrom), "the tree has another order")
+    bounds = proof.bounds(True, nystrom, q + 1)
+    bounds.fill()
+    start, k = start_of(method), whole(w["value"], 1) - 1
+    value = start.value(tree)[k] - bounds.eta[tree][k]
+    require(apart(value), "the start may be right at the tree")
+    return q
+
+
+def implied_finish(proof, w):
+    """Rule implied-finish."""
+    keys(w, "q")
+    q, document = whole(w["q"], 1), proof.method.document
+    require(proof.low is not None and q == proof.low[0], "the order is not part of the certificate")
+    opening, closing = document.get("starting"), document.get("finishing")
+    require(closing is not None and opening is not None, "the file has no finish")
+    keys(closing, "A b", "name kind order", "finish")
+    if undoes(proof.method.numbers, opening, closing):
+        return q
+    A, B = proof.odd_start(q)
+    block = proof.blocks.get("finishing")
+    require(block is not None, "the proof of the finish is missing")
+    finish_with_parity(block, proof.method.numbers, document, A, B[0], q)
+    return q
+
+
+def implied(proof, w):
+    """Rule implied: what holds at the root of an enclosure."""
+    keys(w, "")
+    root, claim = proof.root(), proof.claim
+    if claim in ("growth", "parasitism-free"):
+        count = root.zero_growths()
+        require(count is not None, "an eigenvalue has no equation")
+        if claim == "growth":
+            declared = proof.claimed(proof.declared)
+            require(len(declared) == count and vanishes(declared), "the parameters are all 0")
+    elif claim == "abscissae":
+        require(isinstance(root, Sweep), "the abscissae of pairs")
+        found = root.abscissae()
+        require(found is not None, "an abscissa is not fixed")
+        equal(found, proof.claimed(proof.declared), "the list of abscissae")
+    else:
+        require(root.implies(claim), f"{claim} does not follow")
+
+
 # ------------------------------------------------ section 7: which parts prove which statement
 
 RULES = {
@@ -2580,9 +4274,12 @@ RULES = {
     "abscissae": abscissae, "other-abscissae": other_abscissae,
     "error-constant": error_constant,
     "other-error-constant": lambda proof, w: error_constant(proof, w, False),
-    "reducible": reducible, "irreducible": irreducible,
+    "reducible": reducible, "irreducible": irreducible, "equivalent": equivalent,
     "a-stable": a_stable, "not-a-stable": not_a_stable,
     "l-limit": l_limit, "not-l-limit": lambda proof, w: l_limit(proof, w, False),
+    "implied": implied, "implied-order": implied_order, "not-order": not_order,
+    "implied-stage-order": implied_stage_order, "not-stage-order": not_stage_order,
+    "implied-start": implied_start, "not-start": not_start, "implied-finish": implied_finish,
 }  # fmt: skip
 
 ORDERS = ("order", "order-identity", "effective-order", "nystrom-order")
@@ -2599,6 +4296,8 @@ BOOLEAN = {  # claim: lists of rules that prove it, lists of rules that refute i
     "g-symplectic": ([["preconsistent", "form"], ["form"]],
                      [["given-form-fails"], ["preconsistent", "no-form"], ["no-form"]]),
     "symmetric": ([["symmetric"]], [["not-symmetric"]]),
+    "symmetric-reduced": ([["equivalent", "irreducible", "symmetric"]],
+                          [["equivalent", "irreducible", "not-symmetric"]]),
     "explicit": ([["explicit"]], [["implicit"]]),
     "reducible": ([["reducible"]], [["irreducible"]]),
     "a-stable": ([["bounded", "a-stable"]], [["not-a-stable"], ["unbounded", "not-a-stable"]]),
@@ -2609,6 +4308,81 @@ LISTS = {  # claim: rule where it holds, rule where it fails
     "abscissae": ("abscissae", "other-abscissae"),
     "error-constant": ("error-constant", "other-error-constant"),
 }
+
+
+ADDITIVE = {  # claims of methods for a sum of right-hand sides
+    "order", "order-identity", "effective-order", "stage-order", "preconsistent", "consistent",
+    "zero-stable", "explicit",
+}  # fmt: skip
+STRUCTURAL = {"bounded", "explicit"}  # rules that look at exact entries only
+
+
+class Record:
+    """The root of an enclosure and what was found from it, kept for the next certificate."""
+
+    last = (None, None)
+
+    def __init__(self, document, field, numbers):
+        self.exact, self.numbers, self.root, self.memory = numbers, numbers, None, {}
+        unknowns = as_object(document.get("unknowns", {}))
+        if field["kind"] == "balls":
+            digits = whole(document.get("digits"), 1, 400)
+
+            def around_decimal(text):
+                unit = Fraction(1, 10**digits)
+                return Interval.ends(Fraction(text) - unit, Fraction(text) + unit)
+
+            values = {}
+            for name, text in unknowns.items():
+                values[name] = around_decimal(published_decimal(text, digits))
+            self.numbers = numbers.exactly(around_decimal).with_unknowns(values)
+        elif field["kind"] == "enclosure" and "method" in as_object(field["proofs"]):
+            kinds = {"sweep": Sweep, "pair-sweep": Pair, "splitting": Pair}
+            require(document.get("class") in kinds, "an enclosure of another class")
+            self.root = kinds[document["class"]](document, numbers, field["proofs"]["method"])
+            weights = [self.root.D] if isinstance(self.root, Sweep) else [self.root.b, self.root.c]
+            fine = all(apart(x) for row in weights for x in at_values(row, self.root.root))
+            require(fine, "a weight may be 0")
+            values = dict(zip(self.root.unknowns, self.root.root, strict=True))
+            self.numbers = numbers.with_unknowns(values)
+            if isinstance(self.root, Sweep):
+                self.root.explicit_now = self.numbers.explicit = frozenset(self.root.explicit)
+
+    @classmethod
+    def of(cls, document, field, numbers):
+        """Return the record of a document, that of the last certificate where it is the same."""
+        if field["kind"] in ("rational", "tower"):
+            return cls(document, field, numbers)
+        kept = {key: value for key, value in document.items() if key != "claims"}
+        own = {key: value for key, value in field.items() if key != "proofs"}
+        proof = as_object(field.get("proofs", {})).get("method")
+        key = json.dumps([kept, own, proof], sort_keys=True)
+        if cls.last[0] != key:
+            cls.last = (None, None)
+            cls.last = (key, cls(document, field, numbers))
+        return cls.last[1]
+
+    def known(self, key, make):
+        """Return what was made before under this key; None keeps nothing."""
+        if key is None:
+            return make()
+        if key not in self.memory:
+            self.memory[key] = make()
+        return self.memory[key]
+
+
+def numbers_of(field):
+    """Return the numbers of a field; the tower of the last certificate is used again."""
+    require(isinstance(field, dict), "the field is no object")
+    key = json.dumps({k: x for k, x in field.items() if k != "proofs"}, sort_keys=True)
+    if numbers_of.last[0] != key:
+        numbers_of.last = (key, Numbers(field))
+    else:
+        keys(field, "kind", "generators radicals proofs", "field")
+    return numbers_of.last[1].changed()
+
+
+numbers_of.last = (None, None)
 
 
 class Proof:
@@ -2627,10 +4401,8 @@ class Proof:
         require(isinstance(texts, list) and all(isinstance(x, str) for x in texts), "identities")
         require(isinstance(parts, list) and 0 < len(parts) <= 20, "parts are a list")
         for part in parts:
-            keys(part, "rule witness", "field", "part")
+            keys(part, "rule witness", "", "part")
             require(part["rule"] in RULES, f"no rule is called {part['rule']!r}")
-            if "field" in part:
-                not_covered("parts with a field of their own")
         self.parts, self.rules = parts, [part["rule"] for part in parts]
         document = as_object(certificate["document"])
         require(document.get("name") == statement["method"], "the document is another method")
@@ -2638,17 +4410,71 @@ class Proof:
         declared = claims.get(self.claim, self.declared)
         same = type(declared) is type(self.declared) and declared == self.declared
         require(same, "the document declares something else")
-        numbers = Numbers(certificate["field"])
-        require(statement["proof"] == "exact", "the numbers are exact, the proof is not")
-        self.method = Method(document, numbers, certificate.get("base"))
+        numbers = numbers_of(certificate["field"])
+        self.kind = certificate["field"]["kind"]
+        exact = self.kind in ("rational", "tower") or set(self.rules) <= STRUCTURAL
+        require(statement["proof"] == ("exact" if exact else "enclosed"), "the proof is another")
+        self.blocks = as_object(certificate["field"].get("proofs", {}))
+        self.record = Record.of(document, certificate["field"], numbers)
+        self.method = Method(document, self.record.numbers, certificate.get("base"))
         self.method.check_shapes()
-        self.series = self.low = self.high = None
+        self.series = self.low = self.high = self.reversal = None
         self.simple, self.stable, self.eigen, self.claim_text = (
             False,
             set(),
             {},
             f"{self.claim} = {self.declared}",
         )
+
+    def root(self):
+        """Return the sweep or pair at the root of the equations."""
+        require(self.record.root is not None, "the proof of the method is missing")
+        return self.record.root
+
+    def bounds(self, identity_mode, nystrom, order):
+        """Return the series in intervals, ready for the conditions of an order."""
+        found = self.record.known(("bounds", identity_mode, nystrom, order),
+                                  lambda: Bounds(self.method, identity_mode, nystrom))  # fmt: skip
+        found.advance(order)
+        return found
+
+    def even_orders(self):
+        """Return the orders of the start of a pair."""
+        require("starting" in self.blocks, "the proof of the start is missing")
+        proof = self.blocks["starting"]
+        return self.record.known(("start", json.dumps(proof)), lambda: even_start(
+            proof, self.root(), self.record.exact, self.method.document))  # fmt: skip
+
+    def odd_start(self, order):
+        """Return A and B of the start of one method, proved to have the order."""
+        require("starting" in self.blocks, "the proof of the start is missing")
+
+        proof, numbers = self.blocks["starting"], self.record.exact
+
+        def made():
+            L, series, q = self.target(order)
+            return start_with_parity(proof, numbers, self.method.document, series, L, order, q)[1:]
+
+        key = ("start", order, json.dumps(proof)) if self.record.root is not None else None
+        return self.record.known(key, made)
+
+    def target(self, order):
+        """Return (L, starting series, stage order) that a start has to meet."""
+        if self.record.root is not None:
+            sweep = self.root()
+            zeta = sweep.series(sweep.root, order + 1)[1]
+
+            def series(t):
+                below, factor = reduced(t, sweep.q)
+                return [x * factor for x in zeta[below]]
+
+            return sweep.reversal(), series, sweep.q
+        require(self.reversal is not None and self.series is not None, "symmetry is missing")
+        L, eta = self.reversal["o"], self.series
+        for t in (t for n in range(1, order + 1) for t in trees(self.method.palette, n)):
+            sign_ = -1 if size(t) % 2 else 1
+            equal(eta.eta_of(t), [sign_ * x for x in apply(L, eta.eta_of(t))], "eta(-h) = L eta(h)")
+        return L, lambda t: [as_real(x) for x in eta.eta_of(t)], 1
 
     def claimed(self, texts):
         """Return declared numbers; claims use no constants."""
@@ -2663,13 +4489,20 @@ class Proof:
             self.check_order(self.low and self.low[0], self.high and self.high[0])
         elif self.claim in SECOND:
             low, high = ([value for rule, value in zip(self.rules, results, strict=True)
-                          if rule == name] for name in SECOND[self.claim])  # fmt: skip
+                          if rule in names] for names in self.both_ends())  # fmt: skip
             self.check_order(*(found[0] if found else None for found in (low, high)))
         if self.claim == "zero-stable" and "bounded" in self.rules:
             require(self.stable == set(self.method.parts), "V of one component is missing")
         for shown in (self.low, self.high):
             if shown and (self.claim in ORDERS or self.claim in SECOND):
                 require(shown[1:] == self.mode(), "principal or trees are not those of the claim")
+
+    def both_ends(self):
+        """Return the rules for the two bounds of an order that rests on the order."""
+        low, high = SECOND[self.claim]
+        start = self.claim.endswith("starting-order")
+        name = "start" if start else "finish" if "finish" in low else "stage-order"
+        return {low, "implied-" + name}, {high, "not-" + name}
 
     def mode(self):
         """Return (identity?, nystrom?) of the orders that a claim is about."""
@@ -2683,11 +4516,15 @@ class Proof:
 
     def check_rules(self):
         """Refuse parts that are not exactly those of the statement."""
+        about = self.claim in ADDITIVE or not self.method.additive
+        require(about, f"{self.claim} has no meaning for an additive method")
         allowed = self.allowed()
         require(self.rules in allowed, f"these parts do not prove {self.claim}: {self.rules}")
 
     def allowed(self):
         """Return the lists of rules that prove the statement."""
+        if self.kind in ("balls", "enclosure"):
+            return self.allowed_in_intervals()
         pair = ["order-at-least", "order-at-most"]
         if self.claim in ORDERS:
             whole(self.declared)
@@ -2717,6 +4554,34 @@ class Proof:
         require(type(self.declared) is bool, "the claim is true or false")
         return table[0 if self.declared == self.holds else 1]
 
+    def allowed_in_intervals(self):
+        """Return the lists of rules that prove a statement about decimals."""
+        root = self.record.root is not None
+        pair = ["implied-order", "not-order"] if root else ["order-at-least", "order-at-most"]
+        if self.claim in ORDERS:
+            whole(self.declared)
+            return [pair] if self.holds else [["not-order"]]
+        if self.claim in SECOND:
+            whole(self.declared)
+            name = {"stage-order": "stage-order", "finishing-order": "finish"}
+            name = name.get(self.claim, "start")
+            if not self.holds:
+                return [["not-start"]] if name == "start" else []
+            top = "finish-at-most" if name == "finish" else "not-" + name
+            between = [] if root else ["symmetric"]
+            return [[*pair, *between, "implied-" + name, top]]
+        parts = len(self.method.parts)
+        if self.claim == "zero-stable" and self.declared is True and self.holds:
+            return [["bounded"] * parts]
+        if self.claim in ("explicit", "reducible"):
+            require(type(self.declared) is bool, "the claim is true or false")
+            return BOOLEAN[self.claim][0 if self.declared == self.holds else 1]
+        if self.claim == "symmetric" and self.declared is not self.holds:
+            require(type(self.declared) is bool, "the claim is true or false")
+            return [["not-symmetric"]]
+        true = self.declared is True or self.claim in ("growth", "abscissae")
+        return [["implied"]] if self.holds and true else []
+
     def check_order(self, low, high):
         """Refuse bounds that do not decide the declared order."""
         if self.rules == ["no-order-1"]:
@@ -2725,9 +4590,9 @@ class Proof:
         if low is not None and high is not None:
             decided = low == high and (low == p) == self.holds
         elif low is not None:
-            decided = not self.holds and low == p + 1
+            decided = not self.holds and low > p
         else:
-            decided = not self.holds and high == p - 1
+            decided = not self.holds and high < p
         require(decided, f"the parts show {low} <= order <= {high}")
 
 

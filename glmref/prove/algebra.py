@@ -13,6 +13,7 @@ from typing import Any
 from ..errors import ExactnessError
 from ..exact import Exact, Scalar, linalg
 from ..exact.linalg import Matrix, Vector
+from ..system.budget import spend
 from ..theory import polynomials as poly
 from ..theory.coefficients import is_zero, plus, times, weighted
 from ..theory.root_location import is_nonnegative, is_schur, real_roots, unimodular_roots
@@ -313,6 +314,7 @@ def involutions(
 
     def place() -> bool:
         nonlocal places
+        spend()
         places += 1
         if places > MAX_PLACES:
             return False

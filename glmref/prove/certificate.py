@@ -1,24 +1,32 @@
 """Certificates: what was proved about a file, written so that others can check it.
 
 The format is ``glmref-certificate-1`` (``docs/certificates.md``). The kernel decides first; then
-its series, and the witnesses it was handed, are written down. A statement whose numbers have no
-form in radicals, or that rests on an enclosure, has no certificate yet, and the reason is said.
+its series, and the witnesses it was handed, are written down; a statement that rests on an
+enclosure gets its interval test. What has no certificate, such as a method that declares an
+output, is said with the reason.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
 from ..catalogue.claims import (
     CLAIMS,
     EFFECTIVE_ORDER,
+    EXPLICIT,
+    FINISHING_ORDER,
     NYSTROM_ORDER,
     NYSTROM_STARTING_ORDER,
+    ORDER,
     ORDER_IDENTITY,
+    REDUCIBLE,
     STAGE_ORDER,
     STARTING_ORDER,
+    SYMMETRIC,
+    ZERO_STABLE,
 )
 from ..catalogue.files import document as shipped_document
 from ..errors import ExactnessError
@@ -26,11 +34,12 @@ from ..exact import Exact, linalg
 from ..exact.expression import to_text
 from ..exact.linalg import Matrix, Vector
 from ..findings import Proof, Verdict
-from .algebra import consistency_vectors, involutions, preconsistency, scalars
+from .algebra import consistency_vectors, difference, involutions, preconsistency, scalars
+from .certificate_enclosed import equation_numbers, method_proof, start_proofs
 from .field import Tower, radicals_of, written_out
 from .finders import proposal_for
 from .kernel import Judgement, Kernel
-from .series import StartingSeries, read
+from .series import StartingSeries, apply_rows, read
 
 __all__ = ["FORMAT", "certificates_of"]
 
@@ -51,25 +60,63 @@ def certificates_of(
     ------
         (claim, certificate or reason).
     """
+    proofs = _Proofs(facts)
     for claim, (declared, judgement) in statements.items():
         try:
-            yield claim, _certificate(facts, claim, declared, judgement)
+            yield claim, _certificate(facts, claim, declared, judgement, proofs)
         except ExactnessError as error:
             yield claim, str(error)
 
 
-def _certificate(facts: Any, claim: str, declared: Any, judged: Judgement) -> dict[str, Any]:
+class _Proofs:
+    """The interval tests of one file, each made at most once."""
+
+    def __init__(self, facts: Any) -> None:
+        self.facts, self.document = facts, facts.method.document
+
+    @cached_property
+    def method(self) -> dict[str, Any]:
+        """The test of the method, where the file has an enclosure."""
+        if "enclosure" not in self.document:
+            return {}
+        claims = self.document["claims"]
+        order = max(claims.get(x, 0) for x in (ORDER.key, ORDER_IDENTITY.key, NYSTROM_ORDER.key))
+        return {"method": method_proof(self.document, order + 1)}
+
+    @cached_property
+    def starts(self) -> dict[str, Any]:
+        """The tests of the start and of the finish."""
+        return start_proofs(self.document, self.facts.method)
+
+    def field(self, claim: str) -> dict[str, Any]:
+        """The field of a statement about decimals; the same for all that need no start."""
+        document = self.document
+        plain = {k: v for k, v in document.items() if k not in ("unknowns", "claims")}
+        if not self.facts.method.is_exact:
+            plain = {k: v for k, v in plain.items() if k not in ("starting", "finishing")}
+        found = _field(plain, [{"rule": "", "witness": equation_numbers(document)}], [])
+        kept = {k: found.get(k, empty) for k, empty in (("generators", []), ("radicals", {}))}
+        if self.facts.implied is None:
+            return {"kind": "balls", **kept}
+        proofs = dict(self.method)
+        if claim in (STARTING_ORDER.key, NYSTROM_STARTING_ORDER.key, FINISHING_ORDER.key):
+            proofs |= self.starts
+        return {"kind": "enclosure", **kept, "proofs": proofs}
+
+
+def _certificate(
+    facts: Any, claim: str, declared: Any, judged: Judgement, proofs: _Proofs
+) -> dict[str, Any]:
     if judged.verdict is Verdict.OPEN:
         raise ExactnessError("the claim is open")
-    if judged.proof is not Proof.EXACT or not facts.kernel.exact:
-        raise ExactnessError("certificates of enclosed statements are not written yet")
+    enclosed = judged.proof is not Proof.EXACT or not facts.kernel.exact
     if any(w is not None for w in facts.kernel.outputs.values()):
         raise ExactnessError("certificates of methods that declare an output are not written yet")
-    writer = _Writer(facts, claim, declared, judged)
-    parts = writer.parts()
     document = facts.method.document
     if document is None:
         raise ExactnessError("a method without a file has no certificate")
+    writer = (_EnclosedWriter if enclosed else _Writer)(facts, claim, declared, judged)
+    parts = writer.parts()
     kept = {k: v for k, v in document.items() if k not in ("claims", "source", "notes", "title")}
     kept = {**kept, "claims": {claim: declared}}
     found = {
@@ -82,7 +129,7 @@ def _certificate(facts: Any, claim: str, declared: Any, judged: Judgement) -> di
             "proof": str(judged.proof),
         },
         "document": kept,
-        "field": _field(kept, parts, declared),
+        "field": proofs.field(claim) if enclosed else _field(kept, parts, declared),
         "parts": parts,
         "identities": writer.identities,
     }
@@ -132,6 +179,13 @@ def _matrix(rows: Matrix) -> list[list[str]]:
     return [_vector(row) for row in rows]
 
 
+class _Reduced:
+    """What a writer asks of facts, for a method without a file."""
+
+    def __init__(self, method: Any) -> None:
+        self.method, self.kernel = method, Kernel(method)
+
+
 class _Writer:
     """The parts of one statement."""
 
@@ -153,9 +207,7 @@ class _Writer:
     # -- orders
 
     def _order(self) -> list[Part]:
-        kernel = self.kernel
-        free = not kernel.one_step and kernel._order is kernel.order_range(free=True)
-        return self._order_parts(free=free)
+        return self._order_parts(free=not self.kernel.one_step)
 
     def _order_parts(self, *, free: bool, nystrom: bool = False) -> list[Part]:
         found = self.kernel.order_range(free=free, nystrom=nystrom)
@@ -165,8 +217,8 @@ class _Writer:
         if p == 0:
             return [self._no_order()]
         series = self.kernel.series[free, nystrom]
-        if not series.simple:
-            raise ExactnessError("several eigenvectors to 1 are not written out yet")
+        if not series.complete:
+            raise ExactnessError("the eigenvalue 1 of V is multiple, and the series not unique")
         names = {
             "principal": "free" if free else "identity",
             "trees": "nystrom" if nystrom else "all",
@@ -211,7 +263,8 @@ class _Writer:
     ) -> dict[str, list[str]]:
         """Rational numbers n(t) with n L = 0 that see the residual of one tree."""
         trees = series.trees
-        failing = trees.text.index(tree)
+        if not series.simple:
+            return _Writer._wide_functional(series, p, free=free)
         if not free or p == 0:
             return {tree: ["1"]}
         smaller, larger = trees.level(p), trees.level(p + 1)
@@ -225,7 +278,7 @@ class _Writer:
 
         # express the row of the failing tree in the rows of the determining trees
         rows = {t: row(t) for t in larger if t in series.determined} if p > 1 else {}
-        target = row(failing)
+        target = row(trees.text.index(tree))
         if p == 1:
             if any(target.values()):
                 raise ExactnessError("the functional of order 2 is not written out")
@@ -237,6 +290,34 @@ class _Writer:
         solution = linalg.solve(tuple(system), tuple(right))
         n = {trees.text[t]: _vector(x) for t, x in zip(names, solution, strict=True)}
         return {tree: ["1"], **{t: x for t, x in n.items() if x != ["0"]}}
+
+    @staticmethod
+    def _wide_functional(series: StartingSeries, p: int, *, free: bool) -> dict[str, list[str]]:
+        """The same for one method with several eigenvectors: a null vector that sees a residual."""
+        trees, (c,) = series.trees, series.components.values()
+        d, larger = len(c.N), trees.level(p + 1)
+        place = {t: k * d for k, t in enumerate(larger)}
+        images = [apply_rows(c.W, apply_rows(c.B, apply_rows(c.U, x))) for x in c.N]
+        units = linalg.identity(d)
+        parts = units if free else linalg.nullspace((tuple(read(c, x) for x in c.N),))
+        rows = []
+        for s in trees.level(p):
+            for e in parts:
+                row = [Exact(0)] * (d * len(larger))
+                for t in larger:
+                    ways = trees.cuts[t].get(s, 0)
+                    for i in range(d):
+                        value = Exact(-ways) * e[i]
+                        if trees.children[t] == (s,):
+                            value += sum((images[j][i] * e[j] for j in range(d)), Exact(0))
+                        row[place[t] + i] = value
+                rows.append(tuple(row))
+        residual = [x for t in larger for x in scalars(apply_rows(c.W, series._right(t)))]
+        for n in linalg.nullspace(tuple(rows)) if rows else linalg.identity(len(residual)):
+            if not linalg.dot(n, residual).is_zero():
+                values = {t: _vector(n[place[t] : place[t] + d]) for t in larger}
+                return {trees.text[t]: x for t, x in values.items() if set(x) != {"0"}}
+        raise ExactnessError("no combination of the conditions refutes the next order")
 
     def _no_order(self) -> Part:
         """Left null vectors of the linear system of u and v, the right side not zero."""
@@ -335,6 +416,37 @@ class _Writer:
             *self._order_parts(free=free, nystrom=nystrom),
             {"rule": "start-at-least", "witness": {"q": q, **block}},
             {"rule": "start-at-most", "witness": {"q": q, **block, "tree": tree, "value": value}},
+        ]
+
+    def _finishing_order(self) -> list[Part]:
+        found = self.kernel.range(FINISHING_ORDER.key)
+        parts = self._order_parts(free=not self.kernel.one_step)
+        p, q = parts[0]["witness"]["order"], found.upper
+        if q is None or found.lower != q or not self.kernel._exact_start():
+            raise ExactnessError("the order of the finish is not settled")
+        more = {"tree": found.reason.split()[1]} if q < p else {}
+        return [
+            *parts,
+            {"rule": "finish-at-least", "witness": {"q": q}},
+            {"rule": "finish-at-most", "witness": {"q": q, **more}},
+        ]
+
+    def _symmetric_reduced(self) -> list[Part]:
+        """The method without idle values, which is minimal, and its symmetry."""
+        proposed = self._witness()
+        smaller = proposed["reduced"]
+        inner = _Writer(_Reduced(smaller), SYMMETRIC.key, self.declared, self.judged)
+        blocks = {k: _matrix(getattr(smaller, k)) for k in "UBV"}
+        if self._truth():
+            Ls, exchanges = proposed["involutions"]
+            witness = {"L": _matrix(Ls[0]), "P": list(exchanges["o"])}
+            last = [{"rule": "symmetric", "witness": witness}]
+        else:
+            last = inner._not_symmetric()
+        return [
+            {"rule": "equivalent", "witness": blocks},
+            {"rule": "irreducible", "witness": {}},
+            *last,
         ]
 
     def _nystrom_starting_order(self) -> list[Part]:
@@ -464,8 +576,12 @@ class _Writer:
         if whole is None:
             raise ExactnessError("no combination of the identities was found")
         factors = [x / whole[-1] for x in whole[:-1]]
+
+        def sign(name: str) -> int:  # the page has V^* G V^ on the left of a pair
+            return -1 if kernel.is_pair and name == "V" else 1
+
         chosen = [
-            {"identity": name, "entry": [i, j], "part": part, "factor": to_text(x)}
+            {"identity": name, "entry": [i, j], "part": part, "factor": to_text(x * sign(name))}
             for (name, i, j, part), x in zip(labels, factors, strict=True)
             if not x.is_zero()
         ]
@@ -483,6 +599,10 @@ class _Writer:
             else:
                 witness = {"L": _matrix(Ls[0]), "P": list(exchanges["o"])}
             return [{"rule": "symmetric", "witness": witness}]
+        return self._not_symmetric()
+
+    def _not_symmetric(self) -> list[Part]:
+        kernel = self.kernel
         for c, (_, _, _, V) in kernel.blocks.items():
             null = linalg.nullspace(V)
             if null:
@@ -621,7 +741,119 @@ class _Writer:
         matrices = self.kernel._growth_matrices(self._witness())
         for k, (zeta, found) in enumerate(matrices):
             if not self.kernel.is_pair and (zeta - 1).is_zero():
+                if self.kernel._only_principal(found[0]) is False:
+                    return [*parts, {"rule": "grows", "witness": {"part": k}}]
                 continue
             if any(not x.is_zero() for m in found for row in m for x in row):
                 return [*parts, {"rule": "grows", "witness": {"part": k}}]
         raise ExactnessError("growth at the eigenvalue 1 is not written out")
+
+
+class _EnclosedWriter(_Writer):
+    """The parts of a statement about decimals: the one exact method in them, or all of them."""
+
+    def parts(self) -> list[Part]:
+        claim, kernel = self.claim, self.kernel
+        if CLAIMS[claim].type is int:
+            return self._range()
+        if claim == ZERO_STABLE.key and self._truth():
+            return [self._bounded(c) for c in kernel.blocks]
+        if claim == EXPLICIT.key:
+            return self._explicit()
+        if claim == REDUCIBLE.key and not self._truth():
+            return [{"rule": "irreducible", "witness": {}}]
+        if claim == SYMMETRIC.key and not self._truth():
+            return [{"rule": "not-symmetric", "witness": {"stages": True}}]
+        if self.holds and kernel.implied is not None:
+            self.identities.append("holds at the one root of the equations of the file")
+            return [{"rule": "implied", "witness": {}}]
+        raise ExactnessError(f"certificates of {claim!r} over decimals are not written")
+
+    def _range(self) -> list[Part]:
+        claim = self.claim
+        if claim == FINISHING_ORDER.key or "starting-order" in claim:
+            return self._of_start()
+        free = claim == EFFECTIVE_ORDER.key
+        if claim in (ORDER.key, STAGE_ORDER.key):
+            free = not self.kernel.one_step
+        nystrom = claim == NYSTROM_ORDER.key
+        parts = self._bounds(free=free, nystrom=nystrom)
+        if claim != STAGE_ORDER.key:
+            return parts if self.holds else parts[1:]
+        found, p = self.kernel.range(claim), parts[0]["witness"]["order"]
+        q = found.upper
+        if q is None or q >= p or found.lower != q:
+            raise ExactnessError("the stage order is not settled")
+        tree = self._failing_stage(parts[0]["witness"], q)
+        return [
+            *parts,
+            {"rule": "implied-stage-order", "witness": {"q": q}},
+            {"rule": "not-stage-order", "witness": {"q": q, "tree": tree}},
+        ]
+
+    def _bounds(self, *, free: bool, nystrom: bool) -> list[Part]:
+        found = self.kernel.order_range(free=free, nystrom=nystrom)
+        if found.upper is None:
+            raise ExactnessError("the order is not settled")
+        names = {
+            "order": found.upper,
+            "principal": "free" if free else "identity",
+            "trees": "nystrom" if nystrom else "all",
+        }
+        self.identities.append(
+            f"the condition of {found.tree} is not zero, order {found.upper + 1}"
+        )
+        return [
+            {"rule": "implied-order", "witness": names},
+            {"rule": "not-order", "witness": {**names, "tree": found.tree}},
+        ]
+
+    def _of_start(self) -> list[Part]:
+        claim, kernel = self.claim, self.kernel
+        finish, nystrom = claim == FINISHING_ORDER.key, claim == NYSTROM_STARTING_ORDER.key
+        free = not kernel.one_step and not kernel.is_pair
+        found = kernel.range(claim)
+        q = found.upper
+        if not self.holds:
+            return [{"rule": "not-start", "witness": {"q": q, **self._failing_start(nystrom)}}]
+        if kernel.exact:
+            parts = [*self._order_parts(free=True), *self._symmetric_part()]
+        else:
+            parts = self._bounds(free=free, nystrom=nystrom)
+        name, top = ("finish", "finish-at-most") if finish else ("start", "not-start")
+        more = {}
+        if q is None or found.lower != q:
+            raise ExactnessError("the order of the start is not settled")
+        if q < parts[0]["witness"]["order"]:
+            more = self._failing_start(nystrom)
+        return [
+            *parts,
+            {"rule": f"implied-{name}", "witness": {"q": q}},
+            {"rule": top, "witness": {"q": q, **more}},
+        ]
+
+    def _symmetric_part(self) -> list[Part]:
+        proposed = proposal_for(self.facts, SYMMETRIC.key).witness()
+        if "involutions" not in proposed:
+            raise ExactnessError("the method is not symmetric")
+        Ls, exchanges = proposed["involutions"]
+        witness = {"L": _matrix(Ls[0]), "P": list(exchanges["o"])}
+        return [{"rule": "symmetric", "witness": witness}]
+
+    def _failing_start(self, nystrom: bool) -> dict[str, Any]:
+        """The first tree at which the start of a pair is certainly wrong, and the value."""
+        kernel = self.kernel
+        if not kernel.is_pair:
+            raise ExactnessError("the order of the start is not written out")
+        kernel.order_range(free=False, nystrom=nystrom)
+        series = kernel.series[False, nystrom]
+        found = kernel.range(self.claim)
+        given = kernel._start_series(series, (found.upper or 0) + 1)
+        for t in series.trees.level((found.upper or 0) + 1):
+            if not series.counts(t):
+                continue
+            own = series.eta.get(t, Kernel._none(t, series))
+            for k, x in enumerate(difference(given[t], own)):
+                if x.is_zero() is False:
+                    return {"tree": series.trees.text[t], "value": k + 1}
+        raise ExactnessError("no tree refutes the start")

@@ -32,13 +32,11 @@ from ..catalogue import lookup as catalogue
 from ..errors import GlmrefError, UsageError
 from ..exact import Exact, linalg
 from ..exact.linalg import Matrix, Vector
-from ..method import GLM, PartitionedGLM
+from ..method import GLM, Method, PartitionedGLM
 from ..theory.affine import solve_affine
 from ..theory.coefficients import is_zero
 from ..theory.consistency import preconsistency_vector
 from ..theory.order import OrderResult, order_of
-from ..theory.partitioned import pair_order_of
-from ..theory.partitioned_symplectic import pair_symplectic
 from ..theory.symmetry import symmetry
 from ..theory.symplectic import g_symplectic
 from ..theory.trees import Tree
@@ -62,7 +60,7 @@ Open Scope nat_scope.
 """
 
 
-def to_coq(method: GLM | PartitionedGLM | str) -> str:
+def to_coq(method: Method | str) -> str:
     """Write the claims of a method as theorems with proofs, for Coq.
 
     Args:
@@ -79,7 +77,7 @@ def to_coq(method: GLM | PartitionedGLM | str) -> str:
             f"the method {method.name!r} has decimal coefficients; "
             f"proofs for Coq are written for exact ones"
         )
-    if isinstance(method, PartitionedGLM):
+    if len(method.components) > 1:
         return _Pair(method).text()
     return _One(method).text()
 
@@ -95,7 +93,7 @@ class _Writer:
     then is it known how deep a number is nested.
     """
 
-    def __init__(self, method: GLM | PartitionedGLM) -> None:
+    def __init__(self, method: Method) -> None:
         self.method = method
         self.name = file_stem(method.name)
         self.tower = Tower()
@@ -366,14 +364,14 @@ class _Pair(_Writer):
     def write(self) -> None:
         m = self.method
         palette = "separable" if m.separable else "general"
-        self.block("Mq", (m.A, m.U, m.B, m.V))
-        self.block("Mp", (m.A_hat, m.U_hat, m.B_hat, m.V_hat))
+        for name, component in zip(("Mq", "Mp"), m.components, strict=True):
+            self.block(name, component.matrices)
         self.define("M", f"{palette} -> glm (in_tower T)", "fun c => if c then Mp else Mq")
-        found = pair_order_of(m, max_order=MAX_PAIR_ORDER, principal="identity")
-        best = pair_order_of(m, max_order=max(found.order, 1), principal="free")
-        choice = found if m.r == m.r_hat == 1 or found.order >= best.order else best
+        found = order_of(m, max_order=MAX_PAIR_ORDER, principal="identity")
+        best = order_of(m, max_order=max(found.order, 1), principal="free")
+        choice = found if m.is_one_step or found.order >= best.order else best
         self.starting_series(choice, palette, f"fun c : {palette} => method F x T (M c)", "M")
-        form = pair_symplectic(m)
+        form = g_symplectic(m)
         G, D_P, D_Q = form.G, form.D_P, form.D_Q
         if choice.eta is None or not form.holds or G is None or D_P is None or D_Q is None:
             return

@@ -38,6 +38,7 @@ from functools import cache
 from typing import Any
 
 from ..catalogue.claims import ORDER, ORDER_IDENTITY
+from ..catalogue.strict_json import shown
 from ..errors import DataError, ExactnessError
 from ..exact import Ball, BallMatrix, Exact, ball, jets, lift, linalg
 from ..exact.expression import parse
@@ -264,10 +265,10 @@ def radius_of(document: Mapping[str, Any]) -> Fraction:
     """
     text = document.get("enclosure", {}).get("radius", "1e-60")
     if not isinstance(text, str) or not _RADIUS.fullmatch(text):
-        raise DataError(f"`enclosure.radius` must be a number such as '1e-60', got {text!r}")
+        raise DataError(f"`enclosure.radius` must be a number such as '1e-60', got {shown(text)}")
     radius = Fraction(text)
     if not 0 < radius <= Fraction(1, 10**60):
-        raise DataError(f"`enclosure.radius` must be positive and at most 1e-60, got {text!r}")
+        raise DataError(f"`enclosure.radius` must be positive and at most 1e-60, got {shown(text)}")
     return radius
 
 

@@ -14,26 +14,24 @@ from typing import TYPE_CHECKING, Any
 from ..exact import Scalar
 from ..exact.linalg import Vector
 from ..findings import Proof
-from ..method import GLM, PartitionedGLM
-from ..method.stage_order import pair_blocks
+from ..method import Method
 
 if TYPE_CHECKING:
     from ..theory.consistency import Consistency
     from ..theory.order import OrderResult
-    from ..theory.parasitism import PairParasitism, Parasitism
-    from ..theory.partitioned_symplectic import PairSymplecticity
+    from ..theory.parasitism import Parasitism
     from ..theory.reduction import Reduction
     from ..theory.spectrum import Boundedness
-    from ..theory.symmetry import PairSymmetry, Symmetry
+    from ..theory.symmetry import Symmetry
     from ..theory.symplectic import GSymplecticity
     from .implications import Implied
     from .kernel import Judgement, Kernel
 
-__all__ = ["Facts", "GLMFacts", "PairFacts", "facts_of"]
+__all__ = ["Facts", "facts_of"]
 
 
 class Facts:
-    """What both kinds of methods have.
+    """Facts of one method.
 
     Args:
         method: the method.
@@ -71,9 +69,57 @@ class Facts:
         return self.kernel.known(claim, proposal_for(self, claim)).truth
 
     @property
+    def is_single(self) -> bool:
+        """Whether the method has one component."""
+        return len(self.method.components) == 1
+
+    @property
     def is_one_step(self) -> bool:
         """Whether one value (of each component) is carried."""
-        raise NotImplementedError
+        return self.method.is_one_step
+
+    @cached_property
+    def consistencies(self) -> tuple[Consistency, ...]:
+        """u, v, c of each component, and whether it is pre-consistent and consistent."""
+        from ..theory.consistency import consistency
+
+        return tuple(consistency(c) for c in self.method.components)
+
+    @cached_property
+    def zero_stabilities(self) -> tuple[Boundedness, ...]:
+        """Whether the V of each component is power-bounded."""
+        from ..theory.consistency import zero_stability
+
+        return tuple(zero_stability(c) for c in self.method.components)
+
+    @property
+    def abscissae(self) -> Vector | None:
+        """C = A 1 + U v; ``None`` for a method that is not consistent, or of several components.
+
+        A partitioned method has two sets of abscissae; none is claimed as one.
+        """
+        return self.consistencies[0].c if self.is_single else None
+
+    @cached_property
+    def order(self) -> OrderResult:
+        """Order with a free principal part of the starting series."""
+        from ..theory.order import order_of
+
+        return order_of(self.method, principal="free")
+
+    @cached_property
+    def order_identity(self) -> OrderResult:
+        """Order with the identity as principal part: the outputs are the solution."""
+        from ..theory.order import order_of
+
+        return order_of(self.method, principal="identity")
+
+    @cached_property
+    def nystrom_order(self) -> OrderResult:
+        """Order of a partitioned method on second-order systems, principal parts the identity."""
+        from ..theory.nystrom import nystrom_order_of
+
+        return nystrom_order_of(self.method)
 
     @property
     def classical_order(self) -> OrderResult:
@@ -87,53 +133,49 @@ class Facts:
         same = self.is_one_step or self.order_identity.order == self.order.order
         return self.order_identity if same else self.order
 
-    order: OrderResult
-    order_identity: OrderResult
-    consistencies: tuple[Consistency, ...]
-    zero_stabilities: tuple[Boundedness, ...]
-    g_symplecticity: GSymplecticity | PairSymplecticity
-    symmetry: Symmetry | PairSymmetry
-    parasitism: Parasitism | PairParasitism
-    growth_parameters: tuple[Scalar, ...]
-    is_explicit: bool
+    @cached_property
+    def starting_order(self) -> tuple[int, str]:
+        """Order to which the start agrees with the starting series, and why.
 
-
-class GLMFacts(Facts):
-    """Facts of a general linear method."""
-
-    method: GLM
+        It is the starting method of the file. A method of several components whose file has none
+        starts from (y_0, 0, ..).
+        """
+        if self.is_single and self.method.starting is None:
+            return 0, "the file gives no starting method"
+        return self._start_against(self.order if self.is_single else self.order_identity)
 
     @cached_property
-    def consistency(self) -> Consistency:
-        """u, v, c, and whether the method is pre-consistent and consistent."""
-        from ..theory.consistency import consistency
+    def nystrom_starting_order(self) -> tuple[int, str]:
+        """The same on second-order systems."""
+        from ..theory.nystrom import is_nystrom
 
-        return consistency(self.method)
+        return self._start_against(
+            self.nystrom_order, counts=is_nystrom, compared="all trees of second-order systems"
+        )
 
-    @cached_property
-    def zero_stability(self) -> Boundedness:
-        """Whether V is power-bounded."""
-        from ..theory.consistency import zero_stability
+    def _start_against(self, known: OrderResult, **options: Any) -> tuple[int, str]:
+        from ..theory.starting import starting_order, zero_start_order
 
-        return zero_stability(self.method)
-
-    @cached_property
-    def order(self) -> OrderResult:
-        """Order with a free principal part of the starting series."""
-        from ..theory.order import order_of
-
-        return order_of(self.method, principal="free")
+        if self.method.starting is None:
+            return zero_start_order(known)
+        found = starting_order(self.method, self.method.starting, known=known, **options)
+        return found.order, found.witness
 
     @cached_property
-    def order_identity(self) -> OrderResult:
-        """Order with the identity as principal part: the first value is the solution."""
-        from ..theory.order import order_of
+    def finishing_order(self) -> tuple[int, str]:
+        """Order to which the file's finishing method undoes the start, and why."""
+        from ..theory.starting import finishing_order
 
-        return order_of(self.method, principal="identity")
+        if self.method.finishing is None:
+            return 0, "the file gives no finishing method"
+        found = finishing_order(
+            self.method, self.method.finishing, starting=self.method.starting, known=self.order
+        )
+        return found.order, found.witness
 
     @cached_property
     def g_symplecticity(self) -> GSymplecticity:
-        """The forms G and D, those the file gives or those found."""
+        """The form G with its diagonals, that of the file or one found."""
         from ..theory.symplectic import g_symplectic
 
         return g_symplectic(self.method)
@@ -152,57 +194,24 @@ class GLMFacts(Facts):
 
         return growth(self.method)
 
-    @cached_property
-    def starting_order(self) -> tuple[int, str]:
-        """Order to which the file's starting method agrees with the starting series, and why."""
-        from ..theory.starting import starting_order
-
-        if self.method.starting is None:
-            return 0, "the file gives no starting method"
-        found = starting_order(self.method, self.method.starting, known=self.order)
-        return found.order, found.witness
-
-    @cached_property
-    def finishing_order(self) -> tuple[int, str]:
-        """Order to which the file's finishing method undoes its starting method, and why."""
-        from ..theory.starting import finishing_order
-
-        if self.method.finishing is None:
-            return 0, "the file gives no finishing method"
-        found = finishing_order(
-            self.method, self.method.finishing, starting=self.method.starting, known=self.order
-        )
-        return found.order, found.witness
-
-    @property
-    def is_explicit(self) -> bool:
-        """Whether no stage needs an equation solved."""
-        return self.method.is_explicit
-
-    @property
-    def is_one_step(self) -> bool:
-        """Whether one value is carried."""
-        return self.method.r == 1
-
-    @property
-    def consistencies(self) -> tuple[Consistency, ...]:
-        """The consistency record, as a tuple of one."""
-        return (self.consistency,)
-
-    @property
-    def zero_stabilities(self) -> tuple[Boundedness, ...]:
-        """The zero-stability record, as a tuple of one."""
-        return (self.zero_stability,)
-
-    @property
-    def abscissae(self) -> Vector | None:
-        """C = A 1 + U v, or ``None`` for a method that is not consistent."""
-        return self.consistency.c
-
     @property
     def growth_parameters(self) -> tuple[Scalar, ...]:
-        """Mu at each unimodular eigenvalue of V but the principal one, by increasing argument."""
-        return tuple(g.mu for g in self.parasitism.growths if g.mu is not None)
+        """Growth parameters by increasing argument of the eigenvalue.
+
+        Mu at each unimodular eigenvalue of V but the principal one; of a partitioned method mu_q
+        and mu_p at each that V and V^ share.
+        """
+        growths = self.parasitism.growths
+        if self.is_single:
+            return tuple(g.mu for g in growths if g.mu is not None)
+        return tuple(x for g in growths for m in (g.mu_q, g.mu_p) for row in m for x in row)
+
+    @cached_property
+    def reduction(self) -> Reduction:
+        """Which of the values carried are needed."""
+        from ..theory.reduction import reduction
+
+        return reduction(self.method)
 
     @cached_property
     def quadrature_error(self) -> tuple[Scalar, ...] | None:
@@ -235,141 +244,6 @@ class GLMFacts(Facts):
         return l_stability(self.method)
 
 
-class PairFacts(Facts):
-    """Facts of a partitioned pair."""
-
-    method: PartitionedGLM
-
-    @property
-    def max_order(self) -> int:
-        """How far trees are compared: for general systems there are 19,000 of order 8 alone."""
-        return 9 if self.method.separable else 8
-
-    @cached_property
-    def consistency(self) -> tuple[Consistency, Consistency]:
-        """Consistency of the q half and the p half."""
-        from ..theory.consistency import pair_consistency
-
-        return pair_consistency(self.method)
-
-    @cached_property
-    def zero_stability(self) -> tuple[Boundedness, Boundedness]:
-        """Whether V and V^ are power-bounded."""
-        from ..method.solution_value import halves
-        from ..theory.spectrum import power_bounded
-
-        q, p = halves(self.method)
-        return power_bounded(q.V), power_bounded(p.V)
-
-    @cached_property
-    def order(self) -> OrderResult:
-        """Order of both components, principal parts free."""
-        from ..theory.partitioned import pair_order_of
-
-        return pair_order_of(self.method, principal="free", max_order=self.max_order)
-
-    @cached_property
-    def order_identity(self) -> OrderResult:
-        """Order of both components, principal parts the identity."""
-        from ..theory.partitioned import pair_order_of
-
-        return pair_order_of(self.method, principal="identity", max_order=self.max_order)
-
-    @cached_property
-    def starting_order(self) -> tuple[int, str]:
-        """Order to which the start agrees with the starting series, and why.
-
-        It is the starting method of the file, or (y_0, 0, ..) where the file has none.
-        """
-        return self._start_against(self.order_identity)
-
-    @cached_property
-    def nystrom_starting_order(self) -> tuple[int, str]:
-        """The same on second-order systems."""
-        from ..theory.nystrom import is_nystrom
-
-        return self._start_against(
-            self.nystrom_order, counts=is_nystrom, compared="all trees of second-order systems"
-        )
-
-    def _start_against(self, known: OrderResult, **options: Any) -> tuple[int, str]:
-        from ..theory.partitioned_starting import pair_starting_order, zero_start_order
-
-        if self.method.starting is None:
-            return zero_start_order(known)
-        found = pair_starting_order(self.method, self.method.starting, known, **options)
-        return found.order, found.witness
-
-    @cached_property
-    def nystrom_order(self) -> OrderResult:
-        """Order of both components on second-order systems, principal parts the identity."""
-        from ..theory.nystrom import nystrom_order_of
-
-        return nystrom_order_of(self.method)
-
-    @cached_property
-    def reduction(self) -> Reduction:
-        """Which of the values carried are needed."""
-        from ..theory.reduction import pair_reduction
-
-        return pair_reduction(self.method)
-
-    @cached_property
-    def g_symplecticity(self) -> PairSymplecticity:
-        """The bilinear form the two halves conserve together."""
-        from ..theory.partitioned_symplectic import pair_symplectic
-
-        return pair_symplectic(self.method)
-
-    @cached_property
-    def symmetry(self) -> PairSymmetry:
-        """Time-reversal symmetry of the pair."""
-        from ..theory.symmetry import pair_symmetry
-
-        return pair_symmetry(self.method)
-
-    @cached_property
-    def parasitism(self) -> PairParasitism:
-        """Coupled growth parameters."""
-        from ..theory.parasitism import pair_growth
-
-        return pair_growth(self.method)
-
-    @property
-    def is_one_step(self) -> bool:
-        """Whether one value of q and one of p is carried."""
-        return self.method.r == self.method.r_hat == 1
-
-    @property
-    def consistencies(self) -> tuple[Consistency, ...]:
-        """Consistency of both halves."""
-        return self.consistency
-
-    @property
-    def zero_stabilities(self) -> tuple[Boundedness, ...]:
-        """Zero-stability of both halves."""
-        return self.zero_stability
-
-    @property
-    def abscissae(self) -> None:
-        """A pair has two sets of abscissae; none is claimed as one."""
-
-    @property
-    def growth_parameters(self) -> tuple[Scalar, ...]:
-        """mu_q and mu_p at each shared unimodular eigenvalue, by increasing argument."""
-        return tuple(
-            x for g in self.parasitism.growths for m in (g.mu_q, g.mu_p) for row in m for x in row
-        )
-
-    @cached_property
-    def is_explicit(self) -> bool:
-        """Whether the stages can be put in an order in which each needs earlier ones only."""
-        return not any(block.implicit for block in pair_blocks(self.method))
-
-
-def facts_of(
-    method: GLM | PartitionedGLM, *, implied: Implied | None = None
-) -> GLMFacts | PairFacts:
-    """Facts of either kind of method."""
-    kind = PairFacts if isinstance(method, PartitionedGLM) else GLMFacts
-    return kind(method, implied=implied)
+def facts_of(method: Method, *, implied: Implied | None = None) -> Facts:
+    """Facts of a method of any kind."""
+    return Facts(method, implied=implied)

@@ -23,7 +23,7 @@ __all__ = ["Tower", "radicals_of", "written_out"]
 
 _NAME = re.compile(r"(?<![A-Za-z_0-9])([A-Za-z_][A-Za-z_0-9]*)")
 _FUNCTIONS = ("sqrt", "root", "exp")
-_LARGEST = 48  # degree of a field
+_LARGEST = 64  # degree of a field
 
 
 def written_out(text: str, constants: Mapping[str, str]) -> str:

@@ -93,8 +93,7 @@ def _g_symplectic(facts: Facts) -> Proposal:
         given = facts.method.G is not None
         if found.G is None:
             return {"given": given} if given else {}
-        diagonals = (found.D,) if hasattr(found, "D") else (found.D_P, found.D_Q)
-        return {"form": (found.G, diagonals), "given": given}
+        return {"form": (found.G, found.diagonals), "given": given}
 
     return Proposal(witness, explain=_told(lambda: facts.g_symplecticity))
 
@@ -102,13 +101,10 @@ def _g_symplectic(facts: Facts) -> Proposal:
 def _symmetric(facts: Facts) -> Proposal:
     def witness() -> Mapping[str, Any]:
         found = facts.symmetry
-        if found.L is None or getattr(found, "reduced", False):
+        Ls = tuple(found.involutions.values())
+        if found.reduced or not found.exchanges or None in Ls:
             return {}
-        if hasattr(found, "L_hat"):
-            if found.P_Q is None or found.P_P is None or found.L_hat is None:
-                return {}
-            return {"involutions": ((found.L, found.L_hat), {"f": found.P_Q, "k": found.P_P})}
-        return {} if found.P is None else {"involutions": ((found.L,), {"o": found.P})}
+        return {"involutions": (Ls, found.exchanges)}
 
     return Proposal(witness, explain=_told(lambda: facts.symmetry))
 
@@ -146,9 +142,8 @@ def eigen_witness(V: Matrix) -> tuple[list[Any], poly.Polynomial]:
 
 
 def _eigen(facts: Facts) -> dict[str, Any]:
-    names = {"f": "V", "k": "V_hat"} if hasattr(facts.method, "V_hat") else {"o": "V"}
     try:
-        return {c: eigen_witness(getattr(facts.method, x)) for c, x in names.items()}
+        return {c.colour: eigen_witness(c.V) for c in facts.method.components}
     except ExactnessError as error:
         return {"why": f"the growth parameters are open: {error}"}
 

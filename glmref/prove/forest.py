@@ -21,6 +21,18 @@ __all__ = ["Forest", "forest"]
 Palette = tuple[tuple[str, str], ...]
 
 
+class _Cuts(dict[int, dict[int, int]]):
+    """Cuts by tree, found when they are asked for: a method that carries one value needs none."""
+
+    def __init__(self, trees: Forest) -> None:
+        super().__init__()
+        self._trees = trees
+
+    def __missing__(self, t: int) -> dict[int, int]:
+        found = self[t] = self._trees.pruned(t)
+        return found
+
+
 class Forest:
     """Trees of one palette, listed order by order as they are asked for.
 
@@ -40,7 +52,7 @@ class Forest:
         self.order: list[int] = []
         self.density: list[int] = []
         self.text: list[str] = []
-        self.cuts: list[dict[int, int]] = []
+        self.cuts = _Cuts(self)
         self.levels: list[tuple[int, ...]] = [()]
         self._number: dict[tuple[str, tuple[int, ...]], int] = {}
 
@@ -68,8 +80,6 @@ class Forest:
                             if not below or below[-1] <= last:
                                 self._add(colour, (*below, last))
         self.levels.append(tuple(range(first, len(self.order))))
-        for t in self.levels[n]:
-            self.cuts.append(self._cuts(t))
 
     def _add(self, colour: str, children: tuple[int, ...]) -> None:
         order = 1 + sum(self.order[c] for c in children)
@@ -85,7 +95,8 @@ class Forest:
         self.density.append(density)
         self.text.append(f"{head}[{inside}]" if children else colour)
 
-    def _cuts(self, t: int) -> dict[int, int]:
+    def pruned(self, t: int) -> dict[int, int]:
+        """What is left of a tree when branches are cut off, with the number of ways."""
         if not self.children[t]:
             return {t: 1}
         colour, last = self.colour[t], self.children[t][-1]

@@ -195,12 +195,9 @@ def _zero_growths(V: Matrix, texts: Sequence[str]) -> int | None:
 
 def _by_start(document: Mapping[str, Any], method: Any) -> Implied | None:
     """A start in decimals of a method that is exact: the interval test on its conditions."""
-    from ..method import GLM
-
-    if not isinstance(method, GLM) or not method.is_exact or method.starting is None:
+    if len(method.components) > 1 or not method.is_exact or method.starting is None:
         return None
-    rows = (*method.starting.A, *method.starting.B)
-    if all(isinstance(x, Exact) for row in rows for x in row):
+    if method.starting.is_exact:
         return None
     from .starting import prove_blocks, target_of
 

@@ -36,12 +36,12 @@ from ..catalogue.claims import (
     ORDER_IDENTITY,
 )
 from ..errors import ExactnessError
-from ..exact import Exact, Scalar, linalg
+from ..exact import Exact, Scalar, ball, linalg
 from ..exact.expression import Text, parse, shown_number
 from ..exact.linalg import Matrix, Vector
 from ..findings import Proof, Verdict
-from ..method import GLM, PartitionedGLM
-from ..method.solution_value import components, first_functional, output, outputs
+from ..method import GLM, Method
+from ..method.solution_value import first_functional, output, outputs
 from ..system.budget import fits
 from ..theory import polynomials as poly
 from ..theory.coefficients import is_zero, plus, times, weighted
@@ -86,7 +86,17 @@ from .forest import forest
 from .implications import Implied
 from .series import Component, NotPreconsistent, StartingSeries, component, read
 
-__all__ = ["Judgement", "Kernel", "Proposal", "Range", "refuted"]
+__all__ = [
+    "Judgement",
+    "Kernel",
+    "Proposal",
+    "Range",
+    "Reach",
+    "reach",
+    "reaches",
+    "refuted",
+    "vanishing",
+]
 
 _ZERO, _ONE = Exact(0), Exact(1)
 _SEAL = object()
@@ -96,8 +106,13 @@ _CALLED: Mapping[str, str] = {
     ABSCISSAE.key: "abscissae",
     ERROR_CONSTANT.key: "error constant",
 }
-#: Largest order to which trees are compared: of one method, a separable pair, another pair.
-MAX_ORDER = (12, 9, 8)
+#: Largest order to which trees are compared: of one method, a separable pair, another pair, three
+#: right-hand sides, and more.
+MAX_ORDER = (12, 9, 8, 6, 5)
+#: The same of one method that carries one value.
+HIGHEST = 14
+#: A residual above this is no rounding; nor is one above that where digits were meant to count.
+SMALL, ROUNDING = 1e-3, 1e-9
 #: Points of the imaginary axis at which a violation of A-stability is looked for.
 SAMPLES = tuple(Fraction(x) for x in ("1", "3", "1/3", "10", "1/10", "50", "1/50", "2", "6"))
 
@@ -233,26 +248,21 @@ class Kernel:
         implied: what its enclosure proves, or ``None``.
     """
 
-    def __init__(self, method: GLM | PartitionedGLM, implied: Implied | None = None) -> None:
-        self.method, self.implied = method, implied
-        self.is_pair = isinstance(method, PartitionedGLM)
-        hats = ("", "_hat") if self.is_pair else ("",)
-        colours = "fk" if self.is_pair else "o"
+    def __init__(self, method: Method, implied: Implied | None = None) -> None:
+        self.method: Any = method
+        self.implied = implied
+        self.is_pair = len(method.components) > 1
         #: (A, U, B, V) by colour
         self.blocks: dict[str, tuple[Matrix, Matrix, Matrix, Matrix]] = {
-            c: tuple(getattr(method, x + hat) for x in "AUBV")  # type: ignore[misc]
-            for c, hat in zip(colours, hats, strict=True)
+            c.colour: c.matrices for c in method.components
         }
         #: output functionals by colour, where the method declares them
         self.outputs: dict[str, Vector | None] = {
-            c: None if m.output is None else output(m)  # refuses one that reads something else
-            for c, m in zip(colours, components(method), strict=True)
+            c.colour: None if c.output is None else output(c)  # refuses one that reads another
+            for c in method.components
         }
-        self.shared = not self.is_pair or not method.separable  # type: ignore[union-attr]
-        inner = {"o": "o"} if not self.is_pair else {"f": "k", "k": "f"}
-        self.palette = tuple(
-            (c, "fk" if self.is_pair and self.shared else inner[c]) for c in colours
-        )
+        self.palette = tuple(method.palette.items())
+        self.shared = method.shared
         self.one_step = all(len(b[3]) == 1 for b in self.blocks.values())
         self.exact = all(is_exact(*b) for b in self.blocks.values())
 
@@ -423,12 +433,14 @@ class Kernel:
         counts = nystrom_filter(trees) if nystrom else (lambda t: True)
         series = StartingSeries(components, trees, free=free, counts=counts)
         self.series[free, nystrom] = series
-        most = (
-            MAX_ORDER[0] if not self.is_pair else MAX_ORDER[1] if not self.shared else MAX_ORDER[2]
-        )
+        most = self._most
         lower, sizes = 0, []
         proved = all(c.certain for c in components.values())
         for n in range(1, most + 1):
+            if n > MAX_ORDER[0] - 2:  # thousands of trees: the first one may fail already
+                beyond = self._beyond(series, lower, n, sizes)
+                if beyond is not None:
+                    return beyond
             level = {t: first_nonzero(x) for t, x in series.advance().items()}
             answers = {t: x.is_zero() for t, x in level.items()}
             failing = next((t for t, answer in answers.items() if answer is False), None)
@@ -452,22 +464,79 @@ class Kernel:
             lower = n if proved else lower
             open_ = [level[t].magnitude() for t, x in answers.items() if x is None]
             sizes.append(max([sizes[-1] if sizes else 0.0, *open_]))
+        beyond = self._beyond(series, lower, most + 1, sizes)
+        if beyond is not None:
+            return beyond
         return Range(lower, None, sizes=tuple(sizes), exact=self.exact, value=most)
 
-    def nearly(self, *, most: int) -> list[float]:
-        """Largest residual through each order, whether zero or not: measured, never a verdict."""
-        most = min(most, MAX_ORDER[0] if not self.is_pair else MAX_ORDER[2] - 2)
+    def nearly(self) -> list[float]:
+        """Largest residual through each order, whether zero or not: measured, never a verdict.
+
+        The numbers are taken as balls, and u with V u = u although U u = 1 may fail by a rounding.
+        The list ends with the first order whose residual is large, in the thousands of trees
+        beyond order 10 with the first whose residual is no rounding to 9 digits.
+        """
+        found = self.order_range(free=not self.one_step)
+        if found.value > MAX_ORDER[0] - 2:  # what was computed once is not computed again
+            return [*found.sizes, found.residual]
+        low = min(self._most, MAX_ORDER[2]) if self.is_pair else self._most
+        most = self._most if self.one_step and not self.is_pair else low - 2
         try:
-            series = StartingSeries(self._components, forest(self.palette), free=not self.one_step)
-            sizes: list[float] = []
-            for _ in range(most):
+            components = {
+                c: component(
+                    _as_balls(A), _as_balls(U), _as_balls(B), V, self.outputs[c], measured=True
+                )
+                for c, (A, U, B, V) in self.blocks.items()
+            }
+            series = StartingSeries(components, forest(self.palette), free=not self.one_step)
+            sizes = [
+                max(
+                    (plus(weighted(row, c.u), -1)).magnitude() if row else 1.0
+                    for c in components.values()
+                    for row in c.U
+                )
+            ]
+            for n in range(most):
+                bush = self._bush(series, n + 1) if n + 1 > MAX_ORDER[0] - 2 else None
+                if bush is not None and bush.magnitude() > ROUNDING:
+                    return [*sizes, bush.magnitude()]
                 largest = max(first_nonzero(x).magnitude() for x in series.advance().values())
-                sizes.append(max(largest, sizes[-1] if sizes else 0.0))
-                if largest > 1e-3:
-                    break
+                sizes.append(max(largest, sizes[-1]))
+                if n == 0:
+                    sizes.pop(0)
+                if largest > (SMALL if n + 1 <= MAX_ORDER[0] - 2 else ROUNDING):
+                    return sizes
         except (NotPreconsistent, ExactnessError):
             return []
-        return sizes
+        beyond = self._bush(series, most + 1)
+        return sizes if beyond is None else [*sizes, beyond.magnitude()]
+
+    @property
+    def _most(self) -> int:
+        """Largest order to which trees are compared; one value carried needs no cuts of trees."""
+        if not self.is_pair:
+            return HIGHEST if self.one_step else MAX_ORDER[0]
+        return MAX_ORDER[min(len(self.blocks), 4)] if self.shared else MAX_ORDER[1]
+
+    def _beyond(
+        self, series: StartingSeries, lower: int, n: int, sizes: Sequence[float]
+    ) -> Range | None:
+        """The range where the tree of order n with n - 1 leaves refutes that order."""
+        residual = self._bush(series, n)
+        if residual is None or residual.is_zero() is not False:
+            return None
+        exact = isinstance(residual, Exact) and self.exact
+        bush = f"[{'o' * (n - 1)}]"
+        return Range(lower, n - 1, bush, residual.magnitude(), tuple(sizes), exact, "", n - 1)
+
+    def _bush(self, series: StartingSeries, n: int) -> Scalar | None:
+        """``b c^(n-1) - 1/n`` of a method that carries one value: a condition of order n."""
+        if self.is_pair or not self.one_step:
+            return None
+        c, (node,) = series.components["o"], series.trees.level(1)
+        power = series.power(series.stage(node, self._none(node, series)), n - 1)
+        (value,) = scalars([plus(weighted(c.B[0], power), Fraction(-1, n))])
+        return value
 
     @cached_property
     def _stage_order(self) -> Range:
@@ -476,8 +545,8 @@ class Kernel:
         With the series of the order, which is unique up to a shift (that moves c and xi alike) and
         to the principal parts of the last order: these add one number to all stages at a tree.
         """
-        order = self._order
-        free = not self.one_step and order is self.order_range(free=True)
+        free = not self.one_step
+        order = self.order_range(free=free)
         top, exact = order.value, order.exact
         if not top or (free, False) not in self.series:
             return Range(0, 0, exact=exact, reason="found 0")
@@ -582,8 +651,7 @@ class Kernel:
         start: Any = self.method.starting
         if start is None:
             return True
-        rows = start.rows() if self.is_pair else (*start.A, *start.B, start.u)
-        return is_exact(rows)
+        return start.is_exact
 
     def _start_series(self, series: StartingSeries, p: int) -> dict[Any, tuple[Any, ...]]:
         """Series of the start by tree, and its multiples of y by colour."""
@@ -593,10 +661,7 @@ class Kernel:
             for n in range(1, p + 1):
                 found |= {t: self._none(t, series) for t in series.trees.level(n)}
             return found
-        if self.is_pair:
-            table = {"f": (start.A, start.B, start.u), "k": (start.A_hat, start.B_hat, start.u_hat)}
-        else:
-            table = {"o": (start.A, start.B, start.u)}
+        table = {c.colour: (c.A, c.B, tuple(x for (x,) in c.V)) for c in start.components}
         return tableau_series(series.trees, table, p, series.counts)
 
     def _shifted(self, series: StartingSeries, given: Mapping[Any, Any], p: int) -> dict[int, Any]:
@@ -638,7 +703,7 @@ class Kernel:
         ``(a b)(t) = a(t) + sum over cuts of b(kept) * product of a(branches)``, a the series of the
         output of the start and b that of the finish.
         """
-        finish, start = self.method.finishing, self.method.starting  # type: ignore[union-attr]
+        finish, start = self.method.finishing, self.method.starting
         if finish is None:
             return Range(0, 0, reason="the file gives no finishing method")
         if start is None:
@@ -653,7 +718,7 @@ class Kernel:
         exact = self.exact and self._exact_start() and is_exact(finish.A, (finish.b,))
         if (a["o"][0] - 1).is_zero() is not True:
             raise ExactnessError("a finishing method needs an output that starts from y itself")
-        lower, proved = 0, known.lower > 0
+        lower, proved = 0, True
         for q in range(1, p + 1):
             answers = []
             for t in trees.level(q):
@@ -760,7 +825,7 @@ class Kernel:
         document = self.method.document or {}
         if document.get("class") not in ("lmm", "one-leg"):
             raise ExactnessError("an error constant is defined for multistep methods only")
-        multistep = self.method.multistep  # type: ignore[union-attr]
+        multistep = self.method.multistep
         if multistep is None or not is_exact(multistep):
             raise ExactnessError("alpha and beta are not exact")
         alpha, beta = multistep
@@ -1194,7 +1259,7 @@ class Kernel:
         """Relations and group sizes of the search for exchanges: stages Q come first, then P."""
         relations = []
         offset = {"o": 0, "f": 0, "k": 0}
-        if self.is_pair and not self.shared:
+        if not self.shared:
             offset["k"] = len(self.blocks["f"][0])  # stages Q first, then stages P
         for c, (A, U, B, _) in self.blocks.items():
             target = linalg.matmul(U, inverses[c], B)
@@ -1362,7 +1427,6 @@ class Kernel:
                 "published decimals: A-stability is decided for exact methods only"
             )
         m = self.method
-        assert isinstance(m, GLM)
         if bounded(m.V) is False:
             return Known(False, True, "V = M(0) is not power-bounded")
         P = stability_polynomial(m)
@@ -1439,7 +1503,6 @@ class Kernel:
             raise ExactnessError(
                 "published decimals: L-stability is decided for exact methods only"
             )
-        assert isinstance(self.method, GLM)
         if not only_zeros(*leading_part(stability_polynomial(self.method))):
             return Known(
                 False, True, "the eigenvalues of M(z) do not all tend to 0 as z goes to infinity"
@@ -1462,5 +1525,132 @@ def _compared(
     return Known(truth, exact, shown_number(found[at]), size, offset + at)
 
 
+def _as_balls(matrix: Matrix) -> Matrix:
+    """The matrix with every entry but exact zeros as a ball."""
+    return tuple(tuple(x if x.vanishes() else ball(x) for x in row) for row in matrix)
+
+
 def _is_glm_exact(m: GLM) -> bool:
     return is_exact(m.A, m.U, m.B, m.V)
+
+
+# -- schemes of coloured stages -------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Reach:
+    """How far the conditions of a scheme hold.
+
+    Attributes
+    ----------
+        proved: all conditions through this order hold exactly.
+        sizes: for each order the largest residual of its conditions, 0.0 where all are zero.
+        trees: for each order the tree with that residual, ``""`` where all are zero.
+        first: for each order the first tree whose residual certainly is not zero.
+        refuted: the first order with a residual that is certainly not zero, or ``None``.
+        exact: whether all numbers are exact.
+        residuals: for each order the residuals by tree.
+    """
+
+    proved: int
+    sizes: tuple[float, ...]
+    trees: tuple[str, ...]
+    refuted: int | None
+    exact: bool
+    first: tuple[str, ...] = ()
+    residuals: tuple[Mapping[str, Scalar], ...] = ()
+
+    def to(self, tolerance: float) -> int:
+        """Return the order that holds with residuals of at most a size."""
+        bad = (n for n, x in enumerate(self.sizes) if x > tolerance)
+        return next(bad, len(self.sizes))
+
+    def size(self, order: int) -> float:
+        """Largest residual through an order."""
+        return max(self.sizes[:order], default=0.0)
+
+    def staircase(self) -> str:
+        """Such as ``"order 4 to 2.1e-12, order 2 exactly"``; what is coarser is left out."""
+        steps: list[str] = []
+        worst = [self.size(n) for n in range(1, len(self.sizes) + 1)]
+        for n in range(len(worst), self.proved, -1):
+            beyond = worst[n] if n < len(worst) else float("inf")
+            if 0 < worst[n - 1] < 1e-3 and beyond > 100 * worst[n - 1]:
+                steps.append(f"order {n} to {worst[n - 1]:.2g}")
+        return ", ".join([*steps, f"order {self.proved} exactly"])
+
+
+def reach(
+    palette: tuple[tuple[str, str], ...],
+    blocks: Mapping[str, tuple[Matrix, Vector]],
+    *,
+    roots: str,
+    counts: Callable[[int], bool],
+    most: int,
+    stop: float,
+) -> Reach:
+    """Evaluate the conditions of stages of several colours, order by order.
+
+    Parameters
+    ----------
+    palette : tuple of (str, str)
+        Colours with the colours their children may have.
+    blocks : mapping
+        (A, b) by colour: ``X = y + h A F``, ``y+ = y + h b F``.
+    roots : str
+        Colours whose trees are conditions.
+    counts : callable
+        Which trees there are; closed under subtrees.
+    most, stop : int, float
+        The last order; no order is looked at after one with a larger residual.
+
+    Returns
+    -------
+    Reach
+        How far they hold.
+    """
+    one = ((_ONE,),)
+    exact = all(is_exact(A, (b,)) for A, b in blocks.values())
+    trees = forest(palette)
+    components = {c: component(A, one * len(A), (b,), one) for c, (A, b) in blocks.items()}
+    series = StartingSeries(components, trees, free=False, counts=counts)
+    sizes, worst, first, residuals = [], [], [], []
+    proved, refuted = 0, None
+    for n in range(1, most + 1):
+        level = {
+            t: first_nonzero(x) for t, x in series.advance().items() if trees.colour[t] in roots
+        }
+        answers = {t: x.is_zero() for t, x in level.items()}
+        if refuted is None and False in answers.values():
+            refuted = n
+        if proved == n - 1 and all(x is True for x in answers.values()):
+            proved = n
+        size = {t: x.magnitude() for t, x in level.items() if answers[t] is not True}
+        at = max(size, key=size.__getitem__, default=None)
+        no = next((t for t, x in answers.items() if x is False), None)
+        sizes.append(0.0 if at is None else size[at])
+        worst.append("" if at is None else trees.text[at])
+        first.append("" if no is None else trees.text[no])
+        residuals.append({trees.text[t]: x for t, x in level.items()})
+        if sizes[-1] > stop:
+            break
+    return Reach(proved, tuple(sizes), tuple(worst), refuted, exact, tuple(first),
+                 tuple(residuals))  # fmt: skip
+
+
+def reaches(found: Reach, order: int, reason: str) -> Judgement:
+    """Judge whether an order is reached, or more."""
+    truth = True if found.proved >= order else None
+    if found.refuted is not None and found.refuted <= order:
+        truth = False
+    value = found.proved if found.refuted is None else found.refuted - 1
+    residual = 0.0 if truth else found.size(min(order, len(found.sizes)))
+    return Kernel._made(truth, exact=found.exact, value=value, residual=residual, reason=reason)
+
+
+def vanishing(x: Scalar, reason: str) -> Judgement:
+    """Judge whether a number is zero."""
+    truth = x.is_zero()
+    residual = 0.0 if truth else x.magnitude()
+    exact = isinstance(x, Exact)
+    return Kernel._made(truth, exact=exact, value=residual, residual=residual, reason=reason)

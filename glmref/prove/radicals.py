@@ -15,15 +15,23 @@ checker computes again.
 
 from __future__ import annotations
 
-import ast
-from collections.abc import Callable
 from fractions import Fraction
 from itertools import product
 from math import prod
 
 from ..errors import ExactnessError
 from ..exact import Exact
-from ..exact.expression import to_text
+from ..exact.expression import (
+    Name,
+    Negative,
+    Node,
+    Number,
+    Product,
+    Root,
+    Sum,
+    syntax_tree,
+    to_text,
+)
 
 __all__ = ["Element", "Tower"]
 
@@ -149,33 +157,35 @@ class Tower:
         if isinstance(value, Exact):
             fraction = value.as_fraction()
             if fraction is None:
-                return self._evaluate(ast.parse(to_text(value), mode="eval").body)
+                return self._evaluate(syntax_tree(to_text(value)))
             value = fraction
         return Element(self, {(): Fraction(value)})
 
-    def _evaluate(self, node: ast.expr) -> Element:
-        if isinstance(node, ast.Constant) and isinstance(node.value, int):
-            return self.number(node.value)
-        if isinstance(node, ast.UnaryOp):
-            value = self._evaluate(node.operand)
-            return -value if isinstance(node.op, ast.USub) else value
-        if isinstance(node, ast.BinOp):
-            operations: dict[type, Callable[[Element, Element], Element]] = {
-                ast.Add: Element.__add__,
-                ast.Sub: Element.__sub__,
-                ast.Mult: Element.__mul__,
-                ast.Div: Element.__truediv__,
-            }
-            left, right = self._evaluate(node.left), self._evaluate(node.right)
-            return operations[type(node.op)](left, right)
-        if isinstance(node, ast.Name) and node.id == "i":
-            return self.radical(self.number(-1), 2)
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
-            degree = 2
-            if node.func.id == "root" and isinstance(node.args[1], ast.Constant):
-                degree = int(str(node.args[1].value))
-            return self.radical(self._evaluate(node.args[0]), degree)
-        raise ExactnessError(f"no number of a tower: {ast.unparse(node)}")
+    def _evaluate(self, node: Node) -> Element:
+        match node:
+            case Number(text) if text.isdigit():
+                return self.number(int(text))
+            case Name("i"):
+                return self.radical(self.number(-1), 2)
+            case Negative(operand):
+                return -self._evaluate(operand)
+            case Sum(terms):
+                (_, first), *others = terms
+                total = self._evaluate(first)
+                for sign, term in others:
+                    operand = self._evaluate(term)
+                    total = total + operand if sign == "+" else total - operand
+                return total
+            case Product(factors):
+                (_, first), *others = factors
+                result = self._evaluate(first)
+                for sign, factor in others:
+                    operand = self._evaluate(factor)
+                    result = result * operand if sign == "*" else result / operand
+                return result
+            case Root(radicand, degree):
+                return self.radical(self._evaluate(radicand), degree)
+        raise ExactnessError(f"no number of a tower: {node}")
 
     def radical(self, radicand: Element, degree: int) -> Element:
         """Return a root of a number, adjoined where the tower does not have it.

@@ -49,7 +49,7 @@ from ..method.solution_value import first_functional
 from ..theory.coefficients import is_zero, plus, times, weighted
 from .forest import Forest
 
-__all__ = ["Component", "NotPreconsistent", "StartingSeries", "component", "read"]
+__all__ = ["Component", "NotPreconsistent", "StartingSeries", "apply_rows", "component", "read"]
 
 _ZERO, _ONE = Exact(0), Exact(1)
 _Rows = tuple[tuple[tuple[int, Any], ...], ...]
@@ -91,13 +91,14 @@ def _sparse(matrix: Sequence[Sequence[Any]]) -> _Rows:
     )
 
 
-def _apply(rows: _Rows, x: Sequence[Any]) -> tuple[Any, ...]:
+def apply_rows(rows: _Rows, x: Sequence[Any]) -> tuple[Any, ...]:
+    """The matrix given by the entries of its rows, times a vector."""
     return tuple([weighted(row, x) for row in rows])
 
 
 def read(c: Component, values: Sequence[Any]) -> Any:
     """The solution that a vector of values holds: what the output functional sees of it."""
-    return _apply(c.output, values)[0]
+    return apply_rows(c.output, values)[0]
 
 
 def _scalars(vector: Sequence[Any]) -> Vector:
@@ -105,9 +106,19 @@ def _scalars(vector: Sequence[Any]) -> Vector:
 
 
 def component(
-    A: Matrix, U: Matrix, B: Matrix, V: Matrix, output: Vector | None = None
+    A: Matrix,
+    U: Matrix,
+    B: Matrix,
+    V: Matrix,
+    output: Vector | None = None,
+    *,
+    measured: bool = False,
 ) -> Component:
     """Prepare one component.
+
+    Args:
+        A, U, B, V, output: of the method.
+        measured: whether u is taken although U u = 1 may fail, for residuals that prove nothing.
 
     Raises
     ------
@@ -140,7 +151,7 @@ def component(
         u = linalg.matvec(linalg.transpose(tuple(N)), total)
     seen = [x - 1 for x in linalg.matvec(U, u)]
     for i, x in enumerate(seen):
-        if x.is_zero() is False:
+        if x.is_zero() is False and not measured:
             size = complex(x + 1)
             shown = f"{size.real:.6g}" if size.imag == 0 else f"{size:.6g}"
             raise NotPreconsistent(
@@ -149,7 +160,7 @@ def component(
                 else "no eigenvector u of V to the eigenvalue 1 has U u = 1 and order 1"
             )
     w = first_functional(u) if output is None else output
-    if (linalg.dot(w, u) - 1).is_zero() is not True:
+    if output is not None and (linalg.dot(w, u) - 1).is_zero() is not True:
         raise ExactnessError("whether the declared output reads the solution is not decided")
     lift = _lift(D, N, left, u, w)
     certain = all(x.is_zero() is True for x in seen)
@@ -177,6 +188,37 @@ def _lift(D: Matrix, N: Sequence[Vector], left: Sequence[Vector], u: Vector, w: 
     return _sparse(
         [[x - u[i] * y for x, y in zip(row, shadow, strict=True)] for i, row in enumerate(solve)]
     )
+
+
+def _apply_u(c: Component) -> tuple[Any, ...]:
+    return apply_rows(c.W, c.u)
+
+
+def _bordered(square: Matrix, residual: Vector, along: Vector) -> list[Any] | None:
+    """The x with square x = -residual and one entry 0, where along has none; ``None``: not shown.
+
+    One row is left out: the others must be regular in the other columns. Where several may be, it
+    is the one that the x found satisfies best.
+    """
+    size, best = len(square), None
+    for column in (j for j in range(size) if along[j].is_zero() is False):
+        kept = [j for j in range(size) if j != column]
+        for row in range(size):
+            rows = [i for i in range(size) if i != row]
+            part = tuple(tuple(square[i][j] for j in kept) for i in rows)
+            try:
+                found = linalg.solve(part, tuple((-residual[i],) for i in rows))
+            except ExactnessError:
+                continue
+            x: list[Any] = [_ZERO] * size
+            for j, value in zip(kept, found, strict=True):
+                x[j] = value[0]
+            left = (linalg.dot(square[row], x) + residual[row]).magnitude()
+            if best is None or left < best[0]:
+                best = left, x
+        if best is not None:
+            return best[1]
+    return None
 
 
 @lru_cache(maxsize=4096)
@@ -231,7 +273,7 @@ class StartingSeries:
             for k, base in enumerate(monomial):
                 factor = self._bases[base]
                 vector = factor if k == 0 else tuple(map(times, vector, factor))
-            self._images[key] = (_apply(c.A, vector), _apply(c.B, vector))
+            self._images[key] = (apply_rows(c.A, vector), apply_rows(c.B, vector))
         return self._images[key]
 
     def _slope(self, t: int) -> tuple[Fraction, tuple[int, ...]]:
@@ -247,7 +289,7 @@ class StartingSeries:
         colour = self.trees.colour[t]
         ratio, monomial = self._slope(t)
         vector = times(ratio, self._image(colour, monomial)[0])
-        return plus(vector, _apply(self.components[colour].U, value))
+        return plus(vector, apply_rows(self.components[colour].U, value))
 
     def _settle_stage(self, t: int) -> None:
         colour, value = self.trees.colour[t], self.eta.get(t)
@@ -335,9 +377,9 @@ class StartingSeries:
             if t not in right:
                 right[t] = self._right(t)
             c = self.components[T.colour[t]]
-            residuals[t] = (0,) * len(c.N) if t in self.determined else _apply(c.W, right[t])
+            residuals[t] = (0,) * len(c.N) if t in self.determined else apply_rows(c.W, right[t])
         for t in level:
-            self._set(t, _apply(self.components[T.colour[t]].lift, right[t]))
+            self._set(t, apply_rows(self.components[T.colour[t]].lift, right[t]))
         self.order = n
         return residuals
 
@@ -356,28 +398,26 @@ class StartingSeries:
         for node in others:
             t = T.tree(T.colour[node], (first,))
             c = self.components[T.colour[node]]
-            (beta,) = _apply(c.W, self._right(t))
+            (beta,) = apply_rows(c.W, self._right(t))
             self._set(node, plus(self.eta.get(node, (0,) * len(c.u)), times(beta, c.u)))
 
     def _settle_first_multiple(self, node: int) -> None:
-        """One colour, several eigenvectors: (K - I) beta = -residual of [o], of corank 1."""
+        """One colour, several eigenvectors: (K - I) beta = -residual of [o], of corank 1.
+
+        The shift along the flow adds a multiple of W u to beta, which takes one entry to zero; the
+        others solve a regular part of the system, so that corank 1 is proved, over balls too.
+        """
         c = self.components[self.trees.colour[node]]
         before = self.eta.get(node, (0,) * len(c.u))
-        right = plus(_apply(c.B, self.stage(node, before)), times(-1, before))
-        residual = _scalars(_apply(c.W, plus(right, times(Fraction(-1, 2), c.u))))
-        columns = [_scalars(_apply(c.W, _apply(c.B, _apply(c.U, x)))) for x in c.N]
+        right = plus(apply_rows(c.B, self.stage(node, before)), times(-1, before))
+        residual = _scalars(apply_rows(c.W, plus(right, times(Fraction(-1, 2), c.u))))
+        columns = [_scalars(apply_rows(c.W, apply_rows(c.B, apply_rows(c.U, x)))) for x in c.N]
         K = linalg.transpose(tuple(columns))
         square = linalg.sub(K, linalg.identity(len(K)))
-        try:
-            self.complete = linalg.rank(square) == len(K) - 1
-            wide = tuple((*row, x) for row, x in zip(square, residual, strict=True))
-            solutions = linalg.nullspace(wide)
-        except ExactnessError:
-            self.complete = False
-            return
-        solution = next((x for x in solutions if x[-1].is_zero() is False), None)
-        if solution is not None:
-            beta = [x / solution[-1] for x in solution[:-1]]
+        along = _scalars(_apply_u(c))
+        beta = _bordered(square, residual, along)
+        self.complete = beta is not None
+        if beta is not None:
             self._set(node, plus(before, self._principal(c, beta, whole=False)))
 
     def _principal(self, c: Component, beta: Sequence[Any], *, whole: bool) -> tuple[Any, ...]:
@@ -398,7 +438,7 @@ class StartingSeries:
         leaf = {c: T.tree(T.palette[c][0], ()) for c in T.palette}
         larger = {s: T.tree(T.colour[s], (*T.children[s], leaf[T.colour[s]])) for s in smaller}
         right = {t: self._right(t) for t in larger.values()}
-        residual = {t: _apply(self.components[T.colour[t]].W, x) for t, x in right.items()}
+        residual = {t: apply_rows(self.components[T.colour[t]].W, x) for t, x in right.items()}
         if all(is_zero(x) is True for x in residual.values()):
             return right
         below = {t: [(s, m) for s, m in T.cuts[t].items() if T.order[s] == n - 1] for t in right}

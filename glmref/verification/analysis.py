@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Any
 
 from ..catalogue.claims import (
+    A_STABLE,
     CONSISTENT,
     EXPLICIT,
     G_SYMPLECTIC,
+    L_STABLE,
+    NYSTROM_ORDER,
     ORDER,
     ORDER_IDENTITY,
     PARASITISM_FREE,
@@ -18,22 +22,29 @@ from ..catalogue.claims import (
     SYMMETRIC,
     ZERO_STABLE,
 )
-from ..exact import Scalar
+from ..catalogue.lookup import method_of, path_of
+from ..errors import BudgetError, ExactnessError
+from ..exact import Scalar, linalg
 from ..exact.expression import shown_number
 from ..exact.linalg import Matrix, Vector
 from ..findings import Proof
-from ..method import GLM, PartitionedGLM
-from ..prove.facts import GLMFacts, PairFacts
-from ..prove.kernel import Range
+from ..method import Method
+from ..prove.facts import Facts
+from ..prove.kernel import SMALL, Range
 from ..system.budget import limited
+from ..system.shown import Shown
+from ..theory.error_constants import error_norm
+from ..theory.order import order_of
+from ..theory.periodicity import periodicity
+from ..theory.stability_interval import imaginary_interval, real_interval
 
 __all__ = ["FORMAT", "Analysis", "analyze"]
 
 FORMAT = "glmref-analysis-1"
 
 
-@dataclass(frozen=True)
-class Analysis:
+@dataclass(frozen=True, repr=False)
+class Analysis(Shown):
     """Facts of one method, JSON-ready. ``None`` stands for what could not be decided.
 
     Attributes
@@ -44,7 +55,18 @@ class Analysis:
         order_proved: a proved lower and a proved upper bound of it.
         order_identity: order of the first value taken as the solution.
         order_witness: the tree that decides.
-        error_constants: residuals at order p + 1 by tree, as floats.
+        order_nystrom: of a pair, the order on q' = M^-1 p, p' = k(q).
+        consistency_witness: which row of V u = u, U u = 1 or B 1 + V v = u + v is off.
+        error_constants: residuals at order p + 1 by tree, as floats: what the method gives less the
+            elementary weight of the solution.
+        error_norm: Euclidean norm of residual / symmetry over these trees (Hairer, Norsett, Wanner
+            1993, section II.1).
+        order_parts: of an additive method, the order of each part for y' = f_c(t, y) alone.
+        quadrature_constant: C in the local error C h^(p+1) y^(p+1) when y' = g(t) is integrated.
+        stability: ``A``, ``L``: whether A- and L-stable. ``real``, ``imaginary``: length of the
+            interval [-x, 0] and of [0, iy] on which no eigenvalue of M(z) leaves the closed unit
+            disc. ``periodicity``: largest y below which all are simple and of modulus one; of a
+            pair on the oscillator. ``math.inf`` for a whole half-axis.
         g_symplectic: ``{"holds", "G", "D"}``. symmetric: ``{"holds", "L", "P"}``.
         growth: ``[{"eigenvalue", "mu"}, ...]``.
         proof: the kind of proof all of this has.
@@ -71,35 +93,47 @@ class Analysis:
     parasitism_free: bool | None
     abscissae: list[str] | None
     proof: Proof
+    stability: dict[str, Any]
+    order_nystrom: int | None
+    consistency_witness: str
+    error_norm: float
+    quadrature_constant: float | None
+    order_parts: list[int] | None = None
+
+    def __repr__(self) -> str:
+        return f"<Analysis {self.method or '(unnamed)'}: order {self.order}, {self.proof}>"
 
     def as_json(self) -> dict[str, Any]:
         """Return the record, with its format, as JSON-ready values."""
-        return {"format": FORMAT, **asdict(self), "proof": str(self.proof)}
+        found = {"format": FORMAT, **asdict(self), "proof": str(self.proof)}
+        if self.order_parts is None:  # of additive methods only
+            del found["order_parts"]
+        return found
 
 
-def analyze(method: GLM | PartitionedGLM, *, budget: float | None = None) -> Analysis:
+def analyze(method: Method | str | Path, *, budget: float | None = None) -> Analysis:
     """Compute everything there is to know of a method; claims play no part.
 
     Args:
-        method: a GLM or a pair, from a file or made by hand.
-        budget: seconds of processor time, no limit by default.
+        method: a GLM or a pair, from a file or made by hand; its name or its file.
+        budget: seconds of processor time; by default 60 for a file of the user, no limit else.
 
     Raises
     ------
         BudgetError: when they are spent.
+        UsageError, DataError: for a name or a file that cannot be read.
     """
-    from .verifier import facts_for
+    from .verifier import budget_of, facts_for
 
+    if isinstance(method, str | Path):
+        budget = budget_of(path_of(method), budget)
+    method = method_of(method)
     with limited(budget):
-        facts = facts_for(method)
-        if isinstance(facts, PairFacts):
-            return _analyze_pair(facts)
-        assert isinstance(facts, GLMFacts)
-        return _analyze_glm(facts)
+        return _analyzed(facts_for(method))
 
 
-def _shared(facts: GLMFacts | PairFacts) -> dict[str, Any]:
-    kernel = facts.kernel
+def _shared(facts: Facts) -> dict[str, Any]:
+    kernel, m = facts.kernel, facts.method
     order, identity = kernel.range(ORDER.key), kernel.range(ORDER_IDENTITY.key)
     same = order.value == identity.value or facts.is_one_step
     stages = kernel.range(STAGE_ORDER.key)
@@ -120,20 +154,33 @@ def _shared(facts: GLMFacts | PairFacts) -> dict[str, Any]:
             x for x in (staircase(facts), "" if settled else _open(order), order.sentence) if x
         ),
         "error_constants": {str(t): _real(x) for t, x in constants.items()},
-        "parasitism_free": facts.truth(PARASITISM_FREE.key),
+        "parasitism_free": None if m.additive else facts.truth(PARASITISM_FREE.key),
         "proof": facts.proof,
+        "consistency_witness": "; ".join(x.witness for x in facts.consistencies if x.witness),
+        "error_norm": error_norm(facts.classical_order),
     }
+
+
+def _decided(what: Callable[[], Any]) -> Any:
+    """The answer to a question of stability; ``None`` where it takes longer than is worth it."""
+    try:
+        with limited(STABILITY):
+            return what()
+    except (BudgetError, ExactnessError):
+        return None
 
 
 def _open(order: Range) -> str:
     return f"order {order.lower} is proved"
 
 
-#: A residual below this may be a rounding; a step of the staircase is a jump by this factor.
-SMALL, JUMP = 1e-3, 100.0
+#: Seconds of processor time for each question of stability.
+STABILITY = 2.0
+#: A step of the staircase is a jump of the residuals by this factor.
+JUMP = 100.0
 
 
-def staircase(facts: GLMFacts | PairFacts) -> str:
+def staircase(facts: Facts) -> str:
     """How well a rounded tableau satisfies the conditions beyond its proved order: measured.
 
     Returns
@@ -143,72 +190,98 @@ def staircase(facts: GLMFacts | PairFacts) -> str:
     """
     kernel = facts.kernel
     proved = kernel.range(ORDER.key).lower
-    sizes = kernel.nearly(most=proved + 8)
+    sizes = kernel.nearly()
     steps: list[str] = []
-    for n in range(len(sizes), proved, -1):
-        beyond = sizes[n] if n < len(sizes) else float("inf")
+    for n in range(len(sizes) - 1, proved, -1):  # of the last one nothing beyond is known
+        beyond = sizes[n]
         if 0 < sizes[n - 1] < SMALL and beyond > JUMP * sizes[n - 1]:
             steps.append(f"order {n} to {sizes[n - 1]:.1e}")
     return ", ".join([*steps, f"order {proved} exactly"]) if steps else ""
 
 
-def _analyze_glm(facts: GLMFacts) -> Analysis:
-    form, symmetry = facts.g_symplecticity, facts.symmetry
-    held = facts.truth(SYMMETRIC.key)
+def _analyzed_sum(facts: Facts) -> Analysis:
+    """An additive method: the whole by trees in the colours of its parts, and each part alone."""
+    m = facts.method
+    nothing = {"holds": None}
     return Analysis(
         **_shared(facts),
-        stages=facts.method.s,
-        values=facts.method.r,
-        implicit_stages=list(facts.method.implicit_stages),
+        stages=m.s,
+        values=m.r,
+        implicit_stages=list(m.implicit_stages),
+        g_symplectic={**nothing, "G": None, "D": None},
+        symmetric={**nothing, "L": None, "P": None},
+        growth=[],
+        abscissae=None,
+        stability={},
+        order_nystrom=None,
+        quadrature_constant=None,
+        order_parts=[order_of(m.part(n), principal="identity").order for n in range(1, m.k + 1)],
+    )
+
+
+def _analyzed(facts: Facts) -> Analysis:
+    if facts.method.additive:
+        return _analyzed_sum(facts)
+    form, symmetry, m = facts.g_symplecticity, facts.symmetry, facts.method
+    single = facts.is_single
+    stages, values = [len(c.A) for c in m.components], [len(c.V) for c in m.components]
+    held = {"holds": facts.truth(SYMMETRIC.key), "L": _matrix(symmetry.L)}
+    if not single:
+        held["L_hat"] = _matrix(symmetry.L_hat)
+    return Analysis(
+        **_shared(facts),
+        stages=stages[0] if single else stages,
+        values=values[0] if single else values,
+        implicit_stages=list(m.implicit_stages) if single else [],
         g_symplectic={
             "holds": facts.truth(G_SYMPLECTIC.key),
             "G": _matrix(form.G),
-            "D": _vector(form.D),
+            "D": _vector(form.D)
+            if single
+            else {"D_P": _vector(form.D_P), "D_Q": _vector(form.D_Q)},
         },
-        symmetric={
-            "holds": held,
-            "L": _matrix(symmetry.L),
-            "P": None if symmetry.P is None else [i + 1 for i in symmetry.P],
-        },
+        symmetric=held
+        | {"P": _stages(symmetry.P) if single else [_stages(symmetry.P_P), _stages(symmetry.P_Q)]},
         growth=[
-            {
-                "eigenvalue": shown_number(g.eigenvalue),
-                "mu": shown_number(g.mu) if g.mu is not None else _matrix(g.matrix),
-            }
+            {"eigenvalue": shown_number(g.eigenvalue)}
+            | (
+                {"mu": shown_number(g.mu) if g.mu is not None else _matrix(g.matrix)}
+                if single
+                else {"mu_q": _matrix(g.mu_q), "mu_p": _matrix(g.mu_p)}
+            )
             for g in facts.parasitism.growths
         ],
         abscissae=_vector(facts.abscissae),
+        stability={"periodicity": _decided(lambda: _periodicity(facts))}
+        if not single
+        else {
+            "A": _decided(lambda: facts.truth(A_STABLE.key)),
+            "L": _decided(lambda: facts.truth(L_STABLE.key)),
+            "real": _decided(lambda: real_interval(facts.method).end),
+            "imaginary": _decided(lambda: imaginary_interval(facts.method).end),
+            "periodicity": _decided(lambda: _periodicity(facts)),
+        },
+        order_nystrom=None if single or m.shared else facts.kernel.range(NYSTROM_ORDER.key).value,
+        quadrature_constant=_quadrature(facts) if single else None,
     )
 
 
-def _analyze_pair(facts: PairFacts) -> Analysis:
-    form, symmetry, pair = facts.g_symplecticity, facts.symmetry, facts.method
-    return Analysis(
-        **_shared(facts),
-        stages=[pair.n_Q, pair.n_P],
-        values=[pair.r, pair.r_hat],
-        implicit_stages=[],
-        g_symplectic={
-            "holds": facts.truth(G_SYMPLECTIC.key),
-            "G": _matrix(form.G),
-            "D": {"D_P": _vector(form.D_P), "D_Q": _vector(form.D_Q)},
-        },
-        symmetric={
-            "holds": facts.truth(SYMMETRIC.key),
-            "L": _matrix(symmetry.L),
-            "L_hat": _matrix(symmetry.L_hat),
-            "P": [_stages(symmetry.P_P), _stages(symmetry.P_Q)],
-        },
-        growth=[
-            {
-                "eigenvalue": shown_number(g.eigenvalue),
-                "mu_q": _matrix(g.mu_q),
-                "mu_p": _matrix(g.mu_p),
-            }
-            for g in facts.parasitism.growths
-        ],
-        abscissae=None,
-    )
+def _periodicity(facts: Facts) -> float | None:
+    """The periodicity interval; over published digits, that a form is conserved is proved apart."""
+    method = facts.method
+    conserving = False
+    if not method.is_exact and facts.truth(G_SYMPLECTIC.key) and method.G is not None:
+        try:
+            linalg.inverse(method.G)
+            conserving = True
+        except ExactnessError:
+            pass
+    return periodicity(method, conserving=conserving).value
+
+
+def _quadrature(facts: Facts) -> float | None:
+    found = facts.quadrature_error
+    return None if found is None else _real(found[0])
 
 
 def _real(x: Scalar) -> float:

@@ -7,30 +7,35 @@ from pathlib import Path
 from typing import Any
 
 from ..catalogue.claims import CLAIMS, FINISHING_ORDER, STARTING_ORDER
-from ..catalogue.lookup import is_shipped, path_of, read_method
-from ..errors import BudgetError, DataError, GlmrefError, UndecidedError
+from ..catalogue.lookup import is_shipped, method_of, path_of, read_method
+from ..errors import (
+    BudgetError,
+    DataError,
+    GlmrefError,
+    UndecidedError,
+    UsageError,
+    did_you_mean,
+)
 from ..findings import Finding, Proof, Verdict
-from ..method import GLM, PartitionedGLM
-from ..prove.facts import Facts, PairFacts, facts_of
+from ..method import Method
+from ..prove.facts import Facts, facts_of
 from ..prove.implications import implied_by
 from ..prove.kernel import Judgement, refuted
 from ..system.budget import PROVING, limited
 
 __all__ = ["budget_of", "claims_of", "facts_for", "undecided", "verify", "verify_file"]
 
-Method = GLM | PartitionedGLM
-
 
 def verify(
-    method: Method, *, only: Collection[str] = (), budget: float | None = None
+    method: Method | str | Path, *, only: Collection[str] = (), budget: float | None = None
 ) -> list[Finding]:
     """Check every claim the method carries.
 
     Args:
-        method: a loaded method; its ``claims`` are those of its file.
+        method: a method, with its ``claims``, or its name or its file, as :func:`verify_file`.
         only: keys of the claims to check; all by default.
-        budget: seconds of processor time for all of them, no limit by default. What is not decided
-            when they are spent is open.
+        budget: seconds of processor time for all of them; by default 60 for a file of the user and
+            no limit else. What is not decided when they are spent is open.
 
     Returns
     -------
@@ -39,7 +44,16 @@ def verify(
     Raises
     ------
         DataError: when the method carries no claims.
+        UsageError: for an unknown name, a missing file, or a claim there is not.
     """
+    unknown = [key for key in only if key not in CLAIMS]
+    if unknown:
+        known = f"known are {', '.join(sorted(CLAIMS))}"
+        hint = did_you_mean(unknown[0], CLAIMS, otherwise=known)
+        raise UsageError(f"there is no claim {unknown[0]!r}; {hint}")
+    if isinstance(method, str | Path):
+        return verify_file(method, only=only, budget=budget)
+    method = method_of(method)
     if not method.claims:
         raise DataError(
             f"the method {method.name or '(unnamed)'!r} carries no claims to verify; "
@@ -78,7 +92,7 @@ def undecided(method: Method, claim: str, declared: object, reason: str) -> Find
 
     Parameters
     ----------
-    method : GLM or PartitionedGLM
+    method : Method
         The method.
     claim, declared : str, object
         Key and value of the claim.
@@ -133,7 +147,12 @@ def _judged(facts: Facts, claim: str, declared: object) -> Judgement:
             f"the claim {claim!r} of {facts.method.name!r} is unknown; "
             f"known are {', '.join(sorted(CLAIMS))}"
         )
-    if isinstance(facts, PairFacts) and not CLAIMS[claim].has_meaning(pair=True):
+    if facts.method.additive and not CLAIMS[claim].additive:
+        raise DataError(
+            f"the claim {claim!r} of {facts.method.name!r} has no meaning for an additive method; "
+            f"remove it"
+        )
+    if not facts.is_single and not CLAIMS[claim].has_meaning(pair=True):
         raise DataError(
             f"the claim {claim!r} of {facts.method.name!r} has no meaning for a pair; remove it"
         )

@@ -42,6 +42,10 @@ def documents() -> Iterator[tuple[str, dict[str, Any]]]:
                               [[1, 0], [0, 0]], a_stable=True)  # fmt: skip
     yield "no hidden pole", _glm([[1, 0], [0, 1]], [[1, 0], [0, 1]], [[1, 1], [0, 0]],
                                  [[1, 0], [0, 0]], a_stable=True, l_stable=True)  # fmt: skip
+    yield "inner zero", _glm([[0]], [[1, 0, 1]], [[1], [1], [0]],
+                             [[1, 0, 0], [0, -1, 0], [0, 0, 0]], parasitism_free=True)  # fmt: skip
+    yield "idle pole", _glm([[1, 0], [0, -1]], [[1, 0], [0, 1]], [[1, 0], [0, 0]],
+                            [[1, 0], [0, 0]], a_stable=True)  # fmt: skip
     triple = ([[0] * 3] * 3, [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
               [[1, 0, 0], [0, -2, -1], [0, 0, -3]], [[1, 0, 0], [0, -1, 0], [0, 0, -1]])  # fmt: skip
     for name, numbers in (("right", ["3", "2"]), ("missing", []), ("twice", ["2", "2"])):
@@ -50,6 +54,7 @@ def documents() -> Iterator[tuple[str, dict[str, Any]]]:
     yield "nilpotent growth", _glm(*nilpotent, growth=["0", "0"], parasitism_free=True)
     double = ([[0]], [[1, 0]], [[1], [0]], [[1, 0], [0, 1]])
     yield "double one", _glm(*double, growth=["0"], parasitism_free=True, zero_stable=True,
+                             abscissae=["0"],
                              order=1, consistent=True, preconsistent=True)  # fmt: skip
     yield "double one, seen", _glm([[0]], [["1/2", "1/2"]], [[1], [1]], [[1, 0], [0, 1]], order=1,
                                    growth=["0"], consistent=True, parasitism_free=True)  # fmt: skip
@@ -78,6 +83,11 @@ def documents() -> Iterator[tuple[str, dict[str, Any]]]:
     start = _glm([[0]], [[1, 0]], [[1], [0]], [[1, 0], [0, 1]], order=1, starting_order=1)
     start["starting"] = {"A": [["0"]], "B": [["0"], ["0"]], "u": ["1", "0"]}
     yield "start, double one", start
+    second = _glm([[0]], [[1, 0]], [[1], [0]], [[1, 0], [1, 0]], abscissae=["1"])
+    yield "output is the second value", {**second, "output": ["0", "1"]}
+    grows = {"A": [["0"]], "U": [["1", "0"]], "B": [["1"], ["0"]], "V": [["1", "0"], ["0", "2"]]}
+    euler = {"A": [["0"]], "U": one, "B": one, "V": one}
+    yield "one half grows", doc("partitioned", {"parasitism-free": True}, q=grows, p=euler)
     yield "effective", _glm([[0, 0], ["1/2", 0]], [[1], [1]], [[0, 1]], one, effective_order=2)
     yield "implicit cycle", _glm([[0, 1], [1, 0]], [[1], [1]], [["1/2", "1/2"]], one, explicit=True)
     yield (
@@ -101,6 +111,7 @@ def documents() -> Iterator[tuple[str, dict[str, Any]]]:
                                        B=[["1"], ["0"]], V=[["1", "0.333"], ["0", corner]],
                                        **balls)  # fmt: skip
     yield "decimal start", _decimal_start()
+    yield "decimal finish", _decimal_finish()
     # eigenvalues of M(iy) that meet on the circle for one irrational y, or for none
     for name, a, b in (("collision", "1/10", "-1/5"), ("no collision", "1/3", "-2/3")):
         A = [["1/4", "1/4-sqrt(3)/6", 0], ["1/4+sqrt(3)/6", "1/4", 0], [0, 0, a]]
@@ -116,11 +127,24 @@ def documents() -> Iterator[tuple[str, dict[str, Any]]]:
     yield "rk in wrong balls", doc("rk", {"order": 1, "symplectic": True, "symmetric": True,
                                           "abscissae": ["1/2"], "explicit": True},
                                    A=[["0.625"]], b=["1"], **balls)  # fmt: skip
+    yield "idle stage in balls", doc("rk", {"order": 2, "stage-order": 2}, b=["1/2", "1/2", "0"],
+                                     A=[["0"] * 3, ["1/2", "1/2", "0"], ["0.500", "0.500", "0"]],
+                                     **balls)  # fmt: skip
+    yield "imaginary pole", doc("rk", {"a-stable": True}, A=[["i"]], b=["1"], field="complex")
     halves = {"q": {"A": one, "U": one, "B": one, "V": one},
               "p": {"A": [["0"]], "U": one, "B": one, "V": one}}  # fmt: skip
     claims = {"explicit": True, "order": 1, "symplectic": True, "symmetric": False, "reducible": False,
               "preconsistent": True, "consistent": True, "zero-stable": True}  # fmt: skip
     yield "shared pair", doc("partitioned", claims, **halves)
+    rule = {"A": [["1/2"]], "b": ["1"], "A_hat": [["1/2"]], "b_hat": ["1"]}
+    yield "symmetric shared pair", doc("partitioned-rk", {"symmetric": True, "symplectic": True,
+                                                          "order": 2}, **rule)  # fmt: skip
+    both = {key: shipped("gsymplectic-n")[key] for key in "AUBV"}
+    yield "growth of a shared pair", doc("partitioned", {"parasitism-free": True}, q=both, p=both)
+    yield "U in balls", doc("glm", {"consistent": True, "preconsistent": True}, A=[["0"]],
+                            U=[["1.000"]], B=one, V=one, **balls)  # fmt: skip
+    half = {"q": {"A": one, "U": [["1.000"]], "B": one, "V": one}, "p": halves["p"]}
+    yield "one half in balls", doc("partitioned", {"g-symplectic": True}, **half, **balls)
     yield (
         "separable pair",
         doc("partitioned", {**claims, "nystrom-order": 1}, separable=True, **halves),
@@ -134,6 +158,14 @@ def _decimal_start() -> dict[str, Any]:
     d["digits"] = 2
     d["starting"]["B"][1][0] = "0.14"
     d["claims"] = {"starting-order": d["starting"]["order"], "order": d["claims"]["order"]}
+    return d
+
+
+def _decimal_finish() -> dict[str, Any]:
+    d = shipped("g4123")
+    d["digits"] = 2
+    d["finishing"]["b"][0] = "0.14"
+    d["claims"] = {"finishing-order": d["claims"]["finishing-order"], "order": d["claims"]["order"]}
     return d
 
 
@@ -166,6 +198,14 @@ def _enclosures() -> Iterator[tuple[str, dict[str, Any]]]:
     d = shipped("pair-4-4")
     d["b"][-1] += f"+{tiny}"
     yield "no palindrome", d
+    d = shipped("yoshida-6-midpoint")
+    d["claims"] = {"order": 6, "abscissae": ["0"] * len(d["X"][0])}
+    yield "abscissae that no equation fixes", d
+    for start in (1, 4):  # what is carried starts with zero up to order 1
+        d = shipped("pair-4-4")
+        d.pop("starting", None)
+        d["claims"] = {"order": 4, "nystrom-order": 2, "starting-order": start}
+        yield f"Nystrom order below the order, start {start}", d
     d = shipped("rk4")
     d["digits"], d["enclosure"] = 75, {"equations": ["order o"], "radius": "1e-60"}
     yield "enclosure of rk", d

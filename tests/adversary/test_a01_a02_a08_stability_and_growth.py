@@ -5,12 +5,14 @@ from __future__ import annotations
 from fractions import Fraction
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+
+from tests.examples import examples
 
 from .deceive import Proof, Verdict, decimal, doc, findings, never_holds, shipped, texts, verdicts
 
-FAST = settings(max_examples=12, deadline=None)
+FAST = examples(12)
 HOLDS, FAILS, OPEN = Verdict.HOLDS, Verdict.FAILS, Verdict.OPEN
 ABOUT_V = ("zero-stable", "parasitism-free", "g-symplectic", "growth")
 
@@ -134,6 +136,7 @@ def test_several_rotations_are_all_counted(pairs: int) -> None:
     assert verdicts(short)["growth"] is FAILS
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", ["s3-w3", "t115-i", "pair-4-4"])
 @pytest.mark.parametrize("tiny", ["1/1" + "0" * 80, "-1/1" + "0" * 200])
 def test_zeros_that_are_proved_are_not_something_else(name: str, tiny: str) -> None:

@@ -3,7 +3,7 @@
 Options: ``name`` one shipped pair (all of them by default); or ``n``, ``order``, ``nystrom``,
 ``starts`` of an ansatz with ``seed`` and ``tries`` for a search, ``wanted`` how many to complete;
 ``circle = yes`` passes over pairs whose parasitic eigenvalues leave the unit circle on the
-oscillator at small steps (:func:`.partitioned.parasitic_curvature`): an inequality, which
+oscillator at small steps (:func:`.stability.parasitic_curvature`): an inequality, which
 has no place among the equations.
 
 The shipped pairs come from such searches. Each is kept here as an ansatz whose free parameters are
@@ -26,7 +26,7 @@ from ...findings import Proof
 from ...method import PartitionedGLM
 from ...prove.partitioned_enclosure import PairEnclosure
 from ...prove.partitioned_starting import with_start
-from ...theory.partitioned import parasitic_curvature
+from ...theory.stability import parasitic_curvature
 from ..partitioned import PairAnsatz, complete_pair, fix_parameters, search_pairs
 from .record import Derivation, Progress, Statement, kepler_notes
 from .shipped_pairs import SHIPPED, Shipped
