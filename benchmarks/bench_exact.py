@@ -4,7 +4,6 @@ from glmref.catalogue.lookup import load
 from glmref.exact.expression import parse
 from glmref.theory.error_constants import conjugate_error
 from glmref.theory.order import order_of
-from glmref.theory.partitioned import pair_order_of
 from glmref.theory.starting import starting_order
 from glmref.verification.verifier import verify_file
 
@@ -45,10 +44,10 @@ class Pairs:
 
     def setup(self, name):
         self.pair = load(name)
-        pair_order_of(self.pair)
+        order_of(self.pair)
 
     def time_order(self, name):
-        pair_order_of(self.pair)
+        order_of(self.pair)
 
 
 class Starting:

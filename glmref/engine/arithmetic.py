@@ -27,6 +27,8 @@ class Arithmetic:
     def __init__(self, digits: int | None) -> None:
         self.digits = digits
         self.context: Any = None
+        #: Rows of tableaux in doubles, by identity: an algebraic number takes long to round.
+        self._rounded: dict[int, tuple[Any, list[Any]]] = {}
         if digits is not None:
             import mpmath  # only here: a run in double precision does not load it
 
@@ -51,13 +53,21 @@ class Arithmetic:
 
     def array(self, matrix: Matrix) -> np.ndarray:
         """Round a matrix entry by entry."""
-        rows = [[self.number(x) for x in row] for row in matrix]
         if self.context is None:
-            return np.array(rows)
+            return np.array([self._row(row) for row in matrix])
+        rows = [[self.number(x) for x in row] for row in matrix]
         out = np.empty((len(rows), len(rows[0]) if rows else 0), dtype=object)
         for i, row in enumerate(rows):
             out[i, :] = row
         return out
+
+    def _row(self, row: Any) -> list[Any]:
+        known, found = self._rounded.get(id(row), (None, []))
+        if known is not row:
+            found = [self.number(x) for x in row]
+            if isinstance(row, tuple):  # the tuple is kept, so that its identity stays its own
+                self._rounded[id(row)] = row, found
+        return found
 
     def zeros(self, shape: tuple[int, ...], like: np.ndarray | None = None) -> np.ndarray:
         """Zeros of the number type (complex where ``like`` is)."""

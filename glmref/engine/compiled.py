@@ -8,6 +8,7 @@ compilers, and of the processor. A second process finds it and compiles nothing.
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import importlib.util
 import os
@@ -21,7 +22,10 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from ..problems.formula import RealPowers, real_power
+from ..problems.tracing import fingerprint
 from ..problems.user import UserFunction, plain
+from ..system.terminal import saying
 from . import native
 from .native import PLAIN, Tuning
 
@@ -207,7 +211,30 @@ def _load(source: str, signature: str, fuse: bool) -> ModuleType:
 def _build_around(
     source: str, signature: str, functions: Mapping[str, Callable[..., Any]], fuse: bool
 ) -> Built:
-    """Compile with a user's functions among the callees, in memory."""
+    """Compile with a user's functions among the callees; kept for functions that read the same."""
+    marks = [fingerprint(plain(function)) for function in functions.values()]
+    key = (source, signature, fuse, tuple(functions), tuple(marks))
+    known = None if None in marks else _around.get(key)
+    if known is not None:
+        return known
+    names = ", ".join(getattr(f, "__name__", "a function") for f in functions.values())
+    with saying(f"compiling {names or 'a kernel'} ..."):
+        built = _compiled_around(source, signature, functions, fuse)
+    if None not in marks and built.engine == "numba":
+        if len(_around) >= _MOST_AROUND:
+            _around.clear()
+        _around[key] = built
+    return built
+
+
+#: Kernels compiled around a user's functions, by source and by what the functions are and read.
+_around: dict[Any, Built] = {}
+_MOST_AROUND = 128
+
+
+def _compiled_around(
+    source: str, signature: str, functions: Mapping[str, Callable[..., Any]], fuse: bool
+) -> Built:
     try:
         import numba
         from numba.core.errors import NumbaError, UnsupportedBytecodeError
@@ -247,5 +274,7 @@ def interpret(source: str, functions: Mapping[str, Callable[..., Any]], notice: 
     called = {k: f.listed if isinstance(f, UserFunction) else f for k, f in functions.items()}
     trouble: list[Exception] = []
     namespace: dict[str, Any] = {**called, "array": np.array, "trouble": trouble}
-    exec(compile(_PLAIN_HEAD + source, "<glmref kernel>", "exec"), namespace)
+    namespace["real_power"] = real_power
+    tree = ast.fix_missing_locations(RealPowers().visit(ast.parse(_PLAIN_HEAD + source)))
+    exec(compile(tree, "<glmref kernel>", "exec"), namespace)
     return Built(namespace["kernel"], "python", None, notice, trouble=trouble)

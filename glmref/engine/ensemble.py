@@ -16,15 +16,13 @@ from typing import Any
 import numpy as np
 
 from ..errors import UsageError
-from ..exact.linalg import Vector
-from ..method import GLM, PairStartingMethod, PartitionedGLM, StartingMethod
+from ..method import Method
 from ..problems.model import Problem
 from .codegen import SCALAR_LIMIT
 from .inspection import inspected
 from .kernel import choose_form
-from .partitioned_start import explicit_order
 from .plan import notices_of, plan_of, resolved, step_size
-from .reference import stepper
+from .reference import Stepper, stepper
 from .runners import WIDTHS, EnsembleSolution, Lanes, Runner, Singles, rows_at, slopes_at
 from .start import corrector, default_passes, zero_start
 
@@ -32,7 +30,7 @@ __all__ = ["EnsembleSolution", "solve_ensemble"]
 
 
 def solve_ensemble(
-    problem: Problem | str, method: GLM | PartitionedGLM | str, initial: Any, *, h: float,
+    problem: Problem | str, method: Any, initial: Any, *, h: float,
     t_end: float | None = None, steps: int | None = None, every: int = 0, start: Any = None,
     arithmetic: str = "strict", solver: str = "auto", threads: int | None = None,
     width: int | None = None, cancel: Callable[[], bool] | None = None,
@@ -72,34 +70,33 @@ def solve_ensemble(
         method, first, h, arithmetic, solver, workers, width, cancel
     )
     with np.errstate(all="ignore"):
-        inspected(stepper(method, problem), float(problem.t_span[0]), y0[0])
+        seen = inspected(stepper(method, problem), float(problem.t_span[0]), y0[0])
         values, evaluations = _starts(runner, method, problem, y0, h, start)
         found = runner.run(values, evaluations, plan)
-    return replace(found, notices=(*found.notices, *notices_of(method)))
+        at_end = (found.t[-1], found.y[-1, 0]) if len(found.t) else (problem.t_span[0], y0[0])
+        notices = seen.afterwards(*at_end) if seen.seen else ()
+    return replace(found, notices=(*found.notices, *notices_of(method), *notices))
 
 
-def _has_lanes(method: GLM | PartitionedGLM, problem: Problem) -> bool:
+def _has_lanes(method: Method, problem: Problem) -> bool:
     if problem.dimension > SCALAR_LIMIT:
         return False
     form, shape = choose_form(method, problem, "auto")
-    return not shape.loops and not (isinstance(method, PartitionedGLM) and form.implicit_stages)
+    return not shape.loops and not (method.parts == 2 and form.implicit_stages)
 
 
 def _starts(
-    runner: Runner, method: GLM | PartitionedGLM, problem: Problem, y0: np.ndarray, h: float,
+    runner: Runner, method: Method, problem: Problem, y0: np.ndarray, h: float,
     start: Any,
 ) -> tuple[np.ndarray, int]:  # fmt: skip
     """Starting values (N, r, d) and the evaluations they cost."""
     engine = runner.engine
     if start is None:
-        start = _own_start(method)
-    if isinstance(start, StartingMethod):
-        return _runge_kutta_starts(start, problem, y0, h)
-    if isinstance(start, PairStartingMethod) and isinstance(method, PartitionedGLM):
-        order = explicit_order(start, method)
-        if order is None:
+        start = _own_start(method, engine)
+    if isinstance(start, Method):
+        if not _explicit(start, engine):
             raise UsageError("many trajectories need an explicit starting method")
-        return _pair_starts(start, order, problem, y0, h, engine.shape[0])
+        return _many_starts(start, engine, y0, h)
     if not isinstance(start, str):
         values = np.array(start, dtype=float)
         if values.shape != (len(y0), *engine.shape):
@@ -126,73 +123,54 @@ def _starts(
     return enhanced(passes, y0), cost
 
 
-def _own_start(method: GLM | PartitionedGLM) -> Any:
+def _own_start(method: Method, engine: Stepper) -> Any:
     """The explicit start of the file, else the enhanced start; none where one value is carried."""
-    if isinstance(method, PartitionedGLM):
-        own, one = method.starting, method.r == method.r_hat == 1
-        explicit = own is not None and explicit_order(own, method) is not None
-    else:
-        own, one = method.starting, method.r == 1
-        explicit = own is not None and _explicit(own)
-    return "zero" if one else own if explicit else "enhanced"
+    own = method.starting
+    if method.is_one_step:
+        return "zero"
+    return own if own is not None and _explicit(own, engine) else "enhanced"
 
 
-def _explicit(start: StartingMethod) -> bool:
-    m = start.stages
-    return all(start.A[i][j].is_zero() is True for i in range(m) for j in range(i, m))
+def _explicit(start: Method, engine: Stepper) -> bool:
+    """Whether no stage that is read needs an equation solved."""
+    return not any(block.implicit for block in engine.of(start).blocks)
 
 
-def _runge_kutta_starts(
-    start: StartingMethod, problem: Problem, y0: np.ndarray, h: float
+def _many_starts(
+    start: Method, engine: Stepper, y0: np.ndarray, h: float
 ) -> tuple[np.ndarray, int]:
-    """An explicit starting method on all initial values, one column each."""
-    t0, slopes = float(problem.t_span[0]), []
-    row_sums = [sum(float(x) for x in row) for row in start.A]
-    for i, row in enumerate(start.A):
-        stage = y0.copy()
-        for j, slope in enumerate(slopes):
-            stage += h * float(row[j]) * slope
-        slopes.append(slopes_at(problem, t0 + row_sums[i] * h, stage))
-    values = np.stack([float(u) * y0 for u in start.u], axis=1)
-    for k, row in enumerate(start.B):
-        for weight, slope in zip(row, slopes, strict=True):
-            values[:, k] += h * float(weight) * slope
-    return values, len(slopes) * len(y0)
-
-
-def _pair_starts(
-    start: PairStartingMethod,
-    order: list[tuple[str, int]],
-    problem: Problem,
-    y0: np.ndarray,
-    h: float,
-    rows: int,
-) -> tuple[np.ndarray, int]:
-    """An explicit start on many initial values at once, on a separable problem.
+    """An explicit starting method on all initial values, stage by stage.
 
     Args:
-        order: see :func:`explicit_order`. y0: (N, d). rows: max(r, r^).
+        y0: (N, d).
 
     Returns
     -------
-        values (N, rows, d) and the evaluations of k.
+        values (N, r, d) and the evaluations, of k alone for a pair on a separable problem.
     """
-    m = y0.shape[1] // 2
-    q0, p0 = y0[:, :m], y0[:, m:]
-    slopes: dict[tuple[str, int], np.ndarray] = {}
-
-    def total(base: np.ndarray, row: Vector, letter: str) -> np.ndarray:
-        terms = [(x, slopes.get((letter, j))) for j, x in enumerate(row)]
-        return base + sum((h * float(x) * s for x, s in terms if s is not None), 0 * base)
-
-    for letter, i in order:
-        if letter == "Q":
-            slopes["Q", i] = rows_at(problem.dp, total(q0, start.A[i], "P"))
+    inner, problem = engine.of(start), engine.problem
+    t0, evaluations = float(problem.t_span[0]), 0
+    parts = [y0[:, c.columns] for c in inner.components]
+    slopes = [
+        np.zeros((c.B.shape[1], *part.shape))
+        for c, part in zip(inner.components, parts, strict=True)
+    ]
+    for node in (block.stages[0] for block in inner.blocks):
+        whose, i = inner.nodes[node]
+        rows = [
+            parts[n] + h * np.tensordot(inner.components[n].A[i], slopes[n], axes=1) for n in whose
+        ]
+        if inner.joint:
+            found = slopes_at(problem, t0 + inner.c[node] * h, np.concatenate(rows, axis=1))
+            for n in whose:
+                slopes[n][i] = found[:, inner.components[n].columns]
         else:
-            slopes["P", i] = rows_at(problem.dq, total(p0, start.A_hat[i], "Q"))
-    values = np.zeros((len(y0), rows, y0.shape[1]))
-    for k, (u, row) in enumerate(zip(start.u, start.B, strict=True)):
-        values[:, k, :m] = total(float(u) * q0, row, "P")
-    for k, (u, row) in enumerate(zip(start.u_hat, start.B_hat, strict=True)):
-        values[:, k, m:] = total(float(u) * p0, row, "Q")
-    return values, sum(letter == "Q" for letter, _ in order) * len(y0)
+            function = (problem.dp, problem.dq)[whose[0]]
+            slopes[1 - whose[0]][i] = rows_at(function, rows[0])
+        evaluations += len(y0) * (inner.joint or whose[0] == 0)
+    values = np.zeros((len(y0), *engine.shape))
+    for c, part, slope in zip(inner.components, parts, slopes, strict=True):
+        made = c.V.dot(part[None].reshape(1, -1)).reshape(-1, *part.shape)
+        made = made + h * np.tensordot(c.B, slope, axes=1)
+        values[:, : len(made), c.columns] = np.moveaxis(made, 0, 1)
+    return values, evaluations

@@ -21,12 +21,12 @@ from fractions import Fraction
 
 import numpy as np
 
-from ..exact import Scalar, exact, linalg
+from ..exact import Scalar, linalg
 from ..exact.linalg import Matrix
 from ..method import GLM
 from ..method.rounding import split_float
 from ..method.solution_value import preconsistency_vector, stage_times
-from ..method.stage_order import StageBlock, stage_blocks
+from ..method.stage_order import StageBlock, dependency_blocks
 from .tableau import as_balls
 
 __all__ = [
@@ -175,7 +175,7 @@ def mu_form(method: GLM) -> StepForm:
             M[i][j] = round(value / unit) * unit
             M[j][i] = 1.0 - M[i][j]
     rounded = consistent_weights([float(x) for x in b], [1.0] * s)
-    blocks = stage_blocks(tuple(tuple(exact(int(x != 0)) for x in row) for row in M))
+    blocks = dependency_blocks(s, lambda i, j: M[i][j] != 0)
     return StepForm(
         kind="mu", s=s, r=1, running=False, U=((1.0,),) * s,
         M=tuple(tuple(row) for row in M), R=((1.0,) * s,), V=((1.0,),), weights=rounded,
@@ -194,7 +194,7 @@ def standard_form(method: GLM) -> StepForm:
         kind="standard", s=s, r=r, running=False, U=float_rows(method.U),
         M=float_rows(method.A), R=tuple(tuple(x for x, _ in row) for row in pairs), V=V,
         weights=(1.0,) * s, R_residue=tuple(tuple(x for _, x in row) for row in pairs),
-        c=floats(stage_times(method)), blocks=stage_blocks(method.A),
+        c=floats(stage_times(method)), blocks=method.stage_blocks(),
         large=large(preconsistency_vector(method), r),
         to_form=identity, from_form=identity,
         exact_V=all(x == int(x) for row in V for x in row),

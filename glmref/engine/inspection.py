@@ -20,7 +20,7 @@ from ..problems.loops import Loops
 from ..problems.model import Problem
 from ..problems.user import FunctionFailed, NoValue, UserFunction
 from .arithmetic import size
-from .reference import PairStepper, Stepper
+from .reference import Stepper
 
 __all__ = ["CALLS", "Inspection", "inspected"]
 
@@ -128,7 +128,7 @@ def inspected(engine: Stepper, t0: Any, y0: np.ndarray) -> Inspection:
 def _functions(engine: Stepper) -> list[UserFunction]:
     """The user's functions that a run can call, each once."""
     problem, found = engine.problem, []
-    pair = isinstance(engine, PairStepper)
+    pair = engine.method.parts == 2
     names = ("dq", "dp") if problem.separable and pair else ("f", "dq", "dp")
     for name in names:
         function = getattr(problem, name)

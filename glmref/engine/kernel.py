@@ -20,21 +20,21 @@ from typing import Any
 import numpy as np
 
 from ..errors import UsageError
-from ..method import GLM, PartitionedGLM
+from ..method import Method
 from ..problems.formula import Formula
 from ..problems.model import Problem
-from ..problems.user import FunctionFailed, NoValue, raised
+from ..problems.user import FunctionFailed, NoValue, UserFunction, raised
 from . import compiled, native
 from .codegen import ARGUMENTS, KernelSource, Options, kernel_source
 from .forms import StepForm
+from .kept import form_of_method
 from .memory import NEWTON_BYTES, gibibytes
 from .newton import INLINE_LIMIT, NewtonWriter
 from .outcome import KERNEL_OUTCOMES, Outcome
 from .partitioned import pair_source
-from .partitioned_forms import PairForm, pair_form
+from .partitioned_forms import PairForm
 from .plan import check_arithmetic
 from .shape import Shape, jacobian_block, shape_of
-from .sweep import step_form
 
 __all__ = ["SOLVERS", "Kernel", "State", "choose_solver", "contraction", "newton_bytes", "prepare"]
 
@@ -61,8 +61,7 @@ _SAME_VALUE = 1e-9  # relative difference of a compiled function from the interp
 _FIRST_CHUNK = 256
 _CHUNK_SECONDS = 0.05
 
-_cached_form = lru_cache(maxsize=128)(step_form)
-_cached_pair_form = lru_cache(maxsize=128)(pair_form)
+_cached_shape = lru_cache(maxsize=128)(shape_of)
 
 
 @dataclass
@@ -245,7 +244,7 @@ def remembered(slope: np.ndarray, weight: float | None, h: float) -> np.ndarray:
 
 
 def prepare(
-    method: GLM | PartitionedGLM, problem: Problem, *, h: float, arithmetic: str = "strict",
+    method: Method, problem: Problem, *, h: float, arithmetic: str = "strict",
     solver: str = "auto", form: str = "auto", history: bool = False, interpreted: bool = False,
 ) -> Kernel:  # fmt: skip
     """Choose form and solver, generate the kernel and compile it.
@@ -271,7 +270,24 @@ def prepare(
         raise UsageError(f"`solver` must be one of {', '.join(SOLVERS)}, got {solver!r}")
     wanted = form if form != "auto" else form_of(arithmetic)
     options = Options.of(arithmetic, history=history, interpreted=interpreted)
-    coefficients, shape = choose_form(method, problem, wanted)
+    # what a Python function computes may have changed with what it reads; an interpreted kernel
+    # tells what went wrong in a list of its own
+    anew = interpreted or any(
+        isinstance(getattr(problem, key), UserFunction) for key in ("f", "dq", "dp")
+    )
+    make = _prepared.__wrapped__ if anew else _prepared
+    kernel = make(method, problem, float(h), wanted, solver, options)
+    return replace(kernel, seconds=time.perf_counter() - begin)
+
+
+@lru_cache(maxsize=256)
+def _prepared(
+    method: Method, problem: Problem, h: float, form: str, solver: str,
+    options: Options,
+) -> Kernel:  # fmt: skip
+    """Kernel for a method, a problem and a step size, kept for the next run with the same ones."""
+    begin = time.perf_counter()
+    coefficients, shape = choose_form(method, problem, form)
     if isinstance(coefficients, StepForm):
         options = replace(options, solver=choose_solver(coefficients, shape, problem, h, solver))
     kernel = _assembled(coefficients, shape, options, begin)
@@ -314,13 +330,17 @@ def form_of(arithmetic: str) -> str:
     return "auto" if arithmetic in ("strict", "fused") else "standard"
 
 
-def choose_form(
-    method: GLM | PartitionedGLM, problem: Problem, form: str
-) -> tuple[StepForm | PairForm, Shape]:
-    """Coefficients in the form asked for, and the shape of the problem."""
-    if isinstance(method, PartitionedGLM):
-        return _cached_pair_form(method, form), shape_of(problem, split=True)
-    return _cached_form(method, form), shape_of(problem)
+def choose_form(method: Any, problem: Problem, form: str) -> tuple[StepForm | PairForm, Shape]:
+    """Coefficients in the form asked for, and the shape of the problem.
+
+    Raises
+    ------
+        UsageError: for an additive method.
+    """
+    if method.additive:
+        raise UsageError("kernels are not made for additive methods; use engine='reference'")
+    split = True if method.parts == 2 else None
+    return form_of_method(method, form), _cached_shape(problem, split=split)
 
 
 def _assembled(
@@ -342,9 +362,21 @@ def _assembled(
 
 
 def _source_of(form: StepForm | PairForm, shape: Shape, options: Options) -> KernelSource:
-    if isinstance(form, PairForm):
-        return pair_source(form, shape, options)
-    return kernel_source(form, shape, options)
+    """The generated module, kept by the identity of form and shape, which are kept themselves."""
+    key = id(form), id(shape), options
+    known = _sources.get(key)
+    if known is not None and known[0] is form and known[1] is shape:
+        return known[2]
+    write = pair_source if isinstance(form, PairForm) else kernel_source
+    source: KernelSource = write(form, shape, options)  # type: ignore[arg-type]
+    if len(_sources) >= _MOST_SOURCES:
+        _sources.clear()
+    _sources[key] = form, shape, source
+    return source
+
+
+_MOST_SOURCES = 256
+_sources: dict[tuple[int, int, Options], tuple[StepForm | PairForm, Shape, KernelSource]] = {}
 
 
 def with_newton(kernel: Kernel) -> Kernel:

@@ -20,6 +20,7 @@ from typing import Any
 
 import numpy as np
 
+from ..system.terminal import saying
 from .translate import LIBRARY, Unsupported, translated
 
 __all__ = ["PLAIN", "Tuning", "Unsupported", "aligned_zeros", "compile_kernel", "target_name"]
@@ -122,6 +123,16 @@ def _engine(source: str, arguments: Mapping[str, str], cached: Path | None, tuni
         engine.add_object_file(binding.ObjectFileRef.from_data(code))
         engine.finalize_object()
         return engine
+    with saying("compiling a kernel ..."):
+        return _compiled(source, arguments, cached, tuning, machine)
+
+
+def _compiled(
+    source: str, arguments: Mapping[str, str], cached: Path | None, tuning: Tuning, machine: Any
+) -> Any:
+    """Translate, optimize and keep the object code."""
+    from llvmlite import binding
+
     module = binding.parse_assembly(translated(source, arguments, fuse=tuning.fuse))
     module.verify()
     options = binding.create_pipeline_tuning_options(speed_level=3)

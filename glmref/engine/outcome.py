@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING
 
 from ..errors import UsageError
+from ..system.shown import Drawing, Shown, above
 
 if TYPE_CHECKING:
     import numpy as np
@@ -38,8 +40,8 @@ KERNEL_OUTCOMES = (
 )
 
 
-@dataclass(frozen=True, eq=False)
-class Solution:
+@dataclass(frozen=True, eq=False, repr=False)
+class Solution(Shown):
     """What a run computed.
 
     Attributes
@@ -63,6 +65,7 @@ class Solution:
         method, problem, h: what was run.
         kernel: what was built: engine, form, solver and arithmetic in words.
         notices: sentences worth knowing, such as a fallback that was taken.
+        renewals: how often the values were made anew, see ``renew`` of :func:`glmref.solve`.
     """
 
     t: np.ndarray
@@ -85,6 +88,29 @@ class Solution:
     h: float
     kernel: str
     notices: tuple[str, ...] = ()
+    renewals: int = 0
+
+    def __repr__(self) -> str:
+        return (
+            f"<Solution of {self.problem} by {self.method}: {self.outcome}, {self.steps} steps, "
+            f"t = {self.t[-1] if len(self.t) else float('nan'):g}>"
+        )
+
+    def plot(self, components: Sequence[int] | None = None) -> Drawing:
+        """Draw the components of the solution against time.
+
+        Args:
+            components: numbers of the components, from 0; the first six by default.
+
+        Returns
+        -------
+            A picture in SVG: a notebook shows it, and ``save(path)`` writes it.
+
+        Raises
+        ------
+            UsageError: where fewer than two rows were kept: say ``every`` or ``times``.
+        """
+        return above("views.plot", "plot")(self, components=components)
 
     @property
     def completed(self) -> bool:

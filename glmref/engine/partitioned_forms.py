@@ -22,9 +22,10 @@ from ..errors import UsageError
 from ..exact import ball, exact, linalg
 from ..exact.linalg import Matrix
 from ..method import PartitionedGLM
+from ..method.component import SEPARABLE
 from ..method.rounding import split_float
-from ..method.solution_value import halves, preconsistency_vector
-from ..method.stage_order import StageBlock, pair_blocks
+from ..method.solution_value import preconsistency_vector
+from ..method.stage_order import StageBlock
 from .forms import Row, all_vanish, changed_basis, float_rows, floats, large, vanishes
 from .sweep import integral_basis
 from .tableau import as_balls
@@ -139,7 +140,7 @@ def pair_form(pair: PartitionedGLM, form: str = "auto") -> PairForm:
         raise UsageError(f'{name} has complex coefficients; use engine="reference"')
     if form not in ("auto", "sweep", "standard"):
         raise UsageError(f"`form` of a pair must be auto, sweep or standard, got {form!r}")
-    blocks = pair_blocks(pair)
+    blocks = pair.stage_blocks(SEPARABLE)
     if form != "standard":
         reason = _obstacle(pair, blocks)
         if not reason:
@@ -207,7 +208,7 @@ def _sweep(pair: PartitionedGLM, blocks: tuple[StageBlock, ...]) -> PairForm:
         zero = ((0.0,) * n,) * r
         return Half(letter, n, r, U, ((0.0,) * other,) * n, rows, zero, floats(D))
 
-    u, u_ = map(preconsistency_vector, halves(pair))
+    u, u_ = map(preconsistency_vector, pair.components)
     V, V_ = as_balls(pair.V), as_balls(pair.V_hat)
     back_p = linalg.inverse(to_p)
     return PairForm(
@@ -231,7 +232,7 @@ def _standard(pair: PartitionedGLM, blocks: tuple[StageBlock, ...]) -> PairForm:
         n = len(U)
         return Half(letter, n, len(U[0]), float_rows(U), float_rows(A), R, residue, (1.0,) * n)
 
-    u, u_ = map(preconsistency_vector, halves(pair))
+    u, u_ = map(preconsistency_vector, pair.components)
     ones = (float_rows(linalg.identity(pair.r)), float_rows(linalg.identity(pair.r_hat)))
     return PairForm(
         kind="standard", running=False, r=pair.r, r_hat=pair.r_hat,

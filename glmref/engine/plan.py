@@ -6,13 +6,16 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from pathlib import Path
 from typing import Any, overload
 
 import numpy as np
 
+from ..catalogue.lookup import is_broken, method_of
 from ..errors import UsageError
-from ..method import GLM, PartitionedGLM
+from ..method import Method
 from ..problems.model import Problem
+from . import kept
 
 __all__ = [
     "ARITHMETIC",
@@ -88,7 +91,7 @@ def check_arithmetic(arithmetic: str) -> None:
         raise UsageError(f"`arithmetic` must be one of {', '.join(ARITHMETIC)}, got {arithmetic!r}")
 
 
-def resolved(problem: Any, method: Any) -> tuple[Problem, GLM | PartitionedGLM]:
+def resolved(problem: Any, method: Any) -> tuple[Problem, Any]:
     """Return problem and method, either given by name.
 
     Raises
@@ -97,28 +100,23 @@ def resolved(problem: Any, method: Any) -> tuple[Problem, GLM | PartitionedGLM]:
             method that is wrong on purpose: such a one is taken as an object only.
     """
     if isinstance(problem, str):
-        from ..problems import problem as by_name
-
-        problem = by_name(problem)
-    if isinstance(method, str):
-        from ..catalogue.lookup import is_broken, load
-
+        problem = kept.problem_of(problem)
+    if isinstance(method, str | Path):
         if is_broken(method):
             raise UsageError(
-                f"the method {method!r} is wrong on purpose; to run it all the same give "
-                f"glmref.load({method!r})"
+                f"the method {str(method)!r} is wrong on purpose; to run it all the same give "
+                f"glmref.load({str(method)!r})"
             )
-        method = load(method)
+        method = kept.method_of(method)
+    method = method_of(method)
     if not isinstance(problem, Problem):
         raise UsageError(f"`problem` must be a Problem or its name, got {type(problem).__name__}")
-    if not isinstance(method, GLM | PartitionedGLM):
-        raise UsageError(f"`method` must be a method or its name, got {type(method).__name__}")
     if problem.context is not None:
         raise UsageError("`problem` must be the one in double precision; give `digits` instead")
     return problem, method
 
 
-def notices_of(method: GLM | PartitionedGLM) -> list[str]:
+def notices_of(method: Method) -> list[str]:
     """Return what is to be said of every run with a method: that it is wrong on purpose."""
     broken = (method.document or {}).get("broken")
     return [f"{method.name} is wrong on purpose: {broken['why']}"] if broken else []

@@ -11,7 +11,7 @@ for a message that nobody reads before it lets numpy multiply.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -19,17 +19,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import UsageError
-from ..exact import exact
-from ..exact.linalg import Matrix
-from ..method import GLM, FinishingMethod, PartitionedGLM, StartingMethod
-from ..method.solution_value import outputs, stage_times, unit_place
-from ..method.stage_order import pair_blocks, stage_blocks
+from ..method import Component, FinishingMethod, Method
+from ..method.component import GENERAL, SEPARABLE, Palette
+from ..method.solution_value import output, unit_place
+from ..method.stage_order import is_shared
 from ..problems.model import Problem
 from .arithmetic import Arithmetic, StageSolver, size
 from .outcome import StartFailed
 
 __all__ = [
-    "PairStepper",
     "Step",
     "Stepper",
     "apply_finish",
@@ -102,54 +100,116 @@ def _shaped(found: Any, like: np.ndarray, name: str) -> np.ndarray:
     return array
 
 
+class _Component:
+    """The coefficients of one component in the arithmetic of a run, and the columns it moves."""
+
+    def __init__(self, c: Component, number: Arithmetic, columns: slice) -> None:
+        self.A, self.U, self.B, self.V = map(number.array, c.matrices)
+        slopes = len(c.B[0]) if c.B else 0
+        self.A = self.A.reshape(len(c.A), slopes)
+        self.U = self.U.reshape(len(c.A), self.V.shape[1])
+        self.columns = columns
+
+
+def _matrix(letter: str, which: int = 0) -> property:
+    """A coefficient matrix of a component, to be read and to be replaced."""
+
+    def read(engine: Stepper) -> np.ndarray:
+        return getattr(engine.components[which], letter)
+
+    def write(engine: Stepper, value: np.ndarray) -> None:
+        setattr(engine.components[which], letter, value)
+
+    return property(read, write)
+
+
 class Stepper:
     """Steps one method on one problem; keeps the coefficients in the arithmetic asked for.
 
+    Every stage is computed once, when those it needs are there, and every right-hand side is
+    evaluated only where its stage is due. On a separable problem y = (q, p) the stages Q and P of a
+    partitioned method are apart; on another one stage i is the point (Q_i, P_i). The right-hand
+    sides of an additive method are the ``terms`` of the problem, all at one stage.
+
     Args:
-        method: a GLM.
+        method: a method of any number of components, or a start or a finish.
         problem: in double precision form; it is moved to the arithmetic here.
         digits: ``None`` for double precision, else decimal digits of mpmath.
+
+    Raises
+    ------
+        UsageError: for a problem that has not the parts the method needs.
     """
 
-    def __init__(self, method: GLM, problem: Problem, *, digits: int | None = None) -> None:
+    A, U, B, V = (_matrix(letter) for letter in "AUBV")
+    A_hat, U_hat, B_hat, V_hat = (_matrix(letter, 1) for letter in "AUBV")
+
+    def __init__(self, method: Method, problem: Problem, *, digits: int | None = None) -> None:
         self.arithmetic = Arithmetic(digits)
         self.problem = self.arithmetic.localised(problem)
-        self._tableau(method)
+        _check(method, problem)
+        self._take(method)
+
+    def _take(self, method: Method, palette: Palette | None = None) -> None:
+        self.method = method
+        parts, d = len(method.carriers), self.problem.dimension
+        self.parts: tuple[slice, ...] = (
+            (slice(None),) if parts == 1 else (slice(0, d // 2), slice(d // 2, d))
+        )
+        owners = [0] * len(method.components) if parts == 1 else range(parts)
+        self.components = [
+            _Component(c, self.arithmetic, self.parts[n])
+            for c, n in zip(method.components, owners, strict=True)
+        ]
+        if palette is None:
+            split = SEPARABLE if self.problem.separable else GENERAL
+            palette = method.palette if parts == 1 else split
+        self.palette = palette
+        self.joint = is_shared(palette)
+        sizes = [len(c.U) for c in method.carriers[: 1 if self.joint else parts]]
+        #: the stages: the components that live there, and the row
+        self.nodes = [
+            ([n] if len(sizes) > 1 else list(range(parts)), i)
+            for n, size in enumerate(sizes)
+            for i in range(size)
+        ]
+        self.c = np.concatenate(
+            [self.arithmetic.array((x,))[0] for x in method.times[: len(sizes)]]
+        )
+        self.blocks = method.stage_blocks(palette)
 
     @cached_property
-    def tableaux(self) -> dict[int, tuple[Matrix, Stepper]]:
-        """Steppers of starts and finishes, with their A, by the identity of A."""
+    def tableaux(self) -> dict[int, tuple[Method, Stepper]]:
+        """Steppers of starts and finishes, by identity: to round one costs more than a step."""
         return {}
 
-    def _tableau(self, method: GLM) -> None:
-        self.method = method
-        number = self.arithmetic.array
-        self.A, self.U = number(method.A), number(method.U)
-        self.B, self.V = number(method.B), number(method.V)
-        self.c = self.arithmetic.array((stage_times(method),))[0]
-        self.blocks = stage_blocks(method.A)
+    def of(self, tableau: Method) -> Stepper:
+        """Return the stepper of a start or a finish on the same problem, which is kept.
+
+        Stages that nothing reads are left out.
+        """
+        known = self.tableaux.get(id(tableau))
+        if known is None:
+            other = Stepper.__new__(Stepper)
+            other.arithmetic, other.problem = self.arithmetic, self.problem
+            other._take(tableau, self.palette)
+            read = tableau.read_stages(self.palette)
+            other.blocks = tuple(b for b in other.blocks if not read.isdisjoint(b.stages))
+            known = self.tableaux[id(tableau)] = tableau, other
+        return known[1]
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Shape (r, d) of the values carried."""
-        return self.method.r, self.problem.dimension
-
-    @property
-    def parts(self) -> tuple[slice, ...]:
-        """Columns of the state that each component of the method carries."""
-        return (slice(None),)
+        """Shape (r, d) of the values carried, r the largest of a component."""
+        return self.method.carried, self.problem.dimension
 
     @cached_property
     def readers(self) -> tuple[Reader, ...]:
         """How the solution is read off the values, component by component."""
         return tuple(
             Reader(columns, unit_place(w), self.arithmetic.array((w,))[0])
-            for columns, w in zip(self.parts, outputs(self._read), strict=True)
+            for columns, w in zip(self.parts, map(output, self.method.carriers), strict=True)
         )
-
-    @property
-    def _read(self) -> GLM | PartitionedGLM:
-        return self.method
 
     @property
     def first_value(self) -> bool:
@@ -192,221 +252,215 @@ class Stepper:
 
         Parameters
         ----------
-        settle : what finds the slopes of coupled stages; by default iteration to round-off.
+        settle : what finds the slopes of coupled stages; by default iteration to round-off. Of
+            methods with one component only.
         """
-        solver = StageSolver(self.arithmetic)
-        s, evaluations = self.method.s, 0
-        stages = self.arithmetic.zeros((s, values.shape[1]), values + self.V[0, 0])
-        slopes = self.arithmetic.zeros(stages.shape, stages)
-        known = self.U.dot(values)
-
-        def evaluate(i: int, y: np.ndarray) -> np.ndarray:
-            nonlocal evaluations
-            evaluations += 1
-            stages[i] = y
-            return self.slope(t + self.c[i] * h, y)
-
-        for block in self.blocks:
-            index = list(block.stages)
-            base = known[index] + self.A[index].dot(slopes) * h
-            if not block.implicit:
-                slopes[index[0]] = evaluate(index[0], base[0])
-                continue
-            inner = self.A[np.ix_(index, index)]
-
-            def rhs(x: np.ndarray, index: list[int] = index, base: Any = base, inner: Any = inner):
-                y = base + inner.dot(x) * h
-                return np.stack([evaluate(i, y[k]) for k, i in enumerate(index)])
-
-            guess = np.stack([evaluate(i, base[k]) for k, i in enumerate(index)])
-            if settle is not None:
-                times = [t + self.c[i] * h for i in index]
-                slopes[index] = settle(rhs, guess, Coupled(h, inner, times, base))
-                continue
-            scale = size(guess) + size(base) / abs(h) if h else size(guess)
-            slopes[index] = solver(rhs, guess, scale)
-        new = self.B.dot(slopes) * h + self.V.dot(values)
-        return Step(new, stages, slopes, evaluations, 0, solver.iterations, solver.converged)
+        return _Step(self, t, values, h).taken(settle)
 
 
-class PairStepper(Stepper):
-    """Steps a :class:`PartitionedGLM` on a problem y = (q, p).
+class _Step:
+    """One step on its way: what is known of its stages and slopes."""
 
-    On a separable problem every stage Q_i and P_i is evaluated once, each only when needed; on
-    another one stage i is the pair (Q_i, P_i).
-    """
+    def __init__(self, engine: Stepper, t: Any, values: np.ndarray, h: Any) -> None:
+        self.engine, self.t, self.h, self.values = engine, t, h, values
+        like = values + engine.V[0, 0]
+        zeros, d = engine.arithmetic.zeros, values.shape[1]
+        self.additive = engine.method.additive
+        self.known, self.slopes = [], []
+        for c in engine.components:
+            width = len(range(d)[c.columns])
+            self.known.append(c.U.dot(values[: c.V.shape[1], c.columns]))
+            self.slopes.append(zeros((c.B.shape[1], width), like))
+        self.where: list[Any] = [None] * len(engine.nodes)
+        self.counts = [0, 0]
 
-    def __init__(
-        self, method: PartitionedGLM, problem: Problem, *, digits: int | None = None
+    def sum_at(self, node: int) -> np.ndarray:
+        """The stage that the slopes as they are make."""
+        engine, (whose, i) = self.engine, self.engine.nodes[node]
+        driving = range(len(engine.components)) if self.additive else whose
+        sums = [engine.components[n].A[i].dot(self.slopes[n]) * self.h for n in driving]
+        if self.additive:
+            return self.known[0][i] + sum(sums[1:], sums[0])
+        rows = [self.known[n][i] + x for n, x in zip(whose, sums, strict=True)]
+        return rows[0] if len(rows) == 1 else np.concatenate(rows)
+
+    def evaluate(self, node: int, y: np.ndarray) -> None:
+        """Evaluate at a stage what is due there."""
+        engine, (whose, i) = self.engine, self.engine.nodes[node]
+        problem = engine.problem
+        self.where[node] = y
+        time = self.t + engine.c[node] * self.h
+        if self.additive:
+            self.counts[0] += 1
+            for n, term in enumerate(problem.terms):
+                self.slopes[n][i] = _shaped(term(time, y), y, "terms")
+        elif engine.joint:
+            self.counts[0] += 1
+            slope = engine.slope(time, y)
+            for n in whose:
+                self.slopes[n][i] = slope[engine.components[n].columns]
+        else:  # f = dq is evaluated at the stages P of the component k, and k = dp at the stages Q
+            name = ("dp", "dq")[whose[0]]
+            self.counts[whose[0]] += 1
+            self.slopes[1 - whose[0]][i] = _shaped(getattr(problem, name)(y), y, name)
+
+    def taken(self, settle: Settle | None) -> Step:
+        """Go through the stages, then sum the values."""
+        engine, h = self.engine, self.h
+        solver = StageSolver(engine.arithmetic)
+        for block in engine.blocks:
+            nodes = list(block.stages)
+            bases = [self.sum_at(node) for node in nodes]
+            for node, y in zip(nodes, bases, strict=True):
+                self.evaluate(node, y)
+            if block.implicit:
+                self._solve(solver, nodes, bases, settle)
+        new = engine.arithmetic.zeros(engine.shape, self.values + engine.V[0, 0])
+        for n, c in enumerate(engine.components):
+            part = c.B.dot(self.slopes[n]) * h
+            if not (self.additive and n):
+                part = part + c.V.dot(self.values[: c.V.shape[1], c.columns])
+                new[: len(part), c.columns] = part
+            else:
+                new = new + part
+        stages, slopes = self._shown()
+        return Step(
+            new, stages, slopes, self.counts[0], self.counts[1], solver.iterations,
+            solver.converged,
+        )  # fmt: skip
+
+    def _shown(self) -> tuple[Any, Any]:
+        """Stages and slopes: of two parts as tuples."""
+        engine = self.engine
+        like = self.slopes[0]
+        found = [
+            engine.arithmetic.zeros((len(x), like.shape[1]), like)
+            for x in self.known[: len(engine.parts)]
+        ]
+        for (whose, i), y in zip(engine.nodes, self.where, strict=True):
+            if y is not None:
+                for n in whose:
+                    found[n][i] = y[engine.components[n].columns] if len(whose) > 1 else y
+        if len(engine.parts) == 1:
+            return found[0], self.slopes[0] if len(self.slopes) == 1 else tuple(self.slopes)
+        return tuple(found), tuple(self.slopes)
+
+    def _solve(
+        self, solver: StageSolver, nodes: list[int], bases: list[np.ndarray], settle: Settle | None
     ) -> None:
-        self.arithmetic = Arithmetic(digits)
-        self.problem = self.arithmetic.localised(problem)
-        if not problem.separable and method.separable:
+        """Find the slopes of stages that depend on each other."""
+        engine, h = self.engine, self.h
+        places: list[tuple[int, int]] = []  # which slopes: component and row
+        for whose, i in (engine.nodes[node] for node in nodes):
+            among = range(len(self.slopes)) if self.additive else whose
+            places += [(n if engine.joint else 1 - n, i) for n in among]
+
+        def read() -> np.ndarray:
+            return np.concatenate([self.slopes[n][i] for n, i in places])
+
+        def write(x: np.ndarray) -> None:
+            at = 0
+            for n, i in places:
+                width = self.slopes[n].shape[1]
+                self.slopes[n][i] = x[at : at + width]
+                at += width
+
+        def rhs(x: np.ndarray) -> np.ndarray:
+            write(x)
+            for node, y in [(node, self.sum_at(node)) for node in nodes]:
+                self.evaluate(node, y)
+            return read()
+
+        guess = read()
+        if settle is not None:
+            inner = engine.A[np.ix_(nodes, nodes)]
+            times = [self.t + engine.c[node] * h for node in nodes]
+            shape = (len(nodes), -1)
+            found = settle(
+                lambda x: rhs(x.ravel()).reshape(shape), guess.reshape(shape),
+                Coupled(h, inner, times, np.stack(bases)),
+            )  # fmt: skip
+            write(found.ravel())
+            return
+        far = max(size(y) for y in bases) / abs(h) if h else 0
+        write(solver(rhs, guess, size(guess) + far))
+
+
+def _check(method: Method, problem: Problem) -> None:
+    """Refuse a problem that has not the parts the method needs.
+
+    Raises
+    ------
+        UsageError: naming what is missing.
+    """
+    name = method.name or "the method"
+    if method.additive:
+        wanted = len(method.components)
+        if len(problem.terms) != wanted:
             raise UsageError(
-                f"{method.name or 'the pair'} is for separable problems; {problem.name} gives no "
-                f"`dq` and `dp`"
+                f"{name} is an additive method of {wanted} parts, and {problem.name} gives "
+                f"{len(problem.terms)} `terms`; give the right-hand side as a sum of {wanted}"
+            )
+    elif method.parts == 2:
+        if not problem.separable and not method.shared:
+            raise UsageError(
+                f"{name if method.name else 'the pair'} is for separable problems; {problem.name} "
+                f"gives no `dq` and `dp`"
             )
         if problem.dimension % 2:
             raise UsageError(f"a pair needs y = (q, p), got {problem.dimension} components")
-        self._take(method)
-
-    def _take(self, method: PartitionedGLM) -> None:
-        """Keep the coefficients of a pair in the arithmetic of the run."""
-        self.pair = method
-        for letter in "AUBV":
-            setattr(self, letter, self.arithmetic.array(getattr(method, letter)))
-            hat = self.arithmetic.array(getattr(method, f"{letter}_hat"))
-            setattr(self, f"{letter}_hat", hat)
-        self.half = self.problem.dimension // 2
-        self.blocks = pair_blocks(method, joint=not self.problem.separable)
-
-    def with_method(self, method: PartitionedGLM) -> PairStepper:
-        """Return a stepper of another pair on the same problem in the same arithmetic."""
-        other = PairStepper.__new__(PairStepper)
-        other.arithmetic, other.problem = self.arithmetic, self.problem
-        other._take(method)
-        return other
-
-    A_hat: np.ndarray
-    U_hat: np.ndarray
-    B_hat: np.ndarray
-    V_hat: np.ndarray
-
-    @property
-    def shape(self) -> tuple[int, int]:
-        """Shape (max(r, r^), d) of the values carried."""
-        return max(self.pair.r, self.pair.r_hat), self.problem.dimension
-
-    @property
-    def parts(self) -> tuple[slice, ...]:
-        """Columns of q and of p."""
-        return slice(0, self.half), slice(self.half, 2 * self.half)
-
-    @property
-    def _read(self) -> PartitionedGLM:
-        return self.pair
-
-    def step(self, t: Any, values: np.ndarray, h: Any) -> Step:
-        """Take one step of size h from the values at time t."""
-        pair, m = self.pair, self.half
-        solver = StageSolver(self.arithmetic)
-        counts = [0, 0]
-        q, p = values[: pair.r, :m], values[: pair.r_hat, m:]
-        f = self.arithmetic.zeros((pair.n_P, m), values)
-        k = self.arithmetic.zeros((pair.n_Q, m), values)
-        Uq, Up = self.U.dot(q), self.U_hat.dot(p)
-        joint = not self.problem.separable
-
-        def stage_q(i: int) -> np.ndarray:
-            return Uq[i] + self.A[i].dot(f) * h
-
-        def stage_p(i: int) -> np.ndarray:
-            return Up[i] + self.A_hat[i].dot(k) * h
-
-        def refresh(nodes: Sequence[int]) -> None:
-            """Evaluate the right-hand side at stages, all from the slopes as they were."""
-            where = [stage_q(i) if i < pair.n_Q else stage_p(i - pair.n_Q) for i in nodes]
-            other = [stage_p(i) for i in nodes] if joint else []
-            for place, i in enumerate(nodes):
-                if joint:
-                    slope = self.slope(t, np.concatenate([where[place], other[place]]))
-                    f[i], k[i] = slope[:m], slope[m:]
-                    counts[0] += 1
-                elif i < pair.n_Q:
-                    k[i] = _shaped(self.problem.dp(where[place]), where[place], "dp")
-                    counts[0] += 1
-                else:
-                    f[i - pair.n_Q] = _shaped(self.problem.dq(where[place]), where[place], "dq")
-                    counts[1] += 1
-
-        for block in self.blocks:
-            nodes = list(block.stages)
-            refresh(nodes)
-            if block.implicit:
-                self._solve(solver, nodes, f, k, refresh, size(values) / abs(h) if h else 0)
-        new = self.arithmetic.zeros(self.shape, values)
-        new[: pair.r, :m] = self.B.dot(f) * h + self.V.dot(q)
-        new[: pair.r_hat, m:] = self.B_hat.dot(k) * h + self.V_hat.dot(p)
-        stages = (
-            np.stack([stage_q(i) for i in range(pair.n_Q)]),
-            np.stack([stage_p(i) for i in range(pair.n_P)]),
-        )
-        return Step(new, stages, (f, k), counts[0], counts[1], solver.iterations, solver.converged)
-
-    def _solve(
-        self, solver: StageSolver, nodes: list[int], f: np.ndarray, k: np.ndarray,
-        refresh: Callable[[Sequence[int]], None], scale: Any,
-    ) -> None:  # fmt: skip
-        """Iterate the slopes of a block of stages that depend on each other."""
-        joint, n = not self.problem.separable, self.pair.n_Q
-        in_f = nodes if joint else [i - n for i in nodes if i >= n]
-        in_k = nodes if joint else [i for i in nodes if i < n]
-
-        def rhs(x: np.ndarray) -> np.ndarray:
-            f[in_f], k[in_k] = x[: len(in_f)], x[len(in_f) :]
-            refresh(nodes)
-            return np.concatenate([f[in_f], k[in_k]])
-
-        x = solver(rhs, np.concatenate([f[in_f], k[in_k]]), scale + size(f) + size(k))
-        f[in_f], k[in_k] = x[: len(in_f)], x[len(in_f) :]
 
 
-def stepper(
-    method: GLM | PartitionedGLM, problem: Problem, *, digits: int | None = None
-) -> Stepper:
-    """Return the stepper for a method or a pair on a problem.
+def stepper(method: Method, problem: Problem, *, digits: int | None = None) -> Stepper:
+    """Return the stepper for a method on a problem.
 
     Args:
         digits: ``None`` for double precision, else decimal digits.
 
     Raises
     ------
-        UsageError: when the pair needs a separable problem and this one is not.
+        UsageError: for a problem that has not the parts the method needs.
     """
-    if isinstance(method, PartitionedGLM):
-        return PairStepper(method, problem, digits=digits)
     return Stepper(method, problem, digits=digits)
 
 
-def _runge_kutta_slopes(
-    engine: Stepper, A: Matrix, t: Any, y: np.ndarray, h: Any
-) -> tuple[np.ndarray, int]:
-    """Slopes f(Y) of Y = y + h A f(Y), and the number of evaluations."""
-    if not A:
-        return engine.arithmetic.zeros((0, len(y))), 0
-    _, inner = engine.tableaux.get(id(A), (A, None))
-    if inner is None:  # rounding a tableau of decimals costs more than a step: done once
-        one, zero = exact(1), exact(0)
-        method = GLM(A=A, U=((one,),) * len(A), B=((zero,) * len(A),), V=((one,),))
-        inner = Stepper.__new__(Stepper)
-        inner.arithmetic, inner.problem = engine.arithmetic, engine.problem
-        inner._tableau(method)
-        engine.tableaux[id(A)] = A, inner
-    taken = inner.step(t, y[None, :], h)
-    if not taken.converged:
-        raise StartFailed(
-            "the stages of a starting or finishing method could not be solved; use a smaller h"
-        )
-    return taken.slopes, taken.evaluations
-
-
 def apply_start(
-    start: StartingMethod, engine: Stepper, t: Any, y0: np.ndarray, h: Any
+    start: Method, engine: Stepper, t: Any, y0: np.ndarray, h: Any
 ) -> tuple[np.ndarray, int]:
-    """Starting values ``y_k = u_k y0 + h B_k f(Y)`` and the evaluations they cost."""
-    slopes, evaluations = _runge_kutta_slopes(engine, start.A, t, y0, h)
-    u = engine.arithmetic.array((start.u,))[0]
-    values = np.outer(u, y0)
-    if len(slopes):
-        values = values + h * engine.arithmetic.array(start.B).dot(slopes)
-    return values, evaluations
+    """Starting values ``y_k = u_k y0 + h B_k f(Y)`` and the evaluations they cost.
+
+    Evaluations count as in :class:`Step`: of k alone for a pair on a separable problem.
+
+    Raises
+    ------
+        UsageError: for a start that gives other numbers of values than the method carries.
+        StartFailed: when implicit stages cannot be solved.
+    """
+    given = tuple(len(c.V) for c in start.components)
+    wanted = tuple(len(c.V) for c in engine.method.components)
+    if given != wanted:
+        raise UsageError(
+            f"the starting method gives {' and '.join(map(str, given))} values, the method carries "
+            f"{' and '.join(map(str, wanted))}"
+        )
+    taken = _applied(start, engine, t, y0, h)
+    return taken.values, taken.evaluations
 
 
 def apply_finish(
     finish: FinishingMethod, engine: Stepper, t: Any, y: np.ndarray, h: Any
 ) -> tuple[np.ndarray, int]:
     """Finished solution ``y + h b f(Y)`` and the evaluations it costs."""
-    slopes, evaluations = _runge_kutta_slopes(engine, finish.A, t, y, h)
-    if not len(slopes):
+    if not finish.A:
         return y, 0
-    return y + h * engine.arithmetic.array((finish.b,))[0].dot(slopes), evaluations
+    taken = _applied(finish, engine, t, y, h)
+    return taken.values[0], taken.evaluations
+
+
+def _applied(tableau: Method, engine: Stepper, t: Any, y: np.ndarray, h: Any) -> Step:
+    taken = engine.of(tableau).step(t, y[None, :], h)
+    if not taken.converged:
+        raise StartFailed(
+            "the stages of a starting or finishing method could not be solved; use a smaller h"
+        )
+    return taken

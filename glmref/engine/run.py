@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import UsageError
-from ..method import GLM, PartitionedGLM
+from ..method import Method
 from ..problems.model import Problem
 from ..problems.user import FunctionFailed, NoValue
 from .forms import StepForm
@@ -18,7 +18,7 @@ from .memory import NEWTON_BYTES, gibibytes, memory
 from .outcome import Outcome, Solution, StartFailed
 from .plan import Plan
 from .reference import Stepper, apply_finish
-from .start import Start
+from .start import Start, starting_values
 
 if TYPE_CHECKING:
     from .kernel import Kernel, State
@@ -33,11 +33,27 @@ def _picks(basis: Any) -> bool:
     return all(_picks(row) for row in basis)
 
 
+class RenewalFailed(Exception):
+    """Start or finish had no value in the middle of a run, because of ``why``."""
+
+    def __init__(self, why: Exception) -> None:
+        super().__init__(str(why))
+        self.why = why
+
+
+def outcome_of(error: Exception) -> tuple[Outcome, str]:
+    """How a run ends whose start or finish raised ``error``, and what there is to say of it."""
+    if isinstance(error, StartFailed):
+        return Outcome.STAGE_SOLVE_FAILED, ""
+    failed = isinstance(error, FunctionFailed) and not isinstance(error, NoValue)
+    return Outcome.FUNCTION_FAILED if failed else Outcome.NOT_FINITE, f": {error}"
+
+
 class Run:
     """One run: the rows kept so far and how it ends."""
 
     def __init__(
-        self, problem: Problem, method: GLM | PartitionedGLM, h: float, plan: Plan,
+        self, problem: Problem, method: Method, h: float, plan: Plan,
         reference: Stepper, start: Start, history: bool,
         cancel: Callable[[], bool] | None, progress: Callable[[int, int], None] | None,
     ) -> None:  # fmt: skip
@@ -56,6 +72,63 @@ class Run:
         self.seconds = self.build_seconds = 0.0
         self.start_evaluations, self.finish_evaluations = start.evaluations, 0
         self.kernel, self.notices, self.too_large = "", [], False
+        self.renew, self.again, self.renewals = 0, None, 0
+        #: Step and values from which the steps so far followed: those of the last renewal.
+        self.base = (0, start.values)
+
+    def renewed_by(self, renew: int, start: Any) -> None:
+        """Make the values anew by ``start`` after every ``renew`` steps; 0 for never."""
+        if self.reference.shape[0] > 1:  # one value has no parasitic part
+            self.renew, self.again = renew, start
+
+    def _renewal(self, n: int, values: np.ndarray) -> np.ndarray:
+        """Values S(F(y_1)) after step n: the solution, finished and started again.
+
+        Raises
+        ------
+        RenewalFailed
+            Where start or finish has no value.
+        """
+        arithmetic = self.reference.arithmetic
+        h = arithmetic.number(self.h)
+        t = arithmetic.number(self.problem.t_span[0]) + n * h
+        finishing = getattr(self.method, "finishing", None)
+        try:
+            y = self.reference.solution(values)
+            if finishing is not None:
+                y, cost = apply_finish(finishing, self.reference, t, y, h)
+                self.finish_evaluations += cost
+            again = starting_values(self.reference, self.again, t=t, y0=y, h=h)
+            if not self._numbers(again.values):
+                raise ArithmeticError("the values are not finite")
+        except (StartFailed, FunctionFailed, ArithmeticError, ValueError) as error:
+            raise RenewalFailed(error) from error
+        self.start_evaluations += again.evaluations
+        self.base, self.renewals = (n, again.values), self.renewals + 1
+        return again.values
+
+    def _renewed(self, kernel: Kernel, state: State) -> State:
+        """State of a kernel after a renewal; the counts go on."""
+        values = self._renewal(state.step, kernel.values(state))
+        t = float(self.problem.t_span[0]) + state.step * self.h
+        other = kernel.state(values, self._slope(t, values), self.h)
+        other.tally[:] = state.tally
+        self.start_evaluations += bool(kernel.form.memory)
+        return other
+
+    def _slope(self, t: float, values: np.ndarray) -> np.ndarray:
+        try:
+            return self.reference.slope(t, self.reference.solution(values))
+        except (ArithmeticError, ValueError):
+            # a method may not evaluate there
+            return np.full(self.problem.dimension, np.nan)
+
+    def _not_renewed(self, error: RenewalFailed) -> None:
+        self.outcome, why = outcome_of(error.why)
+        self.detail = f" (in making the values anew{why})"
+
+    def _renews(self, n: int) -> bool:
+        return self.renew > 0 and n % self.renew == 0 and n < self.plan.steps
 
     def _pause(self, done: int) -> bool:
         if self.progress is not None:
@@ -93,6 +166,8 @@ class Run:
                 if self._pause(self.done):
                     self.outcome = Outcome.CANCELLED
                     break
+                if self._renews(self.done):
+                    self.values = self._renewal(self.done, self.values)
         except KeyboardInterrupt:
             self.outcome = Outcome.CANCELLED
         except (ArithmeticError, ValueError) as error:
@@ -100,6 +175,8 @@ class Run:
             self.outcome, self.detail = Outcome.NOT_FINITE, f" ({error})"
         except FunctionFailed as error:
             self.outcome, self.detail = Outcome.FUNCTION_FAILED, f": {error}"
+        except RenewalFailed as error:
+            self._not_renewed(error)
         self.seconds = time.perf_counter() - begin
 
     def _numbers(self, values: np.ndarray) -> bool:
@@ -134,49 +211,52 @@ class Run:
 
     def by_kernel(self, arithmetic: str, form: str, solver: str, *, interpreted: bool) -> None:
         """Take the steps in a compiled loop."""
+        from .kept import expressed
         from .kernel import prepare
 
         t0 = float(self.problem.t_span[0])
-        try:
-            slope = self.reference.slope(t0, self.reference.solution(self.start))
-        except (ArithmeticError, ValueError):
-            slope = np.full(self.problem.dimension, np.nan)  # a method may not evaluate there
+        slope = self._slope(t0, self.start)
+        problem = expressed(self.problem)
         kernel = prepare(
-            self.method, self.problem, h=self.h, arithmetic=arithmetic, form=form, solver=solver,
+            self.method, problem, h=self.h, arithmetic=arithmetic, form=form, solver=solver,
             history=self.wide, interpreted=interpreted,
         )  # fmt: skip
         self._adopt(kernel)
-        if kernel.form.memory:
-            self.start_evaluations += 1
+        self.start_evaluations += bool(kernel.form.memory)
         state = kernel.state(self.start, slope, self.h)
         if self.plan.rows[0] == 0:
             self._keep(0, self.start)
         # the kernel writes its rows where they stay
         out = self.rows[self.kept :] if self.plan.every else self.rows[:0]
-        marks = [self.plan.steps] if self.plan.every else [n for n in self.plan.rows if n]
+        marks = {self.plan.steps} if self.plan.every else {n for n in self.plan.rows if n}
+        renewals = range(self.renew, self.plan.steps, self.renew) if self.renew else ()
         try:
-            for mark in marks:
+            for mark in sorted(marks.union(renewals)):
                 self.outcome = self._advance(kernel, state, mark, t0, out)
                 if self.outcome is Outcome.STAGE_SOLVE_FAILED and solver == "auto":
                     kernel, state = self._retry(kernel, state, mark, t0, out)
                 if self.outcome is not Outcome.COMPLETED:
                     break
-                if not self.plan.every:
+                if mark in marks and not self.plan.every:
                     self._keep(mark, kernel.values(state))
+                if self._renews(mark):
+                    state = self._renewed(kernel, state)
         except KeyboardInterrupt:
             self.outcome = Outcome.CANCELLED
+        except RenewalFailed as error:
+            self._not_renewed(error)
         self.done, self.values = state.step, kernel.values(state)
         self.counts = [int(x) for x in state.tally[:4]]
         every, written = self.plan.every, int(state.tally[5])
         self.kept += written
-        self._within_range(kernel, slope, t0)
+        self._within_range(kernel, t0)
         if every and self.done == self.plan.steps and self.done % every:
             self._keep(self.done, self.values)
         if state.trouble is not None:
             failed = self.outcome is Outcome.FUNCTION_FAILED
             self.detail = f": {state.trouble}" if failed else f" ({state.trouble})"
 
-    def _within_range(self, kernel: Kernel, slope: np.ndarray, t0: float) -> None:
+    def _within_range(self, kernel: Kernel, t0: float) -> None:
         """Give up steps whose values are finite in the basis of the kernel only.
 
         Near the end of the range the change of basis overflows; so may values at the start, where
@@ -193,16 +273,18 @@ class Run:
             return
         if self.outcome is not Outcome.STAGE_SOLVE_FAILED:
             self.outcome = Outcome.NOT_FINITE
-        back = 1
-        while last > 0:
-            state = kernel.state(self.start, slope, self.h)
+        back, (first, values) = 1, self.base
+        slope = self._slope(t0 + first * self.h, values)
+        while last > first:
+            state = kernel.state(values, slope, self.h)
+            state.tally[4] = first
             kernel.advance(state, last, t0=t0, h=self.h, every=0, out=self.rows[:0])
             self.values = kernel.values(state)
             if state.step == last and np.isfinite(self.values).all():
                 break
             last, back = last - back, 2 * back
-        if last <= 0:
-            last, self.values = 0, self.start
+        if last <= first:
+            last, self.values = first, values
         self.done = last
         if self.plan.every:
             self.kept = min(self.kept, last // self.plan.every + 1)
@@ -280,6 +362,7 @@ class Run:
             start_evaluations=self.start_evaluations, finish_evaluations=self.finish_evaluations,
             build_seconds=self.build_seconds, method=self.method.name, problem=self.problem.name,
             h=self.h, kernel=self.kernel, notices=tuple(self.notices),
+            renewals=self.renewals,
         )  # fmt: skip
 
     def _times(self, t0: Any, h: Any) -> np.ndarray:
@@ -308,18 +391,14 @@ class Run:
             try:
                 y[row], cost = apply_finish(finishing, self.reference, t[row], y[row], h)
             except (StartFailed, FunctionFailed, ArithmeticError, ValueError) as error:
-                solved = isinstance(error, StartFailed)
-                how = Outcome.STAGE_SOLVE_FAILED if solved else Outcome.NOT_FINITE
-                if isinstance(error, FunctionFailed) and not isinstance(error, NoValue):
-                    how = Outcome.FUNCTION_FAILED
-                return self._unfinished(how, t, y, row, "" if solved else f": {error}")
+                return self._unfinished(*outcome_of(error), t, y, row)
             if not self._numbers(y[row]):
-                return self._unfinished(Outcome.NOT_FINITE, t, y, row, "")
+                return self._unfinished(Outcome.NOT_FINITE, "", t, y, row)
             self.finish_evaluations += cost
         return y
 
     def _unfinished(
-        self, how: Outcome, t: np.ndarray, y: np.ndarray, row: int, why: str
+        self, how: Outcome, why: str, t: np.ndarray, y: np.ndarray, row: int
     ) -> np.ndarray:
         if self.outcome is Outcome.COMPLETED:
             self.outcome = how

@@ -11,11 +11,12 @@ from typing import Any
 import numpy as np
 
 from ..errors import UsageError
-from ..method import GLM, PartitionedGLM
+from ..method import Method, PartitionedGLM
 from ..problems.model import Problem
 from . import compiled, native
 from .codegen import Options
 from .forms import StepForm
+from .kept import expressed
 from .kernel import (
     Kernel,
     choose_form,
@@ -97,10 +98,10 @@ class Runner:
     width = 1
 
     def __init__(
-        self, method: GLM | PartitionedGLM, problem: Problem, h: float, arithmetic: str,
+        self, method: Method, problem: Problem, h: float, arithmetic: str,
         solver: str, threads: int, width: int | None, cancel: Callable[[], bool] | None,
     ) -> None:  # fmt: skip
-        self.method, self.problem, self.h, self.threads = method, problem, h, threads
+        self.method, self.problem, self.h, self.threads = method, expressed(problem), h, threads
         self.cancel, self.cancelled = cancel, False
         self.t0 = float(problem.t_span[0])
         self.engine = stepper(method, problem)
@@ -288,7 +289,7 @@ def prepare_options(runner: Lanes, arithmetic: str, solver: str) -> Any:
     check_arithmetic(arithmetic)
     options = Options.of(arithmetic)
     form, shape = runner.form, runner.shape
-    if isinstance(runner.method, PartitionedGLM):
+    if runner.method.parts == 2:
         return options
     assert isinstance(form, StepForm)
     chosen = choose_solver(form, shape, runner.problem, runner.h, solver)

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ..errors import UsageError
-from ..method import GLM, PartitionedGLM
+from ..method import Method
 from ..problems.model import Problem
 from .inspection import inspected
+from .kept import stepper_of
 from .outcome import Outcome, Solution, StartFailed
 from .plan import check_arithmetic, notices_of, plan_of, resolved, step_size
 from .reference import stepper
@@ -24,9 +26,10 @@ ENGINES = ("compiled", "reference", "interpreted")
 
 
 def solve(
-    problem: Problem | str, method: GLM | PartitionedGLM | str, *, h: float,
+    problem: Problem | str, method: Method | str | Path, *, h: float,
     t_end: float | None = None, steps: int | None = None, every: int = 0,
-    times: Sequence[float] | None = None, start: Any = None, engine: str = "compiled",
+    times: Sequence[float] | None = None, start: Any = None, renew: int = 0,
+    engine: str = "compiled",
     arithmetic: str = "strict", form: str = "auto", solver: str = "auto", history: bool = False,
     digits: int | None = None, step_limit: int | None = None,
     cancel: Callable[[], bool] | None = None, progress: Callable[[int, int], None] | None = None,
@@ -35,16 +38,22 @@ def solve(
 
     Args:
         problem: the problem, or its name. Integration starts at ``problem.t_span[0]``.
-        method: a GLM or a pair, or its name. One that is wrong on purpose is refused by name; as an
-            object, ``glmref.load(name)``, it runs and the solution says so in ``notices``.
+        method: a GLM or a pair, its name or its file. One that is wrong on purpose is refused by
+            name; as an object, ``glmref.load(name)``, it runs, and ``notices`` says so.
         h: step size; negative to go back in time.
         t_end: final time, a whole number of steps away; by default the problem's.
         steps: number of steps, instead of ``t_end``.
         every: keep every k-th step and the last; 0 keeps only the end.
         times: instead of ``every``, the times to keep, on the grid t0 + n h.
         start: see :func:`.start.starting_values`; by default the method's own starting method.
+        renew: make the carried values anew from the solution by ``start`` after every so many
+            steps; 0 for never. A parasitic part that grows starts from nothing each time, so that
+            methods with several values stay bounded on long runs. What is exact for one step
+            (G-symplecticity, symmetry) does not hold across a renewal, and each renewal adds the
+            error of the start. ``history`` keeps the values from before it.
         engine: ``"compiled"``; ``"reference"``, the step as in a paper; ``"interpreted"``, the
-            compiled engine's source run by the interpreter.
+            compiled engine's source run by the interpreter. Additive methods take the reference
+            engine always.
         arithmetic: ``"strict"``, ``"fused"``, ``"compensated"`` or ``"naive"``, see
             :func:`.kernel.prepare`.
         form, solver: override what is chosen, see :func:`.kernel.prepare`.
@@ -62,15 +71,20 @@ def solve(
     ------
         UsageError: one sentence on an argument that does not fit.
     """
-    problem, method = resolved(problem, method)
+    problem, chosen = resolved(problem, method)
     if engine not in ENGINES:
         raise UsageError(f"`engine` must be one of {', '.join(ENGINES)}, got {engine!r}")
     if digits is not None and (engine != "reference" or digits < 1):
         raise UsageError("`digits` must be positive and goes with engine='reference' only")
     check_arithmetic(arithmetic)
     h = step_size(h)
+    if not isinstance(renew, int | np.integer) or isinstance(renew, bool) or renew < 0:
+        raise UsageError(f"`renew` must be a number of steps, or 0 for never, got {renew!r}")
     plan = plan_of(problem, h, t_end, steps, every, times, step_limit)
-    reference = stepper(method, problem, digits=digits)
+    if digits is None:
+        reference = stepper_of(chosen, problem)
+    else:
+        reference = stepper(chosen, problem, digits=digits)
     t0, y0 = problem_start(problem, reference)
     if digits is None and not np.isfinite(y0).all():
         raise UsageError(f"`y0` must be finite, got {y0}")
@@ -84,9 +98,17 @@ def solve(
             ) from error
         if digits is None and not np.isfinite(given.values).all():
             raise StartFailed("the starting values are not finite; use a smaller h")
-        run = Run(problem, method, h, plan, reference, given, history, cancel, progress)
-        run.notices += notices_of(method)
-        if engine == "reference":
+        if renew and given.kind == "given" and not callable(start):
+            raise UsageError(
+                "`renew` makes the values anew by a starting method, but `start` is an array of "
+                "values; give a starting method or a function of the problem and h"
+            )
+        run = Run(problem, chosen, h, plan, reference, given, history, cancel, progress)
+        run.renewed_by(int(renew), start)
+        run.notices += notices_of(chosen)
+        if chosen.additive and engine != "reference":  # kernels are not generated for sums
+            run.notices.append("an additive method runs in the reference engine, step by step")
+        if engine == "reference" or chosen.additive:
             run.by_reference()
         else:
             run.by_kernel(arithmetic, form, solver, interpreted=engine == "interpreted")

@@ -18,12 +18,11 @@ import numpy as np
 
 from ..catalogue.claims import ORDER
 from ..errors import UsageError
-from ..method import GLM, PairStartingMethod, PartitionedGLM, StartingMethod
-from ..method.solution_value import Component, components, preconsistency_vector
+from ..method import Component, Method
+from ..method.solution_value import preconsistency_vector
 from ..problems.model import Problem
 from .outcome import StartFailed
-from .partitioned_start import apply_pair_start
-from .reference import PairStepper, Reader, Stepper, apply_start
+from .reference import Reader, Stepper, apply_start
 
 __all__ = ["Start", "enhanced_start", "starting_values", "zero_start"]
 
@@ -67,15 +66,17 @@ def starting_values(
     ------
         UsageError: for a start that does not fit the method.
     """
-    method = engine.pair if isinstance(engine, PairStepper) else engine.method
+    method = engine.method
     if start is None:
         start = method.starting or ("enhanced" if engine.shape[0] > 1 else "zero")
-    if isinstance(start, StartingMethod):
-        if isinstance(engine, PairStepper):
-            raise UsageError("a pair starts from the starting method of a pair or from values")
-        return _from_method(start, engine, t, y0, h)
-    if isinstance(start, PairStartingMethod):
-        return _from_pair(start, engine, t, y0, h)
+    if isinstance(start, Method):
+        if start.parts != method.parts:
+            raise UsageError(
+                "a pair starts from the starting method of a pair, and that starts pairs only; "
+                "give another start, or values"
+            )
+        values, evaluations = apply_start(start, engine, t, y0, h)
+        return Start(values, evaluations, start.name or "runge-kutta")
     if isinstance(start, str) and start == "zero":
         return Start(zero_start(engine, y0), 0, "zero")
     named = start[:1] if isinstance(start, tuple) else (start,) if isinstance(start, str) else ()
@@ -92,7 +93,7 @@ def starting_values(
     return Start(_checked(start, engine), 0, "given")
 
 
-def default_passes(method: GLM | PartitionedGLM) -> int:
+def default_passes(method: Method) -> int:
     order = method.claims.get(ORDER.key, DEFAULT_PASSES)
     return min(MOST_PASSES, order) if isinstance(order, int) else DEFAULT_PASSES
 
@@ -122,26 +123,9 @@ def _checked(values: Any, engine: Stepper) -> np.ndarray:
     return array
 
 
-def _from_method(start: StartingMethod, engine: Stepper, t: Any, y0: Any, h: Any) -> Start:
-    if len(start.u) != engine.shape[0]:
-        raise UsageError(
-            f"the starting method gives {len(start.u)} values, the method carries {engine.shape[0]}"
-        )
-    values, evaluations = apply_start(start, engine, t, y0, h)
-    return Start(values, evaluations, start.name or start.kind)
-
-
-def _from_pair(start: PairStartingMethod, engine: Stepper, t: Any, y0: Any, h: Any) -> Start:
-    if not isinstance(engine, PairStepper):
-        raise UsageError("the starting method of a pair starts pairs only")
-    values, evaluations, _ = apply_pair_start(start, engine, t, y0, h)
-    return Start(values, evaluations, start.name or start.kind)
-
-
 def _halves(engine: Stepper) -> list[tuple[Reader, Component]]:
     """How each component of the method is read, and its coefficients."""
-    method = engine.pair if isinstance(engine, PairStepper) else engine.method
-    return list(zip(engine.readers, components(method), strict=True))
+    return list(zip(engine.readers, engine.method.carriers, strict=True))
 
 
 def zero_start(engine: Stepper, y0: np.ndarray) -> np.ndarray:
@@ -167,7 +151,7 @@ def zero_start(engine: Stepper, y0: np.ndarray) -> np.ndarray:
 
 
 def _complex_like(engine: Stepper) -> np.ndarray | None:
-    return None if isinstance(engine, PairStepper) else engine.V
+    return engine.V
 
 
 def corrector(engine: Stepper) -> Callable[[np.ndarray], np.ndarray]:

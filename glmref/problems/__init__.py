@@ -9,11 +9,12 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable
 from importlib import import_module
+from pathlib import Path
 
-from ..errors import UsageError, did_you_mean
+from ..errors import DataError, UsageError, did_you_mean
 from .model import Problem
 
-__all__ = ["Problem", "names", "parameters_of", "problem"]
+__all__ = ["Problem", "about", "from_path", "names", "parameters_of", "problem"]
 
 _MODULES = {
     "oscillators": (
@@ -63,16 +64,18 @@ def names() -> list[str]:
 
 
 def problem(name: str, **parameters: object) -> Problem:
-    """Return a problem by name, with its default parameters unless given.
+    """Return a problem by name, with its default parameters unless given, or one of a file.
 
     Args:
-        name: one of :func:`names`.
+        name: one of :func:`names`, or a TOML file, see :func:`from_path`.
         **parameters: numbers, or strings such as ``"3/5"``; a float means its exact binary value.
 
     Raises
     ------
         UsageError: for an unknown name or parameter, or a value out of range.
     """
+    if isinstance(name, str) and name.endswith(".toml") and not parameters:
+        return from_path(name)
     build = _builder(name)
     known = inspect.signature(build).parameters
     for key in parameters:
@@ -96,6 +99,30 @@ def parameters_of(name: str) -> dict[str, object]:
     """Parameters of a problem and their default values."""
     known = inspect.signature(_builder(name)).parameters
     return {key: parameter.default for key, parameter in known.items()}
+
+
+def from_path(path: str | Path) -> Problem:
+    """Read the problem of a TOML file: a table with ``H``, ``f``, ``file`` or a shipped ``name``.
+
+    Raises
+    ------
+        DataError: one sentence on what is wrong, with the name of the file.
+    """
+    from .table import OWN, from_table, table_of
+
+    path = Path(path)
+    table = table_of(path)
+    try:
+        if "name" in table and not set(OWN) & set(table):
+            return problem(str(table["name"]), **{k: v for k, v in table.items() if k != "name"})
+        return from_table({"name": path.stem, **table}, path.resolve().parent)
+    except UsageError as error:
+        raise DataError(f"{path.name}: {error}") from None
+
+
+def about(name: str) -> str:
+    """One line on a problem, from the docstring of the function that builds it."""
+    return (inspect.getdoc(_builder(name)) or "").partition("\n")[0]
 
 
 def _builder(name: str) -> Callable[..., Problem]:

@@ -70,7 +70,8 @@ def differentiated(formula: Formula, dimension: int) -> Formula:
             slope = _derivative(tree, j, chain)
             if slope is _ZERO:
                 continue
-            if not isinstance(slope, ast.Constant):
+            bare = slope.operand if isinstance(slope, ast.UnaryOp) else slope
+            if not isinstance(bare, ast.Constant):
                 new_common.append((f"{name}_{j}", ast.unparse(slope)))
                 slope = ast.Name(f"{name}_{j}", ast.Load())
             chain[name][j] = slope

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import ast
 import math
+import operator
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -22,7 +23,17 @@ import numpy as np
 
 from ..errors import UsageError
 
-__all__ = ["FUNCTIONS", "Formula", "Number", "exact_number", "functions", "to_number"]
+__all__ = [
+    "FUNCTIONS",
+    "Formula",
+    "Number",
+    "RealPowers",
+    "exact_number",
+    "functions",
+    "real_power",
+    "short",
+    "to_number",
+]
 
 Number = int | Fraction | float
 
@@ -32,6 +43,13 @@ _NODES = (
     *(ast.Expression, ast.BinOp, ast.UnaryOp, ast.Call, ast.Subscript, ast.Name, ast.Constant),
     *(ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow, ast.USub, ast.Load),
 )
+_ARITHMETIC: Mapping[type[ast.operator], Callable[[Any, Any], Any]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.Pow: operator.pow,
+}
 _NUMPY = {name: getattr(np, name) for name in FUNCTIONS if name != "atan2"}
 _NUMPY |= {"atan2": np.arctan2, "pi": math.pi}
 
@@ -41,6 +59,30 @@ def functions(context: Any = None) -> dict[str, Any]:
     if context is None:
         return dict(_NUMPY)
     return {name: getattr(context, name) for name in FUNCTIONS} | {"pi": +context.pi}
+
+
+def real_power(base: Any, exponent: Any) -> Any:
+    """Return base**exponent; NaN where real numbers have none, as compiled code computes it.
+
+    Python makes a complex number of a negative float to a power that is not whole.
+    """
+    power = base**exponent
+    if isinstance(power, complex) and not isinstance(base, complex):
+        return power if isinstance(exponent, complex) else math.nan
+    return power
+
+
+class RealPowers(ast.NodeTransformer):
+    """Writes ``real_power(x, y)`` for ``x**y``, unless y is a whole number."""
+
+    def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
+        """Replace one power, after those inside it."""
+        self.generic_visit(node)
+        exponent = node.right.operand if isinstance(node.right, ast.UnaryOp) else node.right
+        whole = isinstance(exponent, ast.Constant) and isinstance(exponent.value, int)
+        if whole or not isinstance(node.op, ast.Pow):
+            return node
+        return ast.Call(ast.Name("real_power", ast.Load()), [node.left, node.right], [])
 
 
 def exact_number(value: object, what: str) -> Number:
@@ -64,7 +106,7 @@ def exact_number(value: object, what: str) -> Number:
         return number
     raise UsageError(
         f"`{what}` must be a finite number in the range of double precision or a string such as "
-        f"'3/5', got {_short(value)}"
+        f"'3/5', got {short(value)}"
     )
 
 
@@ -77,7 +119,7 @@ def _has_double(number: Number) -> bool:
     return math.isfinite(nearest) and (nearest != 0 or number == 0)
 
 
-def _short(value: object) -> str:
+def short(value: object) -> str:
     """Show a value; a whole number of thousands of digits cannot be written out."""
     try:
         text = repr(value)
@@ -186,7 +228,7 @@ class Formula:
         source = f"def formula({arguments}):\n    " + "\n    ".join(lines)
         namespace: dict[str, Any] = functions(self.context)
         namespace |= {k: to_number(v, self.context) for k, v in self.parameters.items()}
-        namespace |= literals.values
+        namespace |= literals.values | {"real_power": real_power}
         exec(compile(source, "<formula>", "exec"), namespace)
         return namespace["formula"]
 
@@ -214,7 +256,7 @@ class _Literals(ast.NodeTransformer):
 
     def text(self, tree: ast.expr) -> str:
         if self.context is None:
-            return ast.unparse(tree)
+            return ast.unparse(RealPowers().visit(ast.parse(ast.unparse(tree), mode="eval")))
         return ast.unparse(self.visit(ast.parse(ast.unparse(tree), mode="eval")))
 
     def visit_Subscript(self, node: ast.Subscript) -> ast.Subscript:
@@ -260,51 +302,89 @@ def subscripts(tree: ast.AST) -> Iterator[tuple[str, int]]:
 @lru_cache(maxsize=4096)
 def _checked(text: str, names: frozenset[str], vectors: tuple[str, ...]) -> ast.expr:
     """Parse one expression, refusing everything but arithmetic in the names given."""
+    shown = short(text)
     try:
         tree = ast.parse(text, mode="eval")
     except (SyntaxError, TypeError, ValueError):
-        raise UsageError(f"the expression {text!r} cannot be read") from None
+        raise UsageError(f"the expression {shown} cannot be read") from None
+    except (RecursionError, MemoryError):
+        raise UsageError(f"the expression {shown} is nested too deeply") from None
     calls = {id(node.func) for node in ast.walk(tree) if isinstance(node, ast.Call)}
     bases = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Subscript)}
     for node in ast.walk(tree):
         if not isinstance(node, _NODES):
             what = type(node).__name__
-            raise UsageError(f"the expression {text!r} contains {what}; write arithmetic only")
+            raise UsageError(f"the expression {shown} contains {what}; write arithmetic only")
         if isinstance(node, ast.Constant) and type(node.value) not in (int, float):
-            raise UsageError(f"the expression {text!r} contains {node.value!r}, not a number")
+            raise UsageError(f"the expression {shown} contains {short(node.value)}, not a number")
         if isinstance(node, ast.Call):
             called = ast.unparse(node.func)
             if called not in FUNCTIONS or node.keywords:
                 raise UsageError(
-                    f"the expression {text!r} calls {called}; known are {', '.join(FUNCTIONS)}"
+                    f"the expression {shown} calls {called[:40]}; known are {', '.join(FUNCTIONS)}"
                 )
             arity = 2 if called == "atan2" else 1
             if len(node.args) != arity:
-                raise UsageError(f"{called} takes {arity} in {text!r}, got {len(node.args)}")
+                raise UsageError(f"{called} takes {arity} in {shown}, got {len(node.args)}")
         if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow):
-            _check_power(node, text)
+            _check_power(node, shown)
         if isinstance(node, ast.Subscript):
             index = node.slice
             whole = isinstance(index, ast.Constant) and type(index.value) is int
             vector = isinstance(node.value, ast.Name) and node.value.id in vectors
             if not (whole and vector):
-                raise UsageError(
-                    f"the expression {text!r} must write components as {vectors[0]}[0]"
-                )
+                raise UsageError(f"the expression {shown} must write components as {vectors[0]}[0]")
         if isinstance(node, ast.Name) and id(node) not in calls:
             if (node.id in vectors) != (id(node) in bases):
-                raise UsageError(
-                    f"the expression {text!r} must write components as {vectors[0]}[0]"
-                )
+                raise UsageError(f"the expression {shown} must write components as {vectors[0]}[0]")
             if node.id not in names:
                 raise UsageError(
-                    f"the expression {text!r} contains the unknown name {node.id!r}; known are "
-                    f"{', '.join(sorted(names))}"
+                    f"the expression {shown} contains the unknown name {short(node.id)}; known "
+                    f"are {', '.join(sorted(names))}"
                 )
+    _check_numbers(tree, shown)
     return tree.body
 
 
-def _check_power(node: ast.BinOp, text: str) -> None:
+def _check_numbers(tree: ast.AST, shown: str) -> None:
+    """Refuse numbers, and arithmetic of numbers alone, without a real value in double precision.
+
+    Python would go on with a whole number of any size or with a complex number, and its compiler
+    computes such parts beforehand, for kernels too.
+    """
+    values: dict[int, Any] = {}
+    for node in reversed(list(ast.walk(tree))):  # operands before what is made of them
+        value: Any = None
+        with suppress(ZeroDivisionError):  # has no value at any precision, and is said when run
+            try:
+                value = _value(node, values)
+            except OverflowError:
+                value = math.inf
+        if value is None:
+            continue
+        if isinstance(value, complex) or not _has_double(value):
+            raise UsageError(
+                f"the part {short(ast.unparse(node))} of the expression {shown} has no real value "
+                f"in the range of double precision"
+            )
+        values[id(node)] = value
+
+
+def _value(node: ast.AST, values: Mapping[int, Any]) -> Any:
+    """Value of a number or of arithmetic of numbers; ``None`` for anything else."""
+    if isinstance(node, ast.Constant):
+        return node.value
+    if isinstance(node, ast.Name) and node.id == "pi":
+        return math.pi
+    if isinstance(node, ast.UnaryOp) and id(node.operand) in values:
+        return -values[id(node.operand)]
+    if not isinstance(node, ast.BinOp) or not {id(node.left), id(node.right)} <= values.keys():
+        return None
+    operation = _ARITHMETIC[type(node.op)]
+    return operation(values[id(node.left)], values[id(node.right)])
+
+
+def _check_power(node: ast.BinOp, shown: str) -> None:
     """Refuse powers that a few characters make astronomically large."""
     literals = [x.value for x in ast.walk(node.right) if isinstance(x, ast.Constant)]
     towers = [
@@ -315,6 +395,6 @@ def _check_power(node: ast.BinOp, text: str) -> None:
     ]
     if towers or any(isinstance(x, int | float) and abs(x) > LARGEST_EXPONENT for x in literals):
         raise UsageError(
-            f"the exponent of {ast.unparse(node)!r} in {text!r} is no number up to "
+            f"the exponent of {short(ast.unparse(node))} in {shown} is no number up to "
             f"{LARGEST_EXPONENT}"
         )

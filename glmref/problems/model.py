@@ -11,8 +11,9 @@ import numpy as np
 
 from ..errors import UsageError
 from .derivative import Jacobian
-from .formula import Formula, Number, exact_number, functions, to_number
+from .formula import Formula, Number, exact_number, functions, short, to_number
 from .loops import Loops, PhaseSpace, QuadraticForm, join
+from .own import equation_entries, hamiltonian_entries
 from .precision import on_context
 from .reference import Reference, references_of
 from .user import UserFunction, plain
@@ -41,6 +42,8 @@ class Problem:
         jacobian: ``jacobian(t, y)`` -> (d, d); derived from f where f is expressions.
         dq, dp: the separable parts, q' = dq(p) and p' = dp(q), in ``p[0]``... and ``q[0]``...
         force: g of q'' = g(q), in ``q[0]``...; then dq(p) = p and dp = force.
+        terms: f_1, f_2, .. of ``y' = f_1(t, y) + f_2(t, y) + ..``, for additive (IMEX) methods; f
+            is their sum where it is not given.
         hamiltonian: ``hamiltonian(y)``, conserved; in ``y[0]``...
         quadratic: name -> symmetric C with y^T C y conserved, as a :class:`.loops.QuadraticForm`.
         invariants: name -> ``I(y)``, other conserved functions.
@@ -67,6 +70,7 @@ class Problem:
     dq: Any = None
     dp: Any = None
     force: Any = None
+    terms: Sequence[Any] = ()
     hamiltonian: Any = None
     quadratic: Mapping[str, Any] = field(default_factory=dict)
     invariants: Mapping[str, Any] = field(default_factory=dict)
@@ -89,10 +93,12 @@ class Problem:
         self._set("y0", _initial_value(self.y0, values, None))
         for key, variables in self._VECTORS.items():
             self._set(key, self._function(key, getattr(self, key), variables))
+        terms = (self._function("f", term, ("t", "y")) for term in self.terms)
+        self._set("terms", tuple(terms))
         for key in ("jacobian", "exact"):
             if getattr(self, key) is not None:
                 if not callable(getattr(self, key)):
-                    raise UsageError(f"`{key}` must be a function, got {getattr(self, key)!r}")
+                    raise UsageError(f"`{key}` must be a function, got {short(getattr(self, key))}")
                 self._set(key, self._function(key, getattr(self, key), ()))
         self._set("hamiltonian", self._scalar("hamiltonian", self.hamiltonian))
         for key in ("invariants", "observables"):
@@ -122,7 +128,9 @@ class Problem:
         texts = (value,) if isinstance(value, str) else value
         if isinstance(texts, Sequence) and texts and all(isinstance(x, str) for x in texts):
             return Formula(tuple(texts), variables=variables, parameters=self.parameters)
-        raise UsageError(f"`{key}` must be a function or a tuple of expressions, got {value!r}")
+        raise UsageError(
+            f"`{key}` must be a function or a tuple of expressions, got {short(value)}"
+        )
 
     def _scalar(self, key: str, value: Any) -> Any:
         """Read a conserved function: a callable, or one expression."""
@@ -132,7 +140,7 @@ class Problem:
             return _protected(value, key, self.dimension, ())
         if isinstance(value, str):
             return Formula((value,), variables=("y",), parameters=self.parameters, shape=())
-        raise UsageError(f"`{key}` must be a function or one expression, got {value!r}")
+        raise UsageError(f"`{key}` must be a function or one expression, got {short(value)}")
 
     def _assemble(self) -> None:
         """Derive f, dq, dp and the Jacobian from the parts that define them."""
@@ -146,6 +154,8 @@ class Problem:
         if self.f is None and self.dp is not None and self.dq is not None:
             plain = self.force is not None and not isinstance(self.force, Formula)
             self._set("f", join(None if plain else self.dq, self.dp, half))
+        if self.f is None and self.terms:
+            self._set("f", _sum_of(self.terms, self.parameters))
         if self.jacobian is None and isinstance(self.f, Formula):
             self._set("jacobian", Jacobian(self.f, self.dimension))
 
@@ -153,12 +163,13 @@ class Problem:
         """Refuse entries that do not fit together, before any step is taken."""
         d = self.dimension
         if self.f is None:
-            raise UsageError("`f` is missing; give f, or dq and dp, or force")
+            raise UsageError("`f` is missing; give f, or dq and dp, or force, or terms")
         if d % 2 and (self.dq or self.dp or self.force):
             raise UsageError(f"y = (q, p) must have an even number of components, got {d}")
         sizes = {"f": d, "dq": d // 2, "dp": d // 2, "force": d // 2}
-        for key, size in sizes.items():
-            function = getattr(self, key)
+        functions = [(key, getattr(self, key), size) for key, size in sizes.items()]
+        functions += [(f"terms[{n}]", term, d) for n, term in enumerate(self.terms, 1)]
+        for key, function, size in functions:
             if not isinstance(function, Formula):
                 continue
             if len(function.outputs) != size:
@@ -170,7 +181,37 @@ class Problem:
             raise UsageError(f"`bodies` must divide the components of q, got {self.bodies}")
         start, end = self.t_span
         if not (np.isfinite(start) and np.isfinite(end)):
-            raise UsageError(f"`t_span` must be two finite times, got {self.t_span}")
+            raise UsageError(f"`t_span` must be two finite times, got {short(self.t_span)}")
+
+    @staticmethod
+    def from_hamiltonian(H: str, y0: Any, **options: Any) -> Problem:
+        """Return Hamilton's equations of H, see :func:`.own.hamiltonian_entries`.
+
+        Parameters
+        ----------
+        H : str
+            Such as ``"p**2/2 - cos(q)"``.
+        y0 : mapping or sequence
+            Initial value: ``{"q": "5/2", "p": 0}``.
+        **options :
+            ``parameters``, ``t_end``, ``invariants``, ``coordinates``, ``momenta``, ``name`` ...
+        """
+        return Problem(**hamiltonian_entries(H, y0, **options))
+
+    @staticmethod
+    def from_equations(f: Any, y0: Any, **options: Any) -> Problem:
+        """Return y' = f from expressions in names, see :func:`.own.equation_entries`.
+
+        Parameters
+        ----------
+        f : mapping or sequence
+            Such as ``{"x": "v", "v": "-sin(x)"}``.
+        y0 : mapping or sequence
+            Initial value, by the same names.
+        **options :
+            ``parameters``, ``t_end``, ``invariants``, ``name`` ...
+        """
+        return Problem(**equation_entries(f, y0, **options))
 
     def __repr__(self) -> str:
         given = "".join(f", {key}={value}" for key, value in self.parameters.items())
@@ -209,6 +250,7 @@ class Problem:
         return replace(
             self,
             **{key: on_context(getattr(self, key), context) for key in functions},
+            terms=tuple(on_context(term, context) for term in self.terms),
             y0=_initial_value(self.initial, self.parameters, context),
             quadratic={k: v.on(context) for k, v in self.quadratic.items()},
             invariants={k: on_context(v, context) for k, v in self.invariants.items()},
@@ -309,7 +351,7 @@ class Problem:
     @property
     def params(self) -> np.ndarray:
         """The float64 array handed to the bodies as ``params``; empty where there are none."""
-        for function in (self.f, self.force):
+        for function in (self.f, self.force, self.dp, self.dq):
             if isinstance(function, Loops):
                 return function.params
         return np.zeros(0)
@@ -352,13 +394,13 @@ def _initial_value(entries: Any, parameters: Mapping[str, Number], context: Any)
     else:
         given = entries.tolist() if isinstance(entries, np.ndarray) else entries
         if isinstance(given, str) or not isinstance(given, Sequence):
-            raise UsageError(f"`y0` must be a vector of numbers, shape (d,), got {entries!r}")
+            raise UsageError(f"`y0` must be a vector of numbers, shape (d,), got {short(entries)}")
         values = [_initial_entry(i, x, parameters, context) for i, x in enumerate(given)]
     if not values:
         raise UsageError("`y0` must have at least one component, got none")
     result = np.array(values, dtype=float if context is None else object)
     if context is None and not np.isfinite(result).all():
-        raise UsageError(f"`y0` must be finite, got {values}")
+        raise UsageError(f"`y0` must be finite, got {short(values)}")
     result.setflags(write=False)
     return result
 
@@ -367,3 +409,19 @@ def _initial_entry(i: int, x: Any, parameters: Mapping[str, Number], context: An
     if not isinstance(x, str):
         return to_number(exact_number(x, f"y0[{i}]"), context)
     return Formula((x,), parameters=parameters, shape=()).on(context)(0, ())
+
+
+def _sum_of(terms: Sequence[Any], parameters: Mapping[str, Number]) -> Any:
+    """The right-hand side that is the sum of its terms: expressions where all of them are."""
+    if all(isinstance(term, Formula) and not term.common for term in terms):
+        rows = zip(*(term.outputs for term in terms), strict=True)
+        texts = tuple(" + ".join(f"({x})" for x in row) for row in rows)
+        return Formula(texts, variables=("t", "y"), parameters=parameters)
+
+    def f(t: Any, y: Any) -> Any:
+        total = np.asarray(terms[0](t, y))
+        for term in terms[1:]:
+            total = total + np.asarray(term(t, y))
+        return total
+
+    return f

@@ -1,0 +1,219 @@
+"""What one process keeps between runs: methods and problems by name, steppers, formulas.
+
+Methods and problems are immutable and compared by identity, so that a run with the same objects, or
+with the same names, finds everything that the one before it has made. A file is read again when it
+has changed. A user's Python function is recorded anew at every run (:mod:`..problems.tracing`):
+what it computes may have changed with what it reads, and then it is another kernel.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import sys
+from collections import OrderedDict
+from contextlib import suppress
+from dataclasses import asdict, replace
+from functools import cache, lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..method import Method
+from ..method.stage_order import StageBlock
+from ..problems.formula import Formula
+from ..problems.model import Problem
+from ..problems.tracing import Recorded, recorded, traced
+from ..problems.user import NoValue, UserFunction
+from .compiled import cache_folder
+from .forms import StepForm
+from .native import write_whole
+from .partitioned_forms import Half, PairForm, pair_form
+from .reference import Stepper, stepper
+from .sweep import step_form
+
+__all__ = ["expressed", "form_of_method", "method_of", "problem_of", "stepper_of"]
+
+_MOST = 256  # objects of each kind
+_MOST_FUNCTIONS = 64
+
+#: How the arguments of the functions of a problem are called in a formula.
+_ARGUMENTS = {"f": ("t", "y"), "dq": ("p",), "dp": ("q",), "force": ("q",)}
+
+
+def problem_of(name: str) -> Problem:
+    """A shipped problem with its default parameters, or one of a file."""
+    from ..problems import problem
+
+    return problem(name) if name.endswith(".toml") else _shipped(name)
+
+
+@lru_cache(maxsize=_MOST)
+def _shipped(name: str) -> Problem:
+    from ..problems import problem
+
+    return problem(name)
+
+
+def method_of(name: str | Path) -> Method:
+    """A method by name or file, read again where the file has changed."""
+    from ..catalogue.lookup import path_of
+
+    path = path_of(name)
+    about = path.stat()
+    return _read(path, about.st_mtime_ns, about.st_size)
+
+
+@lru_cache(maxsize=_MOST)
+def _read(path: Path, changed: int, size: int) -> Method:
+    from ..catalogue.lookup import load
+
+    digest = hashlib.sha256(path.read_bytes()).hexdigest()
+    method = load(path)
+    if len(_origins) >= 2 * _MOST:
+        _origins.clear()
+    _origins[id(method)] = method, digest
+    return method
+
+
+#: Methods that came from a file, by identity -> the method and the checksum of its file.
+_origins: dict[int, tuple[Method, str]] = {}
+
+
+@lru_cache(maxsize=_MOST)
+def form_of_method(method: Method, form: str) -> StepForm | PairForm:
+    """The coefficients a kernel steps with, kept on disk for a method that came from a file.
+
+    Roundings for which a quadratic form is conserved are searched for, which takes up to a second;
+    what was found depends on the file and on the code alone, and both are in the name of the entry.
+    """
+    compute = pair_form if method.parts == 2 else step_form
+    known, digest = _origins.get(id(method), (None, ""))
+    folder = cache_folder() if known is method else None
+    if folder is None:
+        return compute(method, form)  # type: ignore[arg-type]
+    name = hashlib.sha256(f"{digest} {form} {_code()}".encode()).hexdigest()[:24]
+    path = folder / f"glmref_form_{name}.json"
+    found = _kept_form(path)
+    if found is None:
+        found = compute(method, form)  # type: ignore[arg-type]
+        text = json.dumps({"class": type(found).__name__, **asdict(found)}).encode()
+        with suppress(OSError, TypeError, ValueError):
+            write_whole(path, hashlib.sha256(text).hexdigest().encode() + b"\n" + text)
+    return found
+
+
+def _kept_form(path: Path) -> StepForm | PairForm | None:
+    """A form as it was written; ``None`` where there is none, or a damaged one."""
+    try:
+        digest, _, text = path.read_bytes().partition(b"\n")
+        if hashlib.sha256(text).hexdigest().encode() != digest:
+            return None
+        fields = json.loads(text)
+        kind = {"StepForm": StepForm, "PairForm": PairForm}[fields.pop("class")]
+        fields["blocks"] = [StageBlock(tuple(x["stages"]), x["implicit"]) for x in fields["blocks"]]
+        for half in ("Q", "P"):
+            if half in fields:
+                fields[half] = Half(**{k: _tuples(v) for k, v in fields[half].items()})
+        return kind(**{k: _tuples(v) for k, v in fields.items()})
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+def _tuples(value: Any) -> Any:
+    return tuple(_tuples(x) for x in value) if isinstance(value, list) else value
+
+
+@cache
+def _code() -> str:
+    """Checksum of the modules that the forms come from, and the versions that they compute with."""
+    # exact numbers are computed by a library that only glmref.exact imports
+    flint = getattr(sys.modules.get("flint"), "__version__", "")
+    package = Path(__file__).parents[1]
+    files = sorted(path for room in ("exact", "method") for path in (package / room).glob("*.py"))
+    here = ("forms", "sweep", "partitioned_forms", "tableau", "kept")
+    files += [package / "engine" / f"{name}.py" for name in here]
+    seen = hashlib.sha256(f"{flint} {np.__version__}".encode())
+    for path in files:
+        seen.update(path.read_bytes())
+    return seen.hexdigest()
+
+
+@lru_cache(maxsize=_MOST)
+def stepper_of(method: Method, problem: Problem) -> Stepper:
+    """The stepper in double precision; it keeps rounded coefficients and nothing of a run."""
+    return stepper(method, problem)
+
+
+#: Problem, by identity -> the problem, what its functions were seen to do, and it in formulas.
+_formulas: OrderedDict[int, tuple[Problem, dict[str, Recorded], Problem]] = OrderedDict()
+
+
+def expressed(problem: Problem) -> Problem:
+    """Return a problem in formulas where its right-hand side is Python that can be recorded.
+
+    Parameters
+    ----------
+    problem : Problem
+        In double precision.
+
+    Returns
+    -------
+    Problem
+        With the right-hand side as formulas, the same object as long as the functions compute the
+        same; or the problem itself.
+    """
+    given = {
+        key: value
+        for key in _ARGUMENTS
+        if isinstance(value := getattr(problem, key), UserFunction)
+        and not (key == "dp" and value is problem.force)
+    }
+    if not given:
+        return problem
+    seen: dict[str, Recorded] = {}
+    for key, function in given.items():
+        found = recorded(function.function, _ARGUMENTS[key], function.size)
+        if found is None:
+            return problem
+        seen[key] = found
+    known = _formulas.get(id(problem))
+    if known is not None and known[0] is problem and known[1] == seen:
+        _formulas.move_to_end(id(problem))
+        return known[2]
+    result = _in_formulas(problem, given, seen)
+    _formulas[id(problem)] = problem, seen, result
+    while len(_formulas) > _MOST_FUNCTIONS:
+        _formulas.popitem(last=False)
+    return result
+
+
+def _in_formulas(
+    problem: Problem, given: dict[str, UserFunction], seen: dict[str, Recorded]
+) -> Problem:
+    if isinstance(problem.jacobian, UserFunction):
+        # the formula is differentiated instead; a function that is none is refused all the same
+        with suppress(NoValue):
+            problem.jacobian(float(problem.t_span[0]), np.array(problem.y0, dtype=float))
+    t, y, m = float(problem.t_span[0]), np.array(problem.y0, dtype=float), problem.dimension // 2
+    states = [(t, y), (t + 0.125, y * 1.0625 + 0.03125), (t - 0.25, y * 0.96875 - 0.0625)]
+    formulas: dict[str, Any] = {}
+    for key, function in given.items():
+        points: dict[str, list[tuple[Any, ...]]] = {
+            "f": [(time, state) for time, state in states],
+            "dq": [(state[m:],) for _, state in states],
+            "dp": [(state[:m],) for _, state in states],
+        }
+        at = points["dp" if key == "force" else key]
+        found = traced(function.function, _ARGUMENTS[key], at, seen[key])
+        if found is None:
+            return problem
+        formulas[key] = found
+    # what a problem puts together from its parts, it puts together again
+    parts: dict[str, Any] = dict.fromkeys(("f", "dq", "dp", "jacobian")) | formulas
+    if problem.force is None:
+        parts |= {key: getattr(problem, key) for key in ("dq", "dp") if key not in formulas}
+    if not problem.separable or isinstance(problem.f, Formula):
+        parts["f"] = formulas.get("f", problem.f)
+    return replace(problem, **parts, y0=problem.initial)

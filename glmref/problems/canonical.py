@@ -1,0 +1,217 @@
+"""Hamilton's equations from H alone: q' = dH/dp, p' = -dH/dq, and what of them is separable.
+
+The gradient comes from :func:`.derivative.differentiated`; expressions that occur more than once in
+it are computed once. H = T(p) + V(q) is recognised from the variables in dH/dp and in dH/dq, and
+T = p^T p / 2, for which q'' = -V'(q), from a second derivative that is the identity.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Mapping
+from dataclasses import replace
+from fractions import Fraction
+from math import gcd
+from typing import Any
+
+from .derivative import differentiated
+from .formula import Formula
+
+__all__ = ["constant_matrix", "equations", "shared"]
+
+
+def equations(H: Formula, half: int) -> dict[str, Formula]:
+    """Return Hamilton's equations as the entries of a :class:`.model.Problem`.
+
+    Parameters
+    ----------
+    H : Formula
+        The Hamiltonian, of shape () in ``y`` = (q, p).
+    half : int
+        Number m of coordinates q, and of momenta p.
+
+    Returns
+    -------
+    dict of str to Formula
+        ``force`` where H = p^T p / 2 + V(q), else ``dq`` and ``dp`` where H = T(p) + V(q), else
+        ``f``.
+    """
+    slope = shared(differentiated(shared(H), 2 * half))
+    by_p, by_q = slope.outputs[half:], tuple(_minus(text) for text in slope.outputs[:half])
+    velocity, force = _taken(slope, by_p), _taken(slope, by_q)
+    if all(i >= half for i in velocity.indices) and all(i < half for i in force.indices):
+        dp = force.substituted("y", "q", 0)
+        matrix = constant_matrix(velocity, half, half)
+        if matrix == [[Fraction(i == j) for j in range(half)] for i in range(half)]:
+            return {"force": replace(dp, variables=("q",))}
+        dq = velocity.substituted("y", "p", -half)
+        return {"dq": replace(dq, variables=("p",)), "dp": replace(dp, variables=("q",))}
+    return {"f": replace(_taken(slope, by_p + by_q), variables=("t", "y"))}
+
+
+def _minus(text: str) -> str:
+    tree = ast.parse(text, mode="eval").body
+    if isinstance(tree, ast.UnaryOp) and isinstance(tree.op, ast.USub):
+        return ast.unparse(tree.operand)
+    return "0" if text == "0" else ast.unparse(ast.UnaryOp(ast.USub(), tree))
+
+
+def _taken(formula: Formula, outputs: tuple[str, ...]) -> Formula:
+    """The formula with other outputs, and with only the common subexpressions that they need."""
+    return shared(replace(formula, outputs=outputs, shape=(len(outputs),)))
+
+
+def constant_matrix(
+    formula: Formula, first: int, columns: int
+) -> list[list[Fraction | None]] | None:
+    """Derivative of a formula by components first, first + 1 ... where it is constant.
+
+    Returns
+    -------
+    list of list of (Fraction or None) or None
+        Rows of the derivative; ``None`` for an entry that is constant and not rational (a square
+        root, say); ``None`` instead of the rows where some entry is not constant.
+    """
+    d = first + columns
+    jacobian = shared(differentiated(formula, d))
+    if jacobian.indices or any(
+        isinstance(node, ast.Name) and node.id == "t"
+        for tree in (*(tree for _, tree in jacobian.trees[0]), *jacobian.trees[1])
+        for node in ast.walk(tree)
+    ):
+        return None
+    values: dict[str, Fraction | None] = {k: Fraction(v) for k, v in jacobian.parameters.items()}
+    for name, tree in jacobian.trees[0]:
+        values[name] = _exact(tree, values)
+    entries = [_exact(tree, values) for tree in jacobian.trees[1]]
+    return [entries[i * d + first : (i + 1) * d] for i in range(len(formula.outputs))]
+
+
+def _exact(tree: ast.AST, values: Mapping[str, Fraction | None]) -> Fraction | None:
+    """Value of a constant expression, ``None`` where it is not rational."""
+    if isinstance(tree, ast.Constant):
+        return Fraction(repr(tree.value))
+    if isinstance(tree, ast.Name):
+        return values.get(tree.id)
+    if isinstance(tree, ast.UnaryOp):
+        inner = _exact(tree.operand, values)
+        return None if inner is None else -inner
+    if not isinstance(tree, ast.BinOp):
+        return None
+    left, right = _exact(tree.left, values), _exact(tree.right, values)
+    if left is None or right is None:
+        return None
+    if isinstance(tree.op, ast.Pow):
+        return left**right.numerator if right.denominator == 1 and (left or right > 0) else None
+    if isinstance(tree.op, ast.Div):
+        return left / right if right else None
+    return {ast.Add: left + right, ast.Sub: left - right, ast.Mult: left * right}[type(tree.op)]
+
+
+# --- common subexpressions ------------------------------------------------------------------------
+
+
+def shared(formula: Formula) -> Formula:
+    """Return the same function with every repeated subexpression computed once.
+
+    Expressions are numbered by value, so that two that read alike are one; a factor in front of a
+    quotient of whole numbers is cancelled, as differentiation leaves ``2*x/2`` for ``x``.
+    """
+    numbers = _Numbered()
+    common, outputs = formula.trees
+    for name, tree in common:
+        numbers.names[name] = numbers.of(tree)
+    found = [numbers.of(tree) for tree in outputs]
+    numbers.count(found)
+    texts = [numbers.text(k) for k in found]
+    return replace(formula, outputs=tuple(texts), common=tuple(numbers.common))
+
+
+class _Numbered:
+    """Expressions by value number."""
+
+    def __init__(self) -> None:
+        self.trees: list[ast.expr] = []
+        self.parts: list[tuple[int, ...]] = []
+        self.known: dict[Any, int] = {}
+        self.names: dict[str, int] = {}
+        self.uses: dict[int, int] = {}
+        self.common: list[tuple[str, str]] = []
+        self.written: dict[int, ast.expr] = {}
+
+    def of(self, tree: ast.expr) -> int:
+        """The number of an expression's value."""
+        if isinstance(tree, ast.Name) and tree.id in self.names:
+            return self.names[tree.id]
+        if isinstance(tree, ast.Name | ast.Constant | ast.Subscript):
+            return self._number(ast.dump(tree), tree, ())
+        if isinstance(tree, ast.UnaryOp):
+            parts: tuple[int, ...] = (self.of(tree.operand),)
+            return self._number(("-", parts), tree, parts)
+        if isinstance(tree, ast.Call):
+            parts = tuple(self.of(x) for x in tree.args)
+            return self._number((ast.unparse(tree.func), parts), tree, parts)
+        assert isinstance(tree, ast.BinOp)
+        if isinstance(tree.op, ast.Div):
+            tree = _cancelled(tree)
+            if not isinstance(tree, ast.BinOp):
+                return self.of(tree)
+        parts = (self.of(tree.left), self.of(tree.right))
+        return self._number((type(tree.op).__name__, parts), tree, parts)
+
+    def _number(self, key: Any, tree: ast.expr, parts: tuple[int, ...]) -> int:
+        if key not in self.known:
+            self.known[key] = len(self.trees)
+            self.trees.append(tree)
+            self.parts.append(parts)
+        return self.known[key]
+
+    def count(self, outputs: list[int]) -> None:
+        """Count how often each value is used by other values and by the outputs."""
+        todo = list(outputs)
+        while todo:
+            k = todo.pop()
+            self.uses[k] = self.uses.get(k, 0) + 1
+            if self.uses[k] == 1:
+                todo.extend(self.parts[k])
+
+    def text(self, k: int) -> str:
+        """Expression of a value, with names for those used more than once."""
+        return ast.unparse(self._tree(k))
+
+    def _tree(self, k: int) -> ast.expr:
+        if k in self.written:
+            return self.written[k]
+        tree, parts = self.trees[k], [self._tree(j) for j in self.parts[k]]
+        if isinstance(tree, ast.UnaryOp):
+            tree = ast.UnaryOp(tree.op, parts[0])
+        elif isinstance(tree, ast.Call):
+            tree = ast.Call(tree.func, parts, [])
+        elif isinstance(tree, ast.BinOp):
+            tree = ast.BinOp(parts[0], tree.op, parts[1])
+        if self.uses.get(k, 0) > 1 and isinstance(tree, ast.BinOp | ast.Call):
+            name = f"e{len(self.common)}_"
+            self.common.append((name, ast.unparse(tree)))
+            tree = ast.Name(name, ast.Load())
+        self.written[k] = tree
+        return tree
+
+
+def _cancelled(tree: ast.BinOp) -> ast.expr:
+    """``m*x*y/n`` for whole numbers m and n in lowest terms."""
+    right, factors, left = tree.right, [], tree.left
+    while isinstance(left, ast.BinOp) and isinstance(left.op, ast.Mult):
+        factors.append(left.right)
+        left = left.left
+    if not all(isinstance(x, ast.Constant) and isinstance(x.value, int) for x in (left, right)):
+        return tree
+    assert isinstance(left, ast.Constant) and isinstance(right, ast.Constant)
+    m, n = left.value, right.value
+    assert isinstance(m, int) and isinstance(n, int)
+    if not factors or n <= 0 or gcd(m, n) == 1:
+        return tree
+    m, n = m // gcd(m, n), n // gcd(m, n)
+    top: ast.expr = ast.Constant(m) if m != 1 else factors.pop()
+    while factors:
+        top = ast.BinOp(top, ast.Mult(), factors.pop())
+    return top if n == 1 else ast.BinOp(top, ast.Div(), ast.Constant(n))

@@ -1,0 +1,391 @@
+"""A user's own problem from H, or from expressions for f, with names for the components.
+
+::
+
+    H = "p**2/2 - cos(q)"                f = { x = "v", v = "-sin(x)" }
+    y0 = { q = "5/2", p = 0 }            y0 = { x = 1, v = 0 }
+
+Every ``q...`` of ``y0`` goes with the ``p...`` that ends alike (``q1`` and ``p1``, ``qx`` and
+``px``), unless ``coordinates`` and ``momenta`` list them. Large systems write ``q[i]`` and ``p[i]``
+in sums, see :mod:`.sums`. Expressions are read through the whitelist of :mod:`.formula`.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Mapping, Sequence
+from keyword import iskeyword
+from typing import Any
+
+from ..errors import UsageError
+from .canonical import equations, shared
+from .formula import FUNCTIONS, Formula, Number, exact_number
+
+__all__ = ["equation_entries", "hamiltonian_entries", "time_of"]
+
+#: Characters of one expression: differentiating takes the square of the number of terms.
+LONGEST = 5_000
+#: Components that a system without sums may have.
+MOST_NAMED = 100
+
+Start = Mapping[str, Any] | Sequence[Any]
+
+
+def hamiltonian_entries(
+    H: str, y0: Start, *, coordinates: Sequence[str] | None = None,
+    momenta: Sequence[str] | None = None, parameters: Mapping[str, Any] | None = None,
+    t_end: Any = 10, t0: Any = 0, invariants: Mapping[str, str] | None = None,
+    observables: Mapping[str, str] | None = None, name: str = "own", source: str = "",
+    time: Any = None,
+) -> dict[str, Any]:  # fmt: skip
+    """Entries of a problem q' = dH/dp, p' = -dH/dq, with what is separable of it seen.
+
+    Parameters
+    ----------
+    H : str
+        The Hamiltonian, such as ``"p**2/2 - cos(q)"``.
+    y0 : mapping or sequence
+        Initial value: coordinate -> number or expression, or all of them in order, q before p.
+    coordinates, momenta : sequence of str, optional
+        Names of q and p, in order; by default every ``q...`` of ``y0`` with its ``p...``.
+    parameters : mapping, optional
+        Name -> number, or a list of numbers used as ``m[i]`` in sums.
+    t_end, t0 : number or str
+        End and beginning.
+    invariants, observables : mapping, optional
+        Name -> expression in the coordinates: conserved besides H, or worth watching.
+    name, source : str
+        What it is and where it comes from.
+    time : number, optional
+        Typical time of the motion, from which step sizes are guessed.
+
+    Returns
+    -------
+    dict
+        Arguments of :class:`.model.Problem`, with ``force`` where H = p^T p / 2 + V(q), with ``dq``
+        and ``dp`` where H = T(p) + V(q), else with ``f``.
+
+    Raises
+    ------
+    UsageError
+        One sentence on what does not fit.
+    """
+    values = _parameters(parameters)
+    names = _Names.of(y0, coordinates, momenta, values)
+    entries: dict[str, Any]
+    if "sum" in _text(H, "H") or names.indexed:
+        from .sums import hamiltonian_parts
+
+        entries = hamiltonian_parts(_text(H, "H"), names.half, values)
+        scalars = {k: v for k, v in values.items() if not isinstance(v, tuple)}
+    else:
+        scalars = names.scalars(values)
+        whole = names.scalar("H", H, scalars)
+        try:
+            entries = {**equations(whole, names.half), "hamiltonian": whole}
+        except RecursionError:
+            raise UsageError("`H` is nested too deep; write sums over i in range(n)") from None
+    return {
+        **entries, "y0": names.start(y0), "parameters": scalars, "canonical": True,
+        **names.watched(invariants, observables, scalars), **_rest(name, source, t0, t_end, time),
+    }  # fmt: skip
+
+
+def equation_entries(
+    f: Mapping[str, str] | Sequence[str], y0: Start, *, parameters: Mapping[str, Any] | None = None,
+    t_end: Any = 10, t0: Any = 0, invariants: Mapping[str, str] | None = None,
+    observables: Mapping[str, str] | None = None, name: str = "own", source: str = "",
+    time: Any = None, coordinates: Sequence[str] | None = None,
+    momenta: Sequence[str] | None = None,
+) -> dict[str, Any]:  # fmt: skip
+    """Entries of a problem y' = f(t, y) from one expression per component.
+
+    Parameters
+    ----------
+    f : mapping or sequence
+        Name of a component -> expression for its derivative in these names, in ``t`` and the
+        parameters; or expressions in ``y[0]``, ``y[1]``...
+    y0 : mapping or sequence
+        Initial value, by the same names or in the same order.
+    parameters, t_end, t0, invariants, observables, name, source, time :
+        As in :func:`hamiltonian_entries`.
+    coordinates, momenta :
+        Refused: they go with H.
+
+    Raises
+    ------
+    UsageError
+        One sentence on what does not fit.
+    """
+    if coordinates is not None or momenta is not None:
+        raise UsageError("`coordinates` and `momenta` go with `H`; the keys of `f` name components")
+    values = _parameters(parameters)
+    if isinstance(f, Mapping):
+        names = _Names(tuple(map(str, f)), 0, ())
+        names.check(values)
+        if not isinstance(y0, Mapping) and len(y0) != len(f):
+            raise UsageError(f"`y0` must have {len(f)} entries as `f` has, got {len(y0)}")
+        texts = list(f.values())
+    else:
+        names, texts = _Names.of_vector(y0), list(f) if not isinstance(f, str) else [f]
+    scalars = names.scalars(values)
+    outputs = tuple(names.renamed(text, f"f[{k}]") for k, text in enumerate(texts))
+    whole = Formula(outputs, variables=("t", "y"), parameters=scalars)
+    names.check_formula(whole, "f")
+    return {
+        "f": shared(whole), "y0": names.start(y0), "parameters": scalars,
+        **names.watched(invariants, observables, scalars), **_rest(name, source, t0, t_end, time),
+    }  # fmt: skip
+
+
+# --- parts ----------------------------------------------------------------------------------------
+
+
+def _text(value: Any, what: str) -> str:
+    if not isinstance(value, str) or not value.strip():
+        raise UsageError(f"`{what}` must be an expression, got {value!r:.80}")
+    if len(value) > LONGEST:
+        raise UsageError(
+            f"`{what}` has more than {LONGEST} characters; write it as sums over i, as in "
+            f"sum(p[i]**2/2 for i in range(n))"
+        )
+    return " ".join(value.split())
+
+
+def _is_free(name: str) -> bool:
+    """Whether a user may give this name; those that end in _ are given to subexpressions."""
+    taken = (*FUNCTIONS, "pi", "t", "sum", "range")
+    return (
+        name.isidentifier() and not iskeyword(name) and not name.endswith("_") and name not in taken
+    )
+
+
+def _parameters(given: Mapping[str, Any] | None) -> dict[str, Number | tuple[Number, ...]]:
+    found: dict[str, Number | tuple[Number, ...]] = {}
+    if given is not None and not isinstance(given, Mapping):
+        raise UsageError(f"`parameters` must be a table of numbers, got {given!r:.80}")
+    for key, value in (given or {}).items():
+        name = str(key)
+        if not _is_free(name) or name == "y":
+            raise UsageError(f"`parameters` has {name[:40]!r}, which is no name of its own")
+        if isinstance(value, list | tuple):
+            found[name] = tuple(exact_number(x, f"{name}[{k}]") for k, x in enumerate(value))
+        else:
+            found[name] = exact_number(value, name)
+    return found
+
+
+def _rest(name: Any, source: Any, t0: Any, t_end: Any, time: Any) -> dict[str, Any]:
+    if not isinstance(name, str) or not name.strip() or not isinstance(source, str):
+        raise UsageError(f"`name` and `source` must be texts, got {name!r:.80}")
+    span = (time_of(t0, "t0"), time_of(t_end, "t_end"))
+    if span[0] == span[1]:
+        raise UsageError(f"`t_end` must differ from `t0`, got {span[1]:g} for both")
+    scales = {} if time is None else {"time": time_of(time, "time")}
+    return {"name": name, "source": source, "t_span": span, "scales": scales}
+
+
+def time_of(value: Any, what: str) -> float:
+    """A number, or an expression in numbers such as ``"20*pi"``."""
+    if isinstance(value, str):
+        formula = Formula((_text(value, what),), variables=("y",), shape=())
+        try:
+            value = float(formula(()))
+        except (ArithmeticError, ValueError, TypeError):
+            raise UsageError(f"`{what}` must be a time such as '20*pi', got {value!r}") from None
+    return float(exact_number(value, what))
+
+
+class _Names:
+    """Names of the components of y, and how they read in a formula.
+
+    Attributes
+    ----------
+    of_y : tuple of str
+        Names in the order of y = (q, p); empty where components are written ``q[i]``.
+    half : int
+        Number of coordinates, 0 where f is given.
+    vectors : tuple of (str, int)
+        Vector names and where in y each begins.
+    """
+
+    def __init__(
+        self, of_y: tuple[str, ...], half: int, vectors: tuple[tuple[str, int], ...]
+    ) -> None:
+        self.of_y, self.half, self.vectors = of_y, half, vectors
+
+    @property
+    def indexed(self) -> bool:
+        """Whether components are numbered: only then are there sums over them."""
+        return not self.of_y and bool(self.half)
+
+    @classmethod
+    def of_vector(cls, y0: Start) -> _Names:
+        """Components written ``y[k]``."""
+        if isinstance(y0, Mapping):
+            raise UsageError("`y0` must be a list as `f` is; name the components of both or none")
+        return cls((), 0, (("y", 0),))
+
+    @classmethod
+    def of(
+        cls, y0: Start, coordinates: Sequence[str] | None, momenta: Sequence[str] | None,
+        parameters: Mapping[str, Any],
+    ) -> _Names:  # fmt: skip
+        """Names of q and p from what a user gave."""
+        if (coordinates is None) != (momenta is None):
+            raise UsageError("`coordinates` and `momenta` go together; give both or neither")
+        if coordinates is not None and momenta is not None:
+            q, p = [str(x) for x in coordinates], [str(x) for x in momenta]
+            if len(q) != len(p):
+                raise UsageError(f"`momenta` must be {len(q)} names as `coordinates`, got {len(p)}")
+        elif isinstance(y0, Mapping):
+            vectors = [str(k) for k, v in y0.items() if isinstance(v, list | tuple)]
+            if vectors:
+                return cls._vectors(y0, vectors)
+            q = [str(k) for k in y0 if str(k).startswith("q")]
+            p = ["p" + name[1:] for name in q]
+            unpaired = [str(k) for k in y0 if str(k) not in (*q, *p)]
+            if unpaired or not q:
+                raise UsageError(
+                    f"`y0` has {', '.join(unpaired) or 'no coordinate'}, where every q... needs "
+                    f"its p...; or list `coordinates` and `momenta`"
+                )
+        else:
+            half, odd = divmod(len(y0), 2)
+            if odd or isinstance(y0, str) or not half:
+                raise UsageError(f"`y0` must list q and then as many p, got {len(y0)} entries")
+            if half > 1:
+                return cls((), half, (("q", 0), ("p", half)))
+            q, p = ["q"], ["p"]
+        if len(q) > MOST_NAMED:
+            raise UsageError(
+                f"`y0` has {2 * len(q)} names and at most {2 * MOST_NAMED} are read; number them, "
+                f"as in y0 = {{ q = [...], p = [...] }} with sums over q[i]"
+            )
+        names = cls((*q, *p), len(q), ())
+        names.check(parameters)
+        return names
+
+    @classmethod
+    def _vectors(cls, y0: Mapping[str, Any], vectors: list[str]) -> _Names:
+        sizes = {k: len(y0[k]) for k in vectors}
+        if set(y0) != {"q", "p"} or len(sizes) != 2 or sizes["q"] != sizes["p"] or not sizes["q"]:
+            raise UsageError(
+                "`y0` must give two lists q and p of one length, or a number for each name"
+            )
+        return cls((), sizes["q"], (("q", 0), ("p", sizes["q"])))
+
+    def check(self, parameters: Mapping[str, Any]) -> None:
+        """Refuse names that cannot be told apart."""
+        seen: set[str] = set()
+        for name in self.of_y:
+            if not _is_free(name):
+                raise UsageError(f"`y0` has {name[:40]!r}, which is no name of its own")
+            if name in seen or name in parameters:
+                raise UsageError(f"the name {name!r} stands for two things; rename one")
+            seen.add(name)
+
+    def scalars(self, values: Mapping[str, Any]) -> dict[str, Number]:
+        """Parameters of a problem without sums: single numbers."""
+        for key, value in values.items():
+            if isinstance(value, tuple):
+                raise UsageError(f"`parameters.{key}` is a list, which goes with sums over q[i]")
+        return dict(values)
+
+    def renamed(self, text: Any, what: str) -> str:
+        """An expression with components written as ``y[k]``."""
+        text = _text(text, what)
+        if "^" in text:
+            raise UsageError(f"`{what}` contains ^; write ** for powers")
+        try:
+            tree = ast.parse(text, mode="eval")
+            return ast.unparse(_Rename(self).visit(tree))
+        except (SyntaxError, ValueError, MemoryError, RecursionError):
+            raise UsageError(f"`{what}` cannot be read: {text[:200]!r}") from None
+
+    def scalar(self, what: str, text: Any, parameters: Mapping[str, Number]) -> Formula:
+        """One expression in the components as a formula."""
+        formula = Formula(
+            (self.renamed(text, what),), variables=("y",), parameters=parameters, shape=()
+        )
+        self.check_formula(formula, what)
+        return formula
+
+    def check_formula(self, formula: Formula, what: str) -> None:
+        """Say in the user's names what is wrong in an expression."""
+        try:
+            beyond = [k for k in formula.indices if not 0 <= k < (2 * self.half or k + 1)]
+        except UsageError as error:
+            raise UsageError(self._said(str(error), what)) from None
+        if beyond:
+            raise UsageError(f"`{what}` uses component {beyond[0]} of {2 * self.half}")
+
+    def _said(self, sentence: str, what: str) -> str:
+        """A complaint of the whitelist in the user's names."""
+        for k in range(len(self.of_y) - 1, -1, -1):
+            sentence = sentence.replace(f"y[{k}]", self.of_y[k])
+        known = re.sub(r"known are [^;]*$", "", sentence).rstrip("; ")
+        if known != sentence and "unknown name" in sentence:
+            return f"`{what}`: {known}; give it in `y0` or in `parameters`"
+        return f"`{what}`: {sentence}"
+
+    def start(self, y0: Start) -> tuple[Any, ...]:
+        """y0 in order; entries are numbers or expressions."""
+        if not isinstance(y0, Mapping):
+            return tuple(y0)
+        if not self.of_y:
+            return (*y0["q"], *y0["p"])
+        missing = [name for name in self.of_y if name not in y0]
+        more = [str(name) for name in y0 if name not in self.of_y]
+        if missing or more:
+            wrong = (
+                f"lacks {missing[0]}" if missing else f"has {more[0]:.40}, which has no equation"
+            )
+            raise UsageError(f"`y0` {wrong}; its names are {', '.join(self.of_y[:20])}")
+        return tuple(y0[name] for name in self.of_y)
+
+    def watched(
+        self, invariants: Any, observables: Any, parameters: Mapping[str, Number]
+    ) -> dict[str, Any]:
+        """Conserved functions and observables as entries of a problem."""
+        found: dict[str, Any] = {}
+        for key, given in (("invariants", invariants), ("observables", observables)):
+            if given is not None and not isinstance(given, Mapping):
+                raise UsageError(f"`{key}` must be a table of expressions, got {given!r:.80}")
+            found[key] = {
+                str(k): self.scalar(f"{key}.{k}", v, parameters) for k, v in (given or {}).items()
+            }
+        return found
+
+
+class _Rename(ast.NodeTransformer):
+    """Writes components of y for names, and for entries of the vectors q and p."""
+
+    def __init__(self, names: _Names) -> None:
+        self.places = {name: k for k, name in enumerate(names.of_y)}
+        self.vectors = dict(names.vectors)
+        self.size = names.half
+
+    def visit_Subscript(self, node: ast.Subscript) -> ast.expr:
+        index = node.slice
+        if (
+            isinstance(node.value, ast.Name)
+            and node.value.id in self.vectors
+            and isinstance(index, ast.Constant)
+            and type(index.value) is int
+        ):
+            if self.size and not 0 <= index.value < self.size:
+                raise UsageError(
+                    f"`{node.value.id}` has {self.size} components, from 0 on; there is no "
+                    f"{ast.unparse(node)}"
+                )
+            return _component(self.vectors[node.value.id] + index.value)
+        return node
+
+    def visit_Name(self, node: ast.Name) -> ast.expr:
+        return _component(self.places[node.id]) if node.id in self.places else node
+
+
+def _component(k: int) -> ast.expr:
+    return ast.Subscript(ast.Name("y", ast.Load()), ast.Constant(k), ast.Load())
