@@ -15,7 +15,7 @@ import numpy as np
 from ..engine.outcome import Outcome, Solution
 from ..engine.solve import solve
 from ..errors import GlmrefError
-from ..method import GLM, PartitionedGLM
+from ..method import Method
 from ..problems.model import Problem
 from ..problems.user import FunctionFailed
 
@@ -50,7 +50,7 @@ class Attempt:
 
 def attempt(
     problem: Problem,
-    method: GLM | PartitionedGLM,
+    method: Method,
     *,
     h: float,
     steps: int,
@@ -87,8 +87,8 @@ def attempt(
     return Attempt(str(solution.outcome), solution.message, solution)
 
 
-def _stages(method: GLM | PartitionedGLM) -> int:
-    return max(1, method.s if isinstance(method, GLM) else method.n_Q + method.n_P)
+def _stages(method: Method) -> int:
+    return max(1, sum(len(c.U) for c in method.carriers))
 
 
 def given_by_user(problem: Problem) -> bool:

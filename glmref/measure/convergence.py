@@ -25,7 +25,7 @@ from itertools import pairwise
 from typing import Any
 
 from ..engine.reference import stepper
-from ..method import GLM, PartitionedGLM
+from ..method import GLM, Method, PartitionedGLM
 from ..problems.model import Problem
 from ..problems.precision import Flow
 from .underlying import Underlying
@@ -200,7 +200,7 @@ def _digits(order: int, finest: float) -> int:
 
 
 def method_order(
-    method: GLM | PartitionedGLM,
+    method: Method,
     problem: Problem,
     *,
     expected: int,
@@ -220,9 +220,7 @@ def method_order(
     return observed_order(_run(method, problem, expected, t_end), most=most)
 
 
-def effective_order(
-    method: GLM | PartitionedGLM, *, expected: int, most: int = 256 * FIRST
-) -> ConvergenceRecord:
+def effective_order(method: Method, *, expected: int, most: int = 256 * FIRST) -> ConvergenceRecord:
     """Measure the order that start and finish can reach, on an isochronous problem.
 
     Args:
@@ -239,7 +237,7 @@ def effective_order(
 
 
 def _run(
-    method: GLM | PartitionedGLM,
+    method: Method,
     problem: Problem,
     expected: int,
     t_end: float | Fraction | None,
@@ -306,7 +304,7 @@ def parasitic_order(
         rest = underlying.parasitic(length, values, h, order=expected + 2)
         return list(rest.ravel())
 
-    size = engine.method.r * problem.dimension
+    size = engine.shape[0] * problem.dimension
     return observed_order(run, most=most, target=[zero] * size)
 
 

@@ -20,7 +20,7 @@ import numpy as np
 from ..engine.outcome import Solution
 from ..engine.solve import solve
 from ..errors import UsageError
-from ..method import GLM, PartitionedGLM
+from ..method import GLM, Method
 from ..problems.model import Problem
 from .longtime import along, energy_scale, exponent, g_form
 from .parasitic import parasitic_size, solution_direction
@@ -128,9 +128,7 @@ def fit_law(t: np.ndarray, deviation: np.ndarray, *, ended: bool = False) -> Law
     return Law(kind, found, float(np.max(sizes)), rms, float(elapsed[-1]))
 
 
-def samples_of(
-    problem: Problem, method: GLM | PartitionedGLM, solution: Solution, quantity: str
-) -> np.ndarray:
+def samples_of(problem: Problem, method: Method, solution: Solution, quantity: str) -> np.ndarray:
     """Relative deviation of one conserved quantity along a solution, (m,).
 
     Args:
@@ -163,7 +161,7 @@ def samples_of(
 
 def diagnose(
     problem: Problem,
-    method: GLM | PartitionedGLM,
+    method: Method,
     *,
     h: float,
     steps: int,
@@ -185,7 +183,7 @@ def diagnose(
         UsageError: as :func:`samples_of`.
     """
     short = min(steps, steps if precise_steps is None else precise_steps)
-    history = isinstance(method, GLM) and method.r > 1
+    history = method.parts == 1 and method.carried > 1
     common = {"history": history or quantity.startswith("form"), **options}
     first = solve(problem, method, h=h, steps=steps, every=max(1, steps // SAMPLES), **common)
     half = solve(
@@ -232,7 +230,7 @@ def _in_doubles(run: Solution, y: np.ndarray) -> Solution:
     return replace(run, y=y, history=history)
 
 
-def _cause(method: GLM | PartitionedGLM, first: Solution, laws: list[Law], compared: Law) -> str:
+def _cause(method: Method, first: Solution, laws: list[Law], compared: Law) -> str:
     law, _, precise = laws
     if law.largest == 0.0:
         return "none"
@@ -245,7 +243,7 @@ def _cause(method: GLM | PartitionedGLM, first: Solution, laws: list[Law], compa
     return "bounded truncation" if law.kind == "bounded" else "drift"
 
 
-def _outgrown(method: GLM | PartitionedGLM, run: Solution) -> bool:
+def _outgrown(method: Method, run: Solution) -> bool:
     """Whether the values beyond the solution ended larger than they began."""
     if run.history is None:
         return False

@@ -21,7 +21,7 @@ import numpy as np
 from ..engine.outcome import Solution
 from ..engine.solve import solve
 from ..errors import UsageError
-from ..method import GLM, PartitionedGLM
+from ..method import Method
 from ..problems.model import Problem
 
 __all__ = [
@@ -110,7 +110,7 @@ def energy_deviation(problem: Problem, y: np.ndarray) -> np.ndarray:
 
 def follow(
     problem: Problem,
-    method: GLM | PartitionedGLM,
+    method: Method,
     *,
     h: float,
     steps: int,

@@ -19,7 +19,7 @@ import numpy as np
 
 from ..engine.solve import solve
 from ..errors import UsageError
-from ..method import GLM, PartitionedGLM
+from ..method import Method
 from ..problems.model import Problem
 from .longtime import energy_deviation
 
@@ -90,7 +90,7 @@ def marks(steps: int, points: int) -> list[int]:
 
 def orbit(
     problem: Problem,
-    method: GLM | PartitionedGLM,
+    method: Method,
     *,
     h: float,
     steps: int,

@@ -18,8 +18,8 @@ from ..engine.outcome import Outcome, Solution
 from ..engine.reference import Stepper, stepper
 from ..engine.start import starting_values
 from ..errors import UsageError
-from ..method import GLM, PartitionedGLM
-from ..method.solution_value import components, preconsistency_vector
+from ..method import GLM, Method
+from ..method.solution_value import preconsistency_vector
 from ..problems.model import Problem
 from .underlying import Underlying
 
@@ -312,15 +312,15 @@ def period_of(problem: Problem, *, most: float = 1000.0) -> float | None:
     return None
 
 
-def solution_direction(method: GLM | PartitionedGLM) -> np.ndarray:
+def solution_direction(method: Method) -> np.ndarray:
     """Preconsistency vector u, (r,): what the solution is in the values.
 
     (1, 0, ...) for a method that is not pre-consistent; for a pair, that of its q half.
     """
-    r = max(method.r, getattr(method, "r_hat", 0))
+    r = method.carried
     out = np.zeros(r)
     out[0] = 1.0
-    u = preconsistency_vector(components(method)[0])
+    u = preconsistency_vector(method.components[0])
     if u is not None:
         out[: len(u)] = [float(x.real) for x in u]
     return out

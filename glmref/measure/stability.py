@@ -30,7 +30,7 @@ import numpy as np
 
 from ..engine.outcome import Solution
 from ..errors import UsageError
-from ..method import GLM, PartitionedGLM
+from ..method import GLM, Method
 from ..problems.model import Problem
 from .attempt import attempt
 
@@ -289,7 +289,7 @@ class Threshold:
 
 def threshold(
     problem: Problem,
-    method: GLM | PartitionedGLM,
+    method: Method,
     *,
     low: float,
     high: float,

@@ -12,10 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from ..engine.reference import PairStepper, Reader, Stepper
+from ..engine.reference import Reader, Stepper
 from ..errors import UsageError
 from ..exact.linalg import identity, vecmat
-from ..method.solution_value import Component, components, output, preconsistency_vector
+from ..method import Component
+from ..method.solution_value import output, preconsistency_vector
 
 __all__ = ["Underlying"]
 
@@ -81,10 +82,9 @@ class Underlying:
 
     def __init__(self, engine: Stepper, *, conjugate: bool = False) -> None:
         self.engine = engine
-        method = engine.pair if isinstance(engine, PairStepper) else engine.method
         self.halves = tuple(
             _half(engine, reader, m, conjugate=conjugate)
-            for reader, m in zip(engine.readers, components(method), strict=True)
+            for reader, m in zip(engine.readers, engine.method.carriers, strict=True)
         )
         self.evaluations = 0
 

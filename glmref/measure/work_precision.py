@@ -19,7 +19,7 @@ import numpy as np
 from ..engine.outcome import Outcome, Solution
 from ..engine.solve import solve
 from ..errors import UsageError
-from ..method import GLM, PartitionedGLM
+from ..method import Method
 from ..problems.model import Problem
 from .longtime import energy_deviation
 from .records import finite
@@ -115,7 +115,7 @@ class Work:
 
 def measure(
     problem: Problem,
-    method: GLM | PartitionedGLM,
+    method: Method,
     *,
     h: float,
     t_end: float | None = None,
@@ -298,30 +298,55 @@ def reference_state(problem: Problem, t: float) -> Reference:
     return _computed(problem, t)
 
 
+#: Relative difference of two runs at which a computed reference is as good as doubles make it, and
+#: the largest number of steps spent on one.
+_AGREE = 1e-13
+_MOST_REFERENCE_STEPS = 2_000_000
+_LONG = 1.0  # seconds of one run after which h is not halved again
+
+
 @lru_cache(maxsize=32)
 def _computed(problem: Problem, t: float) -> Reference:
-    """Gauss-5 (order 10) at two step sizes; their difference bounds the error of the finer run.
+    """Gauss-5 (order 10) at step sizes halved until two runs agree; their difference is the bound.
 
-    The finer run's truncation error is 1/1023 of the difference; what remains is round-off, of
-    which the difference is a sample.
+    The finer run's truncation error is about 1/1023 of the difference; what remains is round-off,
+    of which the difference is a sample. Halving ends where the difference is below :data:`_AGREE`,
+    or shrinks no more, which is round-off or chaos.
     """
     from ..catalogue.lookup import load
 
     elapsed = t - float(problem.t_span[0])
     scale = float(problem.scales.get("time", 1.0))
     steps = max(16, math.ceil(abs(elapsed) / scale * 20))
-    runs = []
-    for n in (steps, 2 * steps):
-        solution = solve(problem, load("gauss-5"), h=elapsed / n, steps=n)
+    message, best = "", math.inf
+    before: np.ndarray | None = None
+    found: np.ndarray | None = None
+    while True:
+        solution = solve(problem, load("gauss-5"), h=elapsed / steps, steps=steps)
+        steps *= 2
         if not solution.completed:
-            raise UsageError(
-                f"no reference for {problem.name} at t = {t:g}: {solution.message}; "
-                f"ask for invariants instead"
-            )
-        runs.append(np.asarray(solution.y[-1], dtype=float))
-    size = float(np.linalg.norm(runs[1])) or 1.0
-    difference = float(np.linalg.norm(runs[0] - runs[1])) / size
-    # h is rounded: the end is another time by one part in 2^52, in both runs alike
-    speed = float(np.linalg.norm(np.asarray(problem.f(t, runs[1]), dtype=float))) / size
+            before, message = None, solution.message
+        else:
+            state = np.asarray(solution.y[-1], dtype=float)
+            if before is not None:
+                size = float(np.linalg.norm(state)) or 1.0
+                difference = float(np.linalg.norm(state - before)) / size
+                shrinks = difference < best
+                if shrinks:
+                    found, best = state, difference
+                if best <= _AGREE or (not shrinks and best < 1e-6):
+                    break
+            before = state
+        enough = found is not None or before is None
+        if enough and (steps > _MOST_REFERENCE_STEPS or solution.seconds > _LONG):
+            break
+    if found is None:
+        raise UsageError(
+            f"no reference for {problem.name} at t = {t:g}: {message or 'two runs are missing'}; "
+            f"ask for invariants instead"
+        )
+    # h is rounded: the end is another time by one part in 2^52, in all runs alike
+    size = float(np.linalg.norm(found)) or 1.0
+    speed = float(np.linalg.norm(np.asarray(problem.f(t, found), dtype=float))) / size
     shared = 2.0**-52 * (1 + abs(elapsed) * speed)
-    return Reference(runs[1], max(difference, shared), "computed")
+    return Reference(found, max(best, shared), "computed")

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from ..catalogue.claims import EXPLICIT, G_SYMPLECTIC, PARASITISM_FREE, SYMMETRIC, SYMPLECTIC
+
+if TYPE_CHECKING:
+    from ..problems import Problem
 
 __all__ = [
     "ANSWERS",
@@ -18,6 +24,7 @@ __all__ = [
     "TIMED",
     "Answer",
     "Scene",
+    "subject_of",
 ]
 
 FORMAT = "glmref-scene-1"
@@ -51,6 +58,28 @@ KINDS = tuple(x.key for x in (EXPLICIT, G_SYMPLECTIC, PARASITISM_FREE, SYMMETRIC
 STARTS = ("zero", "enhanced")
 
 
+def subject_of(
+    name: str, parameters: Mapping[str, Any], definition: Mapping[str, Any] | None
+) -> Problem:
+    """Return a shipped problem, or the user's own from its table and the folder noted in it.
+
+    Tasks of one scene share the problem, and with it its computed references.
+    """
+    return _subject(json.dumps([name, dict(parameters), definition], default=str, sort_keys=True))
+
+
+@lru_cache(maxsize=16)
+def _subject(key: str) -> Problem:
+    from ..problems import problem
+    from ..problems.table import from_table
+
+    name, parameters, definition = json.loads(key)
+    if definition is None:
+        return problem(name, **parameters)
+    table = {k: v for k, v in definition.items() if k not in ("folder", "sha256")}
+    return from_table(table, Path(definition["folder"]))
+
+
 @dataclass(frozen=True)
 class Answer:
     """How a scene's one-line answer is computed.
@@ -75,6 +104,7 @@ class Scene:
     ----------
         name, title, question: for the reader.
         problem: name of the problem. parameters: its parameters.
+        definition: an own problem as the table of :mod:`glmref.problems.table`, else ``None``.
         methods: names of shipped methods, or paths of files, in order.
         h: step sizes; empty where ``steps`` is given. steps: numbers of steps to ``t_end``.
         t_end: final time.
@@ -104,6 +134,12 @@ class Scene:
     peers: tuple[str, ...] = ()
     tolerances: tuple[float, ...] = ()
     file: str = ""
+    definition: Mapping[str, Any] | None = None
+
+    @property
+    def subject(self) -> Problem:
+        """The problem, built."""
+        return subject_of(self.problem, self.parameters, self.definition)
 
     @property
     def grid(self) -> tuple[tuple[float, int], ...]:

@@ -11,7 +11,7 @@ from .. import __version__
 from ..catalogue.lookup import document, load
 from ..errors import GlmrefError
 from ..measure.records import key_of
-from ..method import GLM, PartitionedGLM
+from ..method import Method
 from ..problems.model import Problem
 from .model import ASK, TIMED, Scene
 
@@ -105,10 +105,10 @@ def plan(scene: Scene) -> Plan:
     ------
         DataError: for a method file that cannot be read.
     """
+    from ..engine.kept import expressed
     from ..engine.shape import shape_of
-    from ..problems import problem
 
-    subject = problem(scene.problem, **scene.parameters)
+    subject = scene.subject
     tasks: list[Mapping[str, Any]] = []
     costs: list[Cost | None] = []
     evaluations = 0
@@ -125,7 +125,7 @@ def plan(scene: Scene) -> Plan:
     if "state" in scene.ask and subject.exact is not None:
         modules.append(CLOSED_FORMS)
     modules.append(KERNELS)
-    if shape_of(subject).opaque:
+    if shape_of(expressed(subject)).opaque:
         modules.append("numba")  # a right-hand side in Python is compiled by numba alone
     if scene.peers:
         from ..measure.peers import package_of
@@ -162,7 +162,7 @@ def _reference(scene: Scene, subject: Problem) -> str:
     known = [float(one.t) for one in subject.references]
     if all(any(abs(t - end) <= 1e-12 * max(1.0, abs(end)) for t in known) for end in ends):
         return "stored"
-    return "computed: gauss-5 at two step sizes, for each end time"
+    return "computed: gauss-5, halving h until two runs agree, for each end time"
 
 
 def _asked(scene: Scene) -> list[str]:
@@ -175,6 +175,7 @@ def _common(scene: Scene) -> dict[str, Any]:
         "version": __version__,
         "problem": scene.problem,
         "parameters": {k: str(v) for k, v in scene.parameters.items()},
+        **({} if scene.definition is None else {"definition": dict(scene.definition)}),
         "t_end": scene.t_end,
         "ask": _asked(scene),
         "repeats": _runs(scene),
@@ -207,29 +208,22 @@ def _runs(scene: Scene) -> int:
     return scene.repeats if scene.answer.kind in TIMED else 1
 
 
-def _cost(method: GLM | PartitionedGLM, subject: Problem) -> Cost:
+def _cost(method: Method, subject: Problem) -> Cost:
     """Count the evaluations of a step: one for an explicit stage, unless the last step had it."""
-    if isinstance(method, PartitionedGLM):
-        return _pair_cost(method, subject)
-    from ..method.stage_order import stage_blocks
-
-    blocks = stage_blocks(method.A)
-    explicit = sum(len(block.stages) for block in blocks if not block.implicit)
-    return _cost_of(explicit, [len(block.stages) for block in blocks if block.implicit])
-
-
-def _pair_cost(pair: PartitionedGLM, subject: Problem) -> Cost:
-    """Of a separable problem the evaluations of p' = k(q) count, at the stages Q."""
     from ..engine.kernel import choose_form
-    from ..method.stage_order import pair_blocks
+    from ..method.component import GENERAL, SEPARABLE
 
-    try:
-        form, _ = choose_form(pair, subject, "auto")
-    except GlmrefError:  # the pair does not apply: its tasks will say so, and cost nothing
-        return Cost(0, 0, 0)
+    form, palette = None, method.palette
+    if method.parts == 2:  # of a separable problem those of p' = k(q) count, at the stages Q
+        palette = SEPARABLE if subject.separable else GENERAL
+        try:
+            form, _ = choose_form(method, subject, "auto")
+        except GlmrefError:  # the pair does not apply: its tasks will say so, and cost nothing
+            return Cost(0, 0, 0)
+    counted = len(method.components[0].A)
     inside = [
-        (block.implicit, sum(1 for i in block.stages if i < pair.n_Q))
-        for block in pair_blocks(pair, joint=not subject.separable)
+        (block.implicit, sum(1 for i in block.stages if i < counted))
+        for block in method.stage_blocks(palette)
     ]
     explicit = sum(count for implicit, count in inside if not implicit)
     solved = [count for implicit, count in inside if implicit]

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import contextlib
+import hashlib
+import json
 import math
 import re
 import stat
@@ -289,7 +291,7 @@ class _Reader:
         def at(key: str) -> tuple[str, ...]:
             return (*quick, key) if (*quick, key) in self.lines else (key,)
 
-        problem, parameters = self._problem(given)
+        problem, parameters, definition = self._problem(given)
         ask = tuple(self.choice(at("ask"), x, ASK) for x in self._list(at("ask"), given, "ask"))
         answer = self._answer(given, ask)
         t_end = self.number(at("t_end"), given.get("t_end"))
@@ -306,6 +308,7 @@ class _Reader:
             question=given["question"],
             problem=problem.name,
             parameters=parameters,
+            definition=definition,
             methods=self._methods(given, at),
             t_end=t_end,
             h=h,
@@ -335,12 +338,19 @@ class _Reader:
             return []
         return list(self.items(where, given.get(key)))
 
-    def _problem(self, given: Mapping[str, Any]) -> tuple[Any, dict[str, Any]]:
+    def _problem(
+        self, given: Mapping[str, Any]
+    ) -> tuple[Any, dict[str, Any], dict[str, Any] | None]:
+        """The problem, and what describes it: parameters of a shipped one, else its table."""
         from ..problems import problem as build
 
         table = given.get("problem")
+        if isinstance(table, dict) and any(key in table for key in ("H", "f", "file")):
+            return self._own(table)
         if not isinstance(table, dict) or not isinstance(table.get("name"), str):
-            raise self.fail(("problem",), "`problem` must be a table with a `name`")
+            raise self.fail(
+                ("problem",), "`problem` must be a table with a `name`, or with `H`, `f` or `file`"
+            )
         parameters = {k: v for k, v in table.items() if k != "name"}
         for key, value in parameters.items():
             if not isinstance(value, int | float | str) or isinstance(value, bool):
@@ -349,12 +359,52 @@ class _Reader:
                     f"`problem.{key}` must be a number or a text such as '3/5', got {shown(value)}",
                 )
         try:
-            return build(table["name"], **parameters), parameters
+            return build(table["name"], **parameters), parameters, None
         except UsageError as error:
-            bad = next(
-                (k for k in parameters if f"{k!r}" in str(error) or f"`{k}`" in str(error)), ""
+            raise self._at_fault(error, list(parameters), "name") from None
+
+    def _own(self, table: dict[str, Any]) -> tuple[Any, dict[str, Any], dict[str, Any]]:
+        """A problem that the scene itself describes, or a Python file beside it."""
+        from ..problems.table import from_table
+
+        folder = self.path.resolve().parent
+        definition: dict[str, Any] = {**table, "folder": str(folder)}
+        if "file" in table:
+            definition["sha256"] = self._digest(folder, table["file"])
+        try:
+            problem = from_table(table, folder)
+            json.dumps(definition)
+        except UsageError as error:
+            raise self._at_fault(error, list(table), "H") from None
+        except TypeError:  # a date
+            raise self.fail(
+                ("problem",), "`problem` holds a value that is no number, text, list or table"
+            ) from None
+        return problem, {}, definition
+
+    def _digest(self, folder: Path, where: Any) -> str:
+        """Checksum of the Python file: a scene executes a file of its own folder only."""
+        path = Path(str(where).rpartition(":")[0])
+        inside = (folder / path).resolve()
+        if path.is_absolute() or not inside.is_relative_to(folder):
+            raise self.fail(
+                ("problem", "file"),
+                f"`problem.file` must lie in the folder of the scene, got {shown(where)}",
             )
-            raise self.fail(("problem", bad or "name"), str(error)) from None
+        try:
+            return hashlib.sha256(inside.read_bytes()).hexdigest()
+        except (OSError, ValueError):
+            raise self.fail(
+                ("problem", "file"),
+                f"`problem.file` must be like 'mine.py:make' with a file beside the scene, "
+                f"got {shown(where)}",
+            ) from None
+
+    def _at_fault(self, error: UsageError, keys: list[str], otherwise: str) -> DataError:
+        """The complaint about a problem, at the line of the key that it names."""
+        text = str(error)
+        bad = next((k for k in keys if f"{k!r}" in text or f"`{k}" in text), "")
+        return self.fail(("problem", bad or otherwise), text)
 
     def _answerable(self, problem: Any, ask: tuple[str, ...], where: tuple[str, ...]) -> None:
         if "energy" in ask and problem.hamiltonian is None:

@@ -13,7 +13,7 @@ from ..measure.attempt import FUNCTION_FAILED
 from ..measure.records import RecordFile
 from ..method import GLM
 from ..problems.user import FunctionFailed
-from .model import Scene
+from .model import Scene, subject_of
 from .planning import SAMPLED, Plan, plan
 
 __all__ = [
@@ -124,18 +124,16 @@ def perform(task: Mapping[str, Any]) -> dict[str, Any]:
 def _user_function(task: Mapping[str, Any]) -> bool:
     """Whether the problem's right-hand side is a Python function: not ours to answer for."""
     from ..measure.attempt import given_by_user
-    from ..problems import problem
 
-    return given_by_user(problem(task["problem"], **_parameters(task)))
+    return given_by_user(_subject(task))
 
 
 def _method(task: Mapping[str, Any]) -> dict[str, Any]:
     from ..catalogue.lookup import load
     from ..measure.attempt import check_function
-    from ..problems import problem
 
     method = load(task["file"] or task["method"])
-    subject = problem(task["problem"], **_parameters(task))
+    subject = _subject(task)
     check_function(subject)
     questions = set(task["ask"])
     record = (_long if SAMPLED & questions else _short)(task, method, subject)
@@ -176,8 +174,8 @@ def _short(task: Mapping[str, Any], method: Any, subject: Any) -> dict[str, Any]
     return _spent(work.as_json(), task)
 
 
-def _parameters(task: Mapping[str, Any]) -> dict[str, Any]:
-    return dict(task["parameters"])
+def _subject(task: Mapping[str, Any]) -> Any:
+    return subject_of(task["problem"], task["parameters"], task.get("definition"))
 
 
 def _spent(record: dict[str, Any], task: Mapping[str, Any]) -> dict[str, Any]:
@@ -353,9 +351,8 @@ def _kept_series(subject: Any, solution: Any, G: Any) -> list[list[float]]:
 
 def _peer(task: Mapping[str, Any]) -> dict[str, Any]:
     from ..measure.peers import measure_peer
-    from ..problems import problem
 
-    subject = problem(task["problem"], **_parameters(task))
+    subject = _subject(task)
     return measure_peer(
         task["peer"],
         subject,

@@ -1,0 +1,484 @@
+"""One problem, the best candidates for its kind, and which of them to take.
+
+For each method the step size is sought at which the error at the end of the run reaches the
+tolerance; every run on the way is a point of the picture. What is measured is
+:func:`..measure.work_precision.measure`; nothing is measured here.
+
+The recommendation is the fastest method that reaches the tolerance, among those whose file records
+no growth on long runs; on a Hamiltonian problem the symplectic ones come first.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+from ..catalogue.claims import NYSTROM_ORDER, ORDER, SYMPLECTIC
+from ..errors import GlmrefError, UsageError
+from ..system.terminal import saying
+from ..views.chart import Series, svg
+from ..views.tables import Style, columns
+from .answers import duration, seconds_at
+
+if TYPE_CHECKING:
+    from ..measure.work_precision import Work
+    from ..problems import Problem
+
+__all__ = ["CANDIDATES", "Candidate", "Comparison", "compare", "kind_of"]
+
+#: Methods that are tried where none are named, by the kind of the problem.
+CANDIDATES = {
+    "second order": (
+        *("stormer-verlet", "blanes-moan-rkn-6-11", "blanes-moan-rkn-6-14", "kahan-li-8"),
+        *("gauss-4", "gauss-5", "pair-rkn-6-7b", "pair-rkn-6-8b"),
+    ),
+    "separable": (
+        *("stormer-verlet", "blanes-moan-4", "blanes-moan-6", "kahan-li-8", "gauss-4"),
+        *("gauss-5", "pair-6-8", "pair-6-9"),
+    ),
+    "Hamiltonian": ("gauss-2", "gauss-3", "gauss-4", "gauss-5", "s5i1-w3"),
+    "general": (
+        *("rk4", "dormand-prince-5", "cooper-verner-8", "gauss-4", "radau-iia-3", "sdirk-4"),
+    ),
+}
+_WORDS = {
+    "second order": "Hamiltonian with quadratic kinetic energy",
+    "separable": "separable Hamiltonian",
+    "Hamiltonian": "Hamiltonian, not separable",
+    "general": "not Hamiltonian",
+}
+
+#: How a method carries on over long runs, by what its file says.
+LOST, GROWS, BOUNDED, DRIFTS, UNKNOWN = "lost", "grows", "bounded", "drifts", "not recorded"
+
+#: Runs of one method at the most, and the factor by which the number of steps grows between two.
+MOST_RUNS = 9
+_LEAST_FACTOR, _MOST_FACTOR = 1.5, 4.0
+#: Steps of the first run per typical time of the problem.
+_FIRST, _MOST_FIRST = 4, 100_000
+_MOST_STEPS = 20_000_000
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One method of a comparison.
+
+    Attributes
+    ----------
+    method : str
+        Its name.
+    order : int or None
+        Order claimed; of Nyström kind where the kinetic energy is quadratic.
+    long_runs : str
+        ``"bounded"``: one value, symplectic; ``"lost"`` and ``"grows"``: the file records it;
+        ``"drifts"``: not symplectic; ``"not recorded"``.
+    h, steps, error, energy_error, seconds, evaluations :
+        Of the cheapest run that reaches the tolerance; ``None`` where none does.
+    message : str
+        Why there is none.
+    works : tuple of Work
+        All runs, coarsest first.
+    """
+
+    method: str
+    order: int | None
+    long_runs: str
+    h: float | None = None
+    steps: int | None = None
+    error: float | None = None
+    energy_error: float | None = None
+    seconds: float | None = None
+    evaluations: int | None = None
+    message: str = ""
+    works: tuple[Work, ...] = ()
+
+    @property
+    def reached(self) -> bool:
+        """Whether some run reaches the tolerance."""
+        return self.seconds is not None
+
+    @property
+    def fit_for_long_runs(self) -> bool:
+        """Whether the file of the method records no growth."""
+        return self.long_runs not in (LOST, GROWS)
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Error against run time of several methods on one problem, and a recommendation.
+
+    Attributes
+    ----------
+    problem, kind : str
+        What was solved, and which of its structure is used.
+    t_end, tolerance : float
+        End of the runs, and the relative error to reach.
+    error : str
+        ``"state"``: at the end; ``"energy"``: the largest of H, where no reference is good enough.
+    reference : str
+        What the error was measured against, with its bound.
+    candidates : tuple of Candidate
+        Fastest first; those that miss the tolerance last.
+    recommended : str or None
+        The method to take.
+    reason : str
+        Why, in one or two sentences.
+    """
+
+    problem: str
+    kind: str
+    t_end: float
+    tolerance: float
+    error: str
+    reference: str
+    candidates: tuple[Candidate, ...]
+    recommended: str | None
+    reason: str
+
+    def __repr__(self) -> str:
+        return self.table()
+
+    def table(self, style: Style | None = None) -> str:
+        """Return the comparison as a text table with the recommendation below."""
+        best = next((c.seconds for c in self.candidates if c.seconds is not None), None)
+        rows = []
+        for one in self.candidates:
+            order = "-" if one.order is None else str(one.order)
+            if one.seconds is None or one.error is None or best is None:
+                rows.append([one.method, order, *["-"] * 5, one.long_runs])
+                continue
+            cells = [f"{one.h:.4g}", f"{one.error:.1e}", f"{one.evaluations:,}"]
+            cells += [duration(one.seconds), f"{one.seconds / best:.2f}"]
+            rows.append([one.method, order, *cells, one.long_runs])
+        head = ("method", "order", "h", "error", "evaluations", "time", "ratio", "long runs")
+        title = (
+            f"{self.problem} ({self.kind}), t to {self.t_end:g}: relative error in the "
+            f"{self.error}, tolerance {self.tolerance:g}; {self.reference}"
+        )
+        lines = [
+            title,
+            "",
+            columns(rows, style=style or Style(), head=head),
+        ]
+        missed = [one for one in self.candidates if not one.reached]
+        lines += [f"{one.method}: {one.message}" for one in missed]
+        return "\n".join([*lines, "", f"take {self.recommended or 'none of these'}: {self.reason}"])
+
+    @property
+    def series(self) -> tuple[Series, ...]:
+        """Error against seconds, one line for each method."""
+        return self._lines(lambda work: work.seconds.median)
+
+    @property
+    def evaluation_series(self) -> tuple[Series, ...]:
+        """Error against right-hand-side evaluations, one line for each method."""
+        return self._lines(lambda work: float(work.evaluations))
+
+    def _lines(self, cost: Callable[[Work], float]) -> tuple[Series, ...]:
+        return tuple(
+            Series(
+                one.method,
+                tuple((cost(work), _error(work, self.error) or 0.0) for work in one.works),
+                tuple(f"h = {work.h:.4g}" for work in one.works),
+            )
+            for one in self.candidates
+            if one.works
+        )
+
+    def svg(self, *, against: str = "seconds") -> str:
+        """Return the picture: error against ``"seconds"`` or ``"evaluations"``."""
+        if against not in ("seconds", "evaluations"):
+            raise UsageError(f"`against` must be seconds or evaluations, got {against!r}")
+        label = "seconds" if against == "seconds" else "right-hand-side evaluations"
+        return svg(
+            self.series if against == "seconds" else self.evaluation_series,
+            title=f"{self.problem}, t to {self.t_end:g}", x_label=label,
+            y_label=f"relative error in the {self.error}",
+        )  # fmt: skip
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{self.table()}</pre>{self.svg()}"
+
+    def as_json(self) -> dict[str, Any]:
+        """Return everything in JSON's types."""
+        keys = ("problem", "kind", "t_end", "tolerance", "error", "reference", "recommended")
+        record: dict[str, Any] = {"format": "glmref-compare-1"}
+        record |= {key: getattr(self, key) for key in (*keys, "reason")}
+        record["candidates"] = [
+            {k: getattr(one, k) for k in one.__dataclass_fields__ if k != "works"}
+            | {"works": [work.as_json() for work in one.works]}
+            for one in self.candidates
+        ]
+        return record
+
+
+def kind_of(problem: Problem) -> str:
+    """Which candidates fit a problem: a key of :data:`CANDIDATES`."""
+    from ..problems.canonical import constant_matrix
+    from ..problems.formula import Formula
+
+    if problem.second_order:
+        return "second order"
+    if problem.separable:
+        half = problem.dimension // 2
+        linear = isinstance(problem.dq, Formula) and constant_matrix(problem.dq, 0, half)
+        return "second order" if linear else "separable"
+    return "Hamiltonian" if problem.canonical else "general"
+
+
+def compare(
+    problem: Problem | str | Path, *, methods: Sequence[Any] | None = None,
+    tolerance: float = 1e-9, t_end: float | None = None, budget: float = 45.0,
+) -> Comparison:  # fmt: skip
+    """Measure error against run time on a problem and recommend a method.
+
+    Parameters
+    ----------
+    problem : Problem, str or Path
+        A problem, the name of a shipped one, or a TOML file with one.
+    methods : sequence, optional
+        Methods by name, file or as objects; by default those of :data:`CANDIDATES`.
+    tolerance : float
+        Relative error to reach.
+    t_end : float, optional
+        End of the runs, by default that of the problem.
+    budget : float
+        Seconds for all runs together, compilation included.
+
+    Returns
+    -------
+    Comparison
+
+    Raises
+    ------
+    UsageError
+        For a problem, a method or a number that does not fit.
+    """
+    subject = _subject(problem)
+    if not isinstance(tolerance, int | float) or not 1e-14 <= tolerance < 1:
+        raise UsageError(f"`tolerance` must lie between 1e-14 and 1, got {tolerance!r}")
+    begin, end = map(float, subject.t_span)
+    end = end if t_end is None else float(t_end)
+    if not math.isfinite(end) or end == begin:
+        raise UsageError(f"`t_end` must be another time than {begin:g}, got {end!r}")
+    kind = kind_of(subject)
+    chosen = list(_methods(CANDIDATES[kind] if methods is None else methods))
+    deadline = perf_counter() + budget
+    error, reference = _judge(subject, end, tolerance)
+    found = []
+    for k, (method, notes) in enumerate(chosen):
+        left = (deadline - perf_counter()) / (len(chosen) - k)
+        search = _Search(subject, method, end, error, tolerance, perf_counter() + max(left, 0.5))
+        with saying(f"measuring {method.name} on {subject.name} ..."):
+            found.append(search.candidate(kind, notes))
+    ranked = sorted(found, key=lambda one: math.inf if one.seconds is None else one.seconds)
+    recommended, reason = _recommended(ranked, kind, tolerance, error)
+    return Comparison(
+        subject.name, _WORDS[kind], end, tolerance, error, reference, tuple(ranked), recommended,
+        reason,
+    )  # fmt: skip
+
+
+def _subject(problem: Any) -> Problem:
+    from .. import problems as room
+
+    if isinstance(problem, room.Problem):
+        return problem
+    text = os.fspath(problem) if isinstance(problem, str | os.PathLike) else ""
+    if not isinstance(text, str) or not text:
+        raise UsageError(
+            f"`problem` must be a Problem, its name or a TOML file, got {type(problem).__name__}"
+        )
+    return room.from_path(text) if text.endswith(".toml") else room.problem(text)
+
+
+def _methods(given: Sequence[Any]) -> Iterable[tuple[Any, list[str]]]:
+    """Methods, and the notes of their files."""
+    from ..catalogue.lookup import document, is_broken, load, names
+    from ..method import GLM, PartitionedGLM
+
+    if isinstance(given, str | GLM | PartitionedGLM):
+        given = [given]
+    if not given:
+        raise UsageError("`methods` is empty; name one or more, or leave it out")
+    shipped = set(names("methods"))
+    for one in given:
+        if isinstance(one, GLM | PartitionedGLM):
+            yield one, document(one.name).get("notes", []) if one.name in shipped else []
+            continue
+        if is_broken(one):
+            raise UsageError(f"the method {one!r} is wrong on purpose; it is not compared")
+        yield load(one), document(one).get("notes", [])
+
+
+def _judge(subject: Problem, end: float, tolerance: float) -> tuple[str, str]:
+    """Which error is measured, and against what."""
+    from ..measure.work_precision import reference_state
+
+    why = ""
+    try:
+        found = reference_state(subject, end)
+        if found.error <= tolerance / 3:
+            words = {"exact": "closed form", "stored": "stored reference",
+                     "computed": "reference by gauss-5 with h halved"}  # fmt: skip
+            return "state", f"{words[found.kind]}, good to {found.error:.0e}"
+        why = f"the reference at t = {end:g} is good to {found.error:.0e} only"
+    except UsageError as error:
+        why = str(error)
+    if subject.hamiltonian is None:
+        raise UsageError(f"{why}; shorten `t_end`, or raise the tolerance")
+    return "energy", f"largest error of H over 64 samples, because {why}"
+
+
+def _error(work: Work, which: str) -> float | None:
+    return work.state_error if which == "state" else work.energy_error
+
+
+class _Search:
+    """Runs of one method, with ever more steps until the tolerance is reached."""
+
+    def __init__(
+        self, subject: Problem, method: Any, end: float, error: str, tolerance: float,
+        deadline: float,
+    ) -> None:  # fmt: skip
+        self.subject, self.method, self.error, self.tolerance = subject, method, error, tolerance
+        self.length, self.deadline = end - float(subject.t_span[0]), deadline
+        self.works: list[Work] = []
+        self.failed = 0
+        self.message = ""
+
+    def candidate(self, kind: str, notes: Sequence[str]) -> Candidate:
+        """Carry out the runs and sum them up."""
+        claims = self.method.claims
+        order = claims.get(ORDER.key)
+        if kind == "second order":
+            order = claims.get(NYSTROM_ORDER.key, order)
+        order = order if isinstance(order, int) else None
+        try:
+            self._runs(order or 2)
+        except GlmrefError as error:
+            self.message = str(error)
+        good = [w for w in self.works if w.completed and _error(w, self.error) is not None]
+        records = [
+            {"outcome": w.outcome, f"{self.error}_error": _error(w, self.error),
+             "seconds": {"median": w.seconds.median}, "h": w.h} for w in good
+        ]  # fmt: skip
+        reached = [w for w in good if (_error(w, self.error) or 0.0) <= self.tolerance]
+        label = _label(self.method, notes)
+        if kind == "general" and label in (DRIFTS, UNKNOWN):
+            label = "-"  # there is no energy to drift
+        if not reached:
+            least = min((_error(w, self.error) or 0.0 for w in good), default=None)
+            missed = "" if least is None else f"not below {least:.1e} within the time given"
+            return Candidate(
+                self.method.name, order, label, message=self.message or missed, works=tuple(good)
+            )
+        best = min(reached, key=lambda work: work.evaluations)
+        seconds = seconds_at(records, self.error, self.tolerance)
+        return Candidate(
+            self.method.name, order, label, best.h, best.steps, _error(best, self.error),
+            best.energy_error, seconds, best.evaluations, works=tuple(good),
+        )  # fmt: skip
+
+    def _runs(self, order: int) -> None:
+        scale = float(self.subject.scales.get("time", 1.0))
+        steps = min(max(8, math.ceil(abs(self.length) / scale * _FIRST)), _MOST_FIRST)
+        coarser, before = True, 0
+        while len(self.works) < MOST_RUNS + self.failed:
+            work = self._run(steps)
+            self.failed += not work.completed
+            reached = _error(work, self.error) if work.completed else None
+            if reached is not None and reached <= self.tolerance:
+                if not coarser or steps <= 8:
+                    return
+                before, steps = (
+                    steps,
+                    max(8, steps // 2),
+                )  # the first run was fine enough: how coarse may it be
+                continue
+            if steps < before:
+                return  # the run before was fine enough, and this one is too coarse
+            coarser = False
+            factor = _MOST_FACTOR
+            self.message = work.message
+            if reached is not None:
+                # somewhat beyond the tolerance, so that it lies between two points
+                wanted = (1.6 * reached / self.tolerance) ** (1 / order)
+                factor = min(_MOST_FACTOR, max(_LEAST_FACTOR, wanted))
+            steps = math.ceil(steps * factor)
+            slow = 2 * factor * max(work.seconds.median, 0.0) > self.deadline - perf_counter()
+            if steps > _MOST_STEPS or slow or perf_counter() > self.deadline:
+                return
+
+    def _run(self, steps: int) -> Work:
+        from ..measure.work_precision import measure
+
+        energy = ("energy",) if self.subject.hamiltonian is not None else ()
+        ask = ("state", *energy) if self.error == "state" else energy
+        left = max(0.2, self.deadline - perf_counter())
+        work = measure(
+            self.subject, self.method, h=self.length / steps, steps=steps, ask=ask, repeats=5,
+            budget=min(left, 10.0),
+        )  # fmt: skip
+        self.works.append(work)
+        return work
+
+
+def _label(method: Any, notes: Sequence[str]) -> str:
+    """How a method does on long runs: what its file records, else what its structure says."""
+    said = " ".join(notes)
+    if "lost" in said:
+        return LOST
+    if "grow" in said:
+        return GROWS
+    if method.claims.get(SYMPLECTIC.key) is True:
+        return BOUNDED
+    carried = max(getattr(method, "r", 1), getattr(method, "r_hat", 1))
+    return DRIFTS if carried == 1 else UNKNOWN
+
+
+def _recommended(
+    ranked: Sequence[Candidate], kind: str, tolerance: float, error: str
+) -> tuple[str | None, str]:
+    reached = [one for one in ranked if one.reached]
+    if not reached:
+        return None, (
+            f"no method reached {tolerance:g} in the {error} within the time given, at constant "
+            f"step sizes; raise the tolerance or shorten the run"
+        )
+    fit = [one for one in reached if one.fit_for_long_runs]
+    bounded = [one for one in fit if one.long_runs == BOUNDED]
+    choice = (bounded or fit) if kind != "general" else fit
+    if not choice:
+        names = ", ".join(one.method for one in reached)
+        return None, f"{names} reached the tolerance, but their files record growth on long runs"
+    best = choice[0]
+    assert best.seconds is not None
+    first = (
+        f"it reaches {tolerance:g} in the {error} in {duration(best.seconds)} with "
+        f"{best.evaluations:,} evaluations at h = {best.h:.4g}"
+    )
+    sentences = [first]
+    others = [one for one in choice[1:] if one.seconds is not None]
+    if others:
+        ratio = (others[0].seconds or 0.0) / best.seconds
+        sentences[0] += f", {others[0].method} takes {ratio:.2f} times that"
+    if kind != "general":
+        if best.long_runs == BOUNDED:
+            sentences.append(
+                "it is symplectic and carries one value, so that no parasitic part can grow"
+            )
+        else:
+            sentences.append("it is not symplectic: its energy error is that of this run only")
+    for one in reached[: reached.index(best)]:
+        part = (one.seconds or 0.0) / best.seconds
+        why = "its file records that long runs grow or are lost"
+        if one.fit_for_long_runs:
+            why = f"its long runs: {one.long_runs}"
+        sentences.append(f"{one.method} takes {part:.2f} times its time, but {why}")
+    return best.method, "; ".join(sentences)
