@@ -1,0 +1,394 @@
+"""Check one tableau, however it comes: :func:`check`, and what the command line prints of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ..errors import DataError, GlmrefError
+from ..exact import Exact
+from ..exact.linalg import Matrix, Vector
+from ..findings import Finding, Verdict
+from ..prove.kernel import Judgement, reaches, vanishing
+from .numbers import Reader
+from .orders import (
+    LARGEST,
+    Scheme,
+    additive,
+    dense_output,
+    merged,
+    nystrom,
+    reach,
+    rosenbrock,
+    row_sums,
+    runge_kutta,
+    w_method,
+)
+
+__all__ = ["CheckFailed", "assert_tableau", "check", "examine"]
+
+#: Names of what a tableau may be made of, by the letters of a document.
+KEYS = {
+    *("A", "b", "c", "order", "embedded", "error", "digits", "name", "parts"),
+    *("b_prime", "A_prime", "alpha", "gamma", "w_order", "dense", "dense_order"),
+}
+
+
+class CheckFailed(GlmrefError, AssertionError):
+    """A tableau is not what is said of it; ``findings`` holds everything that was found."""
+
+    findings: tuple[Finding, ...]
+
+    def __init__(self, findings: Sequence[Finding]) -> None:
+        self.findings = tuple(findings)
+        wrong = [x for x in findings if x.verdict is Verdict.FAILS]
+        super().__init__("; ".join(sentence(x) for x in wrong))
+
+
+def sentence(x: Finding) -> str:
+    """One finding in words."""
+    head = f"{x.method}: " if x.method else ""
+    if x.verdict is Verdict.HOLDS:
+        return f"{head}{x.claim} {x.declared} holds" + (f" ({x.witness})" if x.witness else "")
+    word = "is not decided" if x.verdict is Verdict.OPEN else "fails"
+    return f"{head}{x.claim} {x.declared} {word}: {x.witness}"
+
+
+def check(
+    A: Any,
+    b: Any = None,
+    c: Any = None,
+    *,
+    order: int | None = None,
+    embedded: Any = None,
+    digits: int | None = None,
+    **more: Any,
+) -> tuple[Finding, ...]:
+    """Check a tableau against what is said of it.
+
+    Parameters
+    ----------
+    A : array_like, mapping or object
+        Matrix (s, s); or everything at once, a mapping with the keys below or an object with
+        attributes ``A``, ``b`` and possibly ``c``. Entries are integers, ``Fraction``, strings as
+        ``"(3-sqrt(3))/6"``, mpmath, sympy and numpy numbers. A float is the binary fraction that
+        it is.
+    b : array_like
+        Weights (s,).
+    c : array_like, optional
+        Abscissae (s,). Where they differ from A 1, the order is that on ``y' = f(t, y)``.
+    order : int
+        The order that the tableau is said to have, at least.
+    embedded : (array_like, int) or mapping or list of these, optional
+        Further rows of weights, each with its order: ``([1, 0], 1)`` or ``{"b": .., "order": 1}``;
+        ``{"error": .., "order": ..}`` gives b minus the row.
+    digits : int, optional
+        Digits after the point to which floats and decimals are known; no verdict is drawn from
+        what lies within them.
+    **more
+        ``parts``, a list of ``{"A", "b", "c", "order"}``: an additive method on shared stages;
+        ``b_prime`` and ``A_prime``: a Nystrom method (A, b, b', c); ``alpha`` and ``gamma`` in
+        place of A, with ``w_order``: a Rosenbrock method; ``dense`` (s, d), the coefficients of
+        theta, theta^2, .. of ``b_i(theta)``, with ``dense_order``; ``name``.
+
+    Returns
+    -------
+    tuple of Finding
+        One for each thing that was said; ``open`` where the digits given do not decide it.
+
+    Raises
+    ------
+    CheckFailed
+        When something fails, with the first tree whose condition does. It is an
+        ``AssertionError``.
+    DataError
+        For what is no tableau.
+    """
+    document = _document(A, b, c, order=order, embedded=embedded, digits=digits, **more)
+    findings = examine(document)
+    if any(x.verdict is Verdict.FAILS for x in findings):
+        raise CheckFailed(findings)
+    return findings
+
+
+def assert_tableau(A: Any, b: Any = None, c: Any = None, **said: Any) -> None:
+    """Assert in a test what is said of a tableau: :func:`check`, with nothing of ours on the stack.
+
+    Parameters
+    ----------
+    A, b, c, **said
+        As :func:`check` takes them. A table of rounded numbers needs ``digits``; it passes when no
+        condition fails within them.
+
+    Raises
+    ------
+    CheckFailed
+        When something fails.
+    """
+    __tracebackhide__ = True
+    document = _document(A, b, c, **said)
+    findings = examine(document)
+    if any(x.verdict is Verdict.FAILS for x in findings):
+        raise CheckFailed(findings)
+
+
+def _document(A: Any, b: Any, c: Any, **said: Any) -> dict[str, Any]:
+    """Everything under its key, from any of the ways to call."""
+    given: dict[str, Any] = {}
+    if isinstance(A, Mapping):
+        given = dict(A)
+    elif hasattr(A, "A") and b is None:
+        given = {"A": A.A, "b": getattr(A, "b", None), "c": getattr(A, "c", None)}
+        if given["b"] is None and hasattr(A, "B") and len(getattr(A, "V", ())) == 1:
+            given["b"] = A.B[0]
+    else:
+        given["A"] = A
+    given |= {"b": b} if b is not None else {}
+    given |= {"c": c} if c is not None else {}
+    given |= {key: value for key, value in said.items() if value is not None}
+    return {key: value for key, value in given.items() if value is not None}
+
+
+@dataclass(frozen=True)
+class _Row:
+    """Something that has an order: its name, what is said, and its schemes."""
+
+    claim: str
+    declared: int
+    schemes: Sequence[Scheme]
+    remark: str = ""
+
+
+def examine(document: Mapping[str, Any]) -> tuple[Finding, ...]:
+    """Findings of a plain document, whatever they are; see :func:`check` for its keys.
+
+    Raises
+    ------
+    DataError
+        For what is no tableau, naming the key.
+    """
+    unknown = [x for x in document if x not in KEYS]
+    if unknown:
+        raise DataError(f"the key {unknown[0]!r} is not known; known are {', '.join(sorted(KEYS))}")
+    reader = Reader(_whole(document, "digits", 1, 300))
+    rows, more = _rows(document, reader)
+    if not (rows or more):
+        raise DataError('nothing is said that could be checked; give `order`, as in "order": 4')
+    name = str(document.get("name", ""))
+    remark = reader.remark()
+    findings = [_judged(row, name, remark, reader.digits) for row in rows]
+    return (*findings, *(make(name) for make in more))
+
+
+def _whole(document: Mapping[str, Any], key: str, least: int, most: int) -> int | None:
+    value = document.get(key)
+    if value is None:
+        return None
+    try:
+        whole = int(value)
+    except (TypeError, ValueError):
+        whole = least - 1
+    if isinstance(value, bool) or whole != value or not least <= whole <= most:
+        raise DataError(f"`{key}` must be a whole number from {least} to {most}, got {value!r}")
+    return whole
+
+
+def _order(document: Mapping[str, Any], key: str = "order") -> int | None:
+    return _whole(document, key, 1, 100)
+
+
+_Rows = tuple[list[_Row], list[Callable[[str], Finding]]]
+
+
+def _rows(document: Mapping[str, Any], reader: Reader) -> _Rows:
+    if "parts" in document:
+        return _additive(document, reader)
+    if "alpha" in document or "gamma" in document:
+        return _rosenbrock(document, reader)
+    if "A" not in document or "b" not in document:
+        missing = "A" if "A" not in document else "b"
+        raise DataError(f"`{missing}` is missing; a tableau needs A and b")
+    A = reader.matrix(document["A"], "A")
+    s = len(A)
+    b = reader.vector(document["b"], "b", s)
+    c = reader.vector(document["c"], "c", s) if "c" in document else None
+    if "b_prime" in document:
+        return _nystrom(document, reader, A, b, c), []
+    rows, more = [], []
+    order = _order(document)
+    if order is not None:
+        remark = "" if c is None else _abscissae(A, c)
+        rows.append(_Row("order", order, [runge_kutta(A, b, c)], remark))
+    for k, (weights, low) in enumerate(_embedded(document, reader, b), 1):
+        title = f"order of embedded row {k}"
+        if low is None:
+            more.append(_difference(k, b, weights))
+        else:
+            rows.append(_Row(title, low, [runge_kutta(A, weights, c)]))
+    if "dense" in document:
+        wanted = _order(document, "dense_order") or order or 1
+        table = reader.table(document["dense"], "dense", s)
+        rows.append(
+            _Row("order of the dense output", wanted, dense_output(A, table, c, most=wanted))
+        )
+    return rows, more
+
+
+def _embedded(
+    document: Mapping[str, Any], reader: Reader, b: Vector
+) -> list[tuple[Vector, int | None]]:
+    given = document.get("embedded")
+    if given is None:
+        return []
+    if isinstance(given, Mapping) or (
+        isinstance(given, (list, tuple)) and len(given) == 2 and isinstance(given[1], int)
+        and not isinstance(given[0], (int, float, str))
+    ):  # fmt: skip
+        given = [given]
+    found: list[tuple[Vector, int | None]] = []
+    for k, x in enumerate(given, 1):
+        where = f"embedded[{k}]"
+        if isinstance(x, Mapping):
+            if ("b" in x) == ("error" in x):
+                raise DataError(f"`{where}` needs either b or error, and an order")
+            low = _order(x)
+            weights = reader.vector(x.get("b", x.get("error")), where, len(b))
+            if "error" in x:
+                weights = tuple(p - q for p, q in zip(b, weights, strict=True))
+        elif isinstance(x, (list, tuple)) and len(x) == 2 and not isinstance(x[0], (int, str)):
+            weights, low = reader.vector(x[0], where, len(b)), _order({"order": x[1]})
+        else:
+            raise DataError(
+                f"`{where}` must be a row with its order, as ([1, 0], 1) or "
+                f'{{"b": [1, 0], "order": 1}}'
+            )
+        found.append((weights, low))
+    return found
+
+
+def _nystrom(
+    document: Mapping[str, Any], reader: Reader, A: Matrix, b: Vector, c: Vector | None
+) -> list[_Row]:
+    if c is None:
+        raise DataError("a Nystrom method needs `c`, beside A, b and b_prime")
+    order = _order(document)
+    b_prime = reader.vector(document["b_prime"], "b_prime", len(b))
+    inner = reader.matrix(document["A_prime"], "A_prime") if "A_prime" in document else None
+    if order is None:
+        return []
+    schemes = [nystrom(A, b, b_prime, c, inner, roots=x) for x in "fk"]
+    return [_Row("order of the position", order, schemes[:1]),
+            _Row("order of the velocity", order, schemes[1:])]  # fmt: skip
+
+
+def _rosenbrock(document: Mapping[str, Any], reader: Reader) -> _Rows:
+    for key in ("alpha", "gamma", "b"):
+        if key not in document:
+            raise DataError(f"`{key}` is missing; a Rosenbrock method needs alpha, gamma and b")
+    alpha = reader.matrix(document["alpha"], "alpha")
+    gamma = reader.matrix(document["gamma"], "gamma")
+    if len(gamma) != len(alpha):
+        raise DataError(f"`gamma` has {len(gamma)} rows and `alpha` {len(alpha)}")
+    b = reader.vector(document["b"], "b", len(alpha))
+    rows = []
+    order, w_order = _order(document), _order(document, "w_order")
+    if order is not None:
+        rows.append(_Row("order", order, [rosenbrock(alpha, gamma, b)]))
+    if w_order is not None:
+        rows.append(_Row("W-order", w_order, [w_method(alpha, gamma, b)]))
+    for k, (weights, low) in enumerate(_embedded(document, reader, b), 1):
+        if low is not None:
+            rows.append(
+                _Row(f"order of embedded row {k}", low, [rosenbrock(alpha, gamma, weights)])
+            )
+    return rows, []
+
+
+def _additive(document: Mapping[str, Any], reader: Reader) -> _Rows:
+    parts, times, rows = [], [], []
+    given = document["parts"]
+    if not isinstance(given, (list, tuple)) or not 2 <= len(given) <= 4:
+        raise DataError("`parts` must be a list of two to four methods, each with A and b")
+    for k, part in enumerate(given, 1):
+        if not isinstance(part, Mapping) or not {"A", "b"} <= part.keys():
+            raise DataError(f"`parts[{k}]` needs A and b")
+        A = reader.matrix(part["A"], f"parts[{k}].A")
+        if parts and len(A) != len(parts[0][0]):
+            raise DataError(f"`parts[{k}].A` has {len(A)} stages and the first part another number")
+        b = reader.vector(part["b"], f"parts[{k}].b", len(A))
+        c = part.get("c", document.get("c"))
+        times.append(None if c is None else reader.vector(c, f"parts[{k}].c", len(A)))
+        parts.append((A, b))
+        order = _order(part)
+        if order is not None:
+            rows.append(_Row(f"order of part {k}", order, [runge_kutta(A, b, times[-1])]))
+    order = _order(document)
+    if order is not None:
+        rows.append(_Row("order", order, [additive(parts, times)]))
+    for k, (weights, low) in enumerate(_embedded(document, reader, parts[0][1]), 1):
+        if low is not None:
+            rows.append(
+                _Row(f"order of embedded row {k}", low,
+                     [additive([(A, weights) for A, _ in parts], times)])
+            )  # fmt: skip
+    return rows, []
+
+
+def _finding(name: str, claim: str, declared: object, judgement: Judgement) -> Finding:
+    return Finding(
+        method=name,
+        claim=claim,
+        declared=declared,
+        verdict=judgement.verdict,
+        value=judgement.value,
+        proof=judgement.proof,
+        residual=judgement.residual,
+        witness=judgement.reason,
+    )
+
+
+def _difference(k: int, b: Vector, weights: Vector) -> Callable[[str], Finding]:
+    total = sum((x - y for x, y in zip(b, weights, strict=True)), Exact(0))
+    said = f"b and the row differ in sum by {total.magnitude():.3g}" if total.magnitude() else ""
+    return lambda name: _finding(
+        name, f"error weights of row {k} sum to", 0, vanishing(total, said)
+    )
+
+
+def _abscissae(A: Matrix, c: Vector) -> str:
+    """A remark where c is not A 1: no reason to refuse, the order says what counts."""
+    sums = row_sums(A)
+    gaps = [abs(complex(x - y)) for x, y in zip(sums, c, strict=True)]
+    worst = max(range(len(gaps)), key=gaps.__getitem__)
+    if gaps[worst] == 0:
+        return ""
+    return (
+        f"row {worst + 1} of A sums to {complex(sums[worst]).real:.12g} and c[{worst + 1}] is "
+        f"{complex(c[worst]).real:.12g}: the order is that on y' = f(t, y)"
+    )
+
+
+def _judged(row: _Row, name: str, remark: str, digits: int | None) -> Finding:
+    """The verdict on an order that is said to be reached."""
+    found = merged([reach(x, row.declared + 2, stop=1.0) for x in row.schemes])
+    looked = len(found.sizes)
+    parts: list[str] = []
+    if found.proved >= row.declared:
+        if found.proved == LARGEST.get(len(row.schemes[0].palette), 4):
+            parts = [f"trees of order {found.proved} or less were looked at"]
+        elif found.proved > row.declared:
+            parts = [f"the order is {found.proved}"]
+        parts += [row.remark, remark]
+    elif found.refuted is not None and found.refuted <= row.declared:
+        n = found.refuted
+        tree, size = found.first[n - 1], found.sizes[n - 1]
+        parts = [f"tree {tree} of order {n} has residual {size:.3g}", found.staircase(),
+                 row.remark, remark]  # fmt: skip
+    elif looked < row.declared:
+        parts = [f"trees of order {looked} or less were looked at, and no condition fails"]
+    else:
+        size = found.size(row.declared)
+        parts = [f"no condition fails within the {digits} digits (largest residual {size:.2g})"]
+    reason = "; ".join(x for x in parts if x)
+    return _finding(name, row.claim, row.declared, reaches(found, row.declared, reason))

@@ -1,0 +1,455 @@
+"""What a table of a public code is: its order, how many digits hold, and which entry is wrong.
+
+Numbers are taken as they are printed and computed in balls of 512 bits: a residual is known to 150
+digits, so that its size says what the printing did to the table. A *repair* is one entry that, put
+right, makes all conditions through the declared order hold; it is found by Gauss-Newton steps on
+that entry alone, and shown only where it does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from fractions import Fraction
+from typing import Any
+
+from ..errors import BudgetError, DataError, GlmrefError
+from ..exact import Ball, Exact, Scalar
+from ..exact.linalg import Matrix, Vector
+from ..system.budget import limited
+from . import orders
+from .nearest import Library
+from .orders import LARGEST, Reach, Scheme, reach
+from .table import Table
+from .values import Number
+
+__all__ = ["judge"]
+
+#: Residuals: what doubles cannot see, relative to the largest entry; and what is no rounding at
+#: all, in tables of decimals and of fractions.
+FINE, COARSE, EXACT = 2e-14, 1e-8, 1e-10
+#: Seconds of processor time for one table, and for the search of its wrong entry.
+SECONDS, SEARCH = 120.0, 20.0
+#: Seconds for the orders beyond 12.
+HIGH = 90.0
+
+_Numbers = Sequence[Sequence[Number]]
+
+
+def _ball(x: Number) -> Ball:
+    return x.value.ball()
+
+
+def _matrix(rows: _Numbers) -> Matrix:
+    return tuple(tuple(_ball(x) for x in row) for row in rows)
+
+
+def _vector(row: Sequence[Number]) -> Vector:
+    return tuple(_ball(x) for x in row)
+
+
+class _Method:
+    """The numbers of a table, as the schemes take them; one entry may be replaced."""
+
+    def __init__(self, table: Table) -> None:
+        self.kind = table.kind
+        self.A = [[list(row) for row in _matrix(A)] for A in table.A]
+        self.b = [list(_vector(b)) for b in table.b]
+        self.c: list[list[Scalar] | None] = []
+        self.gap = 0.0
+        self.gap_row = 0
+        for k, given in enumerate(table.c or [None] * len(table.A)):
+            c = None if given is None else list(_vector(given))
+            if c is not None and k < len(self.A) and table.kind != "nystrom":
+                gaps = [
+                    abs(complex(sum(row, Exact(0)) - x))
+                    for row, x in zip(self.A[k], c, strict=True)
+                ]
+                if max(gaps) > self.gap:
+                    self.gap, self.gap_row = max(gaps), gaps.index(max(gaps))
+                if max(gaps) < 1e-12:
+                    c = None
+            self.c.append(c)
+        entries = [x for M in (*self.A, self.b) for row in M for x in row]
+        self.scale = max([1.0, *(abs(complex(x)) for x in entries)])
+        printed = [x for M in (*table.A, table.b) for row in M for x in row]
+        rounded = any(x.places is not None for x in printed)
+        self.quadratic = False
+        self.kick_first = False  # codes differ in which of a_1 and b_1 is the first step
+        if table.kind == "splitting":
+            drift = reach(self.scheme(), table.order or 4, stop=0.5 * self.scale)
+            self.kick_first = True
+            kick = reach(self.scheme(), table.order or 4, stop=0.5 * self.scale)
+            self.kick_first = kick.to(COARSE) > drift.to(COARSE)
+            if table.order and max(kick.to(COARSE), drift.to(COARSE)) < table.order:
+                self.quadratic = True
+                nystrom = reach(self.scheme(), table.order, stop=0.5 * self.scale)
+                self.quadratic = nystrom.to(COARSE) >= table.order
+        self.fine, self.coarse = FINE * self.scale, COARSE if rounded else EXACT
+
+    def scheme(self, weights: Sequence[Sequence[Scalar]] | None = None) -> Scheme:
+        A = [tuple(map(tuple, M)) for M in self.A]
+        b = [tuple(x) for x in (self.b if weights is None else weights)]
+        if self.kind == "additive":
+            return orders.additive(list(zip(A, b, strict=True)), self.c)
+        if self.kind == "rosenbrock":
+            return orders.rosenbrock(A[0], A[1], b[0])
+        if self.kind == "nystrom":
+            c = self.c[0]
+            if c is None:
+                raise DataError("a Nystrom method needs c")
+            return orders.nystrom(A[0], b[0], b[1], tuple(c), *A[1:])
+        if self.kind == "glm":
+            return orders.general_linear(A[0], b)
+        if self.kind == "splitting":
+            return orders.splitting(
+                b[0], b[1], kick_first=self.kick_first, quadratic=self.quadratic
+            )
+        return orders.runge_kutta(A[0], b[0], self.c[0] if self.c else None, apart=True)
+
+    def slots(self) -> Iterator[tuple[str, list[Any], int]]:
+        """Entries that may be wrong: how they are called, where they are, and their index."""
+        names = {"rk": ("a",), "additive": ("a", "a_implicit"), "rosenbrock": ("alpha", "gamma"),
+                 "nystrom": ("a", "a_prime")}  # fmt: skip
+        for name, M in zip(names.get(self.kind, ()), self.A, strict=False):
+            for i, row in enumerate(M):
+                for j, x in enumerate(row):
+                    if complex(x) != 0 or j < i:
+                        yield f"{name}[{i + 1}][{j + 1}]", row, j
+        words = {"splitting": ("a", "b"), "nystrom": ("b", "b_prime")}.get(
+            self.kind, ("b", "b_implicit")
+        )
+        for k, b in enumerate(self.b):
+            if k and any(b is x for x in self.b[:k]):
+                continue
+            for j, _ in enumerate(b):
+                yield f"{words[min(k, 1)]}[{j + 1}]", b, j
+
+
+def _pairs(method: _Method) -> Iterator[tuple[str, list[Any], int, int]]:
+    """Two entries of a row of A that may be wrong with the sum of the row right."""
+    if method.kind != "rk" or len(method.b[0]) > 8:
+        return
+    for i, row in enumerate(method.A[0]):
+        for j in range(len(row)):
+            for k in range(j):
+                if complex(row[j]) != 0 and complex(row[k]) != 0:
+                    yield f"a[{i + 1}][{k + 1}], a[{i + 1}][{j + 1}]", row, j, k
+
+
+def judge(table: Table, library: Library | None = None, *, search: bool = True) -> dict[str, Any]:
+    """Return the record of a table.
+
+    Parameters
+    ----------
+    table : Table
+        As a reader found it.
+    library : Library, optional
+        Methods to compare with.
+    search : bool
+        Whether a wrong entry is looked for.
+
+    Returns
+    -------
+    dict
+        JSON-ready: ``name``, ``line``, ``kind``, ``stages``, ``declared``, ``found``, ``status``
+        (right, digits, wrong, question, found, unread), ``residual`` through the declared order,
+        ``tree``, ``remarks``, and ``correction``, ``nearest`` where there are any.
+    """
+    record: dict[str, Any] = {"name": table.name, "line": table.line, "kind": table.kind}
+    if table.unread:
+        question = table.unread.startswith("question: ")
+        record["status"] = "question" if question else "unread"
+        record["remarks"] = [table.unread.removeprefix("question: ")]
+        return record
+    record["stages"] = len(table.b[0])
+    try:
+        with limited(SECONDS):
+            _judge(table, record, library, search)
+    except BudgetError as error:
+        record |= {"status": "unread", "remarks": [f"not decided: {error}"]}
+    except (GlmrefError, ValueError, IndexError, KeyError, ZeroDivisionError) as error:
+        record |= {"status": "unread", "remarks": [f"{type(error).__name__}: {error}"]}
+    return record
+
+
+def _judge(table: Table, record: dict[str, Any], library: Library | None, search: bool) -> None:
+    method = _Method(table)
+    remarks: list[str] = []
+    declared = table.order
+    most = (declared or (5 if len(table.b[0]) < 8 else 8)) + 1
+    found = reach(method.scheme(), most, stop=0.5 * method.scale)
+    if declared is not None and found.to(method.coarse) == LARGEST[1] < declared:
+        try:
+            with limited(HIGH):
+                found = reach(method.scheme(), declared, high=True)
+        except BudgetError:
+            pass  # what was looked at is said below
+    fine, coarse = method.fine, method.coarse
+    record |= {"declared": declared, "found": found.to(coarse)}
+    if declared is None:
+        record["status"] = "found"
+        record["residual"] = float(f"{found.size(record['found']):.2g}")
+        status = "found"
+    else:
+        looked = min(declared, len(found.sizes))
+        size = found.size(looked)
+        status = "right" if size <= fine else "digits" if size <= coarse else "wrong"
+        record["residual"] = float(f"{size:.2g}")
+        if status != "right":
+            bad = next(
+                n for n, x in enumerate(found.sizes) if x > (fine if status == "digits" else coarse)
+            )
+            record["tree"] = found.trees[bad]
+            record["order_of_tree"] = bad + 1
+        if looked < declared and status == "right":
+            remarks.append(f"trees of order {looked} or less were looked at")
+    if method.quadratic:
+        remarks.append("the order is that on q'' = g(q)")
+    if method.gap > 1e-12:
+        k = method.gap_row
+        remarks.append(f"c[{k + 1}] differs from the sum of row {k + 1} of A by {method.gap:.2g}")
+    for said, gap in table.identities:
+        if gap > fine:
+            remarks.append(f"{said} fails by {gap:.2g}")
+            status = record["status"] = "wrong" if gap > coarse else status
+    status = _rows(table, method, found, status, remarks)
+    for error in table.errors:
+        if status in ("wrong", "question") and declared:
+            remarks += _exchanged(method, _vector(error), declared)
+        total = abs(complex(sum(_vector(error), Exact(0))))
+        if total > 1e-12 * method.scale:
+            remarks.append(f"the weights of the error estimate sum to {total:.3g}, not to 0")
+            remarks += _estimate(method, list(_vector(error)))
+            if total > coarse and status in ("right", "digits", "found"):
+                status = "wrong"
+    if library is not None and table.kind in ("rk", "additive"):
+        near = library.nearest(table, declared or 0)
+        if near:
+            record["nearest"] = near
+    remarks += _empty_rows(table)
+    exchanged = any("exchanged" in x or "embedded weights" in x for x in remarks)
+    unlabelled = exchanged and not any("declared" in x or "error" in x for x in remarks)
+    if status == "wrong" and unlabelled and not record.get("nearest", {}).get("entries"):
+        status = "question"
+    if status == "wrong" and declared and not exchanged and record["residual"] > coarse:
+        look = _correction if search else _abscissa
+        record["correction"] = look(method, declared)
+    gaps = sum("differs from the sum" in x or "q''" in x for x in remarks)
+    if status == "wrong" and not (
+        record.get("correction") or record.get("nearest", {}).get("entries") or len(remarks) > gaps
+    ):
+        status = "question"
+        remarks.append(
+            "the entries of a general linear method are not searched"
+            if table.kind == "glm"
+            else "no single entry explains it: the label, or more than one entry"
+        )
+    nameless = [x for x in record.get("correction", []) if x["is"] == "0"]
+    if table.named and status == "wrong" and nameless:
+        status = "unread"
+        first = record.pop("correction")[0]
+        remarks.append(f"{first['entry']} has no name in the code, and may be {first['should be']}")
+    record["status"] = status
+    record["remarks"] = remarks
+
+
+def _empty_rows(table: Table) -> list[str]:
+    """Rows of A that are zero though their abscissa is not."""
+    if table.kind != "rk" or not table.c or table.c[0] is None:
+        return []
+    bad = [
+        i + 1
+        for i, (row, x) in enumerate(zip(table.A[0], table.c[0], strict=True))
+        if complex(x.value) != 0 and all(complex(y.value) == 0 for y in row)
+    ]
+    return [f"the rows {bad[0]} to {bad[-1]} of A are zero"] if len(bad) > 2 else []
+
+
+def _exchanged(method: _Method, error: Sequence[Scalar], declared: int) -> list[str]:
+    """Whether b minus or plus the weights of the error estimate has the declared order."""
+    b = method.b[0]
+    error = [*error, *([Exact(0)] * (len(b) - len(error)))]
+    if len(error) != len(b):
+        return []
+    for word, sign in (("minus", -1), ("plus", 1)):
+        row = [x + sign * y for x, y in zip(b, error, strict=True)]
+        got = reach(method.scheme([row] * len(method.b)), declared, stop=0.5 * method.scale)
+        if len(got.sizes) >= declared and got.size(declared) < method.coarse:
+            return [
+                f"b {word} the error weights has order {declared}: b holds the embedded weights"
+            ]
+    return []
+
+
+def _estimate(method: _Method, error: list[Scalar]) -> list[str]:
+    """The error weight that, changed so that the sum is zero, gives the best embedded row."""
+    b = method.b[0]
+    error += [Exact(0)] * (len(b) - len(error))
+    if len(error) != len(b):
+        return []
+    total = sum(error, Exact(0))
+    found: list[tuple[int, int, Scalar]] = []
+    for k, x in enumerate(error):
+        changed = [*error[:k], x - total, *error[k + 1 :]]
+        for sign in (-1, 1):
+            row = [p + sign * q for p, q in zip(b, changed, strict=True)]
+            got = reach(method.scheme([row] * len(method.b)), 5, stop=0.5 * method.scale)
+            found.append((got.to(method.coarse), k, x - total))
+    order, k, value = max(found, key=lambda x: x[0])
+    if order < 2 or len({i for n, i, _ in found if n == order}) > 1:
+        return []
+    said = f"with error weight {k + 1} = {_short(value)} in place of {_short(error[k])}"
+    return [f"{said} the sum is 0 and the embedded row has order {order}"]
+
+
+def _rows(table: Table, method: _Method, found: Reach, status: str, remarks: list[str]) -> str:
+    fine, coarse = method.fine, method.coarse
+    for label, weights, declared in table.rows:
+        row = list(_vector(weights))
+        row += [Exact(0).ball()] * (len(method.b[0]) - len(row))
+        if len(row) != len(method.b[0]):
+            remarks.append(f"the row {label} has another length than b")
+            continue
+        least = declared or max(1, (table.order or 2) - 1)
+        low = reach(method.scheme([row] * len(method.b)), least + 1, stop=0.5 * method.scale)
+        size, order = low.size(min(least, len(low.sizes))), low.to(coarse)
+        if declared is not None and size > coarse:
+            remarks.append(f"the row {label} is declared of order {declared} and has order {order}")
+            status = "wrong"
+        elif declared is not None and size > fine and size > 1e-12 * method.scale:
+            remarks.append(f"the row {label} has order {declared} to {size:.1e}")
+        if order > found.to(coarse) and table.order and found.to(coarse) < table.order:
+            said = f", declared is {declared}" if declared is not None else ""
+            remarks.append(f"the row {label} has order {order}{said}: the rows may be exchanged")
+    return status
+
+
+# --- which entry ----------------------------------------------------------------------------------
+
+
+def _residuals(method: _Method, order: int) -> list[float]:
+    got = reach(method.scheme(), order)
+    return [complex(x).real for level in got.residuals for x in level.values()]
+
+
+def _short(x: Scalar) -> str:
+    """A number as a fraction where a short one is near enough, else as a decimal."""
+    value = Fraction(x.ball().decimal_text(60)) if complex(x) else Fraction(0)
+    for bound in (100, 10**4, 10**6, 10**9):
+        near = value.limit_denominator(bound)
+        if abs(near - value) < Fraction(1, 10**15) / max(1, bound // 10**4):
+            return str(near)
+    return f"{float(value):.16g}"
+
+
+def _correction(method: _Method, declared: int) -> list[dict[str, str]]:
+    """Entries each of which, changed alone, gives the declared order; then pairs in one row."""
+    if method.kind == "glm":  # its rows of weights are sums of rows of B
+        return []
+    better = _abscissa(method, declared)
+    if better or declared > 8 or len(method.b[0]) > 16:
+        return better
+    start = _residuals(method, declared)
+    single = [(name, row, j, None) for name, row, j in method.slots()]
+    try:
+        with limited(SEARCH):
+            for slots in (single, list(_pairs(method))):
+                for name, row, j, k in _ranked(method, declared, start, slots)[:14]:
+                    before = [row[j], *([] if k is None else [row[k]])]
+                    after = _solved(method, declared, row, j, k)
+                    if after is not None:
+                        better.append({
+                            "entry": name,
+                            "is": ", ".join(map(_short, reversed(before))),
+                            "should be": ", ".join(map(_short, reversed(after))),
+                        })  # fmt: skip
+                if better:
+                    break
+    except BudgetError:
+        pass
+    return better[:3]
+
+
+_Slot = tuple[str, list[Any], int, int | None]
+
+
+def _shift(row: list[Any], j: int, k: int | None, step: Scalar | Fraction) -> None:
+    row[j] = row[j] + step
+    if k is not None:
+        row[k] = row[k] - step
+
+
+def _ranked(
+    method: _Method, declared: int, start: list[float], slots: Sequence[_Slot]
+) -> list[_Slot]:
+    """Slots by what the best step along each leaves of the residuals."""
+    size = sum(x * x for x in start)
+    found: list[tuple[float, int]] = []
+    small = Fraction(1, 1024)
+    for n, (_, row, j, k) in enumerate(slots):
+        before = list(row)
+        _shift(row, j, k, small)
+        moved = _residuals(method, declared)
+        row[:] = before
+        slope = [(y - x) * 1024 for x, y in zip(start, moved, strict=True)]
+        norm = sum(x * x for x in slope)
+        if norm:
+            step = sum(x * y for x, y in zip(start, slope, strict=True)) / norm
+            found.append((size - step * step * norm, n))
+    return [slots[n] for _, n in sorted(found)]
+
+
+def _solved(
+    method: _Method, declared: int, row: list[Any], j: int, k: int | None
+) -> list[Scalar] | None:
+    """The entries at which all conditions hold, by secant Gauss-Newton steps along one slot."""
+    before = list(row)
+
+    def at(x: Scalar) -> list[float]:
+        row[:] = before
+        _shift(row, j, k, x)
+        return _residuals(method, declared)
+
+    try:
+        x0, x1 = Exact(0).ball(), Exact(Fraction(1, 997)).ball()
+        r0 = at(x0)
+        for _ in range(18):
+            r1 = at(x1)
+            if max(map(abs, r1)) < 1e-15 * method.scale:
+                return [row[j], *([] if k is None else [row[k]])]
+            width = complex(x1 - x0).real
+            slope = [(b - a) / width for a, b in zip(r0, r1, strict=True)] if width else []
+            norm = sum(x * x for x in slope)
+            step = sum(a * b for a, b in zip(r1, slope, strict=True)) / norm if norm else 1e9
+            if abs(step) > 50 * method.scale:
+                return None
+            x0, r0 = x1, r1
+            x1 = (x1 - Fraction(step)).midpoint()
+        return None
+    finally:
+        row[:] = before
+
+
+def _abscissa(method: _Method, declared: int) -> list[dict[str, str]]:
+    """An abscissa that is not the sum of its row, where the sum gives the declared order."""
+    if method.kind != "rk" or not method.c or method.c[0] is None:
+        return []
+    given, k = method.c[0], method.gap_row
+    sums = [sum(row, Exact(0)) for row in method.A[0]]
+    wrong = [i for i, x in enumerate(sums) if abs(complex(x - given[i])) > 1e-9]
+    if wrong != [k]:
+        return []
+    method.c[0] = None
+    got = reach(method.scheme(), declared, stop=0.5 * method.scale)
+    method.c[0] = given
+    if got.size(min(declared, len(got.sizes))) > method.coarse:
+        return []
+    return [{"entry": f"c[{k + 1}]", "is": _short(given[k]), "should be": _short(sums[k])}]
+
+
+def summary(records: Sequence[Mapping[str, Any]]) -> dict[str, int]:
+    """Count the records by status."""
+    found: dict[str, int] = {}
+    for x in records:
+        found[x["status"]] = found.get(x["status"], 0) + 1
+    return dict(sorted(found.items()))

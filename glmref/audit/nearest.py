@@ -1,0 +1,75 @@
+"""Methods to compare a table with: those of the catalogue."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from ..errors import GlmrefError
+from ..exact.expression import shown_number
+from ..method import GLM
+from .table import Table
+
+__all__ = ["Library"]
+
+#: Entries nearer than this are the same, printed shorter.
+NEAR = 1e-9
+#: A table is compared with a method that agrees in at least this part of its nonzero entries.
+ALIKE = 0.6
+
+
+class Library:
+    """Runge-Kutta methods of the catalogue by their number of stages."""
+
+    def __init__(self) -> None:
+        from ..catalogue.lookup import load, names
+
+        self.methods: dict[int, list[tuple[str, int, Any, list[list[complex]]]]] = {}
+        for name in names():
+            try:
+                method = load(name)
+            except GlmrefError:  # a file beyond what is read here
+                continue
+            if isinstance(method, GLM) and len(method.V) == 1 and method.V[0][0] == 1:
+                rows = [*method.A, method.B[0]]
+                claims = (method.document or {}).get("claims", {})
+                claimed = int(claims.get("order", 99))
+                values = [[complex(x) for x in row] for row in rows]
+                self.methods.setdefault(len(method.A), []).append((name, claimed, rows, values))
+
+    def nearest(self, table: Table, order: int = 0) -> dict[str, Any]:
+        """Name of the nearest method of an order, and the entries that differ; or nothing."""
+        best: tuple[int, str, list[dict[str, str]]] | None = None
+        for name, entries in self._compared(table, order):
+            if best is None or len(entries) < best[0]:
+                best = (len(entries), name, entries)
+        if best is None:
+            return {}
+        return {"method": best[1], "entries": best[2][:12], "differing": best[0]}
+
+    def _compared(self, table: Table, order: int) -> Iterator[tuple[str, list[dict[str, str]]]]:
+        for part, (A, b) in enumerate(zip(table.A, table.b, strict=True)):
+            rows = [[complex(x.value) for x in row] for row in (*A, b)]
+            count = sum(x != 0 for row in rows for x in row)
+            for name, reached, right, values in self.methods.get(len(b), []):
+                if reached < order:
+                    continue
+                unlike = [
+                    (i, j)
+                    for i, (x, y) in enumerate(zip(rows, values, strict=True))
+                    for j in range(len(b))
+                    if abs(x[j] - y[j]) > NEAR
+                ]
+                if len(unlike) <= (1 - ALIKE) * count:
+                    yield (
+                        name,
+                        [
+                            {
+                                "entry": (f"a[{i + 1}][{j + 1}]" if i < len(b) else f"b[{j + 1}]")
+                                + (" of part 2" if part else ""),
+                                "is": f"{rows[i][j].real:.17g}",
+                                "there": shown_number(right[i][j]),
+                            }
+                            for i, j in unlike
+                        ],
+                    )

@@ -1,0 +1,189 @@
+"""Entries of tableaux as they come: Python, numpy, mpmath and sympy numbers, and text."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from decimal import Decimal
+from fractions import Fraction
+from math import isfinite
+from typing import Any
+
+from ..errors import DataError
+from ..exact import Ball, Exact, Scalar
+from ..exact.expression import parse
+from ..exact.linalg import Matrix, Vector
+
+__all__ = ["Double", "Reader", "rational_text"]
+
+_DECIMAL = re.compile(r"(?:\d+\.\d*|\.\d+|\d+(?=[eE]))(?:[eE][-+]?\d{1,3})?")
+#: A double with a larger power of 2 below it is taken for a rounded number in a hint.
+_DYADIC = 2**12
+
+
+class Double(float):
+    """A number with a point from JSON or TOML, which remembers how it was written."""
+
+    text: str
+
+    def __new__(cls, text: str) -> Double:
+        """Read the text as Python does."""
+        self = super().__new__(cls, text)
+        self.text = text
+        return self
+
+
+def rational_text(text: str) -> str:
+    """Write the decimals of an expression as the fractions that they are."""
+    return _DECIMAL.sub(lambda m: f"({Fraction(m[0])})", text)
+
+
+@dataclass
+class Reader:
+    """Reads entries, and remembers what has to be said of them.
+
+    Attributes
+    ----------
+        digits: digits after the point to which decimals and floats are known; ``None`` where they
+            are the numbers that they write.
+        floats: how many entries were binary numbers taken as they are.
+        hints: of those that are near a short fraction, ``(place, number, fraction)``.
+    """
+
+    digits: int | None = None
+    floats: int = 0
+    hints: list[tuple[str, str, str]] = field(default_factory=list)
+
+    def matrix(self, rows: Any, name: str) -> Matrix:
+        """A square matrix."""
+        if isinstance(rows, (int, float, str, Fraction)):
+            rows = [[rows]]
+        found = tuple(
+            tuple(self.number(x, f"{name}[{i + 1}][{j + 1}]") for j, x in enumerate(row))
+            for i, row in enumerate(self._rows(rows, name))
+        )
+        for i, row in enumerate(found):
+            if len(row) != len(found):
+                raise DataError(
+                    f"`{name}` must be square: it has {len(found)} rows, and row {i + 1} has "
+                    f"{len(row)} entries"
+                )
+        return found
+
+    def table(self, rows: Any, name: str, s: int) -> Matrix:
+        """s rows of one length."""
+        found = tuple(
+            tuple(self.number(x, f"{name}[{i + 1}][{j + 1}]") for j, x in enumerate(row))
+            for i, row in enumerate(self._rows(rows, name))
+        )
+        if len(found) != s or len({len(row) for row in found}) != 1 or not found[0]:
+            raise DataError(f"`{name}` must have {s} rows of one length, a row for each stage")
+        return found
+
+    def vector(self, entries: Any, name: str, s: int) -> Vector:
+        """A vector of s entries."""
+        if isinstance(entries, (int, float, str, Fraction)):
+            entries = [entries]
+        found = tuple(
+            self.number(x, f"{name}[{i + 1}]") for i, x in enumerate(self._list(entries, name))
+        )
+        if len(found) != s:
+            raise DataError(
+                f"`{name}` must have {s} entries, as `A` has {s} rows, got {len(found)}"
+            )
+        return found
+
+    def _rows(self, rows: Any, name: str) -> list[list[Any]]:
+        found = [
+            self._list(row, f"{name}[{i + 1}]") for i, row in enumerate(self._list(rows, name))
+        ]
+        if not found:
+            raise DataError(f"`{name}` is empty; give a row for each stage")
+        return found
+
+    @staticmethod
+    def _list(value: Any, name: str) -> list[Any]:
+        value = value.tolist() if hasattr(value, "tolist") else value
+        if isinstance(value, (str, bytes, dict)) or not isinstance(value, Iterable):
+            raise DataError(f"`{name}` must be a list of numbers, got {str(value)[:60]!r}")
+        return list(value)
+
+    def number(self, x: Any, where: str) -> Scalar:
+        """One entry."""
+        module = type(x).__module__.partition(".")[0]
+        binary = getattr(x, "_mpf_", None)  # of mpmath and sympy: (sign, mantissa, exponent, bits)
+        if module == "numpy" and hasattr(x, "item"):
+            x = x.item()
+        if isinstance(x, (Exact, Ball)):
+            return x
+        if isinstance(x, (int, Fraction)) and not isinstance(x, bool):
+            return Exact(x)
+        if isinstance(x, str):
+            return self._text(x, where)
+        if isinstance(x, Decimal):
+            return self._text(format(x, "f"), where) if x.is_finite() else self._refuse(x, where)
+        if isinstance(x, float):
+            return self._float(x, where)
+        if binary is not None:
+            sign, man, power, _ = binary
+            if not man and power:
+                return self._refuse(x, where)
+            return self._binary(Fraction(int(man)) * Fraction(2) ** power * (-1) ** sign, x, where)
+        if module == "sympy" and getattr(x, "is_number", False):
+            return self._text(str(x), where)
+        if hasattr(x, "as_integer_ratio") and not isinstance(x, bool):  # numpy's long double
+            return self._binary(Fraction(*map(int, x.as_integer_ratio())), x, where)
+        return self._refuse(x, where)
+
+    @staticmethod
+    def _refuse(x: Any, where: str) -> Scalar:
+        raise DataError(
+            f"`{where}` is {str(x)[:40]!r} of type {type(x).__name__}; write a number, a fraction "
+            f'as "1/3", or an expression as "(3-sqrt(3))/6"'
+        )
+
+    def _text(self, text: str, where: str) -> Scalar:
+        try:
+            if self.digits is None:
+                return parse(rational_text(text))
+            return parse(
+                _DECIMAL.sub(lambda m: self._rounded(Fraction(m[0])), text), digits=self.digits
+            )
+        except DataError as error:
+            raise DataError(f"`{where}`: {error}") from None
+
+    def _rounded(self, x: Fraction) -> str:
+        places = (self.digits or 0) + 2
+        return f"{x:.{places}f}"
+
+    def _float(self, x: float, where: str) -> Scalar:
+        if not isfinite(x):
+            return self._refuse(x, where)
+        if self.digits is not None:
+            text = x.text if isinstance(x, Double) else repr(float(x))
+            return Ball.decimal(text, self.digits)
+        return self._binary(Fraction(x), x, where)
+
+    def _binary(self, value: Fraction, x: Any, where: str) -> Scalar:
+        if self.digits is not None:
+            return Ball.decimal(str(value), self.digits)
+        self.floats += 1
+        if value.denominator > _DYADIC:
+            near = value.limit_denominator(10_000)
+            close = abs(near - value) <= abs(value) / 10**14
+            self.hints.append((where, str(x), str(near) if close else ""))
+        return Exact(value)
+
+    def remark(self) -> str:
+        """What has to be said of the numbers, or ``""``."""
+        if not self.floats:
+            return ""
+        plural = "number is" if self.floats == 1 else "numbers are"
+        said = f"{self.floats} floating-point {plural} taken as the binary fraction that it is"
+        if self.floats > 1:
+            said = said.replace("fraction that it is", "fractions that they are")
+        where = next((x for x in self.hints if x[2]), None)
+        if where is not None:
+            return f'{said}: `{where[0]}` is not {where[2]}; write "{where[2]}", or give `digits`'
+        return f"{said}; give `digits` if they are rounded" if self.hints else said

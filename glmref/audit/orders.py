@@ -1,0 +1,386 @@
+"""Orders of Runge-Kutta-like schemes, each put as a system of coloured stages the kernel knows.
+
+The conditions are those of :class:`glmref.prove.series.StartingSeries`, on the trees of
+:mod:`glmref.prove.forest`. A scheme says only which matrix stands below a vertex of each colour,
+which weights are above it, and which coloured trees its systems have:
+
+*Runge-Kutta*, c = A 1: one colour.
+
+*c given apart*, c != A 1: ``y' = f(t, y)``, ``t' = 1``. A vertex t is a leaf and its stages are
+t_n + c_i h, so that the matrix below it has row sums c.
+
+*Additive*, ``y' = f1(y) + .. + fk(y)`` with shared stages: k colours that all mix
+(Kennedy, Carpenter 2003, section 2; Sandu, Guenther 2015).
+
+*Nystrom*, ``q' = v, v' = g(q, v)``: position and velocity, where q' is linear in v, so that a
+vertex f has at most one child. The stages are written as one pair with 2 s + 1 stages: V_0 = v,
+V_l = v + h g_l, and the stages proper, ``Q_i = q + h (c_i V_0 + sum a_il (V_l - V_0))``.
+
+*Rosenbrock* with the exact Jacobian: below a vertex with one child stands alpha + gamma, below
+others alpha (Hairer, Wanner 1996, IV.7, theorem 7.4). *W-methods*, any matrix J in its place:
+``y' = (f(y) - J y) + J y``, two kinds of vertices, J linear (ibid., theorem 7.7).
+
+*Dense output* b(theta), a polynomial: A / theta, b(theta) / theta is a method of step theta h. A
+condition is a polynomial in theta of known degree; it vanishes if it does at enough points.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any
+
+from ..exact import Exact, Scalar
+from ..exact.linalg import Matrix, Vector
+from ..prove import kernel
+from ..prove.forest import Forest, forest
+from ..prove.kernel import Reach
+from ..system.budget import spend
+from ..theory.coefficients import is_zero
+
+__all__ = [
+    "LARGEST",
+    "Reach",
+    "Scheme",
+    "additive",
+    "dense_output",
+    "general_linear",
+    "nystrom",
+    "reach",
+    "rosenbrock",
+    "row_sums",
+    "runge_kutta",
+    "splitting",
+    "w_method",
+]
+
+_ZERO, _ONE = Exact(0), Exact(1)
+#: Largest order that is looked at, by the number of colours.
+LARGEST = {1: 12, 2: 8, 3: 6, 4: 5}
+
+
+@dataclass(frozen=True)
+class Scheme:
+    """A scheme as coloured stages.
+
+    Attributes
+    ----------
+        palette: colours with the colours their children may have.
+        blocks: (A, b) by colour.
+        roots: colours whose trees are conditions.
+        counts: which trees the systems have, or ``None`` for all.
+        written: pattern and replacement that write a tree for a reader.
+    """
+
+    palette: tuple[tuple[str, str], ...]
+    blocks: Mapping[str, tuple[Matrix, Vector]]
+    roots: str
+    counts: Callable[[Forest], Callable[[int], bool]] | None = None
+    written: tuple[tuple[str, str], ...] = ()
+
+    def text(self, tree: str) -> str:
+        """Write a tree in the notation of the documentation."""
+        for pattern, by in self.written:
+            tree = re.sub(pattern, by, tree)
+        return tree
+
+
+def reach(scheme: Scheme, most: int, *, stop: float = float("inf"), high: bool = False) -> Reach:
+    """Let the kernel evaluate the conditions of a scheme, order by order.
+
+    Parameters
+    ----------
+    scheme : Scheme
+        The scheme.
+    most : int
+        The last order; cut to :data:`LARGEST`, or with ``high`` to 14.
+    stop : float
+        No order is looked at after one with a larger residual.
+    high : bool
+        Whether one colour goes through order 14, which takes a minute; it heeds a budget.
+
+    Returns
+    -------
+    Reach
+        How far they hold; trees in the notation of the documentation.
+    """
+    trees = forest(scheme.palette)
+    every = None if scheme.counts is None else scheme.counts(trees)
+    largest = LARGEST.get(len(scheme.palette), 4)
+    high = high and len(scheme.palette) == 1
+
+    def counts(t: int) -> bool:
+        if high:
+            spend()  # tens of thousands of trees
+        return every is None or every(t)
+
+    found = kernel.reach(
+        scheme.palette,
+        scheme.blocks,
+        roots=scheme.roots,
+        counts=counts,
+        most=min(most, kernel.HIGHEST if high else largest),
+        stop=stop,
+    )
+    if not scheme.written:
+        return found
+    return replace(
+        found,
+        trees=tuple(map(scheme.text, found.trees)),
+        first=tuple(map(scheme.text, found.first)),
+    )
+
+
+# --- schemes ------------------------------------------------------------------------------------
+
+
+def row_sums(A: Matrix) -> Vector:
+    """c = A 1."""
+    return tuple(sum(row, _ZERO) for row in A)
+
+
+def _sums_to(A: Matrix, c: Sequence[Scalar]) -> bool:
+    return all(is_zero(x - y) is True for x, y in zip(row_sums(A), c, strict=True))
+
+
+def _with_sums(c: Sequence[Scalar]) -> Matrix:
+    """A matrix with the row sums c."""
+    return tuple((x, *((_ZERO,) * (len(c) - 1))) for x in c)
+
+
+def _first(s: int) -> Vector:
+    return (_ONE, *((_ZERO,) * (s - 1)))
+
+
+def runge_kutta(
+    A: Matrix, b: Vector, c: Sequence[Scalar] | None = None, *, apart: bool = False
+) -> Scheme:
+    """Scheme of A (s, s), b (s,), and c (s,) where it differs from A 1, or stands ``apart``."""
+    if c is None or (not apart and _sums_to(A, c)):
+        return Scheme((("o", "o"),), {"o": (A, b)}, "o")
+    return Scheme(
+        (("f", "ft"), ("t", "")),
+        {"f": (A, b), "t": (_with_sums(c), _first(len(c)))},
+        "f",
+    )
+
+
+def additive(
+    parts: Sequence[tuple[Matrix, Vector]], c: Sequence[Sequence[Scalar] | None] = ()
+) -> Scheme:
+    """Scheme of parts (A, b) on shared stages; colours are ``a``, ``b``, .. in their order.
+
+    With c given, the time that part k sees is that of ``c[k]``; it is a colour of its own where it
+    differs from A 1.
+    """
+    names = "abcdefgh"[: len(parts)]
+    blocks = dict(zip(names, parts, strict=True))
+    times: dict[str, str] = {}
+    for name, (A, _), given in zip(
+        names, parts, [*c, *[None] * (len(parts) - len(c))], strict=True
+    ):
+        if given is not None and not _sums_to(A, given):
+            time = name.upper()
+            times[name] = time
+            blocks[time] = (_with_sums(given), _first(len(given)))
+    palette = [(x, names + times.get(x, "")) for x in names] + [(x, "") for x in times.values()]
+    return Scheme(tuple(palette), blocks, names)
+
+
+def general_linear(A: Matrix, rows: Sequence[Vector]) -> Scheme:
+    """Scheme of a general linear method with V S = S and U S = 1, started with S y exactly.
+
+    ``Y = h A F + U S y``, ``w (S y + h B F) = y + h w B F`` for each w with w S = 1: the method has
+    order p, from the start S y on, exactly if the weights w B of r such w that are independent
+    satisfy all conditions through p.
+
+    Parameters
+    ----------
+    A : matrix (s, s)
+    rows : r vectors (s,)
+        The weights w B.
+    """
+    names = "opqrstuvwxyz"[: len(rows)]
+    return Scheme(
+        tuple((x, "o") for x in names),
+        {x: (A, b) for x, b in zip(names, rows, strict=True)},
+        names,
+        None,
+        ((f"[{names}]", "o"),),
+    )
+
+
+def _filtered(good: Callable[[Forest, int], bool]) -> Callable[[Forest], Callable[[int], bool]]:
+    """Trees that are good at every vertex."""
+
+    def make(trees: Forest) -> Callable[[int], bool]:
+        known: dict[int, bool] = {}
+
+        def counts(t: int) -> bool:
+            if t not in known:
+                known[t] = good(trees, t) and all(map(counts, trees.children[t]))
+            return known[t]
+
+        return counts
+
+    return make
+
+
+#: Trees in which a vertex f has at most one child.
+_LINEAR = _filtered(lambda T, t: T.colour[t] != "f" or len(T.children[t]) < 2)
+
+
+def nystrom(
+    A: Matrix,
+    b: Vector,
+    b_prime: Vector,
+    c: Vector,
+    A_prime: Matrix | None = None,
+    *,
+    roots: str = "fk",
+) -> Scheme:
+    """Scheme of q'' = g(q), or with A' of q'' = g(q, q').
+
+    ``Q_i = q + c_i h v + h^2 sum a_ij g_j``, ``q1 = q + h v + h^2 sum b_j g_j``,
+    ``v1 = v + h sum b'_j g_j``.
+
+    Parameters
+    ----------
+    A, b, b_prime, c : matrices and vectors of shapes (s, s), (s,), (s,), (s,)
+    A_prime : matrix (s, s), optional
+        ``V_i = v + h sum a'_ij g_j``; without it g does not see v.
+    roots : str
+        ``"f"`` for the conditions of the position, ``"k"`` for those of the velocity.
+    """
+    s = len(c)
+    size = 2 * s + 1
+    auxiliary = (_ZERO,) * size
+
+    def combined(first: Scalar, second: Sequence[Scalar]) -> Vector:
+        """First V_0 + sum second_l (V_l - V_0)."""
+        return (first - sum(second, _ZERO), *second, *((_ZERO,) * s))
+
+    def slopes(weights: Sequence[Scalar]) -> Vector:
+        return (*((_ZERO,) * (s + 1)), *weights)
+
+    unit = [tuple(_ONE if i == j else _ZERO for j in range(s)) for i in range(s)]
+    below_f = (*((auxiliary,) * (s + 1)), *(combined(x, row) for x, row in zip(c, A, strict=True)))
+    inner = [slopes(row) for row in A_prime] if A_prime is not None else [auxiliary] * s
+    below_k = (auxiliary, *(slopes(x) for x in unit), *inner)
+    return Scheme(
+        (("f", "k"), ("k", "fk" if A_prime is not None else "f")),
+        {"f": (below_f, combined(_ONE, b)), "k": (below_k, slopes(b_prime))},
+        roots,
+        _LINEAR,
+    )
+
+
+def _sum(a: Matrix, b: Matrix) -> Matrix:
+    return tuple(
+        tuple(x + y for x, y in zip(*rows, strict=True)) for rows in zip(a, b, strict=True)
+    )
+
+
+def _chained(T: Forest, t: int) -> bool:
+    """An only child is s (alpha + gamma below it), children of a branching vertex are m."""
+    below = T.children[t]
+    wanted = "s" if len(below) == 1 else "m"
+    return all(T.colour[x] == wanted for x in below)
+
+
+def rosenbrock(alpha: Matrix, gamma: Matrix, b: Vector) -> Scheme:
+    """Scheme with the exact Jacobian.
+
+    ``k_i = h f(y + sum alpha_ij k_j) + h J sum gamma_ij k_j``, ``y1 = y + sum b_i k_i``.
+    """
+    return Scheme(
+        (("m", "ms"), ("s", "ms")),
+        {"m": (alpha, b), "s": (_sum(alpha, gamma), b)},
+        "m",
+        _filtered(_chained),
+        ((r"[ms]\[", "["), (r"[ms]", "o")),
+    )
+
+
+def w_method(alpha: Matrix, gamma: Matrix, b: Vector) -> Scheme:
+    """Scheme with any matrix in the place of the Jacobian; J is the vertex of the linear part.
+
+    A colour says what the vertex is (f or J) and what it hangs on: below f stands alpha, below J
+    alpha + gamma.
+    """
+    both = _sum(alpha, gamma)
+    return Scheme(
+        (("f", "fj"), ("j", "FJ"), ("F", "fj"), ("J", "FJ")),
+        {"f": (alpha, b), "j": (alpha, b), "F": (both, b), "J": (both, b)},
+        "fj",
+        _filtered(lambda T, t: T.colour[t] in "fF" or len(T.children[t]) < 2),
+        ((r"F", "f"), (r"j", "J")),
+    )
+
+
+def splitting(a: Vector, b: Vector, *, kick_first: bool = False, quadratic: bool = False) -> Scheme:
+    """Scheme of a splitting of ``q' = f(p), p' = g(q)``: drift a_1, kick b_1, drift a_2, ...
+
+    With ``kick_first`` the kick b_1 is the first step; with ``quadratic`` f is linear, as for
+    q'' = g(q), so that a vertex f has at most one child.
+    """
+    s = len(a)
+
+    def lower(row: Vector, *, diagonal: bool) -> Matrix:
+        return tuple(
+            tuple(x if j < i or (diagonal and j == i) else _ZERO for j, x in enumerate(row))
+            for i in range(s)
+        )
+
+    return Scheme(
+        (("f", "k"), ("k", "f")),
+        {
+            "f": (lower(a, diagonal=not kick_first), a),
+            "k": (lower(b, diagonal=kick_first), b),
+        },
+        "fk",
+        _LINEAR if quadratic else None,
+    )
+
+
+def dense_output(
+    A: Matrix, weights: Sequence[Sequence[Scalar]], c: Sequence[Scalar] | None = None, *, most: int
+) -> list[Scheme]:
+    """Schemes at the points of theta that decide the order of ``b_i(theta)``.
+
+    Parameters
+    ----------
+    A : matrix (s, s)
+    weights : (s, d)
+        ``b_i(theta) = sum_m weights[i][m] theta^(m + 1)``.
+    c : vector (s,), optional
+    most : int
+        The order asked for: the conditions are polynomials of degree max(d, most), zero at 0.
+    """
+    degree = max(len(weights[0]), most)
+    schemes = []
+    for k in range(1, degree + 1):
+        theta = Exact(Fraction(k, degree))
+        b = tuple(
+            sum((x * theta**m for m, x in enumerate(row)), _ZERO) for row in weights
+        )  # b(theta) / theta
+        scaled = tuple(tuple(x / theta for x in row) for row in A)
+        schemes.append(runge_kutta(scaled, b, None if c is None else [x / theta for x in c]))
+    return schemes
+
+
+def merged(found: Sequence[Any]) -> Reach:
+    """The least of several reaches: what holds for all of them."""
+    n = min(len(x.sizes) for x in found)
+    rows = [max(found, key=lambda x, k=k: x.sizes[k]) for k in range(n)]
+    refuted = [x.refuted for x in found if x.refuted is not None]
+    return Reach(
+        min(x.proved for x in found),
+        tuple(x.sizes[k] for k, x in enumerate(rows)),
+        tuple(x.trees[k] for k, x in enumerate(rows)),
+        min(refuted, default=None),
+        all(x.exact for x in found),
+        tuple(next((x.first[k] for x in found if x.first[k]), "") for k in range(n)),
+    )

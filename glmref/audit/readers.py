@@ -1,0 +1,905 @@
+"""Tables of coefficients in the sources of public codes, format by format.
+
+A reader goes through a file statement by statement (:mod:`~.code`), evaluates the assignments
+(:mod:`~.values`) and makes a :class:`Table` wherever the code hands arrays to what stores or uses
+them. What it cannot follow becomes a table that is unread, with the line, and the rest is read on.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
+
+from ..exact import Exact
+from .arrays import gsl, odeint
+from .code import Statement, statements
+from .plain import from_csv, from_json
+from .principia import structs
+from .table import ZERO, Rows, Table, vector
+from .values import Number, Scope, Sparse, Unread, assign, evaluate
+
+__all__ = ["FORMATS", "SUFFIXES", "Table", "declared_orders", "read"]
+
+
+def _square(value: Any, s: int, *, base: int = 0) -> Rows:
+    """Matrix (s, s) from rows, possibly of growing length, from a flat list or single entries."""
+    if isinstance(value, Sparse):
+        if any(len(k) != 2 or not all(base <= x < s + base for x in k) for k in value.entries):
+            raise Unread("entries are given of an array whose size is not known")
+        return [[value.entries.get((i + base, j + base), ZERO) for j in range(s)] for i in range(s)]
+    if isinstance(value, Number):
+        value = [[value]]
+    if value and all(isinstance(x, list) for x in value):
+        rows = [vector(x) for x in value]
+        if len(rows) == s - 1:
+            rows = [[], *rows]
+        if len(rows) != s or any(len(x) > s for x in rows):
+            raise Unread(f"A has {len(rows)} rows where b has {s} entries")
+        return [[*x, *([ZERO] * (s - len(x)))] for x in rows]
+    flat = vector(value)
+    if len(flat) != s * s:
+        raise Unread(f"A has {len(flat)} entries where b has {s}")
+    return [flat[i * s : i * s + s] for i in range(s)]
+
+
+def _whole(value: Any) -> int | None:
+    try:
+        return value.whole() if isinstance(value, Number) else None
+    except Unread:
+        return None
+
+
+def _words(node: ast.expr) -> str:
+    """What an argument is called."""
+    if isinstance(node, ast.Constant):
+        return str(node.value)
+    return ast.unparse(node).rpartition(".")[2]
+
+
+class _Run:
+    """The statements of a file carried out one after the other."""
+
+    def __init__(self, text: str, language: str) -> None:
+        self.text, self.language = text, language
+        self.scope: Scope = {
+            "NULL": None,
+            "nullptr": None,
+            "1-based": 1 if language in ("julia", "fortran") else 0,
+        }
+        self.globals: Scope = dict(self.scope)
+        self.header, self.line, self.depth = "", 1, 0
+
+    def steps(self) -> Iterator[tuple[Statement, ast.stmt | None]]:
+        """Each statement after its assignment was carried out."""
+        for step in statements(self.text, self.language):
+            if re.match(r"(?:inline )?namespace|extern", step.text) and step.kind == "open":
+                continue  # its end leaves the depth at zero
+            if step.kind == "open":
+                if self.depth == 0 or self.language == "python":
+                    if self.depth == 0:
+                        self.globals = {
+                            k: v for k, v in self.scope.items() if not isinstance(v, Sparse)
+                        }
+                    self.scope = dict(self.globals if self.language != "python" else self.scope)
+                    self.header, self.line = step.text, step.line
+                self.depth += 1
+                yield step, None
+                continue
+            if step.kind == "close":
+                yield step, None
+                if self.depth == 1 and self.language != "python":
+                    self.scope = dict(self.globals)
+                self.depth = max(0, self.depth - 1)
+                continue
+            node = step.parsed()
+            if isinstance(node, ast.Assign):
+                self._carry_out(node, step)
+            elif node is None:
+                name = re.match(r"([\w.]+)\s*(?:\[[^=]*\])?\s*=(?!=)", step.text)
+                if name:
+                    self.scope[name[1]] = Unread("the statement is not understood", step.line)
+            yield step, node
+
+    def _carry_out(self, node: ast.Assign, step: Statement) -> None:
+        try:
+            value = evaluate(node.value, self.scope)
+            for target in node.targets:
+                assign(target, value, self.scope)
+        except Unread as error:
+            error.line = step.line
+            target = node.targets[0]
+            while isinstance(target, ast.Subscript):
+                target = target.value
+            self.scope[ast.unparse(target)] = error
+        except (RecursionError, ValueError, IndexError, TypeError, AttributeError) as error:
+            name = ast.unparse(node.targets[0])
+            self.scope[name] = Unread(f"{type(error).__name__}: {error}", step.line)
+
+    def value(self, node: ast.expr | None) -> Any:
+        """An argument; ``None`` for NULL and what is left out."""
+        if node is None or (isinstance(node, ast.Name) and node.id in ("NULL", "nothing", "None")):
+            return None
+        return evaluate(node, self.scope)
+
+
+def _calls(node: ast.AST | None, names: Sequence[str]) -> Iterator[ast.Call]:
+    for x in ast.walk(node) if node is not None else ():
+        if isinstance(x, ast.Call) and ast.unparse(x.func).rpartition(".")[2] in names:
+            yield x
+
+
+def _unread(name: str, line: int, error: Unread) -> Table:
+    at = f" (line {error.line})" if error.line else ""
+    return Table(name, line, unread=f"{error}{at}")
+
+
+def _keywords(call: ast.Call) -> dict[str, ast.expr]:
+    return {x.arg: x.value for x in call.keywords if x.arg}
+
+
+# --- formats --------------------------------------------------------------------------------------
+
+
+def _sundials(text: str) -> Iterator[Table]:
+    run = _Run(text, "c")
+    stages, name, line = 0, "", 0
+    for step, node in run.steps():
+        if step.kind == "open":
+            found = re.search(r"ARK_BUTCHER_TABLE\(\s*(\w+)", step.text)
+            name, line = (found[1] if found else ""), step.line
+        for call in _calls(node, ["ARKodeButcherTable_Alloc"]):
+            stages = _whole(run.value(call.args[0])) or 0
+        if isinstance(node, ast.Return) and name and "B.b" in run.scope:
+            try:
+                yield _of_sundials(run, name, line, stages)
+            except Unread as error:
+                yield _unread(name, line, error)
+
+
+def _of_sundials(run: _Run, name: str, line: int, s: int) -> Table:
+    get = run.scope.get
+    for key in ("B.A", "B.b", "B.c", "B.d"):
+        _need(get(key))
+    table = Table(name, line, order=_whole(get("B.q")))
+    table.A = [_square(get("B.A", Sparse()), s)]
+    table.b = [vector(get("B.b"), s)]
+    table.c = [vector(get("B.c", Sparse()), s)]
+    if "B.d" in run.scope and _whole(get("B.p")):
+        table.rows = [("embedded", vector(get("B.d"), s), _whole(get("B.p")))]
+    return table
+
+
+def _petsc(text: str) -> Iterator[Table]:
+    run = _Run(text, "c")
+    names = {
+        "TSRKRegister": _petsc_rk,
+        "TSDIRKRegister": _petsc_dirk,
+        "TSARKIMEXRegister": _petsc_ark,
+        "TSRosWRegister": _petsc_rosw,
+        "TSGLEERegister": _petsc_glee,
+    }
+    for step, node in run.steps():
+        for call in _calls(node, [*names, "TSRosWRegisterRos4"]):
+            made = ast.unparse(call.func).rpartition(".")[2]
+            if not call.args or isinstance(call.args[0], ast.Tuple):
+                continue
+            title = _words(call.args[0])
+            if title == "name":  # the function itself
+                continue
+            if made == "TSRosWRegisterRos4":
+                yield _ros4(run, call, step.line)
+                continue
+            if len(call.args) < 8:
+                continue
+            try:
+                values = [None if k == 0 else _argument(run, x) for k, x in enumerate(call.args)]
+                yield names[made](title, step.line, values)
+            except Unread as error:
+                yield _unread(title, step.line, error)
+
+
+def _argument(run: _Run, node: ast.expr) -> Any:
+    try:
+        return run.value(node)
+    except Unread as error:
+        return error
+
+
+def _need(value: Any) -> Any:
+    if isinstance(value, Unread):
+        raise value
+    return value
+
+
+def _petsc_rk(name: str, line: int, v: list[Any]) -> Table:
+    s = _whole(v[2]) or 0
+    b = vector(v[4]) if _need(v[4]) is not None else None
+    A = _square(_need(v[3]), s)
+    table = Table(name, line, A=[A], b=[b or A[-1]], order=_whole(v[1]))
+    table.c = [None if _need(v[5]) is None else vector(v[5])]
+    if _need(v[6]) is not None:
+        table.rows = [("embedded", vector(v[6]), None)]
+    return table
+
+
+def _petsc_dirk(name: str, line: int, v: list[Any]) -> Table:
+    s = _whole(v[2]) or 0
+    A = _square(_need(v[3]), s)
+    b = A[-1] if _need(v[4]) is None else vector(v[4])
+    table = Table(name, line, A=[A], b=[b], order=_whole(v[1]))
+    table.c = [None if _need(v[5]) is None else vector(v[5])]
+    if _need(v[6]) is not None:
+        table.rows = [("embedded", vector(v[6]), None)]
+    return table
+
+
+def _petsc_ark(name: str, line: int, v: list[Any]) -> Table:
+    s = _whole(v[2]) or 0
+    if _need(v[6]) is None:
+        return _petsc_dirk(name, line, [*v[:6], v[9]])
+    At, A = _square(_need(v[3]), s), _square(_need(v[6]), s)
+    bt = At[-1] if _need(v[4]) is None else vector(v[4])
+    b = bt if _need(v[7]) is None else vector(v[7])
+    table = Table(name, line, "additive", [A, At], [b, bt], order=_whole(v[1]))
+    table.c = [None if _need(x) is None else vector(x) for x in (v[8], v[5])]
+    low = _need(v[9])
+    if low is not None and _need(v[10]) in (None, low):
+        table.rows = [("embedded", vector(low), None)]
+    return table
+
+
+def _petsc_rosw(name: str, line: int, v: list[Any]) -> Table:
+    s = _whole(v[2]) or 0
+    table = Table(name, line, "rosenbrock", order=_whole(v[1]))
+    table.A = [_square(_need(v[3]), s), _square(_need(v[4]), s)]
+    table.b, table.c = [vector(_need(v[5]), s)], [None]
+    if _need(v[6]) is not None:
+        table.rows = [("embedded", vector(v[6]), None)]
+    return table
+
+
+def _petsc_glee(name: str, line: int, v: list[Any]) -> Table:
+    """A method (A, U, B, V) that starts with S y and whose solution is F times its values.
+
+    Constantinescu (2016), "Estimating global errors in time stepping", arXiv:1503.05166.
+    """
+    order, s, r = (_whole(_need(x)) or 0 for x in v[1:4])
+    A = _square(_need(v[5]), s)
+    flat = [vector(_need(x)) for x in v[6:11]]
+    B, U, V = (
+        [x[i * n : i * n + n] for i in range(len(x) // n)]
+        for x, n in zip(flat[:3], (s, r, r), strict=True)
+    )
+    S, F = flat[3:]
+    if [len(B), len(U), len(V), len(S), len(F)] != [r, s, r, r, r]:
+        raise Unread("the arrays do not have the sizes of s stages and r values")
+
+    def read_by(w: Sequence[Exact]) -> list[Number]:
+        return [
+            column[0].of(sum((x * y.value for x, y in zip(w, column, strict=True)), Exact(0)),
+                         next((y for y in column if y.places is not None), None))
+            for column in zip(*B, strict=True)
+        ]  # fmt: skip
+
+    solution = [x.value for x in F]
+    table = Table(name, line, "glm", [A], [read_by(solution)], [None], order)
+    spare = next((k for k, x in enumerate(solution) if complex(x) != 0), 0)
+    for k in range(r):  # w = F + e_k - (e_k S) F: w S = 1, and with F they span everything
+        if k != spare:
+            w = [(Exact(1) - S[k].value) * x for x in solution]
+            w[k] = w[k] + 1
+            table.b.append(read_by(w))
+
+    def gap(rows: Rows, wanted: Sequence[Exact]) -> float:
+        return max(
+            abs(
+                complex(sum((x.value * y.value for x, y in zip(row, S, strict=True)), Exact(0)) - z)
+            )
+            for row, z in zip(rows, wanted, strict=True)
+        )
+
+    one = Exact(1)
+    table.identities = [("F S = 1", gap([F], [one])), ("U S = 1", gap(U, [one] * s)),
+                        ("V S = S", gap(V, [x.value for x in S]))]  # fmt: skip
+    if _need(v[11]) is not None:
+        table.c = [vector(v[11])]
+    return table
+
+
+def _ros4(run: _Run, call: ast.Call, line: int) -> Table:
+    """A method of order 4 by its parameters; a2 is a number there, never a sentinel.
+
+    Hairer and Wanner (1996), IV.7, table 7.2: for these methods a2 = 2 gamma.
+    """
+    name, sentinel = _words(call.args[0]), _words(call.args[2])
+    said = f"the parameters of {name} are not written out"
+    if sentinel.startswith("PETSC_"):
+        value = {"PETSC_CURRENT": "-2", "PETSC_DEFAULT": "-2", "PETSC_DETERMINE": "-1"}
+        gamma = run.value(call.args[1])
+        said = (
+            f"question: a2 is the sentinel {sentinel} and is used as the number "
+            f"{value.get(sentinel, '')}; the method of that name has a2 = 2 gamma = "
+            f"{2 * complex(gamma.value).real:.15g} (Hairer, Wanner 1996, table IV.7.2)"
+        )
+    return Table(name, line, "rosenbrock", order=4, unread=said)
+
+
+def _openmodelica(text: str) -> Iterator[Table]:
+    run = _Run(text, "c")
+    for _, node in run.steps():
+        for call in _calls(node, ["setButcherTableau"]):
+            name = run.header.rpartition("_")[2].partition("(")[0].strip()
+            found = re.search(r"getButcherTableau_(\w+)", run.header)
+            name = found[1] if found else name
+            if len(call.args) < 5 or not found:
+                continue
+            try:
+                c, A, b = (_need(_argument(run, x)) for x in call.args[1:4])
+                s = len(vector(b))
+                table = Table(name, run.line, order=_whole(run.scope.get("tableau.order_b")))
+                table.A, table.b, table.c = [_square(A, s)], [vector(b)], [vector(c)]
+                low = run.value(call.args[4])
+                if low is not None:
+                    table.rows = [("bt", vector(low), _whole(run.scope.get("tableau.order_bt")))]
+                yield table
+            except Unread as error:
+                yield _unread(name, run.line, error)
+
+
+def _tudat(text: str) -> Iterator[Table]:
+    run = _Run(text, "c")
+    for step, _ in run.steps():
+        if step.kind != "close" or run.depth != 1:
+            continue
+        fields = {k.rpartition(".")[2]: v for k, v in run.scope.items() if ".aCoef" in k or
+                  ".bCoef" in k or ".cCoef" in k or "rder" in k}  # fmt: skip
+        if "bCoefficients" not in fields:
+            continue
+        name = re.sub(r".*initialize(\w+?)(?:Coefficients)?\s*\(.*", r"\1", run.header)
+        try:
+            yield _of_tudat(fields, name, run.line)
+        except Unread as error:
+            yield _unread(name, run.line, error)
+
+
+def _of_tudat(fields: Mapping[str, Any], name: str, line: int) -> Table:
+    weights = _need(fields["bCoefficients"])
+    rows = [vector(x) for x in weights] if isinstance(weights, list) else []
+    if not rows:
+        raise Unread("the weights were not read")
+    s = len(rows[0])
+    orders = [_whole(fields.get(x)) for x in ("lowerOrder", "higherOrder")]
+    table = Table(name, line, A=[_square(_need(fields["aCoefficients"]), s)], b=[rows[0]])
+    table.c = [vector(_need(fields["cCoefficients"]))]
+    table.order = orders[0]
+    table.rows = [("second row", x, orders[1]) for x in rows[1:]]
+    return table
+
+
+def declared_orders(text: str) -> dict[str, int]:
+    """Orders by name: ``alg_order(alg::Name) = n``, ``p%order = n``, "A third-order .."."""
+    places = re.findall(
+        r"module procedure (\w+)_properties(?:(?!end procedure).)*?p%order = (\d+)", text, re.DOTALL
+    )
+    if places:
+        return {name: int(n) for name, n in places}
+    documented = {}
+    for doc, name in re.findall(
+        r'"""((?:(?!""").)*)"""\s*(?:Base\.@kwdef )?struct (\w+)', text, re.DOTALL
+    ):
+        said = re.search(r"\b(\d+)(?:st|nd|rd|th)[- ]order|\b([a-z]+)-order", doc, re.IGNORECASE)
+        order = said and (int(said[1]) if said[1] else _ORDINALS.get(said[2].lower()))
+        if order:
+            documented[name] = order
+    found = re.findall(r"alg_order\(\s*\w*::(?:Union\{)?([\w, ]+)\}?\s*\)\s*=\s*(\d+)", text)
+    return documented | {x.strip(): int(n) for names, n in found for x in names.split(",")}
+
+
+_ORDINALS = {
+    x: k
+    for k, x in enumerate(
+        "first second third fourth fifth sixth seventh eighth ninth tenth".split(), 1
+    )
+}
+
+
+def _julia(text: str, declared: Mapping[str, int] | None = None) -> Iterator[Table]:
+    run = _Run(text, "julia")
+    declared = declared or {}
+    made = ("ExplicitRKTableau", "ExplicitTableau", "ImplicitRKTableau", "Tableau", "IMEXTableau",
+            "DIRKButcher",
+            "IMEXButcher", "SymplecticTableau", "RosenbrockButcher", "RodasTableau",
+            "RosenbrockTableau", "ESDIRKIMEXTableau")  # fmt: skip
+    for _, node in run.steps():
+        name = run.header.removeprefix("function ").strip()
+        short = re.sub(r"(?:ESDIRKIMEX|IMEX)?(?:ConstantCache|Tableau)$", "", name)
+        order = declared.get(short)
+        for call in _calls(node, made):
+            kind = ast.unparse(call.func).rpartition(".")[2]
+            if run.depth == 0:
+                continue
+            try:
+                table = _of_julia(run, kind, call, name, order)
+            except Unread as error:
+                table = _unread(name, run.line, error)
+            if table is not None:
+                yield table
+        if isinstance(node, ast.Return) and node.value is not None:
+            for call in _calls(node, [name]):
+                if name.endswith(("ConstantCache", "Tableau")) and len(call.args) > 2:
+                    try:
+                        table = _of_names(run, name, order)
+                    except Unread as error:
+                        table = _unread(name, run.line, error)
+                    if table is not None:
+                        yield table
+
+
+def _of_julia(run: _Run, kind: str, call: ast.Call, name: str, order: int | None) -> Table | None:
+    words, line = _keywords(call), run.line
+    if kind in ("ExplicitRKTableau", "ImplicitRKTableau"):
+        if len(call.args) < 4:
+            return None
+        A, c, b, n = (run.value(x) for x in call.args[:4])
+        s = len(vector(b))
+        table = Table(name, line, A=[_square(A, s)], b=[vector(b)], c=[vector(c)])
+        table.order = _whole(n)
+        key = next((x for x in words if x in ("αEEst", "aEEst", "bEEst")), "")
+        if key:
+            low = run.value(words[key])
+            least = words.get("adaptiveorder")
+            table.rows = [("αEEst", vector(low), _whole(run.value(least)))]
+        return table
+    if kind == "Tableau":
+        if len(call.args) < 5:
+            return None
+        title = _words(call.args[0])
+        n, A, b, c = (run.value(x) for x in call.args[1:5])
+        s = len(vector(b))
+        return Table(title, line, A=[_square(A, s)], b=[vector(b)], c=[vector(c)],
+                     order=_whole(n))  # fmt: skip
+    if kind == "ExplicitTableau" and "a" in words:
+        A = run.value(words["a"])
+        b = vector(run.value(words["b"])) if "b" in words else vector(A[-1])
+        return Table(name, line, A=[_square(A, len(A))], b=[b], c=[None], order=order)
+    if kind == "DIRKButcher":
+        A, b, c = (run.value(x) for x in call.args[:3])
+        s = len(vector(b))
+        return Table(name, line, A=[_square(A, s)], b=[vector(b)], c=[vector(c)], order=order)
+    if kind == "IMEXButcher":
+        A, b, c, A2, b2, c2 = (run.value(x) for x in call.args[:6])
+        s = len(vector(b))
+        return Table(name, line, "additive", [_square(A, s), _square(A2, s)],
+                     [vector(b), vector(b2)], [vector(c), vector(c2)], order)  # fmt: skip
+    if kind == "IMEXTableau" and "a_exp" in words:
+        A, A2 = (run.value(words[x]) for x in ("a_exp", "a_imp"))
+        s = len(A)
+        A, A2 = _square(A, s), _square(A2, s)
+        b, b2 = (
+            vector(run.value(words[k])) if k in words else M[-1]
+            for k, M in (("b_exp", A), ("b_imp", A2))
+        )
+        c = [vector(run.value(words[k])) if k in words else None for k in ("c_exp", "c_imp")]
+        return Table(name, line, "additive", [A, A2], [b, b2], c, order)
+    if kind == "SymplecticTableau" and len(call.args) == 2:
+        a, b = (vector(run.value(x)) for x in call.args)
+        return Table(name, line, "splitting", [], [a, b], order=order)
+    if kind == "ESDIRKIMEXTableau" and len(call.args) >= 9:
+        return _esdirk(run, call, name, order)
+    return None
+
+
+def _esdirk(run: _Run, call: ast.Call, name: str, order: int | None) -> Table:
+    args = call.args[1:] if isinstance(call.args[0], ast.Call) else call.args
+    Ai, bi, Ae, be, c, bt, ebt = (run.value(x) for x in args[:7])
+    s = len(vector(bi))
+    words = _keywords(call)
+    given = _whole(run.value(args[8]))
+    if not any(complex(x.value) for x in vector(be)):  # the implicit half alone
+        table = Table(name, run.line, A=[_square(Ai, s)], b=[vector(bi)], c=[vector(c)])
+    else:
+        ce = vector(run.value(words["ce"])) if "ce" in words else vector(c)
+        table = Table(name, run.line, "additive", [_square(Ae, s), _square(Ai, s)],
+                      [vector(be), vector(bi)], [ce, vector(c)])  # fmt: skip
+    table.order = order or given
+    table.errors = [vector(x) for x in (bt, ebt) if vector(x)]
+    return table
+
+
+_ENTRY = re.compile(r"(a|b|c|btilde|bhat)_?(\d+)$")
+
+
+def _of_names(run: _Run, name: str, order: int | None) -> Table | None:
+    """Coefficients under names of their own: a21, a0201, b1, c2, btilde1."""
+    found: dict[str, dict[str, Number]] = {}
+    for key, value in run.scope.items():
+        match = _ENTRY.fullmatch(key)
+        if match and isinstance(value, Number):
+            found.setdefault(match[1], {})[match[2]] = value
+        elif match and isinstance(value, Unread):
+            raise value
+    if len(found.get("a", {})) < 1 or "γ" in run.scope:  # a diagonal without a name
+        return None
+    entries: dict[tuple[int, int], Number] = {}
+    wide = any(len(x) == 4 for x in found["a"])
+    for digits, value in found["a"].items():
+        cut = len(digits) - 2 if wide and len(digits) > 3 else len(digits) - 1
+        if not wide and len(digits) == 3:
+            cut = 2
+        if cut < 1:
+            return None
+        i, j = int(digits[:cut]), int(digits[cut:])
+        if j >= i:
+            raise Unread("an entry of A on or above the diagonal, by its name")
+        entries[i, j] = value
+    s = max(i for i, _ in entries)
+    b = {int(k): v for k, v in found.get("b", {}).items()}
+    s = max([s, *b])
+    A = [[entries.get((i, j), ZERO) for j in range(1, s + 1)] for i in range(1, s + 1)]
+    weights = [b.get(k, ZERO) for k in range(1, s + 1)] if b else A[-1]
+    table = Table(name, run.line, A=[A], b=[weights], order=order, named=True)
+    given = {int(k): v for k, v in found.get("c", {}).items()}
+    sums = [sum((complex(x.value).real for x in row), 0.0) for row in A]
+    best: list[Number | None] = []
+    worst = 0
+    for offset in (0, 1):
+        c = [given.get(i - offset) for i in range(1, s + 1)]
+        gaps = sum(
+            x is not None and abs(complex(x.value).real - y) > 1e-6
+            for x, y in zip(c, sums, strict=True)
+        )
+        if not best or gaps < worst:
+            best, worst = c, gaps
+    full = [
+        x if x is not None else Number(sum((y.value for y in row), Exact(0)))
+        for x, row in zip(best, A, strict=True)
+    ]
+    table.c = [full if given else None]
+    for key in ("btilde",):
+        if key in found:
+            error = {int(k): v for k, v in found[key].items()}
+            table.errors = [[error.get(k, ZERO) for k in range(1, max([s, *error]) + 1)]]
+    if "bhat" in found and not b:
+        return None
+    return table
+
+
+def _python(text: str) -> Iterator[Table]:
+    """numpy, torch and jax modules: classes with arrays, and calls that take them."""
+    run = _Run(text, "python")
+    first: dict[str, int] = {}
+    last_class = ""
+    singles: dict[str, Table] = {}
+    orders = _python_orders(text)
+    for step, node in run.steps():
+        if step.kind == "open" and step.text.startswith("class "):
+            last_class = step.text.removeprefix("class ")
+            for key in ("A", "B", "C", "E", "order", "tableau_intermediate", "tableau_final"):
+                run.scope.pop(key, None)
+                run.globals.pop(key, None)
+            first = {"class": step.line}
+        if isinstance(node, ast.Assign):
+            target = ast.unparse(node.targets[0])
+            if isinstance(node.value, ast.Call) and not target.startswith("self."):
+                for table in _of_call(run, node.value, target, step.line):
+                    table.order = table.order or orders.get(target, orders.get(""))
+                    singles[target] = table
+                    yield table
+        if step.kind == "close" and step.text.startswith("class ") and last_class:
+            yield from _of_class(run, last_class, first.get("class", step.line))
+            last_class = ""
+        for call in _calls(node, ["MultiButcherTableau"]):
+            pair = [singles.get(ast.unparse(x)) for x in call.args]
+            if len(pair) == 2 and all(x is not None and not x.unread for x in pair):
+                yield _together([x for x in pair if x], orders.get(""))
+        if isinstance(node, ast.Return) and isinstance(node.value, ast.Tuple) and run.depth:
+            names = [ast.unparse(x) for x in node.value.elts]
+            if len(names) >= 3 and names[:2] == ["c", "a"] and run.header.startswith("def "):
+                arrays = (run.scope.get(x) for x in ("a", "bsol", "c"))
+                yield from _guarded(_of_lists, run, run.header[4:], run.line, *arrays)
+
+
+def _python_orders(text: str) -> dict[str, int]:
+    """Orders by the name of the tableau; under ``""`` that of a module with one solver."""
+    found: dict[str, int] = {}
+    for block in re.split(r"\n(?=class )", text):
+        order = re.search(r"\n    order = (\d+)", block)
+        tableau = re.search(r"\n    tableau[^=\n]*= (\w+)", block)
+        if order and tableau:
+            found[tableau[1]] = int(order[1])
+    methods = re.findall(r"def order\(self, terms\):(?:\s*del \w+)?\s*return (\d+)", text)
+    if len(set(methods)) == 1:
+        found[""] = int(methods[0])
+    return found
+
+
+def _together(pair: list[Table], order: int | None) -> Table:
+    """Two tables of one additive method."""
+    first, second = pair
+    return Table(f"{first.name} with {second.name}", second.line, "additive",
+                 [first.A[0], second.A[0]], [first.b[0], second.b[0]],
+                 [first.c[0], second.c[0]], order)  # fmt: skip
+
+
+def _guarded(
+    make: Callable[..., Table], run: _Run, name: str, line: int, *more: Any
+) -> Iterator[Table]:
+    try:
+        yield make(run, name, line, *more)
+    except Unread as error:
+        yield _unread(name, line, error)
+    except (TypeError, AttributeError, IndexError, KeyError, ValueError) as error:
+        yield _unread(name, line, Unread(f"{type(error).__name__}: {error}"))
+
+
+def _of_lists(run: _Run, name: str, line: int, A: Any, b: Any, c: Any) -> Table:
+    weights = vector(_need(b))
+    s = len(weights)
+    times = vector(_need(c))
+    if len(times) == s - 1:
+        times = [ZERO, *times]
+    return Table(name, line, A=[_square(_need(A), s)], b=[weights], c=[times])
+
+
+def _of_call(run: _Run, call: ast.Call, target: str, line: int) -> Iterator[Table]:
+    made = ast.unparse(call.func).rpartition(".")[2]
+    words = _keywords(call)
+    if made in ("_ButcherTableau", "ButcherTableau"):
+        yield from _guarded(_of_butcher, run, target, line, words)
+    elif made in ("ExplicitRungeKuttaMethod", "RungeKuttaMethod", "ExplicitRungeKuttaPair",
+                  "DIRKPair", "RungeKuttaPair"):  # fmt: skip
+        yield from _guarded(_of_nodepy, run, target, line, call)
+
+
+def _of_butcher(run: _Run, name: str, line: int, words: Mapping[str, ast.expr]) -> Table:
+    get = {k: run.value(v) for k, v in words.items() if k in
+           ("a_lower", "b_sol", "b_error", "c", "c1", "a_diagonal", "alpha", "beta", "c_sol",
+            "c_error")}  # fmt: skip
+    A, b, c = (get[x] if x in get else get.get(y) for x, y in
+               (("a_lower", "beta"), ("b_sol", "c_sol"), ("c", "alpha")))  # fmt: skip
+    if A is None or b is None:
+        raise Unread("A or b is missing")
+    weights = vector(b)
+    s = len(weights)
+    rows = _square(A, s)
+    if get.get("a_diagonal") is not None:
+        for i, x in enumerate(vector(get["a_diagonal"])):
+            rows[i][i] = x
+    times = vector(c)
+    if len(times) == s - 1:
+        times = [*(vector(get["c1"]) if "c1" in get else [ZERO]), *times]
+    table = Table(name, line, A=[rows], b=[weights], c=[times])
+    error = get.get("b_error", get.get("c_error"))
+    if error is not None:
+        table.errors = [vector(error)]
+    return table
+
+
+def _of_nodepy(run: _Run, name: str, line: int, call: ast.Call) -> Table:
+    words = _keywords(call)
+    title = re.sub(r"^\w+\[['\"](.*)['\"]\]$", r"\1", name)
+    if "alpha" in words:
+        A, b = _shu_osher(_need(run.value(words["alpha"])), _need(run.value(words["beta"])))
+    else:
+        given = [*call.args[:2], *(words[x] for x in ("A", "b") if x in words)]
+        if len(given) < 2:
+            raise Unread("A or b is missing")
+        A, b = (run.value(x) for x in given[:2])
+        b = vector(b)
+        A = _square(A, len(b)) if isinstance(A, list) and isinstance(A[0], list) else [vector(A)]
+    table = Table(title, line, A=[A], b=[b], c=[None])
+    if len(call.args) > 2:
+        table.rows = [("bhat", vector(run.value(call.args[2])), None)]
+    table.order = _by_name(title, len(b), pair="Pair" in ast.unparse(call.func))
+    return table
+
+
+def _by_name(name: str, s: int, *, pair: bool) -> int | None:
+    """The order in names as SSP104, ten stages and order 4, and of pairs as BS5."""
+    digits = re.search(r"(\d+)$", name)
+    if digits is None:
+        return None
+    if len(digits[1]) > 1 and digits[1][:-1] == str(s):
+        return int(digits[1][-1])
+    return int(digits[1]) if pair and len(digits[1]) == 1 else None
+
+
+def _shu_osher(alpha: Any, beta: Any) -> tuple[Rows, list[Number]]:
+    """A and b of ``y_i = sum alpha_ij y_j + h beta_ij f(y_j)``: Shu, Osher (1988)."""
+    s = len(alpha) - 1
+    rows: list[list[Number]] = []
+    for i in range(s + 1):
+        row = [ZERO] * s
+        for k in range(min(i, len(alpha[i]))):
+            a = alpha[i][k]
+            for j in range(s):
+                if k < len(rows):
+                    term = a.of(a.value * rows[k][j].value, rows[k][j])
+                    row[j] = row[j].of(row[j].value + term.value, term)
+        for j in range(min(s, len(beta[i]))):
+            row[j] = row[j].of(row[j].value + beta[i][j].value, beta[i][j])
+        rows.append(row)
+    return rows[:s], rows[s]
+
+
+def _of_class(run: _Run, name: str, line: int) -> Iterator[Table]:
+    scope = run.scope
+    if "tableau_intermediate" in scope:
+        yield from _guarded(_of_desolver, run, name, line)
+    elif {"A", "B", "C"} <= scope.keys():
+        yield from _guarded(_of_scipy, run, name, line)
+
+
+def _of_scipy(run: _Run, name: str, line: int) -> Table:
+    scope = run.scope
+    b = vector(_need(scope["B"]))
+    s = len(b)
+    A = [list(vector(row))[:s] for row in _need(scope["A"])][:s]
+    table = Table(name, line, A=[_square(A, s)], b=[b], c=[vector(_need(scope["C"]))[:s]])
+    orders = re.search(rf"class {name}\b.*?\n    order = (\d+)", run.text, re.DOTALL)
+    table.order = int(orders[1]) if orders else None
+    if "E" in scope and not isinstance(scope["E"], Unread):
+        table.errors = [vector(scope["E"])]
+    return table
+
+
+def _of_desolver(run: _Run, name: str, line: int) -> Table:
+    rows = [vector(x) for x in _need(run.scope["tableau_intermediate"])]
+    order = run.scope.get("__order__")
+    if "tableau_final" not in run.scope:
+        drift = [(0, x[2]) for x in rows]
+        kick = [(1, x[1]) for x in rows]
+        steps = [x for pair in zip(kick, drift, strict=True) for x in pair
+                 if complex(x[1].value) != 0]  # fmt: skip
+        table = _steps_of(name, line, steps)
+    else:
+        final = [vector(x) for x in _need(run.scope["tableau_final"])]
+        s = len(rows[0]) - 1
+        table = Table(name, line, A=[_square([x[1:] for x in rows], s)], b=[final[0][1:]])
+        table.c = [[x[0] for x in rows]]
+        table.rows = [("second row", x[1:], None) for x in final[1:]]
+    table.order = _whole(order) if isinstance(order, Number) else None
+    return table
+
+
+def _steps_of(name: str, line: int, steps: list[tuple[int, Number]]) -> Table:
+    """A splitting given step by step: (0, drift) or (1, kick); drift first, zeros put between."""
+    a: list[Number] = []
+    b: list[Number] = []
+    for which, x in steps:
+        if which == 0:
+            if len(a) > len(b):
+                b.append(ZERO)
+            a.append(x)
+        else:
+            if len(a) == len(b):
+                a.append(ZERO)
+            b.append(x)
+    if len(a) > len(b):
+        b.append(ZERO)
+    return Table(name, line, "splitting", [], [a, b])
+
+
+def _rklib(text: str, declared: Mapping[str, int] | None = None) -> Iterator[Table]:
+    """Fortran steps: stages ``call me%f(t+c*h, x+h*(..), f2)``, weights from ``xf``."""
+    from .stepper import procedures
+
+    for name, line, found in procedures(text):
+        if isinstance(found, Unread):
+            yield _unread(name, line, found)
+            continue
+        A, b, c, error = found
+        table = Table(name, line, A=[A], b=[b], c=[c], order=(declared or {}).get(name))
+        table.errors = [error] if error else []
+        yield table
+
+
+def _kpp(text: str) -> Iterator[Table]:
+    """Rosenbrock methods of KPP, whose A, C and m stand for alpha, gamma and b.
+
+    ``C = diag(1 / gamma_ii) - Gamma^-1``, ``A = alpha Gamma^-1``, ``m = b Gamma^-1`` (Hairer and
+    Wanner 1996, IV.7, (7.25)); entries are stored by rows below the diagonal.
+    """
+    run = _Run(text, "fortran")
+    for step, _ in run.steps():
+        if step.kind == "close" and "ros_A" in run.scope and run.depth == 1:
+            name = run.header.removeprefix("procedure ")
+            yield from _guarded(_of_kpp, run, name, run.line)
+
+
+def _of_kpp(run: _Run, name: str, line: int) -> Table:
+    s = _whole(run.scope.get("ros_S")) or 0
+
+    def low(key: str) -> Rows:
+        held = _need(run.scope.get(key))
+        if s > 1 and not isinstance(held, Sparse):
+            raise Unread(f"{key} is missing")
+        get = held.entries.get if isinstance(held, Sparse) else (lambda k, d: d)
+        return [
+            [get((i * (i - 1) // 2 + j + 1,), ZERO) if j < i else ZERO for j in range(s)]
+            for i in range(s)
+        ]
+
+    def row(key: str) -> list[Number]:
+        held = _need(run.scope.get(key))
+        if not isinstance(held, Sparse):
+            raise Unread(f"{key} is missing")
+        return [held.entries.get((k + 1,), ZERO) for k in range(s)]
+
+    g, A, C, m, e = row("ros_Gamma")[0], low("ros_A"), low("ros_C"), row("ros_M"), row("ros_E")
+    inverse = [
+        [C[i][j].of(-C[i][j].value) if i != j else g.of(Exact(1) / g.value) for j in range(s)]
+        for i in range(s)
+    ]
+    gamma = [[ZERO] * s for _ in range(s)]
+    for j in range(s):  # forward substitution in the columns of the inverse
+        for i in range(j, s):
+            total = Exact(int(i == j))
+            for k in range(j, i):
+                total = total - inverse[i][k].value * gamma[k][j].value
+            gamma[i][j] = g.of(total * g.value)
+
+    def product(x: list[Number]) -> list[Number]:
+        found = []
+        for j in range(s):
+            total = sum((x[k].value * gamma[k][j].value for k in range(s)), Exact(0))
+            found.append(g.of(total, next((y for y in x if y.places is not None), g)))
+        return found
+
+    table = Table(name, line, "rosenbrock", [[product(x) for x in A], gamma], [product(m)], [None])
+    embedded = product([x.of(x.value - y.value, y) for x, y in zip(m, e, strict=True)])
+    table.order = _order_of_kpp(run.text, name)
+    table.rows = [("m - E", embedded, None)]
+    return table
+
+
+def _order_of_kpp(text: str, name: str) -> int | None:
+    """The order that the text above a method of KPP gives."""
+    found = re.search(
+        rf"SUBROUTINE {name}\b(?:(?!END SUBROUTINE).)*?ORDER (\d)",
+        text,
+        re.DOTALL | re.IGNORECASE,
+    )
+    return int(found[1]) if found else None
+
+
+FORMATS: Mapping[str, Callable[..., Iterator[Table]]] = {
+    "json": from_json,
+    "csv": from_csv,
+    "sundials": _sundials,
+    "petsc": _petsc,
+    "julia": _julia,
+    "python": _python,
+    "openmodelica": _openmodelica,
+    "eigen": _tudat,
+    "rklib": _rklib,
+    "kpp": _kpp,
+    "principia": structs,
+    "gsl": gsl,
+    "odeint": odeint,
+}
+SUFFIXES: Mapping[str, tuple[str, ...]] = {
+    "json": (".json",),
+    "csv": (".csv",),
+    "sundials": (".def",),
+    "petsc": (".c",),
+    "julia": (".jl",),
+    "python": (".py",),
+    "openmodelica": (".c",),
+    "eigen": (".cpp",),
+    "rklib": (".f90",),
+    "kpp": (".f90",),
+    "principia": (".hpp",),
+    "gsl": (".c",),
+    "odeint": (".hpp",),
+}
+
+
+def read(text: str, form: str, declared: Mapping[str, int] | None = None) -> Iterator[Table]:
+    """Tables of one file in the order in which they stand there."""
+    if form in ("julia", "rklib"):
+        yield from FORMATS[form](text, declared)
+    else:
+        yield from FORMATS[form](text)

@@ -1,0 +1,69 @@
+"""A table of coefficients as a reader finds it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from ..exact import Exact
+from .values import Number, Sparse, Unread
+
+__all__ = ["ZERO", "Rows", "Table", "vector"]
+
+Rows = list[list[Number]]
+
+
+@dataclass
+class Table:
+    """A table that was found.
+
+    Attributes
+    ----------
+        name, line: what the code calls it, and where it begins.
+        kind: ``"rk"``, ``"additive"``, ``"rosenbrock"``, ``"splitting"``, ``"nystrom"``,
+            ``"glm"``.
+        A, b, c: of each part; of a Rosenbrock method alpha and gamma are two entries of ``A``, of
+            a Nystrom method A, maybe A', and b, b'; of a general linear method b holds F B and the
+            weights of r - 1 other values that are the solution.
+        order: the order that the code declares, or ``None``.
+        rows: further weights, each with what it is called and its declared order.
+        errors: weights of error estimates, which sum to zero.
+        unread: why nothing could be read, or ``""``.
+        named: whether entries stand under names of their own, so that one may have none.
+        identities: equations beside the conditions, as "U S = 1", each with its largest residual.
+    """
+
+    name: str
+    line: int
+    kind: str = "rk"
+    A: list[Rows] = field(default_factory=list)
+    b: list[list[Number]] = field(default_factory=list)
+    c: list[list[Number] | None] = field(default_factory=list)
+    order: int | None = None
+    rows: list[tuple[str, list[Number], int | None]] = field(default_factory=list)
+    errors: list[list[Number]] = field(default_factory=list)
+    unread: str = ""
+    named: bool = False
+    identities: list[tuple[str, float]] = field(default_factory=list)
+
+
+ZERO = Number(Exact(0))
+
+
+def vector(value: Any, s: int = 0) -> list[Number]:
+    """Flat list of numbers, with zeros to the length s."""
+    if isinstance(value, Sparse):
+        return [value.entries.get((k,), ZERO) for k in range(s)]
+    flat: list[Number] = []
+
+    def add(x: Any) -> None:
+        if isinstance(x, list):
+            for y in x:
+                add(y)
+        elif isinstance(x, Number):
+            flat.append(x)
+        else:
+            raise Unread("an array holds what is no number")
+
+    add(value)
+    return [*flat, *([ZERO] * (s - len(flat)))]

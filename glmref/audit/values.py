@@ -1,0 +1,391 @@
+"""Straight-line code of other people evaluated by hand: numbers, arrays, and nothing that runs.
+
+Statements of C, Julia, Fortran and Python are rewritten as Python expressions, parsed by
+:mod:`ast`, and evaluated over exact numbers by a table of arithmetic and of a few functions. What
+is not in that table is *unread*, with its line; so is everything that is computed from it.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import Any
+
+from ..errors import ExactnessError
+from ..exact import Exact
+
+__all__ = ["Number", "Scope", "Unread", "evaluate", "literal"]
+
+#: A decimal with at most this many digits after the point means what it says.
+SHORT = 11
+_NUMERAL = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,4})?")
+_MOST_DIGITS = 2000
+
+
+class Unread(Exception):
+    """A statement or entry that is not understood, with its line."""
+
+    def __init__(self, what: str, line: int = 0) -> None:
+        super().__init__(what)
+        self.line = line
+
+
+class Number:
+    """An exact number, and how many digits after the point its roundest decimal has."""
+
+    __slots__ = ("places", "value")
+
+    def __init__(self, value: Exact, places: int | None = None) -> None:
+        self.value, self.places = value, places
+
+    def of(self, value: Exact, other: Number | None = None) -> Number:
+        """A result of arithmetic with this number, and maybe another."""
+        places = [x.places for x in (self, other) if x is not None and x.places is not None]
+        return Number(value, min(places, default=None))
+
+    def whole(self) -> int:
+        """The integer it is."""
+        x = self.value.as_fraction()
+        if x is None or x.denominator != 1 or abs(x) > 10_000:
+            raise Unread("an index must be a whole number")
+        return int(x)
+
+    def __repr__(self) -> str:
+        return f"{complex(self.value).real:.17g}"
+
+
+def literal(text: str) -> Number:
+    """A number as it is written."""
+    if len(text) > _MOST_DIGITS or not _NUMERAL.fullmatch(text):
+        raise Unread(f"{text[:40]!r} is no number")
+    mantissa, _, power = text.lower().partition("e")
+    places = max(0, len(mantissa.partition(".")[2]) - int(power or 0))
+    value = Exact(Fraction(text))
+    if "." not in text or places <= SHORT:
+        return Number(value)
+    return Number(value, places)
+
+
+Scope = dict[str, Any]
+
+_ACCIDENTS = (ZeroDivisionError, RecursionError, IndexError, ValueError, TypeError, AttributeError)
+
+_FIRST = {
+    *("array", "tensor", "asarray", "SUN_RCONST", "RCONST", "RC", "PetscRealConstant", "PetscReal"),
+    *("big", "BigFloat", "float", "Float64", "T", "T2", "S", "float64", "tuple", "list", "Rat"),
+    *("SVector", "SMatrix", "SparseCoeffs", "Integer", "real", "dble", "SMat", "vec", "sympify"),
+    *("constexpr", "double", "Tuple", "collect", "Array", "Matrix", "Vector", "copy", "SA", "RT"),
+    *("asarray", "ascontiguousarray", "from_list", "one_", "Number", "permutedims_", "RealT"),
+    *("BigInt", "Int", "Int64", "Real"),
+}
+_LAST = {"convert", "map", "parse", "tparse"}
+_DOTTED = re.compile(r"[A-Za-z_\u0080-\uffff][\w.\u0080-\uffff]*")
+
+
+def evaluate(
+    node: ast.expr, scope: Mapping[str, Any], text: Mapping[int, str] | None = None
+) -> Any:
+    """Evaluate an expression: a :class:`Number`, nested lists of them, or a string."""
+    return _Evaluator(scope).of(node)
+
+
+class _Evaluator:
+    def __init__(self, scope: Mapping[str, Any]) -> None:
+        self.scope = scope
+
+    def of(self, node: ast.AST) -> Any:
+        rule = getattr(self, f"_{type(node).__name__.lower()}", None)
+        if rule is None:
+            raise Unread(f"a {type(node).__name__} is not read", getattr(node, "lineno", 0))
+        try:
+            return rule(node)
+        except Unread as error:
+            error.line = error.line or getattr(node, "lineno", 0)
+            raise
+        except (*_ACCIDENTS, ExactnessError) as error:
+            raise Unread(f"{type(error).__name__}: {error}", getattr(node, "lineno", 0)) from None
+
+    def _expression(self, node: ast.Expression) -> Any:
+        return self.of(node.body)
+
+    def _constant(self, node: ast.Constant) -> Any:
+        x = node.value
+        if isinstance(x, bool) or x is None:
+            return x
+        if isinstance(x, int):
+            return Number(Exact(x))
+        if isinstance(x, str):
+            return literal(x) if _NUMERAL.fullmatch(x) else x
+        raise Unread(f"{x!r} is no number that is read")
+
+    def _list(self, node: ast.List | ast.Tuple) -> Any:
+        found: list[Any] = []
+        for x in node.elts:
+            if isinstance(x, ast.Starred):
+                found += self._sequence(self.of(x.value))
+            else:
+                found.append(self.of(x))
+        return found
+
+    _tuple = _list
+
+    @staticmethod
+    def _sequence(x: Any) -> list[Any]:
+        if not isinstance(x, list):
+            raise Unread("a list is expected")
+        return x
+
+    def _name(self, node: ast.Name) -> Any:
+        return self._look(node.id)
+
+    def _look(self, name: str) -> Any:
+        if name not in self.scope:
+            raise Unread(f"the name {name!r} is not known")
+        value = self.scope[name]
+        if isinstance(value, Unread):
+            raise value
+        return value
+
+    def _attribute(self, node: ast.Attribute) -> Any:
+        name = ast.unparse(node)
+        if name in self.scope:
+            return self._look(name)
+        if node.attr in ("T", "value"):
+            value = self.of(node.value)
+            return value if node.attr == "value" else [list(x) for x in zip(*value, strict=True)]
+        raise Unread(f"the name {name[:40]!r} is not known")
+
+    def _unaryop(self, node: ast.UnaryOp) -> Any:
+        value = self.of(node.operand)
+        if isinstance(node.op, ast.USub):
+            return _each(lambda x: x.of(-x.value), value)
+        if isinstance(node.op, ast.UAdd):
+            return value
+        raise Unread("an operator is not read")
+
+    def _binop(self, node: ast.BinOp) -> Any:
+        x, y = self.of(node.left), self.of(node.right)
+        if isinstance(node.op, ast.Pow):
+            return self._power(x, y)
+        rule = _RULES.get(type(node.op))
+        if rule is None:
+            raise Unread("an operator is not read")
+        return _pairwise(rule, x, y)
+
+    def _power(self, x: Any, y: Any) -> Any:
+        if not isinstance(x, Number) or not isinstance(y, Number):
+            raise Unread("a power of arrays is not read")
+        exponent = y.value.as_fraction()
+        if exponent is None or abs(exponent.numerator) > 40 or exponent.denominator > 6:
+            raise Unread("a power is not read")
+        base = x.value
+        if exponent.denominator > 1:
+            base = base.sqrt() if exponent.denominator == 2 else base.root(exponent.denominator)
+        power = base ** abs(exponent.numerator)
+        return x.of(Exact(1) / power if exponent < 0 else power)
+
+    def _subscript(self, node: ast.Subscript) -> Any:
+        base, parts = node.value, self._parts(node)
+        while isinstance(base, ast.Subscript):
+            base, parts = base.value, [*self._parts(base), *parts]
+        value = self.of(base)
+        if isinstance(value, Sparse):
+            index = tuple(self.of(i).whole() for i in parts)
+            return value.entries.get(index, Number(Exact(0)))
+        if base is not node.value:
+            value = self.of(node.value)
+        return _taken(value, self._index(node.slice, len(value)))
+
+    @staticmethod
+    def _parts(node: ast.Subscript) -> list[ast.expr]:
+        return node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
+
+    def _index(self, node: ast.expr, size: int) -> list[Any]:
+        parts = node.elts if isinstance(node, ast.Tuple) else [node]
+        start = int(self.scope.get("1-based", 0))
+        found: list[Any] = []
+        for part in parts:
+            if isinstance(part, ast.Slice):
+                low = 0 if part.lower is None else self.of(part.lower).whole() - start
+                high = None if part.upper is None else self.of(part.upper).whole()
+                found.append(slice(low, high))
+            elif isinstance(part, ast.Name) and part.id == "end":
+                found.append(-1)
+            else:
+                k = self.of(part).whole()
+                found.append(k if k < 0 else k - start)
+        return found
+
+    def _ifexp(self, node: ast.IfExp) -> Any:
+        return self.of(node.body)
+
+    def _call(self, node: ast.Call) -> Any:
+        name = ast.unparse(node.func)
+        last = name.rpartition(".")[2]
+        if isinstance(node.func, ast.Name | ast.Attribute) and name in self.scope:
+            value = self._look(name)  # an array in round brackets
+            if isinstance(value, Sparse):
+                at = tuple(self.of(x).whole() for x in node.args)
+                return value.entries.get(at, Number(Exact(0)))
+            return _taken(value, self._index(ast.Tuple(node.args, ast.Load()), 0))
+        if last in _LAST:
+            return self.of(node.args[-1])
+        if last in ("Matrix", "Vector", "Array") and ast.unparse(node.args[0]) == "undef":
+            return _filled([self._size(x) for x in node.args[1:]], Number(Exact(0)))
+        if last in _FIRST:
+            return self.of(node.args[0])
+        if last in ("squeeze",):
+            return _squeezed(self.of(node.args[0]))
+        if last in ("PetscSqr", "sqr"):
+            return self._power(self.of(node.args[0]), Number(Exact(2)))
+        if "sqrt" in last.lower():
+            x = self.of(node.args[0])
+            return _each(lambda n: n.of(_root(n)), x)
+        if last == "cbrt":
+            return self._power(self.of(node.args[0]), Number(Exact(Fraction(1, 3))))
+        if last in ("item", "to", "copy", "reshape", "astype", "numpy", "double") and isinstance(
+            node.func, ast.Attribute
+        ):
+            return self.of(node.args[0] if last == "copy" and node.args else node.func.value)
+        if last in ("Zero", "zeros", "ones", "fill"):
+            value = Number(Exact(0 if last in ("zeros", "Zero") else 1))
+            if last == "fill":
+                value, node.args = self.of(node.args[0]), node.args[1:]
+            return _filled([self._size(x) for x in self._dims(node.args)], value)
+        if last == "Rational" and len(node.args) == 2:
+            return _pairwise(_RULES[ast.Div], self.of(node.args[0]), self.of(node.args[1]))
+        if last in ("one", "zero"):
+            return Number(Exact(int(last == "one")))
+        if last in ("concatenate", "vcat", "hstack"):
+            parts = [self.of(x) for x in node.args] if last == "vcat" else self.of(node.args[0])
+            return [x for part in parts for x in part]
+        if last in ("size", "len", "length"):
+            return Number(Exact(len(self.of(node.args[0]))))
+        raise Unread(f"the function {name[:40]!r} is not read")
+
+    def _dims(self, args: list[ast.expr]) -> list[ast.expr]:
+        if args and isinstance(args[0], ast.Tuple | ast.List):
+            return list(args[0].elts)
+        return [x for x in args if not (isinstance(x, ast.Name) and x.id not in self.scope)]
+
+    def _size(self, node: ast.expr) -> int:
+        n = self.of(node).whole()
+        if not 0 <= n <= 100:
+            raise Unread("an array is too large")
+        return n
+
+
+class Sparse:
+    """Entries given one by one of an array that was never declared."""
+
+    def __init__(self) -> None:
+        self.entries: dict[tuple[int, ...], Number] = {}
+
+
+def _squeezed(x: Any) -> Any:
+    while isinstance(x, list) and len(x) == 1:
+        x = x[0]
+    return x
+
+
+def _root(n: Number) -> Exact:
+    return n.value.sqrt()
+
+
+def _filled(dims: list[int], value: Number) -> list[Any]:
+    if len(dims) == 1:
+        return [value] * dims[0]
+    return [_filled(dims[1:], value) for _ in range(dims[0])]
+
+
+def _each(rule: Any, x: Any) -> Any:
+    if isinstance(x, list):
+        return [_each(rule, y) for y in x]
+    if not isinstance(x, Number):
+        raise Unread("a number is expected")
+    return rule(x)
+
+
+def _pairwise(rule: Any, x: Any, y: Any) -> Any:
+    if isinstance(x, list) and isinstance(y, list):
+        if len(x) != len(y):
+            raise Unread("two arrays have different lengths")
+        return [_pairwise(rule, a, b) for a, b in zip(x, y, strict=True)]
+    if isinstance(x, list):
+        return [_pairwise(rule, a, y) for a in x]
+    if isinstance(y, list):
+        return [_pairwise(rule, x, b) for b in y]
+    if not (isinstance(x, Number) and isinstance(y, Number)):
+        raise Unread("a number is expected")
+    return x.of(rule(x.value, y.value), y)
+
+
+_RULES: Mapping[type, Any] = {
+    ast.Add: lambda x, y: x + y,
+    ast.Sub: lambda x, y: x - y,
+    ast.Mult: lambda x, y: x * y,
+    ast.Div: lambda x, y: x / y,
+    ast.FloorDiv: lambda x, y: x / y,
+}
+
+
+def _taken(value: Any, index: list[Any]) -> Any:
+    for k, at in enumerate(index):
+        if not isinstance(value, list):
+            raise Unread("an index into a number")
+        if isinstance(at, slice):
+            part = value[at]
+            return [_taken(x, index[k + 1 :]) for x in part] if index[k + 1 :] else part
+        value = value[at]
+    return value
+
+
+def assign(target: ast.expr, value: Any, scope: Scope) -> None:
+    """Carry out ``target = value``.
+
+    Raises
+    ------
+    Unread
+        Where the target is not a name or an array entry.
+    """
+    if isinstance(target, ast.Tuple | ast.List) and isinstance(value, list):
+        for x, y in zip(target.elts, value, strict=False):
+            assign(x, y, scope)
+        return
+    indices: list[ast.expr] = []
+    while isinstance(target, ast.Subscript | ast.Call):
+        if isinstance(target, ast.Subscript):
+            parts = target.slice.elts if isinstance(target.slice, ast.Tuple) else [target.slice]
+            target = target.value
+        else:
+            parts, target = target.args, target.func
+        indices = [*parts, *indices]
+    name = ast.unparse(target)
+    if not _DOTTED.fullmatch(name):
+        raise Unread(f"an assignment to {name[:40]!r} is not read")
+    if not indices:
+        scope[name] = value
+        return
+    held = scope.get(name)
+    if isinstance(held, Unread):
+        raise held
+    if not isinstance(held, list | Sparse):
+        held = scope[name] = Sparse()
+    evaluator = _Evaluator(scope)
+    if isinstance(held, Sparse):
+        held.entries[tuple(evaluator.of(x).whole() for x in indices)] = value
+        return
+    at = evaluator._index(ast.Tuple(indices, ast.Load()), 0)
+    for k in at[:-1]:
+        if isinstance(k, slice):
+            raise Unread("an assignment to a block is not read")
+        held = held[k]
+    last = at[-1]
+    if isinstance(last, slice):
+        if not isinstance(value, list):
+            value = [value] * len(held[last])
+        if len(held[last]) != len(value):
+            raise Unread("an assignment changes the length of a row")
+    held[last] = value

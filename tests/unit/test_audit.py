@@ -1,0 +1,537 @@
+"""``glmref audit``: small pieces of each syntax, a wrong entry in some, and what cannot be read."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from glmref.audit.judge import judge
+from glmref.audit.readers import declared_orders, read
+from glmref.audit.table import Table
+from glmref.cli import main
+
+SUNDIALS = """
+ARK_BUTCHER_TABLE(ARKODE_HEUN_EULER_2_1_2, { /* Heun-Euler-ERK */
+    ARKodeButcherTable B = ARKodeButcherTable_Alloc(2, SUNTRUE);
+    B->q = 2;
+    B->p = 1;
+    B->A[1][0] = SUN_RCONST(1.0);
+    B->b[0] = SUN_RCONST(1.0)/SUN_RCONST(2.0);
+    B->b[1] = SUN_RCONST(1.0)/SUN_RCONST(2.0);
+    B->d[0] = SUN_RCONST(1.0);
+    B->c[1] = SUN_RCONST(1.0);
+    return B;
+ })
+ARK_BUTCHER_TABLE(ARKODE_MADE_UP, {
+    ARKodeButcherTable B = ARKodeButcherTable_Alloc(1, SUNFALSE);
+    B->q = 1;
+    B->b[0] = magic(3);
+    return B;
+ })
+"""
+PETSC = """
+PetscErrorCode TSRegisterAll(void)
+{
+#define RC PetscRealConstant
+#define g  (1.0 - 0.5 * PetscSqrtReal((PetscReal)2.0)) /* a comment */
+  {
+    const PetscReal A[2][2] = {
+      {0, 0},
+      {RC(2.0) / RC(3.0), 0}
+    };
+    const PetscReal b[2] = {0.25, 0.75}, bembed[2] = {1.0, 0};
+    PetscCall(TSRKRegister(TSRK2R, 2, 2, &A[0][0], b, NULL, NULL, 0, NULL));
+  }
+  {
+    const PetscReal A[3][3] = {{0, 0, 0}, {g, 0, 0}, {-(PetscReal)1.0, 3.0, 0}};
+    const PetscReal At[3][3] = {{0, 0, 0}, {0, g, 0}, {0, 1 - g, g}};
+    const PetscReal b[3] = {0, 1 - g, g};
+    PetscCall(TSARKIMEXRegister(TSARKIMEXX, 2, 3, &At[0][0], b, NULL, &A[0][0], b, NULL, NULL, NULL, 0, NULL, NULL));
+  }
+  PetscCall(TSRosWRegisterRos4(TSROSWY, 0.25, PETSC_CURRENT, PETSC_CURRENT, 0, 1.0));
+  {
+    const PetscReal A[2][2] = {{0, 0}, {1., 0}};
+    const PetscReal Gamma[2][2] = {{0.25, 0}, {-0.5, 0.25}};
+    const PetscReal b[2] = {0.5, 0.5}, b1[2] = {1.0, 0.0};
+    PetscCall(TSRosWRegister(TSROSW2Z, 2, 2, &A[0][0], &Gamma[0][0], b, NULL, 1, NULL));
+  }
+}
+"""
+GLEE = """
+static const char citation[] = "url = {http://example.org/1}\\n";
+PetscErrorCode TSGLEERegisterAll(void)
+{
+  {
+#define GAMMA 0.0
+    const PetscInt  p = 2, s = 4, r = 2;
+    const PetscReal A[4][4] = {{0, 0, 0, 0}, {1, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 1, 0}},
+                    B[2][4] = {{0.5, 0.5, 0, 0}, {-0.5, -0.5, 0.5, 0.5}},
+                    U[4][2] = {{1, 0}, {1, 0}, {1, 1}, {1, 1}}, V[2][2] = {{1, 0}, {0, 1}},
+                    S[2] = {1, 0}, F[2] = {1, 0}, Fembed[2] = {1, 1 - GAMMA};
+    PetscCall(TSGLEERegister(TSGLEEMADE, p, s, r, GAMMA, &A[0][0], &B[0][0], &U[0][0], &V[0][0], S, F, NULL, Fembed, F, S, 0, NULL));
+  }
+}
+"""
+JULIA = '''
+"""
+    Kutta3()
+
+Kutta's method; `A[1, 2] = 7` in a text means nothing.
+"""
+function Kutta3(::Type{T} = Float64, ::Type{T_time} = T) where {T, T_time}
+    t = 2 * big"0.25"
+    A = [
+        0 0 0
+        1 // 2 0 0
+        -1 4t 0
+    ]
+    c = [0; 1 // 2; 1]
+    α = [1 // 6; 2 // 3; 1 // 6]
+    αEEst = [0, 1, 0]
+    A = map(T, A)
+    return (
+        DiffEqBase.ExplicitRKTableau(
+            A, c, α, 3; αEEst, adaptiveorder = 2,
+            stability_size = 2.5127453266183286
+        )
+    )
+end
+
+struct Nothing{T}
+    x::T
+end
+
+"""
+    Cooper2()
+
+A second-order method whose entry 1/2 is misprinted.
+"""
+struct Cooper2 <: DIRK{2} end
+function RKTableau(alg::Cooper2, RealT)
+    n = 2
+    a = zeros(RealT, n, n)
+    a[2, 1] = 2 // 3
+    b = a[2, :]
+    b[1] = 0
+    b[2] = 1
+    return DIRKButcher(a, b, zeros(RealT, n))
+end
+
+function TableauX(::Type{T}=Float64) where {T}
+    a = @big [[ 0     0    ]
+              [ 1//2  0    ]]
+    b = @big  [ 0,    1    ]
+    c = @big  [ 0,    1//3 ]
+    o = 2
+    Tableau{T}(:Midpoint, o, a, b, c)
+end
+
+function IMEXTableau(::ARS222)
+    γ = 1 - √2 / 2
+    δ = 1 - 1 / 2γ  # which is 1 / (2γ)
+    IMEXTableau(;
+        a_exp = @SArray([
+            0 0 0
+            γ 0 0
+            δ (1-δ) 0
+        ]),
+        b_exp = @SArray([0, 1 - γ, γ]),
+        a_imp = @SArray([
+            0 0 0
+            0 γ 0
+            0 (1-γ) γ
+        ])
+    )
+end
+
+function HeunConstantCache(T, T2)
+    a21 = convert(T, 1)
+    b1 = convert(T, 1 // 2)
+    b2 = convert(T, 1 // 2)
+    btilde1 = convert(T, -1 // 2)
+    btilde2 = convert(T, 1 // 4)
+    c2 = convert(T2, 1)
+    return HeunConstantCache(a21, b1, b2, btilde1, btilde2, c2)
+end
+
+function LeapfrogConstantCache(T, T2)
+    a1 = convert(T, 1 // 2)
+    a2 = convert(T, 1 // 2)
+    b1 = convert(T, 1)
+    b2 = convert(T, 0)
+    return SymplecticTableau((a1, a2), (b1, b2))
+end
+'''
+PYTHON = """
+import numpy as np
+_tableau = ButcherTableau(
+    a_lower=(np.array([2 / 3]),),  # don't stop here
+    b_sol=np.array([1 / 4, 3 / 4]),
+    b_error=np.array([-3 / 4, 3 / 4]),
+    c=np.array([2 / 3]),
+)
+class Ralston(Solver):
+    tableau = _tableau
+    def order(self, terms):
+        return 2
+
+class RK3(RungeKutta):
+    order = 3
+    C = np.array([0, 1/2, 3/4])
+    A = np.array([[0, 0, 0], [1/2, 0, 0], [0, 3/4, 0]])
+    B = np.array([2/9, 1/3, 4/9])
+
+class RadauIIA3(Integrator):
+    __order__ = 3.0
+    tableau_intermediate = np.array([[1/3, 5/12, -1/12], [1, 3/4, 1/3]])
+    tableau_final = np.array([[0, 3/4, 1/4]])
+
+A = np.array([[0, 0], [1, 0]])
+b = np.array([1, 1]) / 2
+RK['Heun22'] = ExplicitRungeKuttaMethod(A, b, name='Heun')
+RK['Odd33'] = ExplicitRungeKuttaMethod(A, b[::-1], name='Odd')
+"""
+OPENMODELICA = """
+void getButcherTableau_SWAPPED(BUTCHER_TABLEAU* tableau)
+{
+  tableau->nStages = 2;
+  tableau->order_b = 2;
+  tableau->order_bt = 1;
+  const double c[] = {0.0, 1.0};
+  const double A[] = {0.0, 0.0,
+                      1.0, 0.0};
+  const double b[] = {1., 0.};
+  const double bt[] = {.5, 0.5};
+  setButcherTableau(tableau, c, A, b, bt);
+}
+"""
+EIGEN = """
+namespace space
+{
+void initializeHeunCoefficients( Coefficients& h )
+{
+    h.lowerOrder = 1;
+    h.higherOrder = 2;
+    h.aCoefficients = Eigen::MatrixXd::Zero( 2, 2 );
+    h.aCoefficients( 1, 0 ) = 1.0;
+    h.cCoefficients = Eigen::VectorXd::Zero( 2 );
+    h.cCoefficients( 1 ) = 1.0;
+    h.bCoefficients = Eigen::MatrixXd::Zero( 2, 2 );
+    h.bCoefficients( 0, 0 ) = 1.0;
+    h.bCoefficients( 1, 0 ) = 1.0 / 2.0;
+    h.bCoefficients( 1, 1 ) = 1.0 / 2.0;
+}
+}
+"""
+FORTRAN = """
+    module procedure heun
+    real(wp),parameter :: half = 1.0_wp / 2.0_wp
+    associate (f1 => me%funcs(:,1), &
+               f2 => me%funcs(:,2))
+        call me%f(t,x,f1)          ! the first
+        call me%f(t+h, x+h*f1, f2)
+        xf = x + h*half*(f1 + &
+             f2)
+        xerr = h*(half*f2 - half*f1)
+    end associate
+    end procedure heun
+    module procedure heun_properties
+        p%order = 2
+    end procedure heun_properties
+"""
+
+KPP = """
+  SUBROUTINE Ros2
+! L-STABLE METHOD, 2 STAGES, ORDER 2
+    DOUBLE PRECISION g
+    g = 1.0_dp + 1.0_dp/SQRT(2.0_dp)
+    ros_S = 2
+    ros_A(1) = (1.0_dp)/g
+    ros_C(1) = (-2.0_dp)/g
+    ros_M(1)= (3.0_dp)/(2.0_dp*g)
+    ros_M(2)= (1.0_dp)/(2.0_dp*g)
+    ros_E(1) = 1.0_dp/(2.0_dp*g)
+    ros_E(2) = ros_M(2)
+    ros_Alpha(2) = 1.0_dp
+    ros_Gamma(1) = g
+    ros_Gamma(2) =-g
+  END SUBROUTINE Ros2
+"""
+
+
+def judged(text: str, form: str) -> dict[str, dict[str, Any]]:
+    found = [judge(x) for x in read(text, form, declared_orders(text))]
+    return {x["name"]: x for x in found}
+
+
+def test_sundials_tables_and_one_that_is_not_understood() -> None:
+    found = judged(SUNDIALS, "sundials")
+    assert found["ARKODE_HEUN_EULER_2_1_2"]["status"] == "right"
+    assert found["ARKODE_HEUN_EULER_2_1_2"]["line"] == 2
+    unread = found["ARKODE_MADE_UP"]
+    assert unread["status"] == "unread" and "'magic' is not read (line 16)" in unread["remarks"][0]
+
+
+def test_petsc_registrations() -> None:
+    found = judged(PETSC, "petsc")
+    assert found["TSRK2R"]["status"] == "right"
+    wrong = found["TSARKIMEXX"]
+    assert (wrong["kind"], wrong["declared"], wrong["found"]) == ("additive", 2, 1)
+    assert {"entry": "a[3][2]", "is": "3", "should be": "2"} in wrong["correction"]
+    assert found["TSROSW2Z"]["status"] == "right"
+    assert found["TSROSWY"]["status"] == "question"
+    assert "a2 is the sentinel PETSC_CURRENT" in found["TSROSWY"]["remarks"][0]
+
+
+def test_general_linear_methods_of_petsc() -> None:
+    right = judged(GLEE, "petsc")["TSGLEEMADE"]
+    assert (right["kind"], right["found"], right["status"]) == ("glm", 2, "right")
+    second = judged(GLEE.replace("-0.5, 0.5, 0.5}}", "-0.5, 0.25, 0.75}}"), "petsc")["TSGLEEMADE"]
+    assert (second["found"], second["order_of_tree"], second["residual"]) == (1, 2, 0.25)
+    assert second["status"] == "question"
+    uneven = judged(GLEE.replace("U[4][2] = {{1, 0}", "U[4][2] = {{2, 0}"), "petsc")["TSGLEEMADE"]
+    assert uneven["status"] == "wrong" and "U S = 1 fails by 1" in uneven["remarks"]
+    cut = judged(GLEE.replace("V[2][2] = {{1, 0}, {0, 1}}", "V[2][2] = {{1, 0}}"), "petsc")
+    assert cut["TSGLEEMADE"]["status"] == "unread"
+
+
+def test_julia_tables_in_their_four_styles() -> None:
+    found = judged(JULIA, "julia")
+    assert found["Kutta3"]["status"] == "right"
+    assert found["Midpoint"]["correction"] == [{"entry": "c[2]", "is": "1/3", "should be": "1/2"}]
+    cooper = found["Cooper2"]
+    assert (cooper["declared"], cooper["found"], cooper["status"]) == (2, 1, "question")
+    assert found["ARS222"]["status"] == "found" and found["ARS222"]["found"] == 2
+    assert found["ARS222"]["kind"] == "additive"
+    heun = found["HeunConstantCache"]
+    assert heun["status"] == "wrong" and "sum to 0.25" in heun["remarks"][0]
+    assert found["LeapfrogConstantCache"]["found"] == 2
+
+
+def test_python_modules() -> None:
+    found = judged(PYTHON, "python")
+    assert found["_tableau"]["status"] == "right"
+    assert found["RK3"]["status"] == "right"
+    assert found["RadauIIA3"]["correction"][0] == {
+        "entry": "a[2][2]", "is": "1/3", "should be": "1/4"
+    }  # fmt: skip
+    assert found["Heun22"]["status"] == "right"
+    assert found["Odd33"]["status"] == "right"  # two stages: the name says nothing
+
+
+def test_exchanged_rows_are_said_to_be_exchanged() -> None:
+    swapped = judged(OPENMODELICA, "openmodelica")["SWAPPED"]
+    assert swapped["status"] == "wrong" and swapped["found"] == 1
+    assert "the rows may be exchanged" in swapped["remarks"][0]
+
+
+def test_arrays_of_eigen_and_steps_of_fortran() -> None:
+    found = judged(EIGEN, "eigen")
+    assert found["Heun"]["status"] == "right"
+    heun = judged(FORTRAN, "rklib")["heun"]
+    assert heun["status"] == "right" and heun["declared"] == 2 and heun["stages"] == 2
+
+
+def test_rosenbrock_methods_in_the_transformed_form() -> None:
+    ros2 = judged(KPP, "kpp")["Ros2"]
+    assert (ros2["kind"], ros2["declared"], ros2["found"]) == ("rosenbrock", 2, 2)
+    broken = judged(KPP.replace("(-2.0_dp)/g", "(-3.0_dp)/g"), "kpp")["Ros2"]
+    assert broken["found"] == 0 and broken["status"] == "question"
+
+
+def test_an_unread_table_has_no_verdict() -> None:
+    assert judge(Table("x", 3, unread="why"))["status"] == "unread"
+
+
+def test_the_command_goes_on_after_what_it_cannot_read(tmp_path: Path, capsys: Any) -> None:
+    (tmp_path / "good.py").write_text(PYTHON)
+    (tmp_path / "bad.py").write_text("class A(:\n  ButcherTableau = [")
+    assert main(["audit", str(tmp_path), "--format", "python"]) == 1
+    out = capsys.readouterr()
+    rows = [json.loads(x) for x in out.out.splitlines()]
+    assert {(x["path"], x["status"]) for x in rows} >= {("bad.py", "unread"), ("good.py", "wrong")}
+    assert "1 wrong" in out.err
+
+
+def test_nothing_in_a_source_is_executed(tmp_path: Path) -> None:
+    there = tmp_path / "made"
+    text = f"A = __import__('pathlib').Path({str(there)!r}).touch()\nclass X(Y):\n    A = A\n"
+    list(read(text + "    B = [1]\n    C = [0]\n", "python"))
+    assert not there.exists()
+
+
+@pytest.mark.parametrize("form", ["sundials", "petsc", "julia", "python", "rklib"])
+def test_a_folder_without_sources_is_one_sentence(form: str, tmp_path: Path, capsys: Any) -> None:
+    assert main(["audit", str(tmp_path), "--format", form]) == 2
+    assert "holds no file" in capsys.readouterr().err
+
+
+PLAIN_JSON = """[
+ {"name": "Heun", "A": [[0, 0], [1, 0]], "b": ["1/2", 0.5], "order": 2, "embedded": [[[1, 0], 1]]},
+ {"name": "lost", "A": [[0, 0, 0], ["1/2", 0, 0], [-1, 1, 0]], "b": ["1/6", "2/3", "1/6"],
+  "c": [0, "1/2", 1], "order": 3},
+ {"name": "Stormer", "A": [[0, 0], [0.5, 0]], "b": ["1/2", 0], "b_prime": ["1/2", "1/2"],
+  "c": [0, 1], "order": 2},
+ {"name": "Euler", "parts": [{"A": [[0]], "b": [1]}, {"A": [[1]], "b": [1]}], "order": 1},
+ {"name": "odd", "A": [[0]], "b": ["open('x')"], "order": 1},
+ {"name": "short", "A": [[0, 0]], "b": [1], "order": 1},
+ 7]
+"""
+PLAIN_CSV = """name,A,b,order,embedded
+Heun,0 0; 1 0,1/2 0.5,2,"[{""error"": [""1/2"", ""-1/2""]}]"
+wrong,0 0; 1 0,1/4 3/4,2,
+odd,0 0; 1,1 0,1,
+"""
+
+
+def test_plain_json_holds_one_table_or_many() -> None:
+    found = judged(PLAIN_JSON, "json")
+    status = {name: x["status"] for name, x in found.items()}
+    assert [status[x] for x in ("Heun", "Stormer", "Euler")] == ["right"] * 3
+    assert status["lost"] == "wrong" and found["lost"]["line"] == 3
+    assert found["lost"]["correction"][0] == {"entry": "a[3][2]", "is": "1", "should be": "2"}
+    assert (status["odd"], status["short"], status["table 7"]) == ("unread",) * 3
+    one = judged('{"A": [[0]], "b": [1], "order": 1}', "json")
+    named = judged('{"Euler": {"A": [[0]], "b": [1], "order": 2}}', "json")
+    assert one["table 1"]["status"] == "right" and named["Euler"]["found"] == 1
+    assert judged("{", "json")[""]["status"] == "unread"
+
+
+def test_plain_csv_has_a_table_in_each_row() -> None:
+    found = judged(PLAIN_CSV, "csv")
+    assert found["Heun"]["status"] == "right" and found["Heun"]["line"] == 2
+    assert found["wrong"]["found"] == 1 and found["odd"]["status"] == "unread"
+
+
+def test_the_command_offers_every_reader() -> None:
+    from glmref.audit.readers import FORMATS, SUFFIXES
+    from glmref.audit.sources import _MARKS
+    from glmref.cli.auditing import READ
+
+    assert set(READ) == set(FORMATS) == set(SUFFIXES) == set(_MARKS)
+
+
+PRINCIPIA = """
+struct Leapfrog : SymplecticPartitionedRungeKutta {
+  static constexpr int order = 2;  // a comment
+  static constexpr FixedVector<double, stages> a{{{1.0, 0.0}}};
+  static constexpr FixedVector<double, stages> b{{{+0.5,
+                                                   +0.5}}};
+};
+struct Heun : EmbeddedExplicitRungeKutta {
+  static constexpr int higher_order = 2;
+  static constexpr int lower_order = 1;
+  static constexpr FixedVector<double, stages> c{{{0.0, 1.0}}};
+  static constexpr FixedStrictlyLowerTriangularMatrix<double, stages> a{{{1'000.0 / 1'000.0}}};
+  static constexpr FixedVector<double, stages> b̂{{{0.5, 0.5}}};
+  static constexpr auto b = b̂ - FixedVector<double, stages>{{{-0.5, 0.5}}};
+};
+struct Adams : ExplicitLinearMultistep {
+  static constexpr int order = 2;
+};
+struct Stormer : EmbeddedExplicitRungeKuttaNyström {
+  static constexpr int higher_order = 2;
+  static constexpr int lower_order = 1;
+  static constexpr FixedVector<double, stages> c{{{0.0, 1.0}}};
+  static constexpr FixedStrictlyLowerTriangularMatrix<double, stages> a{{{0.5}}};
+  static constexpr FixedVector<double, stages> b̂{{{0.5, 0.0}}};
+  static constexpr FixedVector<double, stages> b̂ʹ{{{0.5, 0.5}}};
+  static constexpr FixedVector<double, stages> b{{{0.5, 0.0}}};
+  static constexpr FixedVector<double, stages> bʹ{{{1.0, 1.0}}};
+};
+"""
+GSL = """
+static const double ah[] = { 0.5, 1.0 };
+static const double b3[] = { -1.0, 2.0 };  /* b21 is ah[0] */
+static const double c1 = 1.0 / 6.0;
+static const double c2 = 2.0 / 3.0;
+static const double c3 = 1.0 / 6.0;
+static const double ec[] = { 0.0, 1.0 / 6.0, -1.0 / 3.0, 1.0 / 6.0 };
+static unsigned int
+kutta_order (void *vstate)
+{
+  return 3;
+}
+"""
+ODEINT = """
+template< class Value = double >
+struct mid_coefficients_a1 : std::array< Value , 1 >
+{
+    mid_coefficients_a1( void )
+    {
+        (*this)[0] = static_cast< Value >( 1 ) / static_cast< Value >( 2 );
+    }
+};
+struct mid_coefficients_b : std::array< Value , 2 >
+{
+    mid_coefficients_b( void )
+    {
+        (*this)[0] = static_cast< Value >( 0 );
+        (*this)[1] = static_cast< Value >( 1 );
+    }
+};
+struct mid_coefficients_c : std::array< Value , 2 >
+{
+    mid_coefficients_c( void )
+    {
+        (*this)[0] = static_cast< Value >( 0 );
+        (*this)[1] = static_cast< Value >( 1 ) / static_cast< Value >( 2 );
+    }
+};
+template<
+class State ,
+class Value = double
+>
+class midpoint : public explicit_generic_rk< 2 , 2 , State , Value >
+{
+};
+"""
+ODEINT_PAIR = """
+class pair : public explicit_error_stepper_fsal_base< pair< State , Value > , 2 , 2 , 1 , State >
+{
+    const value_type b21 = static_cast<value_type>( 1 );
+    const value_type c1 = static_cast<value_type>( 1 ) / static_cast<value_type>( 2 );
+    const value_type c2 = static_cast<value_type>( 1 ) / static_cast<value_type>( 2 );
+    const value_type dc1 = c1 - static_cast<value_type>( 1 ) / static_cast<value_type>( 4 );
+    const value_type dc2 = static_cast<value_type>( 0 );
+    const value_type dc3 = static_cast<value_type>( -1 ) / static_cast<value_type>( 4 );
+};
+"""
+
+
+def test_members_of_principia() -> None:
+    found = judged(PRINCIPIA, "principia")
+    assert found["Leapfrog"]["status"] == "right" and found["Leapfrog"]["kind"] == "splitting"
+    assert found["Heun"]["status"] == "right" and found["Heun"]["found"] == 2
+    assert found["Adams"]["status"] == "unread"
+    assert found["Stormer"]["status"] == "right" and found["Stormer"]["kind"] == "nystrom"
+    assert found["Stormer, lower order"]["found"] == 0
+    wrong = judged(PRINCIPIA.replace("b̂{{{0.5, 0.5}}}", "b̂{{{0.5, 0.25}}}"), "principia")
+    assert wrong["Heun"]["found"] == 0
+
+
+def test_arrays_of_gsl_and_odeint() -> None:
+    kutta = judged(GSL, "gsl")["kutta"]
+    assert (kutta["status"], kutta["found"], kutta["line"]) == ("right", 3, 2)
+    slip = judged(GSL.replace("-1.0, 2.0", "-1.0, 1.0"), "gsl")["kutta"]
+    assert slip["correction"][0] == {"entry": "a[3][2]", "is": "1", "should be": "2"}
+    assert judged(GSL.replace("b3[]", "x3[]"), "gsl")["kutta"]["status"] == "unread"
+    assert judged(ODEINT, "odeint")["midpoint"]["status"] == "right"
+    pair = judged(ODEINT_PAIR, "odeint")["pair"]
+    assert (pair["status"], pair["declared"], pair["stages"]) == ("right", 2, 3)
+    open_ = judged(ODEINT_PAIR.replace("dc2 = static_cast<value_type>( 0 )", "dc2 = c1"), "odeint")
+    assert "sum to 0.5" in open_["pair"]["remarks"][0]
+
+
+def test_orders_beyond_twelve_are_looked_at_within_a_budget() -> None:
+    from glmref.audit.orders import reach, runge_kutta
+    from glmref.errors import BudgetError
+    from glmref.exact import Exact
+    from glmref.system.budget import limited
+
+    midpoint = runge_kutta(((Exact(1) / 2,),), (Exact(1),))
+    with pytest.raises(BudgetError), limited(0.01):
+        reach(midpoint, 14, high=True)

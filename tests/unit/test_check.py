@@ -1,0 +1,206 @@
+"""``glmref.check``: any kind of number, any kind of method, and the tree that fails."""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction as F
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+
+import glmref
+from glmref.cli import main
+from glmref.errors import DataError
+from glmref.findings import Verdict
+
+HEUN = [[0, 0], [1, 0]]
+
+
+def verdicts(*given: Any, **said: Any) -> list[str]:
+    return [str(x.verdict) for x in glmref.check(*given, **said)]
+
+
+@pytest.mark.parametrize(
+    "weights",
+    [
+        ["1/2", "1/2"],
+        ["0.5", "5e-1"],
+        [F(1, 2), F(1, 2)],
+        [0.5, 0.5],
+        np.array([0.5, 0.5]),
+        np.array([F(1, 2), F(1, 2)], dtype=object),
+        np.array([0.5, 0.5], dtype=np.float32),
+        np.array([0.5, 0.5], dtype=np.longdouble),
+        [mpmath.mpf(1) / 2, mpmath.mpf("0.5")],
+        ["sqrt(1/4)", "1-sqrt(4)/4"],
+    ],
+)
+def test_every_kind_of_number_is_read(weights: Any) -> None:
+    assert verdicts(np.array(HEUN), weights, order=2) == ["holds"]
+    with pytest.raises(glmref.CheckFailed, match=r"tree \[oo\] of order 3"):
+        glmref.check(HEUN, weights, order=3)
+
+
+def test_a_float_is_the_double_and_says_so() -> None:
+    (found,) = glmref.check(HEUN, [0.5, 0.5], order=2)
+    assert "taken as the binary fractions" in found.witness
+    with pytest.raises(AssertionError) as failed:
+        glmref.check([[0, 0], [5, 0]], [0.1, "9/10"], order=1)
+    assert "order 1 to 5.6e-18, order 0 exactly" in str(failed.value)
+    assert 'write "1/10"' in str(failed.value)
+
+
+def test_stated_digits_decide_nothing_within_them() -> None:
+    third = 1 / 3
+    A = [[0, 0], [2 * third, 0]]
+    (found,) = glmref.check(A, [0.25, 0.75], order=2, digits=15)
+    assert found.verdict is Verdict.OPEN
+    assert "within the 15 digits" in found.witness
+    glmref.assert_tableau(A, [0.25, 0.75], order=2, digits=15)
+    with pytest.raises(glmref.CheckFailed):
+        glmref.check([[0, 0], [0.6667, 0]], [0.25, 0.75], order=2, digits=15)
+
+
+def test_embedded_rows_and_error_weights_have_their_orders() -> None:
+    m = glmref.load("dormand-prince-5")
+    low = glmref.load("dormand-prince-4")
+    assert isinstance(m, glmref.GLM) and isinstance(low, glmref.GLM)
+    row = low.B[0]
+    assert verdicts(m, order=5, embedded=(row, 4)) == ["holds", "holds"]
+    error = [x - y for x, y in zip(m.B[0], row, strict=True)]
+    assert verdicts(m, order=5, embedded={"error": error, "order": 4}) == ["holds", "holds"]
+    with pytest.raises(glmref.CheckFailed, match="embedded row 1 5 fails"):
+        glmref.check(m, embedded=(row, 5))
+    with pytest.raises(glmref.CheckFailed, match=r"differ in sum by 0\.5"):
+        glmref.check(HEUN, ["1/2", "1/2"], embedded={"b": ["1/2", 0]})
+
+
+def test_abscissae_apart_are_judged_on_time_dependent_systems() -> None:
+    """Oliver (1975): c is not A 1, and the order is 2 on y' = f(t, y) all the same."""
+    b = ["1/2", "1/2"]
+    with pytest.raises(glmref.CheckFailed, match=r"f\[t\] of order 2"):
+        glmref.check(HEUN, b, [0, "1/2"], order=2)
+    # c = (1/4, 3/4) sums with b to 1/2: order 2, though the rows sum to (0, 1)
+    (order,) = glmref.check(HEUN, b, ["1/4", "3/4"], order=2)
+    assert order.verdict is Verdict.HOLDS
+    assert "row 1 of A sums to 0 and c[1] is 0.25" in order.witness
+
+
+def test_additive_parts_may_hold_and_their_coupling_fail() -> None:
+    explicit = {"A": [[0, 0], ["1/2", 0]], "b": [0, 1], "order": 2}
+    implicit = {"A": [[0, 0], [0, "1/2"]], "b": [0, 1], "order": 2}
+    assert verdicts({"parts": [explicit, implicit]}, order=2) == ["holds"] * 3
+    trapezoidal = {"A": [[0, 0], ["1/2", "1/2"]], "b": ["1/2", "1/2"], "order": 2}
+    with pytest.raises(glmref.CheckFailed) as failed:
+        glmref.check({"parts": [explicit, trapezoidal]}, order=2)
+    assert [str(x.verdict) for x in failed.value.findings] == ["holds", "holds", "fails"]
+    assert "tree a[b] of order 2 has residual 0.5" in str(failed.value)
+
+
+def test_nystrom_methods() -> None:
+    """Nystrom's method of order 4: Hairer, Norsett, Wanner (1993), table II.14.2."""
+    table = {
+        "A": [[0, 0, 0], ["1/8", 0, 0], [0, "1/2", 0]],
+        "b": ["1/6", "1/3", 0],
+        "b_prime": ["1/6", "2/3", "1/6"],
+        "c": [0, "1/2", 1],
+    }
+    assert verdicts(table, order=4) == ["holds", "holds"]
+    with pytest.raises(glmref.CheckFailed, match="order of the position 5 fails"):
+        glmref.check(table, order=5)
+    inner = {"A_prime": [[0, 0, 0], ["1/2", 0, 0], [-1, 2, 0]]}
+    with pytest.raises(glmref.CheckFailed, match=r"k\[kk\]|k\[k\[k\]\]|k\["):
+        glmref.check(table | {"A_prime": [[0] * 3] * 3}, order=2)
+    assert verdicts(table | inner, order=2) == ["holds", "holds"]
+
+
+def test_rosenbrock_methods_and_their_w_order() -> None:
+    """ROS2 of Verwer et al. (1999): order 2 for any J and gamma; order 3 fails."""
+    ros2 = {"alpha": [[0, 0], [1, 0]], "gamma": [["1/4", 0], ["-1/2", "1/4"]], "b": ["1/2", "1/2"]}
+    assert verdicts(ros2, order=2, w_order=2) == ["holds", "holds"]
+    wrong = ros2 | {"gamma": [["1/4", 0], ["1/2", "1/4"]]}
+    with pytest.raises(glmref.CheckFailed, match=r"order 2 fails: tree \[o\]"):
+        glmref.check(wrong, order=2)
+    # GRK-like: with b gamma 1 = 0 only in the sum with alpha, the exact Jacobian is needed
+    exact_only = {"alpha": [[0]], "gamma": [["1/2"]], "b": [1]}
+    assert verdicts(exact_only, order=2) == ["holds"]
+    with pytest.raises(glmref.CheckFailed, match=r"W-order 2 fails: tree f\[f\]"):
+        glmref.check(exact_only, w_order=2)
+
+
+def test_dense_output_is_a_polynomial_of_the_step() -> None:
+    said = {"A": HEUN, "b": ["1/2", "1/2"], "dense": [[1, "-1/2"], [0, "1/2"]]}
+    assert verdicts(said, dense_order=2) == ["holds"]
+    with pytest.raises(glmref.CheckFailed, match="dense output 2 fails"):
+        glmref.check(said | {"dense": [[1, "-1/3"], [0, "1/3"]]}, dense_order=2)
+
+
+@pytest.mark.parametrize(
+    ("document", "said"),
+    [
+        ({"A": HEUN}, "`b` is missing"),
+        ({"A": HEUN, "b": [1, 2, 3], "order": 1}, "`b` must have 2 entries"),
+        ({"A": [[0, 0], [1]], "b": [1, 2], "order": 1}, "row 2 has 1 entries"),
+        ({"A": HEUN, "b": ["1/2", "x"], "order": 1}, "`b\\[2\\]`: the name 'x' is not known"),
+        ({"A": HEUN, "b": [0.5, float("nan")], "order": 1}, "`b\\[2\\]` is 'nan'"),
+        ({"A": HEUN, "b": [True, 1], "order": 1}, "'True' of type bool"),
+        ({"A": HEUN, "b": ["1/2", "1/2"]}, "give `order`"),
+        ({"A": HEUN, "b": ["1/2", "1/2"], "order": "five"}, "`order` must be a whole number"),
+        ({"A": HEUN, "b": ["1/2", "1/2"], "ordre": 2}, "the key 'ordre' is not known"),
+    ],
+)
+def test_what_is_no_tableau_is_one_sentence(document: dict[str, Any], said: str) -> None:
+    with pytest.raises(DataError, match=said):
+        glmref.check(document)
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "said"),
+    [
+        ('{"A": [[0,0],[1,0]], "b": ["1/2","1/2"], "order": 2}', 0, "order 2 holds"),
+        ("A = [[0, 0], [1, 0]]\nb = [0.5, 0.5]\norder = 2\n", 0, "binary fractions"),
+        ('{"A": [[0,0],[1,0]], "b": ["1/2","1/3"], "order": 2}', 1, "tree o of order 1"),
+        ('{"A": [[0,0],[1,0]], "b": [0.333, 0.667], "digits": 3, "order": 1}', 3, "within the 3"),
+        ("{]", 2, "neither a JSON object nor TOML"),
+    ],
+)
+def test_the_command_reads_a_pipe(
+    text: str, code: int, said: str, monkeypatch: Any, capsys: Any
+) -> None:
+    import io
+
+    monkeypatch.setattr("sys.stdin", io.StringIO(text))
+    assert main(["check", "-"]) == code
+    out = capsys.readouterr()
+    assert said in out.out + out.err
+
+
+def test_the_command_gives_findings_as_json(tmp_path: Any, capsys: Any) -> None:
+    path = tmp_path / "heun.json"
+    path.write_text('{"A": [[0,0],[1,0]], "b": ["1/2","1/2"]}')
+    assert main(["check", str(path), "--order", "2", "--format", "json"]) == 0
+    (row,) = json.loads(capsys.readouterr().out)
+    assert row["verdict"] == "holds" and row["claim"] == "order"
+
+
+def test_the_steps_of_the_workflow_pass(tmp_path: Any, monkeypatch: Any) -> None:
+    """The commands of docs/workflows/tableau.yml, the installation apart, beside its tableau."""
+    import re
+    import shlex
+    from pathlib import Path
+
+    docs = Path(__file__).resolve().parents[2] / "docs"
+    workflow = (docs / "workflows" / "tableau.yml").read_text(encoding="utf-8")
+    page = (docs / "check.md").read_text(encoding="utf-8")
+    assert workflow in page
+    example = re.search(r"```json\n(.*?)```", page, re.DOTALL)
+    assert example is not None
+    (tmp_path / "tableau.json").write_text(example[1])
+    monkeypatch.chdir(tmp_path)
+    steps = re.findall(r"- run: (.*)", workflow)
+    assert steps[0] == "pip install glmref" and len(steps) == 2
+    for step in steps[1:]:
+        program, *arguments = shlex.split(step)
+        assert program == "glmref" and main(arguments) == 0

@@ -1,0 +1,45 @@
+"""Store an audit: lines of ``glmref audit --all`` as one file of ``data/audits``.
+
+``glmref audit CHECKOUT --format petsc --all | python -m tools.audit_record petsc PETSC-COMMIT DATE
+PAGE`` writes ``data/audits/petsc.json``. Only facts about each table are kept, no source.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+from glmref import __version__
+from glmref.audit.judge import summary
+from glmref.audit.sources import FORMAT
+from glmref.catalogue.canonical import canonical
+
+AUDITS = Path(__file__).resolve().parents[1] / "data" / "audits"
+
+
+def main(arguments: list[str]) -> None:
+    """Write the record of one code from the lines on the standard input."""
+    code, commit, date, page = arguments
+    records = []
+    for line in sys.stdin:
+        row = json.loads(line)
+        row = {k: v for k, v in row.items() if v not in (None, [], "")}
+        row.pop("nearest", None) if not row.get("nearest", {}).get("entries") else None
+        if isinstance(row.get("residual"), float):
+            row["residual"] = f"{row['residual']:.1e}"
+        records.append(row)
+    document = {
+        "format": FORMAT,
+        "name": code,
+        "source": {"page": page, "commit": commit, "date": date},
+        "reader": f"glmref {__version__}",
+        "counts": summary(records),
+        "tables": records,
+    }
+    AUDITS.mkdir(exist_ok=True)
+    (AUDITS / f"{code}.json").write_text(canonical(document), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
