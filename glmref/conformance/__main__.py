@@ -1,4 +1,4 @@
-"""``python -m glmref.conformance ADAPTER``: the suite without pytest.
+"""``python -m glmref.conformance ADAPTER``, and ``glmref conformance``: the suite without pytest.
 
 Exit codes are pytest's: 0 every check holds, 1 one fails, 4 the adapter or an option is bad; and as
 shells count, 130 after Ctrl-C, 143 after SIGTERM, 141 where nobody reads on.
@@ -33,10 +33,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--format", choices=("table", "json", "csv", "junit"), default="table")
     parser.add_argument("--list", action="store_true", help="write the ids and stop")
     asked = parser.parse_args(arguments)
-    return guarded("glmref.conformance", lambda: _judge(asked), BAD_ADAPTER)
+    return guarded("glmref.conformance", lambda: judge(asked), BAD_ADAPTER)
 
 
-def _judge(asked: argparse.Namespace) -> int:
+def judge(asked: argparse.Namespace) -> int:
+    """Carry out what was asked for: ``adapter``, ``known_failures``, ``format`` and ``list``."""
     try:
         return _run(asked)
     except GlmrefError as error:

@@ -44,8 +44,7 @@ class Bench:
 
     def __init__(self, method: GLM | PartitionedGLM, name: str) -> None:
         self.method, self.name = method, name
-        self.pair = isinstance(method, PartitionedGLM)
-        self.r = max(method.r, method.r_hat) if isinstance(method, PartitionedGLM) else method.r
+        self.pair, self.r = method.parts == 2, method.carried
         self.scheme = Scheme.of(method)
         self.facts = facts_of(method)
         self.L = self._involution()
@@ -127,8 +126,8 @@ class Bench:
         """Values that hide nothing: no component is zero, none is what a start would give."""
         y0 = [Fraction(x) for x in task.y0]
         u = [1] * self.r
-        if isinstance(self.method, GLM) and self.r > 1:
-            found = preconsistency_vector(self.method)
+        if not self.pair and self.r > 1:
+            found = preconsistency_vector(self.method.components[0])
             u = [round(float(x)) for x in found or ()]
         return [
             [u[k] * y + (Fraction((7 * k + 5 * i) % 11 - 5, 64) + Fraction(1, 128)) * (k > 0)

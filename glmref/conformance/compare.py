@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from ..catalogue.lookup import load
-from ..method import PartitionedGLM
 from .diagnosis import known_bug, name_defect, residual_of_stages, stage_order, start_order
 from .judgement import Judgement, errors_of, order_judgement
 from .subject import AdapterError, NotOffered, Subject
@@ -23,7 +22,7 @@ class Comparison:
 
     def __init__(self, subject: Subject, vectors: Vectors) -> None:
         self.subject, self.vectors, self.name = subject, vectors, vectors.name
-        self.pair = isinstance(vectors.method, PartitionedGLM)
+        self.pair = vectors.method.parts == 2
 
     def _allowed(self, case: Case) -> float:
         unit = self.subject.unit(self.name)
@@ -160,13 +159,19 @@ class Comparison:
     # --- runs -----------------------------------------------------------------------------------
 
     @property
-    def _own(self) -> bool:
-        """Whether runs begin from starting values that the adapter makes itself."""
-        return self.subject.starts == "own" and "solve" in self.subject.offers
+    def own(self) -> bool:
+        """Whether runs begin from starting values that the adapter makes itself.
+
+        It says so, or its ``solve`` takes no ``start`` where the data give starting values.
+        """
+        if "solve" not in self.subject.offers:
+            return False
+        given = any("input" in x.data for x in self.vectors.cases if x.kind == "trajectory")
+        return self.subject.starts == "own" or (given and not self.subject.takes_start)
 
     def _given(self, row: Case | Mapping[str, Any]) -> np.ndarray | None:
         """Starting values that a run is given; none where the adapter makes its own."""
-        if self._own:
+        if self.own:
             return None
         data = row.data if isinstance(row, Case) else row
         return array(data["input"]) if "input" in data else None
@@ -238,12 +243,7 @@ class Comparison:
         steps, errors = errors_of(run, list(given), case["exact"])
         shown_by = {int(row["steps"]): float(row["error"]) for row in case.data["rows"]}
         found = order_judgement(steps, errors, right, self.subject, self.name, shown_by)
-        if (
-            found.holds is False
-            and self._own
-            and self._carried > 1
-            and isinstance(found.value, int)
-        ):
+        if found.holds is False and self.own and self._carried > 1 and isinstance(found.value, int):
             message = (
                 f"{found.message}; the run starts by itself: a method of order {right} needs "
                 f"starting values of that order, and these give order {found.value}"

@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import DataError
-from ..method import GLM, PartitionedGLM
 from ..method.solution_value import preconsistency_vector
 from .bench import DIGITS, SHOWN, Bench
 from .run_cases import RunCases
@@ -34,16 +33,16 @@ METHODS = (
 )
 
 
-def document_of(method: GLM | PartitionedGLM, name: str) -> dict[str, Any]:
+def document_of(method: Any, name: str) -> dict[str, Any]:
     """Return the vector document of a method.
 
     Raises
     ------
         DataError: for a method whose vectors cannot be made: complex, or not pre-consistent.
     """
-    if isinstance(method, GLM) and not method.is_real:
+    if method.parts == 1 and not method.is_real:
         raise DataError(f"{name}: vectors are made for real methods; take its real form")
-    if isinstance(method, GLM) and preconsistency_vector(method) is None:
+    if method.parts == 1 and preconsistency_vector(method.components[0]) is None:
         raise DataError(f"{name}: the method is not pre-consistent, so nothing can be started")
     bench = Bench(method, name)
     cases = list(_cases(bench))
@@ -71,9 +70,9 @@ def _cases(bench: Bench) -> Iterator[dict[str, Any]]:
     if bench.L is not None or (bench.pair and bench.r == 1 and bench.facts.symmetry.holds):
         yield steps.reversed(cubic)
     for task in (problems()["pendulum"], problems()["forced"]):
-        if isinstance(bench.method, GLM) and bench.method.starting is not None:
+        if not bench.pair and bench.method.starting is not None:
             yield steps.start(task)
-        if isinstance(bench.method, GLM) and bench.method.finishing is not None:
+        if bench.method.finishing is not None:
             yield steps.finish(task)
     for name in ("pendulum", "kepler", "forced"):
         if problems()[name] in usable:

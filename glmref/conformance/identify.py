@@ -22,7 +22,7 @@ from ..catalogue.lookup import load, names
 from ..errors import DataError, ExactnessError, UsageError, did_you_mean
 from ..exact import Ball
 from ..exact.expression import parse
-from ..method import GLM, PartitionedGLM
+from ..method import GLM, Method, PartitionedGLM
 from .probe import Reading, read
 from .subject import Subject
 from .watch import clean, needed
@@ -148,8 +148,7 @@ def values_carried(subject: Subject, method: str) -> int:
     claims = subject.methods[method]
     if claims:
         return int(claims.get("values", 1))
-    known = load(method)
-    return max(known.r, known.r_hat) if isinstance(known, PartitionedGLM) else known.r
+    return load(method).carried
 
 
 def _identify(subject: Subject, name: str) -> Probe:
@@ -173,7 +172,7 @@ def _identify(subject: Subject, name: str) -> Probe:
     return Probe(name, reading, (), recognised, analysis, tuple(notes))
 
 
-def _analysis(method: GLM | PartitionedGLM, notes: list[str]) -> Any:
+def _analysis(method: Method, notes: list[str]) -> Any:
     from ..verification.analysis import analyze
 
     try:
@@ -214,7 +213,7 @@ def _surd(p: Fraction, q: Fraction, n: int) -> str:
     return term.lstrip("+") if p == 0 else f"{p}{term}"
 
 
-def as_method(reading: Reading, name: str = "read") -> tuple[GLM | PartitionedGLM, bool]:
+def as_method(reading: Reading, name: str = "read") -> tuple[Method, bool]:
     """Make a method of what was read.
 
     Numbers with a closed form become exact, the others balls of :data:`DIGITS` digits.
@@ -274,10 +273,11 @@ def _arrays(name: str) -> tuple[np.ndarray, ...] | None:
     def doubles(matrix: Any) -> Any:
         return np.array([[complex(x) for x in row] for row in matrix])
 
-    if isinstance(method, PartitionedGLM):
-        blocks = [doubles(getattr(method, x + y)) for y in ("", "_hat") for x in "AUBV"]
+    if method.additive:  # right-hand sides that are summed are not told apart by a step
+        return None
+    blocks = [doubles(x) for c in method.components for x in c.matrices]
+    if len(blocks) > 4:
         return tuple(x.real for x in blocks)
-    blocks = [doubles(getattr(method, x)) for x in "AUBV"]
     if any(np.abs(x.imag).max() > 0 for x in blocks):
         return None
     A, U, B, V = (x.real for x in blocks)

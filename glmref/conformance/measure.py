@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 
+from ..errors import UsageError
 from .judgement import Judgement, errors_of, floor_of, order_judgement
+from .probe import read
 from .subject import Subject
 from .vectors import TestProblem, array, problems
+from .weights import HIGHEST, first_defect, nearest
 
 __all__ = ["Measurement"]
 
 #: Length of the runs that measure an order.
 _TIME = 4.0
+#: Times of f, in steps, that count as one: a difference quotient calls it beside a stage.
+_SAME_TIME = 1e-6
+#: Relative difference of a nonlinear step from what the coefficients make of it, at most.
+_READ = 1e-10
 
 
 class Measurement:
@@ -45,7 +54,57 @@ class Measurement:
         steps, errors = errors_of(
             self._end, counts, exact, enough=lambda n, e: e < floor_of(self.subject, self.name, n)
         )
-        return order_judgement(steps, errors, right, self.subject, self.name)
+        found = order_judgement(steps, errors, right, self.subject, self.name)
+        if found.holds is False and (why := self.coefficients(right)).holds is False:
+            found = replace(found, message=f"{found.message}; {why.message}")
+        return found
+
+    def coefficients(self, right: int) -> Judgement:
+        """The order conditions, at the coefficients that are read out of a step.
+
+        Judged where a step shows the coefficients and a nonlinear step is what they make of it.
+        """
+        if self.subject.methods[self.name].get("values", 1) != 1:
+            return Judgement(None, "not judged: the method carries several values")
+        try:
+            reading = read(self.subject, self.name, 1)
+        except UsageError as error:
+            return Judgement(None, f"not judged: {error}")
+        if reading.notes and reading.unexplained > _READ:
+            return Judgement(None, f"not judged: {reading.notes[0]}")
+        explicit = reading.hat is None and reading.explicit
+        unit = self.subject.epsilon if explicit else self.subject.unit(self.name)
+        defect = first_defect(reading, right, unit)
+        if defect is None:
+            least = min(right, HIGHEST)
+            return Judgement(True, declared=right, value=least)
+        near = nearest(reading)
+        said = f"{defect}; {near}" if near else str(defect)
+        gap = abs(defect.weight - 1 / defect.tree.density)
+        return Judgement(False, said, gap, right, defect.order)
+
+    def abscissae(self, declared: Sequence[float]) -> Judgement:
+        """The times at which f is called in a step are those that are declared, and no others."""
+        problem, h, t0 = self.task.problem, self.size, float(self.task.t0)
+        called: list[float] = []
+
+        def f(t: float, y: np.ndarray) -> np.ndarray:
+            called.append((float(t) - t0) / h)
+            return problem.f(t, y)
+
+        watched = replace(problem, f=f, jacobian=problem.jacobian)
+        self.subject.step(self.name, watched, t0, array(self.task.y0)[None, :], h)
+
+        def missing(times: Sequence[float], others: Sequence[float]) -> list[float]:
+            return [x for x in times if min((abs(x - y) for y in others), default=1.0) > _SAME_TIME]
+
+        listed = ", ".join(f"{x:.6g}" for x in declared)
+        for x in missing(called, declared):
+            said = f"f is called at t {x:+.6g} h, and the abscissae are {listed}"
+            return Judgement(False, said, min(abs(x - y) for y in declared))
+        for x in missing(declared, called):
+            return Judgement(False, f"f is not called at t {x:+.6g} h, one of the abscissae")
+        return Judgement(True)
 
     def _step(self, y: np.ndarray, h: float) -> np.ndarray:
         return self.subject.step(self.name, self.task.problem, float(self.task.t0), y[None, :], h)[

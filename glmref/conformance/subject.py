@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import traceback
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
@@ -16,7 +17,7 @@ __all__ = ["AdapterError", "NotOffered", "Subject", "said"]
 
 OPERATIONS = ("step", "stages", "start", "finish", "solve")
 #: Claims that an integrator outside the catalogue may make; ``values`` says how many it carries.
-CLAIMS = ("order", "symmetric", "symplectic", "values")
+CLAIMS = ("order", "symmetric", "symplectic", "abscissae", "values")
 _HIGHEST_ORDER = 30
 #: Folder of this package.
 _PACKAGE = Path(__file__).parents[1]
@@ -70,6 +71,15 @@ class Subject:
         if self.starts not in ("file", "own"):
             raise UsageError(f"`starts` of {name} must be 'file' or 'own', got {self.starts!r}")
         self.problems = _problems(getattr(adapter, "problems", None), name)
+
+    @property
+    def takes_start(self) -> bool:
+        """Whether ``solve`` can be given starting values."""
+        try:
+            known = inspect.signature(self.adapter.solve).parameters.values()
+        except (AttributeError, TypeError, ValueError):  # written in C, for example
+            return True
+        return any(x.name == "start" or x.kind is x.VAR_KEYWORD for x in known)
 
     def _number(self, key: str, default: float) -> float:
         return _small(getattr(self.adapter, key, default), key, self.name)
@@ -270,9 +280,20 @@ def _claims(claims: Any, method: str, name: str) -> dict[str, Any]:
             raise UsageError(f"{name} claims {claim!r} of {method}; known are {', '.join(CLAIMS)}")
         if claim in ("symmetric", "symplectic"):
             right, kind = isinstance(value, bool), "True or False"
+        elif claim == "abscissae":
+            right, kind = _are_numbers(value), "a list of numbers"
         else:
             right = type(value) is int and 1 <= value <= _HIGHEST_ORDER
             kind = f"a whole number from 1 to {_HIGHEST_ORDER}"
         if not right:
             raise UsageError(f"{name} claims {claim} {value!r} of {method}; it must be {kind}")
     return dict(claims)
+
+
+def _are_numbers(value: Any) -> bool:
+    """Whether a value is a list of finite numbers, and not empty."""
+    return (
+        isinstance(value, Sequence)
+        and len(value) > 0
+        and all(type(x) in (int, float) and abs(x) < float("inf") for x in value)
+    )

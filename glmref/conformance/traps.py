@@ -112,7 +112,7 @@ class Wrong:
 def _variant(engine: Stepper, method: GLM | PartitionedGLM, problem: Problem) -> Stepper:
     """Stepper of a changed method that evaluates f at the times of the right one."""
     changed = stepper(method, problem, digits=engine.arithmetic.digits)
-    if isinstance(method, GLM):
+    if method.parts == 1:
         changed.c = engine.c
     return changed
 
@@ -281,7 +281,7 @@ def wrong_start(method: GLM, engine: Stepper, t: Any, y0: np.ndarray, h: Any) ->
 
 def reversal(method: GLM | PartitionedGLM) -> Matrix | None:
     """Return the involution L of a symmetric method, ``None`` for others and for pairs."""
-    if isinstance(method, PartitionedGLM):
+    if method.parts == 2:
         return None
     from ..prove.facts import facts_of
 

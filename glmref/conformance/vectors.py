@@ -6,7 +6,8 @@ method without a file :func:`vectors_of` makes the same document on the spot.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -17,8 +18,9 @@ import numpy as np
 from ..catalogue.lookup import data_root, load
 from ..catalogue.strict_json import read_json
 from ..errors import DataError
-from ..method import GLM, PartitionedGLM
+from ..method import Method
 from ..problems import Problem
+from .traps import NOTES
 
 __all__ = [
     "FORMAT",
@@ -71,7 +73,13 @@ def folder() -> Path:
 @cache
 def problems() -> Mapping[str, TestProblem]:
     """Every problem of the vectors, by name."""
-    document = _document(folder() / "problems.json", PROBLEMS_FORMAT)
+    path = folder() / "problems.json"
+    document = _document(path, PROBLEMS_FORMAT)
+    with _as_specified(path):
+        return _problems(document)
+
+
+def _problems(document: Mapping[str, Any]) -> Mapping[str, TestProblem]:
     found = {}
     for entry in document["problems"]:
         halves = {k: tuple(entry[k]) for k in ("f", "dq", "dp") if k in entry}
@@ -84,8 +92,11 @@ def problems() -> Mapping[str, TestProblem]:
             dq=halves.get("dq"),
             dp=halves.get("dp"),
         )
+        d, quadratic = problem.dimension, entry.get("quadratic")
+        if quadratic is not None:
+            _numbers(quadratic, (d, d), f"quadratic of {entry['name']}")
         found[entry["name"]] = TestProblem(
-            entry["name"], halves, entry["t0"], entry["y0"], entry.get("quadratic"), problem
+            entry["name"], halves, entry["t0"], entry["y0"], quadratic, problem
         )
     return found
 
@@ -160,7 +171,7 @@ class Vectors:
     """
 
     name: str
-    method: GLM | PartitionedGLM
+    method: Method
     document: Mapping[str, Any]
     cases: tuple[Case, ...]
 
@@ -192,6 +203,8 @@ def vectors_of(name: str) -> Vectors:
         UsageError, DataError: for a name or a file that cannot be read.
     """
     method = load(name)
+    if method.additive:
+        raise DataError(f"{name}: vectors are made for single and partitioned methods only")
     path = folder() / f"{name}.json"
     if path.parent == folder() and path.is_file():
         document = _document(path, FORMAT)
@@ -200,5 +213,103 @@ def vectors_of(name: str) -> Vectors:
 
         document = document_of(method, name)
     known = problems()
-    cases = tuple(Case(x["id"], x["kind"], known[x["problem"]], x) for x in document["cases"])
-    return Vectors(name, method, document, cases)
+    with _as_specified(path):
+        cases = tuple(Case(x["id"], x["kind"], known[x["problem"]], x) for x in document["cases"])
+        found = Vectors(name, method, document, cases)
+        _check(found)
+    return found
+
+
+@contextmanager
+def _as_specified(path: Path) -> Iterator[None]:
+    """Say in one sentence that a file is not what ``data/vectors/README.md`` specifies."""
+    try:
+        yield
+    except (KeyError, IndexError, TypeError, ValueError, AttributeError, OverflowError) as error:
+        what = " ".join(f"{type(error).__name__}: {error}"[:200].split())
+        raise DataError(
+            f"{path.name}: the file is not as data/vectors/README.md says ({what})"
+        ) from None
+
+
+#: Kind of a case -> the numbers and the arrays it must have.
+_PARTS = {
+    "step": ("t h bound rounding", "input output"),
+    "start": ("t h bound rounding", "output"),
+    "finish": ("t h bound rounding", "input output"),
+    "trajectory": ("t h steps bound rounding", "solution output"),
+    "order": ("t t_end order bound", "exact"),
+}
+#: Claims of steps; the cases of the other kinds have their kind as the claim.
+_STEPS = ("step", "abscissae", "backward", "symmetric")
+
+
+def _check(vectors: Vectors) -> None:
+    """Read every number of a file once."""
+    r = int(vectors.document["values"])
+    pair = "q" in vectors.coefficients
+    blocks = [vectors.coefficients[x] for x in "qp"] if pair else [vectors.coefficients]
+    for block, other in zip(blocks, blocks[::-1], strict=True):
+        s, slopes = len(block["A"]), len(other["A"])  # a half of a pair has the other's slopes
+        shapes: dict[str, tuple[int, ...]] = {} if pair else {"c": (s,)}
+        shapes |= {"A": (s, slopes), "U": (s, r), "B": (r, slopes), "V": (r, r)}
+        for key, shape in shapes.items():
+            _numbers(block[key], shape, f"{key} of the coefficients")
+    if "G" in vectors.coefficients:
+        _numbers(vectors.coefficients["G"], (r, r), "G of the coefficients")
+    for case in vectors.cases:
+        _check_case(case, r, pair)
+        for flag in (*case.data.get("flags", ()), *(flag for flag, _ in case.wrong)):
+            if flag not in vectors.notes or flag not in NOTES:
+                raise ValueError(f"{case.id} names a bug {flag!r} without a note")
+
+
+def _check_case(case: Case, r: int, pair: bool) -> None:
+    d = case.problem.problem.dimension
+    claims = _STEPS if case.kind == "step" else (case.kind,)
+    if case.claim.rstrip("0123456789" if case.kind == "order" else "") not in claims:
+        raise ValueError(f"the id {case.id!r} begins with no claim of the kind {case.kind}")
+    numbers, arrays = _PARTS[case.kind]
+    given = [x for x in ("conserved",) if x in case.data]
+    if not all(np.isfinite(case.number(x)) for x in (*numbers.split(), *given)):
+        raise ValueError(f"a number of {case.id} is not finite")
+    if not case.number("h" if "h" in numbers.split() else "t_end"):
+        raise ValueError(f"{case.id} has a step of size 0")
+    if given and case.problem.quadratic is None:
+        raise ValueError(f"{case.id} conserves a form that {case.problem.name} does not have")
+    shapes = {"solution": (None, d), "exact": (d,), "input": (r, d), "output": (r, d)}
+    if case.kind == "finish":
+        shapes["output"] = (1, d)
+    for key in arrays.split() + (["input"] if "input" in case.data else []):
+        _numbers(case.data[key], shapes[key], f"{key} of {case.id}")
+    if case.kind == "step":
+        stages = case.data["stages"]
+        for part in (stages["Q"], stages["P"]) if pair else (stages,):
+            _numbers(part, (None, d // 2 if pair else d), f"stages of {case.id}")
+    if case.kind == "trajectory" and len(case["solution"]) != int(case.data["steps"]) + 1:
+        raise ValueError(f"solution of {case.id} has {len(case['solution'])} rows")
+    for row in case.data["rows"] if case.kind == "order" else ():
+        if int(row["steps"]) < 1 or not 0 < float(row["error"]) < np.inf:
+            raise ValueError(
+                f"a row of {case.id} has {row['steps']} steps and the error {row['error']}"
+            )
+        if "input" in row:
+            _numbers(row["input"], (r, d), f"input of {case.id}")
+    for x in case.data.get("wrong", ()):
+        shape = (1, d) if case.kind == "trajectory" else shapes["output"]
+        _numbers(x["output"], shape, f"wrong output {x['flag']!r} of {case.id}")
+
+
+def _numbers(given: Any, shape: tuple[int | None, ...], place: str) -> None:
+    """Refuse what is no array of finite decimals of a shape; ``None`` is any length but 0."""
+    try:
+        found = array(given)
+    except (TypeError, ValueError):
+        raise ValueError(f"{place} is no array of decimals in strings") from None
+    fits = len(found.shape) == len(shape) and all(
+        n > 0 and n == (n if want is None else want)
+        for n, want in zip(found.shape, shape, strict=True)
+    )
+    if not fits or not np.isfinite(found).all():
+        wanted = " x ".join("n" if n is None else str(n) for n in shape)
+        raise ValueError(f"{place} must be {wanted} finite decimals")

@@ -13,6 +13,7 @@ from .subject import AdapterError
 
 __all__ = [
     "MARKERS",
+    "MORE_MARKERS",
     "Box",
     "Reading",
     "Watch",
@@ -27,8 +28,9 @@ __all__ = [
 ]
 
 #: A stage of order q at abscissa 1 and the result of order p agree in q markers: 8 are enough up
-#: to stage order 7.
-MARKERS, _MOST = 8, 200
+#: to stage order 7. Explicit stages of a higher order are told apart by 12; iterations for implicit
+#: ones take more rounds, the more markers there are.
+MARKERS, MORE_MARKERS, _MOST = 8, 12, 200
 #: Points nearer than this are one stage, such as those of a difference quotient; an argument is
 #: read only from a call this near, since iterates that have settled differ by round-off only.
 _SAME, _SETTLED = 1e-7, 1e-13
@@ -90,6 +92,7 @@ class Watch:
     calls: int = 0
     frozen: bool = False
     strangers: int = 0
+    markers: int = MARKERS
 
     def place(self, marker: np.ndarray) -> int:
         """Number of the point with these markers; a new one while the list is open, else -1."""
@@ -122,35 +125,36 @@ class Watch:
 
     def again(self) -> Watch:
         """The same points, for a second reading."""
-        return Watch(points=self.points, frozen=True)
+        return Watch(points=self.points, frozen=True, markers=self.markers)
 
 
-def _markers(r: int) -> np.ndarray:
-    """Generic values (r, 8) of the markers, the same on every machine; dyadic."""
+def _markers(r: int, count: int) -> np.ndarray:
+    """Generic values (r, count) of the markers, the same on every machine; dyadic."""
     rows = [
-        [(37 * k + 23 * i + 11 * k * i) % 64 / 64 + 0.25 for i in range(MARKERS)] for k in range(r)
+        [(37 * k + 23 * i + 11 * k * i) % 64 / 64 + 0.25 for i in range(count)] for k in range(r)
     ]
     return np.array(rows)
 
 
-def values_of(r: int, tags: int) -> np.ndarray:
+def values_of(r: int, tags: int, markers: int = MARKERS) -> np.ndarray:
     """Values (r, d) of markers, units and tags."""
-    return np.hstack([_markers(r), np.eye(r), np.zeros((r, tags))])
+    return np.hstack([_markers(r, markers), np.eye(r), np.zeros((r, tags))])
 
 
 def slope_at(marker: np.ndarray, tag: int, r: int, tags: int, slope: float) -> np.ndarray:
     """Slope at a stage: of the markers, of the units (none), of the tags (its own)."""
-    out = np.zeros(MARKERS + r + tags)
-    out[0], out[1:MARKERS] = 1.0, marker[:-1]
+    count = len(marker)
+    out = np.zeros(count + r + tags)
+    out[0], out[1:count] = 1.0, marker[:-1]
     if 0 <= tag < tags:
-        out[MARKERS + r + tag] = slope
+        out[count + r + tag] = slope
     return out
 
 
-def chain(size: int) -> np.ndarray:
+def chain(size: int, markers: int = MARKERS) -> np.ndarray:
     """Jacobian of the right-hand side: the markers drive each other, nothing else does."""
     jacobian = np.zeros((size, size))
-    for k in range(1, MARKERS):
+    for k in range(1, markers):
         jacobian[k, k - 1] = 1.0
     return jacobian
 

@@ -26,6 +26,7 @@ def attack(*arguments: str) -> subprocess.CompletedProcess[str]:
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_fifteen_hostile_peers_end_with_a_sentence() -> None:
     done = attack("pipes", "--count", "15", "--seed", "7")
     assert done.returncode == 0, done.stdout + done.stderr

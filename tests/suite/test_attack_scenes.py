@@ -18,6 +18,7 @@ ROOT = Path(__file__).resolve().parents[2]
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="uses timers of POSIX")
 
 
+@pytest.mark.slow
 def test_mutated_scenes_are_read_or_refused_with_a_sentence() -> None:
     done = subprocess.run(
         [sys.executable, "-m", "tests.attack", "scenes", "--count", "150", "--seed", "9"],

@@ -286,6 +286,7 @@ def mutants(count, seed):
         yield name, path, value
 
 
+@pytest.mark.slow
 def test_a_thousand_random_changes_are_refused():
     accepted = []
     for name, path, value in mutants(1000, seed=20260):

@@ -25,7 +25,9 @@ from glmref.findings import Verdict
 
 def all_hold(adapter: Any) -> int:
     findings = Suite(Subject(adapter)).findings()
-    assert [x for x in findings if x.verdict is not Verdict.HOLDS] == []
+    # a Taylor method of expressions shows no coefficients
+    left = [x for x in findings if x.claim != "coefficients/taylor/probe"]
+    assert [x for x in left if x.verdict is not Verdict.HOLDS] == []
     return len(findings)
 
 
@@ -33,6 +35,7 @@ def test_the_reference_engine_passes_every_check_of_every_method() -> None:
     assert all_hold(Reference()) >= 400
 
 
+@pytest.mark.slow
 def test_a_method_without_vectors_is_judged_all_the_same() -> None:
     assert all_hold(Reference(("heun-3", "adams-nordsieck-3", "position-verlet"))) >= 40
 
@@ -94,6 +97,7 @@ def failures(adapter: Any) -> dict[str, str]:
     return {x.claim: x.witness for x in findings if x.verdict is Verdict.FAILS}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "end_only"),
     [("gsymplectic-n", False), ("gsymplectic-n", True), ("thesis-3-8", True),
@@ -124,11 +128,40 @@ def test_the_order_of_a_bad_own_start_is_named(name: str, order: int) -> None:
     assert failures(runs(name, None)) == {}
 
 
+@pytest.mark.parametrize("name", ["leapfrog", "ab-2"])
+def test_a_solve_that_takes_no_start_is_judged_as_one_that_starts_by_itself(name: str) -> None:
+    """The data give starting values of these methods; they were passed all the same (TypeError)."""
+    runs = type("Runs", (OwnStart,), {"start": None, "starts": "file"})
+    assert failures(runs(name, None)) == {}
+    found = failures(runs(name, "zero"))
+    assert [x for x in found if x.startswith("order")] and "TypeError" not in str(found)
+    claims = {x.claim for x in Suite(Subject(runs(name, None))).findings()}
+    assert not any(x.startswith("trajectory") for x in claims)
+
+
+@pytest.mark.parametrize(
+    ("words", "code"),
+    [(["reference", "--list"], 0), (["nothing"], 4), (["tests.suite.planted:Missing"], 4)],
+)
+def test_the_subcommand_is_the_module(
+    words: list[str], code: int, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from glmref.cli import main as command
+    from glmref.conformance.__main__ import main as module
+
+    assert module(words) == code
+    said = capsys.readouterr()
+    assert command(["conformance", *words]) == code
+    assert capsys.readouterr() == said and (said.out or said.err)
+
+
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", file_names())
 def test_the_generated_code_of_the_compiled_engine_passes(name: str) -> None:
     all_hold(Compiled((name,), engine="interpreted"))
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", ["rk4", "gauss-2", "gsymplectic-n", "stormer-verlet"])
 def test_compiled_kernels_pass(name: str) -> None:
     all_hold(Compiled((name,)))
@@ -139,11 +172,13 @@ def test_compiled_kernels_of_every_method_pass() -> None:
     all_hold(Compiled())
 
 
+@pytest.mark.slow
 def test_scipy_passes() -> None:
     pytest.importorskip("scipy")
     assert all_hold(load_adapter("scipy")) >= 40
 
 
+@pytest.mark.slow
 @pytest.mark.peers
 @pytest.mark.parametrize(
     ("name", "library"),

@@ -60,6 +60,7 @@ def program(folder: Path, describe: dict[str, Any], body: str) -> str:
     return f"cmd:{shlex.quote(sys.executable)} {shlex.quote(str(path))}"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("method", "offers", "body"),
     [("symplectic-euler-a", ["step"], EULER), ("gauss-2", ["step", "stages"], GAUSS)],
@@ -152,6 +153,7 @@ def test_a_program_that_hangs_is_ended_and_after_three_times_not_asked_again(
     assert adapter.process.poll() is not None
 
 
+@pytest.mark.slow
 def test_what_a_program_cannot_do_is_not_judged(tmp_path: Path) -> None:
     body = (
         "    if asked['ask'] == 'stages':\n        answer = {'cannot': 'no stages'}\n"

@@ -223,6 +223,7 @@ def module(here: pytest.Pytester, *arguments: str) -> pytest.RunResult:
     return here.run(sys.executable, "-m", "glmref.conformance", *arguments)
 
 
+@pytest.mark.slow
 def test_the_face_without_pytest_gives_the_same_findings_as_json(here, monkeypatch) -> None:
     monkeypatch.setenv("PYTHONPATH", str(PACKAGE.parent))
     done = module(here, "mine:TimeForgotten", "--format", "json")
@@ -266,6 +267,7 @@ def test_what_an_adapter_prints_stays_out_of_the_findings(here, monkeypatch) -> 
     assert "a step of 0.125" in done.stderr.str()
 
 
+@pytest.mark.slow
 def test_the_ids_and_a_junit_file_come_out_without_pytest(here, monkeypatch) -> None:
     monkeypatch.setenv("PYTHONPATH", str(PACKAGE.parent))
     ids = module(here, "mine:Adapter", "--list").outlines

@@ -37,6 +37,7 @@ def cases() -> list[tuple[str, dict]]:
 QUICK = ("rk4", "ab-2", "leapfrog", "stormer-verlet", "forest-ruth-4", "pair-4-4")
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     "name", [x if x in QUICK else pytest.param(x, marks=pytest.mark.slow) for x in METHODS]
 )
@@ -63,6 +64,7 @@ def test_a_changed_digit_anywhere_changes_the_hash() -> None:
         assert hashlib.sha256(changed.encode()).hexdigest() != listed["rk4.json"]
 
 
+@pytest.mark.slow
 def test_every_file_is_valid_against_the_schema() -> None:
     validators = pytest.importorskip("jsonschema").Draft202012Validator
     schema = read(data_root() / "schema" / "glmref-vectors-1.schema.json")

@@ -35,6 +35,7 @@ def test_there_are_at_least_20_planted_faults_over_every_claim_they_can_break() 
     }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_the_integrators_that_were_spoiled_are_right_unspoiled() -> None:
     methods = {m for fault in PLANTED.values() for m in fault.planted_methods} - {"mine"}
     assert all(

@@ -10,7 +10,7 @@ import numpy as np
 from ...catalogue.lookup import load
 from ...engine.reference import Stepper, apply_finish, stepper
 from ...engine.start import starting_values
-from ...method import GLM, PartitionedGLM
+from ...method import Method
 from ..vectors import file_names
 
 __all__ = ["Adapter"]
@@ -25,7 +25,7 @@ class Adapter:
 
     def __init__(self, methods: Sequence[str] | None = None) -> None:
         self.methods = tuple(file_names() if methods is None else methods)
-        self._known: dict[str, GLM | PartitionedGLM] = {}
+        self._known: dict[str, Method] = {}
         self._engines: dict[tuple[str, int], Stepper] = {}
 
     def _method(self, name: str) -> Any:

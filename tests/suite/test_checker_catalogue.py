@@ -1,0 +1,242 @@
+"""Certificates of the catalogue pass the checker; enclosed ones with a changed number do not."""
+
+from __future__ import annotations
+
+import copy
+import importlib.util
+import json
+import random
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+
+from glmref.catalogue.files import names
+from glmref.catalogue.lookup import data_root
+from glmref.cli.certifying import write_certificates
+
+ROOT = Path(__file__).resolve().parents[2]
+SPEC = importlib.util.spec_from_file_location("glmref_check", ROOT / "checker" / "glmref_check.py")
+assert SPEC is not None
+assert SPEC.loader is not None
+check = importlib.util.module_from_spec(SPEC)
+SPEC.loader.exec_module(check)
+
+#: One file of each kind: sweeps with one and several values, pairs, splittings, an exact method with
+#: a start in decimals; files that are wrong; the reduced method; a matrix search over intervals; an additive method.
+SAMPLE = (
+    "yoshida-6-midpoint", "t115-i", "pair-4-4", "pair-rkn-6-8b", "kahan-li-6", "mclachlan-atela-4",
+    "pair-4-4-p-digit", "pair-4-4-start-p-sign", "pair-4-5-not-palindromic", "am-1",
+    "gauss-2-seven-digits", "gauss-2", "rk4", "gsymplectic-n", "stormer-verlet", "ars-4-4-3",
+)  # fmt: skip
+ENCLOSED = ("yoshida-6-midpoint", "t115-i", "pair-4-4", "pair-rkn-6-8b", "mclachlan-atela-4")
+
+
+def read(folder: Path) -> Iterator[dict[str, Any]]:
+    for path in sorted(folder.glob("*.json")):
+        yield json.loads(path.read_text(encoding="utf-8"))
+
+
+def refused(certificates: Iterator[dict[str, Any]]) -> list[str]:
+    found = []
+    for x in certificates:
+        accepted, why = check.verdict(x)
+        if not accepted:
+            found.append(f"{x['statement']['method']} {x['statement']['claim']}: {why}")
+    return found
+
+
+@pytest.fixture(scope="module")
+def sample(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, str], dict[str, Any]]:
+    folder = tmp_path_factory.mktemp("certificates")
+    _, missing = write_certificates(list(SAMPLE), folder)
+    assert not missing
+    return {(x["statement"]["method"], x["statement"]["claim"]): x for x in read(folder)}
+
+
+def test_every_claim_of_the_sample_is_accepted(sample: dict[Any, dict[str, Any]]) -> None:
+    assert not refused(iter(sample.values()))
+
+
+def test_enclosed_certificates_follow_their_schema(sample: dict[Any, dict[str, Any]]) -> None:
+    schema = json.loads((data_root() / "schema" / "glmref-certificate-1.schema.json").read_text())
+    for key in (("t115-i", "starting-order"), ("pair-4-4", "starting-order"), ("rk4", "order")):
+        jsonschema.validate(sample[key], schema)
+
+
+@pytest.mark.slow
+def test_every_claim_of_the_catalogue_is_accepted(tmp_path: Path) -> None:
+    _, missing = write_certificates(names("all"), tmp_path)
+    assert not missing
+    start = time.process_time()
+    assert not refused(read(tmp_path))
+    assert time.process_time() - start < 300
+
+
+# ------------------------------------------------------------------------- random changes
+
+Change = Callable[[dict[str, Any], random.Random], None]
+
+
+def digit(text: str, rng: random.Random) -> str:
+    places = [k for k, c in enumerate(text) if c.isdigit()]
+    k = rng.choice(places)
+    return text[:k] + str((int(text[k]) + rng.randint(1, 8)) % 10) + text[k + 1 :]
+
+
+def change_unknown(value: dict[str, Any], rng: random.Random) -> None:
+    unknowns = value["document"]["unknowns"]
+    name = rng.choice(list(unknowns))
+    unknowns[name] = digit(unknowns[name], rng)
+
+
+def change_sign(value: dict[str, Any], rng: random.Random) -> None:
+    unknowns = value["document"]["unknowns"]
+    name = rng.choice(list(unknowns))
+    text = unknowns[name]
+    unknowns[name] = text[1:] if text.startswith("-") else f"-{text}"
+
+
+def change_constant(value: dict[str, Any], rng: random.Random) -> None:
+    constants = value["document"].get("constants") or value["document"]["unknowns"]
+    name = rng.choice(list(constants))
+    constants[name] = digit(constants[name], rng)
+
+
+def change_centre(value: dict[str, Any], rng: random.Random) -> None:
+    """A digit within the published ones: the root is not where the centre is."""
+    centre = value["field"]["proofs"]["method"]["centre"]
+    k = rng.randrange(len(centre))
+    mantissa, e, exponent = centre[k].partition("e")
+    centre[k] = digit(mantissa[:60], rng) + mantissa[60:] + e + exponent
+
+
+def change_inverse(value: dict[str, Any], rng: random.Random) -> None:
+    """A row of another sign: the map is no contraction."""
+    rows = value["field"]["proofs"]["method"]["inverse"]
+    k = rng.randrange(len(rows))
+    rows[k] = [x[1:] if x.startswith("-") else f"-{x}" for x in rows[k]]
+
+
+def change_radius(value: dict[str, Any], rng: random.Random) -> None:
+    value["field"]["proofs"]["method"]["radius"] = f"1e-{rng.choice([40, 59, 61, 70])}"
+
+
+def leave_out(value: dict[str, Any], rng: random.Random) -> None:
+    """One equation with its unknown's row: the equations are not as many as the unknowns."""
+    equations = value["document"]["enclosure"]["equations"]
+    equations.pop(rng.randrange(len(equations)))
+
+
+def change_equation(value: dict[str, Any], rng: random.Random) -> None:
+    """Two equations exchanged: Y belongs to another order."""
+    equations = value["document"]["enclosure"]["equations"]
+    i, j = rng.sample(range(len(equations)), 2)
+    equations[i], equations[j] = equations[j], equations[i]
+
+
+def change_claim(value: dict[str, Any], rng: random.Random) -> None:
+    statement = value["statement"]
+    other = (
+        not statement["declared"] if isinstance(statement["declared"], bool)
+        else [*statement["declared"][1:], "1/7"] if isinstance(statement["declared"], list)
+        else statement["declared"] + rng.choice([-1, 1])
+    )  # fmt: skip
+    statement["declared"] = other
+    value["document"]["claims"] = {statement["claim"]: other}
+
+
+def change_part(value: dict[str, Any], rng: random.Random) -> None:
+    """A part left out or twice."""
+    parts = value["parts"]
+    k = rng.randrange(len(parts))
+    if rng.random() < 0.5:
+        parts.pop(k)
+    else:
+        parts.insert(k, copy.deepcopy(parts[k]))
+
+
+CHANGES: tuple[Change, ...] = (
+    change_unknown, change_unknown, change_sign, change_constant, change_centre, change_inverse,
+    change_radius, leave_out, change_equation, change_claim, change_part,
+)  # fmt: skip
+
+
+def changed(sample: dict[Any, dict[str, Any]], count: int, seed: int) -> list[str]:
+    """The changed certificates that the checker accepts."""
+    rng, accepted = random.Random(seed), []
+    keys = sorted(k for k in sample if k[0] in ENCLOSED)
+    while count:
+        name, change = rng.choice(keys), rng.choice(CHANGES)
+        value = copy.deepcopy(sample[name])
+        change(value, rng)
+        if json.dumps(value) == json.dumps(sample[name]):
+            continue
+        count -= 1
+        if check.verdict(value)[0]:
+            accepted.append(f"{name} {change.__name__}")
+    return accepted
+
+
+def test_changes_of_enclosed_certificates_are_refused(sample: dict[Any, dict[str, Any]]) -> None:
+    assert not changed(sample, 60, seed=14)
+
+
+@pytest.mark.slow
+def test_a_thousand_changes_of_enclosed_certificates_are_refused(
+    sample: dict[Any, dict[str, Any]],
+) -> None:
+    assert not changed(sample, 1000, seed=20261)
+
+
+def test_a_condition_of_a_start_cannot_be_left_out(sample: dict[Any, dict[str, Any]]) -> None:
+    for key in (("t115-i", "starting-order"), ("pair-4-4", "starting-order")):
+        value = copy.deepcopy(sample[key])
+        value["field"]["proofs"]["starting"]["conditions"].pop()
+        assert not check.verdict(value)[0]
+
+
+def test_a_changed_entry_of_an_additive_method_is_refused(
+    sample: dict[Any, dict[str, Any]],
+) -> None:
+    count = len(sample["ars-4-4-3", "order"]["document"]["parts"][0]["b"])
+    for part in range(2):
+        for i in range(count):
+            value = copy.deepcopy(sample["ars-4-4-3", "order"])
+            value["document"]["parts"][part]["A"][count - 1][i] += "+1/97"
+            assert not check.verdict(value)[0]
+            value = copy.deepcopy(sample["ars-4-4-3", "order"])
+            value["document"]["parts"][part]["b"][i] += "+1/97"
+            assert not check.verdict(value)[0]
+
+
+def test_parts_of_an_additive_method_share_their_stages(sample: dict[Any, dict[str, Any]]) -> None:
+    value = copy.deepcopy(sample["ars-4-4-3", "preconsistent"])
+    value["document"]["parts"][1] = {"A": [["0"]], "b": ["1"]}
+    assert "other stages" in check.verdict(value)[1]
+    value = copy.deepcopy(sample["ars-4-4-3", "preconsistent"])
+    value["statement"]["claim"] = "symplectic"
+    value["document"]["claims"] = {}
+    assert "no meaning" in check.verdict(value)[1]
+
+
+def test_a_sweep_that_is_not_preconsistent_is_refused(sample: dict[Any, dict[str, Any]]) -> None:
+    """The first row of X must be 1 identically, however little it differs."""
+    value = copy.deepcopy(sample["t115-i", "order"])
+    value["document"]["X"][0][2] = "1+1/1" + "0" * 80
+    accepted, why = check.verdict(value)
+    assert not accepted
+    assert "first row" in why
+
+
+def test_a_truth_that_is_not_decided_is_a_refusal() -> None:
+    around_zero = check.Interval(-1, 1)
+    with pytest.raises(check.Refused):
+        bool(around_zero)
+    with pytest.raises(check.Refused):
+        _ = around_zero == 0
+    assert not check.apart(around_zero)
+    assert check.apart(check.Interval(1, 2))

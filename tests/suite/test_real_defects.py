@@ -1,0 +1,110 @@
+"""Tables that are wrong in published code: each is caught under its claim, and said where."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from glmref.conformance.checks import Suite
+from glmref.conformance.probe import read
+from glmref.conformance.subject import Subject
+from glmref.conformance.weights import first_defect
+from glmref.errors import UsageError
+from glmref.findings import Finding, Verdict
+
+from .real_defects import DEFECTS, mended, number, published
+
+#: Name -> the claim that fails, and what the messages say: the order seen or the condition missed.
+CAUGHT = {
+    "petsc-bpr3": ("order", "h^1.00, not h^3", "order 1: the weight of k[f] misses 1/2 by 0.075"),
+    "petsc-grk4t": ("abscissae", "f is called at t -2 h", "0, 0.462, 0.880208"),
+    "petsc-shamp4": ("abscissae", "f is called at t -2 h", "0, 1, 0.6"),
+    "petsc-veldd4": ("abscissae", "f is called at t -2 h", "0, 0.451416"),
+    "petsc-4l": ("abscissae", "f is called at t -2 h", "0, 1.14564"),
+    "petsc-1bee": ("order", "h^1.00, not h^2", "order 1: the weight of f[k] misses 1/2 by 0.25"),
+    "openmodelica-rk1214": ("order", "h^1.00, not h^14"),
+    "openmodelica-fehlberg45": (
+        "order",
+        "h^2.00, not h^5",
+        "nearest is rkf45-4",
+        "B[1][1] is 0.121",
+    ),
+    "openmodelica-fehlberg12": ("order", "not h^2", "the weight of [o] misses 1/2 by 0.002"),
+    "torchdiffeq-tsit5": ("order", "h^3.94, not h^5", "have order 4"),
+    "sciml-feagin12": ("order", "h^0.99, not h^12", "[o] at the times at which f is called misses"),
+    "sciml-sir54": ("coefficients", "have order 4: the weight of [oooo] misses 1/5 by 1.7e-06"),
+    "sciml-sir54-embedded": ("coefficients", "have order 0: the weight of o misses 1/1 by 7.9"),
+    "sciml-mcate42": ("order", "h^1.00, not h^4", "have order 1"),
+    "diffrax-kencarp5": ("coefficients", "order 1: the weight of f[k] misses 1/2 by 1.6e-12"),
+    "ariadne-cooper-sayfy5": ("order", "h^3.00, not h^5", "have order 3"),
+    "tudat-rkf89": ("order", "not h^9", "have order 8", "by 5.1e-06"),
+    "nodepy-lambert65": ("order", "h^2.00, not h^5", "the weight of [[o]] misses 1/6 by 0.011"),
+    "nodepy-ssp53": ("coefficients", "the weight of o misses 1/1 by 3.2e-10"),
+    "rklib-rks5": ("coefficients", "have order 4: the weight of [[[oo]]] misses 1/60 by 1.5e-06"),
+    "rklib-rk8-10": ("order", "h^7.09, not h^8", "have order 7", "by 0.00017"),
+    "petsc-glee25i": ("coefficients", "have order 1: the weight of [o] misses 1/2 by 1.4e-05"),
+    "desolver-abas5o6h": ("order", "h^4.00, not h^6", "have order 4"),
+    "desolver-babs9o7h": ("order", "h^4.00, not h^7", "have order 4"),
+}
+#: Those that take less than a second stay in the quick tests; the runs of the others are long.
+QUICK = {"diffrax-kencarp5", "sciml-mcate42", "petsc-glee25i", "nodepy-ssp53",
+         "rklib-rks5", "tudat-rkf89", "desolver-babs9o7h"}  # fmt: skip
+MARKED = [x if x in QUICK else pytest.param(x, marks=pytest.mark.slow) for x in CAUGHT]
+
+
+def findings(adapter: object) -> list[Finding]:
+    return Suite(Subject(adapter)).findings()
+
+
+@pytest.mark.parametrize("name", MARKED)
+def test_a_table_that_was_published_wrong_is_caught_under_its_claim(name: str) -> None:
+    claim, *words = CAUGHT[name]
+    failing = [x for x in findings(published(name)) if x.verdict is Verdict.FAILS]
+    assert {x.claim.partition("/")[0].rstrip("0123456789") for x in failing} == {claim}, failing
+    messages = " | ".join(x.witness for x in failing)
+    assert all(word in messages for word in words), messages
+
+
+@pytest.mark.parametrize("name", [
+    x if x in QUICK else pytest.param(x, marks=pytest.mark.slow)
+    for x in CAUGHT if DEFECTS[x]["right"]
+])  # fmt: skip
+def test_the_right_table_passes(name: str) -> None:
+    found = findings(mended(name))
+    assert not [x for x in found if x.verdict is Verdict.FAILS], found
+    assert any(x.claim.startswith("order") and x.verdict is Verdict.HOLDS for x in found)
+
+
+def test_every_defect_has_a_test_and_a_source() -> None:
+    assert set(CAUGHT) == set(DEFECTS)
+    assert {x["id"] for x in DEFECTS.values()} == set(range(1, 19))
+    for entry in DEFECTS.values():
+        assert Path(entry["where"].split(", ")[1]).suffix and len(entry["commit"]) >= 7
+
+
+def test_a_claim_of_abscissae_must_be_a_list_of_numbers() -> None:
+    adapter = published("petsc-grk4t")
+    for wrong in ([], "0, 1", [float("nan")], [True], 1):
+        adapter.methods = {"mine": {"abscissae": wrong}}
+        with pytest.raises(UsageError, match="must be a list of numbers"):
+            Subject(adapter)
+
+
+def test_an_abscissa_at_which_f_is_not_called_is_said() -> None:
+    adapter = mended("petsc-grk4t")
+    adapter.methods["petsc-grk4t"]["abscissae"].append(0.75)
+    (found,) = (x for x in findings(adapter) if x.claim.startswith("abscissae"))
+    assert found.verdict is Verdict.FAILS and "f is not called at t +0.75 h" in found.witness
+
+
+def test_stages_of_a_high_stage_order_are_told_apart() -> None:
+    name = "sciml-feagin12"  # eight markers of 1/k! took two pairs of its stages for one
+    reading = read(Subject(published(name)), name, 1)
+    assert reading.A.shape == (25, 25) and reading.unexplained < 1e-10
+    entries = {(i - 1, j - 1): number(x) for i, j, x in DEFECTS[name]["table"]["A"]}
+    right = np.array([[entries.get((i, j), 0.0) for j in range(25)] for i in range(25)])
+    assert np.abs(reading.A - right).max() < 1e-13
+    defect = first_defect(reading, 12, 2.0**-53)
+    assert defect is not None and defect.times and defect.order == 1
