@@ -11,6 +11,7 @@ from .__main__ import main
 QUICK = 60
 
 
+@pytest.mark.slow
 def test_random_solves_end_in_a_name():
     tally = solves.attack(QUICK, 20)
     assert not tally.violations, tally.text()

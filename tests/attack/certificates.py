@@ -1,0 +1,96 @@
+"""Mutated certificates: the checker says yes or no, and yes to nothing that is false.
+
+What is accepted after a mutation is held against the package: it must find the same verdict for the
+method of the certificate.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import random
+import tempfile
+from collections.abc import Iterable
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from glmref.catalogue.reader import load_document
+from glmref.cli.certifying import write_certificates
+from glmref.errors import GlmrefError
+from glmref.verification.verifier import verify
+
+from .tally import Tally
+from .texts import attack as attacked
+from .texts import finish, mutated
+
+COUNT = 2000
+SECONDS = 10.0
+NAMES = ("rk4", "heun-2", "gauss-2", "leapfrog", "gsymplectic-n", "stormer-verlet", "ab-2")
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@lru_cache
+def checker() -> Any:
+    """The checker, which is no part of the package."""
+    spec = importlib.util.spec_from_file_location("glmref_check", ROOT / "checker/glmref_check.py")
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    module.SECONDS = int(SECONDS)
+    return module
+
+
+@lru_cache
+def sound() -> tuple[dict[str, Any], ...]:
+    """Certificates as the package writes them."""
+    with tempfile.TemporaryDirectory() as name:
+        write_certificates(list(NAMES), Path(name))
+        paths = sorted(Path(name).rglob("*.json"))
+        return tuple(json.loads(p.read_text(encoding="utf-8")) for p in paths)
+
+
+def judge(draw: random.Random) -> tuple[str, Iterable[str]]:
+    """Mutate one certificate and have it checked."""
+    check, content = checker(), mutated(draw, draw.choice(sound()))
+    with tempfile.TemporaryDirectory() as name:
+        path = Path(name) / "x.json"
+        path.write_bytes(content)
+        try:
+            accepted, sentence = check.check_file(path)
+        except check.Unreadable as error:
+            return "unreadable", _sentence(str(error))
+    if not accepted:
+        return "no", _sentence(sentence)
+    return "yes", _false(json.loads(content))
+
+
+def _sentence(said: str) -> Iterable[str]:
+    if not said.strip() or "\n" in said or len(said) > 3000:
+        yield f"says {said[:200]!r}"
+
+
+def _false(certificate: dict[str, Any]) -> Iterable[str]:
+    """What the package says against a certificate that is accepted."""
+    statement = certificate["statement"]
+    document = {**certificate["document"], "claims": {statement["claim"]: statement["declared"]}}
+    document.pop("broken", None)
+    document.setdefault("source", {"citation": "x", "where": "x", "status": "derived"})
+    try:
+        findings = verify(load_document(document, where="x"), budget=SECONDS / 2)
+    except GlmrefError:
+        return  # a part of the file that this statement does not need is no longer sound
+    (found,) = (x for x in findings if x.claim == statement["claim"])
+    if str(found.verdict) not in (statement["verdict"], "open"):
+        yield f"accepted as {statement['verdict']}, and it {found.verdict}: {statement}"
+
+
+def attack(count: int, seed: int) -> Tally:
+    """Run cases and count what comes of them."""
+    checker(), sound()
+    return attacked(count, seed, judge, 2 * SECONDS)
+
+
+def main(count: int = COUNT, seed: int = 1) -> int:
+    """Print counts and violations."""
+    return finish("certificates", count, seed, attack(count, seed))

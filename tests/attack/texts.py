@@ -1,0 +1,114 @@
+"""Mutations of JSON documents that any reader gets, and the loop over cases."""
+
+from __future__ import annotations
+
+import copy
+import json
+import random
+import signal
+import time
+import traceback
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from glmref.errors import GlmrefError
+
+from .files import SENTENCE, VALUES, _at, _broken_text, _places, _put, _ring, _shape, _TooLong
+from .tally import Tally
+
+#: ``judge(draw)`` carries out one case: its end, and what it violates.
+Judge = Callable[[random.Random], tuple[str, Iterable[str]]]
+
+
+def _digit(draw: random.Random, doc: Any) -> Any:
+    """One character of a text, or a number that is another."""
+    paths = [p for p in _places(doc) if p and isinstance(_at(doc, p), str | int | float)]
+    if not paths:
+        return doc
+    path = draw.choice(paths)
+    value = _at(doc, path)
+    if isinstance(value, str) and value:
+        at = draw.randrange(len(value))
+        new = draw.choice("0123456789+-*/().eE[]y, \x00é")
+        return _put(doc, path, value[:at] + draw.choice((new, "")) + value[at + 1 :])
+    return _put(doc, path, draw.choice((0, -1, 1, 10**9, 1e308, 0.5, True, "1")))
+
+
+def _other(draw: random.Random, doc: Any) -> Any:
+    """Something of another type, anywhere."""
+    return _put(doc, draw.choice(list(_places(doc))), copy.deepcopy(draw.choice(VALUES)))
+
+
+def _lost(draw: random.Random, doc: Any) -> Any:
+    """A key that is missing or has another name."""
+    inner = [p for p in _places(doc) if isinstance(_at(doc, p), dict) and _at(doc, p)]
+    if inner:
+        block = _at(doc, draw.choice(inner))
+        value = block.pop(draw.choice(list(block)))
+        if draw.random() < 0.4:
+            block[draw.choice(("zzz", "", "A", "format", "\x1b[2J"))] = value
+    return doc
+
+
+def _swapped(draw: random.Random, doc: Any) -> Any:
+    """Two parts exchanged."""
+    paths = [p for p in _places(doc) if p and not isinstance(_at(doc, p), dict | list)]
+    if len(paths) > 1:
+        a, b = draw.sample(paths, 2)
+        x, y = _at(doc, a), _at(doc, b)
+        _put(_put(doc, a, y), b, x)
+    return doc
+
+
+def mutated(draw: random.Random, doc: Any, *, text: float = 0.1) -> bytes:
+    """Return a document as bytes after some mutations; with a probability, no good JSON."""
+    doc = copy.deepcopy(doc)
+    for _ in range(draw.choice((1, 1, 1, 2, 3))):
+        if isinstance(doc, dict | list) and doc:
+            doc = draw.choice((_digit, _digit, _other, _lost, _swapped, _shape))(draw, doc)
+    written = json.dumps(doc)
+    return _broken_text(draw, written) if draw.random() < text else written.encode()
+
+
+def attack(count: int, seed: int, judge: Judge, seconds: float) -> Tally:
+    """Run cases, each within so much processor time; count what comes of them."""
+    tally = Tally()
+    before = signal.signal(signal.SIGPROF, _ring)
+    try:
+        for number in range(1, count + 1):
+            started = time.process_time()
+            signal.setitimer(signal.ITIMER_PROF, seconds)
+            wrong: list[str] = []
+            try:
+                end, found = judge(random.Random(f"{seed}:{number}"))
+                wrong += found
+            except GlmrefError as error:
+                end, said = "refused", str(error)
+                if not said.strip() or "\n" in said or len(said) > SENTENCE:
+                    wrong.append(f"says {said[:200]!r} in {len(said)} characters")
+            except _TooLong as error:
+                end = "too long"
+                wrong.append(f"takes more than {seconds:g} s{_at_line(error)}")
+            except Exception as error:
+                end = "exception"
+                wrong.append(f"{type(error).__name__}: {str(error)[:200]}{_at_line(error)}")
+            finally:
+                signal.setitimer(signal.ITIMER_PROF, 0)
+            if time.process_time() - started > 2 * seconds:
+                wrong.append(f"took {time.process_time() - started:.1f} s")
+            tally.outcomes[end] += 1
+            tally.violations += [f"{text} [case {number}, seed {seed}]" for text in wrong]
+    finally:
+        signal.signal(signal.SIGPROF, before)
+    return tally
+
+
+def _at_line(error: BaseException) -> str:
+    frames = traceback.extract_tb(error.__traceback__)[-3:]
+    return " at " + " < ".join(f"{f.filename.rpartition('/')[2]}:{f.lineno}" for f in frames[::-1])
+
+
+def finish(name: str, count: int, seed: int, tally: Tally) -> int:
+    """Print counts and violations; 1 where there is a violation."""
+    print(f"{count} {name}, seed {seed}\n{tally.text()}", flush=True)
+    return 1 if tally.violations else 0

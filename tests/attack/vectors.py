@@ -1,0 +1,67 @@
+"""Mutated vector files and problems of vectors: read and judged by, or refused with a sentence."""
+
+from __future__ import annotations
+
+import json
+import random
+import tempfile
+from collections.abc import Iterable
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+from unittest.mock import patch
+
+import glmref.conformance.vectors as reader
+from glmref.conformance.adapters.reference import Adapter
+from glmref.conformance.checks import Suite
+from glmref.conformance.subject import Subject
+
+from .tally import Tally
+from .texts import attack as attacked
+from .texts import finish, mutated
+
+COUNT = 1000
+SECONDS = 20.0
+NAMES = ("rk4", "ab-2", "stormer-verlet", "gauss-2")
+
+
+@lru_cache
+def sound() -> dict[str, Any]:
+    """Vector files of some methods, and the problems."""
+    folder = reader.folder()
+    return {x: json.loads((folder / f"{x}.json").read_text()) for x in (*NAMES, "problems")}
+
+
+def judge(draw: random.Random) -> tuple[str, Iterable[str]]:
+    """Mutate the file of a method, or the problems, and judge the right integrator by them."""
+    name = draw.choice(NAMES)
+    hit = name if draw.random() < 0.8 else "problems"
+    with tempfile.TemporaryDirectory() as folder:
+        for x in (name, "problems"):
+            content = mutated(draw, sound()[x]) if x == hit else json.dumps(sound()[x]).encode()
+            (Path(folder) / f"{x}.json").write_bytes(content)
+        with patch.object(reader, "folder", lambda: Path(folder)):
+            try:
+                _forget()
+                found = Suite(Subject(Adapter((name,)))).findings()
+            finally:
+                _forget()
+    ends = sorted({str(x.verdict) for x in found})
+    return "+".join(ends), [f"{x.claim} says nothing" for x in found
+                            if str(x.verdict) != "holds" and not x.witness]  # fmt: skip
+
+
+def _forget() -> None:
+    reader.problems.cache_clear()
+    reader.vectors_of.cache_clear()
+
+
+def attack(count: int, seed: int) -> Tally:
+    """Run cases and count what comes of them."""
+    sound()
+    return attacked(count, seed, judge, SECONDS)
+
+
+def main(count: int = COUNT, seed: int = 1) -> int:
+    """Print counts and violations."""
+    return finish("vector files", count, seed, attack(count, seed))
