@@ -5,15 +5,18 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from .. import __version__
+from ..catalogue.canonical import canonical
 from ..catalogue.lookup import names, path_of
 from ..errors import UsageError
 from ..system.files import make_folder, printable, reason, write_bytes, write_text
+from .looks import looks
 from .markup import Page, Site
 from .measurements import measurement_pages
-from .methods import by_class, method_page, overview
+from .methods import by_class, is_shipped_name, method_page, overview
 from .others import errata_page, history_page, measured_page
 from .runs import run_page
 from .store import MARK, Results
@@ -21,7 +24,6 @@ from .store import MARK, Results
 __all__ = ["build", "pages_of"]
 
 _SAID = "Pages of `glmref report`. This folder is written anew; keep nothing else in it.\n"
-_FOOT = "Made from stored results; no script or picture comes from a network."
 
 
 def pages_of(site: Site, results: Results, methods: Sequence[str]) -> list[Page]:
@@ -33,12 +35,13 @@ def pages_of(site: Site, results: Results, methods: Sequence[str]) -> list[Page]
     front.append(errata_page(site, known))
     front.append(history_page(results))
     front.append(measured_page(results, __version__))
-    return front + [method_page(site, results, name) for name in by_class(methods)]
+    return front + [method_page(site, results, name) for name in by_class(results, methods)]
 
 
 def build(
-    results: Results, output: Path, *, single: bool = False, methods: Sequence[str] | None = None
-) -> list[Path]:
+    results: Results, output: Path, *, single: bool = False, methods: Sequence[str] | None = None,
+    docs: str = "",
+) -> list[Path]:  # fmt: skip
     """Write the report.
 
     Args:
@@ -46,6 +49,7 @@ def build(
         output: a folder, new, empty or of an earlier report; with ``single`` a file.
         single: everything on one page.
         methods: methods with a page of their own; all of the catalogue by default.
+        docs: where the documentation lies, a folder seen from the pages or an address of the web.
 
     Returns
     -------
@@ -55,24 +59,35 @@ def build(
     ------
         UsageError: for a folder with other things in it, or a file where a folder must be.
     """
-    site = Site(single)
-    pages = pages_of(site, results, names("methods") if methods is None else methods)
-    bar = site.bar(pages)
+    scheme, colon, _ = docs.partition(":")
+    if colon and scheme not in ("http", "https"):
+        raise UsageError(f"the documentation is a folder or an address of the web, got {docs!r}")
+    site = Site(single, docs.rstrip("/"))
+    chosen = names("methods") if methods is None else list(methods)
+    chosen += [name for name in results.of_others() if name not in chosen]
+    pages = pages_of(site, results, chosen)
+    drawn = [lines for page in pages for lines in page.pictures]
+    site = replace(site, looks=looks(drawn, frozenset(chosen)))
     if single:
         if os.path.isdir(output):
             raise UsageError(f"{printable(output)} is a folder; with a single file, name a file")
         make_folder(output.parent)
-        write_text(output, site.document("glmref report", pages, bar, _FOOT))
+        write_text(output, site.document("glmref report", pages, pages))
         return [output]
     _clear(output)
     written = []
     for page in pages:
         path = output / f"{page.name}.html"
-        write_text(path, site.document(page.title, [page], bar, _FOOT), sync=False)
+        write_text(path, site.document(page.title, [page], pages), sync=False)
         written.append(path)
         if page.name.startswith("method-"):
             name = page.name.removeprefix("method-")
-            content = path_of(name).read_bytes()
+            if name in results.own:
+                content = canonical(results.own[name]).encode()
+            elif is_shipped_name(name):
+                content = path_of(name).read_bytes()
+            else:  # findings alone were given
+                continue
             write_bytes(output / "data" / f"{name}.json", content, sync=False)
     return written
 

@@ -11,26 +11,37 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from .markup import Column, Page, Table, counted, escape, figure, flat, number, wrapped
+from .markup import Column, Figure, Page, Table, counted, flat, number, render, wrapped
 from .store import Record, Results, is_number
 
 __all__ = ["measurement_pages", "title_of"]
 
 _COSTS = ("seconds", "evaluations", "matrices", "steps", "h", "tolerance")
 _NAMES = ("variant", "method", "name", "solver", "start", "integrator")
+_FEW = 3  # objects that are shown one below the other; more are folded
 _LINE = "line"  # key of the column that names a line of a picture
 _FIRST = ("steps", "t", "times", "h")  # what a curve is drawn against
 #: What the two numbers of a point are, by the key of the curve.
 _AXES = {"curve": ("force evaluations", "error")}
 _TITLES = ("title", "question", "what", "name")
 
+#: What the template of these pages is given: the kind of a part (or the tag of a heading), and it.
+Part = tuple[str, Any]
+
 
 def measurement_pages(results: Results) -> list[Page]:
     """Pages of all documents, by the names of their files."""
-    return [
-        Page(f"measured-{name}", title_of(name, doc), _body(name, doc), name, "measurements")
-        for name, doc in sorted(results.measurements.items())
-    ]
+    return [_page(name, doc) for name, doc in sorted(results.measurements.items())]
+
+
+def _page(name: str, doc: Record) -> Page:
+    parts = _body(name, doc)
+    flat_parts = [x for kind, one in parts for x in (one[1] if kind == "part" else [(kind, one)])]
+    tables = {x.id: x for _, x in flat_parts if isinstance(x, Table)}
+    pictures = tuple(x.lines_of(tables[x.table]) for _, x in flat_parts if isinstance(x, Figure))
+    body = render("measurement.html", parts=parts)
+    title = title_of(name, doc)
+    return Page(f"measured-{name}", title, body, name, "measurements", pictures=pictures)
 
 
 def title_of(name: str, doc: Record) -> str:
@@ -43,32 +54,32 @@ def _title_key(doc: Record) -> str:
     return next((key for key in _TITLES if isinstance(doc.get(key), str)), "")
 
 
-def _body(name: str, doc: Record, *, inner: bool = False) -> str:
+def _body(name: str, doc: Record, *, inner: bool = False) -> list[Part]:
     """Sentences first, then every list of objects; an object that holds such a list is opened."""
-    plain, lists = [], []
+    plain: list[tuple[str, list[str]]] = []
+    lists: list[Part] = []
     said = () if inner else ("format", "name", _title_key(doc))
     for key, value in doc.items():
         if key in said:
             continue
         if _is_listing(value):
-            lists.append(_listing(f"{name}-{key}", key, value))
+            lists += _listing(f"{name}-{key}", key, value)
         elif isinstance(value, Mapping) and value and all(map(_is_object, value.values())):
             rows = [{"name": inner, **x} for inner, x in value.items()]
-            lists.append(_listing(f"{name}-{key}", key, rows))
+            lists += _listing(f"{name}-{key}", key, rows)
         elif isinstance(value, Mapping) and any(map(_is_listing, value.values())):
-            opened = _body(f"{name}-{key}", value, inner=True)
-            lists.append(f"<h2>{escape(key)}</h2>{opened}")
+            lists += [("h2", key), *_body(f"{name}-{key}", value, inner=True)]
         else:
-            plain.append(f"<dt>{escape(key)}<dd>{_told(value)}")
-    return (f"<dl>{''.join(plain)}</dl>" if plain else "") + "".join(lists)
+            plain.append((key, _told(value)))
+    return [*([("sentences", plain)] if plain else []), *lists]
 
 
-def _told(value: Any) -> str:
+def _told(value: Any) -> list[str]:
     """A value in words; sentences one below the other."""
     texts = value if isinstance(value, list) else []
     if any(isinstance(x, str) and " " in x for x in texts):
-        return "<br>".join(flat(x) for x in texts)
-    return flat(value)
+        return [flat(x) for x in texts]
+    return [flat(value)]
 
 
 def _is_listing(value: Any) -> bool:
@@ -79,16 +90,22 @@ def _is_object(value: Any) -> bool:
     return isinstance(value, Mapping)
 
 
-def _listing(id_: str, key: str, rows: Sequence[Record]) -> str:
+def _listing(id_: str, key: str, rows: Sequence[Record]) -> list[Part]:
     """A list of objects: opened one by one where they hold lists of objects in turn."""
     deeper = [k for k in rows[0] if _is_listing(rows[0][k])]
     leaves = {k for k in deeper if not any(map(_has_lists, rows[0][k]))}
     if set(deeper) - leaves:
-        return "".join(
-            f"<h2>{escape(_heading(key, row))}</h2>{_body(f'{id_}-{n}', row, inner=True)}"
+        if len(rows) > _FEW:
+            return [
+                ("part", (_heading(key, row), _body(f"{id_}-{n}", row, inner=True)))
+                for n, row in enumerate(rows)
+            ]
+        return [
+            part
             for n, row in enumerate(rows)
-        )
-    found = [f"<h2>{escape(key)}</h2>"]
+            for part in (("h2", _heading(key, row)), *_body(f"{id_}-{n}", row, inner=True))
+        ]
+    found: list[Part] = [("h2", key)]
     for inner in sorted(leaves):
         flattened = [
             {**{k: x for k, x in row.items() if not isinstance(x, list | Mapping)}, **leaf}
@@ -97,7 +114,7 @@ def _listing(id_: str, key: str, rows: Sequence[Record]) -> str:
         ]
         found += _by_problem(f"{id_}-{inner}", inner, flattened)
     rest = [{k: x for k, x in row.items() if k not in leaves} for row in rows]
-    return "".join([*found, *_by_problem(id_, key, rest)])
+    return [*found, *_by_problem(id_, key, rest)]
 
 
 def _has_lists(row: Record) -> bool:
@@ -110,20 +127,20 @@ def _heading(key: str, row: Record) -> str:
     return next((x for x in row.values() if isinstance(x, str)), key)
 
 
-def _by_problem(id_: str, what: str, rows: Sequence[Record]) -> list[str]:
+def _by_problem(id_: str, what: str, rows: Sequence[Record]) -> list[Part]:
     """Tables and pictures of rows, split by problem where there are several."""
-    found: list[str] = []
+    found: list[Part] = []
     groups: dict[str, list[Record]] = {}
     for row in rows:
         groups.setdefault(flat(row.get("problem", "")), []).append(row)
     for n, (problem, mine) in enumerate(groups.items()):
         if len(groups) > 1 and problem:
-            found.append(f"<h3>{problem}</h3>")
+            found.append(("h3", problem))
         found += _group(f"m-{id_}-{n}", what, mine)
     return found
 
 
-def _group(id_: str, what: str, rows: Sequence[Record]) -> list[str]:
+def _group(id_: str, what: str, rows: Sequence[Record]) -> list[Part]:
     keys = list(dict.fromkeys(k for row in rows for k in row))
     names = [k for k in _NAMES if any(isinstance(row.get(k), str) for row in rows)]
     parts, curved = _curves(id_, what, rows, keys, names)
@@ -143,8 +160,9 @@ def _group(id_: str, what: str, rows: Sequence[Record]) -> list[str]:
     if names and costs and errors:
         caption = f"{what}: errors against costs, rows joined in the order of the file."
         series = _LINE if together else names[0]
-        parts.append(figure(table.id, costs, errors, f"error, {what}", caption, series))
-    return [*parts, table.html()]
+        drawn = Figure(table.id, costs, errors, f"error, {what}", caption, series)
+        parts.append(("figure", drawn))
+    return [*parts, ("table", table)]
 
 
 def _cell(value: Any) -> str:
@@ -158,12 +176,12 @@ def _line(row: Record, names: Sequence[str]) -> str:
 
 def _curves(
     id_: str, what: str, rows: Sequence[Record], keys: Sequence[str], names: Sequence[str]
-) -> tuple[list[str], set[str]]:
+) -> tuple[list[Part], set[str]]:
     """Pictures of the lists of numbers that rows hold, with these numbers; the keys drawn."""
     lists = [k for k in keys if any(_is_list(row.get(k)) for row in rows)]
     across = next((k for k in _FIRST if k in lists), None)
     up = [k for k in lists if k != across and all(_fits(row, across, k) for row in rows)]
-    parts: list[str] = []
+    parts: list[Part] = []
     if not names:
         return parts, set()
     if across is not None and up:
@@ -191,14 +209,13 @@ def _curves(
 
 def _curve(
     id_: str, what: str, columns: Sequence[Column], cells: Sequence[Sequence[str]]
-) -> list[str]:
+) -> list[Part]:
     """Picture of the columns after the first one against it, and the numbers folded."""
     first, *others = columns
     caption = f"{what}: {', '.join(x.title for x in others)} against {first.title}"
     table = Table(id_, caption, [Column(_LINE, "line"), *columns], cells)
-    picture = figure(id_, [first.key], [x.key for x in others], caption, caption, _LINE)
-    summary = "<summary>The numbers of this picture</summary>"
-    return [picture, f"<details>{summary}{table.frame()}</details>"]
+    drawn = Figure(id_, [first.key], [x.key for x in others], caption, caption, _LINE)
+    return [("figure", drawn), ("numbers", table)]
 
 
 def _is_points(value: Any) -> bool:

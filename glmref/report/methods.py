@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Any
 
+from markupsafe import Markup
+
 from ..catalogue.claims import (
     FINISHING_ORDER,
     G_SYMPLECTIC,
@@ -17,19 +19,21 @@ from ..catalogue.claims import (
     SYMMETRIC,
     SYMPLECTIC,
 )
-from ..catalogue.errata import find_errata
+from ..catalogue.errata import find_errata, load_errata
+from ..catalogue.files import names as shipped_names
 from ..catalogue.lookup import document, load
-from ..method import GLM, PartitionedGLM
+from ..catalogue.reader import load_document
+from ..method import Method, PartitionedGLM
 from ..views.bibtex import source_entry
 from ..views.show import parts
-from .markup import Column, Page, Site, Table, counted, escape, number, scrolling, wrapped
+from .markup import Column, Page, Site, Table, counted, number, render, wrapped
 from .measurements import title_of
 from .runs import answer_of, tab_of
 from .stability import stability
 from .store import Record, Results, method_of
 from .typeset import typeset, typeset_table
 
-__all__ = ["by_class", "method_page", "overview"]
+__all__ = ["by_class", "is_shipped_name", "method_page", "overview"]
 
 #: Classes of methods as a menu has them.
 _CLASSES = {
@@ -37,7 +41,39 @@ _CLASSES = {
     "one-leg": "one-leg", "glm": "general linear", "sweep": "general linear, symmetric sweeps",
     "splitting": "splittings", "partitioned-rk": "partitioned Runge-Kutta",
     "partitioned": "partitioned general linear", "pair-sweep": "explicit pairs",
+    "additive": "additive (IMEX)",
 }  # fmt: skip
+
+#: What is needed, what to take, and why: the table of docs/choose.md in short.
+NEEDS: tuple[tuple[str, tuple[str, ...], str], ...] = (
+    (
+        "second order, q'' = g(q)",
+        ("blanes-moan-rkn-6-14", "kahan-li-8", "pair-rkn-6-8b"),
+        "no stage equation to solve; the pair for up to 100,000 steps",
+    ),
+    (
+        "separable p' = -V'(q), q' = T'(p)",
+        ("blanes-moan-6", "kahan-li-8", "pair-6-8"),
+        "explicit; the pair for up to 100,000 steps",
+    ),
+    (
+        "Hamiltonian, not separable",
+        ("gauss-4", "gauss-5"),
+        "symplectic, of high order, the fastest measured here on Kepler's problem",
+    ),
+    (
+        "Hamiltonian, large, stages by Newton's method",
+        ("gauss-3", "s5i2-w3"),
+        "the second is diagonally implicit, for up to 100,000 steps",
+    ),
+    ("quadratic invariants", ("gauss-2", "gauss-3"), "conserved exactly in the solution itself"),
+    ("stiff and dissipative", ("radau-iia-3", "tr-bdf2"), "L-stable; no symplectic method is"),
+    (
+        "not stiff, short time, no invariant",
+        ("dormand-prince-5", "rk4"),
+        "explicit; in an adaptive code where there is one",
+    ),
+)
 
 _COLUMNS = (
     Column("method", "method"),
@@ -62,41 +98,69 @@ def overview(site: Site, results: Results, names: Sequence[str]) -> Page:
     evaluations = _evaluations(results)
     cells = [_row(site, results, name, evaluations) for name in names]
     table = Table("methods", f"{len(cells)} methods", _COLUMNS, cells, sortable=True)
-    runs = "".join(
-        f"<dt>{site.link(tab_of(run), run.name)}"
-        f"<dd>{escape(answer_of(run)) or counted(len(run.records), 'record')}"
+    measured = [
+        (
+            site.link(tab_of(run), run.name),
+            answer_of(run) or counted(len(run.records), "record"),
+        )
         for run in results.runs
-    )
-    runs += "".join(
-        f"<dt>{site.link(f'measured-{x}', x)}<dd>{escape(title_of(x, doc))}"
+    ]
+    measured += [
+        (site.link(f"measured-{x}", x), title_of(x, doc))
         for x, doc in sorted(results.measurements.items())
+    ]
+    needs = [
+        (need, [site.link(f"method-{x}", x) for x in take if x in names], why)
+        for need, take, why in NEEDS
+    ]
+    body = render(
+        "index.html",
+        table=table,
+        measured=measured,
+        needs=[row for row in needs if row[1]],
+        own=[site.link(f"method-{x}", x) for x in names if not is_shipped_name(x)],
+        proved=_proved(results, names),
     )
-    body = (
-        "<p>Methods whose every claim is true. <em>Order</em> is proved; <em>order seen</em> is "
-        "what runs at smaller and smaller steps show; <em>proof</em> is how the claims are proved: "
-        "exact (algebraic numbers), enclosed (an interval test within published digits) or "
-        "measured. A dash: nothing is stored.</p>"
-        f"{table.html()}"
-        f"<h2>What was measured</h2>{f'<dl>{runs}</dl>' if runs else '<p>Nothing was given.</p>'}"
-    )  # fmt: skip
-    return Page("index", "Methods", body, "overview")
+    return Page("index", "Methods and proofs", body, "overview")
+
+
+def _proved(results: Results, names: Sequence[str]) -> Mapping[str, Any]:
+    """How many claims hold, and by which proof: of the shipped methods, as they are stored."""
+    shipped = [name for name in names if is_shipped_name(name)]
+    found = [
+        x
+        for name in shipped
+        for x in _of_this_file(_document(results, name), results.findings.get(name, []))
+    ]
+    held = [x for x in found if x.get("verdict") == "holds"]
+    errata = load_errata()
+    return {
+        "methods": len(shipped),
+        "claims": len(found),
+        "holds": len(held),
+        "open": len(found) - len(held),
+        "kinds": {k: sum(x.get("proof") == k for x in held) for k in ("exact", "enclosed")},
+        "broken": len(shipped_names("broken")),
+        "errata": len(errata),
+        "wrong": sum(x.verdict != "right" for x in errata),
+    }
 
 
 def _row(site: Site, results: Results, name: str, evaluations: Mapping[str, float]) -> list[str]:
-    doc = _document(name)
-    claims, method = doc["claims"], _loaded(name)
+    doc = _document(results, name)
+    claims, method = doc["claims"], _loaded(results, name)
     found = results.findings.get(name, [])
     proved = _of_this_file(doc, found)
     held = sum(x.get("verdict") == "holds" for x in proved)
     kept = claims.get(G_SYMPLECTIC.key, claims.get(SYMPLECTIC.key))
     growth = claims.get(GROWTH.key)
-    stages, implicit, values = _sizes(method)
+    stages, implicit, values = _sizes(method) if method else (None, None, None)
     return [
         site.link(f"method-{name}", name),
-        escape(doc["class"]),
+        doc["class"],
         number(claims.get(ORDER.key)),
         number(_seen(results, name, ORDER.key) or _measured_order(found)),
-        escape(" and ".join(_proofs(proved))) or number(None),
+        " and ".join(_proofs(proved)) or number(None),
         number(stages),
         number(implicit),
         number(values),
@@ -112,20 +176,43 @@ def _row(site: Site, results: Results, name: str, evaluations: Mapping[str, floa
 def _listed(values: Any) -> str:
     if not isinstance(values, list):
         return number(values)
-    return ", ".join(typeset(str(x)) for x in values) or "none"
+    return Markup(", ").join(typeset(str(x)) for x in values) or "none"
+
+
+def is_shipped_name(name: str) -> bool:
+    """Whether a method of this name comes with the data."""
+    return name in _shipped_names()
 
 
 @cache
-def _document(name: str) -> Record:
-    return document(name)
+def _shipped_names() -> frozenset[str]:
+    return frozenset(shipped_names("methods"))
 
 
 @cache
-def _loaded(name: str) -> GLM | PartitionedGLM:
-    return load(name)
+def _shipped(name: str) -> tuple[Record, Method]:
+    return document(name), load(name)
 
 
-def _sizes(method: GLM | PartitionedGLM) -> tuple[Any, Any, Any]:
+def _document(results: Results, name: str) -> Record:
+    """The file of a method, or what findings say of one whose file was not given."""
+    if name in results.own:
+        return results.own[name]
+    if name in results.findings and not is_shipped_name(name):
+        rows = results.findings[name]
+        claims = {str(x.get("claim")): x.get("declared") for x in rows}
+        return {"name": name, "class": "", "claims": claims}
+    return _shipped(name)[0]
+
+
+def _loaded(results: Results, name: str) -> Method | None:
+    """The method, or nothing where its file was not given."""
+    if name in results.own:
+        return load_document(results.own[name])
+    return _shipped(name)[1] if is_shipped_name(name) else None
+
+
+def _sizes(method: Any) -> tuple[Any, Any, Any]:
     """Stages, implicit ones among them, values carried."""
     if isinstance(method, PartitionedGLM):
         blocks = [(i, j) for i, row in enumerate(method.A) for j, x in enumerate(row)]
@@ -177,7 +264,7 @@ def _declared(doc: Record) -> Record:
 def _seen(results: Results, name: str, claim: str) -> Any:
     """Order that runs show, as it is stored; one with identity that is the order stands once."""
     found = results.observed(name)
-    claims = _document(name)["claims"]
+    claims = _document(results, name)["claims"]
     if claim == ORDER_IDENTITY.key and claims.get(claim) == claims.get(ORDER.key):
         claim = ORDER.key
     return found.get(claim, {}).get("observed")
@@ -206,41 +293,56 @@ def _evaluations(results: Results) -> dict[str, float]:
 # --- one method ---------------------------------------------------------------------------------
 
 
-def by_class(names: Sequence[str]) -> list[str]:
-    """Names in the order of the menu: class by class."""
+def by_class(results: Results, names: Sequence[str]) -> list[str]:
+    """Names in the order of the menu: those of the user, then class by class."""
     ranks = {kind: k for k, kind in enumerate(_CLASSES)}
-    return sorted(names, key=lambda name: ranks.get(_document(name)["class"], len(ranks)))
+
+    def rank(name: str) -> int:
+        own = not is_shipped_name(name)
+        return -1 if own else ranks.get(_document(results, name)["class"], len(ranks))
+
+    return sorted(names, key=rank)
 
 
 def method_page(site: Site, results: Results, name: str) -> Page:
     """Page of one method: tableau, claims, start, source, records."""
-    doc, method = _document(name), _loaded(name)
-    drawn = parts(method, lambda grid: [typeset_table(grid)])  # type: ignore[arg-type,list-item]
-    body = [
-        f"<p><strong>{escape(name)}</strong>, class {escape(doc['class'])}: {_said(method)}</p>"
-    ]
-    body.append("<h2>Tableau</h2>")
-    for heading, lines in drawn.blocks:
-        body += [f"<h3>{escape(heading)}</h3>" if heading else "", *lines]
-    if drawn.legend:
-        rows = "".join(f"<dt>{typeset(k)}<dd>{typeset(x)}" for k, x in drawn.legend.items())
-        body.append(f"<p>with</p>{scrolling(f'<dl>{rows}</dl>', 'constants')}")
-    body += [_claims(doc, results), _error_constants(name, results.constants(name))]
-    body.append(stability(name, results.regions.get(name)))
-    body.append(_portrait(results, name))
-    body += [_records(site, results, name), _source(site, doc)]
-    text = "\n".join(x for x in body if x)
+    doc, method = _document(results, name), _loaded(results, name)
+    blocks: Any = ()
+    legend: Mapping[str, str] = {}
+    if method is not None:
+        drawn = parts(method, lambda grid: [typeset_table(grid)])  # type: ignore[arg-type,list-item]
+        blocks, legend = drawn.blocks, drawn.legend
+    found = results.findings.get(name, [])
+    suite = [x for x in found if "/" in str(x.get("claim"))]
+    errata = find_errata(method=name)
+    counts = [(run, sum(method_of(x) == name for x in run.records)) for run in results.runs]
+    body = render(
+        "method.html",
+        site=site,
+        name=name,
+        doc=doc,
+        sizes=method and _sizes(method),
+        blocks=blocks,
+        legend=[(typeset(k), typeset(x)) for k, x in legend.items()],
+        claims=_claims(doc, results),
+        suite=suite and (sum(x.get("verdict") == "holds" for x in suite), len(suite)),
+        verified=bool(_of_this_file(doc, found)),
+        constants=_error_constants(name, results.constants(name)),
+        stability=stability(name, results.regions.get(name)),
+        portrait=Markup(results.portraits.get(name, "")),
+        records=[(site.link(tab_of(run), run.name), count) for run, count in counts if count],
+        source=doc.get("source") and {"doi": None, "errata": [], **doc["source"]},
+        errata=errata,
+        bibtex=source_entry(doc) if doc.get("source") else "",
+    )
     kind = _CLASSES.get(doc["class"]) or str(doc["class"])
-    return Page(f"method-{name}", str(doc.get("title", name)), text, name, "methods", kind)
+    if not is_shipped_name(name):
+        kind = "your own"
+    return Page(f"method-{name}", str(doc.get("title", name)), body, name, "methods", kind)
 
 
-def _said(method: GLM | PartitionedGLM) -> str:
-    stages, implicit, values = _sizes(method)
-    return f"stages {stages}, implicit ones {implicit}, values carried {values}"
-
-
-def _claims(doc: Record, results: Results) -> str:
-    """Claims with their proofs and witnesses; those of the conformance suite are counted."""
+def _claims(doc: Record, results: Results) -> Table:
+    """Claims with their proofs and witnesses."""
     found = results.findings.get(doc["name"], [])
     known = {str(x.get("claim")): x for x in _of_this_file(doc, found)}
     rows = []
@@ -248,91 +350,37 @@ def _claims(doc: Record, results: Results) -> str:
         finding = known.get(claim, {})
         verdict = str(finding.get("verdict", ""))
         rows.append([
-            escape(claim), _listed(declared) if isinstance(declared, list) else number(declared),
+            claim, _listed(declared) if isinstance(declared, list) else number(declared),
             _verdict(verdict),
-            escape(str(finding.get("proof", ""))) or number(None),
+            str(finding.get("proof", "")) or number(None),
             number(_seen(results, doc["name"], claim)),
-            number(finding.get("residual")), wrapped(escape(str(finding.get("witness", "")))),
+            number(finding.get("residual")), wrapped(str(finding.get("witness", ""))),
         ])  # fmt: skip
     titles = {"seen": "seen in runs"}
     keys = ("claim", "declared", "verdict", "proof", "seen", "residual", "witness")
     columns = [Column(x, titles.get(x, x)) for x in keys]
-    text = Table("claims-" + doc["name"], "Claims", columns, rows).html()
-    suite = [x for x in found if "/" in str(x.get("claim"))]
-    if suite:
-        held = sum(x.get("verdict") == "holds" for x in suite)
-        text += f"<p>Conformance suite: {held} of {len(suite)} checks hold.</p>"
-    if not known:
-        text += "<p>No verdict is stored: <code>glmref verify --format json</code> writes them.</p>"
-    return f"<h2>Claims</h2>{text}"
+    return Table("claims-" + doc["name"], "Claims", columns, rows)
 
 
-def _error_constants(name: str, row: Record) -> str:
+def _error_constants(name: str, row: Record) -> list[tuple[str, Record, Table]]:
     """The largest residuals of the trees one order beyond, and all of them as one number."""
-    if not row:
-        return ""
-    found = {"": row, ", on second-order systems": row.get("nystrom")}
-    parts = [
-        _constants(f"constants-{name}-{n}", where, one)
-        for n, (where, one) in enumerate(found.items())
-        if isinstance(one, Mapping)
-    ]
-    return f"<h2>Error constants</h2>{''.join(parts)}"
-
-
-def _constants(id_: str, where: str, found: Record) -> str:
-    largest = found.get("largest")
-    cells = [
-        [f"<code>{escape(str(x[0]))}</code>", number(x[1])]
-        for x in (largest if isinstance(largest, list) else ())
-        if isinstance(x, list) and len(x) == 2
-    ]
-    told = (
-        f"<p>Order {number(found.get('order'))}{where}. Trees one order beyond: "
-        f"{number(found.get('trees'))}, with a residual: {number(found.get('nonzero'))}; "
-        f"Euclidean norm of residual over symmetry: {number(found.get('norm'))}.</p>"
-    )
+    found = {"": row, ", on second-order systems": row.get("nystrom")} if row else {}
     columns = [Column("tree", "tree"), Column("residual", "residual")]
-    return told + (Table(id_, "The largest residuals", columns, cells).html() if cells else "")
+    parts = []
+    for n, (where, one) in enumerate(found.items()):
+        if not isinstance(one, Mapping):
+            continue
+        largest = one.get("largest")
+        cells = [
+            [Markup("<code>{}</code>").format(x[0]), number(x[1])]
+            for x in (largest if isinstance(largest, list) else ())
+            if isinstance(x, list) and len(x) == 2
+        ]
+        table = Table(f"constants-{name}-{n}", "The largest residuals", columns, cells)
+        told = {key: one.get(key) for key in ("order", "trees", "nonzero", "norm")}
+        parts.append((where, told, table))
+    return parts
 
 
 def _verdict(word: str) -> str:
-    return f'<span class="{escape(word)}">{escape(word)}</span>' if word else number(None)
-
-
-def _portrait(results: Results, name: str) -> str:
-    svg = results.portraits.get(name)
-    return f'<h2>Portrait</h2><div class="portrait">{svg}</div>' if svg else ""
-
-
-def _records(site: Site, results: Results, name: str) -> str:
-    links = [
-        f"<li>{site.link(tab_of(run), run.name)}: {counted(count, 'record')}"
-        for run in results.runs
-        if (count := sum(method_of(x) == name for x in run.records))
-    ]
-    return f"<h2>Measured in</h2><ul>{''.join(links)}</ul>" if links else ""
-
-
-def _source(site: Site, doc: Record) -> str:
-    source = doc["source"]
-    doi = source.get("doi")
-    cited = escape(f"{source['citation']}, {source['where']}")
-    if doi:
-        cited += f', <a href="https://doi.org/{escape(doi)}" rel="noreferrer">doi:{escape(doi)}</a>'
-    remarks = "".join(f"<li>{escape(x)}" for x in source.get("errata", []))
-    errata = find_errata(method=doc["name"])
-    if errata:
-        places = ", ".join(escape(x.where) for x in errata)
-        remarks += f"<li>{site.link('errata', 'errata of the thesis')}: {places}"
-    name = escape(doc["name"])
-    data = (
-        f'<p>Data: <a href="data/{name}.json" download>{name}.json</a></p>'
-        if not site.single
-        else ""
-    )
-    return (
-        f"<h2>Source</h2><p>{cited} ({escape(source['status'])})</p>"
-        f"{f'<ul>{remarks}</ul>' if remarks else ''}{data}"
-        f"<details><summary>BibTeX</summary><pre>{escape(source_entry(doc))}</pre></details>"
-    )
+    return Markup('<span class="{0}">{0}</span>').format(word) if word else number(None)

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..views.plane import Cloud, one_each, ranging
-from .markup import Column, Table, counted, escape, figure, number
+from .markup import Column, Figure, Table, number
 from .store import Record, RunFile, is_number, method_of
 
-__all__ = ["orbits"]
+__all__ = ["Orbits", "orbits"]
 
 #: Runs and points of orbits on one page: with more a page takes longer than a second to load.
 MOST = 6000
@@ -33,19 +33,40 @@ class _Orbit:
         return Cloud(self.name, points, self.ended, self.h)
 
 
-def orbits(run: RunFile, title: str) -> list[str]:
-    """Return parts of a page: a picture of all paths in the plane of the first, and its numbers."""
+@dataclass(frozen=True)
+class Orbits:
+    """What a page shows of the orbits of a run.
+
+    Attributes
+    ----------
+        figure: picture of all paths in the plane of the first; none where there are only points.
+        table: its numbers. lost: methods lost at every step size, and how. left_out: methods whose
+            orbits are stored and not drawn.
+    """
+
+    figure: Figure | None
+    table: Table
+    lost: list[tuple[str, str]]
+    left_out: int
+
+
+def orbits(run: RunFile, title: str, far: str = "") -> Orbits | None:
+    """Return what a page shows of the orbits of a run; nothing where none is stored.
+
+    Args:
+        title: of the page. far: a sentence of how far the runs go, for the caption.
+    """
     found = [one for one in map(_orbit, run.records) if one is not None]
     room = MOST - len(run.records)
     shown = _fitting(_one_each([x for x in found if x.axes == found[0].axes]), room)
     if not shown:
-        return []
+        return None
     left_out = len({one.name for one in found}) - len(shown)
     across, up = shown[0].axes
     several = any(len(one.paths) > 1 for one in shown)
     cells = [
         [
-            *(escape(one.name), number(one.h)),
+            *(one.name, number(one.h)),
             *([number(k + 1)] if several else []),
             *map(number, point),
         ]
@@ -61,25 +82,13 @@ def orbits(run: RunFile, title: str) -> list[str]:
     caption = (
         f"{up} against {across} of each method, at the largest step size at which it is not lost, "
         "at times spread over the whole run; points are not joined, all panels have one range."
+        + far
     )
     beyond = [one.name for one in shown if one.name not in setting]
-    rows = "".join(
-        f"<li><strong>{escape(one.name)}</strong>: {escape(one.ended)}"
-        for one in shown
-        if one.ended
-    )
+    lost = [(one.name, one.ended) for one in shown if one.ended]
     drawn = any(len(path) > 1 for one in shown for path in one.paths)
-    return [
-        "<h2>Orbit</h2>",
-        figure(table.id, ["x"], ["y"], f"orbit, {title}", caption, plane=beyond) if drawn else "",
-        f"<p>Lost at every step size, and drawn up to there at the smallest:</p><ul>{rows}</ul>"
-        if rows
-        else "",
-        f"<p>In the records and not drawn: orbits of {counted(left_out, 'method')}.</p>"
-        if left_out
-        else "",
-        f"<details><summary>The numbers of this picture</summary>{table.frame()}</details>",
-    ]
+    picture = Figure(table.id, ["x"], ["y"], f"orbit, {title}", caption, plane=beyond)
+    return Orbits(picture if drawn else None, table, lost, left_out)
 
 
 def _one_each(found: Sequence[_Orbit]) -> list[_Orbit]:

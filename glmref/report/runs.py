@@ -8,9 +8,9 @@ from functools import cache
 from typing import Any
 
 from ..errors import GlmrefError
-from .markup import Column, Page, Site, Table, counted, escape, figure, number
+from .markup import Column, Figure, Page, Site, Table, counted, number, render
 from .orbits import orbits
-from .store import Record, RunFile, method_of, path_in
+from .store import Record, RunFile, is_number, method_of, path_in
 
 __all__ = ["COLUMNS", "answer_of", "run_page", "tab_of"]
 
@@ -84,8 +84,9 @@ def run_page(site: Site, run: RunFile, methods: frozenset[str]) -> Page:
     Args:
         methods: names that have a page of their own.
     """
-    title, parts, judged = _question(run)
-    intro = len(parts)
+    scene = _shipped(run)
+    title = scene.title if scene else run.name
+    judged = f"{scene.answer.error}_error" if scene else ""
     shown = [(c, get) for c, get in COLUMNS if any(get(x) is not None for x in run.records)]
     cells = [[number(get(record)) for _, get in shown] for record in run.records]
     caption = f"{counted(len(cells), 'record')} of {run.name}"
@@ -94,22 +95,43 @@ def run_page(site: Site, run: RunFile, methods: frozenset[str]) -> Page:
     # the error that the scene judges by comes first
     errors = sorted((key for key in _ERRORS if key in keys), key=lambda key: key != judged)
     costs = [key for key in _COSTS if key in keys]
+    horizon = _horizon(run)
+    far = f" Runs go {horizon}." if horizon else ""
+    work = None
     if errors and costs:
-        parts.append(
-            figure(
-                table.id, costs, errors, f"error against cost, {title}",
-                "Runs of one method are joined in the order of the file. Bars span the quartiles "
-                "of the run times.",
-            )
+        work = Figure(
+            table.id, costs, errors, f"error against cost, {title}",
+            "Runs of one method are joined in the order of the file. Bars span the quartiles "
+            f"of the run times.{far}",
         )  # fmt: skip
-    parts.append(table.html())
-    parts += _unfinished(run.records)
-    curves = _curves(run, title)
-    # where a run is watched over time, that picture is the answer
-    parts = [*parts[:intro], *curves, *parts[intro:]]
-    parts += orbits(run, title)
-    parts.append(_methods(site, run, methods))
-    return Page(tab_of(run), title, "\n".join(parts), run.name, "scenes", _kind(run))
+    used = dict.fromkeys(method_of(x) for x in run.records)
+    curves, paths = _curves(run, title, far), orbits(run, title, far)
+    drawn = [(work, table), *([curves] if curves else [])]
+    drawn += [(paths.figure, paths.table)] if paths else []
+    body = render(
+        "run.html",
+        scene=scene,
+        quick=_is_quick(run),
+        answer=answer_of(run),
+        curves=curves,
+        work=work,
+        table=table,
+        unfinished=_unfinished(run.records),
+        orbits=paths,
+        horizon=horizon,
+        methods=[site.link(f"method-{x}", x) if x in methods else x for x in used],
+    )
+    pictures = tuple(figure.lines_of(numbers) for figure, numbers in drawn if figure)
+    return Page(tab_of(run), title, body, run.name, "scenes", _kind(run), pictures)
+
+
+def _horizon(run: RunFile) -> str:
+    """How far the runs were to go by their records: a quick run ends earlier than its scene."""
+    times = [path_in(x, ("task", "t_end")) for x in run.records]
+    ends = sorted({number(t) for t in times if is_number(t)}, key=float)
+    if not ends:
+        return ""
+    return f"to t = {ends[0]}" if len(ends) == 1 else f"to t = {ends[0]} up to {ends[-1]}"
 
 
 def _kind(run: RunFile) -> str:
@@ -147,34 +169,27 @@ def _scene(name: str, quick: bool) -> Any:
     return load_scene(name, quick=quick)
 
 
-def _question(run: RunFile) -> tuple[str, list[str], str]:
-    """Title, question and answer of a shipped scene, and the error it judges by."""
+def _shipped(run: RunFile) -> Any:
+    """The shipped scene that a run carried out, or nothing."""
     from ..scenes import names
 
-    parts = []
-    if _is_quick(run):
-        parts.append("<p>A quick run: fewer or shorter runs than the scene asks for.</p>")
-    if run.scene not in names():
-        return run.name, [*parts, "<p>A scene of the user's own: its records are shown.</p>"], ""
-    scene = _scene(run.scene, _is_quick(run))
-    said = answer_of(run)
-    parts.insert(0, f"<p><strong>{escape(scene.question)}</strong></p>")
-    parts.append(f'<p class="answer">{escape(said)}</p>')
-    return scene.title, parts, f"{scene.answer.error}_error"
+    return _scene(run.scene, _is_quick(run)) if run.scene in names() else None
 
 
-def _unfinished(records: Sequence[Record]) -> list[str]:
-    """Say of each run that was not completed why."""
-    rows = [
-        f"<li><strong>{escape(method_of(x))}</strong>, {number(_step(x))}: "
-        f"{escape(': '.join(filter(None, (str(x.get('outcome')), str(x.get('message') or '')))))}"
+def _unfinished(records: Sequence[Record]) -> list[tuple[str, Any, str]]:
+    """Name, step and reason of each run that was not completed."""
+    return [
+        (
+            method_of(x),
+            _step(x),
+            ": ".join(filter(None, (str(x.get("outcome")), str(x.get("message") or "")))),
+        )
         for x in records
         if x.get("outcome") != "completed"
     ]
-    return [f"<h2>Not completed: {len(rows)}</h2><ul>{''.join(rows)}</ul>"] if rows else []
 
 
-def _curves(run: RunFile, title: str) -> list[str]:
+def _curves(run: RunFile, title: str, far: str) -> tuple[Figure, Table] | None:
     """Picture and numbers of what the records say over time."""
     cells, runs = [], Counter(method_of(x) for x in run.records)
     for record in run.records:
@@ -184,24 +199,13 @@ def _curves(run: RunFile, title: str) -> list[str]:
             name += f", h = {number(_step(record))}"
         for pair in series if isinstance(series, list) else ():
             if isinstance(pair, list) and len(pair) == 2:
-                cells.append([escape(name), number(pair[0]), number(pair[1])])
+                cells.append([name, number(pair[0]), number(pair[1])])
     if not cells:
-        return []
+        return None
     lost = any("lost" in x for x in run.records)
     what = "size of the values beyond the solution" if lost else "relative drift so far"
     columns = [Column("method", "method"), Column("t", "time t"), Column("value", what)]
     table = Table(f"c-{run.name}", f"{what}, largest up to each time", columns, cells)
-    caption = f"{what[:1].upper()}{what[1:]}, the largest up to each time."
+    caption = f"{what[:1].upper()}{what[1:]}, the largest up to each time.{far}"
     label = f"{what} over time, {title}"
-    picture = figure(table.id, ["t"], ["value"], label, caption, marks=False)
-    return [
-        "<h2>Over time</h2>",
-        picture,
-        f"<details><summary>The numbers of this picture</summary>{table.frame()}</details>",
-    ]
-
-
-def _methods(site: Site, run: RunFile, methods: frozenset[str]) -> str:
-    names = dict.fromkeys(method_of(x) for x in run.records)
-    links = ", ".join(site.link(f"method-{x}", x) if x in methods else escape(x) for x in names)
-    return f"<h2>Methods</h2><p>{links}</p>" if names else ""
+    return Figure(table.id, ["t"], ["value"], label, caption, marks=False), table

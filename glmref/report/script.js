@@ -15,8 +15,31 @@
     if (parent) parent.append(node);
     return node;
   };
-  const mark = (parent, k, extra) => make("path",
-    { d: SHAPES[k % 8], class: `mark c${k % 7}${k % 8 === 7 ? " hollow" : ""}`, ...extra }, parent);
+  // one look for a method in all pictures; several lines of a method in one picture differ in their dashes
+  const LOOKS = JSON.parse(document.body.dataset.looks || "{}");
+  const looks = (names) => {
+    const seen = {};
+    return names.map((name, n) => {
+      const k = LOOKS[name] ?? n, again = seen[k] = (seen[k] ?? -1) + 1;
+      return { color: k % 7, dash: DASHES[(k + again) % 5], shape: (k + Math.floor(again / 5)) % 8 };
+    });
+  };
+  const mark = (parent, { color, shape }, extra) => make("path",
+    { d: SHAPES[shape], class: `mark c${color}${shape === 7 ? " hollow" : ""}`, ...extra }, parent);
+  // a text is moved into its room, and set narrower where it is longer than that
+  const fit = (text, low, high) => {
+    const box = text.getBBox(), room = high - low;
+    if (box.width > room) {
+      text.setAttribute("textLength", room);
+      text.setAttribute("lengthAdjust", "spacingAndGlyphs");
+    }
+    const begin = Math.min(Math.max(box.x, low), high - Math.min(box.width, room));
+    if (box.width > room || Math.abs(begin - box.x) > 0.1) {
+      text.setAttribute("text-anchor", "start");
+      text.setAttribute("x", begin);
+    }
+  };
+  const longest = (axis) => 6.8 * Math.max(0, ...axis.ticks.map((t) => axis.label(t).length));
 
   // axes: a range becomes ticks, a value a place
   const nice = (rough, steps = [1, 2, 5, 10]) => {
@@ -69,6 +92,7 @@
       const { heads, rows } = read(document.getElementById(figure.dataset.table));
       this.heads = heads; this.rows = rows;
       this.names = [...new Set(rows.map((row) => row[figure.dataset.series]))];
+      this.looks = looks(this.names);
       this.hidden = new Set();
       const top = make("div", { class: "controls" }, figure);
       this.x = this.choice(top, "across", figure.dataset.x.split(" "));
@@ -113,8 +137,8 @@
         const button = make("button", { type: "button", "aria-pressed": "true" }, box);
         buttons.push([name, button]);
         const svg = make("svg", { width: 34, height: 12, viewBox: "-17 -6 34 12", "aria-hidden": "true" }, button);
-        make("path", { d: "M-17 0H17", class: `line c${k % 7}`, "stroke-dasharray": DASHES[k % 5] }, svg);
-        mark(svg, k, {});
+        make("path", { d: "M-17 0H17", class: `line c${this.looks[k].color}`, "stroke-dasharray": this.looks[k].dash }, svg);
+        mark(svg, this.looks[k], {});
         make("span", {}, button, name);
         button.addEventListener("click", () => {
           press(name, button, this.hidden.has(name));
@@ -157,10 +181,14 @@
     }
     // grid, ticks and frame of a rectangle
     grid({ left, top, wide, high }, ax, ay) {
+      let end = -Infinity;
       for (const t of ax.ticks) {
         const u = left + ax.part(t) * wide;
         make("path", { class: "grid", d: `M${u} ${top}v${high}` }, this.svg);
-        make("text", { x: u, y: top + high + 16, "text-anchor": "middle" }, this.svg, ax.label(t));
+        const text = make("text", { x: u, y: top + high + 16, "text-anchor": "middle" }, this.svg, ax.label(t));
+        fit(text, 2, this.width - 2);
+        const { x, width } = text.getBBox();
+        if (x < end + 4) text.remove(); else end = x + width;
       }
       for (const t of ay.ticks) {
         const v = top + high - ay.part(t) * high;
@@ -176,26 +204,29 @@
     }
     paint(rows, kx, ky, width) {
       const height = Math.round(Math.min(460, Math.max(280, width * 0.62))), svg = this.svg;
-      const box = { left: 62, top: 26, wide: width - 74, high: height - 72 };
+      const ay = axis(rows.map((row) => Number(row[ky])), this.head(ky).linear, (height - 72) * 1.5);
+      const left = Math.max(62, 10 + longest(ay));
+      const box = { left, top: 26, wide: width - left - 12, high: height - 72 };
       const ax = axis(rows.map((row) => Number(row[kx])), this.head(kx).linear, box.wide);
-      const ay = axis(rows.map((row) => Number(row[ky])), this.head(ky).linear, box.high * 1.5);
       this.size(width, height);
       this.grid(box, ax, ay);
-      make("text", { x: box.left + box.wide / 2, y: height - 10, "text-anchor": "middle", class: "x-title" }, svg, this.head(kx).title);
-      make("text", { x: 8, y: 16, class: "y-title" }, svg, this.head(ky).title);
+      fit(make("text", { x: box.left + box.wide / 2, y: height - 10, "text-anchor": "middle", class: "x-title" }, svg,
+        this.head(kx).title), 4, width - 4);
+      fit(make("text", { x: 8, y: 16, class: "y-title" }, svg, this.head(ky).title), 8, width - 4);
       const quick = this.figure.dataset.marks === "no";
       this.names.forEach((name, k) => {
         const mine = this.placed(rows, name, k, kx, ky, box, ax, ay);
         if (!mine.length) return;
         const group = make("g", { "data-series": name }, svg);
-        make("path", { class: `line c${k % 7}`, "stroke-dasharray": DASHES[k % 5], fill: "none",
+        const look = this.looks[k];
+        make("path", { class: `line c${look.color}`, "stroke-dasharray": look.dash, fill: "none",
           d: "M" + mine.map((p) => `${p.u.toFixed(1)} ${p.v.toFixed(1)}`).join("L") }, group);
         const bar = (q) => (box.left + Math.min(1, Math.max(0, ax.at(Number(q)))) * box.wide).toFixed(1);
         const bars = kx !== "seconds" ? [] : mine.filter((p) => p.row.q25 > 0 && p.row.q75 > 0)
           .map((p) => `M${bar(p.row.q25)} ${p.v.toFixed(1)}H${bar(p.row.q75)}`);
-        if (bars.length) make("path", { class: `spread c${k % 7}`, d: bars.join("") }, group);
+        if (bars.length) make("path", { class: `spread c${look.color}`, d: bars.join("") }, group);
         mine.forEach((p, n) => {
-          if (!quick || n === mine.length - 1) mark(group, k, { transform: `translate(${p.u.toFixed(1)} ${p.v.toFixed(1)})` });
+          if (!quick || n === mine.length - 1) mark(group, look, { transform: `translate(${p.u.toFixed(1)} ${p.v.toFixed(1)})` });
         });
         this.points.push(...mine);
       });
@@ -242,24 +273,28 @@
       const { series, plane } = this.figure.dataset, partial = new Set(JSON.parse(plane)), svg = this.svg;
       const names = this.names.filter((name) => rows.some((row) => row[series] === name));
       const across = Math.max(Math.min(names.length, 2), Math.min(names.length, Math.floor(width / 270)));
-      const cell = Math.min(Math.floor(width / across), 420), wide = cell - 60;
+      const cell = Math.min(Math.floor(width / across), 420);
       const whole = rows.filter((row) => !partial.has(row[series]));
-      const [ax, ay, high] = this.equal(whole.length ? whole : rows, kx, ky, wide);
+      const ranging = whole.length ? whole : rows;
+      const left = Math.max(50, 26 + longest(this.equal(ranging, kx, ky, cell - 60)[1])), wide = cell - left - 10;
+      const [ax, ay, high] = this.equal(ranging, kx, ky, wide);
       const pitch = high + 68;
       this.size(width, Math.ceil(names.length / across) * pitch + 4);
       names.forEach((name, n) => {
         const k = this.names.indexOf(name);
-        const box = { left: (n % across) * cell + 50, top: Math.floor(n / across) * pitch + 24, wide, high };
+        const box = { left: (n % across) * cell + left, top: Math.floor(n / across) * pitch + 24, wide, high };
         this.grid(box, ax, ay);
         const { h } = rows.find((row) => row[series] === name);
-        make("text", { x: box.left, y: box.top - 8 }, svg, h === undefined || cell < 200 ? name : `${name}, h = ${h}`);
-        make("text", { x: box.left + wide / 2, y: box.top + high + 32, "text-anchor": "middle", class: "x-title" }, svg, this.head(kx).title);
-        make("text", { transform: `translate(${box.left - 38} ${box.top + high / 2}) rotate(-90)`, "text-anchor": "middle",
-          class: "y-title" }, svg, this.head(ky).title);
+        const room = [box.left - left + 4, box.left + wide + 6];
+        fit(make("text", { x: box.left, y: box.top - 8 }, svg, h === undefined || cell < 200 ? name : `${name}, h = ${h}`), ...room);
+        fit(make("text", { x: box.left + wide / 2, y: box.top + high + 32, "text-anchor": "middle", class: "x-title" }, svg,
+          this.head(kx).title), ...room);
+        fit(make("text", { transform: `translate(${box.left - left + 12} ${box.top + high / 2}) rotate(-90)`,
+          "text-anchor": "middle", class: "y-title" }, svg, this.head(ky).title), -high / 2 - 20, high / 2 + 20);
         const group = make("g", { "data-series": name }, svg);
         const inside = (p) => p.u >= box.left && p.u <= box.left + wide && p.v >= box.top && p.v <= box.top + high;
         const mine = this.placed(rows, name, k, kx, ky, box, ax, ay).filter(inside);
-        for (const p of mine) mark(group, k, { transform: `translate(${p.u.toFixed(1)} ${p.v.toFixed(1)}) scale(.4)` });
+        for (const p of mine) mark(group, this.looks[k], { transform: `translate(${p.u.toFixed(1)} ${p.v.toFixed(1)}) scale(.4)` });
         this.points.push(...mine);
       });
       const outside = rows.length - this.points.length;

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
+from xml.sax.saxutils import quoteattr
 
-from .markup import escape, number
+from markupsafe import Markup
+
+from ..views.axes import Axes, round_ticks
+from .markup import number, render
 from .store import Record, is_number
 
 __all__ = ["stability"]
@@ -19,102 +21,59 @@ _FAR = 64.0  # an axis on which no end was seen up to there
 Point = tuple[float, float]
 
 
-@dataclass(frozen=True)
-class _Panel:
-    """A square with a range on each axis."""
-
-    x: Point
-    y: Point
-
-    def at(self, x: float, y: float) -> Point:
-        u = (x - self.x[0]) / (self.x[1] - self.x[0])
-        v = (y - self.y[0]) / (self.y[1] - self.y[0])
-        return _LEFT + u * _SIDE, _TOP + (1 - v) * _SIDE
-
-    def path(self, points: Sequence[Point]) -> str:
-        return "M" + "L".join("{:.1f} {:.1f}".format(*self.at(x, y)) for x, y in points)
-
-    def svg(self, label: str, inner: str, words: tuple[str, str]) -> str:
-        """Frame, ticks and words around some shapes."""
-        across, up = "", ""
-        for x in _ticks(*self.x):
-            u, v = self.at(x, self.y[0])
-            across += f'<text x="{u:.1f}" y="{v + 16:.1f}" text-anchor="middle">{x:.6g}</text>'
-        for y in _ticks(*self.y):
-            u, v = self.at(self.x[0], y)
-            up += f'<text x="{u - 6:.1f}" y="{v + 4:.1f}" text-anchor="end">{y:.6g}</text>'
-        wide, high = _LEFT + _SIDE + 12, _TOP + _SIDE + _BELOW
-        frame = f'x="{_LEFT}" y="{_TOP}" width="{_SIDE}" height="{_SIDE}"'
-        turned = f'transform="translate(12 {_TOP + _SIDE / 2:.0f}) rotate(-90)"'
-        return (
-            f'<svg class="chart region" width="{wide}" height="{high}" viewBox="0 0 {wide} {high}" '
-            f'role="img" aria-label="{escape(label)}">{inner}<rect class="frame" {frame}/>'
-            f'{across}{up}<text x="{_LEFT + _SIDE / 2:.0f}" y="{high - 6}" text-anchor="middle">'
-            f"{escape(words[0])}</text>"
-            f'<text {turned} text-anchor="middle">{escape(words[1])}</text></svg>'
-        )
+def _svg(axes: Axes, label: str, inner: str, labels: tuple[str, str]) -> str:
+    """Some shapes with their axes."""
+    wide, high = _LEFT + _SIDE + 12, _TOP + _SIDE + _BELOW
+    frame = axes.frame(round_ticks(*axes.x), round_ticks(*axes.y), labels, grid=False, aside=34)
+    return (
+        f'<svg class="chart region" width="{wide}" height="{high}" viewBox="0 0 {wide} {high}" '
+        f'role="img" aria-label={quoteattr(label)}>{inner}{"".join(frame)}</svg>'
+    )
 
 
-def _ticks(low: float, high: float) -> list[float]:
-    """Round numbers of a range, five or fewer."""
-    rough = (high - low) / 5
-    power = 10.0 ** math.floor(math.log10(rough))
-    step = next(m * power for m in (1, 2, 5, 10) if m * power >= rough)
-    return [k * step for k in range(math.ceil(low / step), math.floor(high / step) + 1)]
-
-
-def stability(name: str, record: Record | None) -> str:
+def stability(name: str, record: Record | None) -> Markup:
     """Return the part of a page, ``""`` where nothing is stored that can be drawn."""
     reach = (record or {}).get("reach")
     if record is None or not is_number(reach) or not 0 < reach < 1e6:
-        return ""
+        return Markup()
     if "moduli" in record:
         return _pair(name, record, float(reach))
     return _region(name, record, float(reach))
 
 
-def _region(name: str, record: Record, reach: float) -> str:
-    panel = _Panel((-reach, reach), (-reach, reach))
+def _region(name: str, record: Record, reach: float) -> Markup:
+    axes = Axes(_LEFT, _TOP, _SIDE, _SIDE, (-reach, reach), (-reach, reach))
     rings = [found for text in _texts(record.get("rings")) if (found := _points(text))]
-    zero = panel.at(0, 0)
-    inner = f'<path class="grid" d="M{_LEFT} {zero[1]:.1f}h{_SIDE}M{zero[0]:.1f} {_TOP}v{_SIDE}"/>'
+    inner = axes.cross(0, 0)
     if rings:
-        path = "".join(panel.path(ring) + "z" for ring in rings)
+        path = "".join(f"M{axes.line(ring)}z" for ring in rings)
         inner = f'<path class="area" fill-rule="evenodd" d="{path}"/>{inner}'
     end = record.get("imaginary")
     if is_number(end) and end > 0:
         kept = min(float(end), reach)
-        inner += f'<path class="kept" d="{panel.path([(0, -kept), (0, kept)])}"/>'
+        inner += f'<path class="kept" d="M{axes.line([(0, -kept), (0, kept)])}"/>'
     said = "no area that is stable was seen" if not rings else "stable where it is shaded"
     rows = [
         ("imaginary axis, to", _end(end)),
         ("negative real axis, to", _end(record.get("real"))),
     ]
-    svg = panel.svg(f"stability region of {name}", inner, ("Re z, z = h lambda", "Im z"))
+    svg = _svg(axes, f"stability region of {name}", inner, ("Re z, z = h lambda", "Im z"))
     return _part(svg, f"For y' = lambda y: {said}, and on the thick part of the axis.", rows)
 
 
-def _pair(name: str, record: Record, reach: float) -> str:
-    panel = _Panel((0, reach), (0, 2))
-    one = panel.at(0, 1)
-    inner = f'<path class="grid" d="M{_LEFT} {one[1]:.1f}h{_SIDE}"/>'
+def _pair(name: str, record: Record, reach: float) -> Markup:
+    axes = Axes(_LEFT, _TOP, _SIDE, _SIDE, (0, reach), (0, 2))
+    inner = axes.cross(None, 1)
     for text in _texts(record.get("moduli")):
         if points := _points(text):
-            inner += f'<path class="line c0" d="{panel.path(points)}"/>'
-    svg = panel.svg(f"moduli of eigenvalues of {name}", inner, ("h omega", "moduli"))
+            inner += f'<path class="line c0" d="M{axes.line(points)}"/>'
+    svg = _svg(axes, f"moduli of eigenvalues of {name}", inner, ("h omega", "moduli"))
     said = "For q' = omega p, p' = -omega q: moduli of the eigenvalues of a step."
     return _part(svg, said, [("no modulus above 1, to h omega", _end(record.get("oscillation")))])
 
 
-def _part(svg: str, said: str, rows: Sequence[tuple[str, str]]) -> str:
-    listed = "".join(f"<dt>{escape(key)}<dd>{value}" for key, value in rows)
-    return (
-        f'<h2>Stability</h2><figure class="regions">{svg}<figcaption>{escape(said)} Measured, see '
-        f"{_STORED}.<dl>{listed}</dl></figcaption></figure>"
-    )
-
-
-_STORED = "<code>data/measurements/stability.json</code>"
+def _part(svg: str, said: str, rows: Sequence[tuple[str, str]]) -> Markup:
+    return render("stability.html", svg=Markup(svg), said=said, rows=rows)
 
 
 def _end(value: Any) -> str:

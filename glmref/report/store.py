@@ -16,6 +16,10 @@ from pathlib import Path
 from typing import Any, TypeGuard
 from xml.etree import ElementTree
 
+from ..catalogue.files import names as shipped_names
+from ..catalogue.keys import FORMAT as METHOD
+from ..catalogue.keys import class_of_keys
+from ..catalogue.lookup import read_method
 from ..errors import DataError, UsageError
 from ..measure.records import wrong_checksum
 from ..system.files import lines_of, read_bytes, read_text
@@ -73,7 +77,8 @@ class Results:
         runs: record files. findings: method -> findings of `glmref verify`; of two about one claim
             the one that was read first. regions: method -> its stability.
         benchmarks: cells of asv. measurements: name -> document with a format of its own.
-        portraits: method -> SVG. odd: what could not be read. files: (path, what it holds).
+        own: name -> method file of the user, checked. portraits: method -> SVG.
+        odd: what could not be read. files: (path, what it holds).
     """
 
     runs: list[RunFile] = field(default_factory=list)
@@ -81,9 +86,14 @@ class Results:
     benchmarks: list[Cell] = field(default_factory=list)
     measurements: dict[str, Record] = field(default_factory=dict)
     regions: dict[str, Record] = field(default_factory=dict)
+    own: dict[str, Record] = field(default_factory=dict)
     portraits: dict[str, str] = field(default_factory=dict)
     odd: list[Odd] = field(default_factory=list)
     files: list[tuple[str, str]] = field(default_factory=list)
+
+    def of_others(self) -> list[str]:
+        """Methods of the user: those whose file was given, and those that findings are about."""
+        return sorted({*self.own, *self.findings} - set(shipped_names("all")))
 
     @property
     def records(self) -> Iterator[Record]:
@@ -130,6 +140,7 @@ def read(paths: Iterable[Path], methods: Iterable[str] = ()) -> Results:
         UsageError: for a path that does not exist.
     """
     found, known, seen = Results(), frozenset(methods), set()
+    drawn: list[Path] = []
     for path in paths:
         if not path.exists():
             raise UsageError(
@@ -140,6 +151,9 @@ def read(paths: Iterable[Path], methods: Iterable[str] = ()) -> Results:
             if key not in seen:
                 seen.add(key)
                 _take(found, one, known)
+                drawn += [one] if one.suffix == ".svg" and one.stem not in known else []
+    for one in drawn:  # of a method of the user, which may be read after its portrait
+        _take(found, one, frozenset(found.of_others()))
     found.runs.sort(key=lambda run: run.name)
     return found
 
@@ -170,7 +184,7 @@ def _take(found: Results, path: Path, methods: frozenset[str]) -> None:
         elif path.suffix == ".jsonl":
             _take_records(found, path)
         elif path.suffix == ".json":
-            _take_document(found, path)
+            _take_document(found, path, methods)
         elif path.suffix == ".svg" and path.stem in methods:
             found.portraits[path.stem] = _drawing(path)
             found.files.append((path.name, "a portrait"))
@@ -241,14 +255,16 @@ def _refused(record: Any) -> str:
     return ""
 
 
-def _take_document(found: Results, path: Path) -> None:
+def _take_document(found: Results, path: Path, methods: frozenset[str]) -> None:
     try:
         document = json.loads(read_text(path, MAX_BYTES))
     except (ValueError, RecursionError):
         found.odd.append(Odd(path.name, "it is not JSON"))
         return
     form = document.get("format") if isinstance(document, dict) else None
-    if form == FINDINGS and isinstance(document.get("findings"), list):
+    if form == METHOD or (isinstance(document, dict) and not form and class_of_keys(document)):
+        _take_method(found, path, methods)
+    elif form == FINDINGS and isinstance(document.get("findings"), list):
         rows = [x for x in document["findings"] if isinstance(x, dict) and "method" in x]
         known = {(name, str(x.get("claim"))) for name, mine in found.findings.items() for x in mine}
         for row in rows:
@@ -269,6 +285,18 @@ def _take_document(found: Results, path: Path) -> None:
         found.odd.append(
             Odd(path.name, f"its format is {form!r}, which this version does not read")
         )
+
+
+def _take_method(found: Results, path: Path, methods: frozenset[str]) -> None:
+    """Read a method file of the user, which gets a page; a shipped name stays that of the data."""
+    document, method = read_method(path)
+    name = method.name
+    if name in methods:
+        why = f"{name} is the name of a shipped method; give yours another one"
+        found.odd.append(Odd(path.name, why))
+        return
+    found.own[name] = document
+    found.files.append((path.name, f"the method {name}"))
 
 
 def method_of(record: Record) -> str:

@@ -2,6 +2,7 @@
 
 Public names::
 
+    cite(*methods) -> str                the same for methods, names and files
     entries(names) -> list[str]          all entries for some shipped names or files, each once
     source_entry(document) -> str        the source of a method
     file_entry(name) -> str              the data file, with the hash that identifies it
@@ -17,11 +18,13 @@ from pathlib import Path
 from typing import Any
 
 from .. import __version__
-from ..catalogue.lookup import data_root, load, path_of
+from ..catalogue.lookup import data_root, load, method_of, path_of
 from ..errors import DataError
+from ..method import GLM, AdditiveGLM, PartitionedGLM
+from .show import Text
 from .tables import one_line
 
-__all__ = ["entries", "escape", "file_entry", "source_entry"]
+__all__ = ["cite", "entries", "escape", "file_entry", "source_entry"]
 
 _SPECIAL = {
     "\\": r"\textbackslash{}",
@@ -97,6 +100,32 @@ def file_entry(name: str | Path) -> str:
         "note": f"SHA-256 {hashlib.sha256(path.read_bytes()).hexdigest()}",
     }
     return _entry("misc", f"glmref-{method['name']}", {k: x for k, x in fields.items() if x})
+
+
+def cite(*methods: GLM | PartitionedGLM | AdditiveGLM | str | Path) -> Text:
+    """Return BibTeX for methods: the source of each, and the data file itself where there is one.
+
+    Parameters
+    ----------
+    *methods : GLM, PartitionedGLM, str or Path
+        Methods, their names or their files. Of a method made by hand its ``source`` is cited.
+
+    Returns
+    -------
+    str
+        The entries, which an interpreter shows as they stand.
+
+    Raises
+    ------
+    UsageError, DataError
+        For a name or a file that cannot be read, and for a method that names no source.
+    """
+    named = [x for x in methods if isinstance(x, str | Path)]
+    made = [method_of(x) for x in methods if not isinstance(x, str | Path)]
+    own = [
+        source_entry(x.document or {"name": x.name or "method", "source": x.source}) for x in made
+    ]
+    return Text("\n\n".join(dict.fromkeys([*entries(named), *own])))
 
 
 def _checked(entry: str, name: str) -> str:

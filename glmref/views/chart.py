@@ -17,30 +17,26 @@ import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from xml.sax.saxutils import escape, quoteattr
+from xml.sax.saxutils import escape
 
-from .figures import NO_FIGURES, blank_figure, save_figure, well_formed
+from .axes import COLORS, Axes, decades, document, log_ticks
+from .axes import text as label
+from .figures import NO_FIGURES, blank_figure, save_figure
 
 __all__ = [
-    "COLORS",
     "Series",
-    "decades",
     "place_labels",
     "svg",
     "text",
-    "tick_texts",
-    "ticks",
     "write_figures",
 ]
 
-COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#3b3b3b")
 DASHES = ("", "7 3", "2 3", "9 3 2 3", "14 4")
 #: Names of the marker shapes; text charts use the letters of the alphabet instead.
 MARKERS = ("circle", "square", "up", "diamond", "down", "cross", "plus", "ring")
 _MATPLOTLIB_MARKERS = ("o", "s", "^", "D", "v", "x", "P", "h")
 _LETTERS = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
 _CHARACTER = 6.7  # width of a character of the label font at 12 px, in px
-_BOLD = 8.4  # the same of the title, bold and 14 px
 _SPACING = 15.0  # least distance of two labels, in px
 
 Point = tuple[float, float]
@@ -72,47 +68,6 @@ class Series:
         )
 
 
-def decades(values: Sequence[float]) -> tuple[float, float]:
-    """Return log10 limits that hold all values with a margin, at least half a decade apart."""
-    logs = [math.log10(v) for v in values]
-    low, high = min(logs), max(logs)
-    margin = max(0.06 * (high - low), 0.08)
-    low, high = low - margin, high + margin
-    if high - low < 0.5:
-        middle = (low + high) / 2
-        low, high = middle - 0.25, middle + 0.25
-    return low, high
-
-
-def ticks(low: float, high: float, *, most: int = 8) -> list[float]:
-    """Return log10 positions of ticks: powers of ten, thinned, or 1-2-5 steps in a short range."""
-    whole = list(range(math.ceil(low - 1e-9), math.floor(high + 1e-9) + 1))
-    if len(whole) >= 3:
-        step = max(1, math.ceil(len(whole) / most))
-        return [float(k) for k in whole if k % step == 0]
-    fine = [
-        k + math.log10(m)
-        for k in range(math.floor(low) - 1, math.ceil(high) + 1)
-        for m in (1, 2, 5)
-        if low <= k + math.log10(m) <= high
-    ]
-    return fine if len(fine) >= 2 else [low, high]
-
-
-def tick_texts(logs: Sequence[float]) -> list[str]:
-    """Return the values of ticks as short texts, all of one kind: 0.01, 1, 100 or 1e-9, 1, 1e3."""
-    plain = all(-2.01 < log < 3.5 for log in logs)
-    texts = []
-    for log in logs:
-        if plain:
-            texts.append(f"{10**log:.4g}")
-            continue
-        power = math.floor(log + 1e-9)
-        mantissa = f"{10 ** (log - power):.2g}"
-        texts.append(f"{mantissa}e{power}" if power else mantissa)
-    return texts
-
-
 def place_labels(wanted: Sequence[float], low: float, high: float) -> list[float]:
     """Move label positions apart to at least the line spacing, changing their order not at all.
 
@@ -140,24 +95,6 @@ def place_labels(wanted: Sequence[float], low: float, high: float) -> list[float
     return placed
 
 
-@dataclass(frozen=True)
-class _Frame:
-    """The plotting area in px and the log10 limits it shows."""
-
-    left: float
-    top: float
-    right: float
-    bottom: float
-    x: tuple[float, float]
-    y: tuple[float, float]
-
-    def at(self, x: float, y: float) -> Point:
-        """Position of a point, from its logarithms."""
-        u = (x - self.x[0]) / (self.x[1] - self.x[0])
-        v = (y - self.y[0]) / (self.y[1] - self.y[0])
-        return self.left + u * (self.right - self.left), self.bottom - v * (self.bottom - self.top)
-
-
 def svg(
     series: Sequence[Series],
     *,
@@ -176,77 +113,39 @@ def svg(
     longest = max((len(one.name) for one in shown), default=0)
     margin = 30 + _CHARACTER * longest
     height = max(height, round(110 + _SPACING * len(shown)))
-    width = max(width, round(70 + margin + 420), round(90 + _BOLD * len(title)))
+    width = max(width, round(70 + margin + 420))
     listed = textwrap.wrap(
         f"not drawn, without a positive value: {', '.join(empty)}" if empty else "",
         int((width - 90) / _CHARACTER),
         break_on_hyphens=False,
     )
     height += 16 * max(len(listed) - 1, 0)
-    head = (
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" '
-        f'height="{height}" role="img" aria-label={quoteattr(title)} '
-        f'font-family="Helvetica, Arial, sans-serif" font-size="12">'
-    )
-    parts = [
-        head,
-        f"<title>{escape(title)}</title>",
-        f'<rect width="{width}" height="{height}" fill="#ffffff"/>',
-        f'<text x="70" y="24" font-size="14" font-weight="bold" fill="#111">{escape(title)}</text>',
-    ]
+    parts = [] if shown else [label(70, 60, "nothing to draw")]
     if shown:
-        xs = [x for one in shown for x, _, _ in one.drawn]
-        ys = [y for one in shown for _, y, _ in one.drawn]
         bottom = height - 58 - 16 * max(len(listed) - 1, 0)
-        frame = _Frame(70, 40, width - margin, bottom, decades(xs), decades(ys))
-        parts += _axes(frame, x_label, y_label)
-        parts += _lines(frame, shown)
-    else:
-        parts.append('<text x="70" y="60" fill="#111">nothing to draw</text>')
+        axes = Axes(70, 40, width - margin - 70, bottom - 40, *_limits(shown))
+        labels = (x_label, y_label)
+        parts += axes.frame(log_ticks(*axes.x), log_ticks(*axes.y), labels, aside=54)
+        parts += _lines(axes, shown)
     for k, line in enumerate(reversed(listed)):
-        parts.append(f'<text x="70" y="{height - 8 - 16 * k}" fill="#555">{escape(line)}</text>')
-    return well_formed("\n".join([*parts, "</svg>"]) + "\n")
+        parts.append(label(70, height - 8 - 16 * k, line, fill="#555"))
+    return document(title, width, height, parts)
 
 
-def _axes(frame: _Frame, x_label: str, y_label: str) -> list[str]:
-    left, top, right, bottom = frame.left, frame.top, frame.right, frame.bottom
-    parts = []
-    marks = ticks(*frame.x)
-    for log, label in zip(marks, tick_texts(marks), strict=True):
-        x, _ = frame.at(log, frame.y[0])
-        parts.append(
-            f'<line x1="{x:.1f}" y1="{top}" x2="{x:.1f}" y2="{bottom}" stroke="#e3e3e3"/>'
-            f'<text x="{x:.1f}" y="{bottom + 17}" text-anchor="middle" fill="#333">'
-            f"{label}</text>"
-        )
-    marks = ticks(*frame.y)
-    for log, label in zip(marks, tick_texts(marks), strict=True):
-        _, y = frame.at(frame.x[0], log)
-        parts.append(
-            f'<line x1="{left}" y1="{y:.1f}" x2="{right:.1f}" y2="{y:.1f}" stroke="#e3e3e3"/>'
-            f'<text x="{left - 7}" y="{y + 4:.1f}" text-anchor="end" fill="#333">'
-            f"{label}</text>"
-        )
-    middle, center = (top + bottom) / 2, (left + right) / 2
-    box = f'x="{left}" y="{top}" width="{right - left:.1f}" height="{bottom - top}"'
-    turned = f'transform="translate(16 {middle:.1f}) rotate(-90)"'
-    words = 'text-anchor="middle" fill="#111"'
-    parts += [
-        f'<rect {box} fill="none" stroke="#555"/>',
-        f'<text x="{center:.1f}" y="{bottom + 36}" {words}>{escape(x_label)}</text>',
-        f"<text {turned} {words}>{escape(y_label)}</text>",
-    ]
-    return parts
+def _limits(shown: Sequence[Series]) -> tuple[Point, Point]:
+    """Decades that hold all points."""
+    xs, ys, _ = zip(*(point for one in shown for point in one.drawn), strict=True)
+    return decades(xs), decades(ys)
 
 
-def _lines(frame: _Frame, shown: Sequence[Series]) -> list[str]:
+def _lines(axes: Axes, shown: Sequence[Series]) -> list[str]:
     """Lines, markers, leaders and names of the series."""
     parts, ends = [], []
     for number, one in enumerate(shown):
         color = COLORS[number % len(COLORS)]
         dash = DASHES[(number // len(COLORS)) % len(DASHES)]
-        points = [(*frame.at(math.log10(x), math.log10(y)), x, y, n) for x, y, n in one.drawn]
-        path = " ".join(f"{u:.1f},{v:.1f}" for u, v, *_ in points)
+        points = [(*axes.at(math.log10(x), math.log10(y)), x, y, n) for x, y, n in one.drawn]
+        path = axes.line((math.log10(x), math.log10(y)) for x, y, _ in one.drawn)
         dashed = f' stroke-dasharray="{dash}"' if dash else ""
         parts.append(
             f'<polyline points="{path}" fill="none" stroke="{color}" stroke-width="1.6"{dashed}/>'
@@ -256,21 +155,21 @@ def _lines(frame: _Frame, shown: Sequence[Series]) -> list[str]:
         for k, (u, v, x, y, note) in enumerate(points):
             if k % each and k != len(points) - 1:
                 continue
-            label = f"{one.name}: {x:.4g}, {y:.4g}" + (f"; {note}" if note else "")
+            said = f"{one.name}: {x:.4g}, {y:.4g}" + (f"; {note}" if note else "")
             parts.append(
                 f"<g>{_marker(MARKERS[number % len(MARKERS)], u, v, color)}"
-                f"<title>{escape(label)}</title></g>"
+                f"<title>{escape(said)}</title></g>"
             )
         end = max(points, key=lambda point: point[0])
         ends.append((end[0], end[1], color))
-    rows = place_labels([v for _, v, _ in ends], frame.top + 6, frame.bottom - 2)
+    rows = place_labels([v for _, v, _ in ends], axes.top + 6, axes.bottom - 2)
     for one, (u, v, color), row in zip(shown, ends, rows, strict=True):
-        x = frame.right + 20
+        x = axes.right + 20
         parts.append(
-            f'<polyline points="{u + 5:.1f},{v:.1f} {frame.right + 5:.1f},{row:.1f} '
+            f'<polyline points="{u + 5:.1f},{v:.1f} {axes.right + 5:.1f},{row:.1f} '
             f'{x - 3:.1f},{row:.1f}" fill="none" stroke="{color}" stroke-width="0.6" '
             f'stroke-opacity="0.7"/>'
-            f'<text x="{x:.1f}" y="{row + 4:.1f}" fill="#111">{escape(one.name)}</text>'
+            f"{label(x, row + 4, one.name)}"
         )
     return parts
 
@@ -305,40 +204,34 @@ def text(
     shown = [one for one in series if one.drawn]
     if not shown:
         return "nothing to draw"
-    xs = [x for one in shown for x, _, _ in one.drawn]
-    ys = [y for one in shown for _, y, _ in one.drawn]
-    frame = _Frame(0, 0, width - 1, height - 1, decades(xs), decades(ys))
+    axes = Axes(0, 0, width - 1, height - 1, *_limits(shown))
     grid = [[" "] * width for _ in range(height)]
     for number, one in enumerate(shown):
         letter = _LETTERS[number % len(_LETTERS)]
         for x, y, _ in one.drawn:
-            u, v = frame.at(math.log10(x), math.log10(y))
+            u, v = axes.at(math.log10(x), math.log10(y))
             column, row = round(u), round(v)
             taken = grid[row][column] not in (" ", letter)
             grid[row][column] = "*" if taken else letter
-    marks = ticks(*frame.y, most=6)
-    rows = {
-        round(frame.at(0, log)[1]): label
-        for log, label in zip(marks, tick_texts(marks), strict=True)
-    }
-    margin = max(len(label) for label in rows.values())
+    ticks = log_ticks(*axes.y, most=6)
+    rows = {round(axes.at(0, log)[1]): shown for log, shown in zip(*ticks, strict=True)}
+    margin = max(map(len, ticks.texts))
     lines = [y_label]
     lines += [f"{rows.get(k, ''):>{margin}} |{''.join(row)}" for k, row in enumerate(grid)]
     lines.append(f"{'':{margin}} +{'-' * width}")
-    lines.append(f"{'':{margin}}  {_tick_line(frame, width)}")
+    lines.append(f"{'':{margin}}  {_tick_line(axes, width)}")
     lines.append(f"{'':{margin}}  {x_label}")
     names = [f"{_LETTERS[n % len(_LETTERS)]} {one.name}" for n, one in enumerate(shown)]
     return "\n".join(line.rstrip() for line in [*lines, *_wrapped(names, margin + 2 + width)])
 
 
-def _tick_line(frame: _Frame, width: int) -> str:
+def _tick_line(axes: Axes, width: int) -> str:
     """Return the values along the x axis; one that would touch its neighbour is left out."""
     line = ""
-    marks = ticks(*frame.x)
-    for log, label in zip(marks, tick_texts(marks), strict=True):
-        column = max(0, min(width - len(label), round(frame.at(log, 0)[0]) - len(label) // 2))
+    for log, shown in zip(*log_ticks(*axes.x), strict=True):
+        column = max(0, min(width - len(shown), round(axes.at(log, 0)[0]) - len(shown) // 2))
         if column > len(line) or not line:
-            line = line.ljust(column) + label
+            line = line.ljust(column) + shown
     return line
 
 
@@ -384,8 +277,8 @@ def write_figures(
         (axes.xaxis, [x for x, _ in points]),
         (axes.yaxis, [y for _, y in points]),
     ):
-        marks = ticks(*decades(values)) if values else []
-        axis.set_ticks([10**mark for mark in marks], labels=tick_texts(marks))
+        at, texts = log_ticks(*decades(values)) if values else ((), ())
+        axis.set_ticks([10**log for log in at], labels=texts)
     axes.grid(visible=True, color="#e3e3e3")
     if axes.lines:
         figure.legend(loc="outside right upper", fontsize=8, frameon=False)

@@ -11,20 +11,13 @@ from typing import Any
 
 from ..system.files import write_bytes
 
-__all__ = ["NO_FIGURES", "blank_figure", "save_figure", "well_formed"]
+__all__ = ["NO_FIGURES", "blank_figure", "save_figure"]
 
 #: The notice where figures were asked for and cannot be drawn.
 NO_FIGURES = "no PNG and PDF: matplotlib is not installed; pip install 'glmref[plots]'"
 
-#: Characters that a document in XML cannot hold, not even escaped.
-_NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 #: Characters that no font has.
 _CONTROL = re.compile("[\x00-\x09\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069\ud800-\udfff]")
-
-
-def well_formed(document: str) -> str:
-    """Return a document of escaped texts with what XML cannot hold replaced by a question mark."""
-    return _NOT_XML.sub("?", document)
 
 
 def blank_figure(width: float, height: float) -> Any:

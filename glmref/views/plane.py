@@ -19,12 +19,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
 from textwrap import shorten
-from xml.sax.saxutils import escape, quoteattr
 
-from .chart import COLORS
-from .figures import NO_FIGURES, blank_figure, save_figure, well_formed
+from .axes import COLORS, Axes, document, round_ticks, text
+from .figures import NO_FIGURES, blank_figure, save_figure
 
-__all__ = ["Cloud", "box_of", "one_each", "ranging", "round_ticks", "svg", "write_figures"]
+__all__ = ["Cloud", "box_of", "one_each", "ranging", "svg", "write_figures"]
 
 Point = tuple[float, float]
 Box = tuple[float, float, float, float]
@@ -96,14 +95,6 @@ def box_of(clouds: Sequence[Cloud]) -> Box:
     return middle[0] - wide, middle[0] + wide, middle[1] - high, middle[1] + high
 
 
-def round_ticks(low: float, high: float, most: int = 5) -> list[float]:
-    """Round numbers of a range, as many as that or fewer."""
-    rough = (high - low) / most
-    power = 10.0 ** math.floor(math.log10(rough))
-    step = next(m * power for m in (1, 2, 5, 10) if m * power >= rough * (1 - 1e-12))
-    return [k * step for k in range(math.ceil(low / step), math.floor(high / step) + 1)]
-
-
 def _notes(cloud: Cloud, box: Box) -> list[str]:
     """What a panel does not show."""
     notes = [cloud.ended] if cloud.ended else []
@@ -126,70 +117,21 @@ def svg(clouds: Sequence[Cloud], *, title: str, x_label: str, y_label: str) -> s
     rows = math.ceil(len(clouds) / across)
     noted = any(_notes(one, box) for one in clouds)
     pitch = (_PANEL + _GAP, high + _GAP + (22 if noted else 6))
-    width = max(_LEFT + across * pitch[0] - _GAP + 20, 80 + 8.4 * len(title))
-    height = _TOP + rows * pitch[1] + 8
-    parts = [
-        (
-            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:.0f} {height:.0f}" '
-            f'width="{width:.0f}" height="{height:.0f}" role="img" aria-label={quoteattr(title)} '
-            f'font-family="Helvetica, Arial, sans-serif" font-size="12">'
-        ),
-        f"<title>{escape(title)}</title>",
-        f'<rect width="{width:.0f}" height="{height:.0f}" fill="#ffffff"/>',
-        (
-            f'<text x="{_LEFT:.0f}" y="24" font-size="14" font-weight="bold" fill="#111">'
-            f"{escape(title)}</text>"
-        ),
-    ]
+    parts: list[str] = []
     for k, cloud in enumerate(clouds):
         left = _LEFT + (k % across) * pitch[0] + (_PANEL - wide) / 2
         top = _TOP + (k // across) * pitch[1]
-        parts += _panel(cloud, box, (left, top, scale), (x_label, y_label), COLORS[k % len(COLORS)])
-    return well_formed("\n".join([*parts, "</svg>"]) + "\n")
-
-
-def _panel(
-    cloud: Cloud, box: Box, place: tuple[float, float, float], labels: tuple[str, str], color: str
-) -> list[str]:
-    left, top, scale = place
-    wide, high = (box[1] - box[0]) * scale, (box[3] - box[2]) * scale
-    parts = [f'<text x="{left:.1f}" y="{top - 8:.1f}" fill="#111">{escape(cloud.title)}</text>']
-    for x in round_ticks(box[0], box[1]):
-        u = left + (x - box[0]) * scale
-        parts.append(
-            f'<path d="M{u:.1f} {top:.1f}v{high:.1f}" stroke="#e3e3e3"/>'
-            f'<text x="{u:.1f}" y="{top + high + 15:.1f}" text-anchor="middle" font-size="10" '
-            f'fill="#333">{x:.6g}</text>'
-        )
-    for y in round_ticks(box[2], box[3]):
-        v = top + (box[3] - y) * scale
-        parts.append(
-            f'<path d="M{left:.1f} {v:.1f}h{wide:.1f}" stroke="#e3e3e3"/>'
-            f'<text x="{left - 5:.1f}" y="{v + 3.5:.1f}" text-anchor="end" font-size="10" '
-            f'fill="#333">{y:.6g}</text>'
-        )
-    dots = "".join(
-        f"M{left + (x - box[0]) * scale:.1f} {top + (box[3] - y) * scale:.1f}h0"
-        for x, y in cloud.points
-        if _inside((x, y), box)
-    )
-    size = f'width="{wide:.1f}" height="{high:.1f}"'
-    words = 'text-anchor="middle" fill="#111"'
-    turned = f"translate({left - 42:.1f} {top + high / 2:.1f}) rotate(-90)"
-    below = f'x="{left + wide / 2:.1f}" y="{top + high + 29:.1f}"'
-    parts += [
-        f'<rect x="{left:.1f}" y="{top:.1f}" {size} fill="none" stroke="#555"/>',
-        f'<path d="{dots}" stroke="{color}" stroke-width="2.4" stroke-linecap="round"/>',
-        f"<text {below} {words}>{escape(labels[0])}</text>",
-        f'<text transform="{turned}" {words}>{escape(labels[1])}</text>',
-    ]
-    notes = "; ".join(_notes(cloud, box))
-    if notes:
-        parts.append(
-            f'<text x="{left:.1f}" y="{top + high + 45:.1f}" font-size="10" fill="#555">'
-            f"{escape(shorten(notes, _WORDS, placeholder=' …'))}</text>"
-        )
-    return parts
+        axes = Axes(left, top, wide, high, box[:2], box[2:])
+        ticks = round_ticks(*axes.x), round_ticks(*axes.y)
+        parts += [
+            text(left, top - 8, cloud.title),
+            *axes.frame(*ticks, (x_label, y_label), size=10),
+            axes.dots(cloud.points, COLORS[k % len(COLORS)], 2.4),
+        ]
+        notes = shorten("; ".join(_notes(cloud, box)), _WORDS, placeholder=" …")
+        parts.append(text(left, axes.bottom + 45, notes, size=10, fill="#555") if notes else "")
+    width = _LEFT + across * pitch[0] - _GAP + 20
+    return document(title, width, _TOP + rows * pitch[1] + 8, parts, left=_LEFT)
 
 
 def write_figures(
@@ -216,8 +158,8 @@ def write_figures(
             color=COLORS[k % len(COLORS)],
         )  # fmt: skip
         axes.set(xlim=box[:2], ylim=box[2:], aspect="equal")
-        axes.set_xticks(round_ticks(box[0], box[1]))
-        axes.set_yticks(round_ticks(box[2], box[3]))
+        axes.set_xticks(round_ticks(box[0], box[1]).at)
+        axes.set_yticks(round_ticks(box[2], box[3]).at)
         axes.tick_params(labelsize=7)
         axes.set_title(cloud.title, fontsize=9)
         notes = shorten("; ".join(_notes(cloud, box)), _WORDS, placeholder=" …")

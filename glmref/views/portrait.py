@@ -12,89 +12,37 @@ Public names::
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from xml.sax.saxutils import escape, quoteattr
 
 import numpy as np
 
+from ..errors import UsageError
 from ..exact.linalg import Matrix
 from ..measure.stability import amplification, interval, locus, region
-from ..method import GLM, PartitionedGLM
+from ..method import GLM, AdditiveGLM, PartitionedGLM
 from ..theory.stability import oscillator
-from .figures import well_formed
+from .axes import Axes, document, round_ticks, text
 
 __all__ = ["portrait"]
 
 _WIDTH, _HEIGHT = 870, 430
-_INK, _FAINT, _FILL, _LINE = "#111", "#d9d9d9", "#9ecae9", "#0072b2"
+_FILL, _LINE = "#9ecae9", "#0072b2"
 _REACH = 12.0  # a region that goes on is cut here
 _SAMPLES = 480
 
 
-@dataclass(frozen=True)
-class _Panel:
-    """A rectangle of the picture and the linear ranges that it shows."""
-
-    left: float
-    top: float
-    width: float
-    height: float
-    x: tuple[float, float]
-    y: tuple[float, float]
-
-    def at(self, x: float, y: float) -> tuple[float, float]:
-        u = (x - self.x[0]) / (self.x[1] - self.x[0])
-        v = (y - self.y[0]) / (self.y[1] - self.y[0])
-        return self.left + u * self.width, self.top + (1 - v) * self.height
-
-    def frame(self, title: str) -> list[str]:
-        """Border, title, one line of it below the other, and ticks."""
-        lines = title.split("\n")
-        parts = [
-            *(
-                f'<text x="{self.left}" y="{self.top - 9 - 15 * k}" fill="{_INK}">{escape(line)}'
-                f"</text>"
-                for k, line in enumerate(reversed(lines))
-            ),
-            (
-                f'<rect x="{self.left}" y="{self.top}" width="{self.width}" height="{self.height}" '
-                f'fill="none" stroke="#555"/>'
-            ),
-        ]
-        for value in _ticks(*self.x):
-            u, v = self.at(value, self.y[0])
-            parts.append(f'<path d="M{u:.1f} {v:.1f}v4" stroke="#555"/>')
-            parts.append(_label(u, v + 16, _short(value), "middle"))
-        for value in _ticks(*self.y):
-            u, v = self.at(self.x[0], value)
-            parts.append(f'<path d="M{u:.1f} {v:.1f}h-4" stroke="#555"/>')
-            parts.append(_label(u - 7, v + 4, _short(value), "end"))
-        return parts
+def _panel(axes: Axes, title: str) -> list[str]:
+    """Border, ticks, and the lines of a title one below the other."""
+    lines = enumerate(reversed(title.split("\n")))
+    return [
+        *(text(axes.left, axes.top - 9 - 15 * k, line) for k, line in lines),
+        *axes.frame(
+            round_ticks(*axes.x, most=6), round_ticks(*axes.y, most=6), grid=False, size=11
+        ),
+    ]
 
 
-def _label(x: float, y: float, text: str, anchor: str) -> str:
-    return (
-        f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}" font-size="11" fill="#333">'
-        f"{escape(text)}</text>"
-    )
-
-
-def _short(value: float) -> str:
-    return f"{value:.10g}"
-
-
-def _ticks(low: float, high: float) -> list[float]:
-    """Four to eight round numbers of a range."""
-    rough = (high - low) / 6
-    power = 10.0 ** math.floor(math.log10(rough))
-    step = next(m * power for m in (1, 2, 5, 10) if m * power >= rough)
-    first = math.ceil(low / step - 1e-9)
-    return [k * step for k in range(first, math.floor(high / step + 1e-9) + 1)]
-
-
-def portrait(method: GLM | PartitionedGLM) -> str:
+def portrait(method: GLM | PartitionedGLM | AdditiveGLM) -> str:
     """Draw a method.
 
     Returns
@@ -102,19 +50,12 @@ def portrait(method: GLM | PartitionedGLM) -> str:
         A complete SVG document, readable without any style sheet or script.
     """
     name = method.name or "method"
-    parts = [
-        (
-            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {_HEIGHT}" '
-            f'width="{_WIDTH}" height="{_HEIGHT}" role="img" aria-label={quoteattr(name)} '
-            f'font-family="Helvetica, Arial, sans-serif" font-size="12">'
-        ),
-        f"<title>{escape(name)}</title>",
-        f'<rect width="{_WIDTH}" height="{_HEIGHT}" fill="#ffffff"/>',
-        (
-            f'<text x="40" y="20" font-size="15" font-weight="bold" fill="{_INK}">'
-            f"{escape(name)}</text>"
-        ),
-    ]
+    if isinstance(method, AdditiveGLM):
+        raise UsageError(
+            f"{name} is additive and has no stability region of one variable; draw one of its "
+            f"parts, glmref.plot(glmref.load({name!r}).part(1))"
+        )
+    parts: list[str] = []
     if isinstance(method, PartitionedGLM):
         # M(y) of the oscillator at real y is what M(i y) is for one method
         parts += _moduli(oscillator(method), 1.0, "h omega", (50, 64, 330, 300))
@@ -127,7 +68,7 @@ def portrait(method: GLM | PartitionedGLM) -> str:
         parts += _moduli(method, 1j, "Im z", (470, 64, 320, 120))
         block = ("tableau A U / B V", method.A, method.U, method.B, method.V)
         parts += _sparsity(block, (470, 254, 150))
-    return well_formed("\n".join([*parts, "</svg>"]) + "\n")
+    return document(name, _WIDTH, _HEIGHT, parts, left=40)
 
 
 def _region(method: GLM) -> list[str]:
@@ -137,33 +78,20 @@ def _region(method: GLM) -> list[str]:
     sizes = np.sort(np.abs(edge))
     reach = float(sizes[int(0.9 * (len(sizes) - 1))]) if len(sizes) else _REACH
     reach = min(max(1.15 * reach, 1.0), _REACH)
-    box = _Panel(50, 64, 330, 330, (-reach, reach), (-reach, reach))
+    box = Axes(50, 64, 330, 330, (-reach, reach), (-reach, reach))
     # an odd number of cells across: no line of corners lies on the imaginary axis, where the
     # eigenvalues of a symplectic method have modulus one
     found = region(method, (complex(-reach, -reach), complex(reach, reach)), coarse=25, depth=4)
     path = "".join(_cell(box, cell) for cell in found.cells)
-    zero = box.at(0, 0)
-    parts = [
+    return [
         f'<path d="{path}" fill="{_FILL}" shape-rendering="crispEdges"/>' if path else "",
-        (
-            f'<path d="M{box.left} {zero[1]:.1f}h{box.width}M{zero[0]:.1f} {box.top}v{box.height}" '
-            f'stroke="{_FAINT}"/>'
-        ),
+        box.cross(0, 0),
+        box.dots(((z.real, z.imag) for z in edge), _LINE, 2),
+        *_panel(box, "stability region, z = h lambda"),
     ]
-    dots = "".join(
-        f"M{u:.1f} {v:.1f}h0"
-        for u, v in (box.at(z.real, z.imag) for z in edge)
-        if box.left <= u <= box.left + box.width and box.top <= v <= box.top + box.height
-    )
-    parts.append(
-        f'<path d="{dots}" stroke="{_LINE}" stroke-width="2" stroke-linecap="round"/>'
-        if dots
-        else ""
-    )
-    return [*(p for p in parts if p), *box.frame("stability region, z = h lambda")]
 
 
-def _cell(box: _Panel, cell: Sequence[float]) -> str:
+def _cell(box: Axes, cell: Sequence[float]) -> str:
     (u, v), (x, y) = box.at(cell[0], cell[3]), box.at(cell[2], cell[1])
     return f"M{u:.1f} {v:.1f}H{x:.1f}V{y:.1f}H{u:.1f}z"
 
@@ -179,18 +107,18 @@ def _moduli(
     finite = np.all(np.isfinite(matrices), axis=(1, 2))
     sizes = np.full((len(marks), method.r), np.nan)
     sizes[finite] = np.sort(np.abs(np.linalg.eigvals(matrices[finite])), axis=1)
-    panel = _Panel(*place, (0, reach), (0, 2))
+    axes = Axes(*place, (0, reach), (0, 2))
     parts = []
     for column in sizes.T:
         for piece in _pieces(marks, column):
-            points = " ".join("{:.1f},{:.1f}".format(*panel.at(x, y)) for x, y in piece)
             parts.append(
-                f'<polyline points="{points}" fill="none" stroke="{_LINE}" stroke-width="1.4"/>'
+                f'<polyline points="{axes.line(piece)}" fill="none" stroke="{_LINE}" '
+                f'stroke-width="1.4"/>'
             )
     kept = "throughout" if end >= _REACH else f"up to {end:.4g}"
     # two lines: beside the digits of a bound, one would leave the picture
     title = f"moduli of eigenvalues against {axis}\ngrowth below 1e-7 {kept}"
-    return [*parts, *panel.frame(title)]
+    return [*parts, *_panel(axes, title)]
 
 
 def _pieces(xs: np.ndarray, ys: np.ndarray) -> Iterable[list[tuple[float, float]]]:
@@ -218,7 +146,7 @@ def _sparsity(
     high, wide = len(rows), len(rows[0])
     cell = size / max(high, wide)
     square, orange = len(A) == len(A[0]), False
-    parts = [f'<text x="{left}" y="{top - 9}" fill="{_INK}">{escape(title)}</text>']
+    parts = [text(left, top - 9, title)]
     for i, row in enumerate(rows):
         for j, entry in enumerate(row):
             if entry.is_zero() is True:
@@ -238,7 +166,6 @@ def _sparsity(
         f'fill="none" stroke="#555"/>'
     )
     if orange:
-        parts.append(
-            _label(left, top + high * cell + 16, "orange: on or above A's diagonal", "start")
-        )
+        said = "orange: on or above A's diagonal"
+        parts.append(text(left, top + high * cell + 16, said, size=11, fill="#333"))
     return parts

@@ -15,25 +15,28 @@ from __future__ import annotations
 import re
 import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 from ..catalogue.claims import ABSCISSAE, ORDER
+from ..catalogue.lookup import method_of
 from ..exact import Ball, Scalar
 from ..exact.expression import shown_number
 from ..exact.linalg import Matrix, Vector
-from ..method import GLM, PartitionedGLM
-from ..prove.facts import GLMFacts, PairFacts, facts_of
+from ..method import GLM, AdditiveGLM, PartitionedGLM
+from ..prove.facts import Facts, facts_of
 from .tableau_text import Cells, decimal_text, tableau
 from .tables import Style, one_line
 
-__all__ = ["Draw", "Parts", "parts", "show"]
+__all__ = ["Draw", "Parts", "Text", "parts", "show"]
 
 #: Draws a partitioned matrix, rows of blocks of cells, as lines.
 Draw = Callable[[Sequence[Sequence[Cells]]], list[str]]
 
 DIGITS = 10  # of a published decimal that is too long for a tableau
 _LONG = (32, 24, 16, 12)  # an entry longer than this is named; the first that fits is taken
+_ENDLESS = 10**6  # columns of a terminal on which nothing is broken
 _WORD = re.compile(r"[A-Za-z_]\w*")
 #: What defines a class, where that is not its tableau.
 _DEFINED_BY: Mapping[str, tuple[str, ...]] = {
@@ -44,23 +47,43 @@ _DEFINED_BY: Mapping[str, tuple[str, ...]] = {
 }
 
 
+class Text(str):
+    """A text of several lines that an interpreter and a notebook show as it stands."""
+
+    __slots__ = ()
+
+    def __repr__(self) -> str:
+        return str(self)
+
+
 def show(
-    method: GLM | PartitionedGLM, *, decimal: int | None = None, style: Style | None = None
+    method: GLM | PartitionedGLM | AdditiveGLM | str | Path,
+    *,
+    decimal: int | None = None,
+    style: Style | None = None,
 ) -> str:
     """Return a method as text: title, tableau, legend, forms, starting method, source.
 
     Args:
-        method: a loaded or computed method.
+        method: a loaded or computed method, its name or its file.
         decimal: significant digits of decimals; exact expressions by default.
-        style: what the terminal shows.
+        style: what the terminal shows. What is wider than it is wrapped.
+
+    Returns
+    -------
+        The text, which an interpreter shows as it stands.
     """
+    method = method_of(method)
     style = style or Style()
-    page = _Page(method, decimal, style, _LONG[-1])
+    unbroken = replace(style, width=_ENDLESS)
     for long in _LONG if decimal is None else _LONG[-1:]:
-        page = _Page(method, decimal, style, long)
+        page = _Page(method, decimal, unbroken, long)
         if page.width <= style.width:
+            page.style = style
             break
-    return page.text()
+    else:
+        page = _Page(method, decimal, style, _LONG[0])
+    return Text(page.text())
 
 
 @dataclass(frozen=True)
@@ -79,7 +102,7 @@ class Parts:
     rounded: bool
 
 
-def parts(method: GLM | PartitionedGLM, draw: Draw) -> Parts:
+def parts(method: GLM | PartitionedGLM | AdditiveGLM, draw: Draw) -> Parts:
     """Return the blocks of a method, each drawn by ``draw``; long entries are named."""
     page = _Page(method, None, Style(), _LONG[0], draw)
     blocks = tuple((heading, tuple(lines)) for heading, lines in page.body)
@@ -90,8 +113,8 @@ class _Page:
     """One method, laid out with entries of at most ``long`` characters."""
 
     def __init__(
-        self, method: GLM | PartitionedGLM, decimal: int | None, style: Style, long: int,
-        draw: Draw | None = None,
+        self, method: GLM | PartitionedGLM | AdditiveGLM, decimal: int | None, style: Style,
+        long: int, draw: Draw | None = None,
     ) -> None:  # fmt: skip
         self.method, self.decimal, self.style, self.long = method, decimal, style, long
         self.draw: Draw = draw or (lambda grid: tableau(grid, style))
@@ -102,7 +125,7 @@ class _Page:
         self.texts: set[str] = set()
         self.rounded = False
         facts = facts_of(method)
-        self.body = self._pair(facts) if isinstance(facts, PairFacts) else self._glm(facts)
+        self.body = self._pair(facts) if not facts.is_single else self._glm(facts)
 
     @property
     def width(self) -> int:
@@ -113,12 +136,16 @@ class _Page:
     def text(self) -> str:
         parts = ["\n".join(self._title())]
         for heading, lines in self.body:
-            parts.append("\n".join([*([heading] if heading else []), *lines]))
+            parts.append("\n".join([*self.wrapped(heading), *lines]))
         legend = self._legend()
         if legend:
             parts.append("\n".join(["with", *legend]))
         parts.append("\n".join(self._source()))
         return "\n\n".join(part for part in parts if part)
+
+    def wrapped(self, text: str) -> list[str]:
+        """Return a sentence as lines that fit."""
+        return textwrap.wrap(text, max(self.style.width, 40))
 
     # numbers ------------------------------------------------------------------------------------
 
@@ -177,14 +204,16 @@ class _Page:
             size = f"pair with {_count(method.n_Q, 'stage')} Q and {method.n_P} P"
             size += f", {_count(method.r, 'value')} of q and {method.r_hat} of p"
         else:
-            size = f"{_count(method.s, 'stage')}, {_count(method.r, 'value')}"
+            parts = f"{len(method.components)} parts on " if method.additive else ""
+            size = f"{parts}{_count(method.s, 'stage')}, {_count(method.r, 'value')}"
             size += "" if not method.is_explicit else ", explicit"
-        lines = [self.style.paint(name, "bold") + (f"  {title}" if title else "")]
-        lines.append(f"class {document.get('class', 'glm')}: {size}")
+        lines: list[str] = self.wrapped(f"{name}  {title}" if title else name)
+        lines[0] = self.style.paint(name, "bold") + lines[0].removeprefix(name)
+        lines += self.wrapped(f"class {document.get('class', 'glm')}: {size}")
         if "base" in document:
-            lines.append(f"{document['base']} composed with itself, in steps gamma h")
+            lines += self.wrapped(f"{document['base']} composed with itself, in steps gamma h")
         if "first" in document:
-            lines.append(
+            lines += self.wrapped(
                 f"updates in turn, {document['first']} first: q += a h f(p), p += b h k(q)"
             )
         return lines
@@ -200,7 +229,7 @@ class _Page:
         grid = [[[row[:1] for row in cells], [row[1:] for row in cells]]]
         return [("", self.draw(grid))]
 
-    def _glm(self, facts: GLMFacts) -> list[tuple[str, list[str]]]:
+    def _glm(self, facts: Facts) -> list[tuple[str, list[str]]]:
         method, doc = facts.method, self.document
         own = doc if doc.get("class") in ("glm", "rk") else {}
         body = self._lists()
@@ -245,10 +274,15 @@ class _Page:
             body.append((_named("finishing method", finish), self.draw(grid)))
         return body
 
-    def _pair(self, facts: PairFacts) -> list[tuple[str, list[str]]]:
-        from ..method.solution_value import halves
+    def _pair(self, facts: Facts) -> list[tuple[str, list[str]]]:
 
         doc, pair = self.document, facts.method
+        if pair.additive:
+            parts = doc.get("parts", [{}] * len(pair.components))
+            return [
+                (f"part {c.colour}:", self._half(c, own, known.c))
+                for c, own, known in zip(pair.components, parts, facts.consistencies, strict=True)
+            ]
         texts: tuple[Mapping[str, Any], Mapping[str, Any]] = (
             {x: doc[x] for x in ("A", "b") if x in doc and doc["class"] == "partitioned-rk"},
             {x: doc[f"{x}_hat"] for x in ("A", "b") if f"{x}_hat" in doc},
@@ -258,7 +292,7 @@ class _Page:
         body = self._lists()
         headings = ("q:  Q = h A f(P) + U q", "p:  P = h A^ k(Q) + U^ p")
         for heading, half, own, known in zip(
-            headings, halves(pair), texts, facts.consistency, strict=True
+            headings, pair.components, texts, facts.consistencies, strict=True
         ):
             body.append((heading, self._half(half, own, known.c)))
         if pair.G is not None:
@@ -294,7 +328,14 @@ class _Page:
         """Return the lines that say what the names in the tableau stand for."""
         names = {} if self.decimal is not None else self.names_used()
         width = max(map(len, names), default=0)
-        return [f"  {name:<{width}} = {text}" for name, text in names.items()]
+        margin = " " * (width + 5)
+        return [
+            line
+            for name, text in names.items()
+            for line in textwrap.wrap(
+                f"  {name:<{width}} = {text}", max(self.style.width, 40), subsequent_indent=margin
+            )
+        ]
 
     def names_used(self) -> dict[str, str]:
         """Return what the names in the tableau stand for."""
@@ -318,8 +359,7 @@ class _Page:
             sentences.append(f"Wrong on purpose: {self.document['broken']['why']}")
         if self.rounded:
             sentences.append(f"Decimals are rounded to {DIGITS} digits; --decimal N shows more.")
-        width = max(self.style.width, 40)
-        return [line for x in sentences for line in textwrap.wrap(one_line(x, limit=4000), width)]
+        return [line for x in sentences for line in self.wrapped(one_line(x, limit=4000))]
 
 
 def _same_shape(texts: object, rows: Matrix) -> bool:

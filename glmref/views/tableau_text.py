@@ -55,13 +55,45 @@ def _real_text(x: Scalar, digits: int) -> str:
 
 
 def tableau(grid: Sequence[Sequence[Cells]], style: Style) -> list[str]:
-    """Draw a partitioned matrix.
+    """Draw a partitioned matrix; one that is wider than the terminal in parts, columns by columns.
 
     Args:
         grid: rows of blocks. Blocks side by side have as many rows, those above each other as many
             columns.
-        style: decides the characters of the rules.
+        style: decides the characters of the rules, and the width.
     """
+    places = [(j, k) for j, block in enumerate(grid[0]) for k in range(len(block[0]))]
+    sizes = [max(len(cells[k]) for row in _on_the_point(grid) for cells in row[j])
+             for j, k in places]  # fmt: skip
+    parts: list[list[tuple[int, int]]] = [[]]
+    used = 0
+    for place, size in zip(places, sizes, strict=True):
+        used += size + len(_GAP) + (1 if parts[-1] and parts[-1][-1][0] != place[0] else 0)
+        if parts[-1] and used > style.width:
+            parts.append([])
+            used = size + len(_GAP)
+        parts[-1].append(place)
+    if len(parts) == 1:
+        return _drawn(grid, style)
+    lines: list[str] = []
+    for part in parts:
+        first, last = places.index(part[0]) + 1, places.index(part[-1]) + 1
+        which = f"column {first}" if first == last else f"columns {first} to {last}"
+        lines.append(f"  {which} of {len(places)}:")
+        lines += _drawn(_columns(grid, part), style)
+    return lines
+
+
+def _columns(grid: Sequence[Sequence[Cells]], part: list[tuple[int, int]]) -> list[list[Cells]]:
+    """The grid with some of its columns only."""
+    blocks = dict.fromkeys(j for j, _ in part)
+    return [
+        [[[cells[k] for i, k in part if i == j] for cells in row[j]] for j in blocks]
+        for row in grid
+    ]
+
+
+def _drawn(grid: Sequence[Sequence[Cells]], style: Style) -> list[str]:
     flat, bar, cross = style.rules
     aligned = _on_the_point(grid)
     widths = [

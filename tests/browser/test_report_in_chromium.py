@@ -131,6 +131,16 @@ def requests(driver: Any) -> list[str]:
     ]
 
 
+#: Texts of pictures that leave them.
+CUT = """return [...document.querySelectorAll('svg.chart')].flatMap((svg) => {
+  const room = svg.getBoundingClientRect();
+  return [...svg.querySelectorAll('text')].filter((text) => {
+    const box = text.getBoundingClientRect();
+    return box.left < room.left - 1 || box.right > room.right + 1 || box.top < room.top - 1
+      || box.bottom > room.bottom + 1;
+  }).map((text) => text.textContent);
+});"""
+
 PAGES = (
     *("index", "errata", "history", "measured", "measured-needs"),
     *(f"run-{NAME}", "run-odd", "run-many"),
@@ -151,6 +161,7 @@ def test_a_page_opens_without_error_or_request_and_fits_a_phone(
         )
         assert wide <= inner
         assert chromium.execute_script("return document.querySelectorAll('h1').length") == 1
+        assert chromium.execute_script(CUT) == []
 
 
 def test_every_page_of_the_whole_report_opens(chromium: Any, whole: Path) -> None:
@@ -164,6 +175,7 @@ def test_every_page_of_the_whole_report_opens(chromium: Any, whole: Path) -> Non
             "return [document.documentElement.clientWidth, document.documentElement.scrollWidth]"
         )
         assert wide <= inner, page.name
+        assert chromium.execute_script(CUT) == [], page.name
 
 
 def test_every_kind_of_page_is_among_them(site: Path) -> None:
@@ -405,6 +417,19 @@ def test_all_lines_are_hidden_and_shown_at_once(chromium: Any, site: Path) -> No
     assert 0 < marks(chromium) < before
     button.click()
     assert marks(chromium) == before
+
+
+def test_a_method_has_the_same_colour_in_all_pictures(chromium: Any, site: Path) -> None:
+    found: dict[str, set[str]] = {}
+    for page in (f"run-{NAME}", "run-odd", "run-many"):
+        visit(chromium, site / f"{page}.html")
+        drawn = chromium.execute_script(
+            """return [...document.querySelectorAll('.legend button[aria-pressed]')].map((x) =>
+              [x.textContent, getComputedStyle(x.querySelector('.mark')).stroke]);"""
+        )
+        for name, colour in drawn:
+            found.setdefault(name.partition(", ")[0], set()).add(colour)
+    assert len(found) > 8 and all(len(colours) == 1 for colours in found.values())
 
 
 def test_the_axes_can_be_chosen(chromium: Any, site: Path) -> None:

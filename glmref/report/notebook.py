@@ -1,0 +1,84 @@
+"""What a notebook shows: a method as its tableau, an analysis as a table, a solution as a summary.
+
+The HTML stands by itself: its few rules of style are in it, colours are those of the notebook, and
+mathematics is MathML, which browsers show without a script.
+
+Public names::
+
+    html(record) -> str
+"""
+
+from __future__ import annotations
+
+from functools import singledispatch
+from typing import Any
+
+from markupsafe import Markup
+
+from ..engine.outcome import Solution
+from ..errors import UsageError
+from ..method import GLM, AdditiveGLM, PartitionedGLM
+from ..verification.analysis import Analysis
+from ..views.facts import analysis_rows
+from ..views.plot import plot
+from ..views.show import parts
+from .markup import render
+from .typeset import typeset, typeset_table
+
+__all__ = ["html"]
+
+
+@singledispatch
+def html(record: object) -> str:
+    """Return a record as HTML.
+
+    Raises
+    ------
+        TypeError: for a record that has none.
+    """
+    raise TypeError(f"{type(record).__name__} has no HTML")
+
+
+def _shown(title: str, **parts_of: Any) -> str:
+    empty = {"blocks": (), "legend": (), "rows": (), "picture": ""}
+    return str(render("notebook.html", title=title, **{**empty, **parts_of}))
+
+
+@html.register(GLM)
+@html.register(PartitionedGLM)
+@html.register(AdditiveGLM)
+def _(record: GLM | PartitionedGLM | AdditiveGLM) -> str:
+    drawn = parts(record, lambda grid: [typeset_table(grid)])  # type: ignore[arg-type,list-item]
+    title, name = (record.document or {}).get("title", ""), record.name or "(unnamed)"
+    return _shown(
+        f"{name}: {title}" if title else name,
+        blocks=drawn.blocks,
+        legend=[(typeset(k), typeset(x)) for k, x in drawn.legend.items()],
+    )
+
+
+@html.register(Analysis)
+def _(record: Analysis) -> str:
+    title = record.method or "(unnamed)"
+    return _shown(title, rows=analysis_rows(record.as_json()))
+
+
+@html.register(Solution)
+def _(record: Solution) -> str:
+    rows = [("outcome", str(record.outcome)), ("", record.message)]
+    rows += [("steps", f"{record.steps} of h = {record.h:g}")]
+    if len(record.t):
+        rows.append(("time reached", f"{record.t[-1]:.10g}"))
+        rows.append(("solution there", ", ".join(f"{x:.10g}" for x in record.y[-1])))
+    rows += [
+        ("rows kept", str(len(record.t))),
+        ("evaluations", str(record.total_evaluations)),
+        ("seconds", f"{record.seconds:.3g}, and {record.build_seconds:.3g} to make the kernel"),
+        *(("notice", notice) for notice in record.notices),
+    ]
+    try:
+        picture = Markup(plot(record))
+    except UsageError:  # the end alone was kept
+        picture = Markup()
+    title = f"{record.problem} by {record.method}"
+    return _shown(title, rows=[x for x in rows if x[1]], picture=picture)

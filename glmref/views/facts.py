@@ -1,0 +1,112 @@
+"""An analysis as rows of name and text: the same on a terminal and in a notebook.
+
+Public names::
+
+    analysis_rows(record, measured=None) -> list of (name, text)
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from .tables import shown_value
+
+__all__ = ["analysis_rows"]
+
+_TITLES = {
+    "order_identity": "order with the identity as principal part",
+    "order_nystrom": "order on second-order systems",
+    "principal": "principal part",
+    "order_witness": "why not more",
+    "g_symplectic": "G-symplectic",
+    "consistency_witness": "why not consistent",
+}
+_DECISIONS = (
+    *("preconsistent", "consistent", "zero stable", "G-symplectic", "symmetric"),
+    "parasitism free",
+)
+_STABILITY = {
+    "A": "A-stable",
+    "L": "L-stable",
+    "real": "real stability interval",
+    "imaginary": "imaginary stability interval",
+    "periodicity": "periodicity interval",
+}
+_WHOLE = {"real": "the negative real axis", "imaginary": "the imaginary axis"}
+#: What several keys say together.
+_TOGETHER = ("error_constants", "error_norm", "quadrature_constant")
+
+
+def analysis_rows(
+    record: Mapping[str, Any], measured: Mapping[str, float] | None = None
+) -> list[tuple[str, str]]:
+    """Return an analysis as lines of name and value; a matrix has a line for each row.
+
+    Parameters
+    ----------
+    record : Mapping
+        As :meth:`glmref.Analysis.as_json` gives it.
+    measured : Mapping, optional
+        Ends of stability intervals found in floating point, shown where none is proved.
+    """
+    rows: list[tuple[str, str]] = []
+
+    def put(name: str, value: object) -> None:
+        if isinstance(value, Mapping):
+            for key, x in value.items():
+                put(name if key == "holds" else f"{name} {key}", x)
+        elif isinstance(value, list) and value and all(isinstance(x, list) for x in value):
+            rows.extend((name if i == 0 else "", shown_value(row)) for i, row in enumerate(value))
+        elif (value is not None and value != "") or name in _DECISIONS:
+            rows.append((name, shown_value(value)))
+
+    for key, value in record.items():
+        if key == "growth":
+            for entry in value:
+                for inner, x in entry.items():
+                    if inner != "eigenvalue":
+                        put(f"growth {inner} at {shown_value(entry['eigenvalue'])}", x)
+        elif key == "error_constants":
+            rows += _error_constants(record)
+        elif key == "stability":
+            rows += [(_STABILITY[k], _stability(k, x, measured or {})) for k, x in value.items()]
+        elif key not in ("format", "method", *_TOGETHER):
+            put(_TITLES.get(key, key.replace("_", " ")), value)
+    return rows
+
+
+def _stability(key: str, value: Any, measured: Mapping[str, float]) -> str:
+    if isinstance(value, bool) or key in "AL":
+        return shown_value(value)
+    if value is None and key in measured:
+        return f"{_interval(key, measured[key])}, measured"
+    return shown_value(value) if value is None else _interval(key, value)
+
+
+def _interval(key: str, end: float) -> str:
+    if math.isinf(end):
+        return _WHOLE.get(key, "the imaginary axis")
+    if end == 0:
+        return "none"
+    text = f"{end:.12g}"
+    return {"real": f"[-{text}, 0]", "imaginary": f"[-{text} i, {text} i]"}.get(key, f"(0, {text})")
+
+
+def _error_constants(record: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Residuals one order beyond: how many, the largest, their norm, and that of a quadrature."""
+    residuals, order = record["error_constants"], record["order"]
+    wrong = {tree: x for tree, x in residuals.items() if x}
+    said = f"none of {len(residuals)} trees"
+    if wrong:
+        worst = max(wrong, key=lambda tree: abs(wrong[tree]))
+        said = f"{len(wrong)} of {len(residuals)} trees, largest {wrong[worst]:.6g} at tree {worst}"
+    rows = [("residuals at the next order", said)]
+    if residuals:
+        rows.append(("error constant", f"{record['error_norm']:.6g}, norm of residual / symmetry"))
+    if record["quadrature_constant"] is not None:
+        power = order + 1
+        constant = f"{record['quadrature_constant']:.6g} h^{power} y^({power}) for y' = g(t)"
+        rows.append(("", constant))
+    return rows
