@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from difflib import get_close_matches
 from pathlib import Path
+from typing import Any
 
+from ..catalogue.lookup import method_of
+from ..catalogue.reader import load_document
 from ..errors import UsageError
-from ..method import GLM, PartitionedGLM
+from ..method import GLM, AdditiveGLM, PartitionedGLM
 from .numbers import check_digits
 
-__all__ = ["TARGETS", "export"]
+__all__ = ["TARGETS", "export", "save"]
 
 _LANGUAGES = ("c", "c++", "fortran", "julia", "rust", "python", "jax")
 #: What a method can be exported to: steppers, then tables.
@@ -19,7 +23,9 @@ TARGETS = (
 )
 
 
-def export(method: GLM | PartitionedGLM | str | Path, *, to: str, digits: int | None = None) -> str:
+def export(
+    method: GLM | PartitionedGLM | AdditiveGLM | str | Path, *, to: str, digits: int | None = None
+) -> str:
     """Return a method as a source file or as a table of another package.
 
     Parameters
@@ -45,16 +51,62 @@ def export(method: GLM | PartitionedGLM | str | Path, *, to: str, digits: int | 
         hint = f"did you mean {near[0]}?" if near else f"one of {', '.join(TARGETS)}"
         raise UsageError(f"there is no export to {to!r}; {hint}")
     check_digits(digits)
-    if isinstance(method, str | Path):
-        from ..catalogue.lookup import load
-
-        method = load(method)
-    if not isinstance(method, GLM | PartitionedGLM):
-        raise UsageError(f"`method` must be a method or its name, got {type(method).__name__}")
-    if to in _LANGUAGES:
+    method = method_of(method)
+    if isinstance(method, AdditiveGLM) and to not in ("petsc", "sundials"):
+        raise UsageError(
+            f"{method.name} is additive: petsc and sundials hold its tableaux, and {to} single "
+            f"methods and pairs; export its parts, glmref.export(method.part(1), to={to!r})"
+        )
+    if to in _LANGUAGES and not isinstance(method, AdditiveGLM):
         from .steppers import stepper
 
         return stepper(method, to, digits)
     from .tables import table
 
     return table(method, to, digits)
+
+
+def save(
+    method: GLM | PartitionedGLM | AdditiveGLM, path: str | Path, *, digits: int | None = None
+) -> Path:
+    """Write a method as a method file: what it came from, or its blocks, claims and source.
+
+    Parameters
+    ----------
+        method: any method. One without a name gets that of the file.
+        path: the file, which is replaced where there is one.
+        digits: digits after the point, instead of exact expressions.
+
+    Returns
+    -------
+        The path.
+
+    Raises
+    ------
+        UsageError: for a file that cannot be written, or a method that no file can hold.
+    """
+    from ..catalogue.canonical import canonical
+    from ..system.files import write_text
+    from .tables import method_document
+
+    method = method_of(method)
+    place = Path(path)
+    document = dict(method.document or {})
+    if digits is not None or not _is_of(document, method):
+        check_digits(digits)
+        document = method_document(method, place.name, digits)
+        if method.claims:
+            here = {"citation": "saved by glmref", "where": place.name, "status": "derived"}
+            document |= {"claims": dict(method.claims), "source": dict(method.source or here)}
+    write_text(place, canonical(document))
+    return place
+
+
+def _is_of(document: Mapping[str, Any], method: GLM | PartitionedGLM | AdditiveGLM) -> bool:
+    """Whether a method still is what its file says: `dataclasses.replace` keeps the document."""
+    if not document or document.get("name") != method.name:
+        return False
+    from .tables import blocks_of
+
+    read = load_document(document)
+    return type(read) is type(method) and blocks_of(read, None) == blocks_of(method, None)

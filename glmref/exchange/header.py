@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from .. import __version__
 from ..catalogue.claims import ORDER
-from ..method import GLM, PartitionedGLM
+from ..method import GLM, AdditiveGLM, PartitionedGLM
 
 __all__ = ["Comment", "facts", "header"]
 
@@ -45,7 +45,7 @@ def _plain(text: object) -> str:
     return line
 
 
-def facts(method: GLM | PartitionedGLM) -> list[str]:
+def facts(method: GLM | PartitionedGLM | AdditiveGLM) -> list[str]:
     """Name, title, order, size and source of a method, one sentence each."""
     document = method.document or {}
     name, title = method.name or "a method without a name", document.get("title", "")
@@ -54,6 +54,8 @@ def facts(method: GLM | PartitionedGLM) -> list[str]:
     if isinstance(method, PartitionedGLM):
         size = f"{method.n_Q} stages Q, {method.n_P} stages P, {method.r} values of q and "
         size += f"{method.r_hat} of p"
+    elif isinstance(method, AdditiveGLM):
+        size = f"{method.k} parts, {method.s} stages, {method.r} values"
     else:
         size = f"{method.s} stages, {method.r} values"
     lines.append(f"{f'Order {order}, ' if isinstance(order, int) else ''}{size}.")
@@ -68,7 +70,10 @@ def facts(method: GLM | PartitionedGLM) -> list[str]:
 
 
 def header(
-    method: GLM | PartitionedGLM, comment: Comment, *remarks: str, exact: Sequence[str] = ()
+    method: GLM | PartitionedGLM | AdditiveGLM,
+    comment: Comment,
+    *remarks: str,
+    exact: Sequence[str] = (),
 ) -> str:
     """The comment at the head of a file.
 

@@ -2,86 +2,69 @@
 
 from __future__ import annotations
 
-import re
+from ..exact.expression import (
+    Exponential,
+    Name,
+    Negative,
+    Node,
+    Number,
+    Product,
+    Root,
+    Sum,
+    syntax_tree,
+)
 
 __all__ = ["latex"]
 
-_TOKEN = re.compile(r"\s*([0-9]+\.?[0-9]*(?:[eE][-+]?[0-9]+)?|[A-Za-z_]\w*|[-+*/(),])")
-
-_SUM, _PRODUCT, _ATOM = 0, 1, 2
-
 
 def latex(text: str) -> str:
-    r"""Write an expression such as ``(3-sqrt(3))/6`` as LaTeX: ``\frac{3-\sqrt{3}}{6}``."""
-    return _Reader(_TOKEN.findall(text)).sum()[0]
+    r"""Write an expression such as ``(3-sqrt(3))/6`` as LaTeX: ``\frac{3-\sqrt{3}}{6}``.
+
+    Raises
+    ------
+    DataError
+        For a text that is no expression.
+    """
+    return _written(syntax_tree(text, exponents=True))
 
 
-class _Reader:
-    """Recursive descent; each method returns LaTeX and how tightly it binds."""
-
-    def __init__(self, tokens: list[str]) -> None:
-        self.tokens, self.at = tokens, 0
-
-    def peek(self) -> str:
-        return self.tokens[self.at] if self.at < len(self.tokens) else ""
-
-    def take(self) -> str:
-        self.at += 1
-        return self.tokens[self.at - 1]
-
-    def sum(self) -> tuple[str, int]:
-        value, binds = self.product()
-        while self.peek() in ("+", "-"):
-            value, binds = value + self.take() + self.product()[0], _SUM
-        return value, binds
-
-    def product(self) -> tuple[str, int]:
-        value, binds = self.factor()
-        while self.peek() in ("*", "/"):
-            if self.take() == "/":
-                below = self.factor()[0]
-                sign = "-" if value.startswith("-") and binds != _SUM else ""
-                value, binds = rf"{sign}\frac{{{value.removeprefix(sign)}}}{{{below}}}", _PRODUCT
-            else:
-                right = self.factor()
-                value = f"{_in(value, binds)}{_times(right[0])}{_in(*right)}"
-                binds = _PRODUCT
-        return value, binds
-
-    def factor(self) -> tuple[str, int]:
-        if self.peek() in ("+", "-"):
-            sign = self.take()
-            inner = self.factor()
-            return ("-" if sign == "-" else "") + _in(*inner), _PRODUCT
-        return self.atom()
-
-    def atom(self) -> tuple[str, int]:
-        token = self.take()
-        if token == "(":
-            value = self.sum()
-            self.take()
-            return value
-        if token in ("sqrt", "root", "exp"):
-            self.take()
-            inside = self.sum()[0]
-            degree = ""
-            if self.take() == ",":
-                degree = self.take()
-                self.take()
-            if token == "exp":
-                return f"e^{{{inside}}}", _ATOM
-            return rf"\sqrt{f'[{degree}]' if degree else ''}{{{inside}}}", _ATOM
-        if "e" in token and token[0].isdigit():
-            mantissa, _, power = token.partition("e")
-            return rf"{mantissa}\cdot 10^{{{int(power)}}}", _PRODUCT
-        return (rf"\{token}" if token == "pi" else token), _ATOM
+def _written(node: Node) -> str:
+    match node:
+        case Number(text):
+            mantissa, _, power = text.lower().partition("e")
+            return rf"{mantissa}\cdot 10^{{{int(power)}}}" if power else text
+        case Name(name):
+            return r"\pi" if name == "pi" else name
+        case Negative(operand):
+            return f"-{_factor(operand)}"
+        case Sum(terms):
+            written = "".join(
+                f"{sign}{_factor(term) if n else _written(term)}"
+                for n, (sign, term) in enumerate(terms)
+            )
+            return written.removeprefix("+")
+        case Product(factors):
+            return _product(factors)
+        case Root(radicand, degree):
+            return rf"\sqrt{f'[{degree}]' if degree > 2 else ''}{{{_written(radicand)}}}"
+        case Exponential(angle):
+            return f"e^{{{_written(angle)}}}"
 
 
-def _in(text: str, binds: int) -> str:
-    """A factor, in parentheses where it is a sum."""
-    return rf"\left({text}\right)" if binds == _SUM else text
+def _product(factors: tuple[tuple[str, Node], ...]) -> str:
+    """Write factors from the left; the sign of the first stands before all of them."""
+    (_, first), *others = factors
+    sign, first = ("-", first.operand) if isinstance(first, Negative) else ("", first)
+    written = _written(first) if others[0][0] == "/" else _factor(first)
+    for operator, factor in others:
+        if operator == "/":
+            written = rf"\frac{{{written}}}{{{_written(factor)}}}"
+        else:
+            # a dot where two numbers, or a number and a fraction, would be read as one
+            dot = r"\cdot " if isinstance(factor, Number | Product) else " "
+            written = f"{written}{dot}{_factor(factor)}"
+    return sign + written
 
 
-def _times(right: str) -> str:
-    """What stands between factors: a dot before a digit or a sign."""
-    return r"\cdot " if right[:1].isdigit() or right[:1] == "-" else " "
+def _factor(node: Node) -> str:
+    return rf"\left({_written(node)}\right)" if isinstance(node, Sum | Negative) else _written(node)

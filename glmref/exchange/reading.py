@@ -169,10 +169,19 @@ class _Writer:
             if key in found.about:
                 document[key] = found.about[key]
         c = entries.pop("c", None)
-        for block, rows in entries.items():
-            *outer, letter = block.split(".")
-            inside = document.setdefault(outer[0], {}) if outer else document
-            inside[letter] = rows[0] if letter in ("b", "u", "u_hat") else rows
+        if shapes == "additive":
+            self._check_sums(entries, c, entries.pop("ct", None))
+            c = None
+            document["parts"] = [
+                {"A": entries[f"A{mark}"], "b": entries[f"b{mark}"][0]} for mark in ("", "t")
+            ]
+        elif shapes == "splitting":
+            document |= self._unfolded(entries["a"][0], entries["ahat"][0])
+        else:
+            for block, rows in entries.items():
+                *outer, letter = block.split(".")
+                inside = document.setdefault(outer[0], {}) if outer else document
+                inside[letter] = rows[0] if letter in ("b", "u", "u_hat") else rows
         for key in ("q", "p", "starting", "finishing"):
             if isinstance(document.get(key), dict) and not document[key]:
                 del document[key]
@@ -197,6 +206,10 @@ class _Writer:
 
     def _kind(self) -> str:
         blocks = self.found.blocks
+        if {"A", "b", "At", "bt"} <= blocks.keys():
+            return "additive"
+        if {"a", "ahat"} <= blocks.keys():
+            return "splitting"
         if {"A", "b"} <= blocks.keys():
             return "rk"
         if {"A", "U", "B", "V"} <= blocks.keys():
@@ -278,13 +291,30 @@ class _Writer:
     def _value(self, text: str) -> Scalar:
         return parse(text, digits=self.digits)
 
+    def _check_sums(self, entries: Mapping[str, list[list[str]]], *given: Any) -> None:
+        """Refuse abscissae other than the row sums: a method file of this class has none."""
+        for mark, c in zip(("", "t"), given, strict=True):
+            for i, text in enumerate(c[0] if c else ()):
+                row = [self._value(x) for x in entries[f"A{mark}"][i]]
+                if (sum(row[1:], row[0]) - self._value(text)).is_zero() is False:
+                    raise DataError(
+                        f"`c{mark}[{i + 1}]` is {text} and no sum of row {i + 1} of A{mark}, at "
+                        f"which an additive method evaluates here; correct one of them"
+                    )
+
+    def _unfolded(self, a: list[str], ahat: list[str]) -> dict[str, Any]:
+        """A splitting: a leading kick of weight 0 and a trailing drift of weight 0 are none."""
+        first = "q" if self._value(ahat[0]).is_zero() is True else "p"
+        b = ahat[1:] if first == "q" else ahat
+        return {"first": first, "a": a[:-1] if self._value(a[-1]).is_zero() is True else a, "b": b}
+
     def _claims(self, entries: Mapping[str, Any], c: list[list[str]] | None) -> dict[str, Any]:
         claims: dict[str, Any] = {}
         if self.found.order:
             claims[ORDER.key] = self.found.order
         if c is not None:
             claims[ABSCISSAE.key] = c[0]
-        if not claims and "q.A" not in entries:
+        if not claims and "A" in entries and "At" not in entries:
             A = [[self._value(x) for x in row] for row in entries["A"]]
             explicit = all(x.is_zero() is True for i, row in enumerate(A) for x in row[i:])
             claims[EXPLICIT.key] = explicit
@@ -370,16 +400,23 @@ def _c_table(text: str, call: str, numbers: Callable[[list[str]], int]) -> Found
     """Arrays A, b, c and the order from a call with its arguments."""
     about = _comment(text)
     body = _without_comments(text, r"/\*.*?\*/|//[^\n]*")
-    arrays = {x: _c_array(body, (x, f"{x}t")) for x in ("A", "b", "c")}
-    A, b = arrays["A"], arrays["b"]
-    if A is None or b is None:
-        raise DataError("there are no arrays `A[] = {...}` and `b[] = {...}`")
-    s = len(b)
-    if len(A) != s * s:
-        raise DataError(f"`A` must have {s} times {s} entries, as `b` has {s}, got {len(A)}")
-    found = Found({"A": [A[i * s : i * s + s] for i in range(s)], "b": [b]}, about=about)
-    if arrays["c"] is not None:
-        found.blocks["c"] = [arrays["c"]]
+    found = Found(about=about)
+    # both an A and an At: the two parts of an implicit-explicit method
+    both = all(_c_array(body, (x,)) for x in ("A", "At", "b", "bt"))
+    for mark in ("", "t") if both else ("",):
+        names = {x: (f"{x}{mark}",) if both else (x, f"{x}t") for x in "Abc"}
+        A, b, c = (_c_array(body, names[x]) for x in "Abc")
+        if A is None or b is None:
+            raise DataError("there are no arrays `A[] = {...}` and `b[] = {...}`")
+        s = len(b)
+        if len(A) != s * s:
+            raise DataError(
+                f"`A{mark}` must have {s} times {s} entries, as `b{mark}` has {s}, got {len(A)}"
+            )
+        found.blocks[f"A{mark}"] = [A[i * s : i * s + s] for i in range(s)]
+        found.blocks[f"b{mark}"] = [b]
+        if c is not None:
+            found.blocks[f"c{mark}"] = [c]
     match = re.search(rf"\b(?:{call})\s*\(", body)
     if match:
         order = numbers(_split(_balanced(body, match.end() - 1)))
@@ -392,13 +429,31 @@ def _whole(arguments: Sequence[str], at: int) -> int:
     return int(text) if re.fullmatch(r"\d{1,2}", text) else 0
 
 
+def _sprk(text: str) -> Found | None:
+    """A table of SPRKStep: arrays a and ahat, and the order that is put into the table."""
+    body = _without_comments(text, r"/\*.*?\*/|//[^\n]*")
+    if not re.search(r"\bARKodeSPRKTable_(?:Alloc|Create)\s*\(", body):
+        return None
+    a, ahat = (_c_array(body, (x,)) for x in ("a", "ahat"))
+    if not a or not ahat or len(a) != len(ahat):
+        raise DataError("there are no arrays `a[] = {...}` and `ahat[] = {...}` of one length")
+    order = re.search(r"->\s*q\s*=\s*(\d{1,2})\s*;", body)
+    call = re.search(r"\bARKodeSPRKTable_Create\s*\(", body)
+    told = _whole(_split(_balanced(body, call.end() - 1)), 1) if call else 0
+    return Found({"a": [a], "ahat": [ahat]}, int(order[1]) if order else told or None,
+                 about=_comment(text))  # fmt: skip
+
+
 def _sundials(text: str) -> Found:
+    if (found := _sprk(text)) is not None:
+        return found
     return _c_table(text, "ARKodeButcherTable_Create", lambda x: _whole(x, 1))
 
 
 def _petsc(text: str) -> Found:
-    found = _c_table(text, "TSRKRegister|TSDIRKRegister", lambda x: _whole(x, 1))
-    match = re.search(r'\bTS(?:RK|DIRK)Register\s*\(\s*"([^"]+)"', text)
+    call = "TSRKRegister|TSDIRKRegister|TSARKIMEXRegister"
+    found = _c_table(text, call, lambda x: _whole(x, 1))
+    match = re.search(r'\bTS(?:RK|DIRK|ARKIMEX)Register\s*\(\s*"([^"]+)"', text)
     if match:
         found.about.setdefault("name", match[1])
     return found

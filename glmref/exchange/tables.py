@@ -16,11 +16,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..catalogue.claims import ORDER
+from ..catalogue.keys import completed
 from ..errors import ExactnessError, UsageError
 from ..exact import Ball, Exact, Scalar
 from ..exact.expression import to_text
 from ..exact.linalg import Matrix, Vector
-from ..method import GLM, PartitionedGLM
+from ..method import GLM, AdditiveGLM, PartitionedGLM
 from ..method.solution_value import stage_times
 from .header import Comment, header
 from .latex import latex
@@ -84,7 +85,7 @@ def butcher(method: GLM | PartitionedGLM, target: str) -> Butcher:
     return Butcher(method.A, method.B[0], c, _order(method))
 
 
-def _order(method: GLM) -> int:
+def _order(method: GLM | PartitionedGLM | AdditiveGLM) -> int:
     order = method.claims.get(ORDER.key)
     if isinstance(order, int):
         return order
@@ -111,9 +112,8 @@ def _quotient(x: Scalar) -> tuple[int, int] | None:
     return fraction.numerator, fraction.denominator
 
 
-def _exact_lines(tableau: Butcher) -> list[str]:
+def _exact_lines(rows: Mapping[str, Matrix]) -> list[str]:
     """Lines of a comment with the exact rows, where quotients do not say it all."""
-    rows = {"A": tableau.A, "b": (tableau.b,), "c": (tableau.c,)}
     lines: list[str] = []
     if all(_quotient(x) is not None for m in rows.values() for row in m for x in row):
         return []
@@ -128,7 +128,8 @@ def _exact_lines(tableau: Butcher) -> list[str]:
 
 def _head(method: GLM | PartitionedGLM, tableau: Butcher, comment: Comment, digits: int) -> str:
     remark = f"Numbers that are not quotients have {digits} significant digits."
-    return header(method, comment, remark, exact=_exact_lines(tableau))
+    rows = {"A": tableau.A, "b": (tableau.b,), "c": (tableau.c,)}
+    return header(method, comment, remark, exact=_exact_lines(rows))
 
 
 # --- C: SUNDIALS and PETSc -----------------------------------------------------------------------
@@ -137,7 +138,11 @@ def _head(method: GLM | PartitionedGLM, tableau: Butcher, comment: Comment, digi
 def _c_number(x: Scalar, digits: int, cast: Callable[[str], str]) -> str:
     quotient = _quotient(x)
     if quotient is None:
-        return cast(decimal_of(x, digits))
+        text = decimal_of(x, digits)
+        # zeros tell a reader that an exact decimal that ends early is known beyond its end
+        whole, point, places = text.partition(".")
+        padded = isinstance(x, Exact) and point and "e" not in text
+        return cast(f"{whole}.{places:0<{digits}}" if padded else text)
     over = "" if quotient[1] == 1 else f"/{cast(f'{quotient[1]}.0')}"
     return cast(f"{quotient[0]}.0") + over
 
@@ -150,7 +155,132 @@ def _c_array(kind: str, name: str, rows: Sequence[Sequence[str]]) -> list[str]:
     return [*lines, "  };"]
 
 
-def _sundials(method: GLM | PartitionedGLM, digits: int) -> str:
+def _imex(
+    method: AdditiveGLM, target: str, digits: int, cast: Callable[[str], str], kind: str
+) -> tuple[str, list[str], int]:
+    """The head, the arrays and the order of an implicit-explicit Runge-Kutta method.
+
+    The arrays A, b, c belong to the explicit part, which comes first where both are explicit, and
+    At, bt, ct to the other, in the letters of PETSc.
+    """
+    name = method.name or "the method"
+    ones = [x for row in (*(method.U or ()), *(method.V or ())) for x in row]
+    if method.k != 2 or method.r != 1 or not all(map(_is_one, ones)):
+        raise UsageError(
+            f"{target} holds additive Runge-Kutta methods of two parts and {name} has {method.k} "
+            f"parts and {method.r} values; export its parts"
+        )
+    if not method.is_real:
+        raise UsageError(f"{target} holds real numbers and {name} is complex; export its parts")
+    order = sorted((0, 1), key=lambda n: not _is_lower(method.A[n], 0))
+    e, i = order
+    if not (_is_lower(method.A[e], 0) and _is_lower(method.A[i], 1)):
+        raise UsageError(
+            f"{target} steps an explicit part with a diagonally implicit one, stages in their "
+            f"order, and {name} has no such parts; export its parts"
+        )
+    rows: dict[str, Matrix] = {}
+    for n, mark in ((e, ""), (i, "t")):
+        c = tuple(sum(row[1:], row[0]) for row in method.A[n])
+        rows |= {f"A{mark}": method.A[n], f"b{mark}": method.B[n], f"c{mark}": (c,)}
+    lines = []
+    for letter, matrix in rows.items():
+        texts = [[_c_number(x, digits, cast) for x in row] for row in matrix]
+        lines += _c_array(kind, letter, texts)
+    said = f"A, b, c: part {e + 1}, explicit; At, bt, ct: part {i + 1}, implicit. "
+    said += f"Numbers that are not quotients have {digits} significant digits."
+    return header(method, _C, said, exact=_exact_lines(rows)), lines, _order(method)
+
+
+def _is_lower(A: Matrix, above: int) -> bool:
+    """Whether entries beyond the diagonal, or with 0 on it too, are zero."""
+    return all(is_zero(x) for i, row in enumerate(A) for x in row[i + above :])
+
+
+def _sprk(method: PartitionedGLM, digits: int) -> str | None:
+    """A splitting as a table of SPRKStep, ``None`` for another pair.
+
+    In each stage p += ahat_i h k(q), then q += a_i h f(p).
+    """
+    from ..method.families import splitting
+
+    a, b = method.B[0], method.B_hat[0]
+    for first, zero in (("q", len(a) - len(b)), ("p", len(b) - len(a))):
+        if method.r == method.r_hat == 1 and method.is_real and zero in (0, 1):
+            like = splitting(a, b, first)
+            if all(
+                is_zero(x - y)
+                for letter in ("A", "U", "B", "V", "A_hat", "U_hat", "B_hat", "V_hat")
+                for row, own in zip(getattr(like, letter), getattr(method, letter), strict=True)
+                for x, y in zip(row, own, strict=True)
+            ):
+                break
+    else:
+        return None
+    nothing = (a[0] * 0,)
+    ahat = (*nothing, *b) if first == "q" else b
+    a = a + nothing * (len(ahat) - len(a))
+    rows: dict[str, Matrix] = {"a": (a,), "ahat": (ahat,)}
+    name = identifier(method.name)
+    remark = f"Numbers that are not quotients have {digits} significant digits. "
+    remark += "f1 is the force k(q), f2 the velocity f(p)."
+    lines = [header(method, _C, remark, exact=_exact_lines(rows))]
+    lines += ["#include <arkode/arkode_sprk.h>", "", f"ARKodeSPRKTable {name}_table(void) {{"]
+    for letter, matrix in rows.items():
+        texts = [_c_number(x, digits, lambda text: f"SUN_RCONST({text})") for x in matrix[0]]
+        lines += _c_array("sunrealtype", letter, [texts])
+    return "\n".join(
+        [
+            *lines,
+            f"  ARKodeSPRKTable table = ARKodeSPRKTable_Alloc({len(a)});",
+            "  int i;",
+            "  if (table == NULL) { return NULL; }",
+            f"  table->q = {_order(method)};",
+            f"  table->stages = {len(a)};",
+            f"  for (i = 0; i < {len(a)}; i++) {{",
+            "    table->a[i]    = a[i];",
+            "    table->ahat[i] = ahat[i];",
+            "  }",
+            "  return table;",
+            "}",
+            "",
+        ]
+    )
+
+
+def _ark_tables(method: AdditiveGLM, digits: int) -> str:
+    """The two tables of an implicit-explicit method, given to ARKStep."""
+    head, arrays, order = _imex(
+        method, "sundials", digits, lambda text: f"SUN_RCONST({text})", "sunrealtype"
+    )
+    size = f"{method.s}, {order}, 0"
+    return "\n".join(
+        [
+            head,
+            "#include <arkode/arkode_arkstep.h>",
+            "",
+            "/* after ARKStepCreate(fe, fi, ...): fe is the explicit part */",
+            f"int {identifier(method.name)}_set_tables(void* arkode_mem) {{",
+            *arrays,
+            "  /* stages, order, order of the embedded method, of which there is none */",
+            f"  ARKodeButcherTable Be = ARKodeButcherTable_Create({size}, c, A, b, NULL);",
+            f"  ARKodeButcherTable Bi = ARKodeButcherTable_Create({size}, ct, At, bt, NULL);",
+            "  int flag = ARK_MEM_FAIL;",
+            f"  if (Bi && Be) {{ flag = ARKStepSetTables(arkode_mem, {order}, 0, Bi, Be); }}",
+            "  ARKodeButcherTable_Free(Bi);",
+            "  ARKodeButcherTable_Free(Be);",
+            "  return flag;",
+            "}",
+            "",
+        ]
+    )
+
+
+def _sundials(method: GLM | PartitionedGLM | AdditiveGLM, digits: int) -> str:
+    if isinstance(method, AdditiveGLM):
+        return _ark_tables(method, digits)
+    if isinstance(method, PartitionedGLM) and (found := _sprk(method, digits)):
+        return found
     tab = butcher(method, "sundials")
     if isinstance(method, GLM) and not method.is_diagonally_implicit:
         raise UsageError(
@@ -171,7 +301,33 @@ def _sundials(method: GLM | PartitionedGLM, digits: int) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _petsc(method: GLM | PartitionedGLM, digits: int) -> str:
+def _arkimex(method: AdditiveGLM, digits: int) -> str:
+    """The registration of an implicit-explicit method."""
+    head, arrays, order = _imex(method, "petsc", digits, str, "const PetscReal")
+    name = identifier(method.name)
+    call = f'TSARKIMEXRegister("{method.name or name}", {order}, {method.s}, At, bt, ct, A, b, c,'
+    return "\n".join(
+        [
+            head,
+            "#include <petscts.h>",
+            "",
+            f"PetscErrorCode {name}_register(void)",
+            "{",
+            *arrays,
+            "",
+            "  PetscFunctionBegin;",
+            f"  PetscCall({call}",
+            "                              NULL, NULL, 0, NULL, NULL));",
+            "  PetscFunctionReturn(PETSC_SUCCESS);",
+            "}",
+            "",
+        ]
+    )
+
+
+def _petsc(method: GLM | PartitionedGLM | AdditiveGLM, digits: int) -> str:
+    if isinstance(method, AdditiveGLM):
+        return _arkimex(method, digits)
     tab = butcher(method, "petsc")
     if isinstance(method, GLM) and not method.is_diagonally_implicit:
         raise UsageError(
@@ -296,8 +452,12 @@ def _rungekutta(method: GLM | PartitionedGLM, digits: int) -> str:
 Rows = list[list[str]]
 
 
-def _all_blocks(method: GLM | PartitionedGLM) -> Iterator[tuple[str, Matrix]]:
+def _all_blocks(method: GLM | PartitionedGLM | AdditiveGLM) -> Iterator[tuple[str, Matrix]]:
     """The blocks of a method by name, vectors as one row."""
+    if isinstance(method, AdditiveGLM):
+        for n, (A, B) in enumerate(zip(method.A, method.B, strict=True)):
+            yield from ((f"parts.{n}.A", A), (f"parts.{n}.b", B))
+        return
     if isinstance(method, PartitionedGLM):
         for letter in "AUBV":
             yield f"q.{letter}", getattr(method, letter)
@@ -333,8 +493,69 @@ def _fixed(x: Scalar, places: int) -> str:
     return decimal(x.ball(), places)
 
 
+def _form_blocks(method: GLM | PartitionedGLM | AdditiveGLM) -> Iterator[tuple[str, Matrix]]:
+    """The forms and the outputs that a method gives, by their names in a method file."""
+    names = {"G": "G", "D": "D", "D_P": "D_P", "D_Q": "D_Q", "output": "output"}
+    if isinstance(method, PartitionedGLM):
+        names |= {"output": "q.output", "output_hat": "p.output"}
+    for name, place in names.items():
+        value = getattr(method, name, None)
+        if value is not None:
+            yield place, value if name == "G" else (value,)
+
+
+def method_document(
+    method: GLM | PartitionedGLM | AdditiveGLM, name: str, digits: int | None
+) -> dict[str, Any]:
+    """A method file of what a method is: blocks, starting and finishing method, forms, outputs.
+
+    Parameters
+    ----------
+        method: any method.
+        name: of the file, for a method without one.
+        digits: digits after the point, for decimals instead of expressions.
+
+    Returns
+    -------
+        A document that claims nothing.
+
+    Raises
+    ------
+        UsageError: for decimals of complex numbers.
+    """
+    forms = dict(_form_blocks(method))
+    blocks, places = blocks_of(method, digits, forms)
+    document: dict[str, Any] = {}
+    if isinstance(method, AdditiveGLM):
+        ones = [x for row in (*(method.U or ()), *(method.V or ())) for x in row]
+        if method.r != 1 or not all(map(_is_one, ones)):
+            raise UsageError("an additive method is written with one value, U = 1 and V = 1, only")
+        document["parts"] = [{} for _ in range(method.k)]
+    for place, rows in blocks.items():
+        *outer, letter = place.split(".")
+        if outer[:1] == ["parts"]:
+            document["parts"][int(outer[1])][letter] = rows[0] if letter == "b" else rows
+            continue
+        inside = document.setdefault(outer[0], {}) if outer else document
+        inside[letter] = rows if letter[0] in "AUBVG" else rows[0]
+    if isinstance(method, PartitionedGLM):
+        document["separable"] = method.separable
+    elif isinstance(method, GLM) and not method.is_real:
+        document["field"] = "complex"
+    if "b" in document and forms:  # a file of class `rk` has none
+        document["B"] = [document.pop("b")]
+        ones = [["1"]] * method.s if isinstance(method, GLM) else []
+        document |= {"U": ones, "V": [["1"]]}
+    if places is not None:
+        document["digits"] = places
+    document = completed(document, method.name or name)
+    return {key: x for key, x in document.items() if x != {}}
+
+
 def blocks_of(
-    method: GLM | PartitionedGLM, digits: int | None
+    method: GLM | PartitionedGLM | AdditiveGLM,
+    digits: int | None,
+    more: Mapping[str, Matrix] | None = None,
 ) -> tuple[dict[str, Rows], int | None]:
     """The blocks of a method as rows of expressions, and the digits of its decimals, if any.
 
@@ -342,6 +563,7 @@ def blocks_of(
     ----------
         method: any method.
         digits: digits after the point, for decimals instead of expressions.
+        more: further blocks.
 
     Returns
     -------
@@ -352,7 +574,7 @@ def blocks_of(
     ------
         UsageError: for decimals of complex numbers.
     """
-    blocks = dict(_all_blocks(method))
+    blocks = {**dict(_all_blocks(method)), **(more or {})}
     numbers = [x for matrix in blocks.values() for row in matrix for x in row]
     texts = {id(x): None if digits is not None else _expression(x) for x in numbers}
     rough = [x for x in numbers if texts[id(x)] is None and not _is_whole(x)]
@@ -475,13 +697,11 @@ def _array(
     return [*lines, r"\end{array}" + ("" if plain else r"\right]")]
 
 
-def _with_digits(
-    write: Callable[[GLM | PartitionedGLM, int], str],
-) -> Callable[[GLM | PartitionedGLM, int | None], str]:
+def _with_digits(write: Callable[[Any, int], str]) -> Callable[[Any, int | None], str]:
     return lambda method, digits: write(method, DIGITS if digits is None else digits)
 
 
-FORMATS: Mapping[str, Callable[[GLM | PartitionedGLM, int | None], str]] = {
+FORMATS: Mapping[str, Callable[[Any, int | None], str]] = {
     "latex": _latex,
     "sundials": _with_digits(_sundials),
     "petsc": _with_digits(_petsc),
@@ -493,7 +713,7 @@ FORMATS: Mapping[str, Callable[[GLM | PartitionedGLM, int | None], str]] = {
 }
 
 
-def table(method: GLM | PartitionedGLM, target: str, digits: int | None) -> str:
+def table(method: GLM | PartitionedGLM | AdditiveGLM, target: str, digits: int | None) -> str:
     """Return a method as a table of another package.
 
     Parameters
