@@ -16,7 +16,7 @@ from typing import Any
 
 from campaigns.driver import fingerprint, renew
 from glmref.catalogue.lookup import load, names
-from glmref.prove.facts import PairFacts, facts_of
+from glmref.prove.facts import facts_of
 from glmref.theory.error_constants import error_norm
 from glmref.theory.order import OrderResult
 
@@ -38,7 +38,7 @@ def row(name: str) -> dict[str, Any]:
     """
     facts = facts_of(load(name))
     found = _constants(facts.classical_order)
-    if isinstance(facts, PairFacts) and "nystrom-order" in facts.method.claims:
+    if "nystrom-order" in facts.method.claims:
         found["nystrom"] = _constants(facts.nystrom_order)
     return found
 

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from campaigns.driver import fingerprint
-from glmref.catalogue.lookup import load, names
+from glmref.catalogue.lookup import document, load, names
 from glmref.catalogue.strict_json import write_json
 from glmref.measure.stability import amplification, bounded, interval, locus, radius
 from glmref.measure.timing import circumstances
@@ -43,7 +43,7 @@ _SAMPLES = 480
 Point = tuple[float, float]
 
 
-def row(method: GLM | PartitionedGLM) -> dict[str, Any]:
+def row(method: Any) -> dict[str, Any]:
     """Stability of one method, in short numbers; polygons are texts "x,y x,y .." as SVG has them.
 
     Returns
@@ -249,6 +249,11 @@ def _moduli(whole: GLM, reach: float) -> list[list[Point]]:
     return [simplified(piece, 2 * NEARNESS) for piece in pieces if len(piece) > 1]
 
 
+def names_with_region() -> list[str]:
+    """Methods whose stability depends on one number z: a method of k parts has z_1, ..., z_k."""
+    return [name for name in names("methods") if document(name)["class"] != "additive"]
+
+
 def main(path: Path) -> int:
     """Bring the file up to date and return how many methods were measured."""
     file: Mapping[str, Any] = {}
@@ -256,7 +261,7 @@ def main(path: Path) -> int:
         file = json.loads(path.read_text(encoding="utf-8"))
     stored = file.get("methods", {})
     rows, measured = {}, 0
-    for name in names("methods"):
+    for name in names_with_region():
         mark = fingerprint(name)
         known = stored.get(name, {})
         if known.get("fingerprint") != mark:

@@ -66,6 +66,7 @@ def test_a_claim_that_is_too_high_is_seen_to_be():
     assert abs(observe(Case("heun-2", "order", 3)).order - 2) < CLOSE
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("name", "claimed", "true"),
     [

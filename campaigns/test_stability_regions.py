@@ -6,8 +6,17 @@ import math
 import pytest
 
 from campaigns.driver import fingerprint
-from campaigns.stability_regions import FAR, FORMAT, GRID, NEARNESS, main, row, simplified
-from glmref.catalogue.lookup import data_root, load, names
+from campaigns.stability_regions import (
+    FAR,
+    FORMAT,
+    GRID,
+    NEARNESS,
+    main,
+    names_with_region,
+    row,
+    simplified,
+)
+from glmref.catalogue.lookup import data_root, load
 
 FILE = data_root() / "measurements" / "stability.json"
 STORED = json.loads(FILE.read_text(encoding="utf-8"))
@@ -78,7 +87,7 @@ def test_a_line_is_kept_to_the_nearness_that_is_asked_for():
 def test_every_method_is_stored_for_the_coefficients_as_they_are():
     assert STORED["format"] == FORMAT
     stored = {name: one["fingerprint"] for name, one in STORED["methods"].items()}
-    assert stored == {name: fingerprint(name) for name in names("methods")}, RENEW
+    assert stored == {name: fingerprint(name) for name in names_with_region()}, RENEW
 
 
 SAMPLE = ("euler", "rk4", "bdf-3", "gsymplectic-n", "dimsim-2-type-1", "stormer-verlet", "pair-4-4")

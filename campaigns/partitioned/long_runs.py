@@ -46,7 +46,7 @@ from glmref.engine.solve import solve
 from glmref.errors import UsageError
 from glmref.measure.longtime import along
 from glmref.measure.timing import circumstances
-from glmref.method import GLM, PartitionedGLM
+from glmref.method import Method, PartitionedGLM
 from glmref.problems import problem
 from glmref.problems.model import Problem
 
@@ -254,10 +254,10 @@ def _followed(
     return Long(name, case.problem, h, done, str(part.outcome), marks, rows[0], rows[1])
 
 
-def _beyond(method: GLM | PartitionedGLM, target: Problem, part: Solution, h: float) -> np.ndarray:
+def _beyond(method: Method, target: Problem, part: Solution, h: float) -> np.ndarray:
     """Size of the values beyond the solution at each sample, (m,); 0 where it is not formed."""
     history = np.asarray(part.history)
-    if isinstance(method, PartitionedGLM) or method.r == 1:
+    if isinstance(method, PartitionedGLM) or method.is_one_step:
         return np.abs(history[:, 1:]).max(axis=(1, 2), initial=0.0)
     engine, sizes = stepper(method, target), np.zeros(len(history))
     assert method.starting is not None

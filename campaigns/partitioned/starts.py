@@ -37,8 +37,7 @@ from campaigns.partitioned.long_runs import (
 )
 from glmref.catalogue.lookup import load
 from glmref.catalogue.strict_json import write_json
-from glmref.engine.partitioned_start import apply_pair_start
-from glmref.engine.reference import PairStepper
+from glmref.engine.reference import stepper
 from glmref.engine.start import zero_start
 from glmref.measure.timing import circumstances
 from glmref.measure.underlying import Underlying
@@ -82,7 +81,7 @@ def misses(name: str, h: Fraction, *, of: str = "pendulum", end: int = 1) -> Mis
     """
     pair = load(name)
     assert isinstance(pair, PartitionedGLM) and pair.starting is not None
-    engine = PairStepper(pair, problem(of, **SUBJECTS[of]), digits=DIGITS)
+    engine = stepper(pair, problem(of, **SUBJECTS[of]), digits=DIGITS)
     number = engine.arithmetic.number
     zero, size = number(0), number(h.numerator) / h.denominator
     y0 = np.array(engine.problem.y0)
@@ -90,7 +89,8 @@ def misses(name: str, h: Fraction, *, of: str = "pendulum", end: int = 1) -> Mis
     passes = 6 + max(pair.claims[x] for x in ("order", "nystrom-order") if x in pair.claims)
     underlying = Underlying(engine)
     exact = underlying.start(zero, y0, size, order=passes)
-    own, *cost = apply_pair_start(pair.starting, engine, zero, y0, size)
+    taken = engine.of(pair.starting).step(zero, y0[None, :], size)
+    own, cost = taken.values, [taken.evaluations, taken.velocity_evaluations]
     begun = (exact, zero_start(engine, y0), own)
     steps = int(end / h) - 1
     ends = []

@@ -56,6 +56,7 @@ def bounded(runs):
     return [x for x in dict.fromkeys(r["method"] for r in runs) if x not in grown(runs)]
 
 
+@pytest.mark.slow
 def test_every_method_is_run_at_every_eccentricity():
     stored = record()
     wanted = {"runs": kepler_methods(), "restarted": RESTARTED, "further": FURTHER}
@@ -208,6 +209,7 @@ def test_no_page_recommends_a_growing_method_without_a_limit():
     assert {"pair-rkn-6-8b", "pair-6-8", "s5i2-w3"} <= seen
 
 
+@pytest.mark.slow
 def test_the_counts_of_the_pages_are_those_of_the_data():
     stored = record()
     texts = grown(stored["runs"])
@@ -246,6 +248,7 @@ def test_the_beginning_of_a_run_is_that_of_the_record():
         assert again.energy[1] == pytest.approx(stored["energy"][1], rel=0.02)
 
 
+@pytest.mark.slow
 def test_growth_and_its_cure_are_seen_again_within_a_million_steps():
     name = "pair-rkn-6-8b"
     bare = follow_method(name, KEPLER[1], 1_000_000)

@@ -30,6 +30,7 @@ def expected(name):
     return below, order + 2, below + (4 if both else 2), order + 2 + (4 if both else 2)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("name", "of"),
     [
