@@ -15,17 +15,10 @@ from glmref.problems import Problem, problem
 from glmref.problems.formula import Formula
 
 EPS = 2.0**-53
-GLMS = [n for n in names("methods") if not isinstance(load(n), PartitionedGLM)]
-REAL = [n for n in GLMS if load(n).is_real]
-SEVERAL = [n for n in REAL if load(n).r > 1]
-
-
-def mostly_slow(names):
-    """Every sixth name quickly, the others with the slow tests."""
-    return [
-        pytest.param(name, marks=() if k % 6 == 0 else pytest.mark.slow)
-        for k, name in enumerate(names)
-    ]
+LOADED = {n: m for n in names("methods") if not (m := load(n)).additive}  # of one right-hand side
+GLMS = [n for n, method in LOADED.items() if not isinstance(method, PartitionedGLM)]
+REAL = [n for n in GLMS if LOADED[n].is_real]
+SEVERAL = [n for n in REAL if LOADED[n].r > 1]
 
 
 # --- no field -------------------------------------------------------------------------------------
@@ -41,7 +34,8 @@ def power(method, n):
     return np.array([[complex(x).real for x in row] for row in result])
 
 
-@pytest.mark.parametrize("name", mostly_slow(SEVERAL))
+@pytest.mark.sampled(12)
+@pytest.mark.parametrize("name", SEVERAL)
 def test_a_field_of_zero_applies_v(name):
     method, steps = load(name), 5
     start = np.arange(1.0, 3 * method.r + 1).reshape(method.r, 3)
@@ -54,9 +48,10 @@ def test_a_field_of_zero_applies_v(name):
         assert np.max(np.abs(found.values - power(method, steps) @ start)) <= bound
 
 
-INTEGRAL = [n for n in SEVERAL if all(float(x).is_integer() for row in load(n).V for x in row)]
+INTEGRAL = [n for n in SEVERAL if all(float(x).is_integer() for row in LOADED[n].V for x in row)]
 
 
+@pytest.mark.sampled(10)
 @pytest.mark.parametrize("name", INTEGRAL)
 def test_a_field_of_zero_applies_an_integral_v_to_the_last_bit(name):
     method, steps = load(name), 7
@@ -85,7 +80,8 @@ def kronecker_step(method, h, matrix, start):
     return new.reshape(start.shape)
 
 
-@pytest.mark.parametrize("name", mostly_slow(REAL))
+@pytest.mark.sampled(12)
+@pytest.mark.parametrize("name", REAL)
 def test_a_linear_field_is_one_linear_solve(name):
     method, p, h = load(name), problem("linear-field", dimension=3), 0.25
     matrix = np.asarray(p.jacobian(0.0, p.y0))
@@ -196,7 +192,8 @@ def test_far_beyond_stability_a_run_ends_in_a_name(name, h):
 # --- sizes ----------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", mostly_slow(REAL))
+@pytest.mark.sampled(12)
+@pytest.mark.parametrize("name", REAL)
 def test_one_component_is_enough(name):
     p = problem("dahlquist", real=-1)
     found = solve(p, name, h=0.01, steps=20, engine="interpreted")

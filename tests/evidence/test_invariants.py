@@ -97,6 +97,7 @@ def test_there_are_many_such_methods_and_wrong_ones():
     assert len(refuted()) >= 6
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     "name",
     [pytest.param(n, marks=() if n in FAST else pytest.mark.slow) for n in FORMS],
@@ -109,6 +110,7 @@ def test_a_g_symplectic_method_keeps_its_form_to_round_off(name):
         assert drift(method, seed, 1 / 16, steps) < bound(method, steps)
 
 
+@pytest.mark.slow
 @settings(max_examples=15, deadline=None)
 @given(
     st.integers(0, 10**6), st.integers(2, 5), st.floats(-0.1, 0.1).filter(lambda h: abs(h) > 1e-3)
@@ -118,6 +120,7 @@ def test_the_form_is_kept_for_any_problem_and_any_step(seed, dimension, h):
     assert drift(method, seed, h, steps=60, dimension=dimension) < bound(method, 60)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     "name", ["rk4", "lobatto-iiia-3", "radau-iia-2", "trapezoidal", "sdirk-2", "dormand-prince-5"]
 )
@@ -126,6 +129,7 @@ def test_a_method_that_is_not_symplectic_loses_the_invariant(name):
     assert drift(method, 1, 1 / 16) > 1e3 * bound(method)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", refuted())
 def test_a_broken_file_that_claims_the_property_does_not_keep_it(name):
     method = load(name)

@@ -40,6 +40,7 @@ def test_the_measured_growth_rate_is_that_of_mu_f_prime_within_two_percent(name)
     assert found.discrepancy < 0.01
 
 
+@pytest.mark.slow
 def test_the_measured_rate_approaches_the_predicted_one_with_the_square_of_h():
     gaps = []
     for steps in (100, 200, 400):
@@ -49,6 +50,7 @@ def test_the_measured_rate_approaches_the_predicted_one_with_the_square_of_h():
     assert 3.5 < gaps[1] / gaps[2] < 4.5
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", ["leapfrog", "milne-simpson", "gsymplectic-n"])
 def test_decay_makes_a_parasitic_part_grow_at_minus_mu(name):
     from glmref.problems import Problem
@@ -59,6 +61,7 @@ def test_decay_makes_a_parasitic_part_grow_at_minus_mu(name):
         assert found.rate == pytest.approx(found.predicted_rate, rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_wrong_growth_parameter_does_not_pass():
     found = growth(load("gsymplectic-p"), PENDULUM, h=PERIOD / 200, time=PERIOD)
     (other,) = (float(parse(text)) for text in load("gsymplectic-n").claims["growth"])
@@ -68,6 +71,7 @@ def test_a_wrong_growth_parameter_does_not_pass():
     )
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", FREE)
 def test_a_method_with_mu_zero_carries_its_parasitic_part_unchanged(name):
     for mode in modes(load(name)):
@@ -91,6 +95,7 @@ def without_growth(least):
     ]
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", without_growth(6))
 def test_the_growth_parameters_of_methods_of_order_six_and_more_vanish(name):
     # three modes or more, simple all; each mu is a sum of (s + r)^2 products of rounded numbers
@@ -142,6 +147,7 @@ def test_n_survives_where_mu_f_prime_does_not_grow():
 BOUNDS = {"thesis-3-8": 2e-6, "s4-symmetric": 2e-6, "g6245": 1e-9, "g6245-w3": 1e-9}
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", FREE)
 def test_parasitism_free_methods_stay_bounded_over_a_million_steps(name):
     found, told = follow_pendulum(name, 1_000_000)

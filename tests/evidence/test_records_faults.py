@@ -46,6 +46,7 @@ def kill_at_random(runs: Runs, count: int, seed: int) -> int:
     return hit
 
 
+@pytest.mark.slow
 def test_four_runs_killed_at_random_instants(runs: Runs) -> None:
     assert kill_at_random(runs, 4, SEED) > 0
 
@@ -75,6 +76,7 @@ def run_pairs(runs: Runs, count: int) -> int:
     return refused
 
 
+@pytest.mark.slow
 def test_two_runs_at_once_measure_every_task_once(runs: Runs) -> None:
     assert run_pairs(runs, 2) > 0
 
@@ -107,6 +109,7 @@ def fill_disk(runs: Runs, places: int, seed: int) -> None:
         runs.check(name)
 
 
+@pytest.mark.slow
 def test_a_disk_that_is_full_costs_no_record(runs: Runs) -> None:
     fill_disk(runs, 2, SEED)
 
@@ -116,6 +119,7 @@ def test_a_disk_that_is_full_at_ten_places(runs: Runs) -> None:
     fill_disk(runs, 10, SEED + 1)
 
 
+@pytest.mark.slow
 def test_a_full_disk_costs_the_cache_of_kernels_and_no_run(runs: Runs) -> None:
     cold = runs.environment(GLMREF_CACHE=str(runs.folder / "kernels"))
     whole = runs.path("undisturbed").stat().st_size
@@ -126,6 +130,7 @@ def test_a_full_disk_costs_the_cache_of_kernels_and_no_run(runs: Runs) -> None:
     runs.check("cold")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "number",
     [signal.SIGINT, signal.SIGTERM, pytest.param(signal.SIGHUP, marks=pytest.mark.slow)],
@@ -147,6 +152,7 @@ def test_a_signal_ends_a_run_within_a_second(runs: Runs, number: signal.Signals)
     runs.check(name)
 
 
+@pytest.mark.slow
 def test_a_gigabyte_of_address_space_is_enough_or_said_to_be_too_little(runs: Runs) -> None:
     def limit(size: int) -> None:
         resource.setrlimit(resource.RLIMIT_AS, (size, size))
@@ -162,6 +168,7 @@ def test_a_gigabyte_of_address_space_is_enough_or_said_to_be_too_little(runs: Ru
         runs.check(name)
 
 
+@pytest.mark.slow
 def test_a_reader_that_goes_away_ends_a_run_quietly(runs: Runs) -> None:
     command = " ".join(f"'{part}'" for part in runs.command("head"))
     done = subprocess.run(
@@ -173,6 +180,7 @@ def test_a_reader_that_goes_away_ends_a_run_quietly(runs: Runs) -> None:
     runs.check("head")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "surroundings",
     [
@@ -204,6 +212,7 @@ def test_poor_surroundings_do_no_harm(runs: Runs, surroundings: dict[str, str | 
     runs.check(name)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("closed", [">&-", "<&- >&- 2>&-"])
 def test_closed_streams_do_not_reach_the_records(runs: Runs, closed: str) -> None:
     name = f"closed-{len(closed)}-{ord(closed[0])}"
@@ -216,6 +225,7 @@ def test_closed_streams_do_not_reach_the_records(runs: Runs, closed: str) -> Non
     runs.check(name)
 
 
+@pytest.mark.slow
 def test_a_clock_that_jumps_changes_no_record(runs: Runs) -> None:
     # time.time goes back by an hour at each call; durations must not be taken from it
     (runs.folder / "sitecustomize.py").write_text(
@@ -274,6 +284,7 @@ def test_damage_of_every_kind_costs_the_lines_it_hit(runs: Runs) -> None:
     assert (again.returncode, again.stderr) == (0, "")
 
 
+@pytest.mark.slow
 def test_a_lock_left_by_a_crash_does_not_stop_the_next_run(runs: Runs) -> None:
     folder = runs.folder / "stale"
     folder.mkdir()

@@ -84,6 +84,7 @@ def modules_of(name):
 QUICK = ("kepler", "rigid-body", "fault")
 
 
+@pytest.mark.slow
 def test_a_few_scenes_load_and_evaluate_exactly_what_their_plans_say():
     ordered = sorted(QUICK, key=lambda name: len(modules_of(name)))
     assert "mpmath" not in modules_of("rigid-body") and "mpmath" in modules_of("kepler")
@@ -101,6 +102,7 @@ def test_every_scene_loads_and_evaluates_exactly_what_its_plan_says():
     assert counted >= 60
 
 
+@pytest.mark.slow
 def test_a_plan_that_promises_too_little_is_noticed():
     told = carried_out(["rigid-body"])
     told[0]["plan"].remove("llvmlite")
@@ -112,6 +114,7 @@ def test_a_plan_that_promises_too_little_is_noticed():
         check(told)
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("name", names())
 def test_one_question_less_never_costs_more(name):
     scene = load_scene(name)
@@ -126,6 +129,7 @@ def test_one_question_less_never_costs_more(name):
         assert [task["repeats"] for task in fewer.tasks] == [t["repeats"] for t in whole.tasks]
 
 
+@pytest.mark.slow
 def test_one_question_less_takes_no_more_evaluations_and_gives_no_more_numbers():
     from glmref.scenes import run
 

@@ -11,7 +11,7 @@ from glmref.catalogue.lookup import load
 from glmref.exact import Exact
 from glmref.measure.reduction import observed_order, smooth_start
 from glmref.problems import problem
-from glmref.prove.facts import GLMFacts
+from glmref.prove.facts import Facts
 from glmref.theory import polynomials as poly
 from glmref.theory.stability import at_infinity
 
@@ -37,7 +37,7 @@ def adds_up(method):
 
 
 def predicted(method):
-    q = GLMFacts(method).order.stage_order
+    q = Facts(method).order.stage_order
     return q if adds_up(method) else q + 1
 
 
@@ -45,6 +45,7 @@ def marked(names):
     return [pytest.param(n, marks=() if n in QUICK else pytest.mark.slow) for n in names]
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", marked(METHODS))
 def test_the_order_falls_to_what_the_stage_order_allows(name):
     method = load(name)
@@ -60,6 +61,7 @@ REDUCED = (
 )  # fmt: skip
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", marked(REDUCED))
 def test_without_stiffness_the_same_methods_have_their_classical_order(name):
     method = load(name)

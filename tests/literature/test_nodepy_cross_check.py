@@ -57,6 +57,7 @@ def ours(table: Any) -> GLM:
     return runge_kutta(A, [scalar(x, doubles=doubles) for x in table.b])
 
 
+@pytest.mark.slow
 def test_every_runge_kutta_method_of_nodepy_gets_the_same_order_from_us() -> None:
     different = {}
     exact = 0

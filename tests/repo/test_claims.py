@@ -24,8 +24,12 @@ PACKAGE = Path(glmref.__file__).parent
 RUN = "run `python -m tools.method_schema`"
 #: Derivations write method files, key by key as they stand in them; the reader refuses unknown keys.
 DOCUMENTS = "derive/"
-#: Modules with vocabularies of their own that share words: the rules of certificates, JSON of `analyze`.
-SAME_WORDS = {"prove/certificate.py", "verification/analysis.py", "cli/describing.py"}
+#: Modules with vocabularies of their own that share words: the rules of certificates, JSON of
+#: `analyze`, and what the terminal shows of it.
+SAME_WORDS = {
+    *("prove/certificate.py", "verification/analysis.py"),
+    *("cli/describing.py", "views/facts.py"),
+}
 #: Keys that are no words of another vocabulary: these can be looked for in the source.
 OWN = frozenset(key for key in CLAIMS if "-" in key) | {"preconsistent"}
 

@@ -23,10 +23,27 @@ FOLDERS = {
     "lmm": {"lmm", "one-leg"},
     "glm": {"glm", "sweep"},
     "partitioned": {"splitting", "partitioned-rk", "partitioned", "pair-sweep"},
+    "additive": {"additive"},
 }
 FUNCTIONS = {"sqrt", "root", "exp", "pi", "i"}
 COEFFICIENTS = {
-    *("A", "U", "B", "V", "X", "b", "alpha", "beta", "a", "gamma", "A_hat", "b_hat", "q", "p"),
+    *(
+        "A",
+        "U",
+        "B",
+        "V",
+        "X",
+        "b",
+        "alpha",
+        "beta",
+        "a",
+        "gamma",
+        "A_hat",
+        "b_hat",
+        "q",
+        "p",
+        "parts",
+    ),
     *("c", "v", "w", "V_hat", "G", "D", "D_P", "D_Q", "constants", "unknowns"),
 }
 
@@ -196,3 +213,32 @@ def test_the_schema_refuses_a_missing_key(schema, key):
     document = read(DATA / "methods" / "rk" / "rk4.json")
     del document[key]
     assert not schema.is_valid(document)
+
+
+AUDITS = sorted((DATA / "audits").glob("*.json"))
+
+
+@pytest.mark.parametrize("path", AUDITS, ids=lambda path: path.stem)
+def test_an_audit_counts_its_tables_and_names_its_commit(path):
+    document = json.loads(path.read_text(encoding="utf-8"))
+    assert document["format"] == "glmref-audit-1" and document["name"] == path.stem
+    assert re.fullmatch(r"[0-9a-f]{40}", document["source"]["commit"])
+    statuses = [table["status"] for table in document["tables"]]
+    assert document["counts"] == {x: statuses.count(x) for x in sorted(set(statuses))}
+    assert all(
+        table["name"] and table["line"] > 0 and table["path"] for table in document["tables"]
+    )
+    for table in document["tables"]:
+        said = table.get("remarks") or table.get("correction") or table.get("nearest")
+        assert said or table["status"] not in ("wrong", "question", "unread")
+
+
+def test_the_page_of_the_audit_has_the_counts_of_the_records():
+    page = (DATA.parent / "docs" / "audit.md").read_text(encoding="utf-8")
+    for path in AUDITS:
+        counts = read(path)["counts"]
+        row = [
+            counts.get(x, 0) for x in ("right", "digits", "found", "wrong", "question", "unread")
+        ]
+        cells = " | ".join(map(str, [path.stem, sum(row), *row]))
+        assert f"| {cells} |" in page, path.stem

@@ -11,6 +11,7 @@ import json
 import subprocess
 import sys
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -26,7 +27,7 @@ LAYERS = [
     "prove verification derive",
     "problems engine",
     "measure views",
-    "scenes conformance exchange",
+    "scenes conformance exchange audit",
     "report cli",
     "__main__ __init__",
 ]
@@ -46,7 +47,9 @@ OUTSIDE: dict[str, str] = {
     "flint": "exact",
     "heyoka": "conformance",
     "jax": "conformance",
+    "jinja2": "report",
     "llvmlite": "engine",
+    "markupsafe": "report",
     "mpmath": "conformance derive engine exact problems",
     "nodepy": "conformance",
     "numba": "engine",
@@ -69,6 +72,14 @@ APART = [
 ]
 
 
+@cache
+def nodes_of(path: Path) -> tuple[ast.AST, ...]:
+    """The nodes of a module that its imports are looked for in."""
+    kinds = (ast.Import, ast.ImportFrom, ast.If)
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    return tuple(node for node in ast.walk(tree) if isinstance(node, kinds))
+
+
 def room_of(path: Path) -> str:
     return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
 
@@ -76,7 +87,7 @@ def room_of(path: Path) -> str:
 def imported(path: Path) -> Iterator[tuple[str, ...]]:
     """Every module a file imports, anywhere in it, as a dotted path in parts."""
     package = ("glmref", *path.relative_to(PACKAGE).parts[:-1])
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in nodes_of(path):
         if isinstance(node, ast.Import):
             yield from (tuple(alias.name.split(".")) for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -131,6 +142,21 @@ def test_an_import_from_above_is_seen() -> None:
     assert upward("theory", {"__init__"}) == {"__init__"}
 
 
+def test_what_is_asked_of_rooms_above_by_name_stands_in_one_list() -> None:
+    """Records draw and save themselves: ``glmref.system.shown`` names what they ask, and nobody else does."""
+    from glmref.system import shown
+
+    for module, function in shown.ABOVE:
+        path = PACKAGE.joinpath(*module.split(".")).with_suffix(".py")
+        assert f"def {function}(" in path.read_text(encoding="utf-8")
+    asking = {
+        str(path.relative_to(PACKAGE))
+        for path in PACKAGE.rglob("*.py")
+        if 'import_module(f"glmref.' in path.read_text(encoding="utf-8")
+    }
+    assert asking == {"system/shown.py"}
+
+
 def test_the_top_folder_holds_packages_and_four_modules() -> None:
     modules = {path.stem for path in PACKAGE.glob("*.py")}
     assert modules == {"__init__", "__main__", "errors", "findings"}
@@ -153,16 +179,15 @@ def module_graph() -> dict[str, set[str]]:
     }
     graph: dict[str, set[str]] = {}
     for name, path in paths.items():
-        tree = ast.parse(path.read_text(encoding="utf-8"))
         hints = {
             x
-            for node in ast.walk(tree)
+            for node in nodes_of(path)
             if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test)
             for x in ast.walk(node)
         }
         package = name.split(".")[:-1]
         graph[name] = set()
-        for node in ast.walk(tree):
+        for node in nodes_of(path):
             if not isinstance(node, ast.ImportFrom) or node in hints or not node.level:
                 continue
             base = package[: len(package) - node.level + 1]

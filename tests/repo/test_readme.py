@@ -23,6 +23,7 @@ FAMILIES = {
     "lmm": "linear multistep and one-leg",
     "glm": "general linear, multivalue",
     "partitioned": "partitioned pairs",
+    "additive": "additive (implicit-explicit)",
 }
 
 
@@ -110,6 +111,7 @@ def test_the_clone_is_what_runs(clone: Path) -> None:
     assert done.stdout.strip() == str(clone / "glmref" / "__init__.py"), done.stderr
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize(
     ("words", "code", "said"),
     [
@@ -147,6 +149,7 @@ def test_the_promises_hold_from_a_clone_called_glmref(
     assert code != 2 or (done.stdout == "" and len(done.stderr.splitlines()) == 1)
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("line", COMMANDS)
 def test_the_commands_of_the_readme_run_from_the_clone(
     clone: Path, tmp_path: Path, line: str
@@ -166,6 +169,7 @@ def test_analyze_of_a_bare_tableau_in_python(clone: Path, tmp_path: Path) -> Non
     assert done.stdout == "2\n", done.stderr
 
 
+@pytest.mark.slow
 def test_the_tests_that_name_places_in_files_pass_in_the_clone(clone: Path) -> None:
     """Frames were once dropped by the word glmref in a path: in such a folder all of them."""
     file = "tests/suite/test_conformance_adapters.py"
@@ -175,7 +179,7 @@ def test_the_tests_that_name_places_in_files_pass_in_the_clone(clone: Path) -> N
 
 
 def test_the_two_set_up_commands_are_those_ci_runs() -> None:
-    block = re.search(r"## Two commands\n+```console\n(.*?)```", README, re.DOTALL)
+    block = re.search(r"## Two commands\n.*?```console\n(.*?)```", README, re.DOTALL)
     assert block is not None
     first, second = block[1].splitlines()
     ci = (ROOT / ".ci" / "run").read_text(encoding="utf-8")

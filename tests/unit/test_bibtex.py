@@ -83,6 +83,7 @@ def test_different_sources_with_one_key_get_two_keys(tmp_path: Path) -> None:
     assert found == ["butcher1964a", "glmref-gauss-2", "butcher1964a-mine", "glmref-mine"]
 
 
+@pytest.mark.slow
 def test_every_shipped_entry_is_balanced_has_a_unique_key_and_some_author() -> None:
     texts = entries(names("methods"))
     assert all(balanced(text) for text in texts)

@@ -61,6 +61,7 @@ def test_a_matrix_has_one_row_a_line_and_keys_have_their_order():
     assert canonical(DOCUMENT) == TEXT
 
 
+@pytest.mark.slow
 @given(documents)
 def test_the_text_reads_back_as_the_document(document):
     text = canonical(document)
@@ -68,6 +69,7 @@ def test_the_text_reads_back_as_the_document(document):
     assert canonical(json.loads(text)) == text
 
 
+@pytest.mark.slow
 @given(documents, st.randoms(use_true_random=False))
 def test_the_order_of_keys_leaves_no_trace(document, numbers):
     def shuffled(value, name=""):

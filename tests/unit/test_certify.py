@@ -23,7 +23,9 @@ def certificates(name: str, folder: Path) -> dict[str, dict]:
     return {x["statement"]["claim"]: x for x in found}
 
 
-@pytest.mark.parametrize("name", ["rk4", "gauss-2", "gsymplectic-n", "bdf-7", "leapfrog"])
+@pytest.mark.parametrize(
+    "name", ["rk4", "gauss-2", "gsymplectic-n", "bdf-7", "leapfrog", "ars-2-2-2"]
+)
 def test_certificates_follow_their_schema(name: str, tmp_path: Path) -> None:
     schema = json.loads(SCHEMA.read_text())
     found = certificates(name, tmp_path)
@@ -40,6 +42,12 @@ def test_the_order_of_rk4_lists_every_tree_or_says_zero(tmp_path: Path) -> None:
     series = certificates("gsymplectic-n", tmp_path / "n")["order"]["parts"][0]["witness"]
     assert len(series["eta"]) == 1 + 1 + 2 + 4
     assert certificates("gsymplectic-n", tmp_path / "n")["order"]["field"]["kind"] == "tower"
+
+
+def test_order_10_is_refuted_above_by_one_tree(tmp_path: Path) -> None:
+    """Beyond order 10 the trees of the next order are not listed."""
+    at_most = certificates("gauss-5", tmp_path)["order"]["parts"][1]["witness"]
+    assert (at_most["order"], at_most["n"]) == (10, {f"[{'o' * 10}]": ["1"]})
 
 
 def test_dependent_radicals_share_generators() -> None:

@@ -223,6 +223,7 @@ def killed(name: str, only: Sequence[str] = ()) -> Checked:
     return check(name)
 
 
+@pytest.mark.slow
 def test_a_file_that_kills_its_process_costs_only_its_own_result(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -55,6 +55,7 @@ def test_a_run_prints_table_picture_and_answer_and_leaves_records(scene, tmp_pat
     assert (out / "tiny-evaluations.svg").exists()
 
 
+@pytest.mark.slow
 def test_an_orbit_is_a_picture_beside_the_others_and_no_line_more(scene, tmp_path, capsys):
     assert main(["run", str(scene), "--output", str(tmp_path / "a")]) == 0
     before = capsys.readouterr().out
@@ -71,6 +72,7 @@ def test_an_orbit_is_a_picture_beside_the_others_and_no_line_more(scene, tmp_pat
     assert not (tmp_path / "a" / "tiny-orbit.svg").exists()
 
 
+@pytest.mark.slow
 def test_json_is_one_document_with_the_records(scene, tmp_path, capsys):
     assert main(["run", str(scene), "--output", str(tmp_path), "--format", "json"]) == 0
     document = json.loads(capsys.readouterr().out)
@@ -143,6 +145,7 @@ def glmref(*arguments, **options):
     return subprocess.Popen(command, env=environment, cwd=ROOT, **options)
 
 
+@pytest.mark.slow
 def test_a_run_that_is_killed_keeps_its_records_and_the_rerun_does_the_rest(scene, tmp_path):
     counts = [2_000_000 + k for k in range(12)]
     scene.write_text(
@@ -196,6 +199,7 @@ def test_records_of_another_version_end_with_code_2_and_one_sentence(scene, tmp_
     assert path.read_text(encoding="utf-8") == older  # nothing was overwritten
 
 
+@pytest.mark.slow
 def test_the_page_of_a_run_fits_80_columns(scene, tmp_path, capsys):
     scene.write_text(SCENE.replace('"heun-2"', '"suzuki-verlet-4"'), encoding="utf-8")
     assert main(["run", str(scene), "--output", str(tmp_path / "out")]) == 0
@@ -230,6 +234,7 @@ print(json.dumps([sorted(todo.modules), sorted(outside & loaded)]))
 """
 
 
+@pytest.mark.slow
 def test_what_is_imported_is_what_the_plan_says(scene):
     scene.write_text(SCENE.replace(', "picture"', ""), encoding="utf-8")
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}

@@ -11,7 +11,7 @@ from glmref.exact import exact
 from glmref.prove.partitioned_series import pair_series
 from glmref.prove.partitioned_system import PairEquation, PairSystem
 from glmref.prove.partitioned_trees import moves
-from glmref.theory.partitioned import pair_residuals
+from glmref.theory.order import order_residuals
 from glmref.theory.trees import SEPARABLE, trees
 
 
@@ -35,7 +35,7 @@ def test_residuals_agree_with_the_theory_where_principal_parts_are_zero(name):
     doc = rational(name)
     _, numbers = numbers_of(doc)
     series = pair_series(numbers, 3, identity=True)
-    known = pair_residuals(load_document(doc), 3)
+    known = order_residuals(load_document(doc), 3)
     for n in (1, 2, 3):
         for t in trees(n, SEPARABLE):
             assert series.residual[t] == known[t], t

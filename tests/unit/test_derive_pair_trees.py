@@ -22,7 +22,7 @@ from glmref.prove.partitioned_trees import (
     verlet_logarithm,
     words,
 )
-from glmref.theory.partitioned import pair_residuals
+from glmref.theory.order import order_residuals
 from glmref.theory.trees import SEPARABLE, parse_tree, trees
 
 
@@ -82,7 +82,7 @@ def test_residuals_of_a_splitting_lie_in_the_image_of_the_lie_algebra(order, nee
 
 def test_the_residuals_of_a_verlet_step_are_the_image_of_its_logarithm():
     verlet = splitting(["1/2", "1/2"], [1])
-    found = {t: x for t, x in pair_residuals(verlet, 3).items() if t.order == 3}
+    found = {t: x for t, x in order_residuals(verlet, 3).items() if t.order == 3}
     logarithm = {w: a for w, a in verlet_logarithm(3).items() if len(w) == 3}
     for t in trees(3, SEPARABLE):
         image = sum((n * logarithm.get(w, 0) for w, n in words(t).items()), Fraction(0))

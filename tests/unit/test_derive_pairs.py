@@ -9,7 +9,7 @@ from glmref.derive.partitioned import PairAnsatz, complete_pair, fix_parameters,
 from glmref.derive.recipes.shipped_pairs import SHIPPED
 from glmref.errors import UsageError
 from glmref.prove.partitioned_system import PairSystem
-from glmref.theory.partitioned import parasitic_curvature
+from glmref.theory.stability import parasitic_curvature
 
 SOURCE = {"citation": "a test", "where": "here", "status": "derived"}
 
@@ -56,6 +56,7 @@ def test_an_ansatz_out_of_range_is_refused(arguments, message):
         PairAnsatz("x", 4, 4, fixed={"z1": "1"}).document()
 
 
+@pytest.mark.slow
 def test_a_search_is_reproducible_and_ends_in_a_proved_pair():
     ansatz = PairAnsatz("found", 4, 4)
     first, second = (list(search_pairs(ansatz, seed=3, starts=16)) for _ in range(2))
@@ -68,6 +69,7 @@ def test_a_search_is_reproducible_and_ends_in_a_proved_pair():
     assert doc["claims"]["reducible"] is False
 
 
+@pytest.mark.slow
 def test_the_recipe_reproduces_a_shipped_pair():
     derivation = recipes.run("pairs", {"name": "pair-6-7"})
     assert [dict(x) for x in derivation.documents] == [document("pair-6-7")]
@@ -82,6 +84,7 @@ def test_the_recipe_reproduces_every_shipped_pair():
     }
 
 
+@pytest.mark.slow
 def test_the_search_of_the_recipe_completes_a_pair_or_says_how_near_it_came():
     options = {"n": "4", "order": "4", "starts": "", "seed": "3", "tries": "16"}
     derivation = recipes.run("pairs", options)

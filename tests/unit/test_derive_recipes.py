@@ -46,6 +46,7 @@ def test_order6_without_a_start_is_the_shipped_file_but_for_it(c2: str, z: str, 
     assert [x.proof for x in result.statements] == [Proof.EXACT]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("c2", "z", "name"),
     [SHIPPED[0], *(pytest.param(*x, marks=pytest.mark.slow) for x in SHIPPED[1:])],
@@ -258,6 +259,7 @@ def test_progress_is_reported() -> None:
 ANSATZ = Path(__file__).with_name("three-stages.toml")
 
 
+@pytest.mark.slow
 def test_search_finds_a_method_and_resumes_where_it_stopped(tmp_path: Path) -> None:
     state = tmp_path / "state.jsonl"
     options = {"ansatz": str(ANSATZ), "starts": "32"}

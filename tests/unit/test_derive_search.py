@@ -63,6 +63,7 @@ def test_newton_says_when_there_is_no_root_or_a_double_one() -> None:
         polish(lambda v: [v[0] * v[0]], [ball(Fraction("0.3"))], digits=130)
 
 
+@pytest.mark.slow
 def test_free_parameters_are_fixed_rationally() -> None:
     system = SweepSystem(S3.document())
 

@@ -169,6 +169,7 @@ def test_the_inverse_finish_is_recognised_and_a_changed_one_is_not() -> None:
     assert not is_inverse(opening, closing)
 
 
+@pytest.mark.slow
 def test_the_start_of_order_8_is_proved_at_classes_of_trees() -> None:
     doc = document("order8-s3-w3-i")
     bare = {k: v for k, v in doc.items() if k not in ("starting", "finishing")}

@@ -47,7 +47,9 @@ QUICK = (
     "rk4", "gauss-3", "sdirk-3", "lobatto-iiia-3", "ab-3", "bdf-2", "gsymplectic-n", "g6245",
     "thesis-3-8", "stormer-verlet", "lobatto-iiia-iiib-3", "gsymplectic-n-pair", "pair-4-4",
 )  # fmt: skip
-METHODS = [name for name in names("methods") if name != "g6245-w3-complex"]
+METHODS = [
+    name for name in names("methods") if name != "g6245-w3-complex" and not load(name).additive
+]
 
 method_of = lru_cache(maxsize=None)(load)
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from glmref import Problem, load, problem, solve
-from glmref.engine import compiled, native
+from glmref.engine import compiled, kernel, native
 from glmref.engine.kernel import prepare
 
 
@@ -117,18 +117,26 @@ def test_a_function_that_numba_can_compile_is_compiled():
     def f(t, y):
         return (y[1], -math.sin(y[0]))
 
+    def branching(t, y):  # cannot be recorded as a formula
+        return (y[1], -math.sin(y[0]) if y[0] < 100 else 0.0)
+
     plain = Problem(f=f, y0=(1.2, 0.0), name="callable")
-    run = solve(plain, "gauss-2", h=0.1, steps=20)
+    recorded = solve(plain, "gauss-2", h=0.1, steps=20)
+    assert recorded.kernel.startswith("native")
+    run = solve(Problem(f=branching, y0=(1.2, 0.0)), "gauss-2", h=0.1, steps=20)
     assert run.kernel.startswith("numba")
-    assert not run.notices
+    assert not run.notices and not recorded.notices
     exact = solve(Problem(f=("y[1]", "-sin(y[0])"), y0=(1.2, 0.0)), "gauss-2", h=0.1, steps=20)
     np.testing.assert_array_equal(run.y, exact.y)
+    np.testing.assert_array_equal(recorded.y, exact.y)
 
 
 @pytest.mark.slow
-def test_numba_compiles_the_same_source_to_the_same_bits(folder, monkeypatch):
+def test_numba_compiles_the_same_source_to_the_same_bits(folder, monkeypatch, request):
     native = solve("kepler", "s4-symmetric", h=0.05, steps=200)
-    compiled._native.cache_clear()
+    for kept in (compiled._native, kernel._prepared):
+        kept.cache_clear()
+        request.addfinalizer(kept.cache_clear)
 
     def refuse(*_, **__):
         raise compiled.native.Unsupported("as if")

@@ -174,3 +174,12 @@ def test_rows_take_the_memory_of_the_data():
     picked = solve("kepler", "stormer-verlet", h=0.01, times=run.t[[5, 77_777, n]].tolist())
     np.testing.assert_array_equal(picked.y, run.y[[5, 77_777, n]])
     np.testing.assert_array_equal(picked.t, run.t[[5, 77_777, n]])
+
+
+@pytest.mark.parametrize("engine", ["compiled", "interpreted", "reference"])
+@pytest.mark.parametrize("f", ["(-y[0])**0.5", "(t-1)**1.5", "sqrt((-a)**0.5)", "(a-pi)**(1/3)"])
+def test_a_power_without_a_real_value_ends_the_run_by_name(f, engine):
+    given = Problem(f=("y[1]", f), y0=(1.0, 0.5), parameters={"a": 2})
+    for method in ("rk4", "gauss-2"):
+        found = solve(given, method, h=0.01, steps=3, engine=engine)
+        assert found.outcome is Outcome.NOT_FINITE

@@ -74,6 +74,7 @@ def dq_spoils(p):
     return out
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("method", WHOLE)
 def test_a_function_that_means_well_is_stepped_right(method, engine):
@@ -215,6 +216,7 @@ def test_random_parts_are_refused(engine):
             solve(chance, method, h=0.1, steps=3, engine=engine)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("engine", ["reference", "interpreted", "compiled"])
 def test_what_varies_later_in_the_run_is_noticed_at_its_end(engine):
     random = np.random.default_rng(1)
@@ -271,6 +273,7 @@ def value_later(t, y):
     return [y[1], -y[0]]
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("method", ["rk4", "gauss-2", "tr-bdf2"])
 @pytest.mark.parametrize("f", [raises_later, short_later, value_later])
@@ -288,6 +291,7 @@ def test_a_function_that_fails_on_the_way_keeps_the_good_part(f, method, engine)
     np.testing.assert_array_equal(run.values[0], run.y[-1])
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("engine", ["reference", "interpreted", "compiled"])
 def test_no_value_at_the_very_start_is_no_reason_to_refuse(engine):
     # the Gauss points lie inside the step: 1/sqrt(t) is integrated from 0
@@ -297,9 +301,12 @@ def test_no_value_at_the_very_start_is_no_reason_to_refuse(engine):
     explicit = solve(root, "rk4", h=0.1, steps=10, engine=engine)
     assert explicit.outcome is Outcome.NOT_FINITE and explicit.steps == 0
     # the reference rounds an abscissa 0 of rk4 to a number beside it
-    assert "raised" in explicit.message or "numba" in explicit.kernel
+    # compiled code says that there is no number, the interpreter what was raised
+    native = explicit.kernel.startswith("native")
+    assert native or "raised" in explicit.message or "division by zero" in explicit.message
 
 
+@pytest.mark.slow
 def test_an_ensemble_looks_at_functions_too():
     from glmref.engine.ensemble import solve_ensemble
 
@@ -319,6 +326,24 @@ def test_an_ensemble_looks_at_functions_too():
     assert [str(x) for x in found.outcomes] == ["completed", "right-hand side failed"]
     assert found.steps[0] == 40 and 5 < found.steps[1] < 15
     assert np.isfinite(found.y).all()
+
+
+def test_an_ensemble_says_what_is_doubtful_of_a_function():
+    from glmref.engine.ensemble import solve_ensemble
+
+    def lost(t, y):
+        return np.array([y[1], -y[0]]).astype(np.float32)
+
+    calls = iter(range(10**9))
+
+    def tired(t, y):
+        return [y[1], -y[0] * (1.0 if next(calls) < 8 else 1.01)]
+
+    for function, words in ((lost, "float32"), (tired, "do not trust this run")):
+        found = solve_ensemble(oscillator(function), "rk4", [[1.0, 0.0]] * 2, h=0.1, steps=4)
+        assert [x for x in found.notices if words in x], found.notices
+    fine = solve_ensemble(oscillator(good), "rk4", [[1.0, 0.0]] * 2, h=0.1, steps=4)
+    assert not [x for x in fine.notices if "`f`" in x]
 
 
 def test_f_and_its_parts_must_agree():

@@ -92,6 +92,7 @@ def test_the_record_says_where_and_how_it_was_measured():
     assert "-O3 -march=native" in record["where"]["flags"]
 
 
+@pytest.mark.slow
 @pytest.mark.compiler
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
 def test_the_loop_in_c_has_the_bits_of_the_kernel(tmp_path, monkeypatch):

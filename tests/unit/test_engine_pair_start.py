@@ -10,10 +10,10 @@ from glmref import PairStartingMethod, UsageError, load, problem, solve
 from glmref.catalogue.lookup import document
 from glmref.catalogue.reader import load_document
 from glmref.engine.ensemble import solve_ensemble
-from glmref.engine.partitioned_start import apply_pair_start, explicit_order, used_stages
 from glmref.engine.reference import stepper
 from glmref.engine.start import starting_values
 from glmref.method import as_matrix, as_vector
+from glmref.method.component import GENERAL
 
 H = 0.1
 
@@ -70,12 +70,13 @@ def test_f_and_k_are_evaluated_once_a_stage_and_only_where_something_reads_it():
     engine.problem = replace(base, dp=counted("dp"), dq=counted("dq"), f=counted("f"))
     calls.update(dp=0, dq=0, f=0)
     start = load("pair-4-4").starting
-    _, evaluations, velocities = apply_pair_start(start, engine, 0.0, np.array(base.y0), H)
+    taken = engine.of(start).step(0.0, np.array([base.y0]), H)
+    evaluations, velocities = taken.evaluations, taken.velocity_evaluations
     assert start.stages == (5, 5)
     # nothing reads k(Q_1): four evaluations of the force
     assert (evaluations, velocities) == (calls["dp"], calls["dq"]) == (4, 5)
     assert calls["f"] == 0
-    assert used_stages(start) == ([1, 2, 3, 4], [0, 1, 2, 3, 4])
+    assert start.read_stages() == frozenset(range(1, 10))  # five Q, then five P
 
 
 def test_all_engines_start_alike_and_count_alike():
@@ -131,7 +132,7 @@ def made(A, A_hat, B, B_hat):
 def test_an_implicit_start_is_solved_and_not_taken_for_many():
     start = made([["1/2"]], [["1/2"]], [["0"], ["1"]], [["0"], ["1"]])
     pair, of = load("pair-4-4"), problem("pendulum")
-    assert explicit_order(start, pair) is None
+    assert any(block.implicit for block in start.stage_blocks())
     found = started("pair-4-4", start).values
     q0, p0 = of.y0
     f, k = found[1] / H  # Q = q0 + h/2 f(P), P = p0 + h/2 k(Q)
@@ -145,16 +146,16 @@ def test_an_implicit_start_is_solved_and_not_taken_for_many():
     np.testing.assert_array_equal(own.y, enhanced.y)
 
 
-def test_where_nothing_is_read_one_stage_of_each_kind_is_left():
+def test_stages_that_nothing_reads_are_left_out():
     start = made([["0", "0"]], [["0"], ["1"]], [["0", "0"]] * 2, [["0"], ["0"]])
-    assert used_stages(start) == ([0], [0])
+    assert start.read_stages() == frozenset()
     half = made([["0", "0"]], [["0"], ["1"]], [["0", "0"], ["0", "1"]], [["0"], ["0"]])
-    assert used_stages(half) == ([0], [1])  # P_2 reads Q_1
+    assert half.read_stages() == {0, 2}  # P_2 reads Q_1
     both = made(
         [["0", "0"], ["1", "0"]], [["0", "0"]] * 2, [["0", "0"], ["0", "1"]], [["0", "0"]] * 2
     )
-    assert used_stages(both) == ([0], [1])
-    assert used_stages(both, joint=True) == ([0, 1], [0, 1])  # f(P_2) with Q_2, which reads f(P_1)
+    assert both.read_stages() == {3}
+    assert both.read_stages(GENERAL) == {0, 1}  # f(P_2) with Q_2, which reads f(P_1)
 
 
 @pytest.mark.parametrize(
@@ -162,7 +163,7 @@ def test_where_nothing_is_read_one_stage_of_each_kind_is_left():
     [
         ("pair-4-4", load("gsymplectic-n").starting, "a pair starts from"),
         ("gsymplectic-n", load("pair-4-4").starting, "starts pairs only"),
-        ("stormer-verlet", load("pair-4-4").starting, "gives 2 and 2 values, the pair carries 1"),
+        ("stormer-verlet", load("pair-4-4").starting, "gives 2 and 2 values, the method carries 1"),
     ],
 )
 def test_a_start_that_does_not_fit_is_refused(name, start, message):

@@ -90,6 +90,7 @@ def collecting(*state, **options):
     return [state[1][1], -np.sin(state[1][0])]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("f", [importing, collecting])
 @pytest.mark.parametrize("arithmetic", ["strict", "fused"])
 def test_what_numba_refuses_in_a_way_of_its_own_is_interpreted_too(f, arithmetic):

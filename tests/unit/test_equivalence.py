@@ -31,6 +31,7 @@ def same(a, b):
     return all(x == y for r, s in zip(a, b, strict=True) for x, y in zip(r, s, strict=True))
 
 
+@pytest.mark.slow
 def test_transformation_and_order_of_stages_are_found():
     m = glmref.load("g6245")
     other = m.transform(T4).permute_stages([3, 1, 4, 0, 2])

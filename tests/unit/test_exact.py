@@ -154,3 +154,8 @@ def test_a_number_that_turns_out_rational_gives_the_narrow_ball_of_a_rational() 
     assert x.as_fraction() == Fraction(2, 3)
     assert x.ball().contains(Fraction(2, 3))
     assert not x.ball().contains(Fraction(2, 3) + Fraction(1, 10**150))
+
+
+def test_an_exact_number_made_of_an_exact_number_is_the_same() -> None:
+    for x in (Exact(Fraction(2, 3)), Exact(2).sqrt()):
+        assert Exact(x) == x and (Exact(x) - x).is_zero() is True

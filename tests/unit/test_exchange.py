@@ -20,7 +20,7 @@ from glmref.exchange.latex import latex
 from glmref.exchange.numbers import decimal_of, lost, rounded
 from glmref.exchange.scheme import scheme_of
 from glmref.exchange.steppers import LANGUAGES, fill, identifier
-from glmref.method import GLM
+from glmref.method import GLM, AdditiveGLM
 
 
 def test_the_command_line_offers_what_the_package_writes_and_reads() -> None:
@@ -61,6 +61,56 @@ def test_what_a_format_cannot_hold_is_refused_in_one_sentence(
         export(name, to=target)
     assert name in str(refusal.value)
     assert "\n" not in str(refusal.value)
+
+
+def test_additive_methods_go_where_they_can_be_held() -> None:
+    with pytest.raises(UsageError, match="ars-4-4-3 is additive: petsc and sundials hold"):
+        export("ars-4-4-3", to="julia")
+    text = export("ars-4-4-3", to="petsc")
+    assert 'TSARKIMEXRegister("ars-4-4-3", 3, 5, At, bt, ct, A, b, c,' in text
+    tables = export("ars-4-4-3", to="sundials")
+    assert "ARKStepSetTables(arkode_mem, 3, 0, Bi, Be)" in tables
+    implicit = [["1/2", "0"], ["0", "1/2"]]
+    both = AdditiveGLM(A=[implicit, implicit], B=[[["1/2", "1/2"]]] * 2, name="mine")
+    with pytest.raises(UsageError, match="mine has no such parts"):
+        export(both, to="petsc")
+    turned = AdditiveGLM(A=[[["1"]], [["0"]]], B=[[["1"]]] * 2, name="mine", claims={"order": 1})
+    assert "A, b, c: part 2, explicit; At, bt, ct: part 1" in export(turned, to="petsc")
+    wrong = text.replace("1.0/2.0, 2.0/3.0, 1.0/2.0, 1.0", "1.0/2.0, 2.0/3.0, 1.0/4.0, 1.0")
+    assert wrong != text
+    with pytest.raises(DataError, match="no sum of row 4 of A"):
+        reading.read_table(wrong, "petsc")
+
+
+@pytest.mark.parametrize("name", ["stormer-verlet", "position-verlet", "ruth-3", "forest-ruth-4"])
+def test_a_table_of_sprkstep_makes_the_steps_of_the_splitting(name: str) -> None:
+    """In each stage p += ahat_i h k(q), then q += a_i h f(p)."""
+    import math
+
+    text = export(name, to="sundials")
+    a, ahat = (
+        [eval(x, {"SUN_RCONST": float}) for x in reading._c_array(text, [letter]) or ()]
+        for letter in ("a", "ahat")
+    )
+    q, p = 1.0, 0.25
+    for _ in range(20):
+        for drift, kick in zip(a, ahat, strict=True):
+            p -= kick * 0.1 * math.sin(q)
+            q += drift * 0.1 * p
+    stepper: dict = {}
+    exec(export(name, to="python"), stepper)
+    other = stepper["integrate"](lambda p: p, lambda q: [-math.sin(q[0])], 0.1, 20, [1.0], [0.25])
+    assert [q, p] == pytest.approx([other[0][0], other[1][0]], rel=1e-13)
+
+
+def test_a_sprk_table_written_by_somebody_else_is_read() -> None:
+    text = "sunrealtype a[2] = {0.5, 0.5}, ahat[2] = {0.0, 1.0};\nARKodeSPRKTable_Create(2, 2, a, ahat);"
+    document = reading.read_table(text, "sundials")
+    assert (document["class"], document["first"]) == ("splitting", "q")
+    assert (document["a"], document["b"]) == (["1/2", "1/2"], ["1"])
+    assert all(x.verdict.name == "HOLDS" for x in glmref.verify(load_document(document)))
+    with pytest.raises(DataError, match="of one length"):
+        reading.read_table(text.replace("0.5, 0.5", "0.5"), "sundials")
 
 
 def test_wrong_arguments_are_named() -> None:
@@ -165,6 +215,10 @@ def test_expressions_in_latex() -> None:
     assert latex("(1+sqrt(2))*3") == r"\left(1+\sqrt{2}\right)\cdot 3"
     assert latex("root(2,3)") == r"\sqrt[3]{2}"
     assert latex("1.5e-10") == r"1.5\cdot 10^{-10}"
+    assert latex("1/2-(b1-b2)") == r"\frac{1}{2}-\left(b1-b2\right)"
+    assert latex("a-(-b)") == r"a-\left(-b\right)"
+    assert latex("-(3-sqrt(3))/6") == r"-\frac{3-\sqrt{3}}{6}"
+    assert latex("3*(1/x)") == r"3\cdot \frac{1}{x}"
 
 
 def test_latex_of_a_general_linear_method_has_four_blocks() -> None:
@@ -336,7 +390,7 @@ def test_the_commands_write_files_and_say_what_is_wrong(
     assert main(["export", "heun-2", "--to", "json"]) == 0
     assert '"b": ["1/2", "1/2"]' in capsys.readouterr().out
     for words, reason in (
-        (["export", "heun-2", "--to", "c", "--output", str(tmp_path)], "cannot be written"),
+        (["export", "heun-2", "--to", "c", "--output", str(tmp_path)], "is a folder"),
         (["import", str(tmp_path / "none"), "--from", "csv"], "cannot be read"),
         (["import", str(tmp_path), "--from", "csv"], "cannot be read"),
         (["export", "heun-2", "--to", "cobol"], "cobol"),

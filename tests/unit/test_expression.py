@@ -114,7 +114,7 @@ def test_what_is_just_inside_the_limits_is_read() -> None:
 
 
 def test_unbounded_balls_are_refused() -> None:
-    for text in ("1/0.0", "sqrt(0.0)", "1/(0.5-0.5)"):
+    for text in ("1/(0.5-0.5)", "sqrt(0.5-0.5)"):
         with pytest.raises(DataError, match="do not bound"):
             parse(text, digits=1)
 

@@ -86,7 +86,7 @@ def test_blocks_diagonals_and_sizes() -> None:
 
 
 def test_a_ball_around_zero_is_never_taken_for_a_pivot_nor_for_zero() -> None:
-    doubtful: tuple[tuple[Ball | Exact, ...], ...] = ((parse("0.000", digits=3),),)
+    doubtful: tuple[tuple[Ball | Exact, ...], ...] = ((Ball.decimal("0.000", 3),),)
     with pytest.raises(ExactnessError, match="its rank is not decided"):
         linalg.rank(doubtful)
     certain = ((parse("0.500", digits=3),),)

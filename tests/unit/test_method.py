@@ -27,9 +27,9 @@ def test_entries_may_be_strings_integers_fractions_or_numbers() -> None:
     assert (method.s, method.r) == (1, 1)
 
 
-@pytest.mark.parametrize("entry", [0.5, None, True, 1j, ["1"], b"1"])
+@pytest.mark.parametrize("entry", [None, True, float("nan"), ["1"], b"1"])
 def test_other_entries_are_refused_by_place(entry: object) -> None:
-    with pytest.raises(DataError, match=r"`A\[1\]\[1\]` must be a string, an integer"):
+    with pytest.raises(DataError, match=r"`A\[1\]\[1\]` must be (a number or a string|finite)"):
         midpoint(A=[[entry]])
 
 

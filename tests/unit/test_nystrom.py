@@ -5,7 +5,7 @@ import pytest
 from glmref.catalogue.lookup import load
 from glmref.method.families import splitting
 from glmref.theory.nystrom import is_nystrom, nystrom_order_of, nystrom_trees
-from glmref.theory.partitioned import pair_order_of
+from glmref.theory.order import order_of
 from glmref.theory.trees import SEPARABLE, parse_tree, trees
 
 
@@ -46,7 +46,7 @@ def test_the_trees_that_count_are_closed_under_cutting():
 )
 def test_orders_on_all_separable_and_on_second_order_systems(name, general, nystrom):
     method = load(name)
-    assert pair_order_of(method, principal="identity").order == general
+    assert order_of(method, principal="identity").order == general
     found = nystrom_order_of(method)
     assert found.order == nystrom
     assert found.failing_tree is not None

@@ -24,8 +24,8 @@ from glmref.prove.partitioned_starting import (
     with_start,
 )
 from glmref.prove.partitioned_system import PairSystem
-from glmref.theory.partitioned import pair_order_of
-from glmref.theory.partitioned_starting import pair_starting_order, pair_starting_series
+from glmref.theory.order import order_of
+from glmref.theory.starting import starting_order, starting_series
 from glmref.theory.trees import SEPARABLE, trees
 from glmref.verification.verifier import verify
 
@@ -75,7 +75,16 @@ def test_a_start_has_the_order_of_its_pair_few_stages_and_small_coefficients(nam
     assert claims["starting-order"] == claims["order"]
     assert claims.get("nystrom-starting-order") == claims.get("nystrom-order")
     assert sum(start.stages) <= 42
-    assert max(abs(float(x)) for row in start.rows() for x in row) <= 1.0
+    assert (
+        max(
+            abs(float(x))
+            for c in start.components
+            for rows in (c.A, c.B)
+            for row in rows
+            for x in row
+        )
+        <= 1.0
+    )
 
 
 @pytest.mark.parametrize(
@@ -128,7 +137,7 @@ def test_the_series_of_one_stage_of_each_pair_is_that_of_all_stages():
     wanted = [t for n in (2, 4, 6) for t in trees(n, SEPARABLE)]
     found = even_weights(matrices, wanted)
     doc = {**document("pair-4-4"), "starting": {**block, "order": 4}}
-    series = pair_starting_series(load_document(doc).starting, 6, SEPARABLE)
+    series = starting_series(load_document(doc).starting, 6)
     for t in wanted:
         assert all((x - y).is_zero() for x, y in zip(found[t], series[t], strict=True)), t
     # parity: nothing at odd trees, and something at even ones
@@ -207,8 +216,8 @@ def test_a_wrong_start_of_p_alone_is_seen():
     row = doc["starting"]["B_hat"][1]
     row[1], row[2] = row[2], row[1]
     method = load_document(doc)
-    known = pair_order_of(method, principal="identity", max_order=5)
-    found = pair_starting_order(method, method.starting, known)
+    known = order_of(method, principal="identity", max_order=5)
+    found = starting_order(method, method.starting, known=known)
     assert (found.order, str(found.failing_tree)[0], found.component) == (1, "k", 2)
     with pytest.raises(ExactnessError, match="`starting`"):
         verify(method)
@@ -218,8 +227,8 @@ def test_a_start_that_misses_the_solution_has_order_minus_one():
     doc = copy.deepcopy(document("gsymplectic-n-pair"))
     doc["starting"]["u_hat"] = ["1", "1/2"]
     method = load_document(doc)
-    known = pair_order_of(method, principal="identity", max_order=5)
-    found = pair_starting_order(method, method.starting, known)
+    known = order_of(method, principal="identity", max_order=5)
+    found = starting_order(method, method.starting, known=known)
     assert (found.order, found.component) == (-1, 2)
     assert found.proof is Proof.EXACT
     assert found.witness == "the multiple of y differs by 0.5 in value 2"
@@ -229,14 +238,15 @@ def test_shared_stages_are_compared_on_all_two_coloured_trees():
     # one weight of q alone: on separable systems it would meet trees f[k..] only
     doc = copy.deepcopy(document("gsymplectic-n-pair"))
     right = load_document(doc)
-    known = pair_order_of(right, principal="identity", max_order=5)
-    assert pair_starting_order(right, right.starting, known).order == 3
+    known = order_of(right, principal="identity", max_order=5)
+    assert starting_order(right, right.starting, known=known).order == 3
     doc["starting"]["A"][1][0] = "1/4"
     wrong = load_document(doc)
-    found = pair_starting_order(wrong, wrong.starting, known)
+    found = starting_order(wrong, wrong.starting, known=known)
     assert (found.order, str(found.failing_tree)) == (1, "f[f]")
 
 
+@pytest.mark.slow
 def test_a_start_is_found_from_random_coefficients_and_proved():
     target = target_of("pair-4-6")
     found = list(search_start(target, 2, seed=1, starts=8))

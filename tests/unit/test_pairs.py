@@ -13,10 +13,9 @@ from glmref.exact import Ball, exact
 from glmref.findings import Proof
 from glmref.method import PartitionedGLM
 from glmref.theory.error_constants import conjugate_error, error_norm
-from glmref.theory.order import order_of
-from glmref.theory.partitioned import pair_order_of, pair_residuals, parasitic_curvature
-from glmref.theory.partitioned_starting import zero_start_order
-from glmref.theory.stability import oscillator
+from glmref.theory.order import order_of, order_residuals
+from glmref.theory.stability import oscillator, parasitic_curvature
+from glmref.theory.starting import zero_start_order
 
 
 def pair(A, b, A_hat, b_hat, *, separable=False):
@@ -42,15 +41,15 @@ LOBATTO_3 = (
 
 def test_symplectic_euler_is_conjugate_to_order_2_on_separable_systems_only():
     separable = symplectic_euler(separable=True)
-    assert pair_order_of(separable, principal="identity").order == 1
-    free = pair_order_of(separable)
+    assert order_of(separable, principal="identity").order == 1
+    free = order_of(separable)
     assert (free.order, str(free.failing_tree)) == (2, "f[k[f]]")
-    general = pair_order_of(symplectic_euler(separable=False))
+    general = order_of(symplectic_euler(separable=False))
     assert (general.order, str(general.failing_tree)) == (1, "f[f]")
 
 
 def test_the_conjugation_of_symplectic_euler_is_half_a_kick():
-    eta = pair_order_of(symplectic_euler(separable=True)).eta
+    eta = order_of(symplectic_euler(separable=True)).eta
     assert eta is not None
     parts = {str(t): x[0] for t, x in eta.items() if t.order == 1}
     assert parts["f"] == 0
@@ -59,22 +58,22 @@ def test_the_conjugation_of_symplectic_euler_is_half_a_kick():
 
 @pytest.mark.parametrize("principal", ["free", "identity"])
 def test_lobatto_pairs_have_order_2_and_4(principal):
-    two = pair_order_of(pair(*VERLET), principal=principal)
+    two = order_of(pair(*VERLET), principal=principal)
     assert (two.order, two.decided, two.proof) == (2, True, Proof.EXACT)
-    four = pair_order_of(pair(*LOBATTO_3), principal=principal)
+    four = order_of(pair(*LOBATTO_3), principal=principal)
     assert four.order == 4
     assert four.failing_tree is not None
     assert four.failing_tree.order == 5
-    swapped = pair_order_of(pair(LOBATTO_3[2], *LOBATTO_3[1:2], LOBATTO_3[0], LOBATTO_3[3]))
+    swapped = order_of(pair(LOBATTO_3[2], *LOBATTO_3[1:2], LOBATTO_3[0], LOBATTO_3[3]))
     assert swapped.order == 4
 
 
 def test_the_failing_tree_of_lobatto_iiia_iiib_3_needs_both_colours():
-    assert str(pair_order_of(pair(*LOBATTO_3)).failing_tree) == "f[k[f]k[f]]"
+    assert str(order_of(pair(*LOBATTO_3)).failing_tree) == "f[k[f]k[f]]"
     # each method by itself has order 4 too, so that mixing them is what is proved
     wrong = [list(row) for row in LOBATTO_3[2]]
     wrong[1], wrong[2] = wrong[2], wrong[1]
-    mixed = pair_order_of(pair(LOBATTO_3[0], LOBATTO_3[1], wrong, LOBATTO_3[3]))
+    mixed = order_of(pair(LOBATTO_3[0], LOBATTO_3[1], wrong, LOBATTO_3[3]))
     assert mixed.order == 1
 
 
@@ -84,12 +83,12 @@ def test_a_pair_of_twice_one_method_has_its_order():
         A=n.A, U=n.U, B=n.B, V=n.V, A_hat=n.A, U_hat=n.U, B_hat=n.B, V_hat=n.V
     )  # fmt: skip
     for principal in ("free", "identity"):
-        single, double = order_of(n, principal=principal), pair_order_of(twin, principal=principal)
+        single, double = order_of(n, principal=principal), order_of(twin, principal=principal)
         assert double.order == single.order == 4
         assert double.stage_order == single.stage_order
     p = load("gsymplectic-p")
     mixed = PartitionedGLM(A=n.A, U=n.U, B=n.B, V=n.V, A_hat=p.A, U_hat=p.U, B_hat=p.B, V_hat=p.V)
-    assert pair_order_of(mixed).order == 2
+    assert order_of(mixed).order == 2
 
 
 @pytest.mark.parametrize(
@@ -106,8 +105,8 @@ def test_a_pair_of_twice_one_method_has_its_order():
 )
 def test_orders_of_pairs_of_the_catalogue(name, order, effective):
     method = load(name)
-    assert pair_order_of(method, principal="identity").order == order
-    assert pair_order_of(method).order == effective
+    assert order_of(method, principal="identity").order == order
+    assert order_of(method).order == effective
 
 
 # explicit pairs with one carried value, V = diag(1, -1), G = I; doubles, known to about one unit of
@@ -154,7 +153,7 @@ def explicit_pair(data, read):
 @pytest.mark.parametrize("principal", ["free", "identity"])
 def test_explicit_pairs_have_their_order_within_the_digits_of_doubles(data, order, principal):
     method = explicit_pair(data, lambda x: Ball.decimal(x, 14))
-    result = pair_order_of(method, principal=principal)
+    result = order_of(method, principal=principal)
     assert (result.order, result.proof, result.decided) == (order, Proof.ENCLOSED, True)
     # radii of 1e-14, weights and couplings up to 6.2 in products of up to six factors
     assert 0 < result.largest_residual < 1e-8
@@ -163,21 +162,21 @@ def test_explicit_pairs_have_their_order_within_the_digits_of_doubles(data, orde
 @pytest.mark.parametrize(("data", "order"), [(FOUR, 4), (SIX, 6)])
 def test_doubles_taken_as_exact_miss_the_conditions_by_rounding_only(data, order):
     method = explicit_pair(data, lambda x: exact(F(x)))
-    sizes = [x.magnitude() for x in pair_residuals(method, order).values()]
+    sizes = [x.magnitude() for x in order_residuals(method, order).values()]
     # a rounding of 1.1e-16 per coefficient, tens of terms of size up to 1 in a condition
     assert 0 < max(sizes) < 1e-14
-    assert pair_order_of(method).order < order
-    higher = pair_residuals(method, order + 1, principal="free")
+    assert order_of(method).order < order
+    higher = order_residuals(method, order + 1, principal="free")
     assert max(x.magnitude() for t, x in higher.items() if t.order == order + 1) > 1e-6
 
 
 def test_what_conjugation_cannot_remove_from_a_pair():
     euler = symplectic_euler(separable=True)
-    result = pair_order_of(euler, principal="identity")
+    result = order_of(euler, principal="identity")
     assert error_norm(result) > 0.5
     assert error_norm(result, conjugate_error(result)) == 0.0
     verlet = load("stormer-verlet")
-    free, fixed = pair_order_of(verlet), pair_order_of(verlet, principal="identity")
+    free, fixed = order_of(verlet), order_of(verlet, principal="identity")
     least = error_norm(free, conjugate_error(free))
     assert error_norm(fixed, conjugate_error(fixed)) == pytest.approx(least, rel=1e-12)
     assert least < error_norm(fixed)
@@ -189,11 +188,11 @@ def test_a_pair_that_is_not_preconsistent_says_why():
         A=broken.A, U=broken.U, B=broken.B, V=[["1/2"]],
         A_hat=broken.A_hat, U_hat=broken.U_hat, B_hat=broken.B_hat, V_hat=broken.V_hat,
     )  # fmt: skip
-    result = pair_order_of(broken)
+    result = order_of(broken)
     assert result.order == 0
     assert "no eigenvalue 1" in result.witness
     with pytest.raises(UsageError, match="not preconsistent"):
-        pair_residuals(broken, 2)
+        order_residuals(broken, 2)
 
 
 # -- the oscillator near w = -1 ----------------------------------------------------------------------
@@ -251,12 +250,12 @@ def test_a_curvature_is_refused_where_it_has_no_meaning():
 
 @pytest.mark.parametrize(("name", "expected"), [("pair-4-4", 1), ("pair-6-7", 1), ("pair-6-8", 3)])
 def test_zero_starting_values_are_right_to_a_low_order(name, expected):
-    result = pair_order_of(load(name), principal="identity", max_order=6)
+    result = order_of(load(name), principal="identity", max_order=6)
     order, witness = zero_start_order(result)
     assert order == expected < document(name)["claims"]["starting-order"]
     assert witness.endswith({1: "f[k]", 3: "f[kkk]"}[expected] if name != "pair-6-7" else "k[f]")
 
 
 def test_a_splitting_method_starts_from_the_solution():
-    result = pair_order_of(load("stormer-verlet"), principal="identity", max_order=3)
+    result = order_of(load("stormer-verlet"), principal="identity", max_order=3)
     assert zero_start_order(result) == (2, "every carried value starts with zero")

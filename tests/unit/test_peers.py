@@ -76,6 +76,7 @@ def test_a_run_that_fails_is_a_named_outcome(monkeypatch, run, outcome):
     assert "state_error" not in found
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.peers
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize("name", NAMES)

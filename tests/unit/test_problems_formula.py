@@ -88,12 +88,34 @@ def test_substitution_shifts_components():
         ("sin", "unknown name 'sin'"),
         ("sin(y[0], y[1])", "takes 1"),
         ("9**9**9**9", "exponent"),
+        ("(-1)**0.5", "the part '(-1) ** 0.5' of the expression '(-1)**0.5' has no real value"),
+        ("sqrt((1-pi)**(1/2))", "has no real value"),
+        ("exp(" + "9" * 500 + ")", "has no real value in the range of double precision"),
+        ("exp(10**200*10**200)", "has no real value"),
+        ("10.0**999", "has no real value"),
+        ("1e400", "has no real value"),
     ],
 )
 def test_expressions_are_arithmetic_and_nothing_else(text, says):
     with pytest.raises(UsageError, match=r".") as error:
         Formula((text,))(0.0, [1.0, 2.0])
     assert says in str(error.value)
+
+
+@pytest.mark.filterwarnings("ignore:invalid value")
+@pytest.mark.parametrize("text", ["(t-1)**0.5", "(-a)**1.5", "sqrt((t-a)**-0.5)", "(-y[0])**(1/3)"])
+def test_a_negative_number_has_no_power_that_is_not_whole(text):
+    f = Formula((text, "t"), parameters={"a": 2})
+    assert np.isnan(f(0.25, np.array([1.0, 2.0]))[0])
+    assert np.isnan(f(0.25, np.ones((2, 3)))[0]).all()
+
+
+def test_powers_that_are_real_stay_what_they_are():
+    f = Formula(("(t-1)**2", "(t-1)**-3", "a**-0.5", "y[0]**1.5"), parameters={"a": 4})
+    assert f(0.5, np.array([2.0])).tolist() == [0.25, -8.0, 0.5, 2.0**1.5]
+    step = 1e-200
+    slope = Formula(("y[0]**1.5",))(0.0, np.array([-1 + 1j * step]))[0]
+    assert np.iscomplexobj(slope)
 
 
 def test_common_name_must_be_new():

@@ -97,6 +97,7 @@ def test_collocation_agrees_with_the_exact_solution_however_stiff(name, paramete
     assert size(end - exact) < 1e-15
 
 
+@pytest.mark.slow
 def test_collocation_and_taylor_agree():
     p = problem("van-der-pol", mu=2)
     (implicit,) = collocation_states(p, ["1/2"], digits=16, stages=8)

@@ -129,6 +129,7 @@ def three(path):
     return path.read_bytes(), store.records
 
 
+@pytest.mark.slow
 def test_no_bit_flips_unseen(tmp_path):
     path = tmp_path / "records.jsonl"
     whole, right = three(path)

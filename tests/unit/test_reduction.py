@@ -4,7 +4,7 @@ from glmref.catalogue.lookup import load
 from glmref.exact import linalg
 from glmref.method import as_matrix, as_vector
 from glmref.method.partitioned_sweep import build
-from glmref.theory.reduction import is_reducible, pair_reduction
+from glmref.theory.reduction import is_reducible, reduction
 
 SIGNS = as_matrix([["1", "0"], ["0", "-1"]], "V")
 
@@ -22,7 +22,7 @@ def test_one_step_methods_need_their_one_value():
 
 
 def test_a_value_that_no_stage_couples_is_never_reached_and_never_seen():
-    found = pair_reduction(pair([0, 0], [0]))
+    found = reduction(pair([0, 0], [0]))
     assert found.reducible is True
     assert (found.reached, found.seen) == ((1, 1), (1, 1))
     assert "only 1 of the 2 values of q are ever reached" in found.witness
@@ -30,20 +30,20 @@ def test_a_value_that_no_stage_couples_is_never_reached_and_never_seen():
 
 def test_a_value_is_needed_only_where_it_is_reached_and_seen():
     # q_2 is driven by f through w but no stage Q reads it: v = 0
-    found = pair_reduction(pair([1, -1], [0]))
+    found = reduction(pair([1, -1], [0]))
     assert found.reducible is True
     assert (found.reached, found.seen) == ((2, 1), (1, 2))
-    both = pair_reduction(pair([1, -1], [1]))
+    both = reduction(pair([1, -1], [1]))
     assert (both.reducible, both.witness) == (False, "")
 
 
 def test_two_values_that_stages_see_only_as_their_sum_are_one():
-    found = pair_reduction(pair([1, 1], [1], V=linalg.identity(2)))
+    found = reduction(pair([1, 1], [1], V=linalg.identity(2)))
     assert found.reducible is True
     assert found.seen == (1, 1)
 
 
 def test_the_published_pairs_are_not_partitioned_runge_kutta_methods():
     for name in ("pair-4-4", "pair-4-5", "pair-4-6", "pair-6-7", "pair-6-10"):
-        found = pair_reduction(load(name))
+        found = reduction(load(name))
         assert (found.reducible, found.reached, found.seen) == (False, (2, 2), (2, 2))

@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 
+import glmref
 from glmref import scenes
 from glmref.catalogue.lookup import data_root, document, names
 from glmref.cli import main
@@ -97,6 +98,56 @@ def test_every_number_of_a_run_is_that_of_its_record(tmp_path: Path, records) ->
             else:
                 assert text == number(value)
     assert compared >= 4 * len(records)
+
+
+def test_a_long_measurement_is_folded_in_parts(tmp_path: Path) -> None:
+    runs = [{"method": "rk4", "curve": [[100, 1e-3], [200, 1e-5]]}]
+    for count in (3, 4):
+        cases = [{"case": f"case {n}", "methods": runs} for n in range(count)]
+        document = {"format": "glmref-measurement-1", "title": "many", "cases": cases}
+        (tmp_path / "needs.json").write_text(json.dumps(document), encoding="utf-8")
+        site = pages(tmp_path / "site", tmp_path)
+        page = (site / "measured-needs.html").read_text(encoding="utf-8")
+        assert page.count("<figure") == count
+        assert page.count('<details class="part"') == (4 if count == 4 else 0)
+        assert page.count("case 2</h2>") == 1
+        assert 'data-looks="{&#34;rk4' in page
+
+
+def test_a_quick_run_says_how_far_its_records_go(tmp_path: Path, records) -> None:
+    changed = [{**x, "task": {**x["task"], "t_end": 12.5}} for x in records]
+    site = pages(tmp_path / "site", stored(tmp_path / "in", "oscillator-quick", changed))
+    page = (site / "run-oscillator-quick.html").read_text(encoding="utf-8")
+    assert "than the scene asks for, here to t = 12.5." in page
+    captions = re.findall("<figcaption>(.*?)</figcaption>", page)
+    assert len(captions) == 2 and all(x.endswith("Runs go to t = 12.5.") for x in captions)
+
+
+def test_a_method_has_one_look_in_all_pictures() -> None:
+    from glmref.report.looks import looks
+
+    methods = {f"m{n}" for n in range(30)}
+    some = [f"m{n}" for n in range(7)]
+    pictures = [some, ["m0, h = 0.1", "m0, h = 0.2", "m9"], ["native, m9", "x, h = 1", "x"]]
+    found = looks(pictures, methods)
+    assert looks([list(reversed(x)) for x in reversed(pictures)], methods) == found
+    assert found["m0"] == found["m0, h = 0.1"] == found["m0, h = 0.2"]
+    assert found["m9"] == found["native, m9"] and found["x"] == found["x, h = 1"]
+    assert len({found[x] % 7 for x in some}) == 7  # the palette is not used up
+    many = looks([sorted(methods)], methods)
+    assert len({(k % 7, k % 8) for k in many.values()}) == 30
+
+
+def test_pages_of_a_report_share_their_looks(tmp_path: Path, records) -> None:
+    folder = stored(tmp_path / "in", "oscillator-quick", records)
+    turned = sorted(records, key=lambda x: x["task"]["method"], reverse=True)
+    site = pages(tmp_path / "site", stored(folder, "turned", turned[:9]))
+    one, other = (
+        json.loads(unescape(found[1]))
+        for name in ("oscillator-quick", "turned")
+        if (found := re.search('data-looks="(.*?)"', (site / f"run-{name}.html").read_text()))
+    )
+    assert len(other) > 1 and {name: one[name] for name in other} == other
 
 
 def test_curves_over_time_are_those_of_the_records(tmp_path: Path, records) -> None:
@@ -252,6 +303,7 @@ def test_the_policy_allows_our_own_style_and_script_and_nothing_else(
         assert not re.search(r'src="|<link (?!rel="icon" href="data:,")', text)
 
 
+@pytest.mark.slow
 def test_a_page_of_5000_records_stays_under_a_megabyte(tmp_path: Path, records) -> None:
     many = [
         {
@@ -315,6 +367,7 @@ def test_a_finding_about_another_value_than_the_file_claims_is_not_shown(tmp_pat
     assert rows["rk4"]["verified"] == "1 of 1"
 
 
+@pytest.mark.slow
 def test_without_an_argument_every_method_has_verdict_proof_order_and_region(
     tmp_path: Path,
 ) -> None:
@@ -330,6 +383,8 @@ def test_without_an_argument_every_method_has_verdict_proof_order_and_region(
     for name, row in rows.items():
         whole, _, of = row["verified"].partition(" of ")
         assert whole == of and int(of) >= 3, name
+        if document(name)["class"] == "additive":  # no measurements of sums are stored
+            continue
         assert row["proof"] != "–" and row["measured"] == number(observed[name, "order"]), name
         page = (tmp_path / "site" / f"method-{name}.html").read_text(encoding="utf-8")
         claims = table(tmp_path / "site" / f"method-{name}.html", f"claims-{name}")
@@ -352,7 +407,7 @@ def test_a_region_is_drawn_where_its_polygon_lies() -> None:
     square = "-2,-1 0,-1 0,1 -2,1 -2,-1"
     text = stability("x", {"reach": 4, "rings": [square], "imaginary": 1.5, "real": 2.0})
     (path,) = re.findall(r'class="area"[^>]*d="([^"]+)"', text)
-    corners = [tuple(map(float, x.split())) for x in re.findall(r"[-\d.]+ [-\d.]+", path)]
+    corners = [tuple(map(float, x.split(","))) for x in re.findall(r"[-\d.]+,[-\d.]+", path)]
     (left, low), (right, _), (_, high), *_ = corners
     # 8 units are 320 px: two are 80, and zero is in the middle of the frame
     assert right - left == pytest.approx(80) and low - high == pytest.approx(80)
@@ -422,6 +477,7 @@ def test_a_folder_with_something_else_in_it_is_left_alone(tmp_path: Path) -> Non
     assert not (tmp_path / "new" / "method-rk4.html").exists()
 
 
+@pytest.mark.slow
 def test_the_command_names_what_it_cannot_show_and_says_what_to_open(
     tmp_path: Path, records, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -433,3 +489,58 @@ def test_the_command_names_what_it_cannot_show_and_says_what_to_open(
     assert "oscillator-quick.jsonl, line" in said.err and "'x'" in said.err
     assert main(["report", str(tmp_path / "nothing")]) == 2
     assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+# --- methods of the user ----------------------------------------------------------------------------
+
+MINE = {
+    "format": "glmref-method-1", "name": "my-heun", "class": "rk",
+    "A": [["0", "0"], ["1", "0"]], "b": ["1/2", "1/2"], "claims": {"order": 2},
+    "source": {"citation": "my <b>notebook</b>", "where": "page 1", "status": "derived"},
+}  # fmt: skip
+
+
+def test_an_own_method_gets_a_page_with_its_tableau_findings_and_portrait(tmp_path: Path) -> None:
+    from glmref.report import build, read
+    from glmref.views.tables import findings_json
+
+    folder = tmp_path / "results"
+    folder.mkdir()
+    (folder / "my-heun.svg").write_text(glmref.plot("heun-2"), encoding="utf-8")  # read first
+    file = folder / "x-mine.json"
+    file.write_text(json.dumps(MINE), encoding="utf-8")
+    (folder / "found.json").write_text(findings_json(glmref.verify(file)), encoding="utf-8")
+    alien = [{"method": "alien", "claim": "order5/alien/kepler", "verdict": "holds", "declared": 5}]
+    more = {"format": "glmref-findings-1", "findings": alien}
+    (folder / "more.json").write_text(json.dumps(more), encoding="utf-8")
+    (folder / "rk4.json").write_text(json.dumps({**MINE, "name": "rk4"}), encoding="utf-8")
+    found = read([folder], ["rk4"])
+    assert found.of_others() == ["alien", "my-heun"]
+    assert [odd.where for odd in found.odd] == ["rk4.json"]
+    build(found, tmp_path / "pages", methods=["rk4"])
+    page = (tmp_path / "pages" / "method-my-heun.html").read_text(encoding="utf-8")
+    assert "<mfrac>" in page and 'class="holds">holds' in page and "stability region" in page
+    assert "my &lt;b&gt;notebook" in page
+    other = (tmp_path / "pages" / "method-alien.html").read_text(encoding="utf-8")
+    assert "known by its findings" in other and "1 of 1 checks hold" in other
+    index = (tmp_path / "pages" / "index.html").read_text(encoding="utf-8")
+    assert "Your own:" in index and "method-my-heun.html" in index
+    again = glmref.load(tmp_path / "pages" / "data" / "my-heun.json")
+    assert again.name == "my-heun"
+
+
+def test_the_first_page_answers_which_method_and_what_is_proved() -> None:
+    from glmref.catalogue.lookup import data_root
+    from glmref.report import read
+    from glmref.report.markup import Site
+    from glmref.report.methods import NEEDS, overview
+
+    names = glmref.names()
+    assert all(set(take) <= set(names) for _, take, _ in NEEDS)
+    assert not any("broken" in str(x) for x in NEEDS)
+    found = read([data_root() / "measurements" / "verification.json"])
+    body = str(overview(Site(), found, names).body)
+    assert "Which method for which need" in body and "What is proved here" in body
+    claims = sum(len(rows) for name, rows in found.findings.items() if name in names)
+    assert f"{len(names)} methods make {claims} claims" in body
+    assert body.index("Which method") < body.index("What is proved") < body.index("All methods")

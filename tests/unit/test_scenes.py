@@ -426,7 +426,7 @@ def test_only_an_answer_about_time_repeats_a_run(tmp_path):
 @pytest.mark.parametrize(
     ("problem", "t_end", "source"),
     [("harmonic-oscillator", 2, "closed form"), ("henon-heiles", 10, "stored"),
-     ("henon-heiles", 3, "computed: gauss-5 at two step sizes, for each end time")],
+     ("henon-heiles", 3, "computed: gauss-5, halving h until two runs agree, for each end time")],
 )  # fmt: skip
 def test_a_plan_says_where_the_right_state_comes_from(tmp_path, problem, t_end, source):
     text = SMALL.replace('"harmonic-oscillator"\nfrequency = "1"', f'"{problem}"')

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from fractions import Fraction
 
 import pytest
@@ -129,10 +130,12 @@ def test_a_computed_method_without_a_file_is_shown_too() -> None:
     assert "1  1/2" in text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("decimal", [None, 4])
 def test_every_shipped_method_can_be_shown_and_its_rules_line_up(decimal: int | None) -> None:
+    wide = replace(UNICODE, width=100_000)  # in one piece
     for name in names("all"):
-        text = show(load(name), decimal=decimal, style=UNICODE)
+        text = show(load(name), decimal=decimal, style=wide)
         for part in text.split("\n\n"):
             rules = [line for line in part.splitlines() if line.startswith(" ─")]
             bars = [line for line in part.splitlines() if "│" in line]

@@ -65,10 +65,10 @@ def test_numbers_inside_strings_are_not_numbers(reading) -> None:
 @pytest.mark.parametrize("piece", ['\\"', "[", '{"', "\\", '"\\', '["'])
 def test_a_file_of_the_largest_size_is_refused_within_a_second(reading, piece: str) -> None:
     content = (piece * MAX_BYTES)[: MAX_BYTES - 1]
-    started = time.perf_counter()
+    started = time.process_time()
     with pytest.raises(DataError):
         reading(content)
-    assert time.perf_counter() - started < 1.0  # about 0.1 s; quadratic searches take minutes
+    assert time.process_time() - started < 1.0  # about 0.1 s; quadratic searches take minutes
 
 
 def test_a_file_above_the_largest_size_is_not_read(reading) -> None:

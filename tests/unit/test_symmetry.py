@@ -26,7 +26,6 @@ from glmref.method.families import (
 from glmref.theory.symmetry import (
     adjoint,
     check_symmetry,
-    pair_symmetry,
     symmetry,
     symmetry_residual,
 )
@@ -181,19 +180,19 @@ def test_order_6_symmetry_is_decided_quickly():
 
 def test_verlet_exchanges_sweeps_and_symplectic_euler_does_not():
     for first, a, b in (("q", ["1/2", "1/2"], ["1"]), ("p", ["1"], ["1/2", "1/2"])):
-        found = pair_symmetry(splitting(a, b, first=first))
+        found = symmetry(splitting(a, b, first=first))
         assert found.holds is True
         assert found.P_P == tuple(range(len(a)))[::-1] and found.P_Q == tuple(range(len(b)))[::-1]
-    assert pair_symmetry(splitting(["1"], ["1"])).holds is False
-    assert pair_symmetry(splitting(["1/3", "2/3"], ["1"])).holds is False
+    assert symmetry(splitting(["1"], ["1"])).holds is False
+    assert symmetry(splitting(["1/3", "2/3"], ["1"])).holds is False
 
 
 @pytest.mark.parametrize("s", [2, 3, 4])
 def test_lobatto_pairs_are_symmetric(s):
-    found = pair_symmetry(partitioned_runge_kutta(*lobatto_iiia(s), *lobatto_iiib(s)))
+    found = symmetry(partitioned_runge_kutta(*lobatto_iiia(s), *lobatto_iiib(s)))
     assert found.holds is True and found.P_P == found.P_Q
 
 
 def test_pair_of_n_has_identity_involutions():
-    found = pair_symmetry(glmref.load("gsymplectic-n-pair"))
+    found = symmetry(glmref.load("gsymplectic-n-pair"))
     assert found.holds is True and found.L[1][1] == 1 and found.L_hat[1][1] == 1

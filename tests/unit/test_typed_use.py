@@ -32,14 +32,21 @@ def test_pairs_are_made_alike() -> None:
     assert pair.n_P == pair.n_Q == 1
 
 
-def test_a_float_is_refused_by_the_checker_and_at_run_time() -> None:
-    one = [["1"]]
+def test_floats_are_the_decimals_they_are_written_as() -> None:
+    one = [[1.0]]
+    assert GLM(A=[[0.1]], U=one, B=one, V=one).A[0][0] == Fraction(1, 10)
     try:
-        GLM(A=[[0.5]], U=one, B=one, V=one)  # pyright: ignore[reportArgumentType]
+        GLM(A="0.1", U=one, B=one, V=one)  # a string is a sequence of strings, too
     except DataError as error:
-        assert "write '1/4' instead of 0.25" in str(error)
+        assert "must be a list of rows" in str(error)
     else:
-        raise AssertionError("a float was taken for an exact number")
+        raise AssertionError("a string was taken for a matrix")
+    try:
+        GLM(A=[[True]], U=one, B=one, V=one)
+    except DataError as error:
+        assert "must be a number or a string such as '1/4'" in str(error)
+    else:
+        raise AssertionError("a truth value was taken for a number")
 
 
 def test_a_missing_block_is_refused_by_the_checker_and_at_run_time() -> None:

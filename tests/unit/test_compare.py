@@ -1,0 +1,117 @@
+"""compare: error against run time, one recommended method, and no method that is lost."""
+
+import json
+from dataclasses import replace
+
+import pytest
+
+import glmref
+from glmref import Problem, UsageError
+from glmref.catalogue.lookup import document
+from glmref.cli import main
+from glmref.problems import problem
+from glmref.scenes import comparing
+from glmref.scenes.comparing import CANDIDATES, Candidate, compare, kind_of
+
+
+@pytest.fixture(scope="module")
+def pendulum():
+    own = Problem.from_hamiltonian("p**2/2 - cos(q)", {"q": 1, "p": 0}, t_end=10, name="mine")
+    methods = ["blanes-moan-rkn-6-14", "pair-rkn-6-8b", "stormer-verlet", "rk4"]
+    return compare(own, methods=methods, tolerance=1e-6)
+
+
+def test_every_candidate_reaches_the_tolerance_at_the_step_size_that_is_shown(pendulum):
+    exact = problem("pendulum", q0=1)
+    for one in pendulum.candidates:
+        assert one.reached and one.error <= 1e-6
+        run = glmref.solve(exact, one.method, h=one.h, steps=one.steps)
+        error = abs(run.y[-1] - exact.solution(10.0)).max()
+        assert error < 2e-6 and run.evaluations == one.evaluations
+    times = [one.seconds for one in pendulum.candidates]
+    assert times == sorted(times)
+    assert "gauss-5" in pendulum.reference and pendulum.error == "state"
+
+
+def test_the_recommended_method_is_symplectic_and_its_file_records_no_growth(pendulum):
+    labels = {one.method: one.long_runs for one in pendulum.candidates}
+    assert labels["pair-rkn-6-8b"] == "lost" and labels["rk4"] == "drifts"
+    assert pendulum.recommended in ("blanes-moan-rkn-6-14", "stormer-verlet")
+    assert pendulum.recommended in pendulum.reason or "it reaches" in pendulum.reason
+
+
+def test_a_method_that_is_lost_is_never_recommended_however_fast():
+    fast = Candidate("fast", 6, "lost", 0.1, 10, 1e-10, None, 1e-6, 10)
+    grows = replace(fast, method="grows", long_runs="grows")
+    slow = replace(fast, method="slow", long_runs="drifts", seconds=1.0)
+    name, reason = comparing._recommended([fast, grows, slow], "separable", 1e-9, "state")
+    assert name == "slow" and "fast takes" in reason
+    assert comparing._recommended([fast, grows], "separable", 1e-9, "state")[0] is None
+    assert comparing._recommended([fast], "general", 1e-9, "state")[0] is None
+
+
+def test_shipped_candidates_exist_and_those_that_grow_are_labelled():
+    for names in CANDIDATES.values():
+        for name in names:
+            said = " ".join(document(name).get("notes", []))
+            label = comparing._label(glmref.load(name), document(name).get("notes", []))
+            assert (label in ("lost", "grows")) == ("grow" in said or "lost" in said)
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [("pendulum", "second order"), ("lotka-volterra-logarithmic", "separable"),
+     ("double-pendulum", "Hamiltonian"), ("van-der-pol", "general")],
+)  # fmt: skip
+def test_kinds(name, kind):
+    assert kind_of(problem(name)) == kind
+    masses = Problem.from_hamiltonian("p**2/(2*m) + q**4", {"q": 1, "p": 0}, parameters={"m": 2})
+    assert kind_of(masses) == "second order"
+
+
+def test_table_picture_and_numbers(pendulum):
+    text = repr(pendulum)
+    assert text.count("\n") >= 7 and f"take {pendulum.recommended}: " in text
+    assert pendulum.svg().startswith("<svg") and "evaluations" in pendulum.svg(
+        against="evaluations"
+    )
+    record = json.loads(json.dumps(pendulum.as_json()))
+    assert record["recommended"] == pendulum.recommended
+    assert all(one["works"] for one in record["candidates"])
+
+
+def test_without_a_good_reference_the_energy_judges():
+    far = Problem.from_hamiltonian(
+        "(p1**2 + p2**2 + q1**2 + q2**2)/2 + q1**2*q2 - q2**3/3",
+        {"q1": 0, "q2": "1/10", "p1": "1/2", "p2": 0}, t_end=20, time="1/10",
+    )  # fmt: skip
+    error, reference = comparing._judge(far, 20.0, 1e-14)
+    assert error == "energy" and "because" in reference
+    wild = Problem.from_equations(["y[0]*y[0]"], [1], t_end=2)
+    with pytest.raises(UsageError, match="shorten `t_end`"):
+        compare(wild, methods=["rk4"])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [(("pendulum", [], 1e-6), "`methods` is empty"),
+     (("pendulum", ["yoshida-4-sign"], 1e-6), "wrong on purpose"),
+     (("pendulum", None, 0), "`tolerance` must lie"),
+     ((3, None, 1e-6), "`problem` must be")],
+)  # fmt: skip
+def test_what_does_not_fit_is_refused(arguments, message):
+    subject, methods, tolerance = arguments
+    with pytest.raises(UsageError, match=message):
+        compare(subject, methods=methods, tolerance=tolerance)
+
+
+def test_the_command_writes_pictures_and_numbers(tmp_path, capsys):
+    path = tmp_path / "mine.toml"
+    path.write_text('H = "p**2/2 - cos(q)"\ny0 = { q = 1, p = 0 }\nt_end = 5\n')
+    arguments = ["compare", str(path), "--methods", "stormer-verlet,gauss-2"]
+    assert main([*arguments, "--tolerance", "1e-4", "--output", str(tmp_path / "out")]) == 0
+    assert "take " in capsys.readouterr().out
+    written = {x.name for x in (tmp_path / "out").iterdir()}
+    assert written == {"mine.svg", "mine-evaluations.svg", "mine.json"}
+    assert main(["compare", str(tmp_path / "none.toml")]) == 2
+    assert main(["compare", "pendulum", "--t-end", "x"]) == 2

@@ -1,0 +1,284 @@
+"""A user's own problem: Hamilton's equations from H, expressions by name, files, sums."""
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from glmref import Problem, UsageError, solve
+from glmref.errors import DataError
+from glmref.problems import from_path, problem
+from glmref.problems.table import from_table
+from glmref.scenes import load_scene, plan, run
+
+DOUBLE = "(p1**2 + 2*p2**2 - 2*p1*p2*cos(q1 - q2))/(2 + 2*sin(q1 - q2)**2) - 2*cos(q1) - cos(q2)"
+
+
+def random_states(d, count=5):
+    return np.random.default_rng(4).uniform(-1, 1, (count, d))
+
+
+def test_the_pendulum_from_h_is_second_order_and_the_shipped_one():
+    own = Problem.from_hamiltonian("p**2/2 - cos(q)", {"q": "5/2", "p": 0})
+    assert own.second_order and own.force.outputs == ("-sin(q[0])",)
+    shipped = problem("pendulum")
+    options = {"h": 0.1, "steps": 50}
+    for method in ("stormer-verlet", "gauss-2", "pair-rkn-6-8b"):
+        ours, theirs = solve(own, method, **options), solve(shipped, method, **options)
+        np.testing.assert_array_equal(ours.y, theirs.y)
+
+
+def test_the_double_pendulum_from_h_alone_is_not_separable_and_has_the_right_field():
+    own = Problem.from_hamiltonian(DOUBLE, {"q1": 1, "q2": "3/2", "p1": 0, "p2": 0})
+    shipped = problem("double-pendulum")
+    assert own.canonical and not own.separable
+    for y in random_states(4):
+        np.testing.assert_allclose(own.f(0, y), shipped.f(0, y), rtol=1e-13)
+        np.testing.assert_allclose(own.jacobian(0, y), shipped.jacobian(0, y), rtol=1e-12)
+        assert own.hamiltonian(y) == pytest.approx(shipped.hamiltonian(y), rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("H", "kind"),
+    [
+        ("p**2/2 + q**4/4", "force"),
+        ("p*p/2 + t0*q", "force"),
+        ("p**2/(2*m) - cos(q)", "parts"),
+        ("p**4/4 + q**2/2", "parts"),
+        ("sqrt(1 + p**2) - 1/q", "parts"),
+        ("(1 + q**2)*(1 + p**2)/2", "whole"),
+        ("p**2/2 + p*q", "whole"),
+    ],
+)
+def test_separability_is_seen(H, kind):
+    own = Problem.from_hamiltonian(H, {"q": "1/2", "p": "1/4"}, parameters={"m": "3", "t0": 2})
+    seen = "force" if own.second_order else "parts" if own.separable else "whole"
+    assert seen == kind
+    # against differences of H itself
+    for y in random_states(2) * 0.4 + 0.6:
+        difference = [
+            (own.hamiltonian(y + 1e-6 * e) - own.hamiltonian(y - 1e-6 * e)) / 2e-6
+            for e in np.eye(2)
+        ]
+        np.testing.assert_allclose(own.f(0, y), [difference[1], -difference[0]], atol=1e-8)
+
+
+def test_names_are_the_user_s_and_may_be_listed():
+    own = Problem.from_hamiltonian(
+        "(px**2 + py**2)/2 - mu/sqrt(x**2 + y**2)",
+        {"px": 0, "x": "2/5", "py": 2, "y": 0},
+        coordinates=["x", "y"], momenta=["px", "py"], parameters={"mu": 1},
+        invariants={"L": "x*py - y*px"}, t_end="2*pi",
+    )  # fmt: skip
+    np.testing.assert_array_equal(own.y0, [0.4, 0, 0, 2])
+    assert own.second_order and own.t_span == (0.0, 2 * np.pi)
+    ends = solve(own, "blanes-moan-rkn-6-14", h=np.pi / 500, steps=1000)
+    np.testing.assert_allclose(ends.y[-1], own.y0, atol=1e-6)
+    invariant = own.invariants["L"]
+    assert invariant(ends.y[-1]) == pytest.approx(invariant(own.y0), abs=1e-14)
+
+
+def test_equations_by_name_and_by_index():
+    by_name = Problem.from_equations(
+        {"x": "v", "v": "-k*sin(x) + eps*cos(t)"}, {"v": 0, "x": 1},
+        parameters={"k": 1, "eps": "1/10"},
+    )  # fmt: skip
+    by_index = Problem.from_equations(["y[1]", "-sin(y[0]) + cos(t)/10"], [1, 0])
+    options = {"h": 0.1, "steps": 20}
+    np.testing.assert_allclose(
+        solve(by_name, "rk4", **options).y, solve(by_index, "rk4", **options).y, rtol=1e-14
+    )
+
+
+def chain(n, **options):
+    q = [f"sin(pi*{i + 1}/{n + 1})" for i in range(n)]
+    H = (
+        "sum(p[i]**2/2 for i in range(n)) + sum((q[i+1] - q[i])**2/2"
+        " + alpha*(q[i+1] - q[i])**3/3 for i in range(n - 1))"
+        " + q[0]**2/2 + alpha*q[0]**3/3 + q[n-1]**2/2 - alpha*q[n-1]**3/3"
+    )
+    y0 = {"q": q, "p": [0] * n}
+    return Problem.from_hamiltonian(H, y0, parameters={"alpha": "1/4"}, **options)
+
+
+def test_sums_are_loops_and_give_the_shipped_chain():
+    own, shipped = chain(6), problem("fput", sites=6)
+    assert own.second_order
+    for y in random_states(12):
+        np.testing.assert_allclose(own.f(0, y), shipped.f(0, y), rtol=1e-12, atol=1e-14)
+        assert own.hamiltonian(y) == pytest.approx(shipped.hamiltonian(y), rel=1e-13)
+    assert chain(6).dp.body.source == chain(60).dp.body.source
+
+
+def test_double_sums_masses_and_wrapped_indices():
+    n = 5
+    masses = [Fraction(i + 1, 3) for i in range(n)]
+    own = Problem.from_hamiltonian(
+        "sum(p[i]**2/(2*m[i]) for i in range(n))"
+        " - G*sum(m[i]*m[j]/sqrt((q[i] - q[j])**2 + 1) for i in range(n) for j in range(i))"
+        " + sum((q[i] - q[(i-1) % n])**4 for i in range(n))/4",
+        {"q": [0.1 * i * i for i in range(n)], "p": [0] * n},
+        parameters={"m": masses, "G": "2"},
+    )  # fmt: skip
+    assert own.separable and not own.second_order
+
+    def energy(y):
+        q, p = y[:n], y[n:]
+        pairs = ((i, j) for i in range(n) for j in range(i))
+        return (
+            sum(p[i] ** 2 / (2 * float(masses[i])) for i in range(n))
+            - 2
+            * sum(float(masses[i] * masses[j]) / np.sqrt((q[i] - q[j]) ** 2 + 1) for i, j in pairs)
+            + sum((q[i] - q[i - 1]) ** 4 for i in range(n)) / 4
+        )
+
+    for y in random_states(2 * n, 2):
+        assert own.hamiltonian(y) == pytest.approx(energy(y), rel=1e-13)
+        slope = [(energy(y + 1e-5 * e) - energy(y - 1e-5 * e)) / 2e-5 for e in np.eye(2 * n)]
+        np.testing.assert_allclose(own.f(0, y), [*slope[n:], *(-x for x in slope[:n])], atol=1e-7)
+    options = {"h": 0.01, "steps": 20, "solver": "fixed-point"}
+    ours = solve(own, "gauss-2", **options)
+    np.testing.assert_array_equal(ours.y, solve(own, "gauss-2", engine="interpreted", **options).y)
+
+
+def test_decimals_mean_decimals_at_every_precision():
+    own = Problem.from_hamiltonian(
+        "sum(p[i]**2/2 + 0.1*q[i]**4/3 for i in range(n))", {"q": [1, 2], "p": [0, 0]}
+    )
+    run = solve(own, "rk4", h=1, steps=0, engine="reference", digits=30)
+    import mpmath
+
+    context = mpmath.MPContext()
+    context.dps = 30
+    exact = own.on(context)
+    assert exact.dp(exact.y0[:2])[0] == pytest.approx(-context.mpf(4) / 30, abs=1e-28)
+    assert run.completed
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        ({}, "must give one of `H`, `f` and `file`"),
+        ({"H": "p", "f": ["1"]}, "got H and f"),
+        ({"H": "p**2"}, "`y0` is missing"),
+        ({"H": "p**2/2", "y0": {"q": 1}}, "`y0` lacks p"),
+        ({"H": "p**2/2 + r", "y0": {"q": 1, "p": 0}}, "unknown name 'r'; give it in"),
+        ({"H": "p^2", "y0": {"q": 1, "p": 0}}, r"\*\* for powers"),
+        ({"H": "p**2/2 + open(q)", "y0": {"q": 1, "p": 0}}, "`H`.*calls open"),
+        ({"H": "p.real", "y0": {"q": 1, "p": 0}}, "Attribute"),
+        ({"H": "p +", "y0": {"q": 1, "p": 0}}, "cannot be read"),
+        ({"H": "-" * 3000 + "p", "y0": {"q": 1, "p": 0}}, "cannot be read|nested"),
+        ({"H": "q*" * 2000 + "p", "y0": {"q": 1, "p": 0}}, "cannot be read|nested"),
+        ({"H": "p**2/2", "y0": {"q": 1, "x": 0}}, "x, where every q... needs its p"),
+        ({"H": "p**2/2", "y0": {"q": 1, "p": 0}, "parameters": {"q": 1}}, "stands for two"),
+        ({"H": "p**2/2", "y0": {"q": 1, "p": 0}, "parameter": {}}, "did you mean 'parameters'"),
+        ({"H": "p**2/2", "y0": {"q": 1, "p": 0}, "t_end": 0}, "`t_end` must differ"),
+        ({"H": "p**2/2", "y0": {"q": "x", "p": 0}}, "unknown name 'x'"),
+        ({"f": {"x": "y[1]"}, "y0": {"x": 1}}, "`f` uses component 1"),
+        ({"f": {"x": "v"}, "y0": {"x": 1}}, "unknown name 'v'"),
+        ({"f": ["y[1]", "y[2]"], "y0": [1, 2]}, "component 2"),
+        ({"H": "sum(p[i]**2 for i in range(n+1))", "y0": {"q": [1, 2], "p": [0, 0]}}, "index 2"),
+        ({"H": "sum(p[i-1]**2 for i in range(n))", "y0": {"q": [1, 2], "p": [0, 0]}}, "index -1"),
+        ({"H": "sum(p[i]**2 for i in q)", "y0": {"q": [1, 2], "p": [0, 0]}}, "loops over"),
+        ({"H": "q[0]*sum(p[i] for i in range(n))", "y0": {"q": [1, 2], "p": [0, 0]}}, "factor"),
+        ({"H": "sum(m[i]*p[i] for i in range(n))", "y0": {"q": [1, 2], "p": [0, 0]},
+          "parameters": {"m": [1]}}, "m has 1 entries"),
+        ({"H": "p**2/2", "y0": {"q": [1], "p": [1, 2]}}, "two lists q and p of one length"),
+        ({"H": 3, "y0": {"q": 1, "p": 0}}, "must be an expression"),
+        ({"file": "nothing.py:make"}, "no Python file"),
+        ({"file": "nothing.py"}, "must be like"),
+    ],
+)  # fmt: skip
+def test_what_does_not_fit_is_said_in_one_sentence(table, message):
+    with pytest.raises(UsageError, match=message) as said:
+        from_table(table)
+    assert "\n" not in str(said.value)
+
+
+MAKER = """
+def make(k=1):
+    return {"H": f"p**2/2 + {k}*q**2/2", "y0": {"q": 1, "p": 0}}
+
+def ready():
+    from glmref import Problem
+    return Problem.from_hamiltonian("p**2/2 - cos(q)", {"q": 1, "p": 0})
+
+def wrong():
+    return 3
+
+def fails():
+    raise KeyError("no")
+"""
+
+
+def test_a_python_file_is_executed_by_name(tmp_path):
+    (tmp_path / "mine.py").write_text(MAKER)
+    own = from_table({"file": "mine.py:make", "parameters": {"k": 4}, "t_end": 3}, tmp_path)
+    np.testing.assert_allclose(own.f(0, np.array([1.0, 0.0])), [0, -4])
+    assert own.t_span == (0.0, 3.0)
+    named = from_table({"file": "mine.py:ready", "name": "mine", "t_end": "pi"}, tmp_path)
+    assert named.name == "mine" and named.t_span[1] == np.pi
+    for maker, message in (("wrong", "must return a Problem"), ("fails", "raised KeyError"),
+                           ("none", "no function 'none'")):  # fmt: skip
+        with pytest.raises(UsageError, match=message):
+            from_table({"file": f"mine.py:{maker}"}, tmp_path)
+
+
+SCENE = """
+format = "glmref-scene-1"
+name = "mine"
+title = "Mine"
+question = "Which method?"
+methods = ["gauss-2", "gauss-4"]
+steps = [50, 100]
+t_end = 5
+ask = ["state", "energy"]
+answer = {{ kind = "accurate", error = "state", at = 1e-6 }}
+
+[problem]
+{problem}
+"""
+PENDULUM = 'H = "p**2/2 - cos(q)"\ny0 = { q = 1, p = 0 }'
+
+
+def test_a_scene_takes_an_own_problem_and_finds_its_reference(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text(SCENE.format(problem=PENDULUM))
+    scene = load_scene(path)
+    records = run(plan(scene))
+    assert {r["outcome"] for r in records} == {"completed"}
+    assert {r["reference"] for r in records} == {"computed"}
+    assert max(r["reference_error"] for r in records) < 1e-12
+    exact = problem("pendulum", q0=1).solution(5.0)
+    ours = solve(scene.subject, "gauss-4", h=0.05, t_end=5).y[-1]
+    truth = np.linalg.norm(ours - exact) / np.linalg.norm(exact)
+    assert records[-1]["state_error"] == pytest.approx(truth, rel=0.2, abs=1e-14)
+    assert from_path(path).second_order
+
+
+def test_a_scene_executes_a_file_beside_it_only(tmp_path):
+    (tmp_path / "mine.py").write_text(MAKER)
+    inner = tmp_path / "inner"
+    inner.mkdir()
+    (tmp_path / "good.toml").write_text(SCENE.format(problem='file = "mine.py:make"'))
+    assert load_scene(tmp_path / "good.toml").subject.second_order
+    before = plan(load_scene(tmp_path / "good.toml")).tasks[0]
+    (tmp_path / "mine.py").write_text(MAKER.replace("k=1", "k=2"))
+    assert plan(load_scene(tmp_path / "good.toml")).tasks[0] != before
+    for file in ("../mine.py:make", str(tmp_path / "mine.py:make")):
+        (inner / "bad.toml").write_text(SCENE.format(problem=f'file = "{file}"'))
+        with pytest.raises(DataError, match="must lie in the folder of the scene"):
+            load_scene(inner / "bad.toml")
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [('H = "p**2/2 - cosh(q)"\ny0 = { q = 1, p = 0 }', 13),
+     ('H = "p**2/2"\ny0 = { q = 1 }', 14),
+     ('H = "p**2/2"\ny0 = { q = 1, p = 0 }\nt_ends = 3', 15)],
+)  # fmt: skip
+def test_a_complaint_about_an_own_problem_names_its_line(tmp_path, text, line):
+    path = tmp_path / "bad.toml"
+    path.write_text(SCENE.format(problem=text))
+    with pytest.raises(DataError, match=f"line {line}: "):
+        load_scene(path)

@@ -1,0 +1,74 @@
+"""Stability intervals: numbers of the literature, and what floating point sees."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+import glmref
+from glmref.measure.stability import bounded
+from glmref.theory.stability_interval import imaginary_interval, real_interval
+
+INF = math.inf
+
+
+@pytest.mark.parametrize(
+    ("name", "real", "imaginary"),
+    [
+        # Hairer and Wanner (1996), section IV.2; Lambert (1991), sections 3.8 and 5.12
+        ("heun-2", 2, 0),
+        ("kutta-3", 2.5127453266183286, math.sqrt(3)),
+        ("rk4", 2.785293563405282, math.sqrt(8)),
+        ("ab-2", 1, 0),
+        ("ab-3", 6 / 11, 0.7236272269866327),
+        ("ab-4", 0.3, 0.429987079909256),
+        ("am-2", 6, 0),
+        ("am-3", 3, 0),
+        ("leapfrog", 0, 1),
+        ("bdf-2", INF, INF),
+        ("bdf-3", INF, 0),
+        ("gauss-2", INF, INF),
+        ("gsymplectic-n", 0, 2.0604321400961436),
+    ],
+)
+def test_the_intervals_are_those_of_the_literature(
+    name: str, real: float, imaginary: float
+) -> None:
+    method = glmref.load(name)
+    assert isinstance(method, glmref.GLM)
+    assert real_interval(method).end == pytest.approx(real, rel=1e-14)
+    assert imaginary_interval(method).end == pytest.approx(imaginary, rel=1e-14)
+
+
+def test_a_rational_end_is_itself() -> None:
+    method = glmref.load("leapfrog")
+    assert isinstance(method, glmref.GLM)
+    assert imaginary_interval(method).end == 1.0
+    assert real_interval(glmref.from_rk([[0]], [1])).end == 2.0
+
+
+@pytest.mark.parametrize(
+    "name", ["rk4", "ab-4", "am-3", "gsymplectic-n", "ark-4", "bdf-5", "kutta-3"]
+)
+def test_floating_point_sees_the_same_ends(name: str) -> None:
+    method = glmref.load(name)
+    assert isinstance(method, glmref.GLM)
+    for found, direction in ((real_interval(method), -1), (imaginary_interval(method), 1j)):
+        end = found.end
+        assert end is not None
+        if 0 < end < INF:
+            assert bounded(method, direction * (end - 1e-4)) and not bounded(
+                method, direction * (end + 1e-3)
+            )
+
+
+def test_an_eigenvalue_of_v_outside_leaves_nothing() -> None:
+    method = glmref.GLM(A=[[0]], U=[[1, 0]], B=[[1], [0]], V=[[1, 0], [0, 2]])
+    assert real_interval(method).end == imaginary_interval(method).end == 0
+
+
+def test_published_digits_are_left_open() -> None:
+    method = glmref.load("gauss-2-seven-digits")
+    assert isinstance(method, glmref.GLM)
+    assert real_interval(method).end is None

@@ -1,0 +1,103 @@
+"""Rounded tableaux: which order holds to how many digits, and orders up to 14."""
+
+from __future__ import annotations
+
+from decimal import Decimal, localcontext
+from fractions import Fraction
+from typing import Any
+
+import pytest
+
+from glmref.catalogue.reader import load_document
+from glmref.verification.analysis import analyze
+
+SOURCE = {"citation": "c", "where": "w", "status": "derived"}
+
+
+def extrapolated_midpoint(columns: int) -> tuple[list[list[Fraction]], list[Fraction]]:
+    """The explicit midpoint rule with 2, 4, .. substeps, extrapolated to order 2 ``columns``.
+
+    Hairer, Norsett, Wanner (1993), II.9.
+    """
+    rows: list[dict[int, Fraction]] = [{}]
+    b: dict[int, Fraction] = {}
+    counts = [2 * j for j in range(1, columns + 1)]
+    for n in counts:
+        before, now = {}, {0: Fraction(1, n)}
+        for _ in range(1, n):
+            rows.append(now)
+            after = dict(before)
+            after[len(rows) - 1] = Fraction(2, n)
+            before, now = now, after
+        weight = Fraction(1)
+        for m in counts:
+            if m != n:
+                weight *= Fraction(n * n, n * n - m * m)
+        for j, x in now.items():
+            b[j] = b.get(j, Fraction(0)) + weight * x
+    stages = range(len(rows))
+    zero = Fraction(0)
+    return [[row.get(j, zero) for j in stages] for row in rows], [b.get(j, zero) for j in stages]
+
+
+def rounded(x: Fraction, digits: int) -> str:
+    with localcontext() as context:
+        context.prec = 2 * digits
+        value = Decimal(x.numerator) / Decimal(x.denominator)
+        return format(value.quantize(Decimal(1).scaleb(-digits)), "f") if x else "0"
+
+
+def document(columns: int, write: Any, **more: Any) -> dict[str, Any]:
+    A, b = extrapolated_midpoint(columns)
+    return {
+        "format": "glmref-method-1", "name": "extrapolated", "title": "t", "class": "rk",
+        "A": [[write(x) for x in row] for row in A], "b": [write(x) for x in b],
+        "claims": {}, "source": SOURCE, **more,
+    }  # fmt: skip
+
+
+def test_decimals_say_order_and_digits() -> None:
+    found = analyze(load_document(document(3, lambda x: rounded(x, 33), digits=33)))
+    assert (found.order, found.order_proved) == (6, [0, 6])
+    assert found.order_witness.startswith("order 6 to ")
+    size = float(found.order_witness.split()[3].rstrip(","))
+    assert 1e-34 < size < 1e-31
+
+
+def test_rounded_fractions_have_order_0_exactly() -> None:
+    found = analyze(load_document(document(3, lambda x: str(Fraction(rounded(x, 33))))))
+    assert found.order == 0
+    assert found.order_witness.startswith("order 6 to ")
+    assert "order 0 exactly" in found.order_witness
+
+
+def test_an_exact_method_has_no_staircase() -> None:
+    found = analyze(load_document(document(3, str)))
+    assert (found.order, found.order_proved) == (6, [6, 6])
+    assert found.order_witness.startswith("tree [oooooo] of order 7")
+
+
+@pytest.mark.slow
+def test_order_14_is_found() -> None:
+    found = analyze(load_document(document(7, lambda x: rounded(x, 60), digits=60)))
+    assert (found.order, found.order_proved) == (14, [0, 14])
+    assert found.order_witness.startswith("order 14 to ")
+
+
+def two_values(a: str, digits: int) -> dict[str, Any]:
+    """V = I: both values are the solution. Order 2 for a = 1; W R([o]) is (a - 1) / 2."""
+    return {
+        "format": "glmref-method-1", "name": "two-values", "title": "t", "class": "glm",
+        "digits": digits, "A": [["0", "0"], [a, "0"]], "U": [["1", "0"], ["0", "1"]],
+        "B": [["0.25", "0.75"], ["0.75", "0.25"]], "V": [["1", "0"], ["0", "1"]],
+        "claims": {}, "source": SOURCE,
+    }  # fmt: skip
+
+
+def test_a_multiple_eigenvalue_in_decimals_is_decided() -> None:
+    found = analyze(load_document(two_values("1.00003000000000000000", 20)))
+    assert (found.order, found.order_proved) == (1, [0, 1])
+    assert "order 2 to 3.0e-05, order 1 to " in found.order_witness
+    assert "tree [o] of order 2" in found.order_witness
+    exact = analyze(load_document(two_values("1.00000000000000000000", 20)))
+    assert exact.order == 2
