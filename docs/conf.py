@@ -17,7 +17,7 @@ release = __version__
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 myst_enable_extensions = ["dollarmath", "deflist"]
 myst_heading_anchors = 3
-exclude_patterns = ["_build"]
+exclude_patterns = ["_build", "audit/*"]
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "description"
@@ -27,6 +27,8 @@ napoleon_use_ivar = True
 
 html_theme = "furo"
 html_title = "glmref"
+html_static_path = ["_static"]
+html_css_files = ["pictures.css"]
 html_math_renderer = "mathml"
 
 
@@ -41,9 +43,10 @@ def _display(translator: Any, node: nodes.Element) -> None:
 
 
 def _sections(app: Any, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
-    """Give sections underlined with dashes the form of those that end in a colon."""
-    for k in range(len(lines) - 1, 0, -1):
-        if lines[k].strip() and not lines[k].strip("- ") and lines[k - 1].strip().istitle():
+    """Give sections underlined with dashes whose text is indented the form that ends in a colon."""
+    for k in range(len(lines) - 2, 0, -1):
+        underlined = lines[k].strip() and not lines[k].strip("- ")
+        if underlined and lines[k - 1].strip().istitle() and lines[k + 1].startswith(" "):
             lines[k - 1 : k + 1] = [f"{lines[k - 1].rstrip()}:"]
 
 

@@ -9,6 +9,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from .audit import CheckFailed, assert_tableau, check
     from .catalogue.lookup import load, names
     from .engine.solve import Solution, solve
     from .errors import DataError, ExactnessError, GlmrefError, UsageError
@@ -16,18 +17,28 @@ if TYPE_CHECKING:
     from .findings import Finding, Proof, Verdict
     from .method import (
         GLM,
+        AdditiveGLM,
         FinishingMethod,
         PairStartingMethod,
         PartitionedGLM,
         StartingMethod,
     )
+    from .method.families import linear_multistep as from_lmm
+    from .method.families import one_leg as from_one_leg
+    from .method.families import runge_kutta as from_rk
+    from .method.families import splitting as from_splitting
     from .problems import Problem, problem
+    from .scenes.comparing import Comparison, compare
     from .verification.analysis import Analysis, analyze
     from .verification.verifier import verify
+    from .views.bibtex import cite
+    from .views.plot import plot
+    from .views.show import show
 
 __version__ = "0.1.0"
 
 _HOMES = {
+    "audit": ("CheckFailed", "assert_tableau", "check"),
     "catalogue.lookup": ("load", "names"),
     "engine.solve": ("Solution", "solve"),
     "errors": ("DataError", "ExactnessError", "GlmrefError", "UsageError"),
@@ -35,20 +46,35 @@ _HOMES = {
     "findings": ("Finding", "Proof", "Verdict"),
     "method": (
         "GLM",
+        "AdditiveGLM",
         "FinishingMethod",
         "PairStartingMethod",
         "PartitionedGLM",
         "StartingMethod",
     ),
     "problems": ("Problem", "problem"),
+    "scenes.comparing": ("Comparison", "compare"),
     "verification.analysis": ("Analysis", "analyze"),
     "verification.verifier": ("verify",),
+    "views.bibtex": ("cite",),
+    "views.plot": ("plot",),
+    "views.show": ("show",),
 }
-_HOME_OF = {name: home for home, public in _HOMES.items() for name in public}
+_HOME_OF = {name: (home, name) for home, public in _HOMES.items() for name in public}
+#: Own methods from the coefficients of a family; the name says from what.
+_HOME_OF |= {
+    "from_lmm": ("method.families", "linear_multistep"),
+    "from_one_leg": ("method.families", "one_leg"),
+    "from_rk": ("method.families", "runge_kutta"),
+    "from_splitting": ("method.families", "splitting"),
+}
 
 __all__ = [
     "GLM",
+    "AdditiveGLM",
     "Analysis",
+    "CheckFailed",
+    "Comparison",
     "DataError",
     "ExactnessError",
     "Finding",
@@ -64,20 +90,30 @@ __all__ = [
     "Verdict",
     "__version__",
     "analyze",
+    "assert_tableau",
+    "check",
+    "cite",
+    "compare",
     "export",
+    "from_lmm",
+    "from_one_leg",
+    "from_rk",
+    "from_splitting",
     "load",
     "names",
+    "plot",
     "problem",
+    "show",
     "solve",
     "verify",
 ]
 
 
 def __getattr__(name: str) -> Any:
-    home = _HOME_OF.get(name)
-    if home is None:
+    if name not in _HOME_OF:
         raise AttributeError(f"module 'glmref' has no attribute {name!r}")
-    value = getattr(import_module(f".{home}", __name__), name)
+    home, inside = _HOME_OF[name]
+    value = getattr(import_module(f".{home}", __name__), inside)
     globals()[name] = value
     return value
 

@@ -16,15 +16,17 @@ import click
 from .. import __version__
 from ..errors import GlmrefError
 from ..system.process import guarded
+from .auditing import audit, check
 from .benching import bench
 from .browsing import cite, list_, show
 from .certifying import certify
 from .checking import verify
+from .comparing import compare, problems
 from .deriving import derive
 from .describing import analyze, errata
 from .exchanging import export, import_
 from .output import BAD_INPUT, INTERNAL, complain, confess
-from .probing import probe
+from .probing import conformance, probe
 from .reporting import report
 from .running import run
 
@@ -44,7 +46,7 @@ def group() -> None:
 
 for command in (
     *(verify, certify, analyze, list_, show, cite, errata, derive, run, probe, bench, report),
-    *(export, import_),
+    *(export, import_, problems, compare, check, conformance, audit),
 ):
     group.add_command(command)
 

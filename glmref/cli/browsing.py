@@ -14,7 +14,7 @@ from ..catalogue.keys import BLOCKS
 from ..errors import UsageError
 from ..system.files import write_text
 from ..views.tables import Style, columns, csv_text, json_text, one_line
-from .output import HOLDS, say
+from .output import HOLDS, Word, complete_method, say
 
 __all__ = ["LISTS", "cite", "list_", "show"]
 
@@ -24,7 +24,7 @@ _BROKEN = ("name", "class", "refutes", "flag", "title")
 
 
 @click.command("list", short_help="The shipped methods.")
-@click.option("--class", "kind", type=click.Choice(sorted(BLOCKS)), help="This class only.")
+@click.option("--class", "kind", type=Word(sorted(BLOCKS)), help="This class only.")
 @click.option("--broken", is_flag=True, help="The files that are wrong on purpose.")
 @click.option(
     "--format", "form", type=click.Choice(LISTS), default="table", help="What stdout gets."
@@ -63,7 +63,7 @@ def _row(doc: Mapping[str, Any]) -> dict[str, Any]:
 
 
 @click.command(short_help="A tableau as in a paper.")
-@click.argument("name", metavar="NAME|FILE")
+@click.argument("name", metavar="NAME|FILE", shell_complete=complete_method)
 @click.option(
     "--decimal",
     type=click.IntRange(1, 150),
@@ -83,6 +83,8 @@ def show(name: str, decimal: int | None, plot: Path | None) -> int:
     from ..verification.verifier import budget_of
     from ..views.show import show as page
 
+    if plot is not None and plot.suffix != ".svg":
+        raise UsageError(f"--plot writes SVG; give a name such as {plot.stem}.svg")
     method = load(name)
     with limited(budget_of(path_of(name))):
         text = page(method, decimal=decimal, style=Style.of(sys.stdout))
@@ -90,15 +92,15 @@ def show(name: str, decimal: int | None, plot: Path | None) -> int:
     if plot is not None:
         from ..views.portrait import portrait
 
-        if plot.suffix != ".svg":
-            raise UsageError(f"--plot writes SVG; give a name such as {plot.stem}.svg")
         write_text(plot, portrait(method))
         say(f"\nwrote {one_line(plot)}")
     return HOLDS
 
 
 @click.command(short_help="BibTeX of methods and their files.")
-@click.argument("names", nargs=-1, required=True, metavar="NAME|FILE...")
+@click.argument(
+    "names", nargs=-1, required=True, metavar="NAME|FILE...", shell_complete=complete_method
+)
 def cite(names: tuple[str, ...]) -> int:
     """Write BibTeX for methods: the source of each, and the data file itself."""
     from ..views.bibtex import entries

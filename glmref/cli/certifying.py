@@ -10,13 +10,13 @@ from typing import Any
 import click
 
 from ..errors import UsageError
-from .output import BAD_INPUT, HOLDS, complain, say
+from .output import BAD_INPUT, HOLDS, complain, complete_method, say
 
 __all__ = ["certify", "write_certificates"]
 
 
 @click.command(short_help="Write certificates that others can check.")
-@click.argument("name", metavar="NAME|FILE")
+@click.argument("name", metavar="NAME|FILE", shell_complete=complete_method)
 @click.option("--output", type=click.Path(file_okay=False), help="Folder for one file a claim.")
 def certify(name: str, output: str | None) -> int:
     """Write what was proved about the claims of a method, with all that a check of it needs.

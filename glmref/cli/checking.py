@@ -14,7 +14,17 @@ from ..catalogue.claims import CLAIMS
 from ..errors import UsageError
 from ..findings import Finding, Verdict
 from ..views.tables import FORMATS, Style
-from .output import BAD_INPUT, FAILED, HOLDS, INTERNAL, INTERRUPTED, complain, say
+from .output import (
+    BAD_INPUT,
+    FAILED,
+    HOLDS,
+    INTERNAL,
+    INTERRUPTED,
+    Word,
+    complain,
+    complete_method,
+    say,
+)
 
 if TYPE_CHECKING:
     from .parallel import Checked
@@ -23,14 +33,14 @@ __all__ = ["verify"]
 
 
 @click.command(short_help="Recompute every claim, and say by which proof.")
-@click.argument("names", nargs=-1, metavar="[NAME|FILE]...")
+@click.argument("names", nargs=-1, metavar="[NAME|FILE]...", shell_complete=complete_method)
 @click.option(
     "--format", "form", type=click.Choice(FORMATS), default="table", help="What stdout gets."
 )
 @click.option(
     "--only",
     multiple=True,
-    type=click.Choice(sorted(CLAIMS)),
+    type=Word(sorted(CLAIMS)),
     metavar="CLAIM",
     help="Check this claim only; may be given several times.",
 )

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import BudgetError, UsageError
-from ..views.tables import Style, columns, csv_text, json_text, one_line, shown_value
+from ..views.tables import Style, columns, csv_text, json_text, one_line
 from .browsing import LISTS
-from .output import HOLDS, INTERNAL, complain, say
+from .output import HOLDS, INTERNAL, complain, complete_method, say
 
 if TYPE_CHECKING:
     from ..catalogue.errata import Erratum
@@ -22,33 +22,22 @@ __all__ = ["analyze", "errata"]
 _FORM = click.option(
     "--format", "form", type=click.Choice(LISTS), default="table", help="What stdout gets."
 )
-_TITLES = {
-    "order_identity": "order with the identity as principal part",
-    "principal": "principal part",
-    "order_witness": "why not more",
-    "g_symplectic": "G-symplectic",
-}
-_DECISIONS = (
-    *("preconsistent", "consistent", "zero stable", "G-symplectic", "symmetric"),
-    "parasitism free",
-)
 _VERDICTS = ("right", "wrong", "misprint", "incomplete", "false")
 
 
 @click.command(short_help="What a method is, claims or not.")
-@click.argument("name", metavar="NAME|FILE")
+@click.argument("name", metavar="NAME|FILE", shell_complete=complete_method)
 @_FORM
 def analyze(name: str, form: str) -> int:
-    """Say what a method is, whatever is claimed: order, forms, symmetry, growth, and the proof.
+    """Say what a method is, whatever is claimed: order, error, forms, symmetry, stability, proof.
 
     Exit code 3 when something could not be decided.
     """
-    from ..catalogue.lookup import load, path_of
+    from ..catalogue.lookup import load
     from ..verification.analysis import analyze as examine
-    from ..verification.verifier import budget_of
 
     try:
-        record = examine(load(name), budget=budget_of(path_of(name))).as_json()
+        record = examine(name).as_json()
     except BudgetError as error:
         complain(f"{name}: {error}, and what the method is was not decided")
         return INTERNAL
@@ -57,7 +46,8 @@ def analyze(name: str, form: str) -> int:
     elif form == "csv":
         say(csv_text([("fact", "value"), *record.items()]))
     else:
-        say(_page(record, Style.of(sys.stdout)))
+        measured = _measured(load(name), record["stability"])
+        say(_page(record, measured, Style.of(sys.stdout)))
     decisions = [record["g_symplectic"]["holds"], record["symmetric"]["holds"]]
     decisions += [
         record[k] for k in ("preconsistent", "consistent", "zero_stable", "parasitism_free")
@@ -65,39 +55,26 @@ def analyze(name: str, form: str) -> int:
     return INTERNAL if None in decisions else HOLDS
 
 
-def _page(record: Mapping[str, Any], style: Style) -> str:
-    """Return an analysis as lines of name and value; a matrix has a line for each row."""
-    rows: list[tuple[str, str]] = []
+def _page(record: Mapping[str, Any], measured: Mapping[str, float], style: Style) -> str:
+    """Return an analysis as lines of name and value."""
+    from ..views.facts import analysis_rows
 
-    def put(name: str, value: object) -> None:
-        if isinstance(value, Mapping):
-            for key, x in value.items():
-                put(name if key == "holds" else f"{name} {key}", x)
-        elif isinstance(value, list) and value and all(isinstance(x, list) for x in value):
-            rows.extend((name if i == 0 else "", shown_value(row)) for i, row in enumerate(value))
-        elif value is not None or name in _DECISIONS:
-            rows.append((name, shown_value(value)))
-
-    for key, value in record.items():
-        if key == "growth":
-            for entry in value:
-                for inner, x in entry.items():
-                    if inner != "eigenvalue":
-                        put(f"growth {inner} at {shown_value(entry['eigenvalue'])}", x)
-        elif key == "error_constants":
-            rows.append(("residuals at the next order", _largest(value)))
-        elif key not in ("format", "method"):
-            put(_TITLES.get(key, key.replace("_", " ")), value)
     name = style.paint(one_line(record["method"]) or "(unnamed)", "bold")
+    rows = [
+        (title if i == 0 else "", line)
+        for title, text in analysis_rows(record, measured)
+        for i, line in enumerate(textwrap.wrap(text, max(style.width - 45, 30)) or [""])
+    ]
     return "\n".join([name, columns(rows, style=style)])
 
 
-def _largest(residuals: Mapping[str, float]) -> str:
-    wrong = {tree: x for tree, x in residuals.items() if x}
-    if not wrong:
-        return f"none of {len(residuals)} trees"
-    worst = max(wrong, key=lambda tree: abs(wrong[tree]))
-    return f"{len(wrong)} of {len(residuals)} trees, largest {wrong[worst]:.6g} at tree {worst}"
+def _measured(method: Any, stability: Mapping[str, Any]) -> dict[str, float]:
+    """Ends of the stability intervals that are not proved, in floating point."""
+    from ..measure.stability import interval
+
+    rays = {"real": -1 + 0j, "imaginary": 1j}
+    open_ = [key for key in rays if key in stability and stability[key] is None]
+    return {key: interval(method, rays[key]) for key in open_}
 
 
 @click.command(short_help="What the thesis prints, and what is right.")

@@ -7,7 +7,9 @@ from pathlib import Path
 import click
 
 from ..errors import UsageError
-from .output import HOLDS, say
+from ..system.files import write_text
+from ..views.tables import one_line
+from .output import HOLDS, Word, complete_method, say
 
 __all__ = ["export", "import_"]
 
@@ -28,8 +30,8 @@ _output = click.option(
 
 
 @click.command(short_help="A method as source code or as a table of another package.")
-@click.argument("name", metavar="NAME|FILE")
-@click.option("--to", "target", type=click.Choice(TARGETS), required=True, help="What to write.")
+@click.argument("name", metavar="NAME|FILE", shell_complete=complete_method)
+@click.option("--to", "target", type=Word(TARGETS), required=True, help="What to write.")
 @click.option(
     "--digits",
     type=click.IntRange(1, 150),
@@ -51,7 +53,7 @@ def export(name: str, target: str, digits: int | None, output: Path | None) -> i
 
 @click.command("import", short_help="A table of another package as a method file.")
 @click.argument("file", type=click.Path(path_type=Path), metavar="FILE")
-@click.option("--from", "form", type=click.Choice(READ), required=True, help="What the file is.")
+@click.option("--from", "form", type=Word(READ), required=True, help="What the file is.")
 @_output
 def import_(file: Path, form: str, output: Path | None) -> int:
     """Read a table of another package and write it as a method file.
@@ -76,8 +78,5 @@ def _write(text: str, output: Path | None) -> None:
     if output is None:
         say(text.removesuffix("\n"))
         return
-    try:
-        output.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise UsageError(f"{output} cannot be written ({error.strerror})") from None
-    say(f"wrote {output}")
+    write_text(output, text)
+    say(f"wrote {one_line(output)}")

@@ -6,6 +6,10 @@ import os
 import sys
 import traceback
 
+import click
+from click.shell_completion import CompletionItem
+
+from ..errors import did_you_mean
 from ..system.process import INTERRUPTED, PIPE_CLOSED, open_streams
 from ..views.tables import one_line
 
@@ -16,7 +20,9 @@ __all__ = [
     "INTERNAL",
     "INTERRUPTED",
     "PIPE_CLOSED",
+    "Word",
     "complain",
+    "complete_method",
     "confess",
     "internal_sentence",
     "open_streams",
@@ -24,6 +30,25 @@ __all__ = [
 ]
 
 HOLDS, FAILED, BAD_INPUT, INTERNAL = 0, 1, 2, 3
+
+
+class Word(click.Choice[str]):
+    """One of some words; a wrong one is told the nearest."""
+
+    def get_invalid_choice_message(self, value: object, ctx: click.Context | None) -> str:
+        """Return the sentence for a word that is none of them."""
+        near = did_you_mean(value, self.choices, "; ")
+        return f"{value!r} is none of {', '.join(self.choices)}{near}"
+
+
+def complete_method(
+    context: click.Context, parameter: click.Parameter, incomplete: str
+) -> list[CompletionItem]:
+    """Complete a method: the shipped names, never those wrong on purpose, and files."""
+    from ..catalogue.files import names
+
+    found = [CompletionItem(name) for name in names("methods") if name.startswith(incomplete)]
+    return [*found, CompletionItem(incomplete, type="file")]
 
 
 def say(text: str) -> None:

@@ -1,4 +1,4 @@
-"""``glmref probe``: the method a code really is, named."""
+"""``glmref conformance`` and ``glmref probe``: is this code the method, and which method is it."""
 
 from __future__ import annotations
 
@@ -9,13 +9,36 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..views.tables import Style, columns, json_text, one_line, shown_value
+from ..views.tables import FORMATS, Style, columns, json_text, one_line, shown_value
 from .output import HOLDS, INTERNAL, say
 
 if TYPE_CHECKING:
     from ..conformance.identify import Probe
 
-__all__ = ["probe"]
+__all__ = ["conformance", "probe"]
+
+
+@click.command(short_help="Does this code implement its method?")
+@click.argument("adapter", metavar="ADAPTER")
+@click.option(
+    "--known-failures", metavar="FILE", help="Lines `id: reason` of checks that are to fail."
+)
+@click.option(
+    "--format", "form", type=click.Choice(FORMATS), default="table", help="What stdout gets."
+)
+@click.option("--list", "ids", is_flag=True, help="Write the ids of the checks and stop.")
+def conformance(adapter: str, known_failures: str | None, form: str, ids: bool) -> int:
+    """Run the conformance suite on an integrator.
+
+    ADAPTER is package.module:Name, cmd:program, or a shipped adapter such as scipy. Exit codes are
+    those of pytest and of `python -m glmref.conformance`: 0 every check holds, 1 one fails, 4 the
+    adapter or an option is bad.
+    """
+    from argparse import Namespace
+
+    from ..conformance.__main__ import judge
+
+    return judge(Namespace(adapter=adapter, known_failures=known_failures, format=form, list=ids))
 
 
 @click.command(short_help="What method is this code really?")

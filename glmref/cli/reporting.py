@@ -23,13 +23,20 @@ PLACES = (Path("report"), Path(".asv", "results"))
     help="Folder of the pages, report/pages by default; with --single-file the file.",
 )
 @click.option("--single-file", "single", is_flag=True, help="Everything on one page.")
-def report(results: tuple[Path, ...], output: Path | None, single: bool) -> int:
+@click.option(
+    "--docs",
+    default="",
+    metavar="PLACE",
+    help="Where the documentation lies: a folder seen from the pages, such as .., or an address.",
+)
+def report(results: tuple[Path, ...], output: Path | None, single: bool, docs: str) -> int:
     """Make pages of what is stored: methods, runs, errata, benchmarks. Nothing is computed.
 
     RESULTS are files and folders: records of `glmref run`, findings of `glmref verify --format
     json` and of the conformance suite, portraits NAME.svg of `glmref show NAME --plot`, results of
-    asv. By default the folder report and .asv/results. What comes with the data is shown as well,
-    where RESULTS say nothing else: verdicts, orders seen in runs, stability regions, measurements.
+    asv, method files of your own, which get a page each. By default the folder report and
+    .asv/results. What comes with the data is shown as well, where RESULTS say nothing else:
+    verdicts, orders seen in runs, stability regions, measurements.
     """
     from ..catalogue.files import data_root
     from ..catalogue.lookup import names
@@ -43,7 +50,7 @@ def report(results: tuple[Path, ...], output: Path | None, single: bool) -> int:
     found = read(places, names("methods"))
     if output is None:
         output = Path("report", "pages.html") if single else Path("report", "pages")
-    written = build(found, output, single=single)
+    written = build(found, output, single=single, docs=docs)
     for odd in found.odd:
         complain(f"not shown: {odd.where}: {odd.why}")
     records = sum(len(run.records) for run in found.runs)

@@ -1,0 +1,140 @@
+"""``glmref check``: a tableau from a file or a pipe; nothing but its numbers is needed."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ..errors import BudgetError, DataError, UsageError
+from ..findings import Verdict
+from ..views.tables import FORMATS, json_text
+from .output import FAILED, HOLDS, INTERNAL, complain, say
+
+__all__ = ["audit", "check"]
+
+#: Repeated from :data:`glmref.audit.readers.FORMATS`, so that ``--help`` loads nothing.
+READ = (
+    *("json", "csv", "sundials", "petsc", "julia", "python"),
+    *("openmodelica", "eigen", "rklib", "kpp", "principia", "gsl", "odeint"),
+)
+
+_MOST_TEXT = 20_000_000  # characters of a document
+
+
+@click.command(short_help="Check a plain tableau: JSON or TOML from a file or a pipe.")
+@click.argument("file", metavar="FILE|-")
+@click.option(
+    "--order", type=click.IntRange(1, 100), metavar="N", help="The order to check; or a key there."
+)
+@click.option(
+    "--digits",
+    type=click.IntRange(1, 300),
+    metavar="N",
+    help="Digits after the point to which its decimals are known; or a key there.",
+)
+@click.option(
+    "--format",
+    "form",
+    type=click.Choice([x for x in FORMATS if x in ("table", "json")]),
+    default="table",
+    help="What stdout gets.",
+)
+def check(file: str, order: int | None, digits: int | None, form: str) -> int:
+    """Check a tableau against the orders that are said of it.
+
+    FILE holds {"A": .., "b": .., "order": ..} in JSON or TOML, - stands for the standard input; the
+    documentation lists the other keys (c, embedded, parts, b_prime, alpha, gamma, dense). A number
+    with a point is the binary fraction that a program takes it for; "1/10" is exact.
+    """
+    from ..audit.check import examine, sentence
+    from ..system.budget import PROVING, limited
+
+    document = _document(file)
+    document |= {
+        key: value for key, value in (("order", order), ("digits", digits)) if value is not None
+    }
+    try:
+        with limited(PROVING):
+            findings = examine(document)
+    except BudgetError as error:
+        complain(f"{file}: {error}, and nothing was decided")
+        return INTERNAL
+    if form == "json":
+        say(json_text([x.as_json() for x in findings]))
+    else:
+        for x in findings:
+            say(sentence(x))
+    verdicts = {x.verdict for x in findings}
+    if Verdict.FAILS in verdicts:
+        return FAILED
+    return INTERNAL if Verdict.OPEN in verdicts else HOLDS
+
+
+def _text(file: str) -> str:
+    try:
+        if file == "-":
+            return sys.stdin.read(_MOST_TEXT + 1)
+        with Path(file).open(encoding="utf-8") as source:
+            return source.read(_MOST_TEXT + 1)
+    except UnicodeDecodeError:
+        raise UsageError(f"{file} is not UTF-8 text, which a tableau is") from None
+    except OSError as error:
+        raise UsageError(f"{file} cannot be read ({error.strerror})") from None
+
+
+def _document(file: str) -> dict[str, Any]:
+    import json
+
+    from ..audit.numbers import Double
+
+    text = _text(file)
+    where = "the standard input" if file == "-" else file
+    if len(text) > _MOST_TEXT:
+        raise DataError(f"{where} has more than {_MOST_TEXT} characters, which no tableau has")
+    try:
+        if text.lstrip()[:1] == "{":
+            document = json.loads(text, parse_float=Double)
+        else:
+            import tomllib
+
+            document = tomllib.loads(text, parse_float=Double)
+    except (ValueError, RecursionError) as error:
+        shown = str(error).splitlines()[0] if str(error) else "brackets nested too deep"
+        raise DataError(
+            f"{where} is neither a JSON object nor TOML ({shown}); write "
+            f'{{"A": [[0, 0], [1, 0]], "b": ["1/2", "1/2"], "order": 2}}'
+        ) from None
+    if not isinstance(document, dict):
+        raise DataError(f"{where} must hold one object with A and b")
+    return document
+
+
+@click.command(short_help="Check all tableaux in the sources of a code.")
+@click.argument("source", type=click.Path(path_type=Path), metavar="SOURCE")
+@click.option(
+    "--format", "form", type=click.Choice(READ), required=True, help="How it writes them."
+)
+@click.option("--all", "every", is_flag=True, help="Show the tables that are right, too.")
+@click.option("--fast", is_flag=True, help="Do not look for the entry that is wrong.")
+def audit(source: Path, form: str, every: bool, fast: bool) -> int:
+    """Check every tableau in a file or checkout: one line of JSON each, then a count.
+
+    Nothing in the sources is executed. A table that is not understood is listed as unread, with its
+    line, and the audit goes on. Exit code 1 when a table is wrong.
+    """
+    import json
+
+    from ..audit.judge import summary
+    from ..audit.sources import audit as examine
+
+    records = []
+    for record in examine(source, form, search=not fast):
+        records.append(record)
+        if every or record["status"] not in ("right", "found", "digits"):
+            say(json.dumps(record, ensure_ascii=False))
+    counts = summary(records)
+    complain(f"{len(records)} tables: " + ", ".join(f"{n} {x}" for x, n in counts.items()))
+    return FAILED if counts.get("wrong") else HOLDS
