@@ -92,7 +92,7 @@ class Run:
         arithmetic = self.reference.arithmetic
         h = arithmetic.number(self.h)
         t = arithmetic.number(self.problem.t_span[0]) + n * h
-        finishing = getattr(self.method, "finishing", None)
+        finishing = self.method.finishing
         try:
             y = self.reference.solution(values)
             if finishing is not None:
@@ -383,7 +383,7 @@ class Run:
 
     def _finished(self, t: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Apply the finishing method to every row; where it fails, the rows before are kept."""
-        finishing = getattr(self.method, "finishing", None)
+        finishing = self.method.finishing
         if finishing is None:
             return y
         h = self.reference.arithmetic.number(self.h)

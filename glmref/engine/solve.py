@@ -46,9 +46,9 @@ def solve(
         every: keep every k-th step and the last; 0 keeps only the end.
         times: instead of ``every``, the times to keep, on the grid t0 + n h.
         start: see :func:`.start.starting_values`; by default the method's own starting method.
-        renew: make the carried values anew from the solution by ``start`` after every so many
-            steps; 0 for never. A parasitic part that grows starts from nothing each time, so that
-            methods with several values stay bounded on long runs. What is exact for one step
+        renew: make the carried values anew from the solution, by the starting method ``start``,
+            after every so many steps; 0 for never. A parasitic part that grows starts from nothing
+            each time, so that it takes many more steps to become large. What is exact for one step
             (G-symplecticity, symmetry) does not hold across a renewal, and each renewal adds the
             error of the start. ``history`` keeps the values from before it.
         engine: ``"compiled"``; ``"reference"``, the step as in a paper; ``"interpreted"``, the
@@ -98,10 +98,10 @@ def solve(
             ) from error
         if digits is None and not np.isfinite(given.values).all():
             raise StartFailed("the starting values are not finite; use a smaller h")
-        if renew and given.kind == "given" and not callable(start):
+        if renew and given.kind == "given":  # they are those of y0, at every renewal
             raise UsageError(
-                "`renew` makes the values anew by a starting method, but `start` is an array of "
-                "values; give a starting method or a function of the problem and h"
+                "`renew` makes the values anew by a starting method, but `start` gives the values "
+                "at y0 alone; give a starting method, or leave `start` out"
             )
         run = Run(problem, chosen, h, plan, reference, given, history, cancel, progress)
         run.renewed_by(int(renew), start)

@@ -46,10 +46,12 @@ def test_what_is_no_number_of_steps_is_refused(wrong: object) -> None:
         solve(KEPLER, "g6245-w3", h=0.05, steps=50, renew=wrong)  # type: ignore[arg-type]
 
 
-def test_values_cannot_be_renewed_from_an_array() -> None:
+def test_values_given_at_the_start_cannot_be_renewed() -> None:
     values = np.zeros((4, 4))
-    with pytest.raises(UsageError, match="`start` is an array"):
-        solve(KEPLER, "ab-4", h=0.05, steps=50, renew=10, start=values)
+    # a function of the problem and h knows y0 only: renewed by it the run would begin again
+    for start in (values, lambda _problem, _h: values):
+        with pytest.raises(UsageError, match="`start` gives the values at y0 alone"):
+            solve(KEPLER, "ab-4", h=0.05, steps=50, renew=10, start=start)
 
 
 @pytest.mark.parametrize("engine", ["compiled", "reference"])
