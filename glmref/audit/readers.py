@@ -175,7 +175,7 @@ def _petsc(text: str) -> Iterator[Table]:
     run = _Run(text, "c")
     names = {
         "TSRKRegister": _petsc_rk,
-        "TSDIRKRegister": _petsc_dirk,
+        "TSDIRKRegister": _petsc_rk,
         "TSARKIMEXRegister": _petsc_ark,
         "TSRosWRegister": _petsc_rosw,
         "TSGLEERegister": _petsc_glee,
@@ -214,17 +214,7 @@ def _need(value: Any) -> Any:
 
 
 def _petsc_rk(name: str, line: int, v: list[Any]) -> Table:
-    s = _whole(v[2]) or 0
-    b = vector(v[4]) if _need(v[4]) is not None else None
-    A = _square(_need(v[3]), s)
-    table = Table(name, line, A=[A], b=[b or A[-1]], order=_whole(v[1]))
-    table.c = [None if _need(v[5]) is None else vector(v[5])]
-    if _need(v[6]) is not None:
-        table.rows = [("embedded", vector(v[6]), None)]
-    return table
-
-
-def _petsc_dirk(name: str, line: int, v: list[Any]) -> Table:
+    """TSRKRegister and TSDIRKRegister: name, order, s, A, b, c, embedded b."""
     s = _whole(v[2]) or 0
     A = _square(_need(v[3]), s)
     b = A[-1] if _need(v[4]) is None else vector(v[4])
@@ -238,7 +228,7 @@ def _petsc_dirk(name: str, line: int, v: list[Any]) -> Table:
 def _petsc_ark(name: str, line: int, v: list[Any]) -> Table:
     s = _whole(v[2]) or 0
     if _need(v[6]) is None:
-        return _petsc_dirk(name, line, [*v[:6], v[9]])
+        return _petsc_rk(name, line, [*v[:6], v[9]])
     At, A = _square(_need(v[3]), s), _square(_need(v[6]), s)
     bt = At[-1] if _need(v[4]) is None else vector(v[4])
     b = bt if _need(v[7]) is None else vector(v[7])
