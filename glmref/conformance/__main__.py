@@ -17,6 +17,9 @@ from ..errors import GlmrefError
 from ..findings import Finding, Verdict
 from ..system.process import guarded
 from ..views import tables
+from .adapter import load_adapter
+from .known import read_known_failures
+from .subject import Subject
 
 HOLDS, FAILED, BAD_ADAPTER = 0, 1, 4
 #: Beginning of the witness of a check that was not judged because of another one.
@@ -58,10 +61,7 @@ def _run(asked: argparse.Namespace) -> int:
 
 def _found(asked: argparse.Namespace) -> list[Any]:
     """Return the findings, or the ids where a list was asked for."""
-    from .adapter import load_adapter
     from .checks import Suite
-    from .known import read_known_failures
-    from .subject import Subject
 
     subject = Subject(load_adapter(asked.adapter), f"the adapter {asked.adapter!r}")
     try:

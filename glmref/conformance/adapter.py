@@ -59,15 +59,20 @@ class Adapter(Protocol):
 
     Attributes
     ----------
-        methods: names of ``glmref list`` (or paths of method files) this integrator claims to be;
-            or a mapping ``name -> {"order": p, "symmetric": True, "symplectic": True}`` for one the
-            catalogue lacks: then only these claims, if made, are measured.
-        epsilon: unit round-off of the arithmetic; 2**-53 by default.
-        tolerance: relative error with which stage equations are solved, or a mapping from methods
-            to it; 1e-14 by default.
-        problems: names of the only problems it can do; all by default.
-        starts: ``"file"`` (the default) when ``solve`` starts as the method's data say, ``"own"``
-            when it makes its own starting values, so that only the end of a run can be judged.
+    methods : Sequence[str] or Mapping[str, Mapping[str, object]]
+        Names of ``glmref list`` (or paths of method files) this integrator claims to be; or a
+        mapping ``name -> {"order": p, "symmetric": True, "symplectic": True}`` for one the
+        catalogue lacks: then only these claims, if made, are measured.
+    epsilon
+        Unit round-off of the arithmetic; 2**-53 by default.
+    tolerance
+        Relative error with which stage equations are solved, or a mapping from methods to it; 1e-14
+        by default.
+    problems
+        Names of the only problems it can do; all by default.
+    starts
+        ``"file"`` (the default) when ``solve`` starts as the method's data say, ``"own"`` when it
+        makes its own starting values, so that only the end of a run can be judged.
     """
 
     methods: Sequence[str] | Mapping[str, Mapping[str, object]]
@@ -103,13 +108,16 @@ class Adapter(Protocol):
 def load_adapter(text: str) -> Any:
     """Find the adapter a user names.
 
-    Args:
-        text: ``package.module:Name`` (a class is called without arguments), the name of a shipped
-            adapter, or ``cmd:program argument ...``.
+    Parameters
+    ----------
+    text : str
+        ``package.module:Name`` (a class is called without arguments), the name of a shipped
+        adapter, or ``cmd:program argument ...``.
 
     Raises
     ------
-        UsageError: one sentence on what is wrong and what to do.
+    UsageError
+        One sentence on what is wrong and what to do.
     """
     text = SHIPPED.get(text, text)
     if text.startswith("cmd:"):

@@ -14,11 +14,11 @@ from ..engine.start import enhanced_start
 from ..errors import GlmrefError, UsageError
 from ..exact import Ball, Exact
 from ..exact.linalg import Matrix
-from ..method import GLM, PartitionedGLM
+from ..method import GLM, Method, PartitionedGLM
 from ..method.solution_value import outputs, preconsistency_vector, stage_times, unit_place
 from ..prove.facts import facts_of
 from .numbers import decimal_of, decimals, rounded_up
-from .scheme import Scheme, error_bound, error_field
+from .scheme import error_bound, error_field
 from .traps import reversal
 from .vectors import TestProblem
 
@@ -38,14 +38,15 @@ class Bench:
 
     Attributes
     ----------
-        pair: whether it is a partitioned pair. r: number of values. scheme: the step as sums.
-        L: involution of a symmetric method. G: form of a conserving one; both ``None`` where not.
+    pair
+        Whether it is a partitioned pair. r: number of values.
+    L
+        Involution of a symmetric method. G: form of a conserving one; both ``None`` where not.
     """
 
     def __init__(self, method: GLM | PartitionedGLM, name: str) -> None:
         self.method, self.name = method, name
         self.pair, self.r = method.parts == 2, method.carried
-        self.scheme = Scheme.of(method)
         self.facts = facts_of(method)
         self.L = self._involution()
         self.G = self._form()
@@ -88,13 +89,13 @@ class Bench:
 
         m = self.method
         found: dict[str, Any] = {}
-        if isinstance(m, PartitionedGLM):
-            for part, hat in (("q", ""), ("p", "_hat")):
-                found[part] = {x: shown(getattr(m, x + hat)) for x in "AUBV"}
+        blocks = [dict(zip("AUBV", map(shown, c.matrices), strict=True)) for c in m.components]
+        if self.pair:
+            found |= zip("qp", blocks, strict=True)
             if self.r > 1 and self.G is not None:
                 found["G"] = shown(self.G)
             return found
-        found |= {x: shown(getattr(m, x)) for x in "AUBV"}
+        found |= blocks[0]
         found["c"] = shown((stage_times(m),))[0]
         if self.G is not None:
             found["G"] = shown(self.G)
@@ -144,12 +145,12 @@ class Bench:
         return out
 
     def rounding(
-        self, scheme: Scheme, task: TestProblem, t: Any, values: Any, h: Any, stages: Any
+        self, method: Method, task: TestProblem, t: Any, values: Any, h: Any, stages: Any
     ) -> str:
         """Largest error, in units of the round-off, that rounding makes in stages and output."""
         context = self.engine(task).arithmetic.context
         field = error_field(task.expressions, context)
-        rows = error_bound(scheme, field, t, list(values), h, stages, context)
+        rows = error_bound(method, field, t, list(values), h, stages, context)
         return rounded_up(SAFETY * max(x.error for part in rows for row in part for x in row))
 
     def begin(
@@ -162,7 +163,7 @@ class Bench:
         size = context.mpf(h.numerator) / h.denominator
         if self.r == 1:
             return engine, y0[None, :], None
-        if isinstance(self.method, GLM) and self.method.starting is not None:
+        if not self.pair and self.method.starting is not None:
             return engine, apply_start(self.method.starting, engine, t, y0, size)[0], None
         coarse = self.engine(task, TRAP_DIGITS)
         # an error O(h^p) at the start leaves the order p of the run, as for the starts of the data
@@ -229,8 +230,5 @@ def _is_symmetric(matrix: Matrix) -> bool:
 
 def _numbers_of(part: Any) -> Iterator[Any]:
     """Every coefficient of a method, a start or a finish."""
-    for name in ("A", "U", "B", "V", "A_hat", "U_hat", "B_hat", "V_hat"):
-        for row in getattr(part, name, None) or ():
-            yield from row
-    for name in ("u", "b"):
-        yield from getattr(part, name, None) or ()
+    for c in part.components if part is not None else ():
+        yield from (x for matrix in c.matrices for row in matrix for x in row)

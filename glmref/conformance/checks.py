@@ -66,12 +66,15 @@ class Check:
 class Suite:
     """All checks of one adapter; each is carried out at most once.
 
-    Args:
-        subject: the adapter.
+    Parameters
+    ----------
+    subject : Subject
+        The adapter.
 
     Attributes
     ----------
-        checks: in an order in which each comes after those it rests on.
+    checks
+        In an order in which each comes after those it rests on.
     """
 
     def __init__(self, subject: Subject) -> None:

@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 
 from ..catalogue.lookup import load
+from ..engine.solve import solve
+from .adapters.reference import Adapter
 from .diagnosis import known_bug, name_defect, residual_of_stages, stage_order, start_order
 from .judgement import Judgement, errors_of, order_judgement
 from .subject import AdapterError, NotOffered, Subject
@@ -318,15 +320,11 @@ def _drift(C: np.ndarray, rows: np.ndarray) -> float:
 
 def _our_run(name: str, problem: Any, h: float, steps: int) -> np.ndarray:
     """Solution at every step, from the method's own start or the enhanced one."""
-    from ..engine.solve import solve
-
     return np.asarray(solve(problem, load(name), h=h, steps=steps, every=1).y, dtype=float)
 
 
 def _ours(name: str) -> Any:
     """Our own start and finish, for adapters that have none."""
-    from .adapters.reference import Adapter
-
     return Adapter((name,))
 
 

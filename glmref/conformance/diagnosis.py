@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import GlmrefError
+from .adapters.reference import Adapter
 from .identify import matches
 from .probe import read
 from .subject import AdapterError, NotOffered, Subject
@@ -197,8 +198,6 @@ def start_order(subject: Subject, vectors: Vectors, task: TestProblem) -> str:
     The difference of starting values of orders q < p is O(h^(q+1)); it is measured at four step
     sizes.
     """
-    from .adapters.reference import Adapter
-
     ours, problem = Adapter((vectors.name,)), task.problem
     shape, gaps = (int(vectors.document["values"]), problem.dimension), []
     try:

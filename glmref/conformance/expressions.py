@@ -34,15 +34,21 @@ def evaluate(
 ) -> list[Any]:
     """Evaluate expressions.
 
-    Args:
-        texts: one expression for each component.
-        names: values of ``t`` and of the vectors ``y``, ``q``, ``p``.
-        functions: ``sqrt`` and ``sin`` of the number type.
-        number: turns a Fraction into the number type where the type does not mix with Fractions.
+    Parameters
+    ----------
+    texts : Sequence[str]
+        One expression for each component.
+    names : Mapping[str, Any]
+        Values of ``t`` and of the vectors ``y``, ``q``, ``p``.
+    functions : Mapping[str, Callable[[Any], Any]]
+        ``sqrt`` and ``sin`` of the number type.
+    number : Callable[[Fraction], Any]
+        Turns a Fraction into the number type where the type does not mix with Fractions.
 
     Raises
     ------
-        DataError: for anything but arithmetic in these names.
+    DataError
+        For anything but arithmetic in these names.
     """
 
     def value(node: ast.expr) -> Any:
@@ -94,7 +100,10 @@ class Bounded:
 
     Attributes
     ----------
-        value: the number. error: bound of ``|computed - value| / u`` to first order.
+    value : Any
+        The number.
+    error : Any
+        Bound of ``|computed - value| / u`` to first order.
     """
 
     __slots__ = ("error", "value")

@@ -1,19 +1,22 @@
 """Make the vectors: mpmath at 60 digits, confirmed in ball arithmetic, wrong results beside them.
 
 ``python -m glmref.conformance.generate`` writes ``data/vectors`` anew; with names, these files
-only. The result depends on nothing but the method files, the problems and this package: the same
-bytes come out on every machine, and a test makes them again.
+only; ``GLMREF_EXECUTOR`` says where they are made. The result depends on nothing but the method
+files, the problems and this package: the same bytes come out on every machine, and a test makes
+them again.
 """
 
 from __future__ import annotations
 
 import hashlib
-import json
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from ..catalogue.canonical import laid_out
+from ..catalogue.lookup import load
+from ..compute import executor, in_order
 from ..errors import DataError
 from ..method.solution_value import preconsistency_vector
 from .bench import DIGITS, SHOWN, Bench
@@ -38,7 +41,8 @@ def document_of(method: Any, name: str) -> dict[str, Any]:
 
     Raises
     ------
-        DataError: for a method whose vectors cannot be made: complex, or not pre-consistent.
+    DataError
+        For a method whose vectors cannot be made: complex, or not pre-consistent.
     """
     if method.parts == 1 and not method.is_real:
         raise DataError(f"{name}: vectors are made for real methods; take its real form")
@@ -85,17 +89,7 @@ def _cases(bench: Bench) -> Iterator[dict[str, Any]]:
 
 def layout(document: Mapping[str, Any]) -> str:
     """Text of a vector document: keys in the order given, a row of numbers on a line."""
-    return _write(document, "") + "\n"
-
-
-def _write(value: Any, margin: str) -> str:
-    deeper = margin + " "
-    if isinstance(value, Mapping) and value:
-        rows = [f"{json.dumps(key)}: {_write(x, deeper)}" for key, x in value.items()]
-        return "{\n" + ",\n".join(deeper + row for row in rows) + f"\n{margin}}}"
-    if isinstance(value, list) and any(isinstance(x, list | Mapping) for x in value):
-        return "[\n" + ",\n".join(deeper + _write(x, deeper) for x in value) + f"\n{margin}]"
-    return json.dumps(value)
+    return laid_out(document)
 
 
 def checksums(folder: Path) -> str:
@@ -106,17 +100,41 @@ def checksums(folder: Path) -> str:
     )
 
 
-def write(folder: Path, names: Sequence[str] = METHODS) -> None:
-    """Make the files of these methods anew, and the list of hashes."""
-    from ..catalogue.lookup import load
+def write(folder: Path, names: Sequence[str] = METHODS, on: str | None = None) -> None:
+    """Make the files of these methods anew, and the list of hashes.
 
-    for name in names:
-        text = layout(document_of(load(name), name))
-        (folder / f"{name}.json").write_text(text, encoding="utf-8")
+    Parameters
+    ----------
+    folder : Path
+        Where they belong.
+    names : sequence of str
+        Methods.
+    on : str, optional
+        Where they are made, see :mod:`glmref.compute.choosing`.
+
+    Raises
+    ------
+    DataError
+        Where the vectors of a method cannot be made; those before it are written.
+    """
+    tasks = [{"kind": "vectors", "method": name} for name in names]
+    with executor(on) as where:
+        for task, done in in_order(where.run(text_of, tasks), tasks):
+            if done.failure:
+                raise DataError(f"{task['method']}: {done.message}")
+            (folder / f"{task['method']}.json").write_text(done.value, encoding="utf-8")
     (folder / "SHA256SUMS").write_text(checksums(folder), encoding="utf-8")
 
 
+def text_of(task: Mapping[str, Any]) -> str:
+    """Text of the vector file of a method."""
+    return layout(document_of(load(task["method"]), task["method"]))
+
+
 if __name__ == "__main__":
+    # by its name: other processes cannot import a function of what runs as `__main__`
+    from glmref.conformance.generate import write as write_files
+
     from .vectors import folder as home
 
-    write(home(), sys.argv[1:] or METHODS)
+    write_files(home(), sys.argv[1:] or METHODS)

@@ -23,6 +23,8 @@ from ..errors import DataError, ExactnessError, UsageError, did_you_mean
 from ..exact import Ball
 from ..exact.expression import parse
 from ..method import GLM, Method, PartitionedGLM
+from ..method.solution_value import stage_times
+from ..verification.analysis import analyze
 from .probe import Reading, read
 from .subject import Subject
 from .watch import clean, needed
@@ -54,10 +56,15 @@ class Match:
 
     Attributes
     ----------
-        name: its name. difference: largest difference of A and of U V^k B, k < r.
-        same_basis: whether U, B and V agree as well, without a change of values.
-        times: abscissae of the method where f is evaluated at others, else empty: such a code is
-            the method on autonomous systems only.
+    name : str
+        Its name.
+    difference : float
+        Largest difference of A and of U V^k B, k < r.
+    same_basis : bool
+        Whether U, B and V agree as well, without a change of values.
+    times : tuple[float, ...]
+        Abscissae of the method where f is evaluated at others, else empty: such a code is the
+        method on autonomous systems only.
     """
 
     name: str
@@ -72,13 +79,19 @@ class Probe:
 
     Attributes
     ----------
-        method: what the adapter calls it.
-        reading: the coefficients, or ``None`` where they could not be read.
-        matches: methods of the catalogue it equals, nearest first.
-        recognised: whether every coefficient has a short closed form; then ``analysis`` is exact
-            for these forms.
-        analysis: the record of :func:`glmref.analyze`, or ``None``.
-        notes: what could not be seen, and why.
+    method : str
+        What the adapter calls it.
+    reading : Reading or None
+        The coefficients, or ``None`` where they could not be read.
+    matches : tuple[Match, ...]
+        Methods of the catalogue it equals, nearest first.
+    recognised : bool
+        Whether every coefficient has a short closed form; then ``analysis`` is exact for these
+        forms.
+    analysis : Any
+        The record of :func:`glmref.analyze`, or ``None``.
+    notes : tuple[str, ...]
+        What could not be seen, and why.
     """
 
     method: str
@@ -128,12 +141,15 @@ class Probe:
 def identify(subject: Subject, method: str | None = None) -> list[Probe]:
     """Read the methods of an adapter and say what they are.
 
-    Args:
-        method: one of its methods; all by default.
+    Parameters
+    ----------
+    method : str or None
+        One of its methods; all by default.
 
     Raises
     ------
-        UsageError: when the adapter has no such method.
+    UsageError
+        When the adapter has no such method.
     """
     if method is not None and method not in subject.methods:
         raise UsageError(
@@ -173,8 +189,6 @@ def _identify(subject: Subject, name: str) -> Probe:
 
 
 def _analysis(method: Method, notes: list[str]) -> Any:
-    from ..verification.analysis import analyze
-
     try:
         return analyze(method)
     except (ExactnessError, DataError) as error:
@@ -220,6 +234,7 @@ def as_method(reading: Reading, name: str = "read") -> tuple[Method, bool]:
 
     Returns
     -------
+    tuple[Method, bool]
         The method, and whether every number has a closed form.
     """
     complete = True
@@ -331,12 +346,9 @@ def _other_times(
 @cache
 def _abscissae(name: str) -> np.ndarray:
     """Abscissae of a method as doubles, without stages on which nothing depends."""
-    from ..method.solution_value import stage_times
-
-    method = load(name)
-    assert isinstance(method, GLM)
-    blocks = [np.array([[complex(x) for x in row] for row in m]) for m in (method.A, method.B)]
-    c = np.array([complex(x).real for x in stage_times(method)])
+    (block,) = load(name).components
+    blocks = [np.array([[complex(x) for x in row] for row in m]) for m in (block.A, block.B)]
+    c = np.array([complex(x).real for x in stage_times(block)])
     return c[needed(*blocks)]
 
 

@@ -20,9 +20,14 @@ class Judgement:
 
     Attributes
     ----------
-        holds: ``None`` where it was not judged.
-        message: what is wrong, or why it was not judged.
-        residual: size of the deviation. declared, value: for claims with a value.
+    holds : bool or None
+        ``None`` where it was not judged.
+    message : str
+        What is wrong, or why it was not judged.
+    residual : float
+        Size of the deviation.
+    declared, value : object
+        For claims with a value.
     """
 
     holds: bool | None

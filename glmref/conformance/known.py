@@ -8,6 +8,7 @@ One line each, ``id: reason``; blank lines and lines that begin with ``#`` are s
 from __future__ import annotations
 
 from collections.abc import Iterable
+from difflib import get_close_matches
 from pathlib import Path
 
 from ..errors import DataError, UsageError
@@ -21,16 +22,17 @@ MAX_BYTES = 1_000_000
 def read_known_failures(path: str | Path, ids: Iterable[str]) -> dict[str, str]:
     """Read the file; return id -> reason.
 
-    Args:
-        ids: the ids of the checks there are.
+    Parameters
+    ----------
+    ids : Iterable[str]
+        The ids of the checks there are.
 
     Raises
     ------
-        UsageError: for a file that cannot be read, a line without a reason, an id given twice, or
-            an id that no check has.
+    UsageError
+        For a file that cannot be read, a line without a reason, an id given twice, or an id that no
+        check has.
     """
-    from difflib import get_close_matches
-
     known, ids = {}, list(ids)
     try:
         text = read_text(Path(path), MAX_BYTES)

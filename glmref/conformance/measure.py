@@ -12,6 +12,7 @@ from ..errors import UsageError
 from .judgement import Judgement, errors_of, floor_of, order_judgement
 from .probe import read
 from .subject import Subject
+from .taylor import taylor_states
 from .vectors import TestProblem, array, problems
 from .weights import HIGHEST, first_defect, nearest
 
@@ -150,8 +151,6 @@ def _measured_claim(gap: float, allowed: float, said: str) -> Judgement:
 
 @cache
 def _taylor_end(name: str, time: float) -> np.ndarray:
-    from .taylor import taylor_states
-
     task = problems()[name]
     (end,) = taylor_states(task.problem, [float(task.t0) + time], digits=25)
     return np.array([float(x) for x in end])

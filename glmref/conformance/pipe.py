@@ -80,12 +80,15 @@ class BrokenPipe(PipeError):
 class PipeAdapter:
     """A program as an adapter.
 
-    Args:
-        command: the program and its arguments, as in a shell; no shell is used.
+    Parameters
+    ----------
+    command : str
+        The program and its arguments, as in a shell; no shell is used.
 
     Raises
     ------
-        UsageError: when it cannot be started, or does not say what it is.
+    UsageError
+        When it cannot be started, or does not say what it is.
     """
 
     def __init__(self, command: str) -> None:
@@ -193,23 +196,18 @@ class PipeAdapter:
         return _shaped(answer, values.shape)
 
     def _stages(self, method: str, problem: Any, t: float, y: np.ndarray, h: float) -> Any:
-        from ..method import PartitionedGLM
-
         values = y.reshape(-1, problem.dimension)
         answer = self._values(self._line("stages", method, problem, t, h, values), problem)
         known = _known(method)
-        if isinstance(known, PartitionedGLM):
-            m = problem.dimension // 2
-            both = _shaped(answer, (known.n_Q + known.n_P, m))
-            return both[: known.n_Q], both[known.n_Q :]
-        return _shaped(answer, (known.s, problem.dimension))
+        stages = [len(c.A) for c in known.carriers]
+        both = _shaped(answer, (sum(stages), problem.dimension // len(stages)))
+        return both if len(stages) == 1 else (both[: stages[0]], both[stages[0] :])
 
     def _start(self, method: str, problem: Any, h: float) -> np.ndarray:
         t, y0 = problem.t_span[0], np.array(problem.y0)
         line = self._line("start", method, problem, t, h, y0[None, :], name="y0")
         known = _known(method)
-        r = getattr(known, "r_hat", known.r)
-        return _shaped(self._values(line, problem), (max(known.r, r), len(y0)))
+        return _shaped(self._values(line, problem), (known.carried, len(y0)))
 
     def _finish(self, method: str, problem: Any, t: float, y: np.ndarray, h: float) -> np.ndarray:
         values = y.reshape(-1, problem.dimension)

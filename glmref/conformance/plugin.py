@@ -13,6 +13,11 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from ..errors import GlmrefError
+from .adapter import load_adapter
+from .known import read_known_failures
+from .subject import Subject
+
 if TYPE_CHECKING:
     from ..findings import Finding
     from .checks import Check, Suite
@@ -68,11 +73,7 @@ def _ours(config: pytest.Config) -> bool:
 
 
 def _session(named: str, known: str | None) -> Session:
-    from ..errors import GlmrefError
-    from .adapter import load_adapter
     from .checks import Suite
-    from .known import read_known_failures
-    from .subject import Subject
 
     try:
         suite = Suite(Subject(load_adapter(named), f"the adapter {named!r}"))

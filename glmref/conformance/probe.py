@@ -47,14 +47,19 @@ __all__ = ["Box", "Reading", "read", "read_glm", "read_pair", "rebuilt_step"]
 def read_glm(box: Box, r: int, *, t: float = 0.0) -> Reading:
     """Read A, U, B, V of an integrator that carries r values and calls f(t, y).
 
-    Args:
-        box: one step of the integrator.
-        r: number of values it carries.
-        t: time at which it steps.
+    Parameters
+    ----------
+    box : Box
+        One step of the integrator.
+    r : int
+        Number of values it carries.
+    t : float
+        Time at which it steps.
 
     Raises
     ------
-        UsageError: when it cannot be read: f is not called, or at too many points.
+    UsageError
+        When it cannot be read: f is not called, or at too many points.
     """
     found = _read_with(box, Watch(), r, t)
     if found.evaluations < 2 * found.points:  # no stage equations are iterated
@@ -117,7 +122,8 @@ def read_pair(box: Box, r: int, *, t: float = 0.0) -> Reading:
 
     Raises
     ------
-        UsageError: when dq or dp is not called.
+    UsageError
+        When dq or dp is not called.
     """
     first, second = Watch(), Watch()
     _watched_pair(box, first, second, r, 0, t, 1.0)
@@ -286,7 +292,8 @@ def read(subject: Subject, method: str, r: int) -> Reading:
 
     Raises
     ------
-        UsageError: one sentence on why it cannot be read.
+    UsageError
+        One sentence on why it cannot be read.
     """
     box, said = box_of(subject, method), []
     readers: Sequence[Callable[[Box, int], Reading]] = (read_glm, read_pair)

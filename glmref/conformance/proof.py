@@ -30,8 +30,10 @@ def distance(enclosed: Iterable[Any], printed: Iterable[str]) -> Fraction:
 def bound_of(enclosed: Any, printed: Any, doubt: Fraction = Fraction(0)) -> str:
     """Bound of a case: the largest distance of its numbers, rounded up to one digit.
 
-    Args:
-        doubt: largest radius of a coefficient, which a step may magnify a thousandfold.
+    Parameters
+    ----------
+    doubt : Fraction
+        Largest radius of a coefficient, which a step may magnify a thousandfold.
     """
     gap = max(
         distance(row, texts)

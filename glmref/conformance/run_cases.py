@@ -13,10 +13,13 @@ import numpy as np
 from ..engine.reference import Stepper
 from ..errors import DataError
 from ..exact import ball
+from ..method import Method
+from ..problems import problem
 from .bench import DIGITS, SAFETY, SHOWN, TRAP_DIGITS, Bench
 from .numbers import decimal_text, decimals, exact_decimal, fraction_of, rounded_up
 from .proof import add_wrong, distance
-from .scheme import Scheme, ball_field, enclosed_step, error_bound, error_field
+from .scheme import ball_field, enclosed_step, error_bound, error_field
+from .taylor import taylor_states
 from .traps import wrong_runs
 from .vectors import TestProblem
 
@@ -117,10 +120,9 @@ class _Run:
         self.errors: list[list[Any]] = self._numbers(rows)
         starting = getattr(bench.method, "starting", None)
         if given is None and starting is not None:
-            scheme = Scheme.of_start(starting)
             y0 = np.array(engine.problem.y0)
             stages = bench.inner_stages(starting.A, task, self.time, y0, self.size)
-            self.balls, self.errors = self._both(scheme, self.balls, self.errors, stages)
+            self.balls, self.errors = self._both(starting, self.balls, self.errors, stages)
         self.shown: list[list[str]] = []
         self.distance, self.error = Fraction(0), self.context.mpf(0)
         self._show()
@@ -128,13 +130,13 @@ class _Run:
     def _numbers(self, rows: Sequence[Sequence[str]]) -> list[list[Any]]:
         return [[self.context.mpf(x) for x in row] for row in rows]
 
-    def _both(self, scheme: Scheme, balls: Any, errors: Any, stages: Any) -> tuple[Any, Any]:
+    def _both(self, method: Method, balls: Any, errors: Any, stages: Any) -> tuple[Any, Any]:
         t = Fraction(self.task.t0) + self.n * self.h
         time = self.time
         guesses = [[ball(fraction_of(x)) for x in row] for row in stages]
-        _, new = enclosed_step(scheme, self.balls_field, t, balls, self.h, guesses)
+        _, new = enclosed_step(method, self.balls_field, t, balls, self.h, guesses)
         _, bounds = error_bound(
-            scheme, self.errors_field, time, errors, self.size, stages, self.context
+            method, self.errors_field, time, errors, self.size, stages, self.context
         )
         return new, bounds
 
@@ -147,7 +149,7 @@ class _Run:
         """Take one step and show the solution after it."""
         taken = self.engine.step(self.time, self.values, self.size)
         stages = [row for part in taken.stages for row in part] if self.bench.pair else taken.stages
-        self.balls, self.errors = self._both(self.bench.scheme, self.balls, self.errors, stages)
+        self.balls, self.errors = self._both(self.bench.method, self.balls, self.errors, stages)
         self.values, self.n = taken.values, self.n + 1
         self._show()
 
@@ -159,7 +161,7 @@ class _Run:
             stages = self.bench.inner_stages(
                 finishing.A, self.task, self.time, self.engine.solution(self.values), self.size
             )
-            first, errors = self._both(Scheme.of_finish(finishing), first, errors, stages)
+            first, errors = self._both(finishing, first, errors, stages)
         solution = self.bench.solution(self.engine, self.values, self.time, self.size)
         self.shown.append(decimals(solution, SHOWN))
         rows = [(first[0], self.shown[-1])]
@@ -176,9 +178,6 @@ def _pendulum_end(task: TestProblem) -> list[str]:
 
     By Jacobi's elliptic functions, confirmed by a Taylor series of another module.
     """
-    from ..problems import problem
-    from .taylor import taylor_states
-
     known = problem("pendulum", q0=task.y0[0], p0=task.y0[1])
     context = mpmath.MPContext()
     context.dps = DIGITS

@@ -1,8 +1,8 @@
-"""A step over any numbers: mpmath, balls, numbers with an error bound.
+"""A step over balls, and over numbers with an error bound.
 
-A GLM, a partitioned pair, a starting method and a finishing method are all one thing here: stages,
-each a sum of given rows and of slopes of stages, and rows that come out. This is not the engine's
-code, so that the engine's numbers can be confirmed by it.
+The step is that of the reference engine (:class:`glmref.engine.reference.Stepper`), in an
+arithmetic that adds term by term and leaves out coefficients that are exact zeros: a proof and a
+bound of the rounding errors take no detours. In balls coupled stages are enclosed, not iterated.
 """
 
 from __future__ import annotations
@@ -12,172 +12,117 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from ..exact import Ball, Exact, Scalar, ball
+import numpy as np
+
+from ..engine.arithmetic import Arithmetic
+from ..engine.reference import Stepper
+from ..exact import Ball, Exact, ball
 from ..exact.linalg import Matrix
-from ..method import GLM, FinishingMethod, PartitionedGLM, StartingMethod
-from ..method.solution_value import stage_times
-from ..method.stage_order import StageBlock, dependency_blocks
+from ..method import Method
 from .expressions import BALL_FUNCTIONS, Bounded, bounded_functions, evaluate
 
-__all__ = ["Field", "Scheme", "ball_field", "enclosed_step", "error_bound", "error_field"]
+__all__ = ["Field", "ball_field", "enclosed_step", "error_bound", "error_field", "step_over"]
 
 #: slope of a stage: ``field(kind, time, stage vector)``, kind one of "f", "dq", "dp"
-Field = Callable[[str, Any, Sequence[Any]], list[Any]]
+Field = Callable[[str, Any, Any], list[Any]]
 Rows = Sequence[Sequence[Any]]
-Terms = tuple[tuple[int, Scalar], ...]
 #: Rounds of inflation, each by this factor. A map that contracts by a factor near 1 needs many.
 _ROUNDS, _INFLATION = 60, Fraction(11, 10)
 
 
-@dataclass(frozen=True)
-class Stage:
-    """One stage: which rows and slopes it sums, and where its slope comes from.
+class _TermByTerm(Arithmetic):
+    """Numbers of any type; a coefficient that is exactly zero is the integer 0 and takes no part.
 
-    Attributes
+    Parameters
     ----------
-        part: half of the components it lives in: 0 all, 1 the first (q), 2 the second (p).
-        rows, slopes: (index, coefficient) of the terms that are not zero.
-        kind: the function evaluated at it. c: its abscissa.
+    convert : Callable[[Any], Any]
+        Turns a coefficient into the number type.
     """
 
-    part: int
-    rows: Terms
-    slopes: Terms
-    kind: str
-    c: Scalar
+    def __init__(self, convert: Callable[[Any], Any]) -> None:
+        super().__init__(None)
+        self.convert = convert
+
+    def number(self, x: Any) -> Any:
+        """A coefficient in the number type."""
+        return 0 if isinstance(x, Exact | Ball) and x.is_zero() is True else self.convert(x)
+
+    def array(self, matrix: Matrix) -> np.ndarray:
+        """A matrix of coefficients."""
+        out = np.empty((len(matrix), len(matrix[0]) if matrix else 0), dtype=object)
+        for i, row in enumerate(matrix):
+            out[i, :] = [self.number(x) for x in row]
+        return out
+
+    def zeros(self, shape: tuple[int, ...], like: np.ndarray | None = None) -> np.ndarray:
+        """Zeros of the number type."""
+        out = np.empty(shape, dtype=object)
+        out[...] = self.convert(0)
+        return out
+
+    def localised(self, problem: Any) -> Any:
+        """The problem, which is in this arithmetic."""
+        return problem
+
+    def known(self, U: np.ndarray, values: np.ndarray) -> Sequence[Any]:
+        """What stages take from the values; ``None`` where it is nothing."""
+        return [_added(None, row, values) for row in U]
+
+    def stage(self, known: Any, driving: Sequence[tuple[np.ndarray, np.ndarray]], h: Any) -> Any:
+        """One stage."""
+        for row, slopes in driving:
+            known = _added(known, [x if type(x) is int else h * x for x in row], slopes)
+        return self.zeros((driving[0][1].shape[1],)) if known is None else known
+
+    def updated(
+        self, B: np.ndarray, slopes: np.ndarray, h: Any, V: np.ndarray, values: np.ndarray
+    ) -> np.ndarray:
+        """Values after a step."""
+        known = self.known(V, values)
+        return np.array([self.stage(x, [(b, slopes)], h) for x, b in zip(known, B, strict=True)])
+
+
+def _added(total: Any, row: Sequence[Any], vectors: np.ndarray) -> Any:
+    """Add the vectors times the entries of a row one by one; zeros are left out."""
+    for x, vector in zip(row, vectors, strict=True):
+        if type(x) is not int:
+            total = vector * x if total is None else total + vector * x
+    return total
 
 
 @dataclass(frozen=True)
-class Scheme:
-    """Stages, and for each part of the components the rows that come out."""
+class _Problem:
+    """A right-hand side as the reference engine asks for it."""
 
-    stages: tuple[Stage, ...]
-    outputs: tuple[tuple[int, tuple[tuple[Terms, Terms], ...]], ...]
+    field: Field
+    separable: bool
+    dimension: int
+    name: str = "the problem"
+    terms: tuple[Any, ...] = ()
 
-    @property
-    def blocks(self) -> tuple[StageBlock, ...]:
-        """Stages in an order in which they can be computed."""
-        needs = [{j for j, _ in stage.slopes} for stage in self.stages]
-        return dependency_blocks(len(self.stages), lambda i, j: j in needs[i])
+    def f(self, t: Any, y: np.ndarray) -> Any:
+        """The whole right-hand side."""
+        return self.field("f", t, y)
 
-    @classmethod
-    def of(cls, method: GLM | PartitionedGLM) -> Scheme:
-        """One step of a method; of a pair, the stages Q come before the stages P."""
-        if isinstance(method, GLM):
-            c = stage_times(method)
-            return cls._plain(method.A, method.U, method.B, method.V, c)
-        n_q, zero = method.n_Q, Exact(0)
-        q = tuple(
-            Stage(1, _terms(u), _terms(a, n_q), "dp", zero)
-            for a, u in zip(method.A, method.U, strict=True)
-        )
-        p = tuple(
-            Stage(2, _terms(u), _terms(a), "dq", zero)
-            for a, u in zip(method.A_hat, method.U_hat, strict=True)
-        )
-        rows_q = tuple((_terms(v), _terms(b, n_q)) for v, b in zip(method.V, method.B, strict=True))
-        rows_p = tuple(
-            (_terms(v), _terms(b)) for v, b in zip(method.V_hat, method.B_hat, strict=True)
-        )
-        return cls((*q, *p), ((1, rows_q), (2, rows_p)))
+    def dq(self, p: np.ndarray) -> Any:
+        """That of q."""
+        return self.field("dq", 0, p)
 
-    @classmethod
-    def of_start(cls, start: StartingMethod) -> Scheme:
-        """From y0, one row, to the starting values."""
-        return cls._plain(start.A, _ones(start.A), start.B, tuple((x,) for x in start.u))
-
-    @classmethod
-    def of_finish(cls, finish: FinishingMethod) -> Scheme:
-        """From the output of the method, one row, to the solution."""
-        return cls._plain(finish.A, _ones(finish.A), (finish.b,), ((Exact(1),),))
-
-    @classmethod
-    def _plain(
-        cls, A: Matrix, U: Matrix, B: Matrix, V: Matrix, c: Sequence[Scalar] | None = None
-    ) -> Scheme:
-        c = [sum(row, Exact(0)) for row in A] if c is None else c
-        stages = tuple(
-            Stage(0, _terms(u), _terms(a), "f", x) for a, u, x in zip(A, U, c, strict=True)
-        )
-        rows = tuple((_terms(v), _terms(b)) for v, b in zip(V, B, strict=True))
-        return cls(stages, ((0, rows),))
-
-    def step(
-        self, field: Field, t: Any, values: Rows, h: Any, number: Callable[[Any], Any],
-        solve: Callable[..., Rows],
-    ) -> tuple[Rows, Rows]:  # fmt: skip
-        """Take one step.
-
-        Args:
-            number: turns a coefficient into the number type.
-            solve: ``solve(indices, update)`` settles stages that depend on each other;
-                ``update(stages)`` returns what the right-hand sides make of given stage vectors.
-
-        Returns
-        -------
-            Stage vectors, and the rows after the step.
-        """
-        size = len(values[0])
-        stages: list[Sequence[Any]] = [[] for _ in self.stages]
-        slopes: list[Sequence[Any]] = [[] for _ in self.stages]
-
-        def total(part: int, rows: Terms, of: Terms) -> list[Any]:
-            low, high = _columns(part, size)
-            sums: list[Any] = [None] * (high - low)
-            for k, x in rows:
-                sums = [
-                    _plus(s, number(x) * v) for s, v in zip(sums, values[k][low:high], strict=True)
-                ]
-            for j, x in of:
-                sums = [_plus(s, h * number(x) * v) for s, v in zip(sums, slopes[j], strict=True)]
-            return [number(0) if s is None else s for s in sums]
-
-        def evaluate_at(i: int, where: Sequence[Any]) -> None:
-            stage = self.stages[i]
-            stages[i] = where
-            slopes[i] = field(stage.kind, t + number(stage.c) * h, where)
-
-        for block in self.blocks:
-            index = block.stages
-            if block.implicit:
-
-                def update(given: Rows, index: tuple[int, ...] = index) -> Rows:
-                    for i, where in zip(index, given, strict=True):
-                        evaluate_at(i, where)
-                    return [
-                        total(self.stages[i].part, self.stages[i].rows, self.stages[i].slopes)
-                        for i in index
-                    ]
-
-                settled = solve(index, update)
-                for i, where in zip(index, settled, strict=True):
-                    evaluate_at(i, where)
-            else:
-                stage = self.stages[index[0]]
-                evaluate_at(index[0], total(stage.part, stage.rows, stage.slopes))
-        count = max(len(rows) for _, rows in self.outputs)
-        out: list[list[Any]] = [[] for _ in range(count)]
-        for part, rows in self.outputs:
-            for k in range(count):
-                low, high = _columns(part, size)
-                out[k] += total(part, *rows[k]) if k < len(rows) else [number(0)] * (high - low)
-        return stages, out
+    def dp(self, q: np.ndarray) -> Any:
+        """That of p."""
+        return self.field("dp", 0, q)
 
 
-def _columns(part: int, size: int) -> tuple[int, int]:
-    return ((0, size), (0, size // 2), (size // 2, size))[part]
-
-
-def _plus(a: Any, b: Any) -> Any:
-    return b if a is None else a + b
-
-
-def _terms(row: Sequence[Scalar], shift: int = 0) -> Terms:
-    return tuple((j + shift, x) for j, x in enumerate(row) if x.is_zero() is not True)
-
-
-def _ones(A: Matrix) -> Matrix:
-    return tuple((Exact(1),) for _ in A)
+def step_over(
+    method: Method, field: Field, t: Any, values: Rows, h: Any, convert: Callable[[Any], Any],
+    enclose: Callable[..., Rows],
+) -> tuple[Rows, Rows]:  # fmt: skip
+    """One step of a method, a start or a finish: stage vectors (Q before P) and values."""
+    problem: Any = _Problem(field, len(method.carriers) > 1, len(values[0]))
+    engine = Stepper(method, problem, arithmetic=_TermByTerm(convert))
+    taken = engine.step(t, np.array(values, dtype=object), h, enclose=enclose)
+    parts = taken.stages if isinstance(taken.stages, tuple) else (taken.stages,)
+    return [list(row) for part in parts for row in part], [list(row) for row in taken.values]
 
 
 def _field(texts: Any, functions: Any, number: Any) -> Field:
@@ -209,7 +154,7 @@ class Unproved(ArithmeticError):
 
 
 def enclosed_step(
-    scheme: Scheme, field: Field, t: Any, values: Rows, h: Any, guesses: Sequence[Sequence[Any]]
+    method: Method, field: Field, t: Any, values: Rows, h: Any, guesses: Sequence[Sequence[Any]]
 ) -> tuple[Rows, Rows]:
     """One step in ball arithmetic, with proof that the stage equations have a solution there.
 
@@ -218,12 +163,17 @@ def enclosed_step(
     first box is not mapped into itself, the next one is F(X), a little larger: its sides take the
     proportions that F asks for (epsilon inflation: Rump, Acta Numerica 19 (2010), section 10.4).
 
-    Args:
-        guesses: stage vectors as balls, good to 50 digits.
+    Parameters
+    ----------
+    method : Method
+        A method, a start or a finish.
+    guesses : Sequence[Sequence[Any]]
+        Stage vectors as balls, good to 50 digits.
 
     Raises
     ------
-        Unproved: when F(X) does not lie inside X.
+    Unproved
+        When F(X) does not lie inside X.
     """
     known = max((x.radius() for row in values for x in map(ball, row)), default=0.0)
 
@@ -247,7 +197,7 @@ def enclosed_step(
         raise Unproved(f"stages {[i + 1 for i in index]}: no box around the guess maps into itself")
 
     given = [[ball(x) for x in row] for row in values]
-    return scheme.step(field, ball(t), given, ball(h), _to_ball, solve)
+    return step_over(method, field, ball(t), given, ball(h), _to_ball, solve)
 
 
 def _to_ball(x: Any) -> Ball:
@@ -255,7 +205,7 @@ def _to_ball(x: Any) -> Ball:
 
 
 def error_bound(
-    scheme: Scheme, field: Field, t: Any, values: Rows, h: Any, stages: Rows, context: Any
+    method: Method, field: Field, t: Any, values: Rows, h: Any, stages: Rows, context: Any
 ) -> tuple[Rows, Rows]:
     """One step over :class:`Bounded` numbers: what rounding does to it, to first order.
 
@@ -287,4 +237,4 @@ def error_bound(
         raise Unproved("the error bound of the stages does not settle; h is too large")
 
     given = [[Bounded.of(x) for x in row] for row in values]
-    return scheme.step(field, Bounded.of(t), given, Bounded.of(h), number, solve)
+    return step_over(method, field, Bounded.of(t), given, Bounded.of(h), number, solve)

@@ -11,11 +11,11 @@ import numpy as np
 from ..engine.reference import apply_finish, apply_start
 from ..errors import DataError
 from ..exact import ball
-from ..method import GLM
+from ..method import Method
 from .bench import SHOWN, TRAP_DIGITS, Bench
 from .numbers import decimal_of, decimals, exact_decimal, fraction_of
 from .proof import add_wrong, bound_of, conserved_form
-from .scheme import Scheme, ball_field, enclosed_step
+from .scheme import ball_field, enclosed_step
 from .traps import Wrong, wrong_start, wrong_steps
 from .vectors import TestProblem
 
@@ -54,11 +54,9 @@ class StepCases:
         output = decimals(taken.values, SHOWN)
         flat = [row for part in stages for row in part]
         guesses = [[ball(fraction_of(x)) for x in row] for row in flat]
-        enclosed = enclosed_step(
-            self.bench.scheme, ball_field(task.expressions), t, given, h, guesses
-        )
+        enclosed = enclosed_step(self.method, ball_field(task.expressions), t, given, h, guesses)
         printed = [[row for part in shown for row in part], output]
-        rounding = self.bench.rounding(self.bench.scheme, task, time, values, size, flat)
+        rounding = self.bench.rounding(self.method, task, time, values, size, flat)
         return {
             "id": f"{claim}/{self.name}/{task.name}",
             "kind": "step",
@@ -119,16 +117,15 @@ class StepCases:
 
     def start(self, task: TestProblem) -> dict[str, Any]:
         """Starting values of the method's own starting method."""
-        assert isinstance(self.method, GLM) and self.method.starting is not None
+        assert self.method.starting is not None
         engine, h = self.bench.engine(task), self.bench.size(task)
         context = engine.arithmetic.context
         t = context.mpf(task.t0)
         y0 = np.array(engine.problem.y0)
         size = context.mpf(h.numerator) / h.denominator
         values, _ = apply_start(self.method.starting, engine, t, y0, size)
-        scheme = Scheme.of_start(self.method.starting)
         stages = self.bench.inner_stages(self.method.starting.A, task, t, y0, size)
-        case = self._ends("start", task, scheme, h, [list(task.y0)], values, stages)
+        case = self._ends("start", task, self.method.starting, h, [list(task.y0)], values, stages)
         case["y0"] = list(task.y0)
         del case["input"]
         add_wrong(case, wrong_start(self.method, engine, t, y0, size))
@@ -136,7 +133,7 @@ class StepCases:
 
     def finish(self, task: TestProblem) -> dict[str, Any]:
         """Solution that the method's own finishing method makes of the values."""
-        assert isinstance(self.method, GLM) and self.method.finishing is not None
+        assert self.method.finishing is not None
         engine, h = self.bench.engine(task), self.bench.size(task)
         context = engine.arithmetic.context
         values = self.bench.numbers(engine, self.bench.values(task))
@@ -145,16 +142,15 @@ class StepCases:
         output = engine.solution(values)
         solution, _ = apply_finish(finishing, engine, t, output, size)
         stages = self.bench.inner_stages(finishing.A, task, t, output, size)
-        scheme = Scheme.of_finish(finishing)
         (first,) = self.bench.read_off(self.bench.values(task))
         given = [[exact_decimal(x) for x in first]]
-        case = self._ends("finish", task, scheme, h, given, solution[None, :], stages)
+        case = self._ends("finish", task, finishing, h, given, solution[None, :], stages)
         case["input"] = [[exact_decimal(x) for x in row] for row in self.bench.values(task)]
         add_wrong(case, [Wrong("FinishSkipped", output[None, :])])
         return case
 
     def _ends(
-        self, claim: str, task: TestProblem, scheme: Scheme, h: Fraction, given: list[list[str]],
+        self, claim: str, task: TestProblem, method: Method, h: Fraction, given: list[list[str]],
         output: np.ndarray, stages: Sequence[Sequence[Any]],
     ) -> dict[str, Any]:  # fmt: skip
         """A case of a starting or finishing method."""
@@ -163,7 +159,7 @@ class StepCases:
         context, shown = engine.arithmetic.context, decimals(output, SHOWN)
         guesses = [[ball(fraction_of(x)) for x in row] for row in stages]
         enclosed = enclosed_step(
-            scheme, ball_field(task.expressions), Fraction(task.t0), rows, h, guesses
+            method, ball_field(task.expressions), Fraction(task.t0), rows, h, guesses
         )
         values = self.bench.numbers(engine, rows)
         time, size = context.mpf(task.t0), context.mpf(h.numerator) / h.denominator
@@ -176,6 +172,6 @@ class StepCases:
             "input": given,
             "output": shown,
             "bound": bound_of(([], enclosed[1]), [[], shown], self.bench.doubt),
-            "rounding": self.bench.rounding(scheme, task, time, values, size, stages),
+            "rounding": self.bench.rounding(method, task, time, values, size, stages),
             "flags": [],
         }

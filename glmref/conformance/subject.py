@@ -34,19 +34,26 @@ class NotOffered(GlmrefError):
 class Subject:
     """An adapter with its answers checked.
 
-    Args:
-        adapter: an object as :class:`.adapter.Adapter` says.
-        name: what messages call it.
+    Parameters
+    ----------
+    adapter : Any
+        An object as :class:`.adapter.Adapter` says.
+    name : str
+        What messages call it.
 
     Attributes
     ----------
-        methods: name -> claims; claims are empty for a method of the catalogue.
-        offers: the operations the adapter has.
-        problems: the only problems it can do, or ``None``.
+    methods
+        Name -> claims; claims are empty for a method of the catalogue.
+    offers
+        The operations the adapter has.
+    problems
+        The only problems it can do, or ``None``.
 
     Raises
     ------
-        UsageError: for an object that is no adapter.
+    UsageError
+        For an object that is no adapter.
     """
 
     def __init__(self, adapter: Any, name: str = "the adapter") -> None:

@@ -9,6 +9,7 @@ shared with the methods under test.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -260,23 +261,27 @@ class _Integrator:
 def taylor_states(problem: Problem, times: Sequence[Any], *, digits: int = 30) -> list[np.ndarray]:
     """Return the solution at the given times, each step correct to about ``digits`` digits.
 
-    Args:
-        problem: in double precision form; its exact y0 and parameters are used.
-        times: increasing or decreasing, on one side of t_span[0]; ints, Fractions or strings.
-        digits: tolerance of one step relative to the largest component. How many digits of the
-            state are right follows from comparing two values of ``digits``.
+    Parameters
+    ----------
+    problem : Problem
+        In double precision form; its exact y0 and parameters are used.
+    times : Sequence[Any]
+        Increasing or decreasing, on one side of t_span[0]; ints, Fractions or strings.
+    digits : int
+        Tolerance of one step relative to the largest component. How many digits of the state are
+        right follows from comparing two values of ``digits``.
 
     Returns
     -------
+    list[np.ndarray]
         One array (d,) of mpmath numbers per time.
 
     Raises
     ------
-        UsageError: when f is a plain Python function that cannot be expanded, or after 200,000
-            steps (stiff problems need an implicit method), or at a singularity of the solution.
+    UsageError
+        When f is a plain Python function that cannot be expanded, or after 200,000 steps (stiff
+        problems need an implicit method), or at a singularity of the solution.
     """
-    from fractions import Fraction
-
     engine = _Integrator(problem, digits)
     ctx = engine.context
     t, y, states, steps = ctx.mpf(problem.t_span[0]), list(engine.start), [], 0

@@ -17,8 +17,9 @@ import numpy as np
 from ..engine.reference import Coupled, Stepper, apply_finish, apply_start, stepper
 from ..exact import Exact
 from ..exact.linalg import Matrix, matmul, transpose
-from ..method import GLM, PartitionedGLM
+from ..method import GLM, Method, PartitionedGLM
 from ..problems import Problem
+from ..prove.facts import facts_of
 
 __all__ = ["NOTES", "Wrong", "wrong_runs", "wrong_steps"]
 
@@ -123,9 +124,14 @@ def wrong_steps(
 ) -> Iterator[Wrong]:  # fmt: skip
     """Carry out every bug that can happen in one step of this method; some may give the right end.
 
-    Args:
-        engine: stepper of the right method on the problem. problem: in double precision form.
-        t, values, h: the step.
+    Parameters
+    ----------
+    engine : Stepper
+        Stepper of the right method on the problem.
+    problem : Problem
+        In double precision form.
+    t, values, h
+        The step.
     """
     right = engine.step(t, values, h).values
     if isinstance(method, PartitionedGLM):
@@ -255,7 +261,7 @@ def wrong_runs(
     yield Wrong("TimeNotAdvanced", solution(run(steps, still=True)))
     if getattr(method, "finishing", None) is not None:
         yield Wrong("FinishSkipped", engine.solution(run(steps))[None, :])
-    if isinstance(method, PartitionedGLM) or method.r == 1:
+    if method.parts == 2 or method.r == 1:
         yield Wrong("StepHalved", solution(run(2 * steps, h / 2)))
         return
     if method.starting is not None:
@@ -270,7 +276,7 @@ def wrong_runs(
     yield Wrong("ParasiticDropped", solution(y))
 
 
-def wrong_start(method: GLM, engine: Stepper, t: Any, y0: np.ndarray, h: Any) -> Iterator[Wrong]:
+def wrong_start(method: Method, engine: Stepper, t: Any, y0: np.ndarray, h: Any) -> Iterator[Wrong]:
     """Carry out the bugs of a start."""
     assert method.starting is not None
     right = apply_start(method.starting, engine, t, y0, h)[0]
@@ -283,8 +289,6 @@ def reversal(method: GLM | PartitionedGLM) -> Matrix | None:
     """Return the involution L of a symmetric method, ``None`` for others and for pairs."""
     if method.parts == 2:
         return None
-    from ..prove.facts import facts_of
-
     symmetry = facts_of(method).symmetry
     if not symmetry.holds or symmetry.L is None:
         return None

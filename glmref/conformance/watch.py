@@ -54,15 +54,21 @@ class Reading:
 
     Attributes
     ----------
-        A, U, B, V: the coefficients; stages in the order of their first evaluation. Of a pair, the
-            blocks of q; then ``hat`` holds those of p.
-        c: abscissae ``(t_called - t) / h`` at which f was evaluated, ``None`` for a pair.
-        evaluations: calls of the right-hand side in one step of the last reading.
-        points: different points at which it was called; those that nothing depends on (iterates,
-            error estimates) are no stages.
-        unexplained: relative difference between a step on a nonlinear problem and what the
-            coefficients make of it.
-        notes: what could not be seen.
+    A, U, B, V : np.ndarray
+        The coefficients; stages in the order of their first evaluation. Of a pair, the blocks of q;
+        then ``hat`` holds those of p.
+    c : np.ndarray or None
+        Abscissae ``(t_called - t) / h`` at which f was evaluated, ``None`` for a pair.
+    evaluations : int
+        Calls of the right-hand side in one step of the last reading.
+    points : int
+        Different points at which it was called; those that nothing depends on (iterates, error
+        estimates) are no stages.
+    unexplained : float
+        Relative difference between a step on a nonlinear problem and what the coefficients make of
+        it.
+    notes : tuple[str, ...]
+        What could not be seen.
     """
 
     A: np.ndarray

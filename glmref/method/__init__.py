@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from .additive import AdditiveGLM
 from .component import Component, Method
+from .embedded import EmbeddedRow
 from .glm import (
     GLM,
     Entries,
@@ -16,19 +17,24 @@ from .glm import (
     as_matrix,
     as_vector,
 )
+from .nystrom import nystrom
+from .rosenbrock import RosenbrockGLM
 
 __all__ = [
     "GLM",
     "AdditiveGLM",
     "Component",
+    "EmbeddedRow",
     "Entries",
     "Entry",
     "FinishingMethod",
     "Method",
     "PairStartingMethod",
     "PartitionedGLM",
+    "RosenbrockGLM",
     "Rows",
     "StartingMethod",
     "as_matrix",
     "as_vector",
+    "nystrom",
 ]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from ..errors import DataError
 from ..exact.linalg import Matrix, Vector
 from .component import Component, Method, Palette, additive_palette
-from .glm import GLM, Entry, Rows, as_matrix, as_vector, check_shape
+from .embedded import EmbeddedRow
+from .glm import GLM, Entry, Rows, as_matrix, as_vector, check_embedded, check_shape
 from .own import Own
 from .starting import StartingMethod
 
@@ -36,14 +37,19 @@ class AdditiveGLM(Own, Method):
 
     Attributes
     ----------
-        A: k matrices (s, s), stages on stages. B: k matrices (r, s), stages on values.
-        U: (s, r), V: (r, r), shared; 1 where they are not given.
-        name, claims, source, document, output: as in :class:`glmref.GLM`.
+    A : tuple[Matrix, ...]
+        k matrices (s, s), stages on stages.
+    B : tuple[Matrix, ...]
+        k matrices (r, s), stages on values.
+    U : Matrix or None
+        (s, r), V: (r, r), shared; 1 where they are not given.
+    name, claims, source, document, output, embedded
+        As in :class:`glmref.GLM`.
 
     Raises
     ------
-        DataError: for a wrong shape, an entry that cannot be read, or another number of parts than
-            2 to 9.
+    DataError
+        For a wrong shape, an entry that cannot be read, or another number of parts than 2 to 9.
 
     References
     ----------
@@ -60,6 +66,7 @@ class AdditiveGLM(Own, Method):
     source: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     document: Mapping[str, Any] | None = field(default=None, repr=False)
     output: Vector | None = None
+    embedded: tuple[EmbeddedRow, ...] = ()
 
     additive: ClassVar[bool] = True
     SIZES = ("k", "s", "r")
@@ -80,6 +87,7 @@ class AdditiveGLM(Own, Method):
             source: Mapping[str, Any] = ...,
             document: Mapping[str, Any] | None = None,
             output: Sequence[Entry] | None = None,
+            embedded: tuple[EmbeddedRow, ...] = (),
         ) -> None: ...
 
     def __post_init__(self) -> None:
@@ -103,6 +111,7 @@ class AdditiveGLM(Own, Method):
             check_shape(f"B^{n}", B, r, s, "(r, s)")
         if self.output is not None:
             object.__setattr__(self, "output", as_vector(self.output, "output"))
+        check_embedded(self)
 
     @property
     def k(self) -> int:
@@ -132,6 +141,10 @@ class AdditiveGLM(Own, Method):
             Component(str(n), A, self.U, B, self.V, self.output)
             for n, (A, B) in enumerate(zip(self.A, self.B, strict=True), 1)
         )
+
+    def weighted(self, B: tuple[Matrix, ...]) -> AdditiveGLM:
+        """The method with other weights, for one of its embedded rows."""
+        return replace(self, B=B, embedded=(), document=None, claims=MappingProxyType({}))
 
     def part(self, n: int) -> GLM:
         """The method that integrates ``y' = f_n(t, y)`` alone, n from 1."""

@@ -67,11 +67,13 @@ def collocation(c: Sequence[Entry]) -> tuple[Matrix, Vector]:
 
     Returns
     -------
+    tuple[Matrix, Vector]
         A (s, s) and b (s,).
 
     Raises
     ------
-        DataError: when two nodes coincide.
+    DataError
+        When two nodes coincide.
 
     References: Hairer, Nørsett and Wanner (1993), section II.7, Theorem 7.7.
     """

@@ -34,11 +34,12 @@ from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from ..exact import Exact
+from ..exact import Exact, linalg
 from ..exact.linalg import Matrix, Vector
 from . import solution_value, stage_order
 
 if TYPE_CHECKING:
+    from .embedded import EmbeddedRow
     from .starting import FinishingMethod
 
 __all__ = ["GENERAL", "ROOTED", "SEPARABLE", "Component", "Method", "Palette", "additive_palette"]
@@ -63,12 +64,20 @@ class Component:
 
     Attributes
     ----------
-        colour: root of the trees that belong to it.
-        A: (n, m) stages from slopes. U: (n, r) stages from values.
-        B: (r', m) values from slopes. V: (r', r) values from values. In a method r' = r; a start
-            makes r' values of one, a finish one of one.
-        output: (r,) functional that reads the solution off the values, ``None`` where the method
-            says nothing: see :mod:`glmref.method.solution_value`.
+    colour : str
+        Root of the trees that belong to it.
+    A : Matrix
+        (n, m) stages from slopes.
+    U : Matrix
+        (n, r) stages from values.
+    B : Matrix
+        (r', m) values from slopes.
+    V : Matrix
+        (r', r) values from values. In a method r' = r; a start makes r' values of one, a finish one
+        of one.
+    output : Vector or None
+        (r,) functional that reads the solution off the values, ``None`` where the method says
+        nothing: see :mod:`glmref.method.solution_value`.
     """
 
     colour: str
@@ -100,6 +109,12 @@ class Method:
     LETTERS: ClassVar[Mapping[str, str]] = MappingProxyType({"o": ""})
     #: Whether the components share values and stages and their right-hand sides are summed.
     additive: ClassVar[bool] = False
+    #: Whether it is a Rosenbrock method, written as an additive one.
+    rosenbrock: ClassVar[bool] = False
+    #: Which systems it is for, where trees of its palette vanish on them; see ``theory.nystrom``.
+    system: str = ""
+    #: Further weights on its stages.
+    embedded: tuple[EmbeddedRow, ...] = ()
 
     if TYPE_CHECKING:  # fields of the classes below; starts and finishes have fewer
         name: str
@@ -113,6 +128,20 @@ class Method:
     def finishing(self) -> FinishingMethod | None:
         """Finishing method; ``None`` where the outputs are the solution."""
         return None
+
+    @property
+    def in_time(self) -> Method:
+        """The method for systems in which time occurs."""
+        return self
+
+    def weighted(self, B: tuple[Matrix, ...]) -> Method:
+        """The method with other weights, for one of its embedded rows."""
+        raise NotImplementedError
+
+    @property
+    def weights(self) -> tuple[Vector, ...]:
+        """First row of B of each component: b of a method that carries one value."""
+        return tuple(c.B[0] for c in self.components)
 
     @property
     def diagonals(self) -> tuple[Vector | None, ...]:
@@ -202,6 +231,11 @@ class Method:
         """
         coupled = [block.stages for block in self.stage_blocks() if block.implicit]
         return tuple(sorted(i + 1 for stages in coupled for i in stages))
+
+    @property
+    def is_diagonally_implicit(self) -> bool:
+        """Whether every A is lower triangular (explicit methods included)."""
+        return all(linalg.is_lower_triangular(c.A) for c in self.components)
 
     @property
     def is_explicit(self) -> bool:

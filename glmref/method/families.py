@@ -64,12 +64,15 @@ _ZERO, _ONE = Exact(0), Exact(1)
 def runge_kutta(A: Rows, b: Entries, name: str = "") -> GLM:
     """Runge-Kutta method as the GLM with r = 1, U = 1, V = 1.
 
-    Args:
-        A: (s, s) and b: (s,).
+    Parameters
+    ----------
+    A : Rows
+        (s, s) and b: (s,).
 
     Raises
     ------
-        DataError: for a wrong shape or an entry that cannot be read.
+    DataError
+        For a wrong shape or an entry that cannot be read.
 
     References: Butcher, "Numerical Methods for Ordinary Differential Equations" (2016), section
     502.
@@ -115,12 +118,15 @@ def linear_multistep(alpha: Entries, beta: Entries, name: str = "") -> GLM:
     derivative is the one evaluated and ``h f_(n+k-2), ..`` are carried. Either way f is evaluated
     once in a step, and u is 1 on the y values and 0 on the h f values.
 
-    Args:
-        alpha, beta: (k + 1,), index m multiplies y_(n+m) and f_(n+m).
+    Parameters
+    ----------
+    alpha, beta : Entries
+        (k + 1,), index m multiplies y_(n+m) and f_(n+m).
 
     Raises
     ------
-        DataError: for unequal lengths or alpha_k = 0.
+    DataError
+        For unequal lengths or alpha_k = 0.
 
     References: Butcher (2016), section 502; Burrage and Butcher, BIT 20 (1980) 185.
     """
@@ -154,7 +160,8 @@ def one_leg(alpha: Entries, beta: Entries, name: str = "") -> GLM:
 
     Raises
     ------
-        DataError: for unequal lengths or alpha_k = 0.
+    DataError
+        For unequal lengths or alpha_k = 0.
 
     References: Dahlquist, Lecture Notes in Mathematics 506 (1976) 60; Hairer, Nørsett and Wanner,
     "Solving Ordinary Differential Equations II" (1996), section V.6.
@@ -181,7 +188,8 @@ def one_leg_twin(alpha: Entries, beta: Entries) -> tuple[Vector, Vector]:
 
     Raises
     ------
-        DataError: when the sum is zero, so that there is no twin.
+    DataError
+        When the sum is zero, so that there is no twin.
 
     References: Hairer, Nørsett and Wanner (1996), section V.6, equation (6.4).
     """
@@ -201,7 +209,8 @@ def error_constant(alpha: Entries, beta: Entries) -> tuple[int, Exact]:
 
     Raises
     ------
-        DataError: for coefficients that are not exact, or sigma(1) = 0.
+    DataError
+        For coefficients that are not exact, or sigma(1) = 0.
 
     References: Hairer, Nørsett and Wanner, "Solving Ordinary Differential Equations I" (1993),
     section III.2, equations (2.6) and (2.13).
@@ -234,7 +243,8 @@ def partitioned_runge_kutta(
 
     Raises
     ------
-        DataError: for a wrong shape or an entry that cannot be read.
+    DataError
+        For a wrong shape or an entry that cannot be read.
 
     References: Hairer, Lubich and Wanner, "Geometric Numerical Integration" (2006), section II.2.1.
     """
@@ -248,14 +258,19 @@ def partitioned_runge_kutta(
 def splitting(a: Entries, b: Entries, first: str = "q", name: str = "") -> PartitionedGLM:
     """Splitting method for q' = f(p), p' = k(q): ``q += a_i h f(p)``, ``p += b_j h k(q)`` in turn.
 
-    Args:
-        a: weights of the updates of q, one stage P each.
-        b: weights of the updates of p, one stage Q each.
-        first: ``"q"`` or ``"p"``, the variable that is updated first.
+    Parameters
+    ----------
+    a : Entries
+        Weights of the updates of q, one stage P each.
+    b : Entries
+        Weights of the updates of p, one stage Q each.
+    first : str
+        ``"q"`` or ``"p"``, the variable that is updated first.
 
     Raises
     ------
-        DataError: when the numbers of weights do not alternate.
+    DataError
+        When the numbers of weights do not alternate.
 
     References: Hairer, Lubich and Wanner (2006), section II.5.
     """
@@ -292,13 +307,17 @@ def splitting(a: Entries, b: Entries, first: str = "q", name: str = "") -> Parti
 def composition(base: GLM, gamma: Entries, name: str = "") -> GLM:
     """Composition of a one-step method with itself, with steps ``gamma_1 h, gamma_2 h, ..``.
 
-    Args:
-        base: a method with r = 1 and V = 1, such as a Runge-Kutta method.
-        gamma: fractions of h, the first one applied first.
+    Parameters
+    ----------
+    base : GLM
+        A method with r = 1 and V = 1, such as a Runge-Kutta method.
+    gamma : Entries
+        Fractions of h, the first one applied first.
 
     Raises
     ------
-        DataError: when the base carries more than one value.
+    DataError
+        When the base carries more than one value.
 
     References: Yoshida, Phys. Lett. A 150 (1990) 262; Hairer, Lubich and Wanner (2006), V.3.
     """

@@ -19,7 +19,9 @@ from ..exact.expression import parse
 from ..exact.linalg import Matrix, Vector
 from . import solution_value
 from .component import GENERAL, SEPARABLE, Method, Palette
+from .embedded import EmbeddedRow
 from .own import Array, Own, as_list, of_float
+from .rounding import FloatGLM, FloatPair, rounded_blocks
 from .starting import FinishingMethod, PairStartingMethod, StartingMethod
 
 if TYPE_CHECKING:
@@ -66,7 +68,8 @@ def as_vector(values: Entries, name: str) -> Vector:
 
     Raises
     ------
-        DataError: naming the entry that cannot be read.
+    DataError
+        Naming the entry that cannot be read.
     """
     values = as_list(values)
     if isinstance(values, str) or not isinstance(values, Sequence):
@@ -79,7 +82,8 @@ def as_matrix(rows: Rows, name: str) -> Matrix:
 
     Raises
     ------
-        DataError: for an empty or ragged matrix, naming the row.
+    DataError
+        For an empty or ragged matrix, naming the row.
     """
     rows = as_list(rows)
     if isinstance(rows, str) or not isinstance(rows, Sequence) or not rows:
@@ -101,6 +105,27 @@ def check_shape(name: str, value: Matrix, rows: int, columns: int, meaning: str)
             f"`{name}` must have shape {meaning} = ({rows}, {columns}), "
             f"got ({len(value)}, {len(value[0])})"
         )
+
+
+def check_embedded(method: Method) -> None:
+    """Refuse embedded rows that do not fit the stages, or of a method that carries several values.
+
+    Raises
+    ------
+    DataError
+        Naming the row.
+    """
+    if not method.embedded:
+        return
+    if not method.is_one_step:
+        raise DataError("`embedded` belongs to methods that carry one value")
+    for row in method.embedded:
+        for weights, component in zip(row.weights, method.components, strict=True):
+            if len(weights) != len(component.B[0]):
+                raise DataError(
+                    f"`embedded` {row.name!r} must have s = {len(component.B[0])} entries, got "
+                    f"{len(weights)}"
+                )
 
 
 def _take_output(method: GLM | PartitionedGLM, name: str, r: int) -> None:
@@ -142,30 +167,50 @@ class GLM(Own, Method):
 
     Attributes
     ----------
-        A: (s, s) stages on stages.
-        U: (s, r) values on stages.
-        B: (r, s) stages on values.
-        V: (r, r) values on values.
-        name: the name its file gives it.
-        G: (r, r) quadratic form its source gives, or ``None``; a claim, checked like the rest.
-        D: (s,) diagonal its source gives, or ``None``.
-        starting: starting method, or ``None``.
-        finishing: finishing method, or ``None`` where the output is the solution itself.
-        output: (r,) functional w: the solution is ``w y``, what a finishing method begins from.
-            ``None``: the first value that carries the solution, see
-            :mod:`glmref.method.solution_value`.
-        claims: what its file claims, by key; empty for a method that was computed. A change of
-            values or of the order of stages keeps them.
-        source: citation, place and status, as in the file.
-        document: the file's JSON object, ``None`` for a method that was computed.
-        multistep: (alpha, beta) of a multistep or one-leg method, as its file gives them.
+    A : Matrix
+        (s, s) stages on stages.
+    U : Matrix
+        (s, r) values on stages.
+    B : Matrix
+        (r, s) stages on values.
+    V : Matrix
+        (r, r) values on values.
+    name : str
+        The name its file gives it.
+    G : Matrix or None
+        (r, r) quadratic form its source gives, or ``None``; a claim, checked like the rest.
+    D : Vector or None
+        (s,) diagonal its source gives, or ``None``.
+    starting : StartingMethod or None
+        Starting method, or ``None``.
+    finishing : FinishingMethod or None
+        Finishing method, or ``None`` where the output is the solution itself.
+    output : Vector or None
+        (r,) functional w: the solution is ``w y``, what a finishing method begins from. ``None``:
+        the first value that carries the solution, see :mod:`glmref.method.solution_value`.
+    claims : Mapping[str, Any]
+        What its file claims, by key; empty for a method that was computed. A change of values or of
+        the order of stages keeps them.
+    source : Mapping[str, Any]
+        Citation, place and status, as in the file.
+    document : Mapping[str, Any] or None
+        The file's JSON object, ``None`` for a method that was computed.
+    multistep : tuple[Vector, Vector] or None
+        (alpha, beta) of a multistep or one-leg method, as its file gives them.
+    embedded : tuple[EmbeddedRow, ...]
+        Further weights of a method that carries one value.
+    abscissae_given : Vector or None
+        (s,) where f is evaluated in time, ``None`` for c = A 1 + U v.
+    dense : Matrix or None
+        (s, d) coefficients of ``b_i(theta) = sum_m dense[i][m] theta^(m+1)``, or ``None``.
 
     The constructor takes strings, numbers and arrays and checks shapes. A floating point number
     stands for the shortest decimal that gives it: 0.1 is 1/10.
 
     Raises
     ------
-        DataError: for a wrong shape or an entry that cannot be read.
+    DataError
+        For a wrong shape or an entry that cannot be read.
 
     References
     ----------
@@ -186,6 +231,9 @@ class GLM(Own, Method):
     document: Mapping[str, Any] | None = field(default=None, repr=False)
     multistep: tuple[Vector, Vector] | None = field(default=None, repr=False)
     output: Vector | None = None
+    embedded: tuple[EmbeddedRow, ...] = ()
+    abscissae_given: Vector | None = None
+    dense: Matrix | None = None
 
     if TYPE_CHECKING:  # what is taken is wider than what is kept
 
@@ -205,6 +253,9 @@ class GLM(Own, Method):
             document: Mapping[str, Any] | None = None,
             multistep: tuple[Vector, Vector] | None = None,
             output: Entries | None = None,
+            embedded: tuple[EmbeddedRow, ...] = (),
+            abscissae_given: Vector | None = None,
+            dense: Matrix | None = None,
         ) -> None: ...
 
     def __post_init__(self) -> None:
@@ -223,8 +274,40 @@ class GLM(Own, Method):
             if len(self.D) != s:
                 raise DataError(f"`D` must have s = {s} entries, got {len(self.D)}")
         _take_output(self, "output", r)
+        check_embedded(self)
+        for name, given in (("c", self.abscissae_given), ("dense", self.dense)):
+            if given is not None and len(given) != s:
+                raise DataError(f"`{name}` must have s = {s} entries, got {len(given)}")
 
     SIZES = ("s", "r")
+
+    @property
+    def times(self) -> tuple[Vector, ...]:
+        """Where in a step the stages stand: c, as it is given or as it follows from A."""
+        return super().times if self.abscissae_given is None else (self.abscissae_given,)
+
+    def weighted(self, B: tuple[Matrix, ...]) -> GLM:
+        """The method with other weights, for one of its embedded rows."""
+        one = ((Exact(1),),)
+        return self.bare(
+            B=B[0], U=one * self.s, V=one, output=None, abscissae_given=self.abscissae_given
+        )
+
+    @property
+    def in_time(self) -> Method:
+        """The method for y' = f(t, y): itself where c = A 1, else a pair of y and t.
+
+        ``t' = 1`` has no arguments: the stages of t are t_n + c_i h.
+        """
+        c = self.abscissae_given
+        sums = linalg.matvec(self.A, (Exact(1),) * self.s)
+        if c is None or linalg.sub((sums,), (c,)) == linalg.zeros(1, self.s):
+            return self
+        one, rest = ((Exact(1),),), (Exact(0),) * (self.s - 1)
+        return PartitionedGLM(
+            self.A, self.U, self.B, self.V,
+            tuple((x, *rest) for x in c), one * self.s, ((Exact(1), *rest),), one, system="time",
+        )  # fmt: skip
 
     @property
     def s(self) -> int:
@@ -235,11 +318,6 @@ class GLM(Own, Method):
     def r(self) -> int:
         """Number of values carried from step to step."""
         return len(self.V)
-
-    @property
-    def is_diagonally_implicit(self) -> bool:
-        """Whether A is lower triangular (explicit methods included)."""
-        return linalg.is_lower_triangular(self.A)
 
     @property
     def diagonals(self) -> tuple[Vector | None, ...]:
@@ -260,6 +338,9 @@ class GLM(Own, Method):
             "finishing": None,
             "G": None,
             "D": None,
+            "embedded": (),
+            "abscissae_given": None,
+            "dense": None,
         }
         if len(changes.get("V", self.V)) != self.r:
             empty["output"] = None
@@ -273,12 +354,15 @@ class GLM(Own, Method):
         from the output and stays as it is, and so do the claims: what is claimed of a method does
         not depend on the values it carries.
 
-        Args:
-            T: (r, r) nonsingular.
+        Parameters
+        ----------
+        T : Rows
+            (r, r) nonsingular.
 
         Raises
         ------
-            ExactnessError: when T is singular.
+        ExactnessError
+            When T is singular.
         """
         T = _transformation(T, "T", self.r, "r")
         back = linalg.inverse(T)
@@ -296,6 +380,9 @@ class GLM(Own, Method):
             finishing=self.finishing,
             output=_moved_output(self, back),
             multistep=self.multistep,
+            embedded=self.embedded,
+            abscissae_given=self.abscissae_given,
+            dense=self.dense,
         )
 
     def permute_stages(self, order: Sequence[int]) -> Self:
@@ -314,12 +401,13 @@ class GLM(Own, Method):
             starting=self.starting,
             finishing=self.finishing,
             multistep=self.multistep,
+            embedded=tuple(row.permuted(order) for row in self.embedded),
+            abscissae_given=self.abscissae_given and tuple(self.abscissae_given[i] for i in order),
+            dense=self.dense and tuple(self.dense[i] for i in order),
         )
 
     def to_float(self) -> FloatGLM:
         """Round every coefficient to double precision, once, and keep the residue."""
-        from .rounding import FloatGLM, rounded_blocks
-
         return FloatGLM(name=self.name, **rounded_blocks(self, "AUBV", "G", "D"))
 
 
@@ -337,20 +425,31 @@ class PartitionedGLM(Own, Method):
 
     Attributes
     ----------
-        A, U, B, V: the method for q, (n_Q, n_P), (n_Q, r), (r, n_P), (r, r).
-        A_hat, U_hat, B_hat, V_hat: the method for p, (n_P, n_Q), (n_P, r^), (r^, n_Q), (r^, r^).
-        G: (r, r^) bilinear form its source gives, or ``None``.
-        D_P, D_Q: (n_P,) and (n_Q,) diagonals its source gives, or ``None``.
-        separable: whether the pair is meant for separable systems only (two stage sets).
-        starting: starting method of the pair, or ``None``. There is no finishing method: the
-            outputs are the solution.
-        output, output_hat: (r,) and (r^,) functionals that read the solution (q, p) off the values,
-            or ``None`` as in :class:`GLM`.
-        name, claims, source, document: as in :class:`GLM`.
+    A, U, B, V : Matrix
+        The method for q, (n_Q, n_P), (n_Q, r), (r, n_P), (r, r).
+    A_hat, U_hat, B_hat, V_hat : Matrix
+        The method for p, (n_P, n_Q), (n_P, r^), (r^, n_Q), (r^, r^).
+    G : Matrix or None
+        (r, r^) bilinear form its source gives, or ``None``.
+    D_P, D_Q : Vector or None
+        (n_P,) and (n_Q,) diagonals its source gives, or ``None``.
+    separable : bool
+        Whether the pair is meant for separable systems only (two stage sets).
+    starting : PairStartingMethod or None
+        Starting method of the pair, or ``None``. There is no finishing method: the outputs are the
+        solution.
+    output, output_hat : Vector or None
+        (r,) and (r^,) functionals that read the solution (q, p) off the values, or ``None`` as in
+        :class:`GLM`.
+    name, claims, source, document, embedded
+        As in :class:`GLM`.
+    system : str
+        ``"time"`` for a method in y and t, whose k has no arguments, else ``""``.
 
     Raises
     ------
-        DataError: for a wrong shape or an entry that cannot be read.
+    DataError
+        For a wrong shape or an entry that cannot be read.
     """
 
     A: Matrix
@@ -373,6 +472,8 @@ class PartitionedGLM(Own, Method):
     document: Mapping[str, Any] | None = field(default=None, repr=False)
     output: Vector | None = None
     output_hat: Vector | None = None
+    embedded: tuple[EmbeddedRow, ...] = ()
+    system: str = ""
 
     if TYPE_CHECKING:  # as for a GLM
 
@@ -397,6 +498,8 @@ class PartitionedGLM(Own, Method):
             document: Mapping[str, Any] | None = None,
             output: Entries | None = None,
             output_hat: Entries | None = None,
+            embedded: tuple[EmbeddedRow, ...] = (),
+            system: str = "",
         ) -> None: ...
 
     def __post_init__(self) -> None:
@@ -428,6 +531,7 @@ class PartitionedGLM(Own, Method):
                     raise DataError(f"`{name}` must have {size} entries, got {len(value)}")
         _take_output(self, "output", r)
         _take_output(self, "output_hat", r_hat)
+        check_embedded(self)
 
     SIZES = ("n_Q", "n_P", "r", "r_hat")
 
@@ -474,6 +578,7 @@ class PartitionedGLM(Own, Method):
             "G": None,
             "D_P": None,
             "D_Q": None,
+            "embedded": (),
         }
         if len(changes.get("V", self.V)) != self.r:
             empty["output"] = None
@@ -486,13 +591,17 @@ class PartitionedGLM(Own, Method):
 
         The starting method, the outputs and the bilinear form ``T^-* G T_hat^-1`` go along.
 
-        Args:
-            T: (r, r) nonsingular.
-            T_hat: (r^, r^) nonsingular, or ``None`` to leave the values of p as they are.
+        Parameters
+        ----------
+        T : Rows
+            (r, r) nonsingular.
+        T_hat : Rows or None
+            (r^, r^) nonsingular, or ``None`` to leave the values of p as they are.
 
         Raises
         ------
-            ExactnessError: when T or T_hat is singular.
+        ExactnessError
+            When T or T_hat is singular.
         """
         T = _transformation(T, "T", self.r, "r")
         one = linalg.identity(self.r_hat)
@@ -516,14 +625,18 @@ class PartitionedGLM(Own, Method):
             starting=None if start is None else start.transform(T, T_hat),
             output=_moved_output(q, back),
             output_hat=_moved_output(p, back_hat),
+            embedded=self.embedded,
         )
 
     def permute_stages(self, Q: Sequence[int], P: Sequence[int] | None = None) -> Self:
         """Number the stages anew: the new Q_i is the old Q_j, j = ``Q[i]`` (from 0), P likewise.
 
-        Args:
-            Q: permutation of 0..n_Q-1.
-            P: permutation of 0..n_P-1; by default that of Q, as it must be where stages are shared.
+        Parameters
+        ----------
+        Q : Sequence[int]
+            Permutation of 0..n_Q-1.
+        P : Sequence[int] or None
+            Permutation of 0..n_P-1; by default that of Q, as it must be where stages are shared.
         """
         Q = _permutation(Q, "Q", self.n_Q)
         P = _permutation(Q if P is None else P, "P", self.n_P)
@@ -544,11 +657,18 @@ class PartitionedGLM(Own, Method):
             D_Q=None if self.D_Q is None else tuple(self.D_Q[i] for i in Q),
             claims=self.claims,
             starting=self.starting,
+            embedded=tuple(row.permuted(P, Q) for row in self.embedded),
         )
+
+    def weighted(self, B: tuple[Matrix, ...]) -> PartitionedGLM:
+        """The pair with other weights, for one of its embedded rows."""
+        one = ((Exact(1),),)
+        return self.bare(
+            B=B[0], U=one * self.n_Q, V=one, B_hat=B[1], U_hat=one * self.n_P, V_hat=one,
+            output=None, output_hat=None,
+        )  # fmt: skip
 
     def to_float(self) -> FloatPair:
         """Round every coefficient to double precision, once, and keep the residue."""
-        from .rounding import FloatPair, rounded_blocks
-
         names = [f"{letter}{hat}" for hat in ("", "_hat") for letter in "AUBV"]
         return FloatPair(name=self.name, **rounded_blocks(self, names, "G", "D_P", "D_Q"))

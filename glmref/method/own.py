@@ -32,7 +32,8 @@ def of_float(value: float | complex, where: str) -> Scalar:
 
     Raises
     ------
-        DataError: where it is not finite.
+    DataError
+        Where it is not finite.
     """
     if isinstance(value, complex):
         return of_float(value.real, where) + Exact(-1).sqrt() * of_float(value.imag, where)

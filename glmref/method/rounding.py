@@ -32,9 +32,14 @@ class FloatGLM:
 
     Attributes
     ----------
-        A, U, B, V: float64 (or complex128) arrays of shapes (s, s), (s, r), (r, s), (r, r).
-        A_residue, U_residue, B_residue, V_residue: exact minus rounded, themselves rounded.
-        G: (r, r) or ``None``; D: (s,) or ``None``.
+    A, U, B, V : np.ndarray
+        float64 (or complex128) arrays of shapes (s, s), (s, r), (r, s), (r, r).
+    A_residue, U_residue, B_residue, V_residue : np.ndarray
+        Exact minus rounded, themselves rounded.
+    G : np.ndarray or None
+        (r, r) or ``None``.
+    D : np.ndarray or None
+        (s,) or ``None``.
     """
 
     A: np.ndarray
@@ -91,6 +96,7 @@ def rounded_blocks(
 
     Returns
     -------
+    dict[str, Any]
         Arrays by name; for each block also its residues.
     """
     arrays: dict[str, Any] = {}

@@ -104,10 +104,14 @@ class Preconsistency:
 
     Attributes
     ----------
-        u: (r,), or ``None`` where there is none.
-        unique: whether u is the only solution.
-        certain: whether no ball around zero was left out of the decision.
-        witness: one sentence naming the row that contradicts the others, or ``""``.
+    u : Vector or None
+        (r,), or ``None`` where there is none.
+    unique : bool
+        Whether u is the only solution.
+    certain : bool
+        Whether no ball around zero was left out of the decision.
+    witness : str
+        One sentence naming the row that contradicts the others, or ``""``.
     """
 
     u: Vector | None
@@ -281,6 +285,7 @@ def stage_times(m: Block) -> Vector:
     """Return the c at which an integrator evaluates f: A 1 for a method that is not consistent.
 
     Such a method (a deliberately broken one) has no times of its own and must still be stepped.
+    Where a file gives c apart from A 1, it is that.
     """
-    c = abscissae(m)
+    c = getattr(m, "abscissae_given", None) or abscissae(m)
     return linalg.matvec(m.A, (_ONE,) * len(m.A[0])) if c is None else c

@@ -41,8 +41,10 @@ class StageBlock:
 
     Attributes
     ----------
-        stages: stage numbers from 0, in order.
-        implicit: whether an equation has to be solved for them.
+    stages : tuple[int, ...]
+        Stage numbers from 0, in order.
+    implicit : bool
+        Whether an equation has to be solved for them.
     """
 
     stages: tuple[int, ...]
@@ -71,8 +73,9 @@ def dependency_blocks(size: int, needs: Needs) -> tuple[StageBlock, ...]:
 
     Returns
     -------
-        The strongly connected components in a topological order; among those possible the one
-        that follows the numbering.
+    tuple[StageBlock, ...]
+        The strongly connected components in a topological order; among those possible the one that
+        follows the numbering.
     """
     direct = [[j for j in range(size) if needs(i, j)] for i in range(size)]
     reach = [reached(direct[i], direct.__getitem__) for i in range(size)]
@@ -114,8 +117,9 @@ def stage_blocks(
 
     Returns
     -------
-        Blocks of numbers: the stages of the components one after another, or, where all
-        right-hand sides are evaluated at the same stages, the numbers of these.
+    tuple[StageBlock, ...]
+        Blocks of numbers: the stages of the components one after another, or, where all right-hand
+        sides are evaluated at the same stages, the numbers of these.
     """
     table = _needs(components, palette)
     return dependency_blocks(len(table), lambda i, j: j in table[i])

@@ -15,10 +15,6 @@ from .component import SEPARABLE, Component, Method, Palette
 __all__ = ["FinishingMethod", "PairStartingMethod", "StartingMethod"]
 
 
-def _row_sums(A: Matrix) -> Vector:
-    return tuple(sum(row, Exact(0)) for row in A)
-
-
 class _Start(Method):
     """A method that makes r values of one: u and B, and stages that begin from that one."""
 
@@ -38,7 +34,7 @@ class _Start(Method):
     @property
     def times(self) -> tuple[Vector, ...]:
         """A 1: stages begin from the one value that comes in."""
-        return tuple(_row_sums(c.A) for c in self.components)
+        return tuple(linalg.row_sums(c.A) for c in self.components)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -52,13 +48,19 @@ class StartingMethod(_Start):
 
     Attributes
     ----------
-        A: (m, m) internal stages, ``m`` may be 0 (then B has no columns and only ``u`` acts).
-        B: (r, m) weights of the r starting values.
-        u: (r,) multiples of y0.
-        name: where it comes from, for messages.
-        kind: ``"runge-kutta"`` for this tableau form.
-        claims: what its data says, for example ``{"order": 3}``: agrees with the starting series
-            on all trees of that order.
+    A : Matrix
+        (m, m) internal stages, ``m`` may be 0 (then B has no columns and only ``u`` acts).
+    B : Matrix
+        (r, m) weights of the r starting values.
+    u : Vector
+        (r,) multiples of y0.
+    name : str
+        Where it comes from, for messages.
+    kind : str
+        ``"runge-kutta"`` for this tableau form.
+    claims : Mapping[str, Any]
+        What its data says, for example ``{"order": 3}``: agrees with the starting series on all
+        trees of that order.
     """
 
     A: Matrix
@@ -88,10 +90,14 @@ class PairStartingMethod(_Start):
 
     Attributes
     ----------
-        A, A_hat: (n_Q, n_P) and (n_P, n_Q) internal stages.
-        B, B_hat: (r, n_P) and (r^, n_Q) weights of the starting values of q and of p.
-        u, u_hat: (r,) and (r^,) multiples of q0 and of p0.
-        name, kind, claims: as in :class:`StartingMethod`.
+    A, A_hat : Matrix
+        (n_Q, n_P) and (n_P, n_Q) internal stages.
+    B, B_hat : Matrix
+        (r, n_P) and (r^, n_Q) weights of the starting values of q and of p.
+    u, u_hat : Vector
+        (r,) and (r^,) multiples of q0 and of p0.
+    name, kind, claims
+        As in :class:`StartingMethod`.
     """
 
     A: Matrix
@@ -135,8 +141,10 @@ class FinishingMethod(Method):
 
     Attributes
     ----------
-        A: (m, m) internal stages.
-        b: (m,) weights.
+    A : Matrix
+        (m, m) internal stages.
+    b : Vector
+        (m,) weights.
     """
 
     A: Matrix
@@ -158,4 +166,4 @@ class FinishingMethod(Method):
     @property
     def times(self) -> tuple[Vector, ...]:
         """A 1: stages begin from the output."""
-        return (_row_sums(self.A),)
+        return (linalg.row_sums(self.A),)

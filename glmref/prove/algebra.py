@@ -6,7 +6,7 @@ answer ``None`` says that they leave it open.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -15,7 +15,7 @@ from ..exact import Exact, Scalar, linalg
 from ..exact.linalg import Matrix, Vector
 from ..system.budget import spend
 from ..theory import polynomials as poly
-from ..theory.coefficients import is_zero, plus, times, weighted
+from ..theory.coefficients import is_zero, plus, times
 from ..theory.root_location import is_nonnegative, is_schur, real_roots, unimodular_roots
 from ..theory.stability import divided
 
@@ -44,17 +44,35 @@ def scaled(d: Sequence[Scalar], a: Matrix) -> Matrix:
     return tuple(tuple(x * y for y in row) for x, row in zip(d, a, strict=True))
 
 
-def nystrom_filter(trees: Any) -> Any:
-    """No vertex f with two children: the others vanish where f is linear (HLW 2006, II.2.3)."""
-    known: dict[int, bool] = {}
+#: By the systems of a method, whether a vertex with these children can stand in a tree: the others
+#: vanish. A test of the colour, the number of children and their colours.
+_VERTICES: dict[str, Callable[[str, int, str], bool]] = {
+    "": lambda colour, n, below: True,
+    # q' = M^-1 p is linear in p and does not see q (HLW 2006, II.2.3)
+    "nystrom": lambda colour, n, below: colour != "f" or (n < 2 and "f" not in below),
+    "time": lambda colour, n, below: colour != "k" or n == 0,
+    "w": lambda colour, n, below: colour != "2" or n < 2,
+    "rosenbrock": lambda colour, n, below: n < 2 if colour == "2" else n != 1,
+}
+
+
+def system_filter(system: str, trees: Any) -> Any:
+    """Which trees count on the systems of a method; see :mod:`glmref.method.rosenbrock`."""
+    stands, known = _VERTICES[system], {}
 
     def counts(t: int) -> bool:
         if t not in known:
             below = trees.children[t]
-            known[t] = (trees.colour[t] != "f" or len(below) < 2) and all(map(counts, below))
+            colours = "".join(trees.colour[x] for x in below)
+            known[t] = stands(trees.colour[t], len(below), colours) and all(map(counts, below))
         return known[t]
 
     return counts
+
+
+def nystrom_filter(trees: Any) -> Any:
+    """Trees of second-order systems."""
+    return system_filter("nystrom", trees)
 
 
 def first_nonzero(residual: Sequence[Any]) -> Scalar:
@@ -103,30 +121,6 @@ def consistency_vectors(U: Matrix, B: Matrix, V: Matrix) -> tuple[Vector, Vector
         return None
     scaled = tuple(x / whole[-1] for x in whole[:-1])
     return scaled[:r], scaled[r:]
-
-
-def tableau_series(trees: Any, table: Mapping[str, Any], p: int, counts: Any) -> dict[Any, Any]:
-    """Series of Runge-Kutta-like values: xi = A xiD, value = B xiD; multiples of y by colour."""
-    sparse = {
-        c: tuple(
-            tuple(tuple((j, x) for j, x in enumerate(row) if not x.vanishes()) for row in m)
-            for m in (A, B)
-        )
-        for c, (A, B, _) in table.items()
-    }
-    found: dict[Any, Any] = {c: tuple(u) for c, (_, _, u) in table.items()}
-    stages: dict[int, Any] = {}
-    for n in range(1, p + 1):
-        for t in (t for t in trees.level(n) if counts(t)):
-            _, B, _ = table[trees.colour[t]]
-            slopes: Any = (1,) * len(B[0])
-            for child in trees.children[t]:
-                slopes = tuple(map(times, slopes, stages[child]))
-            rows_A, rows_B = sparse[trees.colour[t]]
-            if n < p:
-                stages[t] = tuple(weighted(row, slopes) for row in rows_A)
-            found[t] = tuple(weighted(row, slopes) for row in rows_B)
-    return found
 
 
 def sum_over_cuts(trees: Any, t: int, a: Mapping[Any, Any], b: Mapping[Any, Any]) -> Any:
@@ -288,12 +282,16 @@ def involutions(
 ) -> list[tuple[int, ...]] | None:
     """Every involution P with A[i][j] + A[Pi][Pj] = target[i][j] as far as balls can tell.
 
-    Args:
-        relations: (A, target, number of the first row, of the first column).
-        sizes: stages are exchanged within groups of these sizes.
+    Parameters
+    ----------
+    relations : Sequence[tuple[Matrix, Matrix, int, int]]
+        (A, target, number of the first row, of the first column).
+    sizes : Sequence[int]
+        Stages are exchanged within groups of these sizes.
 
     Returns
     -------
+    list[tuple[int, ...]] or None
         All of them, or ``None`` where the search was cut off.
     """
     group = [k for k, n in enumerate(sizes) for _ in range(n)]

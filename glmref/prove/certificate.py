@@ -14,10 +14,13 @@ from functools import cached_property
 from typing import Any
 
 from ..catalogue.claims import (
+    A_STABLE,
     CLAIMS,
+    DENSE_ORDER,
     EFFECTIVE_ORDER,
     EXPLICIT,
     FINISHING_ORDER,
+    L_STABLE,
     NYSTROM_ORDER,
     NYSTROM_STARTING_ORDER,
     ORDER,
@@ -34,10 +37,13 @@ from ..exact import Exact, linalg
 from ..exact.expression import to_text
 from ..exact.linalg import Matrix, Vector
 from ..findings import Proof, Verdict
+from ..theory import polynomials as poly
+from ..theory.coefficients import is_zero, plus, times
 from .algebra import consistency_vectors, difference, involutions, preconsistency, scalars
 from .certificate_enclosed import equation_numbers, method_proof, start_proofs
 from .field import Tower, radicals_of, written_out
 from .finders import proposal_for
+from .forest import Paths
 from .kernel import Judgement, Kernel
 from .series import StartingSeries, apply_rows, read
 
@@ -53,11 +59,16 @@ def certificates_of(
 ) -> Iterator[tuple[str, dict[str, Any] | str]]:
     """Write the certificate of every statement, or say why there is none.
 
-    Args:
-        facts: of the method. statements: claim -> (declared value, judgement).
+    Parameters
+    ----------
+    facts : Any
+        Of the method.
+    statements : Mapping[str, tuple[object, Judgement]]
+        Claim -> (declared value, judgement).
 
     Yields
     ------
+    tuple[str, dict[str, Any] or str]
         (claim, certificate or reason).
     """
     proofs = _Proofs(facts)
@@ -66,6 +77,17 @@ def certificates_of(
             yield claim, _certificate(facts, claim, declared, judgement, proofs)
         except ExactnessError as error:
             yield claim, str(error)
+
+
+def _trees(series: StartingSeries, nystrom: bool) -> str:
+    """Which trees a series is about, in the words of a certificate."""
+    if isinstance(series.trees, Paths):
+        if not nystrom:
+            raise ExactnessError(
+                "certificates of orders by paths are written for second-order systems only"
+            )
+        return "paths"
+    return "nystrom" if nystrom else "all"
 
 
 class _Proofs:
@@ -110,8 +132,8 @@ def _certificate(
     if judged.verdict is Verdict.OPEN:
         raise ExactnessError("the claim is open")
     enclosed = judged.proof is not Proof.EXACT or not facts.kernel.exact
-    if any(w is not None for w in facts.kernel.outputs.values()):
-        raise ExactnessError("certificates of methods that declare an output are not written yet")
+    if enclosed and any(w is not None for w in facts.kernel.outputs.values()):
+        raise ExactnessError("certificates of decimals with a declared output are not written yet")
     document = facts.method.document
     if document is None:
         raise ExactnessError("a method without a file has no certificate")
@@ -196,6 +218,9 @@ class _Writer:
         self.holds = judged.verdict is Verdict.HOLDS
 
     def parts(self) -> list[Part]:
+        method = self.facts.method
+        if method.rosenbrock and self.claim in (A_STABLE.key, L_STABLE.key):
+            return self._of(method.linear_form, self.claim).parts()
         special = getattr(self, f"_{CLAIMS[self.claim].rule}", None)
         if special is not None:
             return special()
@@ -204,24 +229,66 @@ class _Writer:
             return self._order_parts(free=free, nystrom=self.claim == NYSTROM_ORDER.key)
         raise ExactnessError(f"certificates of {self.claim!r} are not written yet")
 
+    def _of(self, method: Any, claim: str) -> _Writer:
+        """The writer of the same statement about another method."""
+        return _Writer(type(self.facts)(method), claim, self.declared, self.judged)
+
+    # -- what stands beside a tableau
+
+    def _embedded_order(self) -> list[Part]:
+        b, found = self.facts.method.weights, []
+        for row in self.facts.method.embedded:
+            inner = self._of(self.facts.method.weighted(row.solution(b)), self.kernel.row_claim)
+            found.append({"rule": "row", "witness": {"row": row.name, "parts": inner.parts()}})
+            self.identities += inner.identities
+        if not found or set(self.declared) != {x["witness"]["row"] for x in found}:
+            raise ExactnessError("the rows that are declared are not those of the file")
+        return found
+
+    def _embedded_difference(self) -> list[Part]:
+        return self._simple("differences", "no-differences")
+
+    def _row_sums(self) -> list[Part]:
+        return self._simple("row-sums", "no-row-sums")
+
+    def _dense_end(self) -> list[Part]:
+        return self._simple("dense-end", "no-dense-end")
+
+    def _dense_order(self) -> list[Part]:
+        found = self.kernel.range(DENSE_ORDER.key)
+        if found.upper is None or found.lower != found.upper:
+            raise ExactnessError("the order is not settled")
+        return [{"rule": "dense", "witness": {"order": found.upper, "tree": found.tree}}]
+
+    def _w_order(self) -> list[Part]:
+        return self._of(self.facts.method.with_any_matrix(), ORDER.key).parts()
+
     # -- orders
 
     def _order(self) -> list[Part]:
         return self._order_parts(free=not self.kernel.one_step)
 
     def _order_parts(self, *, free: bool, nystrom: bool = False) -> list[Part]:
+        if self.kernel.timed is not self.kernel:
+            return self._of(self.kernel.timed.method, self.claim)._order_parts(
+                free=free, nystrom=nystrom
+            )
         found = self.kernel.order_range(free=free, nystrom=nystrom)
         if found.upper is None or found.lower != found.upper:
             raise ExactnessError("the order is not settled")
         p = found.upper
         if p == 0:
             return [self._no_order()]
+        if (free, nystrom) not in self.kernel.series:
+            raise ExactnessError(
+                "certificates of orders by paths are written for second-order systems only"
+            )
         series = self.kernel.series[free, nystrom]
         if not series.complete:
             raise ExactnessError("the eigenvalue 1 of V is multiple, and the series not unique")
         names = {
             "principal": "free" if free else "identity",
-            "trees": "nystrom" if nystrom else "all",
+            "trees": _trees(series, nystrom),
         }
         below = {"order": p, **names, **self._series(series, p)}
         above = {"order": p, **names, "same": True, **self._left_and_right(series)}
@@ -345,6 +412,8 @@ class _Writer:
         raise ExactnessError("order 1 is not excluded by consistency")
 
     def _stage_order(self) -> list[Part]:
+        if self.kernel.timed is not self.kernel:
+            raise ExactnessError("certificates of stage orders with c apart are not written yet")
         found = self.kernel.range(STAGE_ORDER.key)
         parts = self._order()
         q = found.upper
@@ -362,8 +431,6 @@ class _Writer:
     def _failing_stage(self, witness: Mapping[str, Any], q: int) -> str:
         series = self.kernel.series[witness["principal"] == "free", False]
         trees = series.trees
-        from ..theory.coefficients import is_zero, plus, times
-
         none = Kernel._none
         c = {
             trees.colour[t]: series.stage(t, series.eta.get(t, none(t, series)))
@@ -390,12 +457,16 @@ class _Writer:
         if not kernel._exact_start():
             raise ExactnessError("certificates of enclosed starts are not written yet")
         q, p, series = found.upper, known.value, kernel.series[free, nystrom]
+        if isinstance(series.trees, Paths):
+            f, k = kernel.method.starting.components
+            if min(kernel._path_orders(f.A, k.A, p - 1)["f"]) < p - 1:
+                raise ExactnessError(
+                    "certificates of starts by paths need stages Q that are all the solution"
+                )
         given = kernel._start_series(series, p)
         eta = dict(kernel._shifted(series, given, p) if free else series.eta)
         trees = series.trees
         tree, value = "", 0
-        from ..theory.coefficients import plus, times
-
         for n in range(1, min(q + 1, p) + 1):
             for t in (t for t in trees.level(n) if series.counts(t)):
                 own = eta.get(t, Kernel._none(t, series))
@@ -410,7 +481,7 @@ class _Writer:
                 if bad is not None and not tree:
                     tree, value = trees.text[t], bad + 1
         block = {"order": p, **self._series(series, p, eta)}
-        block["trees"] = "nystrom" if nystrom else "all"
+        block["trees"] = _trees(series, nystrom)
         self.identities.append(f"the start agrees with the series through order {q}")
         return [
             *self._order_parts(free=free, nystrom=nystrom),
@@ -495,8 +566,6 @@ class _Writer:
         raise ExactnessError("no vector refutes preconsistency")
 
     def _bounded(self, c: str) -> Part:
-        from ..theory import polynomials as poly
-
         h = poly.characteristic_polynomial(self.kernel.blocks[c][3])
         q: Any = (Exact(1),)
         low = 0

@@ -1,6 +1,6 @@
 """Interval tests as a certificate holds them: nothing is left for a checker to look for.
 
-The tests are made by the finders (:mod:`.enclosure`, :mod:`.starting`, and what belongs to pairs).
+The tests are made by the finders (:mod:`.enclosure`, :mod:`.starting`).
 Written down is what repeating them needs: a centre with more digits than the file has, an
 approximate inverse of the Jacobian, the trees at which the principal part is free, and the
 conditions of a start in their order. Section 6 of ``docs/certificates.md`` says what is checked.
@@ -14,26 +14,24 @@ from typing import Any
 from ..errors import ExactnessError
 from ..exact import Ball, BallMatrix, ball, jets, lift
 from ..exact.expression import parse
-from ..method import GLM
-from .classes import plan
-from .enclosure import Outcome, krawczyk, prove, radius_of
-from .inverse_finish import is_inverse
-from .partitioned_starting import pair_target, start_function, start_orders, start_system
-from .partitioned_system import PairSystem
+from .classes import Family, plan
+from .enclosure import prove, radius_of
+from .krawczyk import Outcome, krawczyk
 from .starting import (
     RADIUS,
-    StartingSystem,
     Target,
+    even_trees,
     finishing_function,
     finishing_system,
     first_value,
-    functionals,
+    is_inverse,
+    known_stage_order,
+    start_orders,
     starting_function,
     starting_system,
     target_of,
 )
 from .system import SweepSystem
-from .tableau_series import stage_order
 
 __all__ = ["equation_numbers", "method_proof", "start_proofs"]
 
@@ -46,34 +44,32 @@ _CENTRE, _INVERSE = 110, 14
 def method_proof(document: Mapping[str, Any], order: int) -> Block:
     """The test of the method itself.
 
-    Args:
-        document: with an ``enclosure``. order: through which series are needed.
+    Parameters
+    ----------
+    document : Mapping[str, Any]
+        With an ``enclosure``.
+    order : int
+        Through which series are needed.
 
     Raises
     ------
-        ExactnessError: when the test does not succeed.
+    ExactnessError
+        When the test does not succeed.
     """
-    pair = document["class"] != "sweep"
-    system: Any = PairSystem(document) if pair else SweepSystem(document)
+    system = SweepSystem(document)
     texts = [document["unknowns"][name] for name in system.unknowns]
     published = [ball(parse(x, digits=document.get("digits", 75))) for x in texts]
     radius = document["enclosure"].get("radius", "1e-60")
     block = {"radius": radius, **_test(system.residuals, published, radius_of(document))}
-    if pair:
-        return block | {"trees": "nystrom" if system.nystrom else "all"}
+    if system.is_partitioned:
+        return block | {"trees": "nystrom" if system.family is Family.SECOND_ORDER else "all"}
     free = {}
     for n in range(2, max(order, system.order) + 1, 2):
-        given = tuple(t for t in _principal(system) if t.order == n)
+        given = tuple(t for t in system.principal if t.order == n)
         found = plan(n, system.stage_order, given).free
         if found:
             free[str(n)] = [str(t) for t in found]
     return block | {"free": free}
-
-
-def _principal(system: SweepSystem) -> Sequence[Any]:
-    from ..theory.trees import parse_tree
-
-    return [parse_tree(t) for t in system.principal]
 
 
 def _test(function: Callable[[Sequence[Any]], Sequence[Any]], published: Sequence[Ball],
@@ -96,22 +92,22 @@ def start_proofs(document: Mapping[str, Any], method: Any) -> dict[str, Block]:
 
     Raises
     ------
-        ExactnessError: when a test does not succeed.
+    ExactnessError
+        When a test does not succeed.
     """
     opening, closing = document.get("starting"), document.get("finishing")
     if opening is None:
         return {}
-    if "A_hat" in opening:
-        if not start_system(opening).unknowns:
-            return {}
-        return {"starting": _pair_start(document)}
     if not starting_system(opening).unknowns:
         return {}
-    target = (
-        Target.of(document, prove(document)) if "enclosure" in document
-        else target_of(method) if isinstance(method, GLM) else None
-    )  # fmt: skip
-    if target is None:
+    orders = ()
+    if "enclosure" in document:
+        record = prove(document)
+        target = Target.of(document, record.system, record.series)
+        orders = start_orders(document, record.system)
+    elif len(method.components) == 1:
+        target = target_of(method)
+    else:
         return {}
     system, function = starting_system(opening), starting_function(opening, target)
     digits = document.get("digits", 75)
@@ -119,13 +115,17 @@ def start_proofs(document: Mapping[str, Any], method: Any) -> dict[str, Block]:
     found = {"starting": {"radius": _text(RADIUS), **_test(function, published, RADIUS)}}
     box = krawczyk(function, published, RADIUS).box
     found["starting"]["conditions"] = _conditions(opening, target, len(function(box)))
+    if len(target.L) > 1:
+        claimed = {family: n for n, family in orders}
+        families = (Family.SEPARABLE, Family.SECOND_ORDER)
+        found["starting"]["orders"] = [claimed.get(x, 0) for x in families]
     if closing is None or is_inverse(opening, closing) or not finishing_system(closing).unknowns:
         return found
     base = first_value(opening, box, target.order)
     ending = finishing_function(closing, base, target.order)
     published = finishing_system(closing).published(digits)
     found["finishing"] = {"radius": _text(RADIUS), **_test(ending, published, RADIUS)}
-    found["finishing"]["conditions"] = [[0, str(t)] for t in _even(target.order)]
+    found["finishing"]["conditions"] = [[0, str(t)] for t in even_trees(target.order)]
     return found
 
 
@@ -133,47 +133,15 @@ def _text(radius: Any) -> str:
     return f"1e-{len(str(radius.denominator)) - 1}"
 
 
-def _even(order: int) -> list[Any]:
-    from .starting import _signed_trees
-
-    return _signed_trees(1, order)
-
-
 def _conditions(block: Mapping[str, Any], target: Target, count: int) -> list[list[Any]]:
-    """The conditions of a start, in the order of :func:`.starting.starting_conditions`."""
-    from .starting import _signed_trees
-
-    stages, q = StartingSystem(block["A"]), 1
-    if not stages.unknowns:
-        q = stage_order(stages.read([]), most=target.stage_order)
-    first, rest = [], []
-    for k, (_, sign) in enumerate(functionals(target.L)):
-        for t in _signed_trees(sign, target.order - 1 if k == 0 else target.order, q):
-            (first if k == 0 else rest).append([k, str(t)])
+    """The conditions of a start, in the order of :meth:`.starting.Target.conditions`."""
+    listed = target.conditions(known_stage_order(block, target))
+    rest = [(k, t) for k, _, t in listed if k > 0]
     if count == len(rest):  # the first value starts from y itself
-        return rest
-    if count != len(first) + len(rest):
+        return [[k, str(t)] for k, t in rest]
+    if count != len(listed):
         raise ExactnessError("the conditions of the start are not written out")
-    return first + rest
-
-
-def _pair_start(document: Mapping[str, Any]) -> Block:
-    block, system = document["starting"], PairSystem(document)
-    orders = start_orders(document["claims"], block)
-    texts = [document["unknowns"][name] for name in system.unknowns]
-    published = [ball(parse(x, digits=document.get("digits", 75))) for x in texts]
-    root = krawczyk(system.residuals, published, radius_of(document)).box
-    numbers, principal = system.read(dict(zip(system.unknowns, root, strict=True)))
-    series = [
-        system.series(numbers, principal, order, nystrom=nystrom, starts=True)
-        for order, nystrom in zip(orders, (False, True), strict=True)
-        if order
-    ]
-    target = pair_target(system, series, orders)
-    digits = start_system(block).published(document.get("digits", 75))
-    found = {"radius": _text(RADIUS), **_test(start_function(block, target), digits, RADIUS)}
-    conditions = [[k, str(t)] for t, x in target.zeta.items() for k in range(1, len(x))]
-    return {**found, "conditions": conditions, "orders": list(orders)}
+    return [[k, str(t)] for k, _, t in listed]
 
 
 def equation_numbers(document: Mapping[str, Any]) -> list[str]:

@@ -1,10 +1,21 @@
 """Trees up to stage order, pairs of trees, and what follows from what: rational linear algebra.
 
+A :class:`Family` is a set of trees that is closed under cutting branches and under *moves* of the
+root (writing t*u for t with u attached to its root, from t*u to u*t): all trees of one colour; of
+two, alternating along every edge (separable systems); of the latter those that count on
+second-order systems, where f is linear and a vertex f has at most two neighbours. A version whose
+root f has two children has no elementary differential, but it stands between two versions that have
+one, and residuals of such versions vanish with those of their neighbours. There are 1, 1, 1, 2, 3,
+6, 11 free trees (rooted ones up to moves) of one colour of the orders 1 to 7, 2, 1, 2, 3, 6, 10, 22
+of two and 2, 1, 2, 2, 4, 5, 10 on second-order systems. A free tree with an edge whose ends are
+alike, t*t, is *superfluous*; there is none of two colours, where the ends of an edge differ.
+
 Where every stage satisfies ``eta_i(t) = c_i^|t| / gamma(t)`` for |t| <= q (stage order q), a
 subtree t with |t| <= q below some vertex may be replaced by |t| leaves there, with the factor
 1/gamma(t): the ideal of these relations is mapped into itself by cutting (both sides are the
 exact flow at c_i), so by induction on the order zeta, eta and R take the factor too, as soon as
-zeta_1 does. Trees without such subtrees are the *classes*; with q = 1 every tree is one.
+zeta_1 does. Trees without such subtrees are the *classes*; with q = 1, which is supposed where
+there are two colours, every tree is one.
 
 On classes the theorems of :mod:`glmref.prove.equations` are linear statements with rational
 coefficients. Unknown to them are zeta_1 and the pair defects Q at an even order n, and the
@@ -22,6 +33,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from enum import Enum
 from fractions import Fraction
 from functools import cache
 from math import factorial
@@ -29,9 +41,11 @@ from math import factorial
 from ..errors import DataError
 from ..exact import Exact, linalg
 from ..exact.linalg import Matrix
-from ..theory.trees import Tree, parse_tree, pruned, single, tree, trees
+from ..theory.nystrom import is_nystrom
+from ..theory.trees import ROOTED, SEPARABLE, Palette, Tree, parse_tree, pruned, single, tree, trees
 
 __all__ = [
+    "Family",
     "Plan",
     "attach",
     "classes",
@@ -42,6 +56,7 @@ __all__ = [
     "plan",
     "reduce_tree",
     "representatives",
+    "second_order",
 ]
 
 Pair = tuple[Tree, Tree]
@@ -50,9 +65,41 @@ Pair = tuple[Tree, Tree]
 _PREFERRED = ("o", "[oo]", "[oooo]", "[oo[o]]", "[[o][o]]", "[ooo]")
 
 
+class Family(Enum):
+    """Trees that count together: see the module docstring."""
+
+    ROOTED = "rooted"
+    SEPARABLE = "separable"
+    SECOND_ORDER = "second-order"
+
+    @property
+    def palette(self) -> Palette:
+        """Colours with the colours of their neighbours."""
+        return ROOTED if self is Family.ROOTED else SEPARABLE
+
+    def __contains__(self, t: object) -> bool:
+        if not isinstance(t, Tree) or t.colour not in self.palette:
+            return False
+        return _fits(t, self) and (self is not Family.SECOND_ORDER or second_order(t))
+
+
+@cache
+def _fits(t: Tree, family: Family) -> bool:
+    """Whether every edge of a tree joins colours that may be neighbours."""
+    allowed = family.palette[t.colour]
+    return all(x.colour in allowed and _fits(x, family) for x in t.children)
+
+
+@cache
+def _listed(order: int, family: Family) -> tuple[Tree, ...]:
+    """All trees of an order that belong to a family."""
+    whole = trees(order, family.palette)
+    return tuple(t for t in whole if family is not Family.SECOND_ORDER or second_order(t))
+
+
 def attach(t: Tree, u: Tree) -> Tree:
     """Return t*u: the tree t with ``u`` attached to its root."""
-    return tree([*t.children, u])
+    return tree([*t.children, u], t.colour)
 
 
 @cache
@@ -62,14 +109,14 @@ def moves(version: Tree) -> tuple[tuple[Tree, Tree, Tree], ...]:
     for u in dict.fromkeys(version.children):
         rest = list(version.children)
         rest.remove(u)
-        t = tree(rest)
+        t = tree(rest, version.colour)
         result.append((t, u, attach(u, t)))
     return tuple(result)
 
 
 @cache
 def free_tree(version: Tree) -> tuple[Tree, ...]:
-    """All rooted versions of the free tree under a rooted tree."""
+    """All rooted versions of the free tree under a rooted tree, in ascending order."""
     found, waiting = {version}, [version]
     while waiting:
         for _, _, other in moves(waiting.pop()):
@@ -80,8 +127,17 @@ def free_tree(version: Tree) -> tuple[Tree, ...]:
 
 
 @cache
+def second_order(t: Tree) -> bool:
+    """Whether every vertex f of the free tree has at most two neighbours."""
+    allowed = 2 if t.colour == "f" else t.order
+    return len(t.children) <= allowed and all(map(is_nystrom, t.children))
+
+
+@cache
 def reduce_tree(t: Tree, q: int) -> tuple[Tree, Fraction]:
     """The class of a tree at stage order q, and its factor."""
+    if q == 1:
+        return t, Fraction(1)
     children: list[Tree] = []
     factor = Fraction(1)
     for child in t.children:
@@ -96,19 +152,19 @@ def reduce_tree(t: Tree, q: int) -> tuple[Tree, Fraction]:
 
 
 @cache
-def classes(order: int, q: int) -> tuple[Tree, ...]:
+def classes(order: int, q: int, family: Family = Family.ROOTED) -> tuple[Tree, ...]:
     """The trees of an order that are their own class."""
-    return tuple(t for t in trees(order) if reduce_tree(t, q)[0] is t)
+    return tuple(t for t in _listed(order, family) if reduce_tree(t, q)[0] is t)
 
 
 @cache
-def pairs(order: int, q: int) -> tuple[Pair, ...]:
-    """Unordered pairs of classes of total order ``order``."""
+def pairs(order: int, q: int, family: Family = Family.ROOTED) -> tuple[Pair, ...]:
+    """Unordered pairs (t, u) of classes of total order ``order`` for which t*u is in the family."""
     found: list[Pair] = []
     for n in range(1, order // 2 + 1):
-        for i, t in enumerate(classes(n, q)):
-            for j, u in enumerate(classes(order - n, q)):
-                if n < order - n or i <= j:
+        for i, t in enumerate(classes(n, q, family)):
+            for j, u in enumerate(classes(order - n, q, family)):
+                if (n < order - n or i <= j) and attach(t, u) in family:
                     found.append((t, u))
     return tuple(found)
 
@@ -154,10 +210,16 @@ class Plan:
 
     Attributes
     ----------
-        classes: the unknown values, in this order.
-        defining: pairs with Q = 0 by definition. leftover: pairs where Q = 0 has to be proved.
-        free: classes whose value is given (by a file's ``xi``, else zero).
-        inverse: maps (zeta(t)^T G zeta(u) over ``defining``, values over ``free``) to zeta_1.
+    classes : tuple[Tree, ...]
+        The unknown values, in this order.
+    defining : tuple[Pair, ...]
+        Pairs with Q = 0 by definition.
+    leftover : tuple[Pair, ...]
+        Pairs where Q = 0 has to be proved.
+    free : tuple[Tree, ...]
+        Classes whose value is given (by a file's ``xi``, else zero).
+    inverse : Matrix
+        Maps (zeta(t)^T G zeta(u) over ``defining``, values over ``free``) to zeta_1.
     """
 
     classes: tuple[Tree, ...]
@@ -168,24 +230,32 @@ class Plan:
 
 
 @cache
-def plan(order: int, q: int, given: tuple[Tree, ...] = ()) -> Plan:
+def plan(order: int, q: int, given: tuple[Tree, ...] = (), family: Family = Family.ROOTED) -> Plan:
     """Choose the defining pairs and the free classes at an even order.
 
-    Args:
-        order: even. q: stage order.
-        given: trees at which zeta_1 is given; other free classes are chosen after them.
+    Parameters
+    ----------
+    order : int
+        even.
+    q : int
+        Stage order.
+    given : tuple[Tree, ...]
+        Trees at which zeta_1 is given; other free classes are chosen after them.
+    family : Family
+        Of the trees that count.
 
     Raises
     ------
-        DataError: when zeta_1 cannot be given at these trees.
+    DataError
+        When zeta_1 cannot be given at these trees.
     """
-    unknown = classes(order, q)
+    unknown = classes(order, q, family)
     index = {t: i for i, t in enumerate(unknown)}
     size, span = len(unknown), _Span()
     rows: list[list[Fraction]] = []
     defining: list[Pair] = []
     leftover: list[Pair] = []
-    for pair in pairs(order, q):
+    for pair in pairs(order, q, family):
         row = _spread(pair, index, q, size)
         if span.add(row):
             rows.append(row)
@@ -218,17 +288,19 @@ def _cuts(t: Tree, q: int) -> tuple[tuple[Tree, Fraction], ...]:
     return tuple(found.items())
 
 
-def _identities(order: int, q: int) -> tuple[dict[object, int], list[list[Fraction]]]:
+def _identities(
+    order: int, q: int, family: Family
+) -> tuple[dict[object, int], list[list[Fraction]]]:
     """The identities of an odd order: unknowns (R at classes, leftover Q below) and rows."""
-    leftover = plan(order - 1, q).leftover
-    index: dict[object, int] = {t: i for i, t in enumerate(classes(order, q))}
-    by_class = {t: i for i, t in enumerate(classes(order, q))}
+    leftover = plan(order - 1, q, family=family).leftover if q > 1 else ()
+    by_class = {t: i for i, t in enumerate(classes(order, q, family))}
+    index: dict[object, int] = {**by_class}
     for pair in leftover:
         index[pair] = len(index)
     rows = []
-    for t, u in pairs(order, q):
+    for t, u in pairs(order, q, family):
         row = _spread((t, u), by_class, q, len(index))
-        for a, x in _cuts(t, q):
+        for a, x in _cuts(t, q) if leftover else ():
             for b, y in _cuts(u, q):
                 at = index.get((a, b), index.get((b, a)))
                 if a.order + b.order == order - 1 and at is not None:
@@ -237,39 +309,39 @@ def _identities(order: int, q: int) -> tuple[dict[object, int], list[list[Fracti
     return index, rows
 
 
-def follows(order: int, q: int, given: Collection[Tree]) -> bool:
+def follows(order: int, q: int, given: Collection[Tree], family: Family = Family.ROOTED) -> bool:
     """Whether R = 0 at the given trees of an odd order gives R = 0 at all trees of that order.
 
     Supposed are stage order q, R = 0 and Q = 0 below, Q = 0 on the defining pairs of ``order -
     1``. Then all of Q at ``order - 1`` vanishes too.
     """
     if order == 1:
-        return any(t.order == 1 for t in given)
-    index, rows = _identities(order, q)
+        return set(classes(1, q, family)) <= set(given)
+    index, rows = _identities(order, q, family)
     span = _Span()
     rank = sum(span.add(row) for row in rows)
     for t in given:
-        if t.order == order:
+        if t.order == order and t in family:
             reduced, _ = reduce_tree(t, q)
             rank += span.add([Fraction(int(i == index[reduced])) for i in range(len(index))])
     return rank == len(index)
 
 
 @cache
-def representatives(order: int, q: int) -> tuple[Tree, ...]:
-    """Trees of an odd order whose conditions give all others: as few as there can be.
+def representatives(order: int, q: int = 1, family: Family = Family.ROOTED) -> tuple[Tree, ...]:
+    """Trees whose conditions give all others of their order: as few as there can be.
 
-    One for each free tree at stage order 1: 1, 1, 3, 11 for the orders 1, 3, 5, 7; at stage order
-    2: 1, 0, 1, 3; at stage order 3: 1, 0, 1, 1, 3 (order 9).
+    One for each free tree at stage order 1: 1, 1, 3, 11 for the orders 1, 3, 5, 7 and one colour;
+    at stage order 2, of odd orders, 1, 0, 1, 3; at stage order 3: 1, 0, 1, 1, 3 (order 9).
     """
     if order == 1:
-        return (single(),)
-    index, rows = _identities(order, q)
+        return classes(1, q, family)
+    index, rows = _identities(order, q, family)
     span = _Span()
     rank = sum(span.add(row) for row in rows)
-    preferred = [t for t in map(parse_tree, _PREFERRED) if t.order == order]
+    preferred = [t for t in map(parse_tree, _PREFERRED) if t.order == order and t in family]
     chosen: list[Tree] = []
-    for t in dict.fromkeys([*preferred, *classes(order, q)]):
+    for t in dict.fromkeys([*preferred, *classes(order, q, family)]):
         reduced, _ = reduce_tree(t, q)
         if rank < len(index) and span.add(
             [Fraction(int(i == index[reduced])) for i in range(len(index))]

@@ -63,12 +63,15 @@ Open Scope nat_scope.
 def to_coq(method: Method | str) -> str:
     """Write the claims of a method as theorems with proofs, for Coq.
 
-    Args:
-        method: an exact method, or the name of one in the catalogue.
+    Parameters
+    ----------
+    method : Method or str
+        An exact method, or the name of one in the catalogue.
 
     Raises
     ------
-        UsageError: for a method with decimals: only exact coefficients have identities to prove.
+    UsageError
+        For a method with decimals: only exact coefficients have identities to prove.
     """
     if isinstance(method, str):
         method = catalogue.load(method)
@@ -330,11 +333,16 @@ def as_exact(x: Any) -> Exact:
 def commutator(m: GLM, u: Vector) -> tuple[Matrix, Vector] | None:
     """Solve B U = V X - X V + u y^T for X and y, which proves that no component grows.
 
-    Args:
-        m: a method. u: (r,) with V u = u.
+    Parameters
+    ----------
+    m : GLM
+        A method.
+    u : Vector
+        (r,) with V u = u.
 
     Returns
     -------
+    tuple[Matrix, Vector] or None
         X (r, r) and y (r,), or ``None`` where there are none.
     """
     r, zero = m.r, Exact(0)

@@ -15,6 +15,18 @@ from ..exact import Scalar
 from ..exact.linalg import Vector
 from ..findings import Proof
 from ..method import Method
+from ..theory.a_stability import a_stability, l_stability
+from ..theory.consistency import consistency, zero_stability
+from ..theory.nystrom import is_nystrom, nystrom_order_of
+from ..theory.order import order_of
+from ..theory.parasitism import growth
+from ..theory.reduction import reduction
+from ..theory.starting import finishing_order, starting_order, zero_start_order
+from ..theory.symmetry import symmetry
+from ..theory.symplectic import g_symplectic
+from ..theory.trees import single, tree
+from .finders import proposal_for
+from .kernel import Judgement, Kernel
 
 if TYPE_CHECKING:
     from ..theory.consistency import Consistency
@@ -25,7 +37,6 @@ if TYPE_CHECKING:
     from ..theory.symmetry import Symmetry
     from ..theory.symplectic import GSymplecticity
     from .implications import Implied
-    from .kernel import Judgement, Kernel
 
 __all__ = ["Facts", "facts_of"]
 
@@ -33,9 +44,12 @@ __all__ = ["Facts", "facts_of"]
 class Facts:
     """Facts of one method.
 
-    Args:
-        method: the method.
-        implied: what the enclosure of its file proves, or ``None``.
+    Parameters
+    ----------
+    method : Any
+        The method.
+    implied : Implied or None
+        What the enclosure of its file proves, or ``None``.
     """
 
     def __init__(self, method: Any, *, implied: Implied | None = None) -> None:
@@ -45,8 +59,6 @@ class Facts:
     @cached_property
     def kernel(self) -> Kernel:
         """The rules that give verdicts about this method."""
-        from .kernel import Kernel
-
         return Kernel(self.method, self.implied)
 
     @property
@@ -58,14 +70,10 @@ class Facts:
 
     def judge(self, claim: str, declared: object) -> Judgement:
         """Judge one claim: a finder proposes, the kernel decides."""
-        from .finders import proposal_for
-
         return self.kernel.judge(claim, declared, proposal_for(self, claim))
 
     def truth(self, claim: str) -> bool | None:
         """Whether a claim that is true or false is true, as far as it is proved."""
-        from .finders import proposal_for
-
         return self.kernel.known(claim, proposal_for(self, claim)).truth
 
     @property
@@ -81,15 +89,11 @@ class Facts:
     @cached_property
     def consistencies(self) -> tuple[Consistency, ...]:
         """u, v, c of each component, and whether it is pre-consistent and consistent."""
-        from ..theory.consistency import consistency
-
         return tuple(consistency(c) for c in self.method.components)
 
     @cached_property
     def zero_stabilities(self) -> tuple[Boundedness, ...]:
         """Whether the V of each component is power-bounded."""
-        from ..theory.consistency import zero_stability
-
         return tuple(zero_stability(c) for c in self.method.components)
 
     @property
@@ -103,22 +107,16 @@ class Facts:
     @cached_property
     def order(self) -> OrderResult:
         """Order with a free principal part of the starting series."""
-        from ..theory.order import order_of
-
         return order_of(self.method, principal="free")
 
     @cached_property
     def order_identity(self) -> OrderResult:
         """Order with the identity as principal part: the outputs are the solution."""
-        from ..theory.order import order_of
-
         return order_of(self.method, principal="identity")
 
     @cached_property
     def nystrom_order(self) -> OrderResult:
         """Order of a partitioned method on second-order systems, principal parts the identity."""
-        from ..theory.nystrom import nystrom_order_of
-
         return nystrom_order_of(self.method)
 
     @property
@@ -147,15 +145,11 @@ class Facts:
     @cached_property
     def nystrom_starting_order(self) -> tuple[int, str]:
         """The same on second-order systems."""
-        from ..theory.nystrom import is_nystrom
-
         return self._start_against(
             self.nystrom_order, counts=is_nystrom, compared="all trees of second-order systems"
         )
 
     def _start_against(self, known: OrderResult, **options: Any) -> tuple[int, str]:
-        from ..theory.starting import starting_order, zero_start_order
-
         if self.method.starting is None:
             return zero_start_order(known)
         found = starting_order(self.method, self.method.starting, known=known, **options)
@@ -164,8 +158,6 @@ class Facts:
     @cached_property
     def finishing_order(self) -> tuple[int, str]:
         """Order to which the file's finishing method undoes the start, and why."""
-        from ..theory.starting import finishing_order
-
         if self.method.finishing is None:
             return 0, "the file gives no finishing method"
         found = finishing_order(
@@ -176,22 +168,16 @@ class Facts:
     @cached_property
     def g_symplecticity(self) -> GSymplecticity:
         """The form G with its diagonals, that of the file or one found."""
-        from ..theory.symplectic import g_symplectic
-
         return g_symplectic(self.method)
 
     @cached_property
     def symmetry(self) -> Symmetry:
         """Time-reversal symmetry with its involutions."""
-        from ..theory.symmetry import symmetry
-
         return symmetry(self.method)
 
     @cached_property
     def parasitism(self) -> Parasitism:
         """Growth parameters at the unimodular eigenvalues of V."""
-        from ..theory.parasitism import growth
-
         return growth(self.method)
 
     @property
@@ -209,8 +195,6 @@ class Facts:
     @cached_property
     def reduction(self) -> Reduction:
         """Which of the values carried are needed."""
-        from ..theory.reduction import reduction
-
         return reduction(self.method)
 
     @cached_property
@@ -220,8 +204,6 @@ class Facts:
         It belongs to the tree with p leaves at the root: symmetry p!, and the exact value minus
         the method's is the negative residual.
         """
-        from ..theory.trees import single, tree
-
         result = self.classical_order
         bushy = tree([single()] * result.order)
         residual = result.residuals.get(bushy)
@@ -232,16 +214,17 @@ class Facts:
     @cached_property
     def a_stability(self) -> Any:
         """Whether M(z) is power-bounded in the left half-plane."""
-        from ..theory.a_stability import a_stability
-
-        return a_stability(self.method)
+        return a_stability(self.linear)
 
     @cached_property
     def l_stability(self) -> Any:
         """A-stable, and M(z) tends to a nilpotent matrix as z tends to minus infinity."""
-        from ..theory.a_stability import l_stability
+        return l_stability(self.linear)
 
-        return l_stability(self.method)
+    @property
+    def linear(self) -> Any:
+        """The method that is meant where stability on linear systems is asked for."""
+        return self.method.linear_form if self.method.rosenbrock else self.method
 
 
 def facts_of(method: Method, *, implied: Implied | None = None) -> Facts:

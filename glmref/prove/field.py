@@ -66,12 +66,15 @@ def radicals_of(text: str) -> list[str]:
 class Tower:
     """A field built from the texts of radicals.
 
-    Args:
-        texts: of radicals, inner ones before those that hold them.
+    Parameters
+    ----------
+    texts : Iterable[str]
+        Of radicals, inner ones before those that hold them.
 
     Raises
     ------
-        ExactnessError: for a field of too large a degree.
+    ExactnessError
+        For a field of too large a degree.
     """
 
     def __init__(self, texts: Iterable[str]) -> None:
@@ -190,7 +193,8 @@ class Tower:
 
         Raises
         ------
-            ExactnessError: for a number that is not in the field.
+        ExactnessError
+            For a number that is not in the field.
         """
         found = self._inside(value)
         if found is None:

@@ -28,7 +28,9 @@ from ..exact import Exact, linalg
 from ..exact.expression import shown_number
 from ..exact.linalg import Matrix
 from ..theory import polynomials as poly
+from ..theory.equivalence import reduce
 from ..theory.spectrum import eigenvectors, unimodular_eigenvalues
+from ..theory.symmetry import symmetry
 from .kernel import Proposal
 
 __all__ = ["eigen_witness", "proposal_for"]
@@ -111,9 +113,6 @@ def _symmetric(facts: Facts) -> Proposal:
 
 def _symmetric_reduced(facts: Facts) -> Proposal:
     def witness() -> Mapping[str, Any]:
-        from ..theory.equivalence import reduce
-        from ..theory.symmetry import symmetry
-
         smaller = reduce(facts.method)
         found = symmetry(smaller)
         known: dict[str, Any] = {"reduced": smaller}
@@ -129,7 +128,8 @@ def eigen_witness(V: Matrix) -> tuple[list[Any], poly.Polynomial]:
 
     Raises
     ------
-        ExactnessError: for balls, defective eigenvalues, or ones that square roots do not give.
+    ExactnessError
+        For balls, defective eigenvalues, or ones that square roots do not give.
     """
     parts = []
     rest = poly.characteristic_polynomial(V)
@@ -142,8 +142,13 @@ def eigen_witness(V: Matrix) -> tuple[list[Any], poly.Polynomial]:
 
 
 def _eigen(facts: Facts) -> dict[str, Any]:
+    m, found = facts.method, {}
     try:
-        return {c.colour: eigen_witness(c.V) for c in facts.method.components}
+        for c in sorted(m.components, key=lambda c: len(c.V)):
+            found[c.colour] = parts, _ = eigen_witness(c.V)
+            if m.parts == 2 and not m.shared and all((zeta - 1).is_zero() for zeta, *_ in parts):
+                break  # the other half shares no eigenvalue with this one
+        return {c.colour: found[c.colour] for c in m.components if c.colour in found}
     except ExactnessError as error:
         return {"why": f"the growth parameters are open: {error}"}
 

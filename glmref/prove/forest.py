@@ -15,7 +15,7 @@ from __future__ import annotations
 from functools import cache
 from math import comb, factorial
 
-__all__ = ["Forest", "forest"]
+__all__ = ["Forest", "Paths", "forest", "paths"]
 
 #: Colours with the colours their children may have.
 Palette = tuple[tuple[str, str], ...]
@@ -38,11 +38,14 @@ class Forest:
 
     Attributes
     ----------
-        colour, children, order, density: of each tree, by its number. ``density`` is gamma.
-        text: of each tree: ``o``, ``[o[oo]]``, ``f[kk]``.
-        cuts: of each tree, ``{kept: N}``: the number N of ways to grow the tree from ``kept`` (the
-            same root, branches cut off) leaf by leaf. ``N / (|t| - |kept|)!`` is the sum, over the
-            ways to cut, of 1 over the product of gamma of the branches.
+    colour, children, order, density
+        Of each tree, by its number. ``density`` is gamma.
+    text
+        Of each tree: ``o``, ``[o[oo]]``, ``f[kk]``.
+    cuts
+        Of each tree, ``{kept: N}``: the number N of ways to grow the tree from ``kept`` (the same
+        root, branches cut off) leaf by leaf. ``N / (|t| - |kept|)!`` is the sum, over the ways to
+        cut, of 1 over the product of gamma of the branches.
     """
 
     def __init__(self, palette: Palette) -> None:
@@ -115,7 +118,27 @@ class Forest:
         return found
 
 
+class Paths(Forest):
+    """The trees without branches: for each order and each colour of the root one or none."""
+
+    def _extend(self, n: int) -> None:
+        first = len(self.order)
+        for colour, allowed in self.palette.items():
+            if n == 1:
+                self._add(colour, ())
+            for below in self.levels[n - 1]:
+                if self.colour[below] in allowed:
+                    self._add(colour, (below,))
+        self.levels.append(tuple(range(first, len(self.order))))
+
+
 @cache
 def forest(palette: Palette) -> Forest:
     """Return the trees of a palette, shared by all who ask."""
     return Forest(palette)
+
+
+@cache
+def paths(palette: Palette) -> Paths:
+    """Return the trees without branches of a palette, shared by all who ask."""
+    return Paths(palette)

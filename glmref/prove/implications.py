@@ -1,9 +1,8 @@
 """What an enclosure implies: the table of implications, each with the hypotheses that are checked.
 
 A file with an ``enclosure`` names as many equations as it has unknowns; the interval test proves
-that they have exactly one root within the digits (:func:`~.enclosure.prove` and
-:func:`~.partitioned_enclosure.prove_pair`). That the *method* at this root has a property is
-another step, and this module is the only place where it is taken:
+that they have exactly one root within the digits (:func:`~.enclosure.prove`). That the *method* at
+this root has a property is another step, and this module is the only place where it is taken:
 
 ========================  =========================================================================
 claim                     hypotheses, exact statements about the document
@@ -12,7 +11,7 @@ preconsistent             the first row of X (and Y) is 1 for all values of the 
                           rows and columns of V and G are 1, 0, .., 0: then u = e_1
 consistent                that; 1 - V regular on the values 2..r; the conditions of order 1 given
 g-symplectic              V^T G V = G: holds for all values of the unknowns (sweep form)
-symplectic                that, and r = 1
+symplectic                that, and one value carried in each component
 symmetric                 D and X palindromic for all values of the unknowns, up to a sign for each
                           row; E G E = G, E V^-1 E = V
 order >= p                preconsistent; symmetric (or a product of flows); the equations give all
@@ -29,9 +28,9 @@ finishing-order >= q      the interval test on the conditions of the finish, or 
                           of the start for all values of the digits
 ========================  =========================================================================
 
-The theorems are in :mod:`glmref.method.sweep`, :mod:`.partitioned_sweep`,
-:mod:`.equations` and :mod:`.partitioned_series`. There is no implication for
-claims that fail, and none for upper bounds: those are proved by balls that exclude zero.
+Of two components every hypothesis is that of both. The theorems are in
+:mod:`glmref.method.sweep` and :mod:`.equations`. There is no implication for claims that fail, and
+none for upper bounds: those are proved by balls that exclude zero.
 """
 
 from __future__ import annotations
@@ -60,6 +59,11 @@ from ..errors import DataError, ExactnessError
 from ..exact import Exact, linalg
 from ..exact.expression import parse
 from ..exact.linalg import Matrix
+from .classes import Family, classes
+from .enclosure import Enclosure, prove
+from .order_conditions import abscissae
+from .starting import prove_blocks, target_of
+from .system import Affine, SweepSystem
 
 __all__ = ["ENCLOSED", "Implied", "implied_by"]
 
@@ -74,11 +78,16 @@ class Implied:
 
     Attributes
     ----------
-        true: claim -> the sentence that says what proves it.
-        at_least: claim -> a lower bound of an order.
-        growth_zeros: how many growth parameters there are, all of them zero; ``None``: unknown.
-        abscissae: where all of them are fixed exactly.
-        zeros: whether entries of A are exact zeros by an equation.
+    true : Mapping[str, str]
+        Claim -> the sentence that says what proves it.
+    at_least : Mapping[str, int]
+        Claim -> a lower bound of an order.
+    growth_zeros : int or None
+        How many growth parameters there are, all of them zero; ``None``: unknown.
+    abscissae : Sequence[Fraction] or None
+        Where all of them are fixed exactly.
+    zeros : bool
+        Whether entries of A are exact zeros by an equation.
     """
 
     true: Mapping[str, str] = field(default_factory=dict)
@@ -98,8 +107,10 @@ def implied_by(document: Mapping[str, Any] | None, method: Any) -> Implied | Non
 
     Raises
     ------
-        DataError: when the file asks for more than its equations give.
-        ExactnessError: when the interval test does not find exactly one root near the digits.
+    DataError
+        When the file asks for more than its equations give.
+    ExactnessError
+        When the interval test does not find exactly one root near the digits.
     """
     if document is None:
         return None
@@ -117,44 +128,59 @@ def implied_by(document: Mapping[str, Any] | None, method: Any) -> Implied | Non
             "a file with an `enclosure` must claim an order of at least 1: it says which equations "
             "are needed"
         )
-    return _sweep(document) if kind == "sweep" else _pair(document)
+    return _enclosed(document)
 
 
-# -- one method ------------------------------------------------------------------------------------
-
-
-def _sweep(document: Mapping[str, Any]) -> Implied:
-    from .enclosure import prove
-    from .order_conditions import abscissae
-    from .system import Affine, SweepSystem
-
+def _enclosed(document: Mapping[str, Any]) -> Implied:
     system = SweepSystem(document)  # V and G bordered by 1, 0, .., 0; V^T G V = G
-    _, X, _ = system.read({name: Affine.unknown(name) for name in system.unknowns})
-    _check_ones(X[0], "the first row of `X`")
-    _check_regular(system.V, "V")
+    for c, X in system.affine.X.items():
+        _check_ones(X[0], f"the first row of `X`{'' if c == 'o' else f' of {c}'}")
+    for V, name in zip(system.V.values(), ("V", "V^"), strict=False):
+        _check_regular(V, name)
     record = prove(document)  # palindromic, covered, one root: or an error
     true = {
         PRECONSISTENT.key: "the first column of U is the first row of X, which is 1",
-        CONSISTENT.key: "the condition of the tree with one node",
+        CONSISTENT.key: "the conditions of the trees with one node",
         G_SYMPLECTIC.key: "holds for every value of the unknowns, V^T G V = G",
-        SYMMETRIC.key: "palindromic for every value of the unknowns",
     }
-    if system.r == 1:
+    if record.signs is not None:
+        true[SYMMETRIC.key] = "palindromic for every value of the unknowns"
+    if system.is_one_step:
         true[SYMPLECTIC.key] = true[G_SYMPLECTIC.key]
-    at_least = {ORDER.key: record.order, EFFECTIVE_ORDER.key: record.order}
-    if all(x[0].is_zero() is True for t, x in record.series.zeta.items() if t.order < record.order):
-        at_least[ORDER_IDENTITY.key] = record.order
-    at_least[STAGE_ORDER.key] = min(system.stage_order, record.order)
-    at_least |= dict.fromkeys(record.started, record.order)
-    zeros = _zero_growths(system.V, [e.what for e in system.equations if e.kind == "growth"])
+    at_least = _orders(system, record)
+    at_least |= record.started
+    if system.is_partitioned and "starting" not in document:
+        for claim, base, family in (
+            (STARTING_ORDER.key, ORDER_IDENTITY.key, Family.SEPARABLE),
+            (NYSTROM_STARTING_ORDER.key, NYSTROM_ORDER.key, Family.SECOND_ORDER),
+        ):
+            at_least[claim] = _zero_start(system, at_least.get(base, 0), family)
+    zeros = _all_growths(system)
     if zeros is not None:
         true[PARASITISM_FREE.key] = "the growth parameters are equations"
     return Implied(true, at_least, zeros, abscissae(system), bool(system.explicit), _SEAL)
 
 
-def _check_ones(row: Sequence[Any], what: str) -> None:
-    from .system import Affine
+def _orders(system: SweepSystem, record: Enclosure) -> dict[str, int]:
+    """Lower bounds of the orders that the equations give."""
+    found: dict[str, int] = {}
+    for (order, family), series in zip(system.families, record.series, strict=True):
+        below = [x for t, x in series.zeta.items() if t.order < order]
+        identity = system.identity_through(order - 1, family)
+        if not system.is_partitioned:  # then the series itself may show it
+            identity = all(x[0].is_zero() is True for x in below)
+        if family is not Family.SECOND_ORDER:
+            found |= {ORDER.key: order, EFFECTIVE_ORDER.key: order}
+            if identity:
+                found[ORDER_IDENTITY.key] = order
+        if identity and system.is_partitioned:
+            found[NYSTROM_ORDER.key] = max(order, found.get(NYSTROM_ORDER.key, 0))
+    if not system.is_partitioned:
+        found[STAGE_ORDER.key] = min(system.stage_order, record.order)
+    return found
 
+
+def _check_ones(row: Sequence[Any], what: str) -> None:
     for i, x in enumerate(row):
         if not (Affine.of(x) - 1).is_identically_zero():
             raise DataError(
@@ -199,94 +225,31 @@ def _by_start(document: Mapping[str, Any], method: Any) -> Implied | None:
         return None
     if method.starting.is_exact:
         return None
-    from .starting import prove_blocks, target_of
-
     try:
-        target = target_of(method)
-        claims = prove_blocks(document, target)
+        claims = prove_blocks(document, target_of(method))
     except (DataError, ExactnessError):
         return None
-    return Implied({}, dict.fromkeys(claims, target.order), None, None, False, _SEAL)
+    return Implied({}, claims, None, None, False, _SEAL)
 
 
-# -- pairs -----------------------------------------------------------------------------------------
-
-
-def _pair(document: Mapping[str, Any]) -> Implied:
-    from .partitioned_enclosure import prove_pair
-    from .partitioned_starting import start_orders, start_system
-    from .partitioned_system import PairSystem
-
-    system = PairSystem(document)  # V, V^, G bordered; V^T G V^ = G; first rows of X, Y are ones
-    _check_regular(system.V, "V")
-    _check_regular(system.V_hat, "V^")
-    prove_pair(document)  # covered, one root: or an error
-    true = {
-        PRECONSISTENT.key: "the first rows of X and Y are 1",
-        CONSISTENT.key: "the conditions of the two trees with one node",
-        G_SYMPLECTIC.key: "holds for every value of the unknowns, V^T G V^ = G",
-    }
-    if system.is_one_step:
-        true[SYMPLECTIC.key] = true[G_SYMPLECTIC.key]
-    if system.signs() is not None:
-        true[SYMMETRIC.key] = "palindromic for every value of the unknowns"
-    at_least: dict[str, int] = {}
-    order, nystrom = system.claimed, system.claimed_nystrom
-    if order:
-        at_least[ORDER.key] = at_least[EFFECTIVE_ORDER.key] = order
-        if system.identity_through(order - 1):
-            at_least[ORDER_IDENTITY.key] = at_least[NYSTROM_ORDER.key] = order
-    if nystrom > at_least.get(NYSTROM_ORDER.key, 0) and system.identity_through(
-        nystrom - 1, nystrom=True
-    ):
-        at_least[NYSTROM_ORDER.key] = nystrom
-    block = document.get("starting")
-    if block is None:
-        for claim, base, kind in (
-            (STARTING_ORDER.key, ORDER_IDENTITY.key, False),
-            (NYSTROM_STARTING_ORDER.key, NYSTROM_ORDER.key, True),
-        ):
-            at_least[claim] = _zero_start(system, at_least.get(base, 0), nystrom=kind)
-    elif start_system(block).unknowns:
-        orders = start_orders(document["claims"], block)
-        at_least[STARTING_ORDER.key], at_least[NYSTROM_STARTING_ORDER.key] = orders
-    zeros = _pair_growths(system)
-    if zeros is not None:
-        true[PARASITISM_FREE.key] = "the growth parameters of both halves are equations"
-    return Implied(true, at_least, zeros, None, False, _SEAL)
-
-
-def _zero_start(system: Any, most: int, *, nystrom: bool) -> int:
+def _zero_start(system: SweepSystem, most: int, family: Family) -> int:
     """Through which order every value but the first is zero, by equations ``start`` and parity."""
-    from .partitioned_trees import listed
-
     if system.is_one_step:
         return most
-    signs = system.signs()
-    if signs is None:
-        return 0
-    zero = {(e.tree, e.value) for e in system.equations if e.kind == "start"}
-    involution = {
-        c: linalg.matmul(linalg.inverse(V), linalg.diagonal([Exact(x) for x in s]))
-        for c, V, s in (("f", system.V, signs[0]), ("k", system.V_hat, signs[1]))
-    }
     for n in range(1, most + 1):
-        for t in listed(n, nystrom=nystrom):
-            L = involution[t.colour]
-            for k in range(1, len(L)):
-                off = any(not L[k][j].is_zero() for j in range(len(L)) if j != k)
-                by_parity = not off and L[k][k] == (-1) ** (n + 1)
-                if not by_parity and (t, k) not in zero:
-                    return n - 1
+        for t in classes(n, 1, family):
+            if not all(system.start_vanishes(t, k) for k in range(1, len(system.V[t.colour]))):
+                return n - 1
     return most
 
 
-def _pair_growths(system: Any) -> int | None:
+def _all_growths(system: SweepSystem) -> int | None:
+    """Number of growth parameters where each of every component has an equation."""
+    growths = [e for e in system.equations if e.kind == "growth"]
     counts = [
-        _zero_growths(V, [e.eigenvalue for e in system.equations if e.half == half])
-        for half, V in (("q", system.V), ("p", system.V_hat))
+        _zero_growths(V, [e.value for e in growths if e.colour == c]) for c, V in system.V.items()
     ]
     # an equation names a simple eigenvalue of both V and V^, so equal counts are equal sets
-    if counts[0] is None or counts[0] != counts[1]:
+    if counts[0] is None or any(n != counts[0] for n in counts):
         return None
-    return 2 * counts[0]
+    return len(counts) * counts[0]

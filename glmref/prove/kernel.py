@@ -79,12 +79,21 @@ from .algebra import (
     scalars,
     scaled,
     sum_over_cuts,
-    tableau_series,
+    system_filter,
     vanishes,
 )
-from .forest import forest
+from .forest import Paths, forest, paths
 from .implications import Implied
-from .series import Component, NotPreconsistent, StartingSeries, component, read
+from .ranges import MAX_ORDER, Known, Range
+from .rows import RowRules
+from .series import (
+    Component,
+    NotPreconsistent,
+    StartingSeries,
+    component,
+    read,
+    tableau_series,
+)
 
 __all__ = [
     "Judgement",
@@ -106,11 +115,10 @@ _CALLED: Mapping[str, str] = {
     ABSCISSAE.key: "abscissae",
     ERROR_CONSTANT.key: "error constant",
 }
-#: Largest order to which trees are compared: of one method, a separable pair, another pair, three
-#: right-hand sides, and more.
-MAX_ORDER = (12, 9, 8, 6, 5)
 #: The same of one method that carries one value.
 HIGHEST = 14
+#: Largest order where the trees without branches decide.
+LONGEST_PATH = 20
 #: A residual above this is no rounding; nor is one above that where digits were meant to count.
 SMALL, ROUNDING = 1e-3, 1e-9
 #: Points of the imaginary axis at which a violation of A-stability is looked for.
@@ -122,11 +130,15 @@ class Judgement:
 
     Attributes
     ----------
-        verdict, proof: what was decided, and how. ``open`` has the proof that a decision over these
-            numbers would have had.
-        value: the value that was found, or as much as is known of it.
-        residual: size of the identity that decides, 0.0 when it holds exactly.
-        reason: one sentence.
+    verdict, proof
+        What was decided, and how. ``open`` has the proof that a decision over these numbers would
+        have had.
+    value : object
+        The value that was found, or as much as is known of it.
+    residual : float
+        Size of the identity that decides, 0.0 when it holds exactly.
+    reason : str
+        One sentence.
     """
 
     __slots__ = ("proof", "reason", "residual", "value", "verdict")
@@ -162,9 +174,14 @@ class Judgement:
 def refuted(judgement: Judgement, *, reason: str = "", as_expected: bool = True) -> Judgement:
     """The judgement of "this claim fails": what was ``fails`` holds, and the other way.
 
-    Args:
-        judgement: of the claim. as_expected: whether it fails for the reason that was announced.
-        reason: another sentence.
+    Parameters
+    ----------
+    judgement : Judgement
+        Of the claim.
+    as_expected : bool
+        Whether it fails for the reason that was announced.
+    reason : str
+        Another sentence.
     """
     swap = {Verdict.FAILS: Verdict.HOLDS, Verdict.HOLDS: Verdict.FAILS}
     verdict = swap.get(judgement.verdict, Verdict.OPEN)
@@ -182,9 +199,12 @@ class Proposal:
 
     Attributes
     ----------
-        witness: what the rule checks, by name; called when it is needed.
-        value: of a list, what to show.
-        explain: from a truth value to a sentence and the size of what decides.
+    witness : Callable[[], Mapping[str, Any]]
+        What the rule checks, by name; called when it is needed.
+    value : object
+        Of a list, what to show.
+    explain : Callable[[bool or None], tuple[str, float]]
+        From a truth value to a sentence and the size of what decides.
     """
 
     witness: Callable[[], Mapping[str, Any]] = dict
@@ -192,60 +212,19 @@ class Proposal:
     explain: Callable[[bool | None], tuple[str, float]] = lambda truth: ("", 0.0)
 
 
-@dataclass(frozen=True)
-class Known:
-    """What a rule proved: ``True``, ``False``, or ``None`` for open; ``exact`` says how."""
-
-    truth: bool | None
-    exact: bool = True
-    reason: str = ""
-    residual: float = 0.0
-    entry: int | None = None
-
-
-@dataclass(frozen=True)
-class Range:
-    """Proved bounds of an order.
-
-    Attributes
-    ----------
-        lower: the order is at least this. upper: and at most this, ``None`` where nothing is known.
-        tree: text of the first tree of order upper + 1 that fails. residual: its size.
-        sizes: for each order the largest residual through it that is not an exact zero.
-        exact: whether only exact numbers took part. reason: one sentence.
-        value: the order to show where the bounds differ: no tree through it is known to fail.
-    """
-
-    lower: int
-    upper: int | None
-    tree: str = ""
-    residual: float = 0.0
-    sizes: tuple[float, ...] = ()
-    exact: bool = True
-    reason: str = ""
-    value: int = 0
-
-    @property
-    def sentence(self) -> str:
-        """What decides the upper bound, or why there is none."""
-        if self.upper is None or not self.tree:
-            bound = f"no tree of order {self.value} or less fails" if self.upper is None else ""
-            return "; ".join(x for x in (bound, self.reason) if x)
-        order = self.upper + 1
-        fails = f"tree {self.tree} of order {order} has residual {self.residual:.6g}"
-        return f"{fails}; {self.reason}" if self.reason else fails
-
-
 def _number(text: object) -> Scalar:
     return text.value if isinstance(text, Text) else parse(str(text))
 
 
-class Kernel:
+class Kernel(RowRules):
     """The rules, for one method.
 
-    Args:
-        method: a method or a pair.
-        implied: what its enclosure proves, or ``None``.
+    Parameters
+    ----------
+    method : Method
+        A method or a pair.
+    implied : Implied or None
+        What its enclosure proves, or ``None``.
     """
 
     def __init__(self, method: Method, implied: Implied | None = None) -> None:
@@ -265,6 +244,9 @@ class Kernel:
         self.shared = method.shared
         self.one_step = all(len(b[3]) == 1 for b in self.blocks.values())
         self.exact = all(is_exact(*b) for b in self.blocks.values())
+        timed = method.in_time
+        #: the kernel that knows the order: another one where time is a component of its own
+        self.timed = self if timed is method else Kernel(timed)
 
     # -- judging ---------------------------------------------------------------------------------
 
@@ -274,6 +256,8 @@ class Kernel:
             kind = CLAIMS[claim].type
             if kind is int:
                 return self._judge_range(claim, declared, proposal)
+            if kind is dict:
+                return self._rule(claim)(declared, proposal)
             if kind is not bool:
                 return self._judge_list(claim, declared, proposal)
             known = self.known(claim, proposal)
@@ -403,6 +387,8 @@ class Kernel:
 
     def order_range(self, *, free: bool, nystrom: bool = False) -> Range:
         """Bounds by the trees: all residuals exactly zero below, one that excludes zero above."""
+        if self.timed is not self:
+            return self.timed.order_range(free=free, nystrom=nystrom)
         key = (free, nystrom)
         if key not in self._ranges:
             self._ranges[key] = self._search(free=free, nystrom=nystrom)
@@ -417,36 +403,42 @@ class Kernel:
         """The series of the searches made, for the claims that are about a start."""
         return {}
 
-    @cached_property
-    def residuals(self) -> dict[tuple[bool, bool], dict[int, Scalar]]:
-        """Residuals at the first order that fails, of the searches made."""
-        return {}
-
     def _search(self, *, free: bool, nystrom: bool) -> Range:
-        if nystrom and self.shared:
-            return Range(0, 0, exact=True, reason="the stages are shared")
         trees = forest(self.palette)
         try:
             components = self._components
         except NotPreconsistent as reason:
             return Range(0, 0, exact=self.exact, reason=f"not preconsistent: {reason}")
-        counts = nystrom_filter(trees) if nystrom else (lambda t: True)
+        if self.is_pair and not self.shared:
+            found = self._along_paths(components, free=free, nystrom=nystrom)
+            if found is not None:
+                return found
+        counts = nystrom_filter(trees) if nystrom else system_filter(self.method.system, trees)
         series = StartingSeries(components, trees, free=free, counts=counts)
         self.series[free, nystrom] = series
+        found = None if free else self._above_implied(series, nystrom)
+        if found is not None:
+            return found
         most = self._most
+        if nystrom and self.one_step and not self.shared:  # of these there are few
+            most = HIGHEST - 1
         lower, sizes = 0, []
         proved = all(c.certain for c in components.values())
         for n in range(1, most + 1):
-            if n > MAX_ORDER[0] - 2:  # thousands of trees: the first one may fail already
-                beyond = self._beyond(series, lower, n, sizes)
+            if n > (6 if self.is_pair else MAX_ORDER[0] - 2):  # the first of many may fail already
+                beyond = self._beyond(series, lower, n, sizes, nystrom)
                 if beyond is not None:
                     return beyond
-            level = {t: first_nonzero(x) for t, x in series.advance().items()}
-            answers = {t: x.is_zero() for t, x in level.items()}
-            failing = next((t for t, answer in answers.items() if answer is False), None)
+            level: dict[int, Scalar] = {}
+            answers: dict[int, bool | None] = {}
+            failing = None
+            for t in series.advance():
+                level[t] = first_nonzero(series.residual(t))
+                answers[t] = level[t].is_zero()
+                if answers[t] is False:  # one tree decides: the others of its order are left
+                    failing = t
+                    break
             if failing is not None:
-                self.residuals[free, nystrom] = level
-                exact = all(isinstance(x, Exact) for x in level.values()) and self.exact
                 upper, more = n - 1, ""
                 if not series.complete:
                     upper, more = (
@@ -458,16 +450,89 @@ class Kernel:
                     )
                 return Range(
                     lower, upper, trees.text[failing], level[failing].magnitude(), tuple(sizes),
-                    exact, more, n - 1,
+                    self.exact, more, n - 1,
                 )  # fmt: skip
+            series.settle()
             proved = proved and all(x is True for x in answers.values())
             lower = n if proved else lower
             open_ = [level[t].magnitude() for t, x in answers.items() if x is None]
             sizes.append(max([sizes[-1] if sizes else 0.0, *open_]))
-        beyond = self._beyond(series, lower, most + 1, sizes)
-        if beyond is not None:
-            return beyond
+        for n in (most + 1, most + 2):
+            beyond = self._beyond(series, lower, n, sizes, nystrom)
+            if beyond is not None:
+                return beyond
         return Range(lower, None, sizes=tuple(sizes), exact=self.exact, value=most)
+
+    def _along_paths(
+        self, components: dict[str, Component], *, free: bool, nystrom: bool
+    ) -> Range | None:
+        """Order of a pair whose stages are the solution, by trees without branches; else ``None``.
+
+        Let the principal parts be the identity, and ``xi(t) = c^|t| / gamma(t)`` at the stages for
+        the trees t without branches of fewer than n vertices. Then every tree t of at most n
+        vertices has ``eta(t) = |t|! / gamma(t) eta(s)`` and ``R(t) = |t|! / gamma(t) R(s)``, s the
+        tree without branches of the same order and colour of the root.
+
+        By induction on the order: t has the root r and children u_1 .. u_m, and the product of the
+        xi(u_i) is ``c^(|t| - 1) / (gamma(u_1) .. gamma(u_m))``, which is ``|t|! / gamma(t)`` times
+        that of s. Numbers ``|t|! / gamma(t) N_|t|`` are the series of ``sum N_n h^n y^(n)`` along
+        the solution, so that E acts on them as it does on the N_n. All else is linear. Multistep
+        formulas are of this kind: they ask for quadrature alone.
+
+        On second-order systems f is linear: a vertex f has one child, u, ``xiD(t) = xi(u)`` and
+        gamma(t) = |t| gamma(u), so that the stages P need not be the solution.
+
+        With a free principal part no start reaches order n where the residuals r_f and r_k of the
+        two trees of order n have a sum that is not zero. For on q' = p, p' = q, where no other
+        trees count, the step takes principal values to theirs by exp(h J) + h^n E + O(h^(n+1)), J =
+        [[0, 1], [1, 0]], with E = diag(r_f, r_k) for even n and [[0, r_f], [r_k, 0]] for odd n:
+        the eigenvalue at exp(h) is wrong by (r_f + r_k) h^n / 2, and the change from one start to
+        another is a similarity, which keeps eigenvalues. Below order 9 all trees are compared in
+        that case, where only these two orders and no series are kept.
+        """
+        trees = paths(self.palette)
+        series = StartingSeries(components, trees, free=False)
+        proved = all(c.certain for c in components.values())
+        if not (proved and series.simple):
+            return None
+        on_solution = True
+        for n in range(1, LONGEST_PATH + 1):
+            level = {t: first_nonzero(series.residual(t)) for t in series.advance()}
+            failing = next((t for t, x in level.items() if x.is_zero() is False), None)
+            if failing is not None:
+                if not nystrom and n <= MAX_ORDER[1]:
+                    return None
+                residual = level[failing]
+                if free:
+                    residual = sum(level.values(), _ZERO)
+                    if residual.is_zero() is not False:
+                        return None
+                else:
+                    self.series[free, nystrom] = series
+                size = residual.magnitude()
+                return Range(n - 1, n - 1, trees.text[failing], size, exact=self.exact, value=n - 1)
+            series.settle()
+            zero = all(x.is_zero() is True for x in level.values())
+            if not (zero and on_solution):
+                return None
+            # of the next order a tree may still fail: that needs no other trees
+            on_solution = self._on_solution(series, n, "f" if nystrom else "fk")
+        return None
+
+    def _on_solution(self, series: StartingSeries, n: int, colours: str) -> bool:
+        """Whether ``xi(t) = c^n / n!`` at the stages of these colours, t the path of order n."""
+        for colour in colours:
+            first, last = (
+                next(t for t in series.trees.level(m) if series.trees.colour[t] == colour)
+                for m in (1, n)
+            )
+            c, x = (
+                scalars(series.stage(t, series.eta.get(t, self._none(t, series))))
+                for t in (first, last)
+            )
+            if not all(_is_power(*pair, n) for pair in zip(x, c, strict=True)):
+                return False
+        return True
 
     def nearly(self) -> list[float]:
         """Largest residual through each order, whether zero or not: measured, never a verdict.
@@ -476,6 +541,8 @@ class Kernel:
         The list ends with the first order whose residual is large, in the thousands of trees
         beyond order 10 with the first whose residual is no rounding to 9 digits.
         """
+        if self.timed is not self:
+            return self.timed.nearly()
         found = self.order_range(free=not self.one_step)
         if found.value > MAX_ORDER[0] - 2:  # what was computed once is not computed again
             return [*found.sizes, found.residual]
@@ -488,7 +555,11 @@ class Kernel:
                 )
                 for c, (A, U, B, V) in self.blocks.items()
             }
-            series = StartingSeries(components, forest(self.palette), free=not self.one_step)
+            trees = forest(self.palette)
+            series = StartingSeries(
+                components, trees, free=not self.one_step,
+                counts=system_filter(self.method.system, trees),
+            )  # fmt: skip
             sizes = [
                 max(
                     (plus(weighted(row, c.u), -1)).magnitude() if row else 1.0
@@ -500,7 +571,8 @@ class Kernel:
                 bush = self._bush(series, n + 1) if n + 1 > MAX_ORDER[0] - 2 else None
                 if bush is not None and bush.magnitude() > ROUNDING:
                     return [*sizes, bush.magnitude()]
-                largest = max(first_nonzero(x).magnitude() for x in series.advance().values())
+                level = series.advance()
+                largest = max(first_nonzero(series.residual(t)).magnitude() for t in level)
                 sizes.append(max(largest, sizes[-1]))
                 if n == 0:
                     sizes.pop(0)
@@ -519,24 +591,45 @@ class Kernel:
         return MAX_ORDER[min(len(self.blocks), 4)] if self.shared else MAX_ORDER[1]
 
     def _beyond(
-        self, series: StartingSeries, lower: int, n: int, sizes: Sequence[float]
+        self,
+        series: StartingSeries,
+        lower: int,
+        n: int,
+        sizes: Sequence[float],
+        nystrom: bool = False,
     ) -> Range | None:
-        """The range where the tree of order n with n - 1 leaves refutes that order."""
-        residual = self._bush(series, n)
-        if residual is None or residual.is_zero() is not False:
-            return None
-        exact = isinstance(residual, Exact) and self.exact
-        bush = f"[{'o' * (n - 1)}]"
-        return Range(lower, n - 1, bush, residual.magnitude(), tuple(sizes), exact, "", n - 1)
+        """The range where a tree of order n with n - 1 leaves refutes that order."""
+        for bush, residual in self._bushes(series, n, nystrom).items():
+            if residual.is_zero() is False:
+                size = residual.magnitude()
+                return Range(lower, n - 1, bush, size, tuple(sizes), self.exact, value=n - 1)
+        return None
+
+    def _above_implied(self, series: StartingSeries, nystrom: bool) -> Range | None:
+        """The range of a pair with one value each where a bush refutes more than is implied."""
+        key = NYSTROM_ORDER.key if nystrom else ORDER.key
+        p = self.implied.at_least.get(key, 0) if self.implied and not self.shared else 0
+        return self._beyond(series, 0, p + 1, (), nystrom) if p else None
+
+    def _bushes(self, series: StartingSeries, n: int, nystrom: bool = False) -> dict[str, Scalar]:
+        """``b c^(n-1) - 1/n`` of a method that carries one value: conditions of order n.
+
+        Of a separable pair one for each colour of the root, c at the stages of the other.
+        """
+        if (self.shared and self.is_pair) or not self.one_step:
+            return {}
+        found = {}
+        for leaf in reversed(series.trees.level(1)):  # the root is of the other colour: f first
+            root = next(c for c, below in self.palette if series.trees.colour[leaf] in below)
+            text = series.trees.text[leaf] * (n - 1)
+            power = series.power(series.stage(leaf, self._none(leaf, series)), n - 1)
+            value = plus(weighted(series.components[root].B[0], power), Fraction(-1, n))
+            (found[f"{root.replace('o', '')}[{text}]"],) = scalars([value])
+        return {t: x for t, x in found.items() if not (nystrom and t[0] == "f" and n > 2)}
 
     def _bush(self, series: StartingSeries, n: int) -> Scalar | None:
-        """``b c^(n-1) - 1/n`` of a method that carries one value: a condition of order n."""
-        if self.is_pair or not self.one_step:
-            return None
-        c, (node,) = series.components["o"], series.trees.level(1)
-        power = series.power(series.stage(node, self._none(node, series)), n - 1)
-        (value,) = scalars([plus(weighted(c.B[0], power), Fraction(-1, n))])
-        return value
+        """The condition of order n of one method that carries one value."""
+        return None if self.is_pair else next(iter(self._bushes(series, n).values()), None)
 
     @cached_property
     def _stage_order(self) -> Range:
@@ -548,9 +641,9 @@ class Kernel:
         free = not self.one_step
         order = self.order_range(free=free)
         top, exact = order.value, order.exact
-        if not top or (free, False) not in self.series:
+        if not top or (free, False) not in self.timed.series:
             return Range(0, 0, exact=exact, reason="found 0")
-        series = self.series[free, False]
+        series = self.timed.series[free, False].through(top)
         trees, nodes = series.trees, series.trees.level(1)
         c = {
             trees.colour[t]: series.stage(t, series.eta.get(t, self._none(t, series)))
@@ -559,7 +652,7 @@ class Kernel:
         lower, proved = 0, True
         for q in range(1, top + 1):
             answers = []
-            for t in trees.level(q):
+            for t in filter(series.counts, trees.level(q)):
                 value = series.eta.get(t, self._none(t, series))
                 power = times(Fraction(1, trees.density[t]), series.power(c[trees.colour[t]], q))
                 defect = plus(series.stage(t, value), times(-1, power))
@@ -605,11 +698,13 @@ class Kernel:
         if not p or (free, nystrom) not in self.series:
             return Range(0, 0 if known.upper == 0 else None, exact=self.exact,
                          reason="the method has no starting series to agree with")  # fmt: skip
-        series = self.series[free, nystrom]
+        series = self.series[free, nystrom].through(p)
         given = self._start_series(series, p)
         eta = self._shifted(series, given, p) if free else series.eta
         trees, none = series.trees, self._none
-        proved = series.complete and known.lower > 0
+        proved = (
+            series.complete and known.lower > 0 and self._start_fits(series, p, nystrom=nystrom)
+        )
         for c, x in series.components.items():
             gap = difference(given[c], x.u)
             bad = next((i for i, y in enumerate(gap) if y.is_zero() is False), None)
@@ -647,6 +742,53 @@ class Kernel:
         upper = known.upper
         return Range(min(lower, known.lower), upper, exact=exact, value=p, reason=reason)
 
+    def _start_fits(self, series: StartingSeries, p: int, *, nystrom: bool) -> bool:
+        """Whether the trees of the series decide about the start: of paths only as in _along_paths.
+
+        A stage is the solution to order q when it is on the paths through order q and the stages
+        that it uses are to order q - 1. The values must use stages that are to order p - 1. On
+        second-order systems f is linear: what counts is how stages Q use stages Q, two orders up.
+        """
+        start: Any = self.method.starting
+        if not isinstance(series.trees, Paths) or start is None:
+            return True
+        f, k = start.components
+        if nystrom:
+            links = {"f": (linalg.matmul(f.A, k.A), "f", 2)}
+            values = ((k.B, "f", p - 1), (linalg.matmul(f.B, k.A), "f", p - 2))
+        else:
+            links = {"f": (f.A, "k", 1), "k": (k.A, "f", 1)}
+            values = ((f.B, "k", p - 1), (k.B, "f", p - 1))
+        orders = self._path_orders(f.A, k.A, p)
+        for _ in range(p):
+            for at, (A, used, gain) in links.items():
+                reached = [
+                    [orders[used][j] + gain for j, x in enumerate(row) if not x.vanishes()]
+                    for row in A
+                ]
+                orders[at] = [min(q, *x, p) for q, x in zip(orders[at], reached, strict=True)]
+        return all(
+            x.vanishes() or orders[used][j] >= least
+            for B, used, least in values
+            for row in B
+            for j, x in enumerate(row)
+        )
+
+    @staticmethod
+    def _path_orders(A: Matrix, A_hat: Matrix, p: int) -> dict[str, list[int]]:
+        """Through which order, p at most, each stage is the solution on trees without branches."""
+        at = {"f": (_ONE,) * len(A), "k": (_ONE,) * len(A_hat)}
+        c: dict[str, Vector] = {}
+        orders = {colour: [0] * len(x) for colour, x in at.items()}
+        for n in range(1, p + 1):
+            at = {"f": linalg.matvec(A, at["k"]), "k": linalg.matvec(A_hat, at["f"])}
+            c = c or at
+            for colour, reached in orders.items():
+                for i, pair in enumerate(zip(at[colour], c[colour], strict=True)):
+                    if reached[i] == n - 1 and _is_power(*pair, n):
+                        reached[i] = n
+        return orders
+
     def _exact_start(self) -> bool:
         start: Any = self.method.starting
         if start is None:
@@ -661,8 +803,15 @@ class Kernel:
             for n in range(1, p + 1):
                 found |= {t: self._none(t, series) for t in series.trees.level(n)}
             return found
-        table = {c.colour: (c.A, c.B, tuple(x for (x,) in c.V)) for c in start.components}
-        return tableau_series(series.trees, table, p, series.counts)
+        if (series, p) not in self._start_tables:
+            table = {c.colour: (c.A, c.B, tuple(x for (x,) in c.V)) for c in start.components}
+            found = tableau_series(series.trees, table, p, series.counts)
+            self._start_tables[series, p] = found
+        return self._start_tables[series, p]
+
+    @cached_property
+    def _start_tables(self) -> dict[tuple[StartingSeries, int], dict[Any, tuple[Any, ...]]]:
+        return {}
 
     def _shifted(self, series: StartingSeries, given: Mapping[Any, Any], p: int) -> dict[int, Any]:
         """eta E^a, with a such that its output agrees with that of the start at one vertex.
@@ -679,16 +828,26 @@ class Kernel:
         powers: list[Any] = [1]
         for _ in range(p):
             powers.append(times(ahead, powers[-1]))
+        factors: dict[tuple[int, int, int], Scalar] = {}
+
+        def power(m: int, over: int, under: int) -> Scalar:
+            """``a^m over / under``."""
+            if (m, over, under) not in factors:
+                (factors[m, over, under],) = scalars([times(Fraction(over, under), powers[m])])
+            return factors[m, over, under]
+
         moved: dict[int, Any] = {}
         for n in range(1, p + 1):
             for t in trees.level(n):
-                value = times(times(Fraction(1, trees.density[t]), powers[n]), c.u)
+                terms = [(power(n, 1, trees.density[t]), c.u)]
                 for kept, ways in trees.cuts[t].items():
                     if kept in series.eta:
                         m = n - trees.order[kept]
-                        factor = times(Fraction(ways, factorial(m)), powers[m])
-                        value = plus(value, times(factor, series.eta[kept]))
-                moved[t] = value
+                        terms.append((power(m, ways, factorial(m)), series.eta[kept]))
+                weights = list(enumerate(x for x, _ in terms))
+                moved[t] = tuple(
+                    weighted(weights, x) for x in zip(*(v for _, v in terms), strict=True)
+                )
         return moved
 
     def _without_principal(self, series: StartingSeries, t: int, gap: Vector) -> Vector:
@@ -712,8 +871,9 @@ class Kernel:
         p, trees = known.value, forest(self.palette)
         everything = lambda t: True  # noqa: E731
         (w,) = outputs(self.method)
-        first = (linalg.vecmat(w, start.B),), (linalg.dot(w, start.u),)
-        a = tableau_series(trees, {"o": (start.A, *first)}, p, everything)
+        series = self.series.get((True, False))
+        given = {"o": start.u} if series is None else self._start_series(series, p)
+        a: dict[Any, Any] = {t: (linalg.dot(w, scalars(x)),) for t, x in given.items()}
         b = tableau_series(trees, {"o": (finish.A, (finish.b,), (_ONE,))}, p, everything)
         exact = self.exact and self._exact_start() and is_exact(finish.A, (finish.b,))
         if (a["o"][0] - 1).is_zero() is not True:
@@ -857,7 +1017,8 @@ class Kernel:
 
         Raises
         ------
-            ExactnessError: where the proposal is missing or wrong.
+        ExactnessError
+            Where the proposal is missing or wrong.
         """
         proposed = witness.get(colour)
         V = self.blocks[colour][3]
@@ -900,6 +1061,12 @@ class Kernel:
                 inner = linalg.matmul(tuple(W), B, U, linalg.transpose(tuple(N)))
                 found.append((zeta, (linalg.scale(1 / zeta, inner),)))
             return found
+        V, V_hat = (self.blocks[c][3] for c in "fk")
+        if not self.shared and is_exact(V, V_hat):
+            # components that no eigenvalue pairs do not feed each other: nothing can grow
+            ends = map(poly.characteristic_polynomial, (V, V_hat))
+            if poly.share_only_one(*ends):
+                return []
         parts = {c: self._eigen(c, witness) for c in "fk"}
         for c in "fk":
             for zeta, W, _ in parts[c]:
@@ -1086,7 +1253,7 @@ class Kernel:
             truth = all_of(answers)
             if truth is True or witness.get("given"):
                 return Known(truth, self.exact and is_exact(G, diagonals))
-        if witness.get("given") or not self.exact:
+        if not self.exact:
             raise ExactnessError("no form was proved or excluded within the digits")
         return Known(self._some_form(u, u_hat))
 
@@ -1134,6 +1301,7 @@ class Kernel:
 
         Returns
         -------
+        tuple[list[Scalar], list[list[Scalar]], list[tuple[str, int, int, str]]]
             For each real unit of (G, D) its u^* G u^, and the entries of the identities; and for
             each entry its identity, row, column, and "re" or "im".
         """
@@ -1422,6 +1590,8 @@ class Kernel:
         is none, and on the axis eigenvalues of modulus 1 are simple (y = 0 apart, which is (1)).
         Dahlquist, BIT 3 (1963) 27; Hairer and Wanner (1996), IV.3; Marden (1966), 42 and 45.
         """
+        if self.method.rosenbrock:
+            return Kernel(self.method.linear_form)._a_stable(witness)
         if not self.exact:
             raise ExactnessError(
                 "published decimals: A-stability is decided for exact methods only"
@@ -1499,6 +1669,8 @@ class Kernel:
 
     def _l_stable(self, witness: Mapping[str, Any]) -> Known:
         """A-stable, and every eigenvalue of M(z) tends to 0 as z goes to infinity (Ehle 1969)."""
+        if self.method.rosenbrock:
+            return Kernel(self.method.linear_form)._l_stable(witness)
         if not self.exact:
             raise ExactnessError(
                 "published decimals: L-stability is decided for exact methods only"
@@ -1530,6 +1702,14 @@ def _as_balls(matrix: Matrix) -> Matrix:
     return tuple(tuple(x if x.vanishes() else ball(x) for x in row) for row in matrix)
 
 
+def _is_power(x: Scalar, c: Scalar, n: int) -> bool:
+    """Whether ``x = c^n / n!``."""
+    power = _ONE
+    for _ in range(n):
+        power = power * c
+    return (x - power / factorial(n)).is_zero() is True
+
+
 def _is_glm_exact(m: GLM) -> bool:
     return is_exact(m.A, m.U, m.B, m.V)
 
@@ -1543,13 +1723,20 @@ class Reach:
 
     Attributes
     ----------
-        proved: all conditions through this order hold exactly.
-        sizes: for each order the largest residual of its conditions, 0.0 where all are zero.
-        trees: for each order the tree with that residual, ``""`` where all are zero.
-        first: for each order the first tree whose residual certainly is not zero.
-        refuted: the first order with a residual that is certainly not zero, or ``None``.
-        exact: whether all numbers are exact.
-        residuals: for each order the residuals by tree.
+    proved : int
+        All conditions through this order hold exactly.
+    sizes : tuple[float, ...]
+        For each order the largest residual of its conditions, 0.0 where all are zero.
+    trees : tuple[str, ...]
+        For each order the tree with that residual, ``""`` where all are zero.
+    first : tuple[str, ...]
+        For each order the first tree whose residual certainly is not zero.
+    refuted : int or None
+        The first order with a residual that is certainly not zero, or ``None``.
+    exact : bool
+        Whether all numbers are exact.
+    residuals : tuple[Mapping[str, Scalar], ...]
+        For each order the residuals by tree.
     """
 
     proved: int
@@ -1618,7 +1805,9 @@ def reach(
     proved, refuted = 0, None
     for n in range(1, most + 1):
         level = {
-            t: first_nonzero(x) for t, x in series.advance().items() if trees.colour[t] in roots
+            t: first_nonzero(series.residual(t))
+            for t in series.advance()
+            if trees.colour[t] in roots
         }
         answers = {t: x.is_zero() for t, x in level.items()}
         if refuted is None and False in answers.values():

@@ -39,14 +39,19 @@ def polish(
 ) -> list[Ball]:
     """Newton's iteration on midpoints until the step is below ``10**-digits``.
 
-    Args:
-        function: square system, n values of n unknowns.
-        start: (n,) first approximation.
-        digits: decimals to reach; at most 140 with the precision of balls.
+    Parameters
+    ----------
+    function : Function
+        Square system, n values of n unknowns.
+    start : Sequence[Ball]
+        (n,) first approximation.
+    digits : int
+        Decimals to reach; at most 140 with the precision of balls.
 
     Raises
     ------
-        ConvergenceError: when it stalls, diverges or meets a singular Jacobian.
+    ConvergenceError
+        When it stalls, diverges or meets a singular Jacobian.
     """
     point = midpoints(start)
     size = len(point)

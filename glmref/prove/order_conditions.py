@@ -1,4 +1,4 @@
-"""Whether the equations of a file give all order conditions, with three rules beyond the theorems.
+"""Whether the equations of a file give all order conditions, with rules beyond the theorems.
 
 By :mod:`glmref.prove.equations` and :func:`glmref.prove.classes.follows` the conditions at a
 few trees of odd order are enough. A condition counts as given when it is an equation of the file,
@@ -15,13 +15,16 @@ with nonzero K-th component, zeta_K(o) = 0 gives zeta(o) = 0. (With one such vec
 a square, so that the equation of [oo] would have a double root.) With zeta(o) = 0, ``explicit 1``
 also says c_1 = a_11 = 0.
 
-*r = 1.* The method is the composition of s steps of the implicit midpoint rule of lengths d_i h,
-palindromic; the logarithm of one step is h f + h^3 alpha_3 + h^5 alpha_5 + ..., so with sum d_i =
-1 and sum d_i^3 = 0 (the condition of order 3) the composition is the flow of ``f + h^4 (p alpha_5
-+ q [f, [f, alpha_3]]) + ...`` with two numbers p, q: R on the trees of order 5 lies in a plane
-(Yoshida 1990; Hairer, Lubich, Wanner 2006, section V.3), and two of the three free trees give p =
-q = 0 where the plane projects regularly on them, which ``tests/unit/test_derive_enclosure.py``
-checks exactly.
+*Products of flows.* For two components with r = r^ = 1 :mod:`glmref.prove.lie` says which
+conditions suffice, of every order; symmetry plays no part.
+
+*r = 1, one component.* The method is the composition of s steps of the implicit midpoint rule of
+lengths d_i h, palindromic; the logarithm of one step is h f + h^3 alpha_3 + h^5 alpha_5 + ..., so
+with sum d_i = 1 and sum d_i^3 = 0 (the condition of order 3) the composition is the flow of ``f +
+h^4 (p alpha_5 + q [f, [f, alpha_3]]) + ...`` with two numbers p, q: R on the trees of order 5 lies
+in a plane (Yoshida 1990; Hairer, Lubich, Wanner 2006, section V.3), and two of the three free trees
+give p = q = 0 where the plane projects regularly on them, which
+``tests/unit/test_derive_enclosure.py`` checks exactly.
 """
 
 from __future__ import annotations
@@ -30,61 +33,76 @@ from fractions import Fraction
 
 from ..exact import Exact, linalg
 from ..exact.expression import parse
-from ..theory.trees import Tree, parse_tree
-from .classes import follows, free_tree
+from ..theory.trees import Tree, parse_tree, single
+from .classes import Family, follows, free_tree
+from .lie import spans
 from .system import Affine, SweepSystem
 
 __all__ = ["abscissae", "covered", "given_trees"]
 
-_O, _THIRD, _STAR = (parse_tree(x) for x in ("o", "[oo]", "[oooo]"))
+_THIRD, _STAR = parse_tree("[oo]"), parse_tree("[oooo]")
 _BUSH, _PATH = parse_tree("[oo[o]]"), parse_tree("[[o][o]]")
 
 
-def covered(system: SweepSystem, order: int) -> bool:
-    """Whether the equations of a file give all conditions of an odd order."""
-    return follows(order, system.stage_order, given_trees(system))
+def covered(system: SweepSystem, order: int, family: Family | None = None) -> bool:
+    """Whether the equations of a file give all conditions of an order on a family of trees.
+
+    Parameters
+    ----------
+    system : SweepSystem
+        Of the file, symmetric or a product of flows.
+    order : int
+        Odd, of a product of flows any.
+    family : Family or None
+        The trees meant; those of the equations where it is ``None``.
+    """
+    family, given, kind = family or system.family, given_trees(system), system.kind_of_flow()
+    if kind is not None:
+        return spans(order, given, kind, family)
+    return follows(order, system.stage_order, given, family)
 
 
 def given_trees(system: SweepSystem) -> set[Tree]:
     """Trees whose conditions the equations of a file give directly or by the rules above."""
-    given = {parse_tree(e.what) for e in system.equations if e.kind == "order"}
+    given = {e.tree for e in system.equations if e.kind == "order" and e.tree}
     free = {free_tree(t) for t in given}
-    D, _, _ = system.read({name: Affine.unknown(name) for name in system.unknowns})
-    if (sum(D[1:], Affine.of(D[0])) - 1).is_identically_zero():
-        given.add(_O)
+    for colour, weights in system.affine.D.items():
+        if (sum(weights[1:], Affine.of(weights[0])) - 1).is_identically_zero():
+            given.add(single(colour))
+    if system.is_partitioned:
+        return given
     if _starts_at_order_two(system) and _quadrature(system, 2):
         given.add(_THIRD)
     third = free_tree(_THIRD) in free or _THIRD in given
     if third and not system.principal and _quadrature(system, 2) and _quadrature(system, 4):
         given.add(_STAR)
-    if system.r == 1 and {free_tree(t) for t in (_THIRD, _STAR, _PATH)} <= free:
+    if system.is_one_step and {free_tree(t) for t in (_THIRD, _STAR, _PATH)} <= free:
         given.add(_BUSH)
     return given
 
 
 def _starts_at_order_two(system: SweepSystem) -> bool:
     """Whether ``start K`` gives zeta(o) = 0."""
-    signs = system.signs()
-    if signs is None or system.r == 1:
-        return system.r == 1
-    E = linalg.diagonal([Exact(x) for x in signs])
-    L = linalg.matmul(linalg.inverse(system.V), E)
-    shifted = linalg.add(L, linalg.identity(system.r))
-    basis = linalg.nullspace(tuple(row[1:] for row in shifted))
-    starts = [system.index(e) for e in system.equations if e.kind == "start" and e.what.isdigit()]
+    if system.is_one_step or not system.involutions:
+        return system.is_one_step
+    L = system.involutions["o"]
+    basis = linalg.nullspace(tuple(row[1:] for row in linalg.add(L, linalg.identity(len(L)))))
+    starts = [e.number for e in system.equations if e.kind == "start" and e.tree is single()]
     return len(basis) == 1 and any(k > 0 and not basis[0][k - 1].is_zero() for k in starts)
 
 
 def abscissae(system: SweepSystem) -> list[Fraction] | None:
-    """The abscissae where the file fixes all of them exactly, else ``None``."""
+    """The abscissae where the file fixes all of them exactly, else ``None`` (two components)."""
+    if system.is_partitioned:
+        return None
     found: dict[int, Fraction] = {}
     for e in system.equations:
         if e.kind == "abscissa":
             value = parse(e.value)
             fraction = value.as_fraction() if isinstance(value, Exact) else None
             if fraction is not None:
-                found[system.index(e)] = fraction
-        elif e.kind == "explicit" and system.index(e) == 0 and _starts_at_order_two(system):
+                found[e.number] = fraction
+        elif e.kind == "explicit" and e.number == 0 and _starts_at_order_two(system):
             found[0] = Fraction(0)
     for i, x in list(found.items()):
         found.setdefault(system.s - 1 - i, 1 - x)
@@ -96,10 +114,9 @@ def abscissae(system: SweepSystem) -> list[Fraction] | None:
 def _quadrature(system: SweepSystem, power: int) -> bool:
     """Whether ``sum d_i c_i^power = 1 / (power + 1)`` holds exactly."""
     c = abscissae(system)
-    D, _, _ = system.read({name: Affine.unknown(name) for name in system.unknowns})
     if c is None:
         return False
     total = Affine.of(-Fraction(1, power + 1))
-    for d, x in zip(D, c, strict=True):
+    for d, x in zip(system.affine.D["o"], c, strict=True):
         total = total + Affine.of(d) * x**power
     return total.is_identically_zero()

@@ -44,8 +44,10 @@ class Element:
 
     Attributes
     ----------
-        tower: the tower it lives in.
-        terms: nonzero coefficients by exponents of the roots.
+    tower : Tower
+        The tower it lives in.
+    terms : dict[_Power, Fraction]
+        Nonzero coefficients by exponents of the roots.
     """
 
     __slots__ = ("terms", "tower")
@@ -103,7 +105,8 @@ class Element:
 
         Raises
         ------
-            ZeroDivisionError: for zero, and for a zero divisor where the tower is no field.
+        ZeroDivisionError
+            For zero, and for a zero divisor where the tower is no field.
         """
         value = self.as_fraction()
         if value is not None:
@@ -152,7 +155,8 @@ class Tower:
 
         Raises
         ------
-            ExactnessError: for a number without a form in square roots and roots.
+        ExactnessError
+            For a number without a form in square roots and roots.
         """
         if isinstance(value, Exact):
             fraction = value.as_fraction()

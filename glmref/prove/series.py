@@ -35,7 +35,7 @@ Butcher, "Numerical Methods for Ordinary Differential Equations" (2016), section
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
@@ -46,10 +46,19 @@ from ..errors import ExactnessError
 from ..exact import Exact, linalg
 from ..exact.linalg import Matrix, Vector
 from ..method.solution_value import first_functional
+from ..system.budget import spend
 from ..theory.coefficients import is_zero, plus, times, weighted
 from .forest import Forest
 
-__all__ = ["Component", "NotPreconsistent", "StartingSeries", "apply_rows", "component", "read"]
+__all__ = [
+    "Component",
+    "NotPreconsistent",
+    "StartingSeries",
+    "apply_rows",
+    "component",
+    "read",
+    "tableau_series",
+]
 
 _ZERO, _ONE = Exact(0), Exact(1)
 _Rows = tuple[tuple[tuple[int, Any], ...], ...]
@@ -65,12 +74,21 @@ class Component:
 
     Attributes
     ----------
-        A, U, B, W: entries by row, exact zeros left out. slopes: columns of A.
-        u: V u = u, U u = 1. N, W: see the module docstring.
-        output: one row w with w u = 1 that reads the solution off the values: the declared one, or
-            that of the first k with u_k not 0.
-        lift: R -> the solution x of (I - V) x = R with w x = 0, for W R = 0.
-        certain: whether U u = 1 exactly.
+    A, U, B, W : _Rows
+        Entries by row, exact zeros left out.
+    slopes : int
+        Columns of A.
+    u : Vector
+        V u = u, U u = 1.
+    N, W
+        See the module docstring.
+    output : _Rows
+        One row w with w u = 1 that reads the solution off the values: the declared one, or that of
+        the first k with u_k not 0.
+    lift : _Rows
+        R -> the solution x of (I - V) x = R with w x = 0, for W R = 0.
+    certain : bool
+        Whether U u = 1 exactly.
     """
 
     A: _Rows
@@ -116,15 +134,20 @@ def component(
 ) -> Component:
     """Prepare one component.
 
-    Args:
-        A, U, B, V, output: of the method.
-        measured: whether u is taken although U u = 1 may fail, for residuals that prove nothing.
+    Parameters
+    ----------
+    A, U, B, V, output
+        Of the method.
+    measured : bool
+        Whether u is taken although U u = 1 may fail, for residuals that prove nothing.
 
     Raises
     ------
-        NotPreconsistent: a proof that there is no order 1, or no u, with the reason.
-        ExactnessError: when V holds balls, the eigenvalue 1 is defective, or the declared output
-            does not read the solution: nothing is decided.
+    NotPreconsistent
+        A proof that there is no order 1, or no u, with the reason.
+    ExactnessError
+        When V holds balls, the eigenvalue 1 is defective, or the declared output does not read the
+        solution: nothing is decided.
     """
     if not all(isinstance(x, Exact) for row in V for x in row):
         raise ExactnessError("V holds published decimals: whether 1 is an eigenvalue is open")
@@ -222,6 +245,11 @@ def _bordered(square: Matrix, residual: Vector, along: Vector) -> list[Any] | No
 
 
 @lru_cache(maxsize=4096)
+def _exactly(ratio: Fraction) -> Exact:
+    return Exact(ratio)
+
+
+@lru_cache(maxsize=4096)
 def _weight(ways: int, size: int) -> Exact:
     return Exact(Fraction(-ways, size))
 
@@ -229,17 +257,25 @@ def _weight(ways: int, size: int) -> Exact:
 class StartingSeries:
     """The one starting series of a method, up to what is free, and the residuals beyond.
 
-    Args:
-        components: by colour, in the order of the palette.
-        trees: all trees of the palette.
-        free: whether principal parts are free; otherwise w eta(t) = 0, w the output.
-        counts: which trees count; the set is closed under subtrees and cuts.
+    Parameters
+    ----------
+    components : dict[str, Component]
+        By colour, in the order of the palette.
+    trees : Forest
+        All trees of the palette.
+    free : bool
+        Whether principal parts are free; otherwise w eta(t) = 0, w the output.
+    counts : Callable[[int], bool]
+        Which trees count; the set is closed under subtrees and cuts.
 
     Attributes
     ----------
-        eta: by tree; vectors of zeros are left out. Principal parts of the last order are zero.
-        determined: trees whose conditions were used to determine principal parts.
-        complete: whether a residual that is not zero excludes every starting series.
+    eta
+        By tree; vectors of zeros are left out. Principal parts of the last order are zero.
+    determined
+        Trees whose conditions were used to determine principal parts.
+    complete
+        Whether a residual that is not zero excludes every starting series.
     """
 
     def __init__(
@@ -256,25 +292,35 @@ class StartingSeries:
         self.order = 0
         self.eta: dict[int, tuple[Any, ...]] = {}
         self.determined: frozenset[int] = frozenset()
+        self._waiting: list[int] = []  # trees of the last order whose eta is not found yet
+        self._rights: dict[int, tuple[Any, ...]] = {}
         # xi(t) = ratio * product of stored vectors: trees that a stage order makes alike cost once
         self._bases: list[tuple[Any, ...]] = []
         self._stage: dict[int, tuple[Fraction, tuple[int, ...]]] = {}
         self._shared: dict[tuple[str, tuple[int, ...]], tuple[Fraction, tuple[int, ...]]] = {}
-        self._images: dict[tuple[str, tuple[int, ...]], tuple[Any, Any]] = {}
+        self._images: dict[tuple[str, tuple[int, ...], bool], tuple[Any, ...]] = {}
+        self._products: dict[tuple[int, ...], tuple[Any, ...]] = {}
         self._abscissae: dict[str, int] = {}
 
     # -- stages
 
-    def _image(self, colour: str, monomial: tuple[int, ...]) -> tuple[Any, Any]:
-        key = (colour, monomial)
+    def _image(self, colour: str, monomial: tuple[int, ...], *, stages: bool) -> tuple[Any, ...]:
+        """A (for the stages) or B times a product of stored vectors."""
+        key = (colour, monomial, stages)
         if key not in self._images:
             c = self.components[colour]
-            vector: tuple[Any, ...] = (1,) * c.slopes
-            for k, base in enumerate(monomial):
-                factor = self._bases[base]
-                vector = factor if k == 0 else tuple(map(times, vector, factor))
-            self._images[key] = (apply_rows(c.A, vector), apply_rows(c.B, vector))
+            vector = self._product(monomial) if monomial else (1,) * c.slopes
+            self._images[key] = apply_rows(c.A if stages else c.B, vector)
         return self._images[key]
+
+    def _product(self, monomial: tuple[int, ...]) -> tuple[Any, ...]:
+        """The product of stored vectors, entry by entry."""
+        if len(monomial) == 1:
+            return self._bases[monomial[0]]
+        if monomial not in self._products:
+            first, last = self._product(monomial[:-1]), self._bases[monomial[-1]]
+            self._products[monomial] = tuple(map(times, first, last))
+        return self._products[monomial]
 
     def _slope(self, t: int) -> tuple[Fraction, tuple[int, ...]]:
         ratio, factors = Fraction(1), []
@@ -288,10 +334,16 @@ class StartingSeries:
         """xi(t) from its definition, with eta(t) = value."""
         colour = self.trees.colour[t]
         ratio, monomial = self._slope(t)
-        vector = times(ratio, self._image(colour, monomial)[0])
+        vector = times(ratio, self._image(colour, monomial, stages=True))
         return plus(vector, apply_rows(self.components[colour].U, value))
 
-    def _settle_stage(self, t: int) -> None:
+    def output(self, t: int) -> tuple[Any, ...]:
+        """B xiD(t)."""
+        ratio, monomial = self._slope(t)
+        return times(ratio, self._image(self.trees.colour[t], monomial, stages=False))
+
+    def settle_stage(self, t: int) -> None:
+        """Find xi(t), from eta(t) if it is there."""
         colour, value = self.trees.colour[t], self.eta.get(t)
         if value is not None:
             vector = self.stage(t, value)
@@ -304,7 +356,7 @@ class StartingSeries:
         key = (colour, monomial)
         if key not in self._shared:
             wanted = 1 / (self.trees.density[t] * ratio)
-            self._shared[key] = self._store(t, self._image(*key)[0], wanted)
+            self._shared[key] = self._store(t, self._image(*key, stages=True), wanted)
         factor, found = self._shared[key]
         self._stage[t] = (ratio * factor, found)
 
@@ -316,7 +368,7 @@ class StartingSeries:
         order, colour = self.trees.order[t], self.trees.colour[t]
         base = self._abscissae.get(colour)
         if base is not None:
-            power = self.power(self._bases[base], order)
+            power = self._product((base,) * order)
             if all(
                 is_zero(plus(x, times(-wanted, y))) is True
                 for x, y in zip(vector, power, strict=True)
@@ -342,7 +394,9 @@ class StartingSeries:
         T = self.trees
         c = self.components[T.colour[t]]
         ratio, monomial = self._slope(t)
-        terms = [(Exact(ratio), self._image(T.colour[t], monomial)[1])] if ratio else []
+        terms = []
+        if ratio:
+            terms.append((_exactly(ratio), self._image(T.colour[t], monomial, stages=False)))
         terms.append((_weight(1, T.density[t]), c.u))
         if self.eta:
             for kept, ways in T.cuts[t].items():
@@ -359,29 +413,46 @@ class StartingSeries:
         else:
             self.eta[t] = value
 
-    def advance(self) -> dict[int, tuple[Any, ...]]:
-        """Go to the next order: ``W R(t)`` of its trees that count (zero where it determines)."""
+    def through(self, order: int) -> StartingSeries:
+        """The series itself, after as many orders at least."""
+        while self.order < order:
+            self.advance()
+        self.settle()
+        return self
+
+    def advance(self) -> list[int]:
+        """Go to the next order; its trees that count."""
+        self.settle()
         T, n = self.trees, self.order + 1
-        level = [t for t in T.level(n) if self.counts(t)]
-        right: dict[int, tuple[Any, ...]] = {}
+        level, self._rights = [t for t in T.level(n) if self.counts(t)], {}
         if n == 2:
             self._settle_first()
         elif n > 2 and (self.free or not self.simple):
-            right = self._settle_principal(n)
-        self.determined = frozenset(right) if self.free else frozenset()
+            self._rights = self._settle_principal(n)
+        self.determined = frozenset(self._rights) if self.free else frozenset()
         for t in T.level(n - 1):
             if t not in self._stage and self.counts(t):
-                self._settle_stage(t)
-        residuals: dict[int, tuple[Any, ...]] = {}
-        for t in level:
-            if t not in right:
-                right[t] = self._right(t)
-            c = self.components[T.colour[t]]
-            residuals[t] = (0,) * len(c.N) if t in self.determined else apply_rows(c.W, right[t])
-        for t in level:
-            self._set(t, apply_rows(self.components[T.colour[t]].lift, right[t]))
-        self.order = n
-        return residuals
+                self.settle_stage(t)
+        self.order, self._waiting = n, level
+        return level
+
+    def residual(self, t: int) -> tuple[Any, ...]:
+        """``W R(t)`` of a tree of the last order, zero where it determines a principal part."""
+        c = self.components[self.trees.colour[t]]
+        if t in self.determined:
+            return (0,) * len(c.N)
+        if t not in self._rights:
+            spend()
+            self._rights[t] = self._right(t)
+        return apply_rows(c.W, self._rights[t])
+
+    def settle(self) -> None:
+        """Find eta at the trees of the last order, but for the principal parts."""
+        for t in self._waiting:
+            spend()
+            right = self._rights[t] if t in self._rights else self._right(t)
+            self._set(t, apply_rows(self.components[self.trees.colour[t]].lift, right))
+        self._waiting = []
 
     def _settle_first(self) -> None:
         """Principal parts at the single vertices, up to the shift along the flow."""
@@ -394,7 +465,7 @@ class StartingSeries:
         if not self.free:
             return
         T.level(2)
-        self._settle_stage(first)
+        self.settle_stage(first)
         for node in others:
             t = T.tree(T.colour[node], (first,))
             c = self.components[T.colour[node]]
@@ -469,3 +540,35 @@ class StartingSeries:
                 if kept in moved:
                     right[t] = plus(right[t], times(-count, moved[kept]))
         return right
+
+
+def tableau_series(
+    trees: Forest, table: Mapping[str, Any], p: int, counts: Callable[[int], bool]
+) -> dict[Any, tuple[Any, ...]]:
+    """Series of Runge-Kutta-like values: xi = A xiD, value = B xiD; multiples of y by colour.
+
+    The stages are those of a :class:`StartingSeries` with eta = 0.
+
+    Parameters
+    ----------
+    trees : Forest
+        All trees.
+    table : Mapping[str, Any]
+        (A, B, u) by colour.
+    p : int
+        Last order.
+    counts : Callable[[int], bool]
+        Which trees count.
+    """
+    components = {
+        c: Component(_sparse(A), (), _sparse(B), (), len(B[0]), tuple(u), (), (), (), certain=True)
+        for c, (A, B, u) in table.items()
+    }
+    series = StartingSeries(components, trees, free=False, counts=counts)
+    found: dict[Any, tuple[Any, ...]] = {c: x.u for c, x in components.items()}
+    for n in range(1, p + 1):
+        for t in (t for t in trees.level(n) if counts(t)):
+            found[t] = series.output(t)
+            if n < p:
+                series.settle_stage(t)
+    return found

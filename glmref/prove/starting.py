@@ -1,12 +1,17 @@
 """Starting and finishing methods with parity, and the proof that their digits stand for one.
 
-A Runge-Kutta-like start has *parity* when its stages are y0 and pairs that are
-exchanged by h -> -h: with the permutation sigma of the pairs, ``A_(sigma i)(sigma j) = -A_ij``
-and ``B_(k)(sigma j) = -(L B)_kj``. Then S(-h) = L S(h), as for the starting series of a symmetric
-method, so that in eigenvectors of L each value has conditions at the even trees or at the odd
-ones only: 25 or 12 of the 37 up to order 6. The first value needs the even trees below the order
-only, because the principal part is free at the order itself. A finish with parity, b_(sigma j) =
--b_j, undoes an even series by an even one: 25 conditions.
+A Runge-Kutta-like start has *parity* when its stages are y0 and pairs that are exchanged by h ->
+-h: with the permutation sigma of the pairs, ``A_(sigma i)(sigma j) = -A_ij`` and ``B_(k)(sigma j) =
+-(L B)_kj``, for each component. Then S(-h) = L S(h), as for the starting series of a symmetric
+method, so that in eigenvectors of L each value has conditions at the even trees or at the odd ones
+only: 25 or 12 of the 37 up to order 6. The first value needs the even trees below the order only,
+because the principal part is free at the order itself. A finish with parity, b_(sigma j) = -b_j,
+undoes an even series by an even one: 25 conditions.
+
+The start of a pair is explicit, its first values are the solution itself, and L = L^ = 1: the
+series are even. Conditions are left at 5 + 5 of 16 trees up to order 4 and 25 + 25 of 74 up to
+order 6, for one value carried beyond the first; on second-order systems at 9 + 14 up to order 6 and
+29 + 50 up to order 8.
 
 In a file the decimals of ``starting`` (and of ``finishing``) are the unknowns, as many as
 conditions; the other entries are rational. :func:`prove_starting` checks the parity for all
@@ -23,31 +28,41 @@ from fractions import Fraction
 from functools import cached_property, lru_cache
 from typing import Any
 
-from ..catalogue.claims import FINISHING_ORDER, STARTING_ORDER
+from ..catalogue.claims import FINISHING_ORDER, NYSTROM_STARTING_ORDER, STARTING_ORDER
 from ..errors import DataError, ExactnessError
 from ..exact import Ball, Exact, ball, linalg
 from ..exact.expression import parse
 from ..exact.linalg import Matrix
-from ..method import GLM
+from ..method import GLM, Method, PartitionedGLM
+from ..theory.nystrom import is_nystrom
+from ..theory.order import order_of
+from ..theory.symmetry import symmetry
 from ..theory.trees import Tree
-from .classes import classes
-from .enclosure import Enclosure, Krawczyk, Outcome, is_rounding, krawczyk
+from .classes import Family, classes, reduce_tree
+from .equations import Series
+from .krawczyk import Krawczyk, Outcome, is_rounding, krawczyk
 from .system import Affine, SweepSystem
-from .tableau_series import outputs, slopes, stage_order, weights
+from .tableau_series import TableauSeries, stage_order
 
 __all__ = [
     "StartingSystem",
     "Target",
     "enclosed_block",
+    "even_trees",
     "finishing_function",
     "finishing_system",
     "first_value",
+    "functionals",
+    "inverse_block",
+    "is_inverse",
+    "known_stage_order",
     "prove_blocks",
     "prove_finishing",
     "prove_starting",
-    "start_is_enclosed",
+    "start_orders",
     "starting_function",
     "starting_system",
+    "swap",
     "target_of",
 ]
 
@@ -63,7 +78,8 @@ class StartingSystem:
 
     Attributes
     ----------
-        unknowns: their values as text, without sign, in order of appearance.
+    unknowns
+        Their values as text, without sign, in order of appearance.
     """
 
     def __init__(self, entries: Sequence[Sequence[str]]) -> None:
@@ -104,32 +120,47 @@ class StartingSystem:
         return [ball(parse(x, digits=digits)) for x in self.unknowns]
 
 
-def _pairing(size: int) -> list[int]:
-    """Stage 0 is y0; the others come in pairs (1, 2), (3, 4), ..
+def _hats(block: Mapping[str, Any]) -> Mapping[str, str]:
+    """Colours of the components of a start, with what is appended to A, B and u in its names."""
+    return (PartitionedGLM if "A_hat" in block else GLM).LETTERS
+
+
+def _split(block: Mapping[str, Any], rows: Sequence[Any]) -> dict[str, tuple[Any, Any]]:
+    """The rows of a :func:`starting_system`: A and B by colour."""
+    found, at = {}, 0
+    for colour, hat in _hats(block).items():
+        middle = at + len(block[f"A{hat}"])
+        end = middle + len(block[f"B{hat}"])
+        found[colour] = rows[at:middle], rows[middle:end]
+        at = end
+    return found
+
+
+def swap(i: int) -> int:
+    """The partner of a stage: 0 is the point itself, then come pairs (1, 2), (3, 4), .."""
+    return 0 if i == 0 else i + 1 if i % 2 else i - 1
+
+
+def _check_parity(
+    rows: Sequence[Sequence[Affine]], mirrored: Sequence[Sequence[Affine]], name: str
+) -> None:
+    """Check rows against their mirror images for all values of the unknowns.
 
     Raises
     ------
-        DataError: for an even number of stages.
+    DataError
+        Naming the entry.
     """
+    size = len(rows[0])
     if size % 2 == 0:
-        raise DataError(f"a start with parity has an odd number of stages, got {size}")
-    return [0] + [k + 1 if k % 2 else k - 1 for k in range(1, size)]
-
-
-def _check_parity(system: StartingSystem, size: int, images: Sequence[Sequence[Affine]]) -> None:
-    """Check A and the images of the other rows for all values of the unknowns.
-
-    Raises
-    ------
-        DataError: naming the entry.
-    """
-    swap, entries = _pairing(size), system.affine()
-    for i in range(len(entries)):
-        mirrored = entries[swap[i]] if i < size else images[i - size]
-        for j in range(size):
-            if not (entries[i][swap[j]] + mirrored[j]).is_identically_zero():
+        raise DataError(
+            f"a start with parity has an odd number of stages, and `{name}` has {size} columns"
+        )
+    for i, (row, image) in enumerate(zip(rows, mirrored, strict=True)):
+        for j, x in enumerate(row):
+            if not (image[swap(j)] + x).is_identically_zero():
                 raise DataError(
-                    f"no parity: row {i + 1}, column {swap[j] + 1} and its mirror image differ"
+                    f"no parity: `{name}[{i + 1}][{j + 1}]` and its mirror image differ"
                 )
 
 
@@ -145,85 +176,137 @@ def functionals(L: Matrix) -> list[tuple[tuple[Any, ...], int]]:
     return first + [x for x in found if x is not first[0]]
 
 
-def _signed_trees(sign: int, order: int, q: int = 1) -> list[Tree]:
-    return [t for n in range(1, order + 1) if (n % 2 == 0) == (sign > 0) for t in classes(n, q)]
-
-
-def starting_conditions(
-    B_series: Sequence[Mapping[Tree, Any]],
-    zeta: Mapping[Tree, Sequence[Any]],
-    L: Matrix,
-    order: int,
-    q: int,
-) -> list[Any]:
-    """Start minus starting series, in eigenvectors of L, at the trees that parity leaves.
-
-    Conditions of the first value that hold for all unknowns (a start from y0 itself where the
-    principal part is the identity) are left out.
-    """
-    result = []
-    for k, (row, sign) in enumerate(functionals(L)):
-        for t in _signed_trees(sign, order - 1 if k == 0 else order, q):
-            terms = [s[t] - x for s, x in zip(B_series, zeta[t], strict=True)]
-            value = linalg.dot(row, terms)
-            if k > 0 or value.is_zero() is not True:
-                result.append(value)
-    return result
-
-
-def involution(document: Mapping[str, Any]) -> Matrix:
-    """L = V^-1 E of a file of class ``"sweep"``."""
-    system = SweepSystem(document)
-    signs = system.signs()
-    if signs is None:
-        raise DataError("only a symmetric method has a start with parity")
-    E = linalg.diagonal([Exact(x) for x in signs])
-    return linalg.matmul(linalg.inverse(system.V), E)
-
-
 @dataclass(frozen=True)
 class Target:
     """What a start is to agree with.
 
     Attributes
     ----------
-        zeta: starting series of the method through ``order``, exact or balls.
-        L: involution of the values, first row and column 1, 0, .., 0. order: of the method.
-        stage_order: of the method: zeta respects it.
+    zeta : Mapping[Tree, Sequence[Any]]
+        Starting series of the method at the trees that count, exact or balls.
+    L : Mapping[str, Matrix]
+        Involution of the values by colour, first row and column 1, 0, .., 0.
+    order : int
+        Of the start on all trees.
+    stage_order : int
+        Of the method: zeta respects it.
     """
 
     zeta: Mapping[Tree, Sequence[Any]]
-    L: Matrix
+    L: Mapping[str, Matrix]
     order: int
     stage_order: int = 1
 
     @classmethod
-    def of(cls, document: Mapping[str, Any], enclosure: Enclosure) -> Target:
-        """The target of a file of class ``"sweep"``, from its enclosure."""
-        q = SweepSystem(document).stage_order
-        return cls(enclosure.series.zeta, involution(document), enclosure.order, q)
+    def of(
+        cls, document: Mapping[str, Any], system: SweepSystem, series: Sequence[Series]
+    ) -> Target:
+        """The target of a file, from its starting series.
+
+        Parameters
+        ----------
+        document : Mapping[str, Any]
+            With the claims.
+        system : SweepSystem
+            Of the file.
+        series : Sequence[Series]
+            That hold all trees needed, for each order claimed.
+
+        Raises
+        ------
+        DataError
+            When there is no start with parity for the method; of a pair when the starting series is
+            not even, or the first values are not the solution.
+        """
+        orders = start_orders(document, system)
+        if not system.involutions:
+            raise DataError("only a symmetric method has a start with parity")
+        if system.is_partitioned:
+            _check_even(system, orders)
+        zeta: dict[Tree, Sequence[Any]] = {}
+        for n in range(1, max((n for n, _ in orders), default=0) + 1):
+            for family in [family for order, family in orders if n <= order]:
+                for t in classes(n, 1, family):
+                    if t in zeta or (family is Family.SECOND_ORDER and not is_nystrom(t)):
+                        continue
+                    found = next((s.zeta[t] for s in series if t in s.zeta), None)
+                    if found is None:
+                        raise DataError("a start has no higher order than the pair; claim less")
+                    zeta[t] = found
+        order = next((n for n, family in orders if family is not Family.SECOND_ORDER), 0)
+        return cls(zeta, system.involutions, order, system.stage_order)
+
+    def conditions(self, q: int | None = None) -> list[tuple[int, tuple[Any, ...], Tree]]:
+        """Number, from 0, and functional of a value with the tree where start and series agree.
+
+        Parameters
+        ----------
+        q : int or None
+            Stage order of the start; as that of the method where it is ``None``. Conditions are at
+            classes of trees.
+        """
+        q = self.stage_order if q is None else q
+        return [
+            (k, row, t)
+            for colour, L in self.L.items()
+            for k, (row, sign) in enumerate(functionals(L))
+            for t in self.zeta
+            if t.colour == colour
+            and (t.order % 2 == 0) == (sign > 0)
+            and (k > 0 or t.order < self.order)
+            and reduce_tree(t, q)[0] is t
+        ]
 
 
-def target_of(method: GLM) -> Target:
+def _check_even(system: SweepSystem, orders: Sequence[tuple[int, Family]]) -> None:
+    for c, s in zip(system.V, system.signs() or (), strict=True):
+        E = linalg.diagonal([Exact(x) for x in s])
+        if any(not x.is_zero() for _, _, x in linalg.entries(linalg.sub(E, system.V[c]))):
+            raise DataError(
+                "only a symmetric pair with L = L^ = 1, V = E and V^ = E^, has an even start"
+            )
+    if not all(system.identity_through(n - 1, family) for n, family in orders):
+        raise DataError("a start needs first values that are the solution: add equations `start`")
+
+
+def start_orders(
+    document: Mapping[str, Any], system: SweepSystem
+) -> tuple[tuple[int, Family], ...]:
+    """Orders of the start of a file, each with the trees that count for it.
+
+    The start of one component has the order of the method. A pair claims orders of its start (or
+    the block ``"starting"`` names one), on all trees and on those of second-order systems.
+    """
+    if not system.is_partitioned:
+        return tuple(system.families)
+    claims = document.get("claims", {})
+    own = document.get("starting", {}).get("order", 0)
+    found = (
+        (claims.get(STARTING_ORDER.key, own), Family.SEPARABLE),
+        (claims.get(NYSTROM_STARTING_ORDER.key, 0), Family.SECOND_ORDER),
+    )
+    return tuple((n, family) for n, family in found if n)
+
+
+def target_of(method: Method) -> Target:
     """The target of an exact symmetric method whose first value is the solution itself.
 
     Raises
     ------
-        DataError: when the method is not symmetric.
+    DataError
+        When the method is not symmetric.
     """
-    from ..theory.order import order_of
-    from ..theory.symmetry import symmetry
-
     found, L = order_of(method, principal="identity"), symmetry(method).L
     if L is None or found.eta is None:
         raise DataError("only a symmetric method has a start with parity")
-    series = {t: [ball(x) for x in found.eta[t]] for t in found.eta}
-    return Target(series, L, found.order)
+    series = {t: [ball(x) for x in found.eta[t]] for t in found.eta if t.order <= found.order}
+    return Target(series, {"o": L}, found.order)
 
 
 def starting_system(block: Mapping[str, Any]) -> StartingSystem:
     """The unknowns of a block ``"starting"``."""
-    return _system(tuple(map(tuple, [*block["A"], *block["B"]])))
+    rows = [row for hat in _hats(block).values() for x in "AB" for row in block[f"{x}{hat}"]]
+    return _system(tuple(map(tuple, rows)))
 
 
 @lru_cache(maxsize=4)
@@ -232,24 +315,44 @@ def _system(entries: tuple[tuple[str, ...], ...]) -> StartingSystem:
     return StartingSystem(entries)
 
 
+def known_stage_order(block: Mapping[str, Any], target: Target) -> int:
+    """Stage order of a start whose A holds no unknowns, at most that of the method; else 1."""
+    if target.stage_order == 1:
+        return 1
+    stages = StartingSystem(block["A"])
+    return 1 if stages.unknowns else stage_order(stages.read([]), most=target.stage_order)
+
+
 def starting_function(block: Mapping[str, Any], target: Target) -> Conditions:
     """The conditions of a start as a function of its unknowns.
 
-    Where A holds no unknowns and has a stage order, the conditions at classes of trees are
-    enough.
+    Where A holds no unknowns and has a stage order, the conditions at classes of trees are enough.
+    Conditions of a first value that hold for all unknowns (a start from y0 itself where the
+    principal part is the identity) are left out.
     """
-    system, size = starting_system(block), len(block["A"])
-    stages, q, fixed = StartingSystem(block["A"]), 1, None
-    if not stages.unknowns:
-        A = stages.read([])
-        q = stage_order(A, most=target.stage_order)
-        fixed = slopes(A, target.order, parity=True, q=q)
+    system, q = starting_system(block), known_stage_order(block, target)
+    listed = target.conditions(q)
+    wanted = dict.fromkeys(t for _, _, t in listed)
+    fixed: TableauSeries | None = None
+    tableaux = [StartingSystem(block[f"A{hat}"]) for hat in _hats(block).values()]
+    if not any(x.unknowns for x in tableaux):
+        A = {c: x.read([]) for c, x in zip(_hats(block), tableaux, strict=True)}
+        fixed = TableauSeries(A, parity=True, q=q)
 
     def conditions(values: Sequence[Any]) -> list[Any]:
-        matrix = system.read(values)
-        known = fixed or slopes(matrix[:size], target.order, parity=True, q=q)
-        found = outputs(matrix[size:], known)
-        return starting_conditions(found, target.zeta, target.L, target.order, q)
+        matrices = _split(block, system.read(values))
+        known = fixed or TableauSeries({c: A for c, (A, _) in matrices.items()}, parity=True, q=q)
+        terms = {
+            t: [
+                x - y
+                for x, y in zip(
+                    known.outputs(matrices[t.colour][1], t), target.zeta[t], strict=True
+                )
+            ]
+            for t in wanted
+        }
+        found = [(k, linalg.dot(row, terms[t])) for k, row, t in listed]
+        return [x for k, x in found if k > 0 or x.is_zero() is not True]
 
     return conditions
 
@@ -259,25 +362,48 @@ def prove_starting(block: Mapping[str, Any], target: Target, *, digits: int = 75
 
     Raises
     ------
-        DataError: when the start has not the form described above.
-        ExactnessError: when the interval test does not succeed.
+    DataError
+        When the start has not the form described above.
+    ExactnessError
+        When the interval test does not succeed.
     """
-    size, L, system = len(block["A"]), target.L, starting_system(block)
-    if [parse(x) for x in block["u"]] != [Exact(int(k == 0)) for k in range(len(L))]:
-        raise DataError("`starting.u` must be 1, 0, .., 0")
-    B = system.affine()[size:]
-    images = [
-        [sum((b[j] * x for b, x in zip(B[1:], row[1:], strict=True)), B[0][j] * row[0])
-         for j in range(size)]
-        for row in L
-    ]  # fmt: skip
-    _check_parity(system, size, images)
+    system, hats = starting_system(block), _hats(block)
+    for colour, hat in hats.items():
+        u = [parse(x) for x in block[f"u{hat}"]]
+        if u != [Exact(int(k == 0)) for k in range(len(target.L[colour]))]:
+            raise DataError(f"`starting.u{hat}` must be 1, 0, .., 0")
+    for colour, (A, B) in _split(block, system.affine()).items():
+        for letter, rows, what in (("A", A, "stage"), ("B", B, "value")):
+            name = f"starting.{letter}{hats[colour]}"
+            if len(hats) > 1 and any(not x.is_identically_zero() for x in rows[0]):
+                raise DataError(f"`{name}[1]` must be zero: the first {what} is the solution")
+            mirrored = _mirrored(A) if letter == "A" else _images(target.L[colour], B)
+            _check_parity(rows, mirrored, name)
     return enclosed_block(system, starting_function(block, target), digits, "starting")
+
+
+def _mirrored(A: Sequence[Any]) -> Sequence[Any]:
+    """The rows of A, each in the place of its partner."""
+    return [A[swap(i)] for i in range(len(A))] if len(A) % 2 else A
+
+
+def _images(L: Matrix, B: Sequence[Sequence[Affine]]) -> Sequence[Sequence[Affine]]:
+    """L B, over affine expressions."""
+
+    def entry(row: Sequence[Any], j: int) -> Affine:
+        return Affine.of(sum(b[j] * x for b, x in zip(B, row, strict=True)))
+
+    return [[entry(row, j) for j in range(len(B[0]))] for row in L]
 
 
 def finishing_system(block: Mapping[str, Any]) -> StartingSystem:
     """The unknowns of a block ``"finishing"``."""
     return _system(tuple(map(tuple, [*block["A"], block["b"]])))
+
+
+def even_trees(order: int) -> list[Tree]:
+    """The trees where a finish has conditions."""
+    return [t for n in range(2, order + 1, 2) for t in classes(n, 1)]
 
 
 def finishing_function(
@@ -288,8 +414,8 @@ def finishing_function(
 
     def conditions(values: Sequence[Any]) -> list[Any]:
         entries = system.read(values)
-        found = weights(entries[:size], entries[size:], order, base, parity=True)[0]
-        return [found[t] + base[t] for t in _signed_trees(1, order)]
+        series = TableauSeries({"o": entries[:size]}, base, parity=True)
+        return [series.outputs(entries[size:], t)[0] + base[t] for t in even_trees(order)]
 
     return conditions
 
@@ -297,7 +423,9 @@ def finishing_function(
 def first_value(block: Mapping[str, Any], values: Sequence[Any], order: int) -> Mapping[Tree, Any]:
     """Series of the first value of a start, at values of its unknowns."""
     matrix, size = starting_system(block).read(values), len(block["A"])
-    return weights(matrix[:size], matrix[size : size + 1], order)[0]
+    series = TableauSeries({"o": matrix[:size]})
+    listed = [t for n in range(1, order + 1) for t in classes(n, 1)]
+    return {t: series.outputs(matrix[size : size + 1], t)[0] for t in listed}
 
 
 def prove_finishing(
@@ -305,55 +433,57 @@ def prove_finishing(
 ) -> Krawczyk:
     """Prove that an exact finish lies within the digits of a block ``"finishing"``.
 
-    Args:
-        block: the finish. base: :func:`first_value` of the start, in balls. order: of the method.
-        digits: of the file.
+    Parameters
+    ----------
+    block : Mapping[str, Any]
+        The finish.
+    base : Mapping[Tree, Any]
+        :func:`first_value` of the start, in balls.
+    order : int
+        Of the method.
+    digits : int
+        Of the file.
 
     Raises
     ------
-        DataError: when the finish has not the form described above.
-        ExactnessError: when the interval test does not succeed.
+    DataError
+        When the finish has not the form described above.
+    ExactnessError
+        When the interval test does not succeed.
     """
-    system = finishing_system(block)
-    _check_parity(system, len(block["A"]), [system.affine()[len(block["A"])]])
+    system, size = finishing_system(block), len(block["A"])
+    A, b = system.affine()[:size], system.affine()[size:]
+    _check_parity(A, _mirrored(A), "finishing.A")
+    _check_parity(b, b, "finishing.b")
     return enclosed_block(system, finishing_function(block, base, order), digits, "finishing")
 
 
-def prove_blocks(document: Mapping[str, Any], target: Target) -> list[str]:
-    """Prove the start and the finish of a document; name the claims that follow.
+def prove_blocks(document: Mapping[str, Any], target: Target) -> dict[str, int]:
+    """Prove the start and the finish of a document; name the claims that follow, with their order.
 
     Blocks without long decimals are exact and are left to exact arithmetic.
 
     Raises
     ------
-        DataError, ExactnessError: see :func:`prove_starting` and :func:`prove_finishing`.
+    DataError, ExactnessError
+        See :func:`prove_starting` and :func:`prove_finishing`.
     """
-    opening = document.get("starting")
+    opening, closing = document.get("starting"), document.get("finishing")
     if opening is None or not starting_system(opening).unknowns:
-        return []
-    from .inverse_finish import is_inverse
-
+        return {}
     digits = document.get("digits", 75)
     start = prove_starting(opening, target, digits=digits)
-    claims = [STARTING_ORDER.key]
-    closing = document.get("finishing")
-    if closing is not None and is_inverse(opening, closing):
-        claims.append(FINISHING_ORDER.key)
-    elif closing is not None and finishing_system(closing).unknowns:
+    found = {STARTING_ORDER.key: target.order}
+    if len(target.L) > 1:
+        found[NYSTROM_STARTING_ORDER.key] = max((t.order for t in target.zeta), default=0)
+    if closing is None:
+        return found
+    if not is_inverse(opening, closing):
+        if not finishing_system(closing).unknowns:
+            return found
         base = first_value(opening, start.box, target.order)
         prove_finishing(closing, base, target.order, digits=digits)
-        claims.append(FINISHING_ORDER.key)
-    return claims
-
-
-def start_is_enclosed(method: GLM) -> bool:
-    """Whether the decimal start (and finish) of a file with exact coefficients can be proved."""
-    if method.document is None:
-        return False
-    try:
-        return bool(prove_blocks(method.document, target_of(method)))
-    except (DataError, ExactnessError):
-        return False
+    return {**found, FINISHING_ORDER.key: target.order}
 
 
 def enclosed_block(
@@ -361,14 +491,23 @@ def enclosed_block(
 ) -> Krawczyk:
     """Prove that one exact block lies near the digits of a file, and that these are its rounding.
 
-    Args:
-        system: unknowns of the block. conditions: what they must make vanish.
-        digits: behind the point. key: name of the block, for messages.
+    Parameters
+    ----------
+    system : StartingSystem
+        Unknowns of the block.
+    conditions : Conditions
+        What they must make vanish.
+    digits : int
+        Behind the point.
+    key : str
+        Name of the block, for messages.
 
     Raises
     ------
-        DataError: when there are not as many conditions as unknowns.
-        ExactnessError: when the interval test does not succeed, or the digits are others.
+    DataError
+        When there are not as many conditions as unknowns.
+    ExactnessError
+        When the interval test does not succeed, or the digits are others.
     """
     published = system.published(digits)
     result = krawczyk(conditions, published, RADIUS)
@@ -381,3 +520,56 @@ def enclosed_block(
         if not is_rounding(x, y, digits):
             raise ExactnessError(f"`{key}`: the exact method lies outside the digits")
     return result
+
+
+# -- the finish that undoes the first value of a start, with the digits of the start
+
+
+def needed_stages(A: Sequence[Sequence[str]], b: Sequence[str]) -> list[int]:
+    """Stages on which a row of weights depends, ascending."""
+    waiting = [j for j, x in enumerate(b) if x != "0"]
+    found = set(waiting)
+    while waiting:
+        for j, x in enumerate(A[waiting.pop()]):
+            if x != "0" and j not in found:
+                found.add(j)
+                waiting.append(j)
+    return sorted(found)
+
+
+def inverse_block(opening: Mapping[str, Any]) -> dict[str, Any]:
+    """The finish that undoes the first value of a start exactly, with the same digits.
+
+    Solving ``y_1 = y + h b f(Y)``, ``Y = y + h A f(Y)`` for y gives ``Y = y_1 + h (A - 1 b^T)
+    f(Y)`` and ``y = y_1 - h b f(Y)``, on the stages that b depends on.
+    """
+    b = opening["B"][0]
+    stages = needed_stages(opening["A"], b)
+    rows = [[_difference(opening["A"][i][j], b[j]) for j in stages] for i in stages]
+    return {
+        "name": f"inverse of the start in the first value, {len(stages)} stages",
+        "kind": "runge-kutta",
+        "A": rows,
+        "b": [_difference("0", b[j]) for j in stages],
+    }
+
+
+def _difference(left: str, right: str) -> str:
+    minus = "" if right == "0" else right[1:] if right.startswith("-") else f"-{right}"
+    if left == "0" or not minus:
+        return minus or left
+    return f"{left}{minus}" if minus.startswith("-") else f"{left}+{minus}"
+
+
+def is_inverse(opening: Mapping[str, Any], closing: Mapping[str, Any]) -> bool:
+    """Whether a finish is :func:`inverse_block` of the start, for all values of its digits."""
+    wanted = inverse_block(opening)
+    if len(closing["A"]) != len(wanted["A"]):
+        return False
+    pairs = [*zip(closing["A"], wanted["A"], strict=True), (closing["b"], wanted["b"])]
+    system = StartingSystem([[*left, *right] for left, right in pairs])
+    return all(
+        (row[k] - row[k + len(row) // 2]).is_identically_zero()
+        for row in system.affine()
+        for k in range(len(row) // 2)
+    )

@@ -3,14 +3,106 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from operator import add, sub
 from typing import Any
 
-from ..exact import Exact, linalg
+from ..exact import Exact, linalg, sum_of_products
 from ..exact.linalg import Matrix
 from ..theory.trees import Tree
 from .classes import classes, reduce_tree
 
-__all__ = ["outputs", "slopes", "stage_order", "weights"]
+__all__ = ["TableauSeries", "stage_order", "weights"]
+
+#: The entries of a row that are not exact zeros, with their columns.
+_Row = list[tuple[int, Any]]
+
+
+class TableauSeries:
+    """Series of ``h f(Y_j)``, ``Y_i = S + h sum A_ij f(Y_j)``, tree by tree where it is asked for.
+
+    With *parity* stage 0 is even in h and h -> -h exchanges stages 1 and 2, 3 and 4, ..; series of
+    one stage of each pair are enough then, as ``h f`` at the other is the same at trees of odd
+    order and the opposite at trees of even order.
+
+    Parameters
+    ----------
+    A : Mapping[str, Matrix]
+        By the colour of the root of a tree, (stages where its value is read, stages where its
+        right-hand side is evaluated).
+    base : Mapping[Tree, Any] or None
+        Series of S, where it is not the identity.
+    parity : bool
+        Whether A and the base are known to have parity.
+    q : int
+        Known stage order, where S is the identity: trees are replaced by their classes.
+    """
+
+    def __init__(
+        self,
+        A: Mapping[str, Matrix],
+        base: Mapping[Tree, Any] | None = None,
+        *,
+        parity: bool = False,
+        q: int = 1,
+    ) -> None:
+        self._A, self._base, self._parity, self._q = A, base, parity, q
+        self._rows: dict[tuple[str, int], list[_Row]] = {}
+        self._last: tuple[Any, dict[int, list[_Row]]] = (None, {})
+        self._stages: dict[Tree, tuple[Any, ...]] = {}
+        self._slopes: dict[Tree, tuple[Any, ...]] = {}
+
+    def outputs(self, rows: Matrix, t: Tree) -> list[Any]:
+        """For each row the sum ``sum row_j h f(Y_j)`` at a tree."""
+        if self._last[0] is not rows:
+            self._last = rows, {}
+        known, odd = self._last[1], t.order % 2
+        if odd not in known:
+            known[odd] = self._folded(rows, t)
+        slopes = self._slope(t)
+        return [_dot(row, slopes) for row in known[odd]]
+
+    def _folded(self, rows: Sequence[Sequence[Any]], t: Tree) -> list[_Row]:
+        """Rows as they meet the slopes at a tree, with parity those of one stage of each pair."""
+        if self._parity and t.order % 2:
+            rows = [(row[0], *map(add, row[1::2], row[2::2])) for row in rows]
+        elif self._parity:
+            rows = [(Exact(0), *map(sub, row[1::2], row[2::2])) for row in rows]
+        return [[(j, x) for j, x in enumerate(row) if not x.vanishes()] for row in rows]
+
+    def _stage(self, t: Tree) -> tuple[Any, ...]:
+        if t not in self._stages:
+            key = t.colour, t.order % 2
+            if key not in self._rows:
+                rows = self._A[t.colour]
+                self._rows[key] = self._folded([rows[0], *rows[1::2]] if self._parity else rows, t)
+            slopes = self._slope(t)
+            found = tuple(_dot(row, slopes) for row in self._rows[key])
+            if self._base is not None:
+                found = tuple(x + self._base[t] for x in found)
+            self._stages[t] = found
+        return self._stages[t]
+
+    def _slope(self, t: Tree) -> tuple[Any, ...]:
+        """Stage by stage the product of the stages over the subtrees."""
+        if t not in self._slopes:
+            result: tuple[Any, ...] | None = None
+            for child in t.children:
+                below, factor = reduce_tree(child, self._q)
+                values = self._stage(below)
+                if factor != 1:
+                    values = tuple(x * factor for x in values)
+                if result is None:
+                    result = values
+                else:
+                    result = tuple(x * y for x, y in zip(result, values, strict=True))
+            columns = len(self._A[t.colour][0])
+            size = (columns + 1) // 2 if self._parity else columns
+            self._slopes[t] = (Exact(1),) * size if result is None else result
+        return self._slopes[t]
+
+
+def _dot(row: _Row, x: Sequence[Any]) -> Any:
+    return sum_of_products([(factor, x[j]) for j, factor in row])
 
 
 def weights(
@@ -22,68 +114,28 @@ def weights(
     parity: bool = False,
     q: int = 1,
 ) -> list[Mapping[Tree, Any]]:
-    """Series of ``h sum rows_kj f(Y_j)`` with ``Y_i = S + h sum A_ij f(Y_j)``.
+    """Series of ``h sum rows_kj f(Y_j)`` of one component at the classes of trees.
 
-    Args:
-        A, order, base, parity, q: see :func:`slopes`. rows: (k, m).
+    Parameters
+    ----------
+    A : Matrix
+        (m, m).
+    rows : Matrix
+        (k, m).
+    order : int
+        Last order.
+    base, parity, q
+        See :class:`TableauSeries`.
 
     Returns
     -------
+    list[Mapping[Tree, Any]]
         For each row the map tree -> coefficient.
     """
-    return outputs(rows, slopes(A, order, base, parity=parity, q=q))
-
-
-def outputs(rows: Matrix, derivatives: Mapping[Tree, Sequence[Any]]) -> list[Mapping[Tree, Any]]:
-    """For each row the sums ``sum rows_kj F_j``, by tree."""
-    return [{t: linalg.dot(row, x) for t, x in derivatives.items()} for row in rows]
-
-
-def slopes(
-    A: Matrix,
-    order: int,
-    base: Mapping[Tree, Any] | None = None,
-    *,
-    parity: bool = False,
-    q: int = 1,
-) -> dict[Tree, tuple[Any, ...]]:
-    """Series of ``h f(Y_j)`` with ``Y_i = S + h sum A_ij f(Y_j)``: m numbers for each tree.
-
-    Args:
-        A: (m, m). order: last order.
-        base: series of S, where it is not the identity.
-        parity: whether A and the base are known to have parity: the series of every second stage
-            is then that of its partner at -h.
-        q: known stage order, where S is the identity: the series at classes of trees only.
-    """
-    eta: dict[Tree, tuple[Any, ...]] = {}
-    found: dict[Tree, tuple[Any, ...]] = {}
-    computed = [i for i in range(len(A)) if not parity or i == 0 or i % 2]
-    for n in range(1, order + 1):
-        for t in classes(n, q):
-            found[t] = derivative = _product(t, eta, len(A), q)
-            if n < order:
-                shift = base[t] if base is not None else Exact(0)
-                stages: dict[int, Any] = {}
-                for i in computed:
-                    stages[i] = linalg.dot(A[i], derivative) + shift
-                    if parity and i:
-                        stages[i + 1] = stages[i] if n % 2 == 0 else -stages[i]
-                eta[t] = tuple(stages[i] for i in range(len(A)))
-    return found
-
-
-def _product(t: Tree, eta: Mapping[Tree, tuple[Any, ...]], m: int, q: int) -> tuple[Any, ...]:
-    """Stage by stage the product of eta over the subtrees."""
-    result: tuple[Any, ...] | None = None
-    for child in t.children:
-        below, factor = reduce_tree(child, q)
-        values = eta[below] if factor == 1 else tuple(x * factor for x in eta[below])
-        if result is None:
-            result = values
-        else:
-            result = tuple(x * y for x, y in zip(result, values, strict=True))
-    return (Exact(1),) * m if result is None else result
+    series = TableauSeries({"o": A}, base, parity=parity, q=q)
+    listed = [t for n in range(1, order + 1) for t in classes(n, q)]
+    found = {t: series.outputs(rows, t) for t in listed}
+    return [{t: x[k] for t, x in found.items()} for k in range(len(rows))]
 
 
 def stage_order(A: Matrix, *, most: int) -> int:

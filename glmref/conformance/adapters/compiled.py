@@ -18,9 +18,12 @@ __all__ = ["Adapter"]
 class Adapter:
     """The compiled engine.
 
-    Args:
-        methods: names of the methods it is; by default all that have vectors.
-        options: further arguments of :func:`glmref.solve`, such as ``arithmetic``.
+    Parameters
+    ----------
+    methods : Sequence[str] or None
+        Names of the methods it is; by default all that have vectors.
+    options : Any
+        Further arguments of :func:`glmref.solve`, such as ``arithmetic``.
     """
 
     def __init__(self, methods: Sequence[str] | None = None, **options: Any) -> None:

@@ -20,8 +20,10 @@ __all__ = ["Adapter"]
 class Adapter:
     """``heyoka.taylor_adaptive``.
 
-    Args:
-        tolerance: heyoka's own, from which it derives the order.
+    Parameters
+    ----------
+    tolerance : float
+        Heyoka's own, from which it derives the order.
     """
 
     problems = ("pendulum", "kepler")

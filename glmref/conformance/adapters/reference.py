@@ -19,8 +19,10 @@ __all__ = ["Adapter"]
 class Adapter:
     """The reference engine.
 
-    Args:
-        methods: names of the methods it is; by default all that have vectors.
+    Parameters
+    ----------
+    methods : Sequence[str] or None
+        Names of the methods it is; by default all that have vectors.
     """
 
     def __init__(self, methods: Sequence[str] | None = None) -> None:

@@ -1,0 +1,57 @@
+"""Further weights on the stages of a method: embedded solutions, from which errors are estimated.
+
+References
+----------
+Hairer, Norsett, Wanner, "Solving Ordinary Differential Equations I" (1993), section II.4.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ..exact.linalg import Matrix, Vector
+
+__all__ = ["EmbeddedRow"]
+
+
+@dataclass(frozen=True)
+class EmbeddedRow:
+    """One embedded row of a method that carries one value.
+
+    Attributes
+    ----------
+    name : str
+        What its claims call it.
+    weights : tuple of Vector
+        For each component of the method one weight for each stage.
+    difference : bool
+        Whether these are the weights of the error estimate itself, ``b`` less those of the embedded
+        solution, instead of the latter.
+    """
+
+    name: str
+    weights: tuple[Vector, ...]
+    difference: bool = False
+
+    def other(self, b: Sequence[Vector]) -> tuple[Matrix, ...]:
+        """B less the weights: those of the estimate, or of the solution where these are given."""
+        return tuple(
+            (tuple(x - y for x, y in zip(row, own, strict=True)),)
+            for row, own in zip(b, self.weights, strict=True)
+        )
+
+    def solution(self, b: Sequence[Vector]) -> tuple[Matrix, ...]:
+        """B (1, s) of the embedded solution, for each component."""
+        return self.other(b) if self.difference else tuple((x,) for x in self.weights)
+
+    def estimate(self, b: Sequence[Vector]) -> tuple[Matrix, ...]:
+        """Weights (1, s) of the error estimate, for each component."""
+        return tuple((x,) for x in self.weights) if self.difference else self.other(b)
+
+    def permuted(self, *orders: Sequence[int]) -> EmbeddedRow:
+        """Return the row for stages in another order, one order for each component."""
+        moved = tuple(
+            tuple(row[j] for j in order) for row, order in zip(self.weights, orders, strict=True)
+        )
+        return EmbeddedRow(self.name, moved, self.difference)

@@ -1,0 +1,92 @@
+"""Rosenbrock and W-methods: a matrix J in the place of what Newton's method would solve with.
+
+``k_i = h f(y + sum alpha_ij k_j) + h J sum gamma_ij k_j``, ``y+ = y + sum b_i k_i``.
+
+Written as ``y' = (f(y) - J y) + J y`` it is an additive method: f - J is evaluated at stages made
+with alpha, and J at stages made with alpha + gamma; the slopes k are the sums of both. So its trees
+are those of an additive method of two parts. J is linear, so that a vertex 2 has at most one
+child; and where J is the Jacobian the first derivative of f - J vanishes, so that a vertex 1 has
+never exactly one.
+
+References
+----------
+Hairer, Wanner, "Solving Ordinary Differential Equations II" (1996), section IV.7.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields
+from typing import Any, ClassVar
+
+from ..errors import DataError
+from ..exact import Exact
+from ..exact.linalg import Matrix, Vector, add
+from .additive import AdditiveGLM
+from .embedded import EmbeddedRow
+from .families import runge_kutta
+from .glm import GLM, check_shape
+
+__all__ = ["RosenbrockGLM"]
+
+_ZERO = Exact(0)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RosenbrockGLM(AdditiveGLM):
+    """A Rosenbrock method with s stages, as the additive method of 2 s stages that it is.
+
+    Attributes
+    ----------
+        alpha, gamma: (s, s). b: (s,).
+        system: ``"rosenbrock"`` with the exact Jacobian, ``"w"`` with any matrix.
+        Others as in :class:`~glmref.method.AdditiveGLM`.
+
+    Raises
+    ------
+    DataError
+        For shapes that do not fit.
+    """
+
+    alpha: Matrix = ()
+    gamma: Matrix = ()
+    b: Vector = ()
+    system: str = field(default="rosenbrock")
+
+    rosenbrock: ClassVar[bool] = True
+
+    @classmethod
+    def of(
+        cls,
+        alpha: Matrix,
+        gamma: Matrix,
+        b: Vector,
+        embedded: tuple[tuple[str, Vector], ...] = (),
+        **more: Any,
+    ) -> RosenbrockGLM:
+        """Make the method of alpha (s, s), gamma (s, s), b (s,) and embedded weights by name."""
+        s = len(b)
+        check_shape("alpha", alpha, s, s, "(s, s)")
+        check_shape("gamma", gamma, s, s, "(s, s)")
+        nothing = (_ZERO,) * s
+        rows = (*alpha, *add(alpha, gamma))
+        for name, row in embedded:
+            if len(row) != s:
+                raise DataError(f"`embedded` {name!r} must have s = {s} entries, got {len(row)}")
+        return cls(
+            A=(tuple((*x, *nothing) for x in rows), tuple((*nothing, *x) for x in rows)),
+            B=(((*b, *nothing),), ((*nothing, *b),)),
+            embedded=tuple(
+                EmbeddedRow(name, ((*x, *nothing), (*nothing, *x))) for name, x in embedded
+            ),
+            alpha=alpha, gamma=gamma, b=b, **more,
+        )  # fmt: skip
+
+    def with_any_matrix(self) -> RosenbrockGLM:
+        """The same method where J is any matrix."""
+        kept = {x.name: getattr(self, x.name) for x in fields(self)}
+        return RosenbrockGLM(**{**kept, "system": "w", "document": None})
+
+    @property
+    def linear_form(self) -> GLM:
+        """The Runge-Kutta method alpha + gamma, b: what it is on linear systems."""
+        return runge_kutta(add(self.alpha, self.gamma), self.b)

@@ -1,0 +1,183 @@
+"""Rules of the kernel for what stands beside a tableau: embedded rows, c, b(theta), any J."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from ..catalogue.claims import NYSTROM_ORDER, ORDER
+from ..errors import ExactnessError
+from ..exact import Exact, Scalar, linalg
+from ..exact.linalg import Vector
+from .algebra import is_exact
+from .forest import Forest, forest
+from .ranges import MAX_ORDER, Known, Range
+
+if TYPE_CHECKING:
+    from .kernel import Judgement, Kernel, Proposal
+
+__all__ = ["RowRules", "stage_weights"]
+
+_ZERO, _ONE = Exact(0), Exact(1)
+
+
+def stage_weights(A: Sequence[Vector], trees: Forest, known: dict[int, Vector], t: int) -> Vector:
+    """Weights of the stages at a tree: the product over its children of A times theirs.
+
+    Parameters
+    ----------
+    A : matrix (s, s)
+    trees : Forest
+        Of one colour.
+    known : dict
+        What was found before, by tree; kept up to date.
+    t : int
+        The tree.
+
+    References: Butcher, "Numerical Methods for Ordinary Differential Equations" (2016), 312.
+    """
+    if t not in known:
+        value: Vector = (_ONE,) * len(A)
+        for child in trees.children[t]:
+            below = linalg.matvec(tuple(A), stage_weights(A, trees, known, child))
+            value = tuple(x * y for x, y in zip(value, below, strict=True))
+        known[t] = value
+    return known[t]
+
+
+class RowRules:
+    """A part of :class:`~glmref.prove.kernel.Kernel`."""
+
+    if TYPE_CHECKING:
+        method: Any
+        is_pair: bool
+        exact: bool
+        _made: Any
+
+    @property
+    def row_kernels(self) -> Iterator[tuple[str, Kernel]]:
+        """The kernel of the method with each embedded row as its weights, by name."""
+        kind: Any = type(self)
+        b = self.method.weights
+        for row in self.method.embedded:
+            yield row.name, kind(self.method.weighted(row.solution(b)))
+
+    @property
+    def row_claim(self) -> str:
+        """The order that the rows are asked for: of a pair that on second-order systems."""
+        return NYSTROM_ORDER.key if self.is_pair and not self.method.additive else ORDER.key
+
+    def _embedded_order(self, declared: Mapping[str, int], proposal: Proposal) -> Judgement:
+        """Judge the order of every embedded row; the first that is not as declared decides."""
+        kernels, made = dict(self.row_kernels), self._made
+        if declared.keys() != kernels.keys():
+            reason = f"the rows of `embedded` are {', '.join(kernels) or 'none'}"
+            return made(False, exact=True, value=None, residual=0.0, reason=reason)
+        found = {
+            name: x.judge(self.row_claim, declared[name], proposal) for name, x in kernels.items()
+        }
+        by_verdict = {str(x.verdict): (name, x) for name, x in reversed(found.items())}
+        truth = False if "fails" in by_verdict else None if "open" in by_verdict else True
+        name, decides = by_verdict.get("fails") or by_verdict.get("open") or (
+            "", max(found.values(), key=lambda x: x.residual)
+        )  # fmt: skip
+        return made(
+            truth,
+            exact=all(str(x.proof) == "exact" for x in found.values()),
+            value={key: x.value for key, x in found.items()},
+            residual=decides.residual,
+            reason=f"row {name}: {decides.reason}" if name else "",
+        )
+
+    def _embedded_difference(self, witness: Mapping[str, Any]) -> Known:
+        """The weights of each estimate sum to zero; of q the weight of q' itself is left out."""
+        if not self.method.embedded:
+            return Known(False, True, "the file gives no embedded rows")
+        b = self.method.weights
+        for row in self.method.embedded:
+            for n, (weights,) in enumerate(row.estimate(b)):
+                slopes = weights[1:] if self.row_claim == NYSTROM_ORDER.key and n == 0 else weights
+                total: Scalar = sum(slopes, _ZERO)
+                if total.is_zero() is not True:
+                    reason = f"the weights of the estimate {row.name} sum to {complex(total):.6g}"
+                    reason = reason.replace("+0j", "")
+                    return Known(
+                        total.is_zero() if total.is_zero() is None else False,
+                        isinstance(total, Exact), reason, total.magnitude(),
+                    )  # fmt: skip
+        return Known(True, self.exact)
+
+    def _row_sums(self, witness: Mapping[str, Any]) -> Known:
+        """C = A 1; it is where no c is given."""
+        c = self.method.abscissae_given
+        if c is None:
+            return Known(True)
+        for i, (row, x) in enumerate(zip(self.method.A, c, strict=True)):
+            gap = sum(row, _ZERO) - x
+            if gap.is_zero() is not True:
+                reason = f"row {i + 1} of A sums to c[{i + 1}] + {complex(gap).real:.6g}"
+                return Known(gap.is_zero(), isinstance(gap, Exact), reason, gap.magnitude())
+        return Known(True, self.exact)
+
+    def _dense_end(self, witness: Mapping[str, Any]) -> Known:
+        """b(1) = b."""
+        if self.method.dense is None:
+            return Known(False, True, "the file gives no dense output")
+        for i, (row, x) in enumerate(zip(self.method.dense, self.method.weights[0], strict=True)):
+            gap = sum(row, _ZERO) - x
+            if gap.is_zero() is not True:
+                reason = f"b[{i + 1}](1) differs from b[{i + 1}] by {complex(gap).real:.6g}"
+                return Known(gap.is_zero(), isinstance(gap, Exact), reason, gap.magnitude())
+        return Known(True, self.exact)
+
+    @property
+    def _dense_order(self) -> Range:
+        """Every power of theta: ``sum_i dense[i][m] Phi_i(t)`` is 1 / gamma(t) at m + 1 = |t|.
+
+        ``Phi`` is of the tree; at the other powers the sum is 0.
+        """
+        m = self.method
+        if m.dense is None:
+            return Range(0, 0, reason="the file gives no dense output")
+        if m.in_time is not m or not m.is_one_step:
+            raise ExactnessError("dense output is judged where c = A 1 and one value is carried")
+        trees = forest((("o", "o"),))
+        columns = linalg.transpose(m.dense)
+        exact = self.exact and is_exact(m.dense)
+        phi: dict[int, Vector] = {}
+        lower, proved, sizes = 0, True, [0.0]
+        for n in range(1, MAX_ORDER[0] + 1):
+            for t in trees.level(n):
+                weights = stage_weights(m.A, trees, phi, t)
+                for power in range(1, max(n, len(columns)) + 1):
+                    value: Scalar = _ZERO
+                    if power <= len(columns):
+                        value = linalg.dot(columns[power - 1], weights)
+                    if power == n:
+                        value = value - Exact(1) / trees.density[t]
+                    if value.is_zero() is False:
+                        reason = f"the power {power} of theta is off"
+                        return Range(
+                            lower, n - 1, trees.text[t], value.magnitude(), tuple(sizes[1:]),
+                            exact, reason, n - 1,
+                        )  # fmt: skip
+                    proved = proved and value.is_zero() is True
+                    sizes[-1] = max(sizes[-1], 0.0 if value.is_zero() else value.magnitude())
+            sizes.append(sizes[-1])
+            lower = n if proved else lower
+        return Range(lower, None, sizes=tuple(sizes), exact=exact, value=MAX_ORDER[0])
+
+    @property
+    def _w_order(self) -> Range:
+        """The order with any matrix in the place of the Jacobian."""
+        if not self.method.rosenbrock:
+            raise ExactnessError("a Rosenbrock method is needed")
+        return self.any_matrix.order_range(free=False)
+
+    @property
+    def any_matrix(self) -> Kernel:
+        """The kernel of a Rosenbrock method with any matrix in the place of the Jacobian."""
+        if not hasattr(self, "_any_matrix"):
+            kind: Any = type(self)
+            self._any_matrix: Kernel = kind(self.method.with_any_matrix())
+        return self._any_matrix
