@@ -9,6 +9,9 @@ data without this package's dependencies.
 Public names::
 
     canonical(document) -> str          the text of one file
+    laid_out(document) -> str           the same with the keys in the order that is given
+    one_line(document) -> str           a document on one line
+    compact(document) -> bytes          the shortest form, for hashes and records
     checksums(root) -> str              the text of SHA256SUMS for a data folder
     datapackage(root, head) -> dict     the datapackage document with every file listed
     refresh(root) -> list of paths      write method files anew and then the two lists
@@ -21,7 +24,7 @@ from __future__ import annotations
 import hashlib
 import json
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -33,7 +36,10 @@ __all__ = [
     "PROSE",
     "canonical",
     "checksums",
+    "compact",
     "datapackage",
+    "laid_out",
+    "one_line",
     "refresh",
 ]
 
@@ -42,7 +48,7 @@ KEY_ORDER: tuple[str, ...] = (
     *("$schema", "$id", "format", "name", "title", "class", "field", "broken", "notes"),
     *("digits", "unknowns", "constants", "base", "first", "separable", "stages", "kind", "parts"),
     *("alpha", "beta", "a", "A", "U", "B", "V", "V_hat", "b", "w", "c", "v"),
-    *("omega", "gamma", "q", "p", "A_hat", "B_hat", "b_hat"),
+    *("omega", "gamma", "q", "p", "A_hat", "B_hat", "b_hat", "A_prime", "b_prime", "error"),
     *(
         "u",
         "u_hat",
@@ -52,6 +58,8 @@ KEY_ORDER: tuple[str, ...] = (
         "D_P",
         "D_Q",
         "output",
+        "dense",
+        "embedded",
         "enclosure",
         "starting",
         "finishing",
@@ -76,30 +84,68 @@ def canonical(document: Mapping[str, Any]) -> str:
 
     Raises
     ------
-        TypeError: for a value JSON does not have.
-        ValueError: for NaN or an infinity.
+    TypeError
+        For a value JSON does not have.
+    ValueError
+        For NaN or an infinity.
     """
-    return _write(document, "") + "\n"
+    return _write(document, "\n", "  ", ranked=True) + "\n"
 
 
-def _write(value: Any, margin: str, name: str = "") -> str:
-    deeper = margin + "  "
+def laid_out(document: Mapping[str, Any]) -> str:
+    """Return the text of a document with its keys in the order given, a row of numbers on a line.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As :func:`canonical`.
+    """
+    return _write(document, "\n", " ", ranked=False) + "\n"
+
+
+def one_line(document: object) -> str:
+    """Return a document on one line, without its end.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As :func:`canonical`.
+    """
+    return json.dumps(document, ensure_ascii=False, allow_nan=False)
+
+
+def compact(document: object, *, sort_keys: bool = False) -> bytes:
+    """Return a document without blanks, in ASCII: what is hashed, and what records are made of.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As :func:`canonical`.
+    """
+    separators = (",", ":")
+    return json.dumps(
+        document, sort_keys=sort_keys, separators=separators, allow_nan=False
+    ).encode()
+
+
+def _write(value: Any, margin: str, step: str, name: str = "", *, ranked: bool) -> str:
+    """Text of a value; ``margin`` is the end of line before it with what stands left of it."""
+    deeper = margin + step
     if isinstance(value, Mapping) and value:
         keys = list(value)
-        if name not in IN_ORDER:
+        if ranked and name not in IN_ORDER:
             keys.sort(key=lambda key: (_RANK.get(key, len(_RANK)), key))
-        rows = [f"{json.dumps(key)}: {_write(value[key], deeper, key)}" for key in keys]
-        return _lines("{", rows, "}", margin)
+        rows = (
+            f"{one_line(key)}: {_write(value[key], deeper, step, key, ranked=ranked)}"
+            for key in keys
+        )
+        return f"{{{deeper}{f',{deeper}'.join(rows)}{margin}}}"
     if isinstance(value, list | tuple) and value:
         nested = any(isinstance(x, list | tuple | Mapping) for x in value)
         if nested or name in PROSE:
-            return _lines("[", [_write(x, deeper) for x in value], "]", margin)
-    return json.dumps(value, ensure_ascii=False, allow_nan=False)
-
-
-def _lines(left: str, rows: Iterable[str], right: str, margin: str) -> str:
-    inner = ",\n".join(f"{margin}  {row}" for row in rows)
-    return f"{left}\n{inner}\n{margin}{right}"
+            rows = (_write(x, deeper, step, ranked=ranked) for x in value)
+            return f"[{deeper}{f',{deeper}'.join(rows)}{margin}]"
+    return one_line(value)
 
 
 def _files(root: Path, *without: str) -> list[Path]:
@@ -122,9 +168,12 @@ def checksums(root: Path) -> str:
 def datapackage(root: Path, head: Mapping[str, Any]) -> dict[str, Any]:
     """Return the datapackage document: its ``head`` and every file with size and hash.
 
-    Args:
-        root: the data folder.
-        head: the document without ``resources``, or an older one whose ``resources`` are replaced.
+    Parameters
+    ----------
+    root : Path
+        The data folder.
+    head : Mapping[str, Any]
+        The document without ``resources``, or an older one whose ``resources`` are replaced.
 
     References: Data Package (v2), https://datapackage.org/standard/data-package/.
     """
@@ -148,11 +197,13 @@ def refresh(root: Path) -> list[Path]:
 
     Returns
     -------
+    list[Path]
         The files that were written: those whose text was another one.
 
     Raises
     ------
-        FileNotFoundError: when the folder has no datapackage.json to take the head from.
+    FileNotFoundError
+        When the folder has no datapackage.json to take the head from.
     """
     written: list[Path] = []
 

@@ -22,7 +22,11 @@ __all__ = [
     "A_STABLE",
     "CLAIMS",
     "CONSISTENT",
+    "DENSE_END",
+    "DENSE_ORDER",
     "EFFECTIVE_ORDER",
+    "EMBEDDED_DIFFERENCE",
+    "EMBEDDED_ORDER",
     "ERROR_CONSTANT",
     "EXPLICIT",
     "FINISHING_ORDER",
@@ -36,19 +40,22 @@ __all__ = [
     "PARASITISM_FREE",
     "PRECONSISTENT",
     "REDUCIBLE",
+    "ROW_SUMS",
     "STAGE_ORDER",
     "STARTING_ORDER",
     "SYMMETRIC",
     "SYMMETRIC_REDUCED",
     "SYMPLECTIC",
+    "W_ORDER",
     "ZERO_STABLE",
     "ClaimSpec",
 ]
 
-Kind = Literal["any", "single", "partitioned"]
+Kind = Literal["any", "single", "partitioned", "rosenbrock"]
 ANY: Kind = "any"
 SINGLE: Kind = "single"
 PARTITIONED: Kind = "partitioned"
+ROSENBROCK: Kind = "rosenbrock"
 
 
 @dataclass(frozen=True)
@@ -60,8 +67,9 @@ class ClaimSpec:
     key : str
         The key under ``claims`` of a method file.
     type : type
-        Of the value: ``int`` for an order, ``bool``, ``list`` of expressions, or ``str`` for one.
-    applies_to : {"any", "single", "partitioned"}
+        Of the value: ``int`` for an order, ``dict`` for orders by the names of embedded rows,
+        ``bool``, ``list`` of expressions, or ``str`` for one.
+    applies_to : {"any", "single", "partitioned", "rosenbrock"}
         The methods for which the claim has a meaning.
     rule : str
         The rule of the kernel, the method or property ``_rule`` of
@@ -84,6 +92,11 @@ class ClaimSpec:
         """Whether a method for a sum of right-hand sides can make this claim."""
         return self.key in _OF_SUMS
 
+    @property
+    def rosenbrock(self) -> bool:
+        """Whether a Rosenbrock method can make this claim."""
+        return self.key in _OF_ROSENBROCK
+
     def has_meaning(self, *, pair: bool) -> bool:
         """Whether a partitioned method (``pair``) or a single one can make this claim."""
         return self.applies_to in (ANY, PARTITIONED if pair else SINGLE)
@@ -91,6 +104,11 @@ class ClaimSpec:
 
 _ORDER = {"$ref": "#/$defs/order"}
 _TRUTH = {"type": "boolean"}
+_ORDERS = {
+    "type": "object",
+    "minProperties": 1,
+    "additionalProperties": {"$ref": "#/$defs/order"},
+}
 _NUMBERS = {"type": "array", "maxItems": 200, "items": {"$ref": "#/$defs/expression"}}
 
 ORDER = ClaimSpec(
@@ -103,8 +121,9 @@ ORDER = ClaimSpec(
         "largest p such that a step from the starting values of the exact solution is right "
         "to O(h^{p+1}). Methods that carry one value start from the solution itself; for the "
         "others some starting method must exist. Trees are compared through order 12 "
-        "(separable pairs 9, other pairs 8): where none fails there, the order is at least "
-        "that and the claim stays open"
+        "(separable pairs 9, other pairs 8; where the stages of a separable pair are the "
+        "solution, those without branches through 20): where none fails there, the order is at "
+        "least that and the claim stays open"
     ),
 )
 ORDER_IDENTITY = ClaimSpec(
@@ -136,8 +155,10 @@ NYSTROM_ORDER = ClaimSpec(
     "nystrom_order",
     _ORDER,
     (
-        "pairs: `order-identity` on second-order systems q' = M^{-1} p, p' = k(q): trees in "
-        "which a vertex f has two children or more do not count"
+        "pairs: `order-identity` on second-order systems q' = M^{-1} p, p' = k(q), or k(q, p) "
+        "where the pair is not separable: trees in which a vertex f has two children or more, "
+        "or a child f, do not count; where the stages Q are the solution itself, as in "
+        "multistep methods, the trees without branches decide, through order 20"
     ),
 )
 STAGE_ORDER = ClaimSpec(
@@ -343,6 +364,63 @@ SYMMETRIC_REDUCED = ClaimSpec(
         "or never seen"
     ),
 )
+EMBEDDED_ORDER = ClaimSpec(
+    "embedded-order",
+    dict,
+    ANY,
+    "embedded_order",
+    _ORDERS,
+    (
+        "`order`, of a Nystrom method `nystrom-order`, of the method with the weights of each row "
+        "of `embedded` in place of b, by the names of the rows"
+    ),
+)
+EMBEDDED_DIFFERENCE = ClaimSpec(
+    "embedded-difference",
+    bool,
+    ANY,
+    "embedded_difference",
+    _TRUTH,
+    (
+        "the weights of every error estimate, b less the weights of a row of `embedded` or its "
+        "`error`, sum to zero"
+    ),
+)
+ROW_SUMS = ClaimSpec(
+    "row-sums",
+    bool,
+    SINGLE,
+    "row_sums",
+    _TRUTH,
+    ("c = A 1. Where it fails `order` is that on systems y' = f(t, y), f evaluated at t + c_i h"),
+)
+DENSE_ORDER = ClaimSpec(
+    "dense-order",
+    int,
+    SINGLE,
+    "dense_order",
+    _ORDER,
+    (
+        "largest p such that y + h sum b_i(theta) f(Y_i) is y(t + theta h) to O(h^{p+1}) for "
+        "every theta"
+    ),
+)
+DENSE_END = ClaimSpec(
+    "dense-end",
+    bool,
+    SINGLE,
+    "dense_end",
+    _TRUTH,
+    "b(1) = b: the dense output ends in the solution",
+)
+W_ORDER = ClaimSpec(
+    "w-order",
+    int,
+    ROSENBROCK,
+    "w_order",
+    _ORDER,
+    "Rosenbrock methods: `order` with any matrix in the place of the Jacobian",
+)
 
 #: Every claim by its key, in the order of canonical files.
 CLAIMS: Mapping[str, ClaimSpec] = {
@@ -371,6 +449,12 @@ CLAIMS: Mapping[str, ClaimSpec] = {
         L_STABLE,
         FINISHING_ORDER,
         SYMMETRIC_REDUCED,
+        EMBEDDED_ORDER,
+        EMBEDDED_DIFFERENCE,
+        ROW_SUMS,
+        DENSE_ORDER,
+        DENSE_END,
+        W_ORDER,
     )
 }
 
@@ -379,6 +463,10 @@ _OF_SUMS = frozenset(
     x.key
     for x in (
         ORDER, ORDER_IDENTITY, EFFECTIVE_ORDER, STAGE_ORDER, PRECONSISTENT, CONSISTENT, ZERO_STABLE,
-        EXPLICIT,
+        EXPLICIT, EMBEDDED_ORDER, EMBEDDED_DIFFERENCE,
     )
 )  # fmt: skip
+#: Claims that a Rosenbrock method can make; A- and L-stability are those of its linear form.
+_OF_ROSENBROCK = frozenset(
+    x.key for x in (ORDER, W_ORDER, A_STABLE, L_STABLE, EMBEDDED_ORDER, EMBEDDED_DIFFERENCE)
+)

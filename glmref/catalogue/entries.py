@@ -8,7 +8,7 @@ from typing import Any
 
 from ..errors import DataError, ExactnessError
 from ..exact import Scalar
-from ..exact.expression import Weight, parse, weigh
+from ..exact.expression import Weight, parse, rational, weigh
 from ..exact.linalg import Matrix, Vector
 from ..system.budget import spend
 from .keys import MAX_SIZE, RESERVED
@@ -38,9 +38,12 @@ def _strings(value: object) -> Iterator[str]:
 class Entries:
     """Reads entries of one document, with the constants and digits it declares.
 
-    Args:
-        doc: the parsed JSON object.
-        where: file name, for messages.
+    Parameters
+    ----------
+    doc : Mapping[str, Any]
+        The parsed JSON object.
+    where : str
+        File name, for messages.
     """
 
     def __init__(self, doc: Mapping[str, Any], where: str) -> None:
@@ -102,6 +105,9 @@ class Entries:
                 f"`{where}` must be a string such as '1/2', got {shown(text)}; quote the number"
             )
         spend()
+        number = rational(text)
+        if number is not None:
+            return number
         try:
             weigh(text, self.weights)
             return parse(text, constants=self.constants, digits=self.digits)

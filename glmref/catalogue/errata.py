@@ -36,15 +36,23 @@ class Erratum:
 
     Attributes
     ----------
-        id: the record's name, unique, beginning with the section.
-        where: section, and equation number where there is one.
-        printed: what is printed, in words or plain formulas.
-        verdict: one of :data:`VERDICTS`.
-        right: what holds instead, or under which condition; why it is right where it is.
-        proof: one of :data:`PROOFS`.
-        method: names of the data files that carry the printed or the corrected form.
-        test: the test that proves it, ``"tests/literature/test_x.py::test_y"``, or ``None`` where
-            there is nothing to compute.
+    id : str
+        The record's name, unique, beginning with the section.
+    where : str
+        Section, and equation number where there is one.
+    printed : str
+        What is printed, in words or plain formulas.
+    verdict : str
+        One of :data:`VERDICTS`.
+    right : str
+        What holds instead, or under which condition; why it is right where it is.
+    proof : str
+        One of :data:`PROOFS`.
+    method : tuple[str, ...]
+        Names of the data files that carry the printed or the corrected form.
+    test : str or None
+        The test that proves it, ``"tests/literature/test_x.py::test_y"``, or ``None`` where there
+        is nothing to compute.
     """
 
     id: str
@@ -66,12 +74,15 @@ class Erratum:
 def load_errata(path: Path | None = None) -> tuple[Erratum, ...]:
     """Read all records, in the order of the thesis.
 
-    Args:
-        path: another file of the same format; the shipped one by default.
+    Parameters
+    ----------
+    path : Path or None
+        Another file of the same format; the shipped one by default.
 
     Raises
     ------
-        DataError: for a file that is not what the format asks, naming the record.
+    DataError
+        For a file that is not what the format asks, naming the record.
     """
     return _load(data_root() / "errata.json" if path is None else path)
 
@@ -129,7 +140,8 @@ def erratum(name: str) -> Erratum:
 
     Raises
     ------
-        UsageError: when there is none, naming the nearest ids.
+    UsageError
+        When there is none, naming the nearest ids.
     """
     known = {record.id: record for record in load_errata()}
     if name in known:
@@ -147,16 +159,22 @@ def find_errata(
 ) -> tuple[Erratum, ...]:
     """Select records.
 
-    Args:
-        text: found, without regard to case, in the id, the place, the printed or the right text;
-            ``"3.8"`` finds what concerns equation (3.8).
-        verdict: one of :data:`VERDICTS`.
-        proof: one of :data:`PROOFS`.
-        method: name of a data file.
+    Parameters
+    ----------
+    text : str
+        Found, without regard to case, in the id, the place, the printed or the right text;
+        ``"3.8"`` finds what concerns equation (3.8).
+    verdict : str or None
+        One of :data:`VERDICTS`.
+    proof : str or None
+        One of :data:`PROOFS`.
+    method : str or None
+        Name of a data file.
 
     Raises
     ------
-        UsageError: for a verdict or proof that does not exist.
+    UsageError
+        For a verdict or proof that does not exist.
     """
     for key, value, allowed in (("verdict", verdict, VERDICTS), ("proof", proof, PROOFS)):
         if value is not None and value not in allowed:

@@ -21,7 +21,8 @@ def data_root() -> Path:
 
     Raises
     ------
-        DataError: when neither is there, that is, when the installation is incomplete.
+    DataError
+        When neither is there, that is, when the installation is incomplete.
     """
     package = Path(str(files("glmref")))
     for candidate in (package / "data", package.parent / "data"):
@@ -78,7 +79,8 @@ def path_of(name: str | Path) -> Path:
 
     Raises
     ------
-        UsageError: when there is neither, naming the nearest shipped names.
+    UsageError
+        When there is neither, naming the nearest shipped names.
     """
     text = str(name)
     known = _index(data_root())

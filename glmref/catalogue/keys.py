@@ -1,4 +1,4 @@
-"""Which keys a method file may have, and of what kind: the tables of ``glmref-method-1``."""
+"""Which keys a method file may have, and of what kind: the tables of ``glmref-method-1`` and 2."""
 
 from __future__ import annotations
 
@@ -13,11 +13,13 @@ __all__ = [
     "BLOCKS",
     "COMMON",
     "FORMAT",
+    "FORMATS",
     "MAX_ORDER",
     "MAX_SIZE",
     "OPTIONAL",
     "PAIRS",
     "RESERVED",
+    "SECOND",
     "SOURCE",
     "STATUS",
     "TEXTS",
@@ -26,12 +28,16 @@ __all__ = [
     "completed",
     "fault_of_texts",
     "needed_keys",
+    "of_second",
     "without_meaning",
 ]
 
 FORMAT = "glmref-method-1"
+#: Formats that are read: the second has the keys and classes of :data:`SECOND` besides.
+FORMATS = (FORMAT, "glmref-method-2")
+SECOND = frozenset(["embedded", "c", "dense", "nystrom", "rosenbrock"])
 MAX_SIZE = 200  # stages or values of one method
-MAX_ORDER = 11  # the largest order one can claim: trees are compared up to 12, and one must fail
+MAX_ORDER = 19  # the largest order one can claim: paths are compared up to 20, and one must fail
 RESERVED = frozenset(["i", "pi", "sqrt", "root", "exp"])
 STATUS = ("as printed", "corrected", "derived", "regenerated")
 
@@ -46,22 +52,27 @@ _START = frozenset(["starting", "finishing"])
 #: Keys of each class.
 BLOCKS: Mapping[str, frozenset[str]] = {
     "glm": frozenset(["A", "U", "B", "V", "G", "D", "output"]) | _START,
-    "rk": frozenset(["A", "b"]) | _START,
+    "rk": frozenset(["A", "b", "c", "embedded", "dense"]) | _START,
     "lmm": frozenset(["alpha", "beta"]) | _START,
     "one-leg": frozenset(["alpha", "beta", "G"]) | _START,
     "sweep": frozenset(["D", "X", "V", "G"]) | _START,
     "composition": frozenset(["base", "gamma"]) | _START,
     "splitting": frozenset(["a", "b", "first"]),
-    "additive": frozenset(["parts"]),
+    "additive": frozenset(["parts", "embedded"]),
+    "nystrom": frozenset(["A", "A_prime", "b", "b_prime", "c", "embedded"]),
+    "rosenbrock": frozenset(["alpha", "gamma", "b", "embedded"]),
     "partitioned-rk": frozenset(["A", "b", "A_hat", "b_hat"]),
     "partitioned": frozenset(["q", "p", "G", "D_P", "D_Q", "separable", "starting"]),
     "pair-sweep": frozenset(["stages", "b", "w", "c", "v", "V", "V_hat", "G", "starting"]),
 }
 #: Classes that stand for a pair of methods.
-PAIRS = frozenset(["splitting", "partitioned-rk", "partitioned", "pair-sweep"])
-#: Keys a file may leave out; ``D`` is one for class ``glm`` only.
+PAIRS = frozenset(["splitting", "partitioned-rk", "partitioned", "pair-sweep", "nystrom"])
+#: Keys a file may leave out; ``D`` is one for class ``glm`` only, ``c`` for class ``rk`` only.
 OPTIONAL = frozenset(
-    ["G", "D", "D_P", "D_Q", "separable", "starting", "finishing", "w", "v", "output"]
+    [
+        *("G", "D", "D_P", "D_Q", "separable", "starting", "finishing", "w", "v", "output"),
+        *("c", "embedded", "dense", "A_prime"),
+    ]
 )
 #: Keys of ``enclosure``.
 ENCLOSURE = frozenset(["equations", "radius", "xi"])
@@ -101,10 +112,12 @@ def completed(doc: Mapping[str, Any], where: str) -> dict[str, Any]:
         still missing where the keys do not tell it.
     """
     stem = re.sub(r"[^a-z0-9.-]+", "-", where.removesuffix(".json").lower()).lstrip(".-")
-    given = {"format": FORMAT, "name": stem[:100] or "unnamed", "claims": {}, "source": {}}
+    form = FORMATS[bool(doc.keys() & SECOND or doc.get("class") in SECOND)]
+    given = {"format": form, "name": stem[:100] or "unnamed", "claims": {}, "source": {}}
     kind = class_of_keys(doc)
     if kind:
         given["class"] = kind
+        given["format"] = FORMATS[1] if kind in SECOND else form
     return {**given, **doc}
 
 
@@ -123,25 +136,41 @@ def class_of_keys(doc: Mapping[str, Any]) -> str:
 
 def needed_keys(kind: str) -> frozenset[str]:
     """Keys of its blocks that a file of a class cannot leave out."""
-    needed = BLOCKS[kind] - OPTIONAL
-    return needed | {"D", "G"} if kind == "sweep" else needed
+    more = {"sweep": {"D", "G"}, "nystrom": {"c"}, "pair-sweep": {"c"}}
+    return BLOCKS[kind] - OPTIONAL | more.get(kind, set())
+
+
+def of_second(doc: Mapping[str, Any]) -> str:
+    """Return what only the second format has and a document uses; ``""`` where it uses none."""
+    kind = doc.get("class")
+    if kind in SECOND:
+        return f"the class {kind!r}"
+    new = () if kind == "pair-sweep" else sorted(doc.keys() & SECOND)
+    return f"the key {new[0]!r}" if new else ""
 
 
 def without_meaning(kind: str) -> frozenset[str]:
     """Claims that a class cannot make: those about one method for a pair, and the other way."""
-    pair = kind in PAIRS
     return frozenset(
         key
         for key, spec in CLAIMS.items()
-        if not (spec.additive if kind == "additive" else spec.has_meaning(pair=pair))
+        if not (
+            spec.additive
+            if kind == "additive"
+            else spec.rosenbrock
+            if kind == "rosenbrock"
+            else spec.has_meaning(pair=kind in PAIRS)
+        )
     )
 
 
 def fault_of_texts(doc: Mapping[str, Any]) -> str:
     """Say what is wrong with the texts and objects that hold no numbers; ``""`` where all is well.
 
-    Args:
-        doc: a method document whose keys are known to be allowed.
+    Parameters
+    ----------
+    doc : Mapping[str, Any]
+        A method document whose keys are known to be allowed.
     """
     for key, kinds in TEXTS.items():
         if key in doc and not _is_text(doc[key], kinds):

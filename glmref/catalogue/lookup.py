@@ -29,8 +29,10 @@ def load(name: str | Path) -> GLM | PartitionedGLM | AdditiveGLM:
 
     Raises
     ------
-        UsageError: for an unknown name or a missing file.
-        DataError: for a file that is not what it must be.
+    UsageError
+        For an unknown name or a missing file.
+    DataError
+        For a file that is not what it must be.
     """
     return read_method(path_of(name))[1]
 
@@ -40,8 +42,10 @@ def method_of(given: Any) -> GLM | PartitionedGLM | AdditiveGLM:
 
     Raises
     ------
-        UsageError: for an unknown name, a missing file, or anything else.
-        DataError: for a file that is not what it must be.
+    UsageError
+        For an unknown name, a missing file, or anything else.
+    DataError
+        For a file that is not what it must be.
     """
     if isinstance(given, str | Path):
         return load(given)

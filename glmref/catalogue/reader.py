@@ -1,12 +1,13 @@
 """From a method document to a method: every key and entry checked on the way.
 
-The document is the JSON object of a file in the format ``glmref-method-1`` (``data/README.md`` is
-its contract). Each problem is a :class:`~glmref.errors.DataError` of one sentence.
+The document is the JSON object of a file in the format ``glmref-method-1`` or ``glmref-method-2``;
+``data/README.md`` is their contract. Each problem is a :class:`~glmref.errors.DataError` of one
+sentence.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -20,10 +21,14 @@ from ..method import (
     Method,
     PairStartingMethod,
     PartitionedGLM,
+    RosenbrockGLM,
     StartingMethod,
     families,
+    nystrom,
+    sweep,
 )
 from ..method.additive import MAX_PARTS
+from ..method.embedded import EmbeddedRow
 from ..method.solution_value import output
 from .entries import Entries
 from .files import document, names
@@ -32,6 +37,7 @@ from .keys import (
     CLAIMS,
     COMMON,
     FORMAT,
+    FORMATS,
     MAX_ORDER,
     MAX_SIZE,
     OPTIONAL,
@@ -39,6 +45,8 @@ from .keys import (
     bare,
     completed,
     fault_of_texts,
+    needed_keys,
+    of_second,
     without_meaning,
 )
 from .strict_json import shown
@@ -52,13 +60,17 @@ def load_document(doc: Mapping[str, Any], *, where: str = "document") -> Method:
     A document without claims may be a bare tableau: ``format``, ``name``, ``class`` and ``source``
     may be missing, and the class is told from the keys.
 
-    Args:
-        doc: the parsed JSON object.
-        where: file name, for messages.
+    Parameters
+    ----------
+    doc : Mapping[str, Any]
+        The parsed JSON object.
+    where : str
+        File name, for messages.
 
     Raises
     ------
-        DataError: for anything that is not as the format asks.
+    DataError
+        For anything that is not as the format asks.
     """
     if isinstance(doc, Mapping) and bare(doc):
         doc = completed(doc, where)
@@ -71,10 +83,10 @@ class _Reader(Entries):
     def method(self) -> Method:
         if not isinstance(self.doc, Mapping):
             raise self.error(f"a method must be a JSON object, got {shown(self.doc)}")
-        if self.doc.get("format") != FORMAT:
+        if self.doc.get("format") not in FORMATS:
             raise self.error(
-                f"`format` must be {FORMAT!r}, got {shown(self.doc.get('format'))}; "
-                f"this version reads only that format"
+                f"`format` must be {' or '.join(map(repr, FORMATS))}, got "
+                f"{shown(self.doc.get('format'))}; this version reads no other"
             )
         if "class" not in self.doc:
             raise self.error(self._class_missing())
@@ -82,6 +94,9 @@ class _Reader(Entries):
         if kind not in BLOCKS:
             raise self.error(f"`class` must be one of {', '.join(BLOCKS)}, got {kind!r}")
         self._check_keys(kind)
+        new = of_second(self.doc) if self.doc["format"] == FORMAT else ""
+        if new:
+            raise self.error(f"{new} belongs to the format {FORMATS[1]!r}; say so in `format`")
         self.text("name", pattern=r"[a-z0-9][a-z0-9.-]{0,99}")
         fault = fault_of_texts(self.doc)
         if fault:
@@ -121,7 +136,8 @@ class _Reader(Entries):
                     f"the key {key!r} is unknown for class {kind!r}; allowed are "
                     f"{', '.join(sorted(allowed))}{did_you_mean(key, allowed, '; ')}"
                 )
-        for key in ("name", "claims", "source", *sorted(BLOCKS[kind] - OPTIONAL)):
+        needed = needed_keys(kind) if kind != "sweep" else BLOCKS[kind] - OPTIONAL
+        for key in ("name", "claims", "source", *sorted(needed)):
             if key not in self.doc:
                 raise self.error(f"the key {key!r} is missing; a file of class {kind!r} needs it")
 
@@ -164,23 +180,89 @@ class _Reader(Entries):
         return {name: self.vector(block["output"], f"{where}output")} if "output" in block else {}
 
     def _rk(self) -> GLM:
-        return self._one_step(
-            families.runge_kutta(self.matrix(self.doc["A"], "A"), self.vector(self.doc["b"], "b"))
+        base = families.runge_kutta(
+            self.matrix(self.doc["A"], "A"), self.vector(self.doc["b"], "b")
         )
+        more: dict[str, Any] = {
+            "embedded": tuple(
+                EmbeddedRow(name, (self.vector(row[key], f"{where}.{key}"),), key == "error")
+                for name, row, where in self._rows("b", "error")
+                for key in ("b", "error")
+                if key in row
+            )
+        }
+        if "c" in self.doc:
+            more["abscissae_given"] = self.vector(self.doc["c"], "c")
+        if "dense" in self.doc:
+            more["dense"] = self.matrix(self.doc["dense"], "dense")
+        return self._one_step(replace(base, **more))
+
+    def _rows(self, *keys: str, together: bool = False) -> Iterator[tuple[str, Any, str]]:
+        """Name, object and place of each row of ``embedded``, which has one of some keys, or all.
+
+        Raises
+        ------
+        DataError
+            For another shape.
+        """
+        rows, names = self.doc.get("embedded", []), set()
+        if not isinstance(rows, list) or ("embedded" in self.doc and not rows):
+            raise self.error(f"`embedded` must be a list of rows, got {shown(rows)}")
+        for n, row in enumerate(rows, 1):
+            where = f"embedded[{n}]"
+            if not isinstance(row, dict) or not isinstance(row.get("name"), str):
+                raise self.error(f"`{where}` must be an object with the string `name`")
+            given = row.keys() - {"name"}
+            if given != set(keys) if together else len(given) != 1 or not given <= set(keys):
+                word = " and " if together else " or "
+                wanted = word.join(f"`{x}`" for x in keys)
+                raise self.error(f"`{where}` must have `name` and {wanted}, and nothing else")
+            if row["name"] in names:
+                raise self.error(f"`embedded` has the name {shown(row['name'])} twice")
+            names.add(row["name"])
+            yield row["name"], row, where
+
+    def _nystrom(self) -> PartitionedGLM:
+        doc = self.doc
+        rows = [
+            (
+                name,
+                self.vector(row["b"], f"{where}.b"),
+                self.vector(row["b_prime"], f"{where}.b_prime"),
+            )
+            for name, row, where in self._rows("b", "b_prime", together=True)
+        ]
+        built = nystrom(
+            self.matrix(doc["A"], "A"),
+            self.vector(doc["b"], "b"),
+            self.vector(doc["b_prime"], "b_prime"),
+            self.vector(doc["c"], "c"),
+            self.matrix(doc["A_prime"], "A_prime") if "A_prime" in doc else None,
+            rows,
+        )
+        return self._pair(built)
+
+    def _rosenbrock(self) -> RosenbrockGLM:
+        rows = tuple(
+            (name, self.vector(row["b"], f"{where}.b")) for name, row, where in self._rows("b")
+        )
+        return RosenbrockGLM.of(
+            self.matrix(self.doc["alpha"], "alpha"),
+            self.matrix(self.doc["gamma"], "gamma"),
+            self.vector(self.doc["b"], "b"),
+            rows, name=self.doc["name"], claims=self._claims(), source=self._source(),
+            document=self.doc,
+        )  # fmt: skip
 
     def _sweep(self) -> GLM:
-        from ..method.sweep import build, explicit_stages
-
         D, blocks = self.vector(self.doc.get("D"), "D"), self.square(self.doc, "XVG")
-        explicit = explicit_stages(self.doc.get("enclosure", {}), len(D))
-        return self._one_step(build(D, **blocks, explicit=explicit))
+        explicit = sweep.explicit_stages(self.doc.get("enclosure", {}), len(D))
+        return self._one_step(sweep.build(D, **blocks, explicit=explicit))
 
     def _pair_sweep(self) -> PartitionedGLM:
-        from ..method.partitioned_sweep import build
-
         rows = {x: self.matrix(self.doc[x], x) for x in ("w", "v") if x in self.doc}
         blocks = self.square(self.doc, ("V", "V_hat"))
-        built = build(
+        built = sweep.build_partitioned(
             self.vector(self.doc["b"], "b"),
             self.vector(self.doc["c"], "c"),
             **rows,
@@ -255,9 +337,15 @@ class _Reader(Entries):
                 raise self.error(f"`parts[{n}]` must have the keys A and b, and no others")
             A.append(self.matrix(part["A"], f"parts[{n}].A"))
             B.append((self.vector(part["b"], f"parts[{n}].b"),))
+        embedded = []
+        for name, row, where in self._rows("b"):
+            weights = self.matrix(row["b"], f"{where}.b")
+            if len(weights) != len(parts):
+                raise self.error(f"`{where}.b` must have {len(parts)} rows, got {len(weights)}")
+            embedded.append(EmbeddedRow(name, weights))
         return AdditiveGLM(
             A, B, name=self.doc["name"], claims=self._claims(), source=self._source(),
-            document=self.doc,
+            document=self.doc, embedded=tuple(embedded),
         )  # fmt: skip
 
     def _partitioned(self) -> PartitionedGLM:
@@ -382,21 +470,24 @@ class _Reader(Entries):
                 )
             if key in without_meaning(self.doc["class"]):
                 kind = "a pair" if self.doc["class"] in PAIRS else "one method"
-                if self.doc["class"] == "additive":
-                    kind = "an additive method"
+                own = {"additive": "an additive method", "rosenbrock": "a Rosenbrock method"}
+                kind = own.get(self.doc["class"], kind)
                 raise self.error(f"the claim {key!r} has no meaning for {kind}; take it out")
             wanted = CLAIMS[key].type
             if wanted is int:
                 self._whole_number(value, f"the claim {key!r}")
+            elif wanted is dict and isinstance(value, dict):
+                for name, order in value.items():
+                    self._whole_number(order, f"the claim {key!r} of {shown(name)}")
             elif not isinstance(value, wanted):
-                kinds = {bool: "true or false", list: "a list of strings"}
+                kinds = {bool: "true or false", list: "a list of strings", dict: "orders by name"}
                 kind = kinds.get(wanted, "a string")
                 raise self.error(f"the claim {key!r} must be {kind}, got {shown(value)}")
         return {key: self._claimed(value, f"claims.{key}") for key, value in claims.items()}
 
     def _claimed(self, value: Any, where: str) -> Any:
         """Attach their values to the expressions of a claim."""
-        if isinstance(value, bool | int):
+        if isinstance(value, bool | int | dict):
             return value
         if isinstance(value, list):
             if len(value) > MAX_SIZE:

@@ -31,7 +31,8 @@ def write_json(path: Path, document: object) -> None:
 
     Raises
     ------
-        ValueError: for NaN or an infinity, which JSON has not; the file stays as it was.
+    ValueError
+        For NaN or an infinity, which JSON has not; the file stays as it was.
     """
     text = json.dumps(document, indent=1, allow_nan=False, ensure_ascii=False)
     make_folder(path.parent)
@@ -43,7 +44,8 @@ def read_json(path: Path) -> Any:
 
     Raises
     ------
-        DataError: naming the file, the place and the remedy.
+    DataError
+        Naming the file, the place and the remedy.
     """
     name = path.name
     text = read_text(path, MAX_BYTES)

@@ -7,11 +7,15 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
+from ..catalogue.canonical import canonical
 from ..catalogue.lookup import method_of
 from ..catalogue.reader import load_document
 from ..errors import UsageError
 from ..method import GLM, AdditiveGLM, PartitionedGLM
+from ..system.files import write_text
 from .numbers import check_digits
+from .steppers import stepper
+from .tables import blocks_of, method_document, table
 
 __all__ = ["TARGETS", "export", "save"]
 
@@ -30,21 +34,27 @@ def export(
 
     Parameters
     ----------
-        method: a method, its name, or the path of its file.
-        to: one of :data:`TARGETS`. The languages give a stepper without dependencies, with start
-            and finish; pairs are stepped on separable systems q' = dq(p), p' = dp(q).
-        digits: significant digits of decimals (in JSON and CSV digits after the point). By default
-            steppers have the shortest decimals that give the nearest doubles, tables 34 digits
-            where a number is no quotient, and JSON, CSV and LaTeX exact expressions.
+    method : GLM or PartitionedGLM or AdditiveGLM or str or Path
+        A method, its name, or the path of its file.
+    to : str
+        One of :data:`TARGETS`. The languages give a stepper without dependencies, with start and
+        finish; pairs are stepped on separable systems q' = dq(p), p' = dp(q).
+    digits : int or None
+        Significant digits of decimals (in JSON and CSV digits after the point). By default steppers
+        have the shortest decimals that give the nearest doubles, tables 34 digits where a number is
+        no quotient, and JSON, CSV and LaTeX exact expressions.
 
     Returns
     -------
+    str
         The text of the file.
 
     Raises
     ------
-        UsageError: for an unknown target, and for a method that the target cannot hold.
-        DataError: for a file that is not what it must be.
+    UsageError
+        For an unknown target, and for a method that the target cannot hold.
+    DataError
+        For a file that is not what it must be.
     """
     if to not in TARGETS:
         near = get_close_matches(str(to), TARGETS, n=1)
@@ -52,17 +62,17 @@ def export(
         raise UsageError(f"there is no export to {to!r}; {hint}")
     check_digits(digits)
     method = method_of(method)
-    if isinstance(method, AdditiveGLM) and to not in ("petsc", "sundials"):
+    if method.rosenbrock:
+        raise UsageError(f"{method.name} is a Rosenbrock method, which no target holds yet")
+    if isinstance(method, AdditiveGLM):
+        if to in ("petsc", "sundials"):
+            return table(method, to, digits)
         raise UsageError(
             f"{method.name} is additive: petsc and sundials hold its tableaux, and {to} single "
             f"methods and pairs; export its parts, glmref.export(method.part(1), to={to!r})"
         )
-    if to in _LANGUAGES and not isinstance(method, AdditiveGLM):
-        from .steppers import stepper
-
+    if to in _LANGUAGES:
         return stepper(method, to, digits)
-    from .tables import table
-
     return table(method, to, digits)
 
 
@@ -73,22 +83,23 @@ def save(
 
     Parameters
     ----------
-        method: any method. One without a name gets that of the file.
-        path: the file, which is replaced where there is one.
-        digits: digits after the point, instead of exact expressions.
+    method : GLM or PartitionedGLM or AdditiveGLM
+        Any method. One without a name gets that of the file.
+    path : str or Path
+        The file, which is replaced where there is one.
+    digits : int or None
+        Digits after the point, instead of exact expressions.
 
     Returns
     -------
+    Path
         The path.
 
     Raises
     ------
-        UsageError: for a file that cannot be written, or a method that no file can hold.
+    UsageError
+        For a file that cannot be written, or a method that no file can hold.
     """
-    from ..catalogue.canonical import canonical
-    from ..system.files import write_text
-    from .tables import method_document
-
     method = method_of(method)
     place = Path(path)
     document = dict(method.document or {})
@@ -106,7 +117,5 @@ def _is_of(document: Mapping[str, Any], method: GLM | PartitionedGLM | AdditiveG
     """Whether a method still is what its file says: `dataclasses.replace` keeps the document."""
     if not document or document.get("name") != method.name:
         return False
-    from .tables import blocks_of
-
     read = load_document(document)
     return type(read) is type(method) and blocks_of(read, None) == blocks_of(method, None)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from decimal import Context, Decimal
 from fractions import Fraction
 
 from ..errors import UsageError
@@ -20,7 +21,8 @@ def check_digits(digits: int | None) -> None:
 
     Raises
     ------
-        UsageError: when it is not a whole number from 1 to :data:`MOST_DIGITS`.
+    UsageError
+        When it is not a whole number from 1 to :data:`MOST_DIGITS`.
     """
     whole = isinstance(digits, int) and not isinstance(digits, bool)
     if digits is not None and not (whole and 1 <= digits <= MOST_DIGITS):
@@ -37,11 +39,14 @@ def decimal_of(x: Scalar, digits: int) -> str:
 
     Parameters
     ----------
-        x: a real number.
-        digits: significant digits.
+    x : Scalar
+        A real number.
+    digits : int
+        Significant digits.
 
     Returns
     -------
+    str
         A decimal such as ``-0.25``, or with an exponent such as ``1.5e-12``.
     """
     if is_zero(x):
@@ -49,8 +54,6 @@ def decimal_of(x: Scalar, digits: int) -> str:
     fraction = x.as_fraction() if isinstance(x, Exact) else None
     if fraction is not None and fraction.denominator == 1 and len(str(abs(fraction))) <= digits:
         return str(fraction)
-    from decimal import Context, Decimal
-
     if fraction is not None:
         value = Context(prec=digits).divide(
             Decimal(fraction.numerator), Decimal(fraction.denominator)
@@ -67,8 +70,10 @@ def rounded(x: Scalar, digits: int | None) -> str:
 
     Parameters
     ----------
-        x: a real number.
-        digits: significant digits; ``None`` for the shortest decimal of the nearest double.
+    x : Scalar
+        A real number.
+    digits : int or None
+        Significant digits; ``None`` for the shortest decimal of the nearest double.
     """
     if is_zero(x):
         return "0.0"

@@ -18,7 +18,9 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
-from ..catalogue.claims import ABSCISSAE, EXPLICIT, ORDER, PRECONSISTENT
+from ..catalogue.claims import ABSCISSAE, EMBEDDED_ORDER, EXPLICIT, ORDER, PRECONSISTENT
+from ..catalogue.keys import FORMATS as FORMATS_OF_METHODS
+from ..catalogue.reader import load_document
 from ..errors import DataError, ExactnessError
 from ..exact import Scalar
 from ..exact.expression import parse, to_text
@@ -44,14 +46,19 @@ class Found:
 
     Attributes
     ----------
-        blocks: rows of entries by the name of the block, ``A`` or ``starting.u`` (one row).
-        order: the order that the table states.
-        digits: digits after the point that the table declares for its decimals.
-        about: name, title, source and the like.
+    blocks : dict[str, list[list[str]]]
+        Rows of entries by the name of the block, ``A`` or ``starting.u`` (one row).
+    order, lower : int or None
+        The order that the table states, and that of its embedded weights.
+    digits : int or None
+        Digits after the point that the table declares for its decimals.
+    about : dict[str, Any]
+        Name, title, source and the like.
     """
 
     blocks: dict[str, list[list[str]]] = field(default_factory=dict)
     order: int | None = None
+    lower: int | None = None
     digits: int | None = None
     about: dict[str, Any] = field(default_factory=dict)
 
@@ -63,23 +70,27 @@ def read_table(
 
     Parameters
     ----------
-        text: the file.
-        form: one of :data:`FORMATS`.
-        name: name of the method where the table gives none.
-        where: file name, for messages.
+    text : str
+        The file.
+    form : str
+        One of :data:`FORMATS`.
+    name : str
+        Name of the method where the table gives none.
+    where : str
+        File name, for messages.
 
     Returns
     -------
+    dict[str, Any]
         A method document in the format ``glmref-method-1``. It claims the order and the abscissae
         that the table states, so that ``glmref verify`` checks them, and else whether the method is
         explicit.
 
     Raises
     ------
-        DataError: for a file that is not such a table, naming the place.
+    DataError
+        For a file that is not such a table, naming the place.
     """
-    from ..catalogue.reader import load_document
-
     if form not in FORMATS:
         raise DataError(f"there is no import from {form!r}; one of {', '.join(FORMATS)}")
     if len(text) > _MOST_TEXT:
@@ -163,7 +174,10 @@ class _Writer:
         entries = self._entries()
         exact = found.about.pop("exact", {})
         self._take_exact(entries, exact)
-        document: dict[str, Any] = {"format": "glmref-method-1", "name": self._name()}
+        names = () if self.form in ("json", "csv") else ("d", "dt")
+        weights = [entries.pop(x)[0] for x in names if x in entries]
+        form = FORMATS_OF_METHODS[bool(weights)]
+        document: dict[str, Any] = {"format": form, "name": self._name()}
         document["class"] = shapes
         for key in ("title", "field", "separable"):
             if key in found.about:
@@ -189,7 +203,13 @@ class _Writer:
         texts += [x for row in c or () for x in row]
         if any("." in x for x in texts) and self.digits is not None:
             document["digits"] = self.digits
+        if weights:
+            document["embedded"] = [
+                {"name": "embedded", "b": weights if shapes == "additive" else weights[0]}
+            ]
         document["claims"] = self._claims(entries, c)
+        if weights and found.lower:
+            document["claims"][EMBEDDED_ORDER.key] = {"embedded": found.lower}
         source = found.about.get("source", {})
         document["source"] = {
             "citation": source.get("citation", f"a table in the format {self.form}"),
@@ -417,10 +437,14 @@ def _c_table(text: str, call: str, numbers: Callable[[list[str]], int]) -> Found
         found.blocks[f"b{mark}"] = [b]
         if c is not None:
             found.blocks[f"c{mark}"] = [c]
+        d = _c_array(body, (f"d{mark}",))
+        if d is not None:
+            found.blocks[f"d{mark}"] = [d]
     match = re.search(rf"\b(?:{call})\s*\(", body)
     if match:
-        order = numbers(_split(_balanced(body, match.end() - 1)))
-        found.order = order or None
+        arguments = _split(_balanced(body, match.end() - 1))
+        found.order = numbers(arguments) or None
+        found.lower = _whole(arguments, 2) or None if call.startswith("ARKode") else None
     return found
 
 
@@ -524,7 +548,7 @@ def _julia_array(text: str, names: str, *, matrix: bool) -> list[list[str]] | No
 def _julia(text: str, names: Sequence[str], call: str, at: int) -> Found:
     found = Found(about=_comment(text))
     body = _without_comments(text, r"#=.*?=#|#[^\n]*")
-    for block, name in zip(("A", "b", "c"), names, strict=True):
+    for block, name in zip("Abcd", names, strict=False):
         rows = _julia_array(body, name, matrix=block == "A")
         if rows is not None:
             found.blocks[block] = rows
@@ -532,6 +556,8 @@ def _julia(text: str, names: Sequence[str], call: str, at: int) -> Found:
     if match:
         arguments = _split(_balanced(body, match.end() - 1))
         found.order = _whole(arguments, at) or None
+        named = [x.partition("=")[2] for x in arguments if x.strip().startswith("adaptiveorder")]
+        found.lower = _whole(named, 0) or None
         symbol = re.fullmatch(r":(\w+)", arguments[0]) if arguments else None
         if symbol:
             found.about.setdefault("name", symbol[1].replace("_", "-"))
@@ -539,7 +565,7 @@ def _julia(text: str, names: Sequence[str], call: str, at: int) -> Found:
 
 
 def _ordinarydiffeq(text: str) -> Found:
-    return _julia(text, ("A", "α|b", "c"), "ExplicitRKTableau", 3)
+    return _julia(text, ("A", "α|b", "c", "αEEst"), "ExplicitRKTableau", 3)
 
 
 def _rungekutta(text: str) -> Found:

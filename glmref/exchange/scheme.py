@@ -49,10 +49,21 @@ class Table:
 
     Attributes
     ----------
-        A: (s, s). U: (s, n). B: (m, s). V: (m, n). c: (s,) abscissae.
-        blocks: the stages in the order of computation: 1 for an explicit stage, -b for b stages
-            that are solved for together.
-        half: (s,) for a pair: 1 where the stage is a Q, at which k is evaluated, else 0.
+    A : Matrix
+        (s, s).
+    U : Matrix
+        (s, n).
+    B : Matrix
+        (m, s).
+    V : Matrix
+        (m, n).
+    c : Vector
+        (s,) abscissae.
+    blocks : tuple[int, ...]
+        The stages in the order of computation: 1 for an explicit stage, -b for b stages that are
+        solved for together.
+    half : tuple[int, ...]
+        (s,) for a pair: 1 where the stage is a Q, at which k is evaluated, else 0.
     """
 
     A: Matrix
@@ -80,14 +91,22 @@ class Scheme:
 
     Attributes
     ----------
-        pair: whether f and k are given separately.
-        heads: numbers of the values that are the solution: one, or one of q and one of p.
-        step: the tableau of one step.
-        start: the starting method, or ``None`` where the method is started by ``zero`` and passes.
-        finish: the finishing method, or ``None``.
-        zero: (r, heads), the start u y0.
-        correct: (r, r), the matrix K^-1 of the enhanced start, see :mod:`glmref.engine.start`.
-        passes: passes of the enhanced start; 0 where ``zero`` is all there is.
+    pair : bool
+        Whether f and k are given separately.
+    heads : tuple[int, ...]
+        Numbers of the values that are the solution: one, or one of q and one of p.
+    step : Table
+        The tableau of one step.
+    start : Table or None
+        The starting method, or ``None`` where the method is started by ``zero`` and passes.
+    finish : Table or None
+        The finishing method, or ``None``.
+    zero : Matrix
+        (r, heads), the start u y0.
+    correct : Matrix
+        (r, r), the matrix K^-1 of the enhanced start, see :mod:`glmref.engine.start`.
+    passes : int
+        Passes of the enhanced start; 0 where ``zero`` is all there is.
     """
 
     pair: bool
@@ -168,19 +187,15 @@ def _table(
     )
 
 
-def _row_sums(A: Matrix) -> Vector:
-    return tuple(sum(row[1:], row[0]) for row in A)
-
-
 def _start_of(start: StartingMethod) -> Table:
     ones = ((_ONE,),) * len(start.A)
     columns = tuple((x,) for x in start.u)
-    return _table(start.A, ones, start.B, columns, _row_sums(start.A))
+    return _table(start.A, ones, start.B, columns, linalg.row_sums(start.A))
 
 
 def _finish_of(finish: FinishingMethod) -> Table:
     ones = ((_ONE,),) * len(finish.A)
-    return _table(finish.A, ones, (finish.b,), ((_ONE,),), _row_sums(finish.A))
+    return _table(finish.A, ones, (finish.b,), ((_ONE,),), linalg.row_sums(finish.A))
 
 
 def _zeros(size: int) -> Matrix:
@@ -199,7 +214,8 @@ def _corrector(U: Matrix, V: Matrix, name: str) -> Matrix:
 
     Raises
     ------
-        UsageError: when the first value is not the solution.
+    UsageError
+        When the first value is not the solution.
     """
     u = preconsistency(U, V).u
     if u is None or (u[0] - 1).is_zero() is False:
@@ -228,7 +244,8 @@ def scheme_of(method: GLM | PartitionedGLM) -> Scheme:
 
     Raises
     ------
-        UsageError: for a complex method, and for one that no start is known for.
+    UsageError
+        For a complex method, and for one that no start is known for.
     """
     if isinstance(method, PartitionedGLM):
         return _scheme_of_pair(method)
@@ -258,7 +275,8 @@ def _place(output: Vector, name: str) -> int:
 
     Raises
     ------
-        UsageError: where the solution is a combination of several.
+    UsageError
+        Where the solution is a combination of several.
     """
     place = unit_place(output)
     if place is None:

@@ -61,9 +61,12 @@ class Language:
 
     Attributes
     ----------
-        comment: how a comment is written.
-        tables: source of the constant tables, from the scheme and its rendered numbers.
-        values: further replacements, from the scheme and the identifier.
+    comment : Comment
+        How a comment is written.
+    tables : Callable[[Scheme, Numbers], str]
+        Source of the constant tables, from the scheme and its rendered numbers.
+    values : Callable[[Scheme, str], Mapping[str, str]]
+        Further replacements, from the scheme and the identifier.
     """
 
     template: str
@@ -78,8 +81,10 @@ class Numbers:
 
     Attributes
     ----------
-        digits: significant digits, ``None`` for the shortest decimals of doubles.
-        suffix: what a literal of double precision ends with.
+    digits : int or None
+        Significant digits, ``None`` for the shortest decimals of doubles.
+    suffix : str
+        What a literal of double precision ends with.
     """
 
     digits: int | None
@@ -135,14 +140,18 @@ def stepper(method: GLM | PartitionedGLM, language: str, digits: int | None) -> 
 
     Parameters
     ----------
-        method: a real method with a start.
-        language: a key of :data:`LANGUAGES`.
-        digits: significant digits of coefficients; ``None`` for the shortest decimals that give the
-            nearest doubles.
+    method : GLM or PartitionedGLM
+        A real method with a start.
+    language : str
+        A key of :data:`LANGUAGES`.
+    digits : int or None
+        Significant digits of coefficients; ``None`` for the shortest decimals that give the nearest
+        doubles.
 
     Raises
     ------
-        UsageError: for a method that no stepper is written for, see :func:`.scheme.scheme_of`.
+    UsageError
+        For a method that no stepper is written for, see :func:`.scheme.scheme_of`.
     """
     scheme, chosen = scheme_of(method), LANGUAGES[language]
     name = identifier(method.name)

@@ -13,19 +13,25 @@ import json
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any
 
-from ..catalogue.claims import ORDER
+from .. import __version__
+from ..catalogue.canonical import canonical
+from ..catalogue.claims import EMBEDDED_ORDER, ORDER
 from ..catalogue.keys import completed
+from ..catalogue.writer import decimal
 from ..errors import ExactnessError, UsageError
 from ..exact import Ball, Exact, Scalar
 from ..exact.expression import to_text
 from ..exact.linalg import Matrix, Vector
 from ..method import GLM, AdditiveGLM, PartitionedGLM
+from ..method.families import splitting
 from ..method.solution_value import stage_times
+from ..verification.analysis import analyze
 from .header import Comment, header
 from .latex import latex
-from .numbers import decimal_of, is_zero
+from .numbers import decimal_of, is_zero, rounded
 from .steppers import identifier, wrapped
 
 __all__ = ["FORMATS", "blocks_of", "butcher", "table"]
@@ -43,12 +49,23 @@ _HASH = Comment("", "# ", "")
 
 @dataclass(frozen=True)
 class Butcher:
-    """A Runge-Kutta tableau: A (s, s), b (s,), c (s,), and the order that its file claims."""
+    """A Runge-Kutta tableau: A (s, s), b (s,), c (s,), and the order that its file claims.
+
+    ``row`` holds the first embedded weights, ``lower`` their order, 0 where there are none.
+    """
 
     A: Matrix
     b: Vector
     c: Vector
     order: int
+    row: Vector | None = None
+    lower: int = 0
+
+    @property
+    def rows(self) -> dict[str, Matrix]:
+        """A, b, c and, where there are embedded weights, d, in the letters of SUNDIALS."""
+        found: dict[str, Matrix] = {"A": self.A, "b": (self.b,), "c": (self.c,)}
+        return found if self.row is None else {**found, "d": (self.row,)}
 
     @property
     def s(self) -> int:
@@ -65,11 +82,12 @@ def butcher(method: GLM | PartitionedGLM, target: str) -> Butcher:
 
     Raises
     ------
-        UsageError: when the method is none, or is not real.
+    UsageError
+        When the method is none, or is not real.
     """
     name = method.name or "the method"
     other = "json, csv and latex hold every method"
-    if isinstance(method, PartitionedGLM):
+    if method.parts == 2:
         raise UsageError(f"{target} holds Runge-Kutta tableaux and {name} is a pair; {other}")
     if method.r != 1 or not _is_one(method.V[0][0]) or not all(_is_one(x) for (x,) in method.U):
         raise UsageError(
@@ -81,16 +99,30 @@ def butcher(method: GLM | PartitionedGLM, target: str) -> Butcher:
     c = stage_times(method)
     # the sums themselves where they are exact, so that c = A 1 is kept
     sums = tuple(sum(row[1:], row[0]) for row in method.A)
-    c = sums if all(isinstance(x, Exact) for x in sums) else c
-    return Butcher(method.A, method.B[0], c, _order(method))
+    if getattr(method, "abscissae_given", None) is None:
+        c = sums if all(isinstance(x, Exact) for x in sums) else c
+    (row,), lower = _embedded(method) or ((None,), 0)
+    return Butcher(method.A, method.B[0], c, _order(method), row, lower)
+
+
+def _embedded(
+    method: GLM | PartitionedGLM | AdditiveGLM,
+) -> tuple[tuple[Vector, ...], int] | None:
+    """Weights of the first embedded solution, by parts, and their order as claimed or found."""
+    if not method.embedded:
+        return None
+    row = method.embedded[0]
+    rows = tuple(x for (x,) in row.solution(method.weights))
+    claimed = method.claims.get(EMBEDDED_ORDER.key, {})
+    if row.name in claimed:
+        return rows, claimed[row.name]
+    return rows, _order(method.weighted(tuple((x,) for x in rows)))  # pyright: ignore[reportArgumentType]
 
 
 def _order(method: GLM | PartitionedGLM | AdditiveGLM) -> int:
     order = method.claims.get(ORDER.key)
     if isinstance(order, int):
         return order
-    from ..verification.analysis import analyze
-
     found = analyze(method).order
     return found if isinstance(found, int) else 0
 
@@ -126,9 +158,12 @@ def _exact_lines(rows: Mapping[str, Matrix]) -> list[str]:
     return lines
 
 
-def _head(method: GLM | PartitionedGLM, tableau: Butcher, comment: Comment, digits: int) -> str:
+def _head(
+    method: GLM | PartitionedGLM, tableau: Butcher, comment: Comment, digits: int,
+    *, embedded: bool = False,
+) -> str:  # fmt: skip
     remark = f"Numbers that are not quotients have {digits} significant digits."
-    rows = {"A": tableau.A, "b": (tableau.b,), "c": (tableau.c,)}
+    rows = {x: m for x, m in tableau.rows.items() if x != "d" or embedded}
     return header(method, comment, remark, exact=_exact_lines(rows))
 
 
@@ -141,7 +176,7 @@ def _c_number(x: Scalar, digits: int, cast: Callable[[str], str]) -> str:
         text = decimal_of(x, digits)
         # zeros tell a reader that an exact decimal that ends early is known beyond its end
         whole, point, places = text.partition(".")
-        padded = isinstance(x, Exact) and point and "e" not in text
+        padded = point and "e" not in text and x == Exact(Fraction(text))
         return cast(f"{whole}.{places:0<{digits}}" if padded else text)
     over = "" if quotient[1] == 1 else f"/{cast(f'{quotient[1]}.0')}"
     return cast(f"{quotient[0]}.0") + over
@@ -157,11 +192,12 @@ def _c_array(kind: str, name: str, rows: Sequence[Sequence[str]]) -> list[str]:
 
 def _imex(
     method: AdditiveGLM, target: str, digits: int, cast: Callable[[str], str], kind: str
-) -> tuple[str, list[str], int]:
-    """The head, the arrays and the order of an implicit-explicit Runge-Kutta method.
+) -> tuple[str, list[str], int, int]:
+    """The head, the arrays and the orders of an implicit-explicit Runge-Kutta method.
 
     The arrays A, b, c belong to the explicit part, which comes first where both are explicit, and
-    At, bt, ct to the other, in the letters of PETSc.
+    At, bt, ct to the other, in the letters of PETSc; d and dt hold embedded weights. The second
+    order is that of these, 0 where there are none.
     """
     name = method.name or "the method"
     ones = [x for row in (*(method.U or ()), *(method.V or ())) for x in row]
@@ -183,13 +219,17 @@ def _imex(
     for n, mark in ((e, ""), (i, "t")):
         c = tuple(sum(row[1:], row[0]) for row in method.A[n])
         rows |= {f"A{mark}": method.A[n], f"b{mark}": method.B[n], f"c{mark}": (c,)}
+    lower, found = 0, _embedded(method)
+    if found is not None:
+        (weights, lower) = found
+        rows |= {"d": (weights[e],), "dt": (weights[i],)}
     lines = []
     for letter, matrix in rows.items():
         texts = [[_c_number(x, digits, cast) for x in row] for row in matrix]
         lines += _c_array(kind, letter, texts)
     said = f"A, b, c: part {e + 1}, explicit; At, bt, ct: part {i + 1}, implicit. "
     said += f"Numbers that are not quotients have {digits} significant digits."
-    return header(method, _C, said, exact=_exact_lines(rows)), lines, _order(method)
+    return header(method, _C, said, exact=_exact_lines(rows)), lines, _order(method), lower
 
 
 def _is_lower(A: Matrix, above: int) -> bool:
@@ -197,21 +237,20 @@ def _is_lower(A: Matrix, above: int) -> bool:
     return all(is_zero(x) for i, row in enumerate(A) for x in row[i + above :])
 
 
-def _sprk(method: PartitionedGLM, digits: int) -> str | None:
+def _sprk(method: GLM | PartitionedGLM, digits: int) -> str | None:
     """A splitting as a table of SPRKStep, ``None`` for another pair.
 
     In each stage p += ahat_i h k(q), then q += a_i h f(p).
     """
-    from ..method.families import splitting
-
-    a, b = method.B[0], method.B_hat[0]
+    a, b = (c.B[0] for c in method.components)
     for first, zero in (("q", len(a) - len(b)), ("p", len(b) - len(a))):
-        if method.r == method.r_hat == 1 and method.is_real and zero in (0, 1):
+        if method.is_one_step and method.is_real and zero in (0, 1):
             like = splitting(a, b, first)
             if all(
                 is_zero(x - y)
-                for letter in ("A", "U", "B", "V", "A_hat", "U_hat", "B_hat", "V_hat")
-                for row, own in zip(getattr(like, letter), getattr(method, letter), strict=True)
+                for c, mine in zip(like.components, method.components, strict=True)
+                for matrix, rows in zip(c.matrices, mine.matrices, strict=True)
+                for row, own in zip(matrix, rows, strict=True)
                 for x, y in zip(row, own, strict=True)
             ):
                 break
@@ -250,10 +289,11 @@ def _sprk(method: PartitionedGLM, digits: int) -> str | None:
 
 def _ark_tables(method: AdditiveGLM, digits: int) -> str:
     """The two tables of an implicit-explicit method, given to ARKStep."""
-    head, arrays, order = _imex(
+    head, arrays, order, lower = _imex(
         method, "sundials", digits, lambda text: f"SUN_RCONST({text})", "sunrealtype"
     )
-    size = f"{method.s}, {order}, 0"
+    size = f"{method.s}, {order}, {lower}"
+    d, dt = ("d", "dt") if method.embedded else ("NULL", "NULL")
     return "\n".join(
         [
             head,
@@ -262,11 +302,11 @@ def _ark_tables(method: AdditiveGLM, digits: int) -> str:
             "/* after ARKStepCreate(fe, fi, ...): fe is the explicit part */",
             f"int {identifier(method.name)}_set_tables(void* arkode_mem) {{",
             *arrays,
-            "  /* stages, order, order of the embedded method, of which there is none */",
-            f"  ARKodeButcherTable Be = ARKodeButcherTable_Create({size}, c, A, b, NULL);",
-            f"  ARKodeButcherTable Bi = ARKodeButcherTable_Create({size}, ct, At, bt, NULL);",
+            "  /* stages, order, order of the embedded method, 0 where there is none */",
+            f"  ARKodeButcherTable Be = ARKodeButcherTable_Create({size}, c, A, b, {d});",
+            f"  ARKodeButcherTable Bi = ARKodeButcherTable_Create({size}, ct, At, bt, {dt});",
             "  int flag = ARK_MEM_FAIL;",
-            f"  if (Bi && Be) {{ flag = ARKStepSetTables(arkode_mem, {order}, 0, Bi, Be); }}",
+            f"  if (Bi && Be) {{ flag = ARKStepSetTables(arkode_mem, {order}, {lower}, Bi, Be); }}",
             "  ARKodeButcherTable_Free(Bi);",
             "  ARKodeButcherTable_Free(Be);",
             "  return flag;",
@@ -279,10 +319,10 @@ def _ark_tables(method: AdditiveGLM, digits: int) -> str:
 def _sundials(method: GLM | PartitionedGLM | AdditiveGLM, digits: int) -> str:
     if isinstance(method, AdditiveGLM):
         return _ark_tables(method, digits)
-    if isinstance(method, PartitionedGLM) and (found := _sprk(method, digits)):
+    if method.parts == 2 and (found := _sprk(method, digits)):
         return found
     tab = butcher(method, "sundials")
-    if isinstance(method, GLM) and not method.is_diagonally_implicit:
+    if not method.is_diagonally_implicit:
         raise UsageError(
             f"sundials steps explicit and diagonally implicit tableaux, and {method.name} is fully "
             f"implicit; rungekutta.jl holds it"
@@ -292,18 +332,24 @@ def _sundials(method: GLM | PartitionedGLM | AdditiveGLM, digits: int) -> str:
         return _c_number(x, digits, lambda text: f"SUN_RCONST({text})")
 
     name = identifier(method.name)
-    lines = [_head(method, tab, _C, digits), "#include <arkode/arkode_butcher.h>", ""]
+    lines = [
+        _head(method, tab, _C, digits, embedded=True),
+        "#include <arkode/arkode_butcher.h>",
+        "",
+    ]
     lines += [f"ARKodeButcherTable {name}_table(void) {{"]
-    for letter, rows in (("A", tab.A), ("b", (tab.b,)), ("c", (tab.c,))):
+    for letter, rows in tab.rows.items():
         lines += _c_array("sunrealtype", letter, [[number(x) for x in row] for row in rows])
-    lines += ["  /* stages, order, order of the embedded method, of which there is none */"]
-    lines += [f"  return ARKodeButcherTable_Create({tab.s}, {tab.order}, 0, c, A, b, NULL);", "}"]
+    lines += ["  /* stages, order, order of the embedded method, 0 where there is none */"]
+    size, d = f"{tab.s}, {tab.order}, {tab.lower}", "NULL" if tab.row is None else "d"
+    lines += [f"  return ARKodeButcherTable_Create({size}, c, A, b, {d});", "}"]
     return "\n".join(lines) + "\n"
 
 
 def _arkimex(method: AdditiveGLM, digits: int) -> str:
     """The registration of an implicit-explicit method."""
-    head, arrays, order = _imex(method, "petsc", digits, str, "const PetscReal")
+    head, arrays, order, _ = _imex(method, "petsc", digits, str, "const PetscReal")
+    embedded = "dt, d" if method.embedded else "NULL, NULL"
     name = identifier(method.name)
     call = f'TSARKIMEXRegister("{method.name or name}", {order}, {method.s}, At, bt, ct, A, b, c,'
     return "\n".join(
@@ -317,7 +363,7 @@ def _arkimex(method: AdditiveGLM, digits: int) -> str:
             "",
             "  PetscFunctionBegin;",
             f"  PetscCall({call}",
-            "                              NULL, NULL, 0, NULL, NULL));",
+            f"                              {embedded}, 0, NULL, NULL));",
             "  PetscFunctionReturn(PETSC_SUCCESS);",
             "}",
             "",
@@ -329,7 +375,7 @@ def _petsc(method: GLM | PartitionedGLM | AdditiveGLM, digits: int) -> str:
     if isinstance(method, AdditiveGLM):
         return _arkimex(method, digits)
     tab = butcher(method, "petsc")
-    if isinstance(method, GLM) and not method.is_diagonally_implicit:
+    if not method.is_diagonally_implicit:
         raise UsageError(
             f"petsc registers explicit and diagonally implicit tableaux, and {method.name} is "
             f"fully implicit; rungekutta.jl holds it"
@@ -339,12 +385,12 @@ def _petsc(method: GLM | PartitionedGLM | AdditiveGLM, digits: int) -> str:
         return _c_number(x, digits, str)
 
     name = identifier(method.name)
-    explicit = isinstance(method, GLM) and method.is_explicit
+    explicit = method.is_explicit
     call = f'{"TSRKRegister" if explicit else "TSDIRKRegister"}("{method.name or name}", '
-    call += f"{tab.order}, {tab.s}, A, b, c, NULL, 1, b)"
-    lines = [_head(method, tab, _C, digits), "#include <petscts.h>", ""]
+    call += f"{tab.order}, {tab.s}, A, b, c, {'NULL' if tab.row is None else 'd'}, 1, b)"
+    lines = [_head(method, tab, _C, digits, embedded=True), "#include <petscts.h>", ""]
     lines += [f"PetscErrorCode {name}_register(void)", "{"]
-    for letter, rows in (("A", tab.A), ("b", (tab.b,)), ("c", (tab.c,))):
+    for letter, rows in tab.rows.items():
         lines += _c_array("const PetscReal", letter, [[number(x) for x in row] for row in rows])
     lines += ["", "  PetscFunctionBegin;", f"  PetscCall({call});"]
     return "\n".join([*lines, "  PetscFunctionReturn(PETSC_SUCCESS);", "}"]) + "\n"
@@ -355,7 +401,7 @@ def _petsc(method: GLM | PartitionedGLM | AdditiveGLM, digits: int) -> str:
 
 def _diffrax(method: GLM | PartitionedGLM, digits: int) -> str:
     tab = butcher(method, "diffrax")
-    if not (isinstance(method, GLM) and method.is_explicit and tab.s > 1):
+    if not (method.is_explicit and tab.s > 1):
         raise UsageError(
             f"the diffrax tables written here are explicit with two stages or more, and "
             f"{method.name} is not: an implicit one also needs a predictor; jax writes a stepper"
@@ -414,7 +460,8 @@ def _julia_arrays(tab: Butcher, digits: int, kind: str, names: Sequence[str]) ->
         lines = [f"    {names[0]} = reshape({kind}[{rows[0]}], 1, 1)"]
     else:
         lines = [first, *(f"{margin}{row}" for row in rows), "    ]"]
-    for name, values in zip(names[1:], (tab.b, tab.c), strict=True):
+    vectors = (tab.b, tab.c) if tab.row is None else (tab.b, tab.c, tab.row)
+    for name, values in zip(names[1:], vectors, strict=False):
         items = wrapped([_julia_number(x, digits) for x in values], margin)
         lines += [f"    {name} = {kind}[", *items, "    ]"]
     return lines
@@ -422,17 +469,18 @@ def _julia_arrays(tab: Butcher, digits: int, kind: str, names: Sequence[str]) ->
 
 def _ordinarydiffeq(method: GLM | PartitionedGLM, digits: int) -> str:
     tab = butcher(method, "ordinarydiffeq")
-    if not (isinstance(method, GLM) and method.is_explicit):
+    if not method.is_explicit:
         raise UsageError(
             f"ordinarydiffeq takes explicit tableaux (ExplicitRKTableau), and {method.name} is "
             f"implicit; rungekutta.jl holds it"
         )
     name = identifier(method.name)
-    lines = [_head(method, tab, _HASH, digits), "import DiffEqBase", ""]
+    lines = [_head(method, tab, _HASH, digits, embedded=True), "import DiffEqBase", ""]
     lines += [f"# solve(problem, ExplicitRK(tableau = {name}_tableau()); dt = h, adaptive = false)"]
     lines += [f"function {name}_tableau(T::Type = Float64)"]
-    lines += _julia_arrays(tab, digits, "T", ("A", "α", "c"))
-    lines += [f"    return DiffEqBase.ExplicitRKTableau(A, c, α, {tab.order})", "end"]
+    lines += _julia_arrays(tab, digits, "T", ("A", "α", "c", "αEEst"))
+    more = "" if tab.row is None else f", αEEst = αEEst, adaptiveorder = {tab.lower}"
+    lines += [f"    return DiffEqBase.ExplicitRKTableau(A, c, α, {tab.order}{more})", "end"]
     return "\n".join(lines) + "\n"
 
 
@@ -454,24 +502,24 @@ Rows = list[list[str]]
 
 def _all_blocks(method: GLM | PartitionedGLM | AdditiveGLM) -> Iterator[tuple[str, Matrix]]:
     """The blocks of a method by name, vectors as one row."""
-    if isinstance(method, AdditiveGLM):
-        for n, (A, B) in enumerate(zip(method.A, method.B, strict=True)):
-            yield from ((f"parts.{n}.A", A), (f"parts.{n}.b", B))
+    if method.additive:
+        for n, c in enumerate(method.components):
+            yield from ((f"parts.{n}.A", c.A), (f"parts.{n}.b", c.B))
         return
-    if isinstance(method, PartitionedGLM):
-        for letter in "AUBV":
-            yield f"q.{letter}", getattr(method, letter)
-        for letter in "AUBV":
-            yield f"p.{letter}", getattr(method, f"{letter}_hat")
-        if method.starting is not None:
-            start = method.starting
-            yield from ((f"starting.{x}", getattr(start, x)) for x in ("A", "B", "A_hat", "B_hat"))
-            yield from ((f"starting.{x}", (getattr(start, x),)) for x in ("u", "u_hat"))
+    if method.parts == 2:
+        for part, c in zip("qp", method.components, strict=True):
+            yield from zip((f"{part}.{x}" for x in "AUBV"), c.matrices, strict=True)
+        start = method.starting
+        if start is not None:
+            hats = start.LETTERS.values()
+            yield from ((f"starting.{x}{y}", getattr(start, x + y)) for y in hats for x in "AB")
+            yield from ((f"starting.u{y}", (getattr(start, f"u{y}"),)) for y in hats)
         return
-    if method.r == 1 and _is_one(method.V[0][0]) and all(_is_one(x) for (x,) in method.U):
-        yield from (("A", method.A), ("b", method.B))
+    (c,) = method.components
+    if method.is_one_step and _is_one(c.V[0][0]) and all(_is_one(x) for (x,) in c.U):
+        yield from (("A", c.A), ("b", c.B))
     else:
-        yield from ((letter, getattr(method, letter)) for letter in "AUBV")
+        yield from zip("AUBV", c.matrices, strict=True)
     if method.starting is not None and method.starting.A:
         yield from (("starting.A", method.starting.A), ("starting.B", method.starting.B))
         yield "starting.u", (method.starting.u,)
@@ -488,15 +536,13 @@ def _places(numbers: Sequence[Scalar], wanted: int | None) -> int:
 
 def _fixed(x: Scalar, places: int) -> str:
     """A decimal with so many digits after the point, of a real number."""
-    from ..catalogue.writer import decimal
-
     return decimal(x.ball(), places)
 
 
 def _form_blocks(method: GLM | PartitionedGLM | AdditiveGLM) -> Iterator[tuple[str, Matrix]]:
     """The forms and the outputs that a method gives, by their names in a method file."""
     names = {"G": "G", "D": "D", "D_P": "D_P", "D_Q": "D_Q", "output": "output"}
-    if isinstance(method, PartitionedGLM):
+    if method.parts == 2:
         names |= {"output": "q.output", "output_hat": "p.output"}
     for name, place in names.items():
         value = getattr(method, name, None)
@@ -511,26 +557,31 @@ def method_document(
 
     Parameters
     ----------
-        method: any method.
-        name: of the file, for a method without one.
-        digits: digits after the point, for decimals instead of expressions.
+    method : GLM or PartitionedGLM or AdditiveGLM
+        Any method.
+    name : str
+        Of the file, for a method without one.
+    digits : int or None
+        Digits after the point, for decimals instead of expressions.
 
     Returns
     -------
+    dict[str, Any]
         A document that claims nothing.
 
     Raises
     ------
-        UsageError: for decimals of complex numbers.
+    UsageError
+        For decimals of complex numbers.
     """
     forms = dict(_form_blocks(method))
     blocks, places = blocks_of(method, digits, forms)
     document: dict[str, Any] = {}
-    if isinstance(method, AdditiveGLM):
-        ones = [x for row in (*(method.U or ()), *(method.V or ())) for x in row]
-        if method.r != 1 or not all(map(_is_one, ones)):
+    if method.additive:
+        ones = [x for row in (*method.components[0].U, *method.components[0].V) for x in row]
+        if method.carried != 1 or not all(map(_is_one, ones)):
             raise UsageError("an additive method is written with one value, U = 1 and V = 1, only")
-        document["parts"] = [{} for _ in range(method.k)]
+        document["parts"] = [{} for _ in method.components]
     for place, rows in blocks.items():
         *outer, letter = place.split(".")
         if outer[:1] == ["parts"]:
@@ -538,18 +589,45 @@ def method_document(
             continue
         inside = document.setdefault(outer[0], {}) if outer else document
         inside[letter] = rows if letter[0] in "AUBVG" else rows[0]
-    if isinstance(method, PartitionedGLM):
-        document["separable"] = method.separable
-    elif isinstance(method, GLM) and not method.is_real:
+    if method.parts == 2:
+        document["separable"] = not method.shared
+    elif not (method.additive or method.is_real):
         document["field"] = "complex"
     if "b" in document and forms:  # a file of class `rk` has none
         document["B"] = [document.pop("b")]
-        ones = [["1"]] * method.s if isinstance(method, GLM) else []
-        document |= {"U": ones, "V": [["1"]]}
+        document |= {"U": [["1"]] * len(document["A"]), "V": [["1"]]}
     if places is not None:
         document["digits"] = places
+    document |= _beside(method, digits)
     document = completed(document, method.name or name)
     return {key: x for key, x in document.items() if x != {}}
+
+
+def _beside(method: GLM | PartitionedGLM | AdditiveGLM, digits: int | None) -> dict[str, Any]:
+    """Embedded rows, c apart and dense output as a file of class `rk` or `additive` has them."""
+    if method.rosenbrock:
+        raise UsageError(f"{method.name or 'the method'} is a Rosenbrock method: save it as it is")
+    if isinstance(method, PartitionedGLM):
+        return {}
+
+    def texts(rows: Matrix) -> Rows:
+        return [[to_text(x) if digits is None else rounded(x, digits) for x in r] for r in rows]
+
+    found: dict[str, Any] = {}
+    if isinstance(method, GLM):
+        c, dense = method.abscissae_given, method.dense
+        found |= {} if c is None else {"c": texts((c,))[0]}
+        found |= {} if dense is None else {"dense": texts(dense)}
+    rows = [
+        {
+            "name": row.name,
+            "error" if row.difference else "b": texts(row.weights)
+            if method.additive
+            else texts(row.weights)[0],
+        }
+        for row in method.embedded
+    ]
+    return {**found, "embedded": rows} if rows else found
 
 
 def blocks_of(
@@ -561,18 +639,23 @@ def blocks_of(
 
     Parameters
     ----------
-        method: any method.
-        digits: digits after the point, for decimals instead of expressions.
-        more: further blocks.
+    method : GLM or PartitionedGLM or AdditiveGLM
+        Any method.
+    digits : int or None
+        Digits after the point, for decimals instead of expressions.
+    more : Mapping[str, Matrix] or None
+        Further blocks.
 
     Returns
     -------
+    tuple[dict[str, Rows], int or None]
         Rows by the name of the block, such as ``A`` or ``starting.u`` (one row), and digits after
         the point or ``None`` where every entry is exact.
 
     Raises
     ------
-        UsageError: for decimals of complex numbers.
+    UsageError
+        For decimals of complex numbers.
     """
     blocks = {**dict(_all_blocks(method)), **(more or {})}
     numbers = [x for matrix in blocks.values() for row in matrix for x in row]
@@ -611,12 +694,10 @@ def _about(method: GLM | PartitionedGLM) -> dict[str, Any]:
         about["source"] = {
             key: method.source[key] for key in ("citation", "where", "doi") if key in method.source
         }
-    if isinstance(method, PartitionedGLM):
-        about["separable"] = method.separable
+    if method.parts == 2:
+        about["separable"] = not method.shared
     elif not method.is_real:
         about["field"] = "complex"
-    from .. import __version__
-
     return {**about, "generated": f"glmref {__version__}"}
 
 
@@ -627,8 +708,6 @@ def _json(method: GLM | PartitionedGLM, digits: int | None) -> str:
         *outer, letter = name.split(".")
         inside = document.setdefault(outer[0], {}) if outer else document
         inside[letter] = rows[0] if letter in ("b", "u", "u_hat") else rows
-    from ..catalogue.canonical import canonical
-
     return canonical(document)
 
 
@@ -662,13 +741,12 @@ def _latex(method: GLM | PartitionedGLM, digits: int | None) -> str:
 
     comment = header(method, Comment("", "% ", ""))
     halves: list[tuple[str, Any, Vector | None]] = []
-    if isinstance(method, PartitionedGLM):
-        halves = [(f"{method.name}: q", [method.A, method.U, method.B, method.V], None)]
-        hats = [method.A_hat, method.U_hat, method.B_hat, method.V_hat]
-        halves.append((f"{method.name}: p", hats, None))
+    if method.parts == 2:
+        pairs = zip("qp", method.components, strict=True)
+        halves = [(f"{method.name}: {part}", c.matrices, None) for part, c in pairs]
     else:
         c = tuple(sum(row[1:], row[0]) for row in method.A) if method.r == 1 else None
-        halves = [(method.name, [method.A, method.U, method.B, method.V], c)]
+        halves = [(method.name, method.components[0].matrices, c)]
     lines = [comment]
     for title, (A, U, B, V), c in halves:
         lines += ["", f"% {title}"]
@@ -718,12 +796,16 @@ def table(method: GLM | PartitionedGLM | AdditiveGLM, target: str, digits: int |
 
     Parameters
     ----------
-        method: any method that the format can hold.
-        target: a key of :data:`FORMATS`.
-        digits: digits of decimals; by default :data:`DIGITS`, and expressions in JSON, CSV, LaTeX.
+    method : GLM or PartitionedGLM or AdditiveGLM
+        Any method that the format can hold.
+    target : str
+        A key of :data:`FORMATS`.
+    digits : int or None
+        Digits of decimals; by default :data:`DIGITS`, and expressions in JSON, CSV, LaTeX.
 
     Raises
     ------
-        UsageError: when the format cannot hold the method.
+    UsageError
+        When the format cannot hold the method.
     """
     return FORMATS[target](method, digits)

@@ -24,9 +24,12 @@ from .root_location import in_closed_disc, is_nonnegative, is_schur, unimodular_
 from .stability import (
     Bivariate,
     divided,
+    is_mirror_image,
     leading_part,
     on_imaginary_axis,
     only_zeros,
+    schur_transform,
+    size_difference,
     stability_polynomial,
     vanishes_at_inverse,
     without_content,
@@ -53,6 +56,7 @@ def a_stability(m: GLM) -> Decision:
 
     Returns
     -------
+    Decision
         holds ``True`` or ``False`` by proof, or ``None`` with the reason: for methods with
         published decimals, and for a repeated eigenvalue of modulus one that z does not move.
 
@@ -120,10 +124,6 @@ def _fixed_part(P: Bivariate) -> Polynomial:
     return common
 
 
-def _conjugate(p: Polynomial) -> Polynomial:
-    return tuple(x.conjugate() for x in p)
-
-
 def _leaves_disc(q: Bivariate) -> str | None:
     """Say why some root leaves the closed disc for some real y, or ``None``.
 
@@ -137,10 +137,10 @@ def _leaves_disc(q: Bivariate) -> str | None:
         if not low:
             q = q[1:]
             continue
-        difference = poly.sub(poly.mul(high, _conjugate(high)), poly.mul(low, _conjugate(low)))
+        difference = size_difference(high, low)
         difference = tuple(x.real for x in difference)
         if not difference:
-            if not _is_mirror_image(q):
+            if not is_mirror_image(q):
                 return "the eigenvalues of M(iy) are not mirrored in the unit circle and leave it"
             if len(q) == 2:
                 return None
@@ -149,20 +149,9 @@ def _leaves_disc(q: Bivariate) -> str | None:
             continue
         if not is_nonnegative(difference):
             return "for some y an eigenvalue of M(iy) lies outside the unit circle"
-        reduced = tuple(
-            poly.sub(poly.mul(_conjugate(high), q[k + 1]), poly.mul(low, _conjugate(q[-2 - k])))
-            for k in range(len(q) - 1)
-        )
+        reduced = schur_transform(q)
         q, previous = divided(reduced, previous), high
     return None
-
-
-def _is_mirror_image(q: Bivariate) -> bool:
-    low, high = q[0], q[-1]
-    return all(
-        not poly.sub(poly.mul(p, _conjugate(low)), poly.mul(_conjugate(other), high))
-        for p, other in zip(q, reversed(q), strict=True)
-    )
 
 
 def l_stability(m: GLM) -> Decision:

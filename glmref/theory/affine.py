@@ -24,9 +24,12 @@ class Residual:
 
     Attributes
     ----------
-        holds: ``True``, ``False``, or ``None`` where only balls around zero keep it open.
-        residual: upper bound of the largest entry, 0.0 when all are zero.
-        entry: (row, column) of the largest entry that is not zero, or ``None``.
+    holds : bool or None
+        ``True``, ``False``, or ``None`` where only balls around zero keep it open.
+    residual : float
+        Upper bound of the largest entry, 0.0 when all are zero.
+    entry : tuple[int, int] or None
+        (row, column) of the largest entry that is not zero, or ``None``.
     """
 
     holds: bool | None

@@ -49,15 +49,26 @@ class Block:
 
     Attributes
     ----------
-        A, U, B: nonzero entries by row.
-        stages: number of stage values X; slopes: number of F.
-        u: (r,) with V u = u, U u = 1.
-        N: eigenvectors of V to the eigenvalue 1, the first is u when it is the only one.
-        W: left eigenvectors, one row each, with W N = I where the eigenvalue is semisimple.
-        output: (r,) functional with output u = 1 that reads off the solution.
-        lift: (r, r), R -> the solution x of (I - V) x = R with output x = 0.
-        semisimple: whether the eigenvalue 1 has as many eigenvectors as its multiplicity.
-        certain: whether ranks were decided (False where balls only leave them possible).
+    A, U, B : Rows
+        Nonzero entries by row.
+    stages : int
+        Number of stage values X.
+    slopes : int
+        Number of F.
+    u : Vector
+        (r,) with V u = u, U u = 1.
+    N : tuple[Vector, ...]
+        Eigenvectors of V to the eigenvalue 1, the first is u when it is the only one.
+    W : Rows
+        Left eigenvectors, one row each, with W N = I where the eigenvalue is semisimple.
+    output : Vector
+        (r,) functional with output u = 1 that reads off the solution.
+    lift : Rows
+        (r, r), R -> the solution x of (I - V) x = R with output x = 0.
+    semisimple : bool
+        Whether the eigenvalue 1 has as many eigenvectors as its multiplicity.
+    certain : bool
+        Whether ranks were decided (False where balls only leave them possible).
     """
 
     A: Rows
@@ -159,7 +170,8 @@ def principal_vectors(
 
     Raises
     ------
-        NotPreconsistent: with the reason.
+    NotPreconsistent
+        With the reason.
     """
     difference = linalg.sub(V, linalg.identity(len(V)))
     right, certain = kernel(difference)
@@ -196,14 +208,18 @@ def _say(x: Scalar) -> str:
 def make_block(A: Matrix, U: Matrix, B: Matrix, V: Matrix, output: Vector | None = None) -> Block:
     """Prepare one colour's method.
 
-    Args:
-        output: functional that reads the solution off the values, ``None`` for the first value
-            that carries it: see :mod:`glmref.method.solution_value`.
+    Parameters
+    ----------
+    output : Vector or None
+        Functional that reads the solution off the values, ``None`` for the first value that carries
+        it: see :mod:`glmref.method.solution_value`.
 
     Raises
     ------
-        NotPreconsistent: when there is no u with V u = u and U u = 1.
-        ExactnessError: when balls leave a rank open that matters.
+    NotPreconsistent
+        When there is no u with V u = u and U u = 1.
+    ExactnessError
+        When balls leave a rank open that matters.
     """
     u, N, W, certain = principal_vectors(U, B, V, output)
     pairing = linalg.matmul(W, linalg.transpose(N))

@@ -60,8 +60,16 @@ _NUMBERS = frozenset({Ball, Exact, Jet})
 
 def weighted(row: Sequence[tuple[int, Any]], x: Sequence[Any]) -> Any:
     """Sum of ``factor * x[j]`` over the pairs (j, factor) of a row; the int 0 costs nothing."""
-    pairs = [(factor, x[j]) for j, factor in row if type(x[j]) is not int or x[j] != 0]
-    if pairs and all(type(x) in _NUMBERS and type(y) in _NUMBERS for x, y in pairs):
+    pairs, numbers = [], True
+    for j, factor in row:
+        y = x[j]
+        kind = type(y)
+        if kind is int and y == 0:
+            continue
+        pairs.append((factor, y))
+        if kind not in _NUMBERS or type(factor) not in _NUMBERS:
+            numbers = False
+    if numbers and pairs:
         return sum_of_products(pairs)
     total: Any = 0
     for factor, y in pairs:

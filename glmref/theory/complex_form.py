@@ -73,9 +73,12 @@ def rotation_pairs(m: GLM) -> list[int]:
 def to_real(m: GLM, pairs: Sequence[int] | None = None) -> GLM:
     """Carry real and imaginary part instead of conjugate pairs: ``(A, U g, g^-1 B, g^-1 V g)``.
 
-    Args:
-        m: a method with conjugate pairs of values.
-        pairs: places of the first value of each pair, from 0; found when not given.
+    Parameters
+    ----------
+    m : GLM
+        A method with conjugate pairs of values.
+    pairs : Sequence[int] or None
+        Places of the first value of each pair, from 0; found when not given.
 
     References: Khan (2018), equation (3.7).
     """
@@ -86,9 +89,12 @@ def to_real(m: GLM, pairs: Sequence[int] | None = None) -> GLM:
 def to_complex(m: GLM, pairs: Sequence[int] | None = None) -> GLM:
     """Undo :func:`to_real`: carry conjugate pairs, so that rotation blocks of V become diagonal.
 
-    Args:
-        m: a method. pairs: places of the first value of each pair, from 0; the rotation blocks of V
-            when not given.
+    Parameters
+    ----------
+    m : GLM
+        A method.
+    pairs : Sequence[int] or None
+        Places of the first value of each pair, from 0; the rotation blocks of V when not given.
 
     References: Khan (2018), equation (3.7).
     """

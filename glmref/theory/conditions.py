@@ -85,19 +85,28 @@ class Conditions:
     It never stops at a residual that is not zero: the next order is then what the formulas give,
     which is what a solver needs that drives residuals to zero.
 
-    Args:
-        blocks: the prepared method of every colour of the palette.
-        palette: colours of the trees.
-        principal: ``"free"``, or ``"identity"`` for a principal part that is the identity.
+    Parameters
+    ----------
+    blocks : Mapping[str, Block]
+        The prepared method of every colour of the palette.
+    palette : Palette
+        Colours of the trees.
+    principal : str
+        ``"free"``, or ``"identity"`` for a principal part that is the identity.
 
     Attributes
     ----------
-        order: trees up to this order have been handled.
-        eta: starting series, by tree; zero entries are the int 0, vectors of zeros are left out.
-            Principal parts of the last order are zero: only the next order would determine them.
-        determined: trees of the last order whose conditions were used for principal parts.
-        last_free: eta on the trees one order below, before their principal parts were found.
-        complete: whether a condition that fails excludes every starting series.
+    order
+        Trees up to this order have been handled.
+    eta
+        Starting series, by tree; zero entries are the int 0, vectors of zeros are left out.
+        Principal parts of the last order are zero: only the next order would determine them.
+    determined
+        Trees of the last order whose conditions were used for principal parts.
+    last_free
+        Eta on the trees one order below, before their principal parts were found.
+    complete
+        Whether a condition that fails excludes every starting series.
     """
 
     def __init__(self, blocks: Mapping[str, Block], palette: Palette, principal: str) -> None:
@@ -221,8 +230,9 @@ class Conditions:
 
         Returns
         -------
-            Residual of every tree, a tuple with one entry for each left eigenvector of V to 1.
-            With a free principal part those conditions that determine it are zero by definition.
+        dict[Tree, tuple[Any, ...]]
+            Residual of every tree, a tuple with one entry for each left eigenvector of V to 1. With
+            a free principal part those conditions that determine it are zero by definition.
         """
         n = self.order + 1
         level = trees(n, self.palette)
@@ -321,6 +331,7 @@ class Conditions:
 
         Returns
         -------
+        dict[Tree, tuple[Any, ...]]
             R(t) for the trees t that were used: every tree of order n - 1 with one more leaf, of
             the first colour allowed there, at its root. See the module docstring for the proof.
         """

@@ -53,14 +53,21 @@ class Consistency:
 
     Attributes
     ----------
-        preconsistent, consistent: the decisions; ``None`` where balls leave them open.
-        u: (r,) with V u = u, U u = 1, or ``None``.
-        v: (r,) with B 1 + V v = u + v, or ``None``. It is fixed up to multiples of u: the output
-            functional w has w v = 0, so that the solution w y stands at the time of the step.
-        c: (s,) abscissae A 1 + U v, or ``None``.
-        unique: whether u is the only solution (1 is then a simple eigenvalue where it matters).
-        residual: largest entry of the conditions that fail or stay open, 0.0 when all hold.
-        witness: one sentence naming the condition that fails, or ``""``.
+    preconsistent, consistent : bool or None
+        The decisions; ``None`` where balls leave them open.
+    u : Vector or None
+        (r,) with V u = u, U u = 1, or ``None``.
+    v : Vector or None
+        (r,) with B 1 + V v = u + v, or ``None``. It is fixed up to multiples of u: the output
+        functional w has w v = 0, so that the solution w y stands at the time of the step.
+    c : Vector or None
+        (s,) abscissae A 1 + U v, or ``None``.
+    unique : bool
+        Whether u is the only solution (1 is then a simple eigenvalue where it matters).
+    residual : float
+        Largest entry of the conditions that fail or stay open, 0.0 when all hold.
+    witness : str
+        One sentence naming the condition that fails, or ``""``.
     """
 
     preconsistent: bool | None
@@ -93,8 +100,10 @@ def consistency_residual(m: Block, u: Vector, v: Vector) -> Matrix:
 def consistency(m: Block) -> Consistency:
     """Find u, v and c, and say which condition fails.
 
-    Args:
-        m: a method of one component, or a component.
+    Parameters
+    ----------
+    m : Block
+        A method of one component, or a component.
 
     References: Butcher, "Numerical Methods for Ordinary Differential Equations" (2016), Definitions
     510B and 510C.

@@ -56,7 +56,10 @@ class Equivalence:
 
     Attributes
     ----------
-        T: (r, r) nonsingular. stages: (s,) old number of each new stage, from 0.
+    T : Matrix
+        (r, r) nonsingular.
+    stages : tuple[int, ...]
+        (s,) old number of each new stage, from 0.
     """
 
     T: Matrix
@@ -142,7 +145,8 @@ def equivalence(m1: GLM, m2: GLM) -> Equivalence | None:
 
     Raises
     ------
-        UsageError: for methods with published decimals, whose equality is not decided.
+    UsageError
+        For methods with published decimals, whose equality is not decided.
 
     References: Butcher, "Numerical Methods for Ordinary Differential Equations" (2016), section
     503.
@@ -323,7 +327,8 @@ def reduce(m: GLM) -> GLM:
 
     Raises
     ------
-        UsageError: for methods with published decimals, whose rank is not decided.
+    UsageError
+        For methods with published decimals, whose rank is not decided.
     """
     if not m.is_exact:
         raise UsageError("superfluous stages and values are decided for exact methods only")

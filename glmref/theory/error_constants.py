@@ -37,10 +37,12 @@ def error_norm(result: OrderResult, residuals: Mapping[Tree, Scalar] | None = No
     The local error is ``h^(p+1)`` times the sum of ``residual / sigma`` times the elementary
     differential, so this is the usual principal error norm (Hairer, Norsett, Wanner (1993), II.1).
 
-    Args:
-        result: an order with its residuals.
-        residuals: others of the same order to take instead, for example of
-            :func:`conjugate_error`.
+    Parameters
+    ----------
+    result : OrderResult
+        An order with its residuals.
+    residuals : Mapping[Tree, Scalar] or None
+        Others of the same order to take instead, for example of :func:`conjugate_error`.
     """
     chosen = result.residuals if residuals is None else residuals
     return sqrt(sum((x.magnitude() / t.symmetry) ** 2 for t, x in chosen.items()))
@@ -53,7 +55,8 @@ def conjugate_error(result: OrderResult) -> dict[Tree, Scalar]:
 
     Raises
     ------
-        UsageError: when the result holds no residuals, or stands for several eigenvectors.
+    UsageError
+        When the result holds no residuals, or stands for several eigenvectors.
     """
     if not result.residuals or result.multiplicity != 1:
         raise UsageError("error constants up to conjugation need residuals and a simple eigenvalue")
@@ -90,11 +93,16 @@ def commutator_row(t: Tree, place: Mapping[Tree, int]) -> dict[int, int]:
     condition of [s] and takes ``ways * delta(s)`` from that of t for each way to cut a leaf off t
     that leaves s.
 
-    Args:
-        t: a tree. place: column of each tree of the order below.
+    Parameters
+    ----------
+    t : Tree
+        A tree.
+    place : Mapping[Tree, int]
+        Column of each tree of the order below.
 
     Returns
     -------
+    dict[int, int]
         The entries of the row that are not zero, by column.
     """
     row: dict[int, int] = {}

@@ -35,11 +35,15 @@ class FormSpace:
 
     Attributes
     ----------
-        forms: a basis over the real numbers. Where a form sees the principal solution the first
-            one has the value 1 on it and the others 0.
-        principal: whether the first form has that value 1.
-        residual: size of the entry named in ``witness``, for the last candidate.
-        witness: the entry that left no form with a principal part, or ``""``.
+    forms : tuple[Form, ...]
+        A basis over the real numbers. Where a form sees the principal solution the first one has
+        the value 1 on it and the others 0.
+    principal : bool
+        Whether the first form has that value 1.
+    residual : float
+        Size of the entry named in ``witness``, for the last candidate.
+    witness : str
+        The entry that left no form with a principal part, or ``""``.
     """
 
     forms: tuple[Form, ...]
@@ -70,12 +74,17 @@ def invariant_matrices(V: Matrix, W: Matrix, *, hermitian: bool) -> list[Matrix]
 
     For real V and W only real G are taken: an imaginary part says nothing about real solutions.
 
-    Args:
-        V: (r, r). W: (q, q), equal to V where Hermitian G are asked for.
+    Parameters
+    ----------
+    V : Matrix
+        (r, r).
+    W : Matrix
+        (q, q), equal to V where Hermitian G are asked for.
 
     Raises
     ------
-        ExactnessError: when balls leave the dimension open.
+    ExactnessError
+        When balls leave the dimension open.
     """
     rows, columns = len(V), len(W)
     fits(rows * columns, rows * columns, "the form")
@@ -151,10 +160,14 @@ def cut_down(
 ) -> FormSpace:
     """Keep the combinations of forms for which all identities hold.
 
-    Args:
-        forms: spanning forms, linearly independent.
-        identities: residual matrices, linear in the form.
-        principal: value of a form on the principal solution (linear, real), or ``None``.
+    Parameters
+    ----------
+    forms : list[Form]
+        Spanning forms, linearly independent.
+    identities : Identities
+        Residual matrices, linear in the form.
+    principal : Callable[[Form], Scalar] or None
+        Value of a form on the principal solution (linear, real), or ``None``.
 
     Over balls an entry that may be zero is not used: the caller checks the residual of the result.
     """

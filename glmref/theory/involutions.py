@@ -24,7 +24,10 @@ class Relation:
 
     Attributes
     ----------
-        A, target: (n, m). row_offset, column_offset: number of the first row and column.
+    A, target : Matrix
+        (n, m).
+    row_offset, column_offset : int
+        Number of the first row and column.
     """
 
     A: Matrix
@@ -77,12 +80,16 @@ class _Checked:
 def involutions(relations: Sequence[Relation], kinds: Sequence[int]) -> Iterator[tuple[int, ...]]:
     """Involutive permutations P under which all relations hold or may hold.
 
-    Args:
-        relations: the matrices to respect.
-        kinds: for each stage a label; only stages of the same kind are exchanged.
+    Parameters
+    ----------
+    relations : Sequence[Relation]
+        The matrices to respect.
+    kinds : Sequence[int]
+        For each stage a label; only stages of the same kind are exchanged.
 
     Yields
     ------
+    tuple[int, ...]
         Permutations as tuples, from 0. The exchange with the mirror image among the stages of the
         same kind is tried first at every place.
     """
@@ -132,8 +139,10 @@ def _mirror(kinds: Sequence[int]) -> list[int]:
 def matchings(pairs: Sequence[tuple[Matrix, Matrix]], size: int) -> Iterator[tuple[int, ...]]:
     """Permutations with ``second[i][j] = first[P i][P j]`` for every pair, where that may hold.
 
-    Args:
-        pairs: pairs (first, second) of (size, size) matrices.
+    Parameters
+    ----------
+    pairs : Sequence[tuple[Matrix, Matrix]]
+        Pairs (first, second) of (size, size) matrices.
     """
     enclosed = [(_balls(first), _balls(second)) for first, second in pairs]
     known: dict[tuple[int, int, int, int, int], bool] = {}

@@ -1,4 +1,4 @@
-"""Order of a pair on second-order systems q' = M^-1 p, p' = k(q): fewer trees count.
+"""Order of a pair on second-order systems q' = M^-1 p, p' = k(q) or k(q, p): fewer trees count.
 
 Where f is linear its second derivative is zero, and with it the elementary differential of every
 tree in which a vertex f has two children or more. What is left is a set of trees that contains,
@@ -23,7 +23,6 @@ from __future__ import annotations
 
 from functools import cache
 
-from ..findings import Proof
 from ..method import Method
 from .order import OrderResult, order_of
 from .trees import SEPARABLE, Tree, trees
@@ -33,8 +32,8 @@ __all__ = ["is_nystrom", "nystrom_order_of", "nystrom_trees"]
 
 @cache
 def is_nystrom(t: Tree) -> bool:
-    """Whether no vertex f of the tree has two children or more."""
-    if t.colour == "f" and len(t.children) > 1:
+    """Whether no vertex f of the tree has two children or more, or a child f: q' is linear in p."""
+    if t.colour == "f" and (len(t.children) > 1 or any(x.colour == "f" for x in t.children)):
         return False
     return all(map(is_nystrom, t.children))
 
@@ -51,10 +50,8 @@ def nystrom_order_of(pair: Method, *, max_order: int = 9) -> OrderResult:
 
     Returns
     -------
+    OrderResult
         As :func:`~glmref.theory.order.order_of`, the starting series on the trees that count only;
-        order 0 where the pair is not preconsistent or the two components share their stages.
+        order 0 where the pair is not preconsistent.
     """
-    if pair.shared:
-        proof = Proof.EXACT if pair.is_exact else Proof.ENCLOSED
-        return OrderResult(0, "identity", proof=proof, reason="the stages are shared")
     return order_of(pair, max_order=max_order, principal="identity", counts=is_nystrom)

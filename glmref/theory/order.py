@@ -42,6 +42,7 @@ from .blocks import Block, NotPreconsistent, as_scalar, block_of
 from .coefficients import is_zero, plus, times
 from .conditions import Conditions
 from .series import Series
+from .systems import counted
 from .trees import MAX_ORDER, Palette, Tree, trees
 
 __all__ = [
@@ -65,30 +66,45 @@ class OrderResult:
 
     Attributes
     ----------
-        order: the order p; 0 for a method that is not consistent (``reason`` says why).
-        principal: ``"free"`` or ``"identity"``.
-        failing_tree: first tree of order p + 1 whose condition fails, or ``None``.
-        residual: its residual ``w R(t)`` (w the left eigenvector, w u = 1), or ``None``.
-        residuals: residuals of all trees of order p + 1, the error constants. For a method that
-            needs no finishing these are the coefficients of the local error, by tree. With a free
-            principal part the parts of order p are chosen so that the trees with a leaf at the root
-            have none: see :mod:`.error_constants` for the least choice.
-        eta: the starting series through order p, vectors with r entries; ``None`` at order 0.
-            Principal parts of order p are free, and are zero here.
-        outputs: the functional that reads the solution off the values, by root colour; empty for
-            a method that is not preconsistent.
-        abscissae: c = A 1 + U v by root colour (``"o"``; ``"f"`` for Q and ``"k"`` for P); empty at
-            order 0.
-        stage_order: largest q <= p such that every stage is the solution at time c_i h,
-            ``xi(t) = c^|t| / gamma(t)`` for all trees of order <= q, for this starting series (at
-            q = p for some choice of its free principal parts, where several values are carried).
-        proof: exact, or enclosed where balls took part.
-        largest_residual: upper bound of the residuals of all trees of order <= p; 0.0 when exact.
-        undecided: trees of order <= p whose residual is a ball that contains zero.
-        decided: whether failing at order p + 1 excludes every starting series.
-        at_least: whether the search ended at ``max_order`` without a failing tree.
-        reason: one sentence for what is not the usual case, or ``""``.
-        multiplicity: number of eigenvectors of V to the eigenvalue 1, 0 where there is none.
+    order : int
+        The order p; 0 for a method that is not consistent (``reason`` says why).
+    principal : Principal
+        ``"free"`` or ``"identity"``.
+    failing_tree : Tree or None
+        First tree of order p + 1 whose condition fails, or ``None``.
+    residual : Scalar or None
+        Its residual ``w R(t)`` (w the left eigenvector, w u = 1), or ``None``.
+    residuals : Mapping[Tree, Scalar]
+        Residuals of all trees of order p + 1, the error constants. For a method that needs no
+        finishing these are the coefficients of the local error, by tree. With a free principal part
+        the parts of order p are chosen so that the trees with a leaf at the root have none: see
+        :mod:`.error_constants` for the least choice.
+    eta : Series or None
+        The starting series through order p, vectors with r entries; ``None`` at order 0. Principal
+        parts of order p are free, and are zero here.
+    outputs : Mapping[str, Vector]
+        The functional that reads the solution off the values, by root colour; empty for a method
+        that is not preconsistent.
+    abscissae : Mapping[str, Vector]
+        c = A 1 + U v by root colour (``"o"``; ``"f"`` for Q and ``"k"`` for P); empty at order 0.
+    stage_order : int
+        Largest q <= p such that every stage is the solution at time c_i h, ``xi(t) = c^|t| /
+        gamma(t)`` for all trees of order <= q, for this starting series (at q = p for some choice
+        of its free principal parts, where several values are carried).
+    proof : Proof
+        Exact, or enclosed where balls took part.
+    largest_residual : float
+        Upper bound of the residuals of all trees of order <= p; 0.0 when exact.
+    undecided : tuple[Tree, ...]
+        Trees of order <= p whose residual is a ball that contains zero.
+    decided : bool
+        Whether failing at order p + 1 excludes every starting series.
+    at_least : bool
+        Whether the search ended at ``max_order`` without a failing tree.
+    reason : str
+        One sentence for what is not the usual case, or ``""``.
+    multiplicity : int
+        Number of eigenvectors of V to the eigenvalue 1, 0 where there is none.
     """
 
     order: int
@@ -126,34 +142,40 @@ def highest_order(palette: Palette) -> int:
     return {2: 8, 3: 6}.get(len(palette), 5) if is_shared(palette) else 9
 
 
-def _everything(t: Tree) -> bool:
-    return True
-
-
 def order_of(
     method: Method,
     *,
     max_order: int | None = None,
     principal: Principal = "free",
-    counts: Callable[[Tree], bool] = _everything,
+    counts: Callable[[Tree], bool] | None = None,
 ) -> OrderResult:
     """Decide the order of a method, over all trees that its systems have.
 
-    Args:
-        method: the method; entries may be exact or balls.
-        max_order: largest order looked at; by default :func:`highest_order`.
-        principal: ``"free"``, or ``"identity"`` where the output must be the solution itself.
-        counts: which trees count, a set closed under subtrees and cuts; all by default.
+    Parameters
+    ----------
+    method : Method
+        The method; entries may be exact or balls.
+    max_order : int or None
+        Largest order looked at; by default :func:`highest_order`.
+    principal : Principal
+        ``"free"``, or ``"identity"`` where the output must be the solution itself.
+    counts : Callable[[Tree], bool] or None
+        Which trees count, a set closed under subtrees and cuts; by default those that the systems
+        of the method have.
 
     Returns
     -------
+    OrderResult
         The order with its witness; order 0 with the reason for a method that is not consistent.
         With several colours the principal parts at the single nodes are zero for the first.
 
     Raises
     ------
-        UsageError: for another ``principal`` or a ``max_order`` for which trees are not listed.
+    UsageError
+        For another ``principal`` or a ``max_order`` for which trees are not listed.
     """
+    method = method.in_time
+    counts = counts or counted(method.system)
     most = highest_order(method.palette) if max_order is None else max_order
     _check_arguments(most, principal)
     proof = Proof.EXACT if method.is_exact else Proof.ENCLOSED
@@ -187,7 +209,8 @@ def order_residuals(
 
     Raises
     ------
-        UsageError: when a component has no u with V u = u and U u = 1.
+    UsageError
+        When a component has no u with V u = u and U u = 1.
     """
     _check_arguments(order, principal)
     try:

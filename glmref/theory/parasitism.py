@@ -28,6 +28,7 @@ from ..exact import Exact, Scalar, linalg
 from ..exact.linalg import Matrix, Vector
 from ..method import GLM, Method
 from ..method.solution_value import preconsistency_vector
+from . import polynomials as poly
 from .affine import verdict_of
 from .spectrum import Eigenvalue, eigenvectors, unimodular_eigenvalues
 
@@ -48,11 +49,14 @@ class Growth:
 
     Attributes
     ----------
-        eigenvalue: zeta, of modulus one; of several components, one that their V share.
-        multiplicity: of zeta; beyond the principal component where zeta = 1.
-        matrices: growth matrices ``zeta^-1 W B U X`` in bases of eigenvectors, (multiplicity,
-            multiplicity), by name: ``mu`` of a single method, ``mu_q`` and ``mu_p`` of a
-            partitioned one, with ``mu_qq`` and ``mu_pp`` where its stages are shared.
+    eigenvalue : Exact
+        Zeta, of modulus one; of several components, one that their V share.
+    multiplicity : int
+        Of zeta; beyond the principal component where zeta = 1.
+    matrices : Mapping[str, Matrix]
+        Growth matrices ``zeta^-1 W B U X`` in bases of eigenvectors, (multiplicity, multiplicity),
+        by name: ``mu`` of a single method, ``mu_q`` and ``mu_p`` of a partitioned one, with
+        ``mu_qq`` and ``mu_pp`` where its stages are shared.
     """
 
     eigenvalue: Exact
@@ -86,10 +90,14 @@ class Parasitism:
 
     Attributes
     ----------
-        free: whether every growth parameter is zero; ``None`` where that is not decided.
-        growths: one record for each eigenvalue; a multiple eigenvalue 1 comes first.
-        residual: largest growth parameter, 0.0 when free.
-        witness: one sentence naming the eigenvalue that grows, or why the question is open.
+    free : bool or None
+        Whether every growth parameter is zero; ``None`` where that is not decided.
+    growths : tuple[Growth, ...]
+        One record for each eigenvalue; a multiple eigenvalue 1 comes first.
+    residual : float
+        Largest growth parameter, 0.0 when free.
+    witness : str
+        One sentence naming the eigenvalue that grows, or why the question is open.
     """
 
     free: bool | None
@@ -101,8 +109,14 @@ class Parasitism:
 def growth_parameter(m: GLM, zeta: Scalar, w: Vector, v: Vector) -> Scalar:
     """Growth parameter ``mu = zeta^-1 w B U v / (w v)`` at a simple eigenvalue.
 
-    Args:
-        m: a method. zeta: the eigenvalue. w: (r,) left, v: (r,) right eigenvector of V.
+    Parameters
+    ----------
+    m : GLM
+        A method.
+    zeta : Scalar
+        The eigenvalue.
+    w : Vector
+        (r,) left, v: (r,) right eigenvector of V.
 
     References: Butcher, Habib, Hill and Norton, SIAM J. Numer. Anal. 52 (2014) 2440; Khan (2018),
     equation (3.4), for V_22 = -1.
@@ -174,7 +188,8 @@ def _parasitic(V: Matrix) -> list[Exact]:
 
     Raises
     ------
-        ExactnessError: for a multiple eigenvalue 1.
+    ExactnessError
+        For a multiple eigenvalue 1.
     """
     found = unimodular_eigenvalues(V)
     if any(e.multiplicity > 1 and (e.value - 1).is_zero() for e in found):
@@ -192,6 +207,10 @@ def _growths(m: Method) -> tuple[tuple[Growth, ...], str]:
             if e.multiplicity > 1 or not (e.value - 1).is_zero()
         ]
         return tuple(_growth_at(one, e) for e in found), ""
+    if not m.shared and poly.share_only_one(
+        *(poly.characteristic_polynomial(c.V) for c in m.components)
+    ):
+        return (), ""
     q, p = (_parasitic(c.V) for c in m.components)
     common = [z for z in q if any((z - x).is_zero() for x in p)]
     growths = tuple(_coupled_growth_at(m, zeta) for zeta in common)
@@ -208,8 +227,10 @@ def growth(m: Method) -> Parasitism:
     A component at an eigenvalue that only one half of a partitioned method has meets no partner at
     first order in h, unless the stages are shared: then its growth within that half counts.
 
-    Args:
-        m: a single or a partitioned method whose V are exact; A, U and B may be balls.
+    Parameters
+    ----------
+    m : Method
+        A single or a partitioned method whose V are exact; A, U and B may be balls.
 
     References: Butcher, Habib, Hill and Norton, SIAM J. Numer. Anal. 52 (2014) 2440.
     """
@@ -244,7 +265,8 @@ def growth_parameters(m: GLM) -> tuple[Scalar, ...]:
 
     Raises
     ------
-        ExactnessError: when the eigenvalues are not decided, or one of them is multiple.
+    ExactnessError
+        When the eigenvalues are not decided, or one of them is multiple.
     """
     found = growth(m)
     if found.free is None and not found.growths:
@@ -269,11 +291,16 @@ def real_block_residual(m: GLM, k: int) -> tuple[Scalar, Scalar]:
     The block of B U itself need not vanish: with the block in rows and columns k, k + 1 the growth
     parameters of the conjugate pair are ``(sum +- i difference) / (2 zeta)`` up to sign.
 
-    Args:
-        m: a real method. k: position, from 0, of the first of the two values.
+    Parameters
+    ----------
+    m : GLM
+        A real method.
+    k : int
+        Position, from 0, of the first of the two values.
 
     Returns
     -------
+    tuple[Scalar, Scalar]
         ``(BU)_kk + (BU)_(k+1)(k+1)`` and ``(BU)_k(k+1) - (BU)_(k+1)k``.
     """
     columns = [[row[j] for row in m.U] for j in (k, k + 1)]

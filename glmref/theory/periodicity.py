@@ -54,12 +54,17 @@ class Periodicity:
 
     Attributes
     ----------
-        end: ball around y_max; the exact 0 where there is no interval; ``None`` if not known.
-        infinite: whether the whole axis belongs to it, by proof.
-        proven: every y in (start, proven) belongs to the interval.
-        start: 0, or where the proof begins for a method whose V has repeated eigenvalues (every
-            pair has: one of q and one of p).
-        witness: what happens at the end, or why it is not known.
+    end : Ball or None
+        Ball around y_max; the exact 0 where there is no interval; ``None`` if not known.
+    infinite : bool
+        Whether the whole axis belongs to it, by proof.
+    proven : Fraction
+        Every y in (start, proven) belongs to the interval.
+    start : Fraction
+        0, or where the proof begins for a method whose V has repeated eigenvalues (every pair has:
+        one of q and one of p).
+    witness : str
+        What happens at the end, or why it is not known.
     """
 
     end: Ball | None
@@ -70,8 +75,10 @@ class Periodicity:
 
     @property
     def value(self) -> float | None:
-        """Midpoint of ``end`` as a float, infinity for the whole axis."""
-        return float("inf") if self.infinite else None if self.end is None else float(self.end)
+        """Midpoint of ``end``, 0 where it contains 0: no interval is shown; or infinity."""
+        if self.infinite or self.end is None:
+            return float("inf") if self.infinite else None
+        return float(self.end) if self.end.is_zero() is False else 0.0
 
 
 def periodicity(
@@ -79,11 +86,15 @@ def periodicity(
 ) -> Periodicity:
     """Find the periodicity interval on the imaginary axis.
 
-    Args:
-        m: a method, or a pair (taken on the oscillator q' = p, p' = -q).
-        conserving: take it as proved elsewhere that the roots are mirrored in the circle (an
-            enclosed G-symplectic method with nonsingular G); needed for published decimals.
-        width: wanted width of the ball around y_max.
+    Parameters
+    ----------
+    m : Method
+        A method, or a pair (taken on the oscillator q' = p, p' = -q).
+    conserving : bool
+        Take it as proved elsewhere that the roots are mirrored in the circle (an enclosed
+        G-symplectic method with nonsingular G); needed for published decimals.
+    width : Fraction
+        Wanted width of the ball around y_max.
 
     Eigenvalues that are zero for every y are left out: carried values that die out at once.
 

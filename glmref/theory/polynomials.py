@@ -110,8 +110,10 @@ def divide(p: Polynomial, q: Polynomial) -> tuple[Polynomial, Polynomial]:
 
     Raises
     ------
-        ZeroDivisionError: when ``q`` is zero.
-        ExactnessError: when the leading coefficient of ``q`` is a ball around zero.
+    ZeroDivisionError
+        When ``q`` is zero.
+    ExactnessError
+        When the leading coefficient of ``q`` is a ball around zero.
     """
     if not q:
         raise ZeroDivisionError("division by the zero polynomial")
@@ -156,6 +158,13 @@ def gcd(p: Polynomial, q: Polynomial) -> Polynomial:
 def derivative(p: Polynomial) -> Polynomial:
     """Derivative."""
     return trim([k * a for k, a in enumerate(p)][1:])
+
+
+def share_only_one(p: Polynomial, q: Polynomial) -> bool:
+    """Whether 1 is a root of both, simple in each, and no other root is common; exact entries."""
+    common = gcd(p, q)
+    simple = all((evaluate(derivative(x), 1)).is_zero() is False for x in (p, q))
+    return len(common) == 2 and (evaluate(common, 1)).is_zero() is True and simple
 
 
 def squarefree(p: Polynomial) -> Polynomial:
@@ -224,6 +233,7 @@ def faddeev_leverrier(m: Matrix) -> tuple[Polynomial, list[Matrix]]:
 
     Returns
     -------
+    tuple[Polynomial, list[Matrix]]
         The monic polynomial det(w I - M), and the matrices N_0 .. N_(n-1).
 
     References: Gantmacher, "The Theory of Matrices" (1959), volume I, chapter IV, section 5.

@@ -38,10 +38,13 @@ class Reduction:
 
     Attributes
     ----------
-        reducible: whether some value is never reached or never seen; ``None`` where balls leave
-            the ranks open.
-        reached, seen: dimensions for each component.
-        witness: one sentence naming what can be left out, or ``""``.
+    reducible : bool or None
+        Whether some value is never reached or never seen; ``None`` where balls leave the ranks
+        open.
+    reached, seen : tuple[int, ...]
+        Dimensions for each component.
+    witness : str
+        One sentence naming what can be left out, or ``""``.
     """
 
     reducible: bool | None

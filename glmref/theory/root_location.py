@@ -71,9 +71,12 @@ def _signs_at(chain: list[Polynomial], x: Scalar | None, infinity: int) -> list[
 def real_roots(p: Polynomial, low: Scalar | None = None, high: Scalar | None = None) -> int:
     """Number of distinct real roots in ``(low, high]`` by Sturm's theorem; ``None`` is infinite.
 
-    Args:
-        p: not zero, with real coefficients.
-        low, high: ends of the interval.
+    Parameters
+    ----------
+    p : Polynomial
+        Not zero, with real coefficients.
+    low, high : Scalar or None
+        Ends of the interval.
     """
     p = squarefree(p)
     if len(p) <= 1:
@@ -85,13 +88,18 @@ def real_roots(p: Polynomial, low: Scalar | None = None, high: Scalar | None = N
 def first_root(p: Polynomial, low: Fraction, high: Fraction, width: Fraction) -> Fraction | None:
     """The smallest real root in ``(low, high]``, to a relative width, or itself where it is simple.
 
-    Args:
-        p: not zero, with real coefficients.
-        low, high: ends of the interval.
-        width: the root lies at most so far below what is returned, relative to its size above 1.
+    Parameters
+    ----------
+    p : Polynomial
+        Not zero, with real coefficients.
+    low, high : Fraction
+        Ends of the interval.
+    width : Fraction
+        The root lies at most so far below what is returned, relative to its size above 1.
 
     Returns
     -------
+    Fraction or None
         A bound of the root from above, or the root where it has a denominator of at most 1000;
         ``None`` where there is none.
     """

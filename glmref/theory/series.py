@@ -57,15 +57,21 @@ __all__ = [
 class Series(Mapping[Tree, Coefficient]):
     """A truncated B-series or P-series.
 
-    Args:
-        values: coefficients by tree; trees that are missing have the coefficient zero.
-        empty: coefficient of the empty tree: one coefficient, or one for every root colour.
-        order: largest order of a tree that has a coefficient.
-        palette: colours of the trees.
+    Parameters
+    ----------
+    values : Mapping[Tree, Coefficient]
+        Coefficients by tree; trees that are missing have the coefficient zero.
+    empty : Coefficient or Mapping[str, Coefficient]
+        Coefficient of the empty tree: one coefficient, or one for every root colour.
+    order : int
+        Largest order of a tree that has a coefficient.
+    palette : Palette
+        Colours of the trees.
 
     Raises
     ------
-        UsageError: for a tree of another palette or of too high an order.
+    UsageError
+        For a tree of another palette or of too high an order.
     """
 
     __slots__ = ("_empty", "_values", "order", "palette")
@@ -175,7 +181,8 @@ def compose(first: Series, second: Series) -> Series:
 
     Raises
     ------
-        UsageError: when ``first`` is not scalar with empty coefficient 1.
+    UsageError
+        When ``first`` is not scalar with empty coefficient 1.
 
     References
     ----------
@@ -204,7 +211,8 @@ def inverse(series: Series) -> Series:
 
     Raises
     ------
-        UsageError: when ``series`` is not scalar with empty coefficient 1.
+    UsageError
+        When ``series`` is not scalar with empty coefficient 1.
     """
     order = _check_pair(series, series)
     values: dict[Tree, Any] = {}
@@ -282,7 +290,8 @@ def combine(terms: Sequence[tuple[Any, Series]]) -> Series:
 
     Raises
     ------
-        UsageError: without terms.
+    UsageError
+        Without terms.
     """
     if not terms:
         raise UsageError("a linear combination needs at least one series")
@@ -312,14 +321,20 @@ def elementary_weights(
 ) -> Series:
     """Return the series of ``Y = y + h A f(Y)``, ``x = u y + h B f(Y)``.
 
-    Args:
-        A: (m, m) stages; m may be 0.
-        B: (m,) weights of one value, or (r, m) weights of r values.
-        order: largest order of a tree.
-        u: multiple of y: a number for one value, a tuple of r numbers for r values.
+    Parameters
+    ----------
+    A : Sequence[Sequence[Any]]
+        (m, m) stages; m may be 0.
+    B : Sequence[Any]
+        (m,) weights of one value, or (r, m) weights of r values.
+    order : int
+        Largest order of a tree.
+    u : Coefficient
+        Multiple of y: a number for one value, a tuple of r numbers for r values.
 
     Returns
     -------
+    Series
         A scalar series, or a vector-valued one when ``u`` is a tuple.
     """
     outputs = B if isinstance(u, tuple) else (B,)
@@ -333,12 +348,18 @@ def elementary_weights(
 def values_series(method: Method, order: int, palette: Palette | None = None) -> Series:
     """Return the series of the values that a starting or finishing method makes.
 
-    Args:
-        method: a start or a finish. order: largest order of a tree.
-        palette: colours below each vertex, those of the method that is started; by default its own.
+    Parameters
+    ----------
+    method : Method
+        A start or a finish.
+    order : int
+        Largest order of a tree.
+    palette : Palette or None
+        Colours below each vertex, those of the method that is started; by default its own.
 
     Returns
     -------
+    Series
         Vectors with one entry for each value; the component of a tree is that of its root.
     """
     palette = method.palette if palette is None else palette

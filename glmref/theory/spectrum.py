@@ -50,8 +50,10 @@ class Boundedness:
 
     Attributes
     ----------
-        holds: the decision, ``None`` where balls leave it open.
-        witness: one sentence on what decides.
+    holds : bool or None
+        The decision, ``None`` where balls leave it open.
+    witness : str
+        One sentence on what decides.
     """
 
     holds: bool | None
@@ -126,7 +128,8 @@ def _solve_unimodular(p: Polynomial) -> list[Scalar]:
 
     Raises
     ------
-        ExactnessError: when the degree is too high for square roots.
+    ExactnessError
+        When the degree is too high for square roots.
     """
     degree = len(p) - 1
     if degree == 1:
@@ -165,12 +168,15 @@ def unimodular_eigenvalues(V: Matrix) -> tuple[Eigenvalue, ...]:
     Roots of unity are divided out of the characteristic polynomial. What is left and its mirror
     image in the unit circle share the other unimodular roots, which are then found by square roots.
 
-    Args:
-        V: (r, r), exact.
+    Parameters
+    ----------
+    V : Matrix
+        (r, r), exact.
 
     Raises
     ------
-        ExactnessError: for balls, or for eigenvalues that square roots do not give.
+    ExactnessError
+        For balls, or for eigenvalues that square roots do not give.
     """
     _require_exact(V)
     found, rest = _cyclotomic_part(_strip_zero_roots(poly.characteristic_polynomial(V)))
@@ -202,11 +208,13 @@ def eigenvectors(V: Matrix, zeta: Scalar) -> tuple[list[Vector], list[Vector]]:
 
     Returns
     -------
+    tuple[list[Vector], list[Vector]]
         Rows w_i and columns v_j, as many as the geometric multiplicity.
 
     Raises
     ------
-        ExactnessError: when the eigenvalue is defective, so that no such scaling exists.
+    ExactnessError
+        When the eigenvalue is defective, so that no such scaling exists.
     """
     r = len(V)
     shifted = linalg.sub(V, linalg.scale(zeta, linalg.identity(r)))
@@ -223,8 +231,10 @@ def power_bounded(V: Matrix) -> Boundedness:
     With the characteristic polynomial split into q (unimodular roots, each once) and h (the rest),
     V is power-bounded exactly if h has all roots inside the circle and h(V) q(V) = 0.
 
-    Args:
-        V: (r, r).
+    Parameters
+    ----------
+    V : Matrix
+        (r, r).
 
     References: Butcher, "Numerical Methods for Ordinary Differential Equations" (2016), section 51;
     Hairer, Nørsett and Wanner, "Solving Ordinary Differential Equations I" (1993), section III.3.

@@ -55,10 +55,14 @@ class AtInfinity:
 
     Attributes
     ----------
-        polynomial: coefficients of the polynomial whose roots are the finite limits.
-        unbounded: number of eigenvalues that grow without bound.
-        matrix: the limit V - B A^-1 U of M(z), or ``None`` for singular A.
-        nilpotent: whether all limits are zero.
+    polynomial : Polynomial
+        Coefficients of the polynomial whose roots are the finite limits.
+    unbounded : int
+        Number of eigenvalues that grow without bound.
+    matrix : Matrix or None
+        The limit V - B A^-1 U of M(z), or ``None`` for singular A.
+    nilpotent : bool or None
+        Whether all limits are zero.
     """
 
     polynomial: Polynomial
@@ -72,7 +76,8 @@ def stability_matrix(m: GLM, z: Scalar | int | Fraction) -> Matrix:
 
     Raises
     ------
-        ExactnessError: where I - z A is singular.
+    ExactnessError
+        Where I - z A is singular.
 
     References: Butcher, "Numerical Methods for Ordinary Differential Equations" (2016), section
     520.
@@ -201,7 +206,8 @@ def stability_function(m: GLM) -> tuple[Polynomial, Polynomial]:
 
     Raises
     ------
-        UsageError: for a method that carries more than one value.
+    UsageError
+        For a method that carries more than one value.
 
     References: Hairer and Wanner, "Solving Ordinary Differential Equations II" (1996), (IV.3.3).
     """
@@ -273,6 +279,33 @@ def divided(q: Bivariate, factor: Polynomial) -> Bivariate:
     return q if any(rest for _, rest in results) else tuple(quotient for quotient, _ in results)
 
 
+def _conjugate(p: Polynomial) -> Polynomial:
+    return tuple(x.conjugate() for x in p)
+
+
+def size_difference(p: Polynomial, q: Polynomial) -> Polynomial:
+    """``|p|^2 - |q|^2`` on the real axis."""
+    return poly.sub(poly.mul(p, _conjugate(p)), poly.mul(q, _conjugate(q)))
+
+
+def is_mirror_image(q: Bivariate) -> bool:
+    """Whether the coefficients read backwards are their conjugates, up to one factor."""
+    low, high = q[0], q[-1]
+    return all(
+        not poly.sub(poly.mul(p, _conjugate(low)), poly.mul(_conjugate(other), high))
+        for p, other in zip(q, reversed(q), strict=True)
+    )
+
+
+def schur_transform(q: Bivariate) -> Bivariate:
+    """One step of Schur's recursion: a polynomial of degree one less with the roots in the disc."""
+    low, high = q[0], q[-1]
+    return tuple(
+        poly.sub(poly.mul(_conjugate(high), q[k + 1]), poly.mul(low, _conjugate(q[-2 - k])))
+        for k in range(len(q) - 1)
+    )
+
+
 def oscillator(pair: Method) -> GLM:
     """One method whose M(y), y = h omega real, is a pair's step for q' = omega p, p' = -omega q.
 
@@ -316,12 +349,15 @@ def parasitic_curvature(pair: Method) -> Scalar:
     the unit circle for small y if kappa > 0, and leave it at once, ``|w| - 1 = sqrt(-kappa) y^3``,
     if kappa < 0. Growth parameters that are zero say nothing about the sign.
 
-    Args:
-        pair: explicit, r = r^ = 2, V and V^ with the eigenvalues 1 and -1.
+    Parameters
+    ----------
+    pair : Method
+        Explicit, r = r^ = 2, V and V^ with the eigenvalues 1 and -1.
 
     Raises
     ------
-        UsageError: for another pair, or one that grows already in the first order.
+    UsageError
+        For another pair, or one that grows already in the first order.
     """
     if any(len(c.V) != 2 for c in pair.components):
         raise UsageError(f"the pair {pair.name!r} must carry two values of q and two of p")

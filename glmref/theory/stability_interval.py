@@ -28,7 +28,16 @@ from ..method import GLM
 from . import polynomials as poly
 from .polynomials import Polynomial
 from .root_location import first_root, in_closed_disc
-from .stability import Bivariate, divided, on_imaginary_axis, stability_polynomial, without_content
+from .stability import (
+    Bivariate,
+    divided,
+    is_mirror_image,
+    on_imaginary_axis,
+    schur_transform,
+    size_difference,
+    stability_polynomial,
+    without_content,
+)
 
 __all__ = ["Interval", "imaginary_interval", "real_interval"]
 
@@ -47,8 +56,10 @@ class Interval:
 
     Attributes
     ----------
-        end: the end, rounded to double; infinity for a whole half-axis; ``None`` if not known.
-        witness: what happens there, or why it is not known.
+    end : float or None
+        The end, rounded to double; infinity for a whole half-axis; ``None`` if not known.
+    witness : str
+        What happens there, or why it is not known.
     """
 
     end: float | None
@@ -86,10 +97,6 @@ def _interval(m: GLM, along: object) -> Interval:
         return Interval(None, str(error))
 
 
-def _conjugate(p: Polynomial) -> Polynomial:
-    return tuple(x.conjugate() for x in p)
-
-
 def _end(q: Bivariate) -> Interval:
     at_zero = poly.trim([poly.evaluate(p, 0) for p in q])
     if not in_closed_disc(at_zero):
@@ -101,10 +108,10 @@ def _end(q: Bivariate) -> Interval:
         if not low:
             q = q[1:]
             continue
-        difference = poly.sub(poly.mul(high, _conjugate(high)), poly.mul(low, _conjugate(low)))
+        difference = size_difference(high, low)
         difference = tuple(x.real for x in difference)
         if not difference:
-            if not _mirrored(q):
+            if not is_mirror_image(q):
                 ends.append(Fraction(0))
                 break
             if len(q) == 2:
@@ -117,22 +124,11 @@ def _end(q: Bivariate) -> Interval:
             ends.append(end)
         if end == 0:
             break
-        reduced = tuple(
-            poly.sub(poly.mul(_conjugate(high), q[k + 1]), poly.mul(low, _conjugate(q[-2 - k])))
-            for k in range(len(q) - 1)
-        )
+        reduced = schur_transform(q)
         q, previous = divided(reduced, previous), high
     if not ends:
         return Interval(float("inf"), "no eigenvalue leaves the closed unit disc")
     return Interval(float(min(ends)), "an eigenvalue leaves the closed unit disc")
-
-
-def _mirrored(q: Bivariate) -> bool:
-    low, high = q[0], q[-1]
-    return all(
-        not poly.sub(poly.mul(p, _conjugate(low)), poly.mul(_conjugate(other), high))
-        for p, other in zip(q, reversed(q), strict=True)
-    )
 
 
 def _turns_negative(p: Polynomial) -> Fraction | None:

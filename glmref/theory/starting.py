@@ -60,16 +60,25 @@ class StartingResult:
 
     Attributes
     ----------
-        order: largest order through which it agrees; -1 when already the multiples of y differ.
-        failing_tree: first tree on which it differs, ``None`` when none was found.
-        component: value, counted from 1, in which it differs there; 0 when none. The root of the
-            tree says of which component.
-        residual: by how much, or ``None``.
-        shift: duration, in steps, by which the start runs ahead of the solution (0 is usual).
-        proof: exact, or enclosed where balls took part.
-        largest_residual: upper bound of the differences through ``order``; 0.0 when exact.
-        method_order: order p of the method, which is the largest order that has a meaning.
-        compared: which trees were compared, in words.
+    order : int
+        Largest order through which it agrees; -1 when already the multiples of y differ.
+    failing_tree : Tree or None
+        First tree on which it differs, ``None`` when none was found.
+    component : int
+        Value, counted from 1, in which it differs there; 0 when none. The root of the tree says of
+        which component.
+    residual : Scalar or None
+        By how much, or ``None``.
+    shift : Scalar
+        Duration, in steps, by which the start runs ahead of the solution (0 is usual).
+    proof : Proof
+        Exact, or enclosed where balls took part.
+    largest_residual : float
+        Upper bound of the differences through ``order``; 0.0 when exact.
+    method_order : int
+        Order p of the method, which is the largest order that has a meaning.
+    compared : str
+        Which trees were compared, in words.
     """
 
     order: int
@@ -97,8 +106,10 @@ class StartingResult:
 def starting_series(starting: Method, order: int, *, like: Method | None = None) -> Series:
     """Return the vector-valued series of a starting method, through the given order.
 
-    Args:
-        like: the method that is started, whose colours are taken.
+    Parameters
+    ----------
+    like : Method or None
+        The method that is started, whose colours are taken.
     """
     return values_series(starting, order, None if like is None else like.palette)
 
@@ -116,7 +127,8 @@ def exact_start_series(method: Method, order: int, *, principal: Principal = "fr
 
     Raises
     ------
-        UsageError: when the method's order is lower.
+    UsageError
+        When the method's order is lower.
     """
     result = order_of(method, max_order=max(order, 1), principal=principal)
     if result.order < order or result.eta is None:
@@ -141,20 +153,30 @@ def starting_order(
 ) -> StartingResult:
     """Decide through which order a starting method agrees with the exact starting series.
 
-    Args:
-        method: the method that is started.
-        starting: the starting method; its ``B`` has one row for each value of the component.
-        max_order: largest order looked at; the order of the method when ``None``.
-        principal: ``"free"``: any member of the family will do; ``"identity"``: the output
-            must be the solution itself. By default free for one component; the outputs of several
-            are the solution, since no finishing method follows.
-        known: what :func:`order_of` returned for the method, so that it is not computed again;
-            its kind of principal part is taken.
-        counts: which trees are compared. compared: the same in words.
+    Parameters
+    ----------
+    method : Method
+        The method that is started.
+    starting : Method
+        The starting method; its ``B`` has one row for each value of the component.
+    max_order : int or None
+        Largest order looked at; the order of the method when ``None``.
+    principal : Principal or None
+        ``"free"``: any member of the family will do; ``"identity"``: the output must be the
+        solution itself. By default free for one component; the outputs of several are the solution,
+        since no finishing method follows.
+    known : OrderResult or None
+        What :func:`order_of` returned for the method, so that it is not computed again; its kind of
+        principal part is taken.
+    counts : Callable[[Tree], bool]
+        Which trees are compared.
+    compared : str
+        The same in words.
 
     Raises
     ------
-        UsageError: when the number of values differs.
+    UsageError
+        When the number of values differs.
     """
     wanted = tuple(len(c.V) for c in method.components)
     given = tuple(len(c.V) for c in starting.components)
@@ -213,13 +235,16 @@ def _compare(
 def zero_start_order(result: OrderResult) -> tuple[int, str]:
     """To which order the start u y_0, (y_0, 0, ..) as a rule, agrees with the starting series.
 
-    Args:
-        result: its order with ``principal="identity"``, with the starting series.
+    Parameters
+    ----------
+    result : OrderResult
+        Its order with ``principal="identity"``, with the starting series.
 
     Returns
     -------
-        The largest q, not above the order, with zeta(t) = 0 for 0 < |t| <= q; and one sentence
-        that names the first tree where it is not.
+    tuple[int, str]
+        The largest q, not above the order, with zeta(t) = 0 for 0 < |t| <= q; and one sentence that
+        names the first tree where it is not.
     """
     for t in sorted(result.eta or {}, key=lambda t: t.order):
         values = () if result.eta is None else result.eta[t]
@@ -246,19 +271,25 @@ def finishing_order(
 ) -> StartingResult:
     """Decide through which order a finishing method undoes the start in the output.
 
-    Args:
-        method: the method that is finished.
-        finishing: acts on the output.
-        starting: the starting method used with it: finishing right after it must give y back. When
-            ``None``, the exact starting series is taken, any member of its family.
-        max_order: largest order looked at; the order of the method when ``None``.
-        known: what :func:`order_of` returned for the method with a free principal part, so that it
-            is not computed again.
+    Parameters
+    ----------
+    method : GLM
+        The method that is finished.
+    finishing : FinishingMethod
+        Acts on the output.
+    starting : StartingMethod or None
+        The starting method used with it: finishing right after it must give y back. When ``None``,
+        the exact starting series is taken, any member of its family.
+    max_order : int or None
+        Largest order looked at; the order of the method when ``None``.
+    known : OrderResult or None
+        What :func:`order_of` returned for the method with a free principal part, so that it is not
+        computed again.
 
     Raises
     ------
-        UsageError: when the output of the starting method is not y, so that there is nothing to
-            finish.
+    UsageError
+        When the output of the starting method is not y, so that there is nothing to finish.
     """
     result = known or order_of(method, max_order=max_order or MAX_ORDER - 1)
     enclosed = result.proof is Proof.ENCLOSED or not finishing.is_exact

@@ -60,16 +60,21 @@ class Symmetry:
 
     Attributes
     ----------
-        holds: the decision; ``None`` where balls, or a search that ended, leave it open.
-        involutions: (r, r) involution of the values of each component, by colour, or ``None``.
-            Where the method failed it is the only matrix that the linear conditions allow, if
-            there is one.
-        exchanges: how the stages of each component are exchanged, by colour: stage i with stage
-            P[i], from 0. Empty where there is none.
-        residual: largest entry of the conditions, 0.0 when all hold exactly.
-        witness: one sentence naming the condition that fails, or ``""``.
-        reduced: whether L and P belong to the reduced method (:func:`equivalence.reduce`), as for a
-            multistep method that carries derivatives it could do without.
+    holds : bool or None
+        The decision; ``None`` where balls, or a search that ended, leave it open.
+    involutions : Mapping[str, Matrix or None]
+        (r, r) involution of the values of each component, by colour, or ``None``. Where the method
+        failed it is the only matrix that the linear conditions allow, if there is one.
+    exchanges : Mapping[str, tuple[int, ...]]
+        How the stages of each component are exchanged, by colour: stage i with stage P[i], from 0.
+        Empty where there is none.
+    residual : float
+        Largest entry of the conditions, 0.0 when all hold exactly.
+    witness : str
+        One sentence naming the condition that fails, or ``""``.
+    reduced : bool
+        Whether L and P belong to the reduced method (:func:`equivalence.reduce`), as for a
+        multistep method that carries derivatives it could do without.
     """
 
     holds: bool | None
@@ -134,7 +139,8 @@ def adjoint(m: GLM) -> GLM:
 
     Raises
     ------
-        ExactnessError: when V is singular.
+    ExactnessError
+        When V is singular.
 
     References: Butcher, "B-Series" (2021), section 7.6; Khan (2018), section 2.3.1, corrected.
     """
@@ -179,8 +185,14 @@ def _value_residuals(half: _Half, L: Matrix, rows: Sequence[int], columns: Seque
 def symmetry_residual(m: GLM, L: Matrix, P: Sequence[int]) -> Named:
     """All five conditions, left minus right, each with its name.
 
-    Args:
-        m: a method with nonsingular V. L: (r, r). P: (s,) permutation, from 0.
+    Parameters
+    ----------
+    m : GLM
+        A method with nonsingular V.
+    L : Matrix
+        (r, r).
+    P : Sequence[int]
+        (s,) permutation, from 0.
 
     References: Butcher, "B-Series" (2021), Definition 7.6A; Khan (2018), equations (2.10) to
     (2.12), corrected.

@@ -67,13 +67,19 @@ class GSymplecticity:
 
     Attributes
     ----------
-        holds: the decision; ``None`` where balls leave it open.
-        G, diagonals: the form that was checked or found, scaled to ``u^* G u^ = 1`` when found. Of
-            a single method there is one diagonal D, of a partitioned one there are D_P and D_Q.
-        dimension: of the space of all forms, or ``None`` where a given form was checked.
-        nondegenerate: whether G is square and nonsingular and no entry of a diagonal is zero.
-        residual: largest entry of the identities, 0.0 when they hold exactly.
-        witness: one sentence naming the entry that decides, or ``""``.
+    holds : bool or None
+        The decision; ``None`` where balls leave it open.
+    G, diagonals
+        The form that was checked or found, scaled to ``u^* G u^ = 1`` when found. Of a single
+        method there is one diagonal D, of a partitioned one there are D_P and D_Q.
+    dimension : int or None
+        Of the space of all forms, or ``None`` where a given form was checked.
+    nondegenerate : bool or None
+        Whether G is square and nonsingular and no entry of a diagonal is zero.
+    residual : float
+        Largest entry of the identities, 0.0 when they hold exactly.
+    witness : str
+        One sentence naming the entry that decides, or ``""``.
     """
 
     holds: bool | None
@@ -112,11 +118,16 @@ def g_symplectic_residual(
 ) -> list[tuple[str, Matrix]]:
     """The identities of the module docstring, left minus right, with their names.
 
-    Args:
-        G: (r, r^). diagonals: D, or D_P (n_P,) and D_Q (n_Q,).
+    Parameters
+    ----------
+    G : Matrix
+        (r, r^).
+    diagonals : Sequence[Scalar]
+        D, or D_P (n_P,) and D_Q (n_Q,).
 
     Returns
     -------
+    list[tuple[str, Matrix]]
         ``G - V^* G V^`` (r, r^), then (n_P, r^), for a partitioned method (n_Q, r), and (n_P, n_Q).
 
     References: Butcher and Hewitt, Numer. Algorithms 51 (2009) 33; Khan (2018), Theorem 3.0.6, with
@@ -187,18 +198,22 @@ def _start_forms(m: Method, u: Vector | None, u_hat: Vector | None) -> list[Form
 def find_forms(m: Method) -> FormSpace:
     """Find every form with its diagonals with which the method is G-symplectic.
 
-    Args:
-        m: a method; V must be exact.
+    Parameters
+    ----------
+    m : Method
+        A method; V must be exact.
 
     Returns
     -------
+    FormSpace
         A basis over the reals; where it has a form with ``u^* G u^ != 0``, the first one is scaled
         to 1 and the others to 0. Over balls in A, U, B it is the only candidate there can be, and
         its residual is for the caller to check.
 
     Raises
     ------
-        ExactnessError: when V holds balls.
+    ExactnessError
+        When V holds balls.
     """
     u, u_hat = _principal_vectors(m)
 
@@ -286,8 +301,10 @@ def _given_form(m: Method) -> tuple[Matrix, tuple[Vector, ...]] | None:
 def g_symplectic(m: Method) -> GSymplecticity:
     """Decide G-symplecticity: with the form the method carries if it does, else with any form.
 
-    Args:
-        m: a single or a partitioned method; its G and diagonals are checked where they are given.
+    Parameters
+    ----------
+    m : Method
+        A single or a partitioned method; its G and diagonals are checked where they are given.
 
     References: Butcher and Hewitt, Numer. Algorithms 51 (2009) 33; Khan (2018), Theorem 3.0.6.
     """
@@ -318,7 +335,8 @@ def symplectic_residual(m: GLM) -> Matrix:
 
     Raises
     ------
-        UsageError: for a method that carries more than one value.
+    UsageError
+        For a method that carries more than one value.
 
     References: Sanz-Serna, BIT 28 (1988) 877; Lasagni (1988); Suris (1988).
     """

@@ -70,11 +70,16 @@ class Tree:
 
     Attributes
     ----------
-        colour: colour of the root.
-        children: subtrees of the root, in ascending order (see :attr:`key`).
-        order: number of vertices, ``|t|``.
-        density: ``gamma(t)``, the product over all vertices of the order of the subtree there.
-        symmetry: ``sigma(t)``, the order of the automorphism group.
+    colour : str
+        Colour of the root.
+    children : tuple[Tree, ...]
+        Subtrees of the root, in ascending order (see :attr:`key`).
+    order : int
+        Number of vertices, ``|t|``.
+    density : int
+        ``gamma(t)``, the product over all vertices of the order of the subtree there.
+    symmetry : int
+        ``sigma(t)``, the order of the automorphism group.
     """
 
     __slots__ = ("_repeat", "children", "colour", "density", "order", "symmetry")
@@ -196,7 +201,8 @@ def tree(children: Iterable[Tree] = (), colour: str = "o") -> Tree:
 
     Raises
     ------
-        UsageError: for an unknown colour.
+    UsageError
+        For an unknown colour.
     """
     if colour not in _SINGLE:
         raise UsageError(f"`colour` must be one of {', '.join(_COLOURS)}, got {colour!r}")
@@ -215,7 +221,8 @@ def parse_tree(text: str) -> Tree:
 
     Raises
     ------
-        UsageError: naming the place that cannot be read.
+    UsageError
+        Naming the place that cannot be read.
     """
     if not isinstance(text, str) or len(text) > _MAX_TEXT:
         raise UsageError(f"a tree is a text of at most {_MAX_TEXT} characters such as '[o[oo]]'")
@@ -302,7 +309,8 @@ def trees(order: int, palette: Palette = ROOTED) -> tuple[Tree, ...]:
 
     Raises
     ------
-        UsageError: for an order outside 1..:data:`MAX_ORDER`.
+    UsageError
+        For an order outside 1..:data:`MAX_ORDER`.
     """
     if not isinstance(order, int) or not 1 <= order <= MAX_ORDER:
         raise UsageError(f"`order` must be an integer from 1 to {MAX_ORDER}, got {order!r}")
@@ -323,10 +331,11 @@ def pruned(t: Tree) -> Mapping[Tree, int]:
 
     Returns
     -------
+    Mapping[Tree, int]
         For every ``kept`` (a subtree of ``t`` with the same root, ``t`` itself included) the number
         N of pairs: a place of ``kept`` in ``t``, and an order of the removed vertices in which
-        parents come first. With it the flow of duration c acts on a series by
-        ``(E^c a)(t) = a(empty) c^|t| / gamma(t) + sum N(t, s) c^j / j! a(s)``, ``j = |t| - |s|``.
+        parents come first. With it the flow of duration c acts on a series by ``(E^c a)(t) =
+        a(empty) c^|t| / gamma(t) + sum N(t, s) c^j / j! a(s)``, ``j = |t| - |s|``.
 
     Integers only, so they are remembered for good.
     """
@@ -359,6 +368,7 @@ def coproduct(t: Tree) -> tuple[tuple[Tree, tuple[Tree, ...], int], ...]:
 
     Returns
     -------
+    tuple[tuple[Tree, tuple[Tree, ...], int], ...]
         Triples (kept, removed, multiplicity): a subtree with the root of ``t``, the sorted tuple of
         the trees cut off, and how often this happens. The first is ``(t, (), 1)``. The term in
         which nothing is kept is not among them.
