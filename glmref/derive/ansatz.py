@@ -44,9 +44,12 @@ class Value:
 
     Attributes
     ----------
-        eigenvalue: expression on the unit circle, such as ``"exp(2*pi*i/3)"`` or ``"-1"``.
-        sign: +1 or -1, its entry in G.
-        parity: of its row of X under stage reversal; only for -1.
+    eigenvalue : str
+        Expression on the unit circle, such as ``"exp(2*pi*i/3)"`` or ``"-1"``.
+    sign : int
+        +1 or -1, its entry in G.
+    parity : int
+        Of its row of X under stage reversal; only for -1.
     """
 
     eigenvalue: str
@@ -65,16 +68,30 @@ class Ansatz:
 
     Attributes
     ----------
-        name: name of the method to be.
-        stages: s. order: even. values: eigenvalues of V besides 1.
-        fixed: exact expressions for some of the unknowns.
-        stage_order: q; every stage then satisfies eta(t) = c^|t| / gamma(t) for |t| <= q.
-        explicit: stages (from 1, one of each mirror pair) that need no equation solved.
-        abscissae: stage -> exact abscissa.
-        parasitism_free: whether the growth parameters are to vanish.
-        equations: the equations, where the usual ones are not wanted.
-        xi: whether the principal start is free (a conjugation) where the order allows it.
-        title: one line for the file.
+    name : str
+        Name of the method to be.
+    stages : int
+        s.
+    order : int
+        even.
+    values : Sequence[Value]
+        Eigenvalues of V besides 1.
+    fixed : Mapping[str, str]
+        Exact expressions for some of the unknowns.
+    stage_order : int
+        q; every stage then satisfies eta(t) = c^|t| / gamma(t) for |t| <= q.
+    explicit : Sequence[int]
+        Stages (from 1, one of each mirror pair) that need no equation solved.
+    abscissae : Mapping[int, str]
+        Stage -> exact abscissa.
+    parasitism_free : bool
+        Whether the growth parameters are to vanish.
+    equations : Sequence[str] or None
+        The equations, where the usual ones are not wanted.
+    xi : bool
+        Whether the principal start is free (a conjugation) where the order allows it.
+    title : str
+        One line for the file.
     """
 
     name: str
@@ -111,7 +128,8 @@ class Ansatz:
 
         Raises
         ------
-            DataError: for an unknown key or a file that is not TOML.
+        DataError
+            For an unknown key or a file that is not TOML.
         """
         try:
             table = tomllib.loads(read_text(path, MAX_BYTES))
@@ -119,10 +137,22 @@ class Ansatz:
             raise DataError(f"the ansatz {str(path)!r} cannot be read ({error})") from None
         except (ValueError, RecursionError) as error:
             raise DataError(f"{path.name}: the ansatz is not TOML ({error})") from None
+        return cls.from_table(table, path.name)
+
+    @classmethod
+    def from_table(cls, given: Mapping[str, Any], name: str) -> Ansatz:
+        """Read an ansatz from a table with the attributes of this class as keys.
+
+        Raises
+        ------
+        DataError
+            For an unknown key or a wrong value; the sentence begins with the name.
+        """
+        table = dict(given)
         for key in table:
             if key not in cls.__dataclass_fields__:
                 raise DataError(
-                    f"{path.name}: the key {key!r} is unknown; an ansatz has "
+                    f"{name}: the key {key!r} is unknown; an ansatz has "
                     f"{', '.join(cls.__dataclass_fields__)}"
                 )
         try:
@@ -131,7 +161,7 @@ class Ansatz:
             table["fixed"] = {k: str(v) for k, v in table.get("fixed", {}).items()}
             return cls(**table)
         except (TypeError, ValueError) as error:
-            raise DataError(f"{path.name}: the ansatz is not complete ({error})") from None
+            raise DataError(f"{name}: the ansatz is not complete ({error})") from None
 
     def _row(self, name: str, parity: int) -> list[str]:
         half = [f"{name}{i + 1}" for i in range(self.stages // 2)]
@@ -185,7 +215,8 @@ class Ansatz:
 
         Raises
         ------
-            UsageError: when a fixed name is not in the ansatz.
+        UsageError
+            When a fixed name is not in the ansatz.
         """
         X, G, V = self._rows()
         D, principal = self._row("b", 1), self._principal()

@@ -19,12 +19,12 @@ from ..errors import ExactnessError
 from ..exact import Exact, linalg
 from ..exact.linalg import Matrix
 from ..prove.classes import classes
-from ..prove.inverse_finish import inverse_block
-from ..prove.starting import Target, functionals, prove_starting
+from ..prove.starting import Target, functionals, inverse_block, prove_starting
 from ..prove.tableau_series import stage_order, weights
 from ..theory.trees import Tree
 from .parameters import RankError, pivots
 from .parity_start import add_terms, negated
+from .recognise import exact_text
 
 __all__ = ["collocation", "linear_start", "tableau"]
 
@@ -97,7 +97,8 @@ def _choose(matrix: Matrix, trees: Sequence[Tree]) -> list[int]:
 
     Raises
     ------
-        ExactnessError: when the columns do not span.
+    ExactnessError
+        When the columns do not span.
     """
     rows = np.array(
         [[float(x) * t.density for x in row] for row, t in zip(matrix, trees, strict=True)]
@@ -116,14 +117,19 @@ def linear_start(
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Solve for the weights; return the start and the finish that inverts its first value.
 
-    Args:
-        pairs, moments: see :func:`tableau`. target: of a method of that stage order.
-        first: how many of the pairs (block included) the first value may use: few keep the
-            finish short.
+    Parameters
+    ----------
+    pairs, moments
+        See :func:`tableau`.
+    target : Target
+        Of a method of that stage order.
+    first : int
+        How many of the pairs (block included) the first value may use: few keep the finish short.
 
     Raises
     ------
-        ExactnessError: when the stages do not span the conditions, or the proof fails.
+    ExactnessError
+        When the stages do not span the conditions, or the proof fails.
     """
     A = tuple(tuple(Exact(x) for x in row) for row in tableau(pairs, moments=moments))
     q = stage_order(A, most=target.stage_order)
@@ -132,7 +138,7 @@ def linear_start(
     series = {t: [row[t] for row in found] for t in found[0]}
     count = 3 + len(pairs)
     parts: list[list[str]] = []
-    forms = functionals(target.L)
+    forms = functionals(target.L["o"])
     for k, (form, sign) in enumerate(forms):
         order = target.order - (k == 0)
         rows = [t for n in range(2 if sign > 0 else 1, order + 1, 2) for t in classes(n, q)]
@@ -156,8 +162,6 @@ def _block(
     A: Matrix, parts: Sequence[Sequence[str]], forms: Sequence[tuple[tuple[Any, ...], int]]
 ) -> dict[str, Any]:
     """Carry the values in eigenvectors of L back to y: B = (forms)^-1 parts."""
-    from .recognise import exact_text
-
     back = linalg.inverse(tuple(row for row, _ in forms))
     size = len(A)
     flat = []

@@ -26,14 +26,19 @@ def pivots(
 ) -> list[int]:
     """Unknowns to fix, so that the rest is determined: columns left by elimination with pivoting.
 
-    Args:
-        jacobian: (m, n), m <= n.
-        first: columns that are eliminated first, so that they are not among those to fix.
-        tolerance: smallest pivot, relative to the largest entry.
+    Parameters
+    ----------
+    jacobian : np.ndarray
+        (m, n), m <= n.
+    first : Sequence[int]
+        Columns that are eliminated first, so that they are not among those to fix.
+    tolerance : float
+        Smallest pivot, relative to the largest entry.
 
     Raises
     ------
-        RankError: when the m rows have numerical rank below m.
+    RankError
+        When the m rows have numerical rank below m.
     """
     rows = np.array(jacobian, dtype=float)
     m, n = rows.shape
@@ -60,19 +65,26 @@ def fix_parameters(
 
     Only parameters of the method are fixed, never a principal part ``xi``.
 
-    Args:
-        ansatz: with m equations for n > m unknowns, or as many.
-        point: (n,) solution in double precision.
-        places: decimal places of the fixed values.
+    Parameters
+    ----------
+    ansatz : Ansatz
+        With m equations for n > m unknowns, or as many.
+    point : Sequence[float]
+        (n,) solution in double precision.
+    places : int
+        Decimal places of the fixed values.
 
     Returns
     -------
+    tuple[Ansatz, list[float]]
         The square ansatz and a solution of it, in double precision.
 
     Raises
     ------
-        RankError: see :func:`pivots`.
-        ConvergenceError: when the rounded parameters admit no solution nearby.
+    RankError
+        See :func:`pivots`.
+    ConvergenceError
+        When the rounded parameters admit no solution nearby.
     """
     system = SweepSystem(ansatz.document())
     names = list(system.unknowns)

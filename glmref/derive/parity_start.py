@@ -12,8 +12,11 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
+from ..catalogue.claims import NYSTROM_ORDER, NYSTROM_STARTING_ORDER, ORDER, STARTING_ORDER
 from ..catalogue.writer import DIGITS, decimal
+from ..errors import ExactnessError
 from ..exact import Ball, ball
+from ..prove.enclosure import Enclosure
 from ..prove.newton import polish
 from ..prove.starting import (
     StartingSystem,
@@ -25,9 +28,18 @@ from ..prove.starting import (
     prove_starting,
     starting_function,
     starting_system,
+    swap,
 )
 
-__all__ = ["add_terms", "complete", "finishing_block", "negated", "starting_block"]
+__all__ = [
+    "add_terms",
+    "complete",
+    "expanded",
+    "finishing_block",
+    "negated",
+    "starting_block",
+    "with_partitioned_start",
+]
 
 _NUMBER = re.compile(r"(?P<sign>-?)(?P<size>.+)")
 
@@ -121,13 +133,19 @@ def starting_block(
 ) -> dict[str, Any]:
     """Tableau of a start for four values with V = diag(1, z, conj z, -1), from its parameters.
 
-    Args:
-        pairs: n; there are 2 n + 1 stages.
-        values: a, p, q and the weights, rationals or rough decimals.
-        root: ``"w3"`` or ``"i"``: L exchanges y_2 and y_3 as z asks, and with e even, o odd
-            ``y_2 = sqrt(3) e + o, y_3 = e - sqrt(3) o`` or ``y_2 = e + o, y_3 = e - o``.
-        free: whether the first value needs weights (a principal start that is no identity).
-        last_even: whether the fourth value is even.
+    Parameters
+    ----------
+    pairs : int
+        n; there are 2 n + 1 stages.
+    values : Sequence[str]
+        a, p, q and the weights, rationals or rough decimals.
+    root : str
+        ``"w3"`` or ``"i"``: L exchanges y_2 and y_3 as z asks, and with e even, o odd ``y_2 =
+        sqrt(3) e + o, y_3 = e - sqrt(3) o`` or ``y_2 = e + o, y_3 = e - o``.
+    free : bool
+        Whether the first value needs weights (a principal start that is no identity).
+    last_even : bool
+        Whether the fourth value is even.
     """
     parameters = _Parameters(pairs, values)
     A = parameters.stages()
@@ -158,11 +176,67 @@ def finishing_block(pairs: int, values: Sequence[str]) -> dict[str, Any]:
     }
 
 
+def expanded(half: Mapping[str, Sequence[Sequence[str]]]) -> dict[str, Any]:
+    """The block of a start from one stage of each pair.
+
+    Parameters
+    ----------
+    half : Mapping[str, Sequence[Sequence[str]]]
+        "A" and "A_hat": rows of the stages 1, 3, ..; "B" and "B_hat": for each value beyond the
+        first the weights of the stages 1, 3, ... Rationals, or decimals of any length for the
+        unknowns: equal decimals are one unknown.
+    """
+    block: dict[str, Any] = {}
+    for name in ("A", "A_hat"):
+        rows = [[_text(x) for x in row] for row in half[name]]
+        full = [["0"] * len(rows[0])]
+        for row in rows:
+            full += [row, [negated(row[swap(j)]) for j in range(len(row))]]
+        block[name] = full
+    for name in ("B", "B_hat"):
+        rows = [[_text(x) for x in row] for row in half[name]]
+        flat = [["0", *(y for x in row for y in (x, negated(x)))] for row in rows]
+        block[name] = [["0"] * len(flat[0]), *flat]
+    block["u"] = ["1"] + ["0"] * len(half["B"])
+    block["u_hat"] = ["1"] + ["0"] * len(half["B_hat"])
+    q, p = len(block["A"]), len(block["A_hat"])
+    name = f"explicit start of {q} stages Q and {p} stages P, even in h"
+    return {"name": name, "kind": "runge-kutta", **block}
+
+
+def with_partitioned_start(
+    document: Mapping[str, Any], enclosure: Enclosure, half: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Add a start of the order of a pair, and of its order on second-order systems.
+
+    Parameters
+    ----------
+    document : Mapping[str, Any]
+        Of a pair whose first values are the solution.
+    enclosure : Enclosure
+        Its proof.
+    half : Mapping[str, Any]
+        See :func:`expanded`.
+
+    Raises
+    ------
+    ConvergenceError, ExactnessError
+        When the digits lead to no exact start.
+    """
+    claims = dict(document["claims"])
+    claims[STARTING_ORDER.key] = claims[ORDER.key]
+    if NYSTROM_ORDER.key in claims:
+        claims[NYSTROM_STARTING_ORDER.key] = claims[NYSTROM_ORDER.key]
+    changed = {**document, "claims": claims}
+    target = Target.of(changed, enclosure.system, enclosure.series)
+    return {**changed, "starting": complete(expanded(half), None, target)[0]}
+
+
 def _substitute(rows: Any, system: StartingSystem, found: Sequence[Ball]) -> Any:
     """Rows with their rough decimals replaced; a sign that has changed is carried along."""
     new = {old: decimal(x) for old, x in zip(system.unknowns, found, strict=True)}
     if any(x.startswith("-") for x in new.values()):
-        raise ValueError("a parameter changed its sign while it was polished")
+        raise ExactnessError("a parameter changed its sign while it was polished")
 
     def replaced(text: str) -> str:
         return re.sub(r"\d+\.\d{20,}", lambda m: new[m[0]], text)
@@ -177,13 +251,14 @@ def complete(
 
     Raises
     ------
-        ConvergenceError, ExactnessError: when a rough tableau leads to no exact one.
+    ConvergenceError, ExactnessError
+        When a rough tableau leads to no exact one.
     """
     system = starting_system(start)
     found = polish(starting_function(start, target), system.published(DIGITS), digits=90)
     opening = {**start, "order": target.order}
-    opening["A"] = _substitute(start["A"], system, found)
-    opening["B"] = _substitute(start["B"], system, found)
+    for name in {"A", "B", "A_hat", "B_hat"} & start.keys():
+        opening[name] = _substitute(start[name], system, found)
     proved = prove_starting(opening, target)
     if finish is None:
         return opening, None

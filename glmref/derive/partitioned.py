@@ -1,21 +1,21 @@
 """Symmetric explicit pairs: what to look for, free parameters, and complete, proved documents.
 
-An ansatz is a pair in the sweep form (:mod:`.partitioned_sweep`) with V = V^ = diag(1, -1),
+An ansatz is a pair in the sweep form (:mod:`glmref.method.sweep`) with V = V^ = diag(1, -1),
 G = diag(1, g), stages P Q P .. P or Q P Q .. Q and palindromic
 
     b, c    weights                                b1, b2, ..   c1, c2, ..
     w, v    couplings, antisymmetric               w1, w2, ..   v1, v2, ..
 
 The last of b1, b2, .. that is not fixed follows from sum b_i = 1, likewise for c. The equations are
-one tree of every free tree of odd order below the order (:mod:`.pair_series`), both growth
-parameters, and as many starts as make every principal part zero. Scaling q_2 by a number and p_2 by
-its inverse changes nothing but w and v: one parameter is always free.
+one tree of every free tree of odd order below the order (:mod:`glmref.prove.equations`), both
+growth parameters, and as many starts as make every principal part zero. Scaling q_2 by a number and
+p_2 by its inverse changes nothing but w and v: one parameter is always free.
 
 Public names::
 
     PairAnsatz(name, n, order, ...)             .document() -> dict, its unknowns empty
     fix_parameters(ansatz, point) -> (square ansatz, point)
-    complete_pair(ansatz, start, source, claims) -> (document, PairEnclosure)
+    complete_pair(ansatz, start, source, claims) -> (document, Enclosure)
     search_pairs(ansatz, seed=.., starts=..) -> iterator of Found
 """
 
@@ -29,10 +29,10 @@ from typing import TYPE_CHECKING, Any
 from ..catalogue.writer import fill
 from ..errors import UsageError
 from ..exact import ball
+from ..prove.classes import Family, representatives
+from ..prove.enclosure import Enclosure, prove
 from ..prove.newton import polish
-from ..prove.partitioned_enclosure import PairEnclosure, prove_pair
-from ..prove.partitioned_system import PairSystem
-from ..prove.partitioned_trees import representatives
+from ..prove.system import SweepSystem
 
 if TYPE_CHECKING:
     import numpy as np
@@ -56,14 +56,24 @@ class PairAnsatz:
 
     Attributes
     ----------
-        name: name of the method to be.
-        n: stages Q, that is evaluations of k in a step.
-        order: even. nystrom: whether it is meant for second-order systems only.
-        outer: ``"P"`` (n + 1 stages P) or ``"Q"`` (n - 1 stages P).
-        g: +1 or -1, the second entry of G.
-        starts: ``"q"``, ``"p"``, ``"qp"`` or ``""``: whose first starting value is asked to vanish.
-        fixed: exact expressions for some of the unknowns.
-        title: one line for the file.
+    name : str
+        Name of the method to be.
+    n : int
+        Stages Q, that is evaluations of k in a step.
+    order : int
+        even.
+    nystrom : bool
+        Whether it is meant for second-order systems only.
+    outer : str
+        ``"P"`` (n + 1 stages P) or ``"Q"`` (n - 1 stages P).
+    g : int
+        +1 or -1, the second entry of G.
+    starts : str
+        ``"q"``, ``"p"``, ``"qp"`` or ``""``: whose first starting value is asked to vanish.
+    fixed : Mapping[str, str]
+        Exact expressions for some of the unknowns.
+    title : str
+        One line for the file.
     """
 
     name: str
@@ -99,9 +109,9 @@ class PairAnsatz:
         return half + middle + [x if parity > 0 else f"-{x}" for x in reversed(half)]
 
     def equations(self) -> list[str]:
-        """Names of the equations, see :mod:`.pair_system`."""
-        odd = range(3, self.order, 2)
-        trees = [t for n in odd for t in representatives(n, nystrom=self.nystrom)]
+        """Names of the equations, see :mod:`glmref.prove.system`."""
+        family = Family.SECOND_ORDER if self.nystrom else Family.SEPARABLE
+        trees = [t for n in range(3, self.order, 2) for t in representatives(n, 1, family)]
         return [*(f"order {t}" for t in trees), "growth q -1", "growth p -1", *STARTS[self.starts]]
 
     def document(self) -> dict[str, Any]:
@@ -109,7 +119,8 @@ class PairAnsatz:
 
         Raises
         ------
-            UsageError: when a fixed name is not in the ansatz.
+        UsageError
+            When a fixed name is not in the ansatz.
         """
         rows = {name: self._row(name, 1 if name in "bc" else -1) for name in "bwcv"}
         names = [x for row in rows.values() for x in dict.fromkeys(row) if x[0].isalpha()]
@@ -160,9 +171,14 @@ def fix_parameters(
     One unknown after another is fixed, each time the one whose loss leaves the largest smallest
     singular value to the Jacobian.
 
-    Args:
-        ansatz: with more unknowns than equations. point: a solution, in the order of the document.
-        digits: after the point, of the numbers that are fixed.
+    Parameters
+    ----------
+    ansatz : PairAnsatz
+        With more unknowns than equations.
+    point : Sequence[float]
+        A solution, in the order of the document.
+    digits : int
+        After the point, of the numbers that are fixed.
     """
     import numpy as np
 
@@ -170,7 +186,7 @@ def fix_parameters(
 
     document = ansatz.document()
     names = list(document["unknowns"])
-    _, jacobians = evaluate(PairSystem(document).residuals, np.array([point], dtype=float))
+    _, jacobians = evaluate(SweepSystem(document).residuals, np.array([point], dtype=float))
     left = list(range(len(names)))
     for _ in range(len(names) - len(document["enclosure"]["equations"])):
         smallest = [
@@ -195,23 +211,31 @@ def complete_pair(
     source: Mapping[str, Any],
     claims: Mapping[str, Any] | None = None,
     notes: Sequence[str] = (),
-) -> tuple[dict[str, Any], PairEnclosure]:
+) -> tuple[dict[str, Any], Enclosure]:
     """Polish, prove and complete one pair.
 
-    Args:
-        ansatz: with as many unknowns as equations.
-        start: about ten digits of each unknown, in the order of the document.
-        source: the source record. claims: claims besides the usual ones, or instead of them.
-        notes: sentences for the reader of the file.
+    Parameters
+    ----------
+    ansatz : PairAnsatz
+        With as many unknowns as equations.
+    start : Sequence[str or float]
+        About ten digits of each unknown, in the order of the document.
+    source : Mapping[str, Any]
+        The source record.
+    claims : Mapping[str, Any] or None
+        Claims besides the usual ones, or instead of them.
+    notes : Sequence[str]
+        Sentences for the reader of the file.
 
     Raises
     ------
-        ConvergenceError, ExactnessError: when the start leads to no root, or the proof fails.
+    ConvergenceError, ExactnessError
+        When the start leads to no root, or the proof fails.
     """
     document = ansatz.document()
     values = [ball(Fraction(str(x))) for x in start]
-    document = fill(document, polish(PairSystem(document).residuals, values))
-    enclosure = prove_pair(document)
+    document = fill(document, polish(SweepSystem(document).residuals, values))
+    enclosure = prove(document)
     orders: dict[str, Any] = dict(document["claims"])
     if enclosure.identity:
         orders["order-identity"] = orders["order"]
@@ -256,7 +280,7 @@ def search_pairs(
     from .search import search
 
     document = ansatz.document()
-    system = PairSystem(document)
+    system = SweepSystem(document)
     names = list(document["unknowns"])
     rows = {"b": document["b"], "c": document["c"]}
     # R(T) is of the size of 1 / gamma(T): without weights high orders would hardly count

@@ -29,7 +29,8 @@ def exact_text(value: Exact) -> str:
 
     Raises
     ------
-        ExactnessError: when it has none of these forms.
+    ExactnessError
+        When it has none of these forms.
     """
     near = _near_fraction(value)
     if value == near:

@@ -126,6 +126,7 @@ def levenberg_marquardt(
 
     Returns
     -------
+    tuple[np.ndarray, np.ndarray]
         points (starts, n) and the largest absolute residual (starts,) of each.
     """
     points = np.array(points, dtype=float)
@@ -167,8 +168,12 @@ class Found:
 
     Attributes
     ----------
-        number: which start: the draw depends on the seed and on this alone.
-        point: (n,) unknowns. residual: largest absolute residual.
+    number : int
+        Which start: the draw depends on the seed and on this alone.
+    point : tuple[float, ...]
+        (n,) unknowns.
+    residual : float
+        Largest absolute residual.
     """
 
     number: int
@@ -189,15 +194,24 @@ def search(
 ) -> Iterator[Found]:
     """Run :func:`levenberg_marquardt` from many random starts.
 
-    Args:
-        residuals: the system, over any scalar; it may have more unknowns than equations.
-        draw: a random start from a generator.
-        seed: start k is drawn from ``numpy.random.default_rng([seed, k])``.
-        starts: how many starts. first: number of the first, to resume a search that was stopped.
-        progress: called with (done, starts) after each batch.
+    Parameters
+    ----------
+    residuals : Residuals
+        The system, over any scalar; it may have more unknowns than equations.
+    draw : Callable[[np.random.Generator], np.ndarray]
+        A random start from a generator.
+    seed : int
+        Start k is drawn from ``numpy.random.default_rng([seed, k])``.
+    starts : int
+        How many starts.
+    first : int
+        Number of the first, to resume a search that was stopped.
+    progress : Callable[[int, int], None] or None
+        Called with (done, starts) after each batch.
 
     Yields
     ------
+    Found
         Found: one for each start, in order.
     """
     numbers = range(first, first + starts)

@@ -38,6 +38,7 @@ _MODULES: Mapping[str, str] = {
     "order8": "order8",
     "yoshida6": "yoshida",
     "pairs": "pairs",
+    "multistep": "multistep",
     "search": "searching",
 }
 
@@ -77,14 +78,19 @@ def run(
 ) -> Derivation:
     """Carry out a recipe.
 
-    Args:
-        name: one of :func:`names`.
-        options: values for the options of the recipe, as text; the others keep their defaults.
-        progress: called with (what, done, total).
+    Parameters
+    ----------
+    name : str
+        One of :func:`names`.
+    options : Mapping[str, str] or None
+        Values for the options of the recipe, as text; the others keep their defaults.
+    progress : Progress or None
+        Called with (what, done, total).
 
     Raises
     ------
-        UsageError: for an unknown recipe or option, or a value that cannot be read.
+    UsageError
+        For an unknown recipe or option, or a value that cannot be read.
     """
     known = options_of(name)
     for key in options or {}:

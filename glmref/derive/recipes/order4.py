@@ -19,6 +19,7 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
+from ...catalogue.reader import load_document
 from ...catalogue.writer import fill
 from ...errors import ExactnessError, UsageError
 from ...exact import Exact, ball
@@ -27,6 +28,7 @@ from ...findings import Proof
 from ...prove.enclosure import prove
 from ...prove.newton import polish
 from ...prove.system import SweepSystem
+from ...verification.verifier import verify
 from ..recognise import exact_text, surds
 from .record import Derivation, Progress, Statement, derived_source, thesis_source
 
@@ -48,7 +50,8 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
 
     Raises
     ------
-        UsageError: for another family, or numbers that are not rational.
+    UsageError
+        For another family, or numbers that are not rational.
     """
     family = options["family"]
     if family not in _DEFAULT_B1:
@@ -110,11 +113,9 @@ def _verified(document: Mapping[str, Any], recipe: str) -> Derivation:
 
     Raises
     ------
-        ExactnessError: naming the claims that fail.
+    ExactnessError
+        Naming the claims that fail.
     """
-    from ...catalogue.reader import load_document
-    from ...verification.verifier import verify
-
     findings = verify(load_document(document, where=document["name"]))
     failing = [x.claim for x in findings if str(x.verdict) != "holds"]
     if failing or any(x.proof is not Proof.EXACT for x in findings):

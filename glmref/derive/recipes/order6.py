@@ -12,13 +12,15 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
+from ...catalogue.reader import load_document
 from ...errors import ExactnessError, UsageError
 from ...exact import Exact
 from ...exact.expression import parse
 from ...findings import Proof
-from ...method import GLM
+from ...prove.starting import target_of
+from ...verification.verifier import verify
 from ..recognise import exact_text
-from .order6_family import Family, Forms, family, solve_forms
+from .order6_family import Family, Forms, family, least_growth, solve_forms
 from .record import (
     GROWS,
     Derivation,
@@ -28,7 +30,7 @@ from .record import (
     kepler_notes,
     thesis_source,
 )
-from .solved import rough_starts
+from .solved import rough_starts, with_start
 
 __all__ = ["OPTIONS", "derive"]
 
@@ -42,8 +44,9 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
 
     Raises
     ------
-        UsageError: for a c2 that is not rational or at a pole, a z off the unit circle, or a start
-            that is asked for and not on record.
+    UsageError
+        For a c2 that is not rational or at a pole, a z off the unit circle, or a start that is
+        asked for and not on record.
     """
     if options["start"] not in ("auto", "yes", "no"):
         raise UsageError(f"`start` must be auto, yes or no, got {options['start']!r}")
@@ -70,12 +73,7 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
 
 def _started(document: Mapping[str, Any]) -> tuple[dict[str, Any], Statement]:
     """Add the explicit start on record."""
-    from ...catalogue.reader import load_document
-    from ...prove.starting import target_of
-    from .solved import with_start
-
     method = load_document(document, where=document["name"])
-    assert isinstance(method, GLM)
     result = with_start(document, target_of(method), 1)
     text = (
         f"{document['name']}: explicit start of {len(result['starting']['A'])} stages exact within "
@@ -129,8 +127,6 @@ def _refusal(member: Family, candidates: Sequence[Forms]) -> Derivation:
 
 
 def _least(member: Family) -> Exact | None:
-    from .order6_family import least_growth
-
     return least_growth(member)
 
 
@@ -281,11 +277,9 @@ def _prove(document: Mapping[str, Any]) -> Statement:
 
     Raises
     ------
-        ExactnessError: when one of them fails, which would be an error of this module.
+    ExactnessError
+        When one of them fails, which would be an error of this module.
     """
-    from ...catalogue.reader import load_document
-    from ...verification.verifier import verify
-
     findings = verify(load_document(document, where=document["name"]))
     failing = [x.claim for x in findings if str(x.verdict) != "holds"]
     if failing or any(x.proof is not Proof.EXACT for x in findings):

@@ -41,8 +41,16 @@ class Family:
 
     Attributes
     ----------
-        c2: abscissa of the second stage. A: (5, 5). b, c: (5,). W: (5, 5).
-        S: symmetric part of W on (v1, v2, v3).
+    c2 : Fraction
+        Abscissa of the second stage.
+    A : tuple[tuple[Fraction, ...], ...]
+        (5, 5).
+    b, c : tuple[Fraction, ...]
+        (5,).
+    W : tuple[tuple[Fraction, ...], ...]
+        (5, 5).
+    S : tuple[tuple[Fraction, ...], ...]
+        Symmetric part of W on (v1, v2, v3).
     """
 
     c2: Fraction
@@ -63,7 +71,8 @@ def family(c2: Fraction) -> Family:
 
     Raises
     ------
-        UsageError: where the formulas have a pole: c2 = 0, 1/2, 1 or a vanishing weight.
+    UsageError
+        Where the formulas have a pole: c2 = 0, 1/2, 1 or a vanishing weight.
     """
     t = 1 - 2 * c2
     poles = (t, t - 1, t + 1, 5 * t * t - 1)
@@ -183,9 +192,18 @@ class Forms:
 
     Attributes
     ----------
-        alpha_square: alpha1^2. alpha_ratio: alpha2 / alpha1.
-        beta_square: beta1^2. beta_ratios: beta2 / beta1, beta3 / beta1.
-        gamma_square: gamma1^2. gamma_ratios: gamma2 / gamma1, gamma3 / gamma1.
+    alpha_square : Fraction
+        alpha1^2.
+    alpha_ratio : Fraction
+        alpha2 / alpha1.
+    beta_square : Quadratic
+        beta1^2.
+    beta_ratios : tuple[Quadratic, Quadratic]
+        beta2 / beta1, beta3 / beta1.
+    gamma_square : Quadratic
+        gamma1^2.
+    gamma_ratios : tuple[Quadratic, Quadratic]
+        gamma2 / gamma1, gamma3 / gamma1.
     """
 
     alpha_square: Fraction

@@ -146,7 +146,8 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
 
     Raises
     ------
-        UsageError: for a name that is not in the table.
+    UsageError
+        For a name that is not in the table.
     """
     name = options["name"]
     if name != "all" and name not in ROUGH:

@@ -23,10 +23,9 @@ from typing import Any
 from ...catalogue.reader import load_document
 from ...errors import GlmrefError, UsageError
 from ...findings import Proof
-from ...method import PartitionedGLM
-from ...prove.partitioned_enclosure import PairEnclosure
-from ...prove.partitioned_starting import with_start
+from ...prove.enclosure import Enclosure
 from ...theory.stability import parasitic_curvature
+from ..parity_start import with_partitioned_start
 from ..partitioned import PairAnsatz, complete_pair, fix_parameters, search_pairs
 from .record import Derivation, Progress, Statement, kepler_notes
 from .shipped_pairs import SHIPPED, Shipped
@@ -65,7 +64,8 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
 
     Raises
     ------
-        UsageError: for an option that cannot be read or a name that is not shipped.
+    UsageError
+        For an option that cannot be read or a name that is not shipped.
     """
     if options["n"]:
         return _search(options, progress)
@@ -82,7 +82,7 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
     return Derivation("pairs", documents, statements)
 
 
-def complete(shipped: Shipped) -> tuple[dict[str, Any], PairEnclosure]:
+def complete(shipped: Shipped) -> tuple[dict[str, Any], Enclosure]:
     """Document and proof of a shipped pair, with its start where one is on record."""
     document, enclosure = complete_pair(
         shipped.ansatz,
@@ -93,18 +93,18 @@ def complete(shipped: Shipped) -> tuple[dict[str, Any], PairEnclosure]:
     )
     half = rough_pair_starts().get(shipped.ansatz.name)
     if half is not None:
-        document = with_start(document, enclosure.numbers, half)
+        document = with_partitioned_start(document, enclosure, half)
     return document, enclosure
 
 
 @cache
 def rough_pair_starts() -> Mapping[str, Any]:
-    """One stage of each pair of every start, see :func:`~.partitioned_starting.expanded`."""
+    """One stage of each pair of every start, see :func:`~.parity_start.expanded`."""
     place = files("glmref.derive.recipes").joinpath("pair_starts.json")
     return json.loads(place.read_text(encoding="utf-8"))
 
 
-def _statement(document: Mapping[str, Any], enclosure: PairEnclosure) -> Statement:
+def _statement(document: Mapping[str, Any], enclosure: Enclosure) -> Statement:
     order = f"order {enclosure.order}"
     if enclosure.nystrom_order > enclosure.order:
         order += f", and {enclosure.nystrom_order} on second-order systems"
@@ -121,7 +121,6 @@ def _statement(document: Mapping[str, Any], enclosure: PairEnclosure) -> Stateme
 
 def _stays_on_circle(document: Mapping[str, Any]) -> bool:
     pair = load_document(document)
-    assert isinstance(pair, PartitionedGLM)
     return parasitic_curvature(pair).real.sign() > 0
 
 

@@ -108,10 +108,14 @@ class Derivation:
 
     Attributes
     ----------
-        recipe: its name.
-        documents: method documents, complete and proved.
-        statements: what was proved on the way.
-        refused: whether what was asked for does not exist.
+    recipe : str
+        Its name.
+    documents : Sequence[Mapping[str, Any]]
+        Method documents, complete and proved.
+    statements : Sequence[Statement]
+        What was proved on the way.
+    refused : bool
+        Whether what was asked for does not exist.
     """
 
     recipe: str

@@ -21,7 +21,12 @@ class Shipped:
 
     Attributes
     ----------
-        start: in the order of the document. claims: besides the usual ones. notes: for the file.
+    start : str
+        In the order of the document.
+    claims : Mapping[str, Any]
+        Besides the usual ones.
+    notes : Sequence[str]
+        For the file.
     """
 
     ansatz: PairAnsatz

@@ -31,9 +31,16 @@ class Rough:
 
     Attributes
     ----------
-        ansatz: what is solved. start: value of each unknown, in the order of the document.
-        where: what the method is, for its source record. claims: claims besides the usual ones.
-        grows: how much its parasitic part grows in data/measurements/long-runs.json, in a word.
+    ansatz : Ansatz
+        What is solved.
+    start : Sequence[str]
+        Value of each unknown, in the order of the document.
+    where : str
+        What the method is, for its source record.
+    claims : Mapping[str, Any]
+        Claims besides the usual ones.
+    grows : str
+        How much its parasitic part grows in data/measurements/long-runs.json, in a word.
     """
 
     ansatz: Ansatz
@@ -57,9 +64,14 @@ def _starts() -> Mapping[str, Any]:
 def with_start(document: Mapping[str, Any], target: Target, parity: int) -> dict[str, Any]:
     """Add the start and the finish that are on record for the method of a document.
 
-    Args:
-        document: without them. target: of its method.
-        parity: of the fourth value: +1 when its row of X is symmetric.
+    Parameters
+    ----------
+    document : Mapping[str, Any]
+        Without them.
+    target : Target
+        Of its method.
+    parity : int
+        Of the fourth value: +1 when its row of X is symmetric.
     """
     record = rough_starts()[document["name"]]
     claims = {**document["claims"], "starting-order": target.order}
@@ -93,7 +105,8 @@ def finish(
 
     Raises
     ------
-        ConvergenceError, ExactnessError: when the start leads to no root, or the proof fails.
+    ConvergenceError, ExactnessError
+        When the start leads to no root, or the proof fails.
     """
     document = rough.ansatz.document()
     point = [ball(Fraction(x)) for x in rough.start]
@@ -120,8 +133,9 @@ def finish(
         document["notes"] = notes
     statements = [_statement(document, enclosure)]
     if start and document["name"] in rough_starts():
-        target = Target.of(document, enclosure)
-        document = with_start(document, target, enclosure.signs[3])
+        target = Target.of(document, enclosure.system, enclosure.series)
+        assert enclosure.signs is not None  # it has an involution
+        document = with_start(document, target, enclosure.signs[0][3])
         stages = [len(document[x]["A"]) for x in ("starting", "finishing")]
         text = (
             f"{document['name']}: start of {stages[0]} stages and finish of {stages[1]} "

@@ -29,8 +29,8 @@ from typing import Any
 from ...errors import ExactnessError
 from ...exact import Exact, linalg
 from ...findings import Proof
-from ...method.sweep import sweep_blocks
-from ...prove.equations import Blocks, starting_series
+from ...method.sweep import SweepForm
+from ...prove.equations import starting_series
 from ...theory.trees import parse_tree
 from .record import Derivation, Progress, Statement, thesis_source
 
@@ -49,8 +49,8 @@ def condition(b1: Fraction, x1: Fraction, x2: Fraction, g: int) -> Exact:
     D = [Exact(b1), Exact(1 - b1)]
     X = ((Exact(1), Exact(1)), (Exact(x1), Exact(x2)))
     G = linalg.diagonal([Exact(1), Exact(g)])
-    A, U, B = sweep_blocks(D, X, _V, G)
-    series = starting_series(Blocks(A, U, B, _V, G), 3)
+    form = SweepForm({"o": D}, {"o": X}, {"o": _V}, G, [("o", 0), ("o", 1)])
+    series = starting_series(form.blocks, G, 3)
     return series.residual[parse_tree("[oo]")] * 4
 
 
@@ -59,7 +59,8 @@ def _check_identity(progress: Progress) -> None:
 
     Raises
     ------
-        ExactnessError: when they differ, which would be an error of this module.
+    ExactnessError
+        When they differ, which would be an error of this module.
     """
     points = [Fraction(k) for k in range(-2, DEGREE - 1)]
     for k, b1 in enumerate(points):

@@ -49,7 +49,8 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
 
     Raises
     ------
-        UsageError: for another solution than A, B or C.
+    UsageError
+        For another solution than A, B or C.
     """
     which = options["solution"]
     if which not in SOLUTIONS:

@@ -1,0 +1,360 @@
+r"""Explicit symmetric partitioned multistep methods in one-step form, with their starts, exactly.
+
+Each half of a method is a linear multistep formula on a staggered grid,
+
+    rho_q(E) q_{n+1/2} = h E sigma_q(E) f(p_n),    rho_p(E) p_n = h E^{1/2} sigma_p(E) k(q_{n+1/2}),
+
+with rho(z) = (z - 1) prod_j (z^2 - 2 c_j z + 1), a simple root 1 and m pairs on the unit circle,
+and sigma palindromic of degree 2 m. One step evaluates f and k once each. Partial fractions give
+the values that are carried: one for the root 1, and x_j, x'_j with ``x_j <- 2 c_j x_j - x'_j +
+h f``, ``x'_j <- x_j`` for each pair, so that the entries of V are 0, 1, -1 and the numbers 2 c_j:
+its eigenvalues stay on the unit circle however 2 c_j is rounded, for the determinant of each block
+is 1.
+
+Two kinds are built, with one evaluation of the force k a step:
+
+*Separable systems*, q' = f(p), p' = k(q): both halves have pairs, and no root but 1 is common. Then
+no parasitic growth of first order exists, for any T and V. With m pairs each the order is 2 m + 2.
+
+*Second-order systems*, q' = M^-1 p: q is the plain sum, rho_q = z - 1, and sigma_p is such that the
+whole is the symmetric multistep method (z - 1)^2 prod_j (z^2 - 2 c_j z + 1) of order 2 m + 2.
+
+The weights follow from the cosines by one linear system each. With x = log z, a half with pairs is,
+in the middle between two evaluations,
+
+    1/(2 sinh(x/2)) + sum_j alpha_j 2 sinh(x/2) / (2 cosh x - 2 c_j) = T(x) + O(x^{2 m + 1}),
+
+T = 1/x for separable systems, 2 sinh(x/2)/x^2 for second-order ones: the rows x, x^3, ..,
+x^{2 m - 1}. At the time of an evaluation, where the step ends and half of the update has been made,
+its value is
+
+    coth(x/2)/2 + sum_j beta_j sinh x / (2 cosh x - 2 c_j) = 1/x + O(x^{2 m + 1}).
+
+The step so begins and ends between two halves of one update: the word of the stages is P Q P or
+Q P Q, the same backwards, and the solution is a functional of the values, of full order.
+
+*Start.* The values x_j are ``g(h D) h y'`` with the series g of the fractions above. The
+derivatives come from a formula on 2 m + 3 points ``t + i h``, whose values are computed by Picard
+iteration: each round interpolates what it knows, integrates, and gains two orders with two points
+more. The first value is chosen so that the solution is the initial value.
+
+References
+----------
+    Quinlan and Tremaine, Astron. J. 100 (1990), 1694-1700; Hairer, Lubich, Wanner, "Geometric
+    Numerical Integration" (2006), chapter XV; Console and Hairer, "Long-term stability of symmetric
+    partitioned linear multistep methods", Lecture Notes in Mathematics 2082 (2014), 1-37.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import Any
+
+from ..errors import UsageError
+from ..exact import Exact, linalg
+
+__all__ = ["Half", "multistep_document"]
+
+#: Distance of the points of the starting method, in steps.
+SPACING = Fraction(1)
+
+Series = list[Fraction]
+
+
+def _factorial(n: int) -> int:
+    return 1 if n < 2 else n * _factorial(n - 1)
+
+
+def _product(a: Series, b: Series) -> Series:
+    return [sum((a[i] * b[k - i] for i in range(k + 1)), Fraction(0)) for k in range(len(a))]
+
+
+def _quotient(a: Series, b: Series) -> Series:
+    out: Series = []
+    for k, x in enumerate(a):
+        out.append((x - sum((out[i] * b[k - i] for i in range(k)), Fraction(0))) / b[0])
+    return out
+
+
+def _exponential(rate: Fraction, length: int) -> Series:
+    return [rate**k / _factorial(k) for k in range(length)]
+
+
+def _even_odd(rate: Fraction, length: int, parity: int) -> Series:
+    """2 cosh(rate x) or 2 sinh(rate x)."""
+    return [
+        2 * x if k % 2 == parity else Fraction(0) for k, x in enumerate(_exponential(rate, length))
+    ]
+
+
+def _solve(rows: list[list[Fraction]], right: list[Fraction]) -> list[Fraction]:
+    exact = linalg.solve(
+        tuple(tuple(Exact(x) for x in row) for row in rows), tuple((Exact(x),) for x in right)
+    )
+    return [_fraction(row[0]) for row in exact]
+
+
+def _fraction(x: Any) -> Fraction:
+    found = x.as_fraction()
+    assert found is not None  # rational equations have rational solutions
+    return found
+
+
+class Half:
+    """One half of a method: its roots, its weights and the series of its values.
+
+    Parameters
+    ----------
+    cosines : Sequence[Fraction]
+        c_1, .., c_m of the pairs of roots, different, in (-1, 1).
+    second : bool
+        Whether the sum of the other half is folded in (second-order systems).
+    """
+
+    def __init__(self, cosines: Sequence[Fraction], *, second: bool = False) -> None:
+        if len(set(cosines)) < len(cosines) or any(not -1 < c < 1 for c in cosines):
+            raise UsageError("the cosines of a half must be different and lie between -1 and 1")
+        self.cosines = tuple(cosines)
+        self.m = len(self.cosines)
+        n = self.length = 2 * self.m + 6
+        half = Fraction(1, 2)
+        self.sinh = _even_odd(half, n, 1)
+        self.pairs = [_even_odd(Fraction(1), n, 0) for _ in self.cosines]
+        for pair, c in zip(self.pairs, self.cosines, strict=True):
+            pair[0] -= 2 * c
+        one = [Fraction(1), *[Fraction(0)] * (n - 1)]
+        # all times x, so that they are power series
+        main = _quotient(one, [*self.sinh[1:], Fraction(0)])
+        target = [*self.sinh[1:], Fraction(0)] if second else one
+        mids = [[Fraction(0), *_quotient(self.sinh, p)[:-1]] for p in self.pairs]
+        self.alpha = self._fit(mids, target, main)
+        cosh = _even_odd(half, n, 0)
+        ends = [
+            [Fraction(0), *(x / 2 for x in _quotient(_even_odd(Fraction(1), n, 1), p)[:-1])]
+            for p in self.pairs
+        ]
+        self.beta = self._fit(ends, one, _product([x / 2 for x in cosh], main))
+
+    def _fit(self, columns: list[Series], target: Series, main: Series) -> list[Fraction]:
+        if not self.m:
+            return []
+        powers = range(2, 2 * self.m + 1, 2)
+        rows = [[column[k] for column in columns] for k in powers]
+        return _solve(rows, [target[k] - main[k] for k in powers])
+
+    @property
+    def V(self) -> list[list[Fraction]]:
+        """(r, r), r = 2 m + 1."""
+        r = 2 * self.m + 1
+        V = [[Fraction(int(i == j == 0)) for j in range(r)] for i in range(r)]
+        for j, c in enumerate(self.cosines):
+            a = 2 * j + 1
+            V[a][a], V[a][a + 1], V[a + 1][a] = 2 * c, Fraction(-1), Fraction(1)
+        return V
+
+    @property
+    def entry(self) -> list[Fraction]:
+        """What one evaluation is added to: (r,)."""
+        return [Fraction(1), *[Fraction(x) for x in (1, 0) * self.m]]
+
+    @property
+    def stage(self) -> list[Fraction]:
+        """The stage from the values after the update: (r,)."""
+        return [Fraction(1), *[s * a for a in self.alpha for s in (1, -1)]]
+
+    @property
+    def solution(self) -> list[Fraction]:
+        """The solution from the values between the halves of the update: (r,)."""
+        weights = zip(self.beta, self.cosines, strict=True)
+        return [Fraction(1), *[x for b, c in weights for x in (b, -b * c)]]
+
+    def series(self, *, ended: bool) -> list[Series]:
+        """The exact values but the first as series in x = h D, times h y'.
+
+        Parameters
+        ----------
+        ended : bool
+            At the time of an evaluation, half of whose update has been made; else in the middle
+            between two evaluations, the earlier of which has been made.
+        """
+        n, half = self.length, Fraction(1, 2)
+        rows = []
+        for pair, c in zip(self.pairs, self.cosines, strict=True):
+            later, earlier = _exponential(half, n), _exponential(-half, n)
+            if ended:
+                later = [x / 2 for x in _even_odd(Fraction(1), n, 1)]
+                later[0] += c
+                earlier = [Fraction(int(k == 0)) for k in range(n)]
+            rows += [_quotient(later, pair), _quotient(earlier, pair)]
+        return rows
+
+
+def _integrals(nodes: Sequence[Fraction], point: Fraction) -> list[Fraction]:
+    """Weights on the nodes of the integral from 0 to the point, exact for all polynomials."""
+    powers = range(len(nodes))
+    rows = [[x**k for x in nodes] for k in powers]
+    return _solve(rows, [point ** (k + 1) / (k + 1) for k in powers])
+
+
+def _ring(n: int) -> list[Fraction]:
+    """The points +-1, .., +-n times the spacing."""
+    return [s * i * SPACING for i in range(1, n + 1) for s in (1, -1)]
+
+
+def _start(halves: dict[str, Half], ended: Half, rounds: int) -> dict[str, Any]:
+    """The starting method, see the module.
+
+    ``ended`` is the half that is cut in the middle of an update.
+
+    Stage 0 of either kind is the point itself. Round r knows Q at the points of ring r + 1 and P at
+    those of ring r, to order 2 r + 1 and 2 r.
+    """
+    zero = Fraction(0)
+    Q: list[tuple[Fraction, dict[int, Fraction]]] = [(zero, {})]
+    P: list[tuple[Fraction, dict[int, Fraction]]] = [(zero, {})]
+
+    def add(to: list, nodes: list[int], of: list, ring: int) -> list[int]:
+        first = len(to)
+        abscissae = [of[i][0] for i in nodes]
+        for c in _ring(ring):
+            to.append((c, dict(zip(nodes, _integrals(abscissae, c), strict=True))))
+        return [0, *range(first, len(to))]
+
+    at_P, at_Q = [0], [0]
+    for r in range(rounds):
+        at_Q = add(Q, at_P, P, r + 1)
+        at_P = add(P, at_Q, Q, r + 1)
+
+    def matrix(rows: list, columns: int) -> list[list[Fraction]]:
+        return [[row.get(j, zero) for j in range(columns)] for _, row in rows]
+
+    def weights(half: Half, nodes: list[int], of: list) -> tuple[list, list[list[Fraction]]]:
+        points = [of[i][0] for i in nodes]
+        powers = range(len(points))
+        moments = [[x**k for x in points] for k in powers]
+        lines = []
+        for row in half.series(ended=half is ended):
+            solved = _solve(moments, [row[k] * _factorial(k) for k in powers])
+            known = dict(zip(nodes, solved, strict=True))
+            lines.append([known.get(j, zero) for j in range(len(of))])
+        # the first value is what makes the solution exact
+        functional = half.solution if half is ended else half.stage
+        first = [
+            -sum((w * x for w, x in zip(functional[1:], column, strict=True)), zero)
+            for column in zip(*lines, strict=True)
+        ] or [zero] * len(of)
+        return [Fraction(1), *[zero] * len(lines)], [first, *lines]
+
+    u, B = weights(halves["q"], at_P, P)
+    u_hat, B_hat = weights(halves["p"], at_Q, Q)
+    return {
+        "name": f"Picard iteration on {2 * rounds + 1} points, {rounds} rounds",
+        "kind": "runge-kutta",
+        "A": matrix(Q, len(P)), "B": B, "A_hat": matrix(P, len(Q)), "B_hat": B_hat,
+        "u": u, "u_hat": u_hat,
+    }  # fmt: skip
+
+
+def _outer(a: Sequence[Fraction], b: Sequence[Fraction]) -> list[list[Fraction]]:
+    return [[x * y for y in b] for x in a]
+
+
+def _times(row: Sequence[Fraction], V: list[list[Fraction]]) -> list[Fraction]:
+    return [sum((row[i] * V[i][j] for i in range(len(V))), Fraction(0)) for j in range(len(V))]
+
+
+def _apply(V: list[list[Fraction]], column: Sequence[Fraction]) -> list[Fraction]:
+    return [sum((x * y for x, y in zip(row, column, strict=True)), Fraction(0)) for row in V]
+
+
+def _halves(outer: Half, inner: Half) -> tuple[dict[str, Any], dict[str, Any]]:
+    """(A, U, B, V, output) of the half that is evaluated once, and of that evaluated at both ends.
+
+    ``outer`` holds the values that the evaluations at both ends of the step update, by half each;
+    its stage is in the middle. ``inner`` holds the others, which the stages at the ends read.
+    """
+    half = Fraction(1, 2)
+    middle = {
+        "A": [
+            [
+                half
+                * sum((x * y for x, y in zip(outer.stage, outer.entry, strict=True)), Fraction(0)),
+                Fraction(0),
+            ]
+        ],
+        "U": [outer.stage],
+        "B": [
+            [half * x, half * y]
+            for x, y in zip(_apply(outer.V, outer.entry), outer.entry, strict=True)
+        ],
+        "V": outer.V,
+        "output": outer.solution,
+    }
+    ends = {
+        "A": [
+            [Fraction(0)],
+            [sum((x * y for x, y in zip(inner.stage, inner.entry, strict=True)), Fraction(0))],
+        ],
+        "U": [inner.stage, _times(inner.stage, inner.V)],
+        "B": [[x] for x in inner.entry],
+        "V": inner.V,
+        "output": inner.stage,
+    }
+    return middle, ends
+
+
+def multistep_document(
+    name: str, q: Sequence[Fraction], p: Sequence[Fraction], *, title: str = ""
+) -> dict[str, Any]:
+    """Build a method and its start, exact, without claims and source.
+
+    Parameters
+    ----------
+    name : str
+        Of the file.
+    title : str
+        One line for it.
+    q, p : Sequence[Fraction]
+        Cosines of the pairs of roots of the two halves. With pairs in both halves, as many and
+        different, the method is for separable systems and its word is P Q P; with none in q it is
+        for second-order systems and its word is Q P Q.
+
+    Raises
+    ------
+    UsageError
+        For cosines that no method of these kinds has.
+    """
+    second = not q
+    if not p or (q and (len(q) != len(p) or set(q) & set(p))):
+        raise UsageError(
+            "`p` needs at least one cosine, and `q` none or as many, all different from those "
+            "of `p`"
+        )
+    half_q, half_p = Half(q), Half(p, second=second)
+    rounds = len(p) + 1
+    ended, other = (half_p, half_q) if second else (half_q, half_p)
+    middle, ends = _halves(ended, other)
+    block_q, block_p = (ends, middle) if second else (middle, ends)
+    return _written({
+        "format": "glmref-method-1",
+        "name": name,
+        "title": title,
+        "class": "partitioned",
+        "separable": True,
+        "q": block_q,
+        "p": block_p,
+        "starting": {
+            **_start({"q": half_q, "p": half_p}, ended, rounds),
+            "order": 2 if second else 2 * rounds,
+        },
+    })  # fmt: skip
+
+
+def _written(value: Any) -> Any:
+    """The document with its fractions as text."""
+    if isinstance(value, Fraction):
+        return str(value)
+    if isinstance(value, dict):
+        return {key: _written(x) for key, x in value.items()}
+    return [_written(x) for x in value] if isinstance(value, list | tuple) else value
