@@ -68,16 +68,26 @@ class Row:
 
     Attributes
     ----------
-        method, problem: what was run. same_bits: whether C and engine end in the same state.
-        evaluations: evaluations of the force per step, of the arithmetic that C has as well.
-        nanoseconds: name of the competitor -> quartiles of the time of one step; ``force`` is one
-            evaluation of the force, ``chosen`` the engine with the solver named in ``solver``,
-            ``contracted`` the C loop compiled with contraction, ``fused`` the engine with it.
-        level: optimisation level of the C loop, the better one.
-        c_over_engine: quartiles of the ratio of times; 1 and above: the engine is no slower than C.
-        contracted_over_fused: the same for both with contraction.
-        engine_over_force: time of a step over that of its evaluations alone, medians.
-        reference_over_engine: how much slower the numpy reference is, medians.
+    method, problem : str
+        What was run.
+    same_bits : bool
+        Whether C and engine end in the same state.
+    evaluations : float
+        Evaluations of the force per step, of the arithmetic that C has as well.
+    nanoseconds : dict[str, tuple[float, float, float]]
+        Name of the competitor -> quartiles of the time of one step; ``force`` is one evaluation of
+        the force, ``chosen`` the engine with the solver named in ``solver``, ``contracted`` the C
+        loop compiled with contraction, ``fused`` the engine with it.
+    level : str
+        Optimisation level of the C loop, the better one.
+    c_over_engine : tuple[float, float, float]
+        Quartiles of the ratio of times; 1 and above: the engine is no slower than C.
+    contracted_over_fused : tuple[float, float, float]
+        The same for both with contraction.
+    engine_over_force : float
+        Time of a step over that of its evaluations alone, medians.
+    reference_over_engine : float
+        How much slower the numpy reference is, medians.
     """
 
     method: str
@@ -109,10 +119,16 @@ def compiler_version() -> str:
 def built(source: str, macro: str, folder: Path, *options: str) -> Loop:
     """Compile one loop for one problem: ``run(y, par, h, steps)``, which returns evaluations.
 
-    Args:
-        source: name of the file. macro: which problem. folder: for the library; a file ``table.h``
-            in it is what the source includes by that name. options: of the compiler, after
-            :data:`FLAGS`.
+    Parameters
+    ----------
+    source : str
+        Name of the file.
+    macro : str
+        Which problem.
+    folder : Path
+        For the library; a file ``table.h`` in it is what the source includes by that name.
+    options : str
+        Of the compiler, after :data:`FLAGS`.
     """
     library = folder / f"{source}{''.join(options)}.so"  # a library is loaded once by its path
     command = [str(compiler()), *FLAGS, *options, "-shared", "-fPIC", f"-D{macro}", f"-I{folder}"]
@@ -139,11 +155,12 @@ def sweep_table(form: PairForm) -> str:
 
     Raises
     ------
-        ValueError: for a pair that ``sweep.c`` is not written for.
+    ValueError
+        For a pair that ``sweep.c`` is not written for.
     """
     signs = ((1.0,),) if form.r == 1 else ((1.0, 0.0), (0.0, -1.0))
     ones = all(U[0] == 1.0 for U in form.Q.U + form.P.U)
-    if form.kind != "sweep" or form.reuses_force or not form.V == form.V_hat == signs or not ones:
+    if form.kind != "sweep" or form.keeps_force or not form.V == form.V_hat == signs or not ones:
         raise ValueError("sweep.c is written for V = 1 or diag(1, -1) and first couplings of one")
     stages = []
     for block in form.blocks:

@@ -51,12 +51,20 @@ class Row:
 
     Attributes
     ----------
-        name: method or peer. goal: energy error asked for.
-        setting: steps per period, or tolerance; ``nan`` where no setting reached the goal.
-        error: energy error reached there, else the smallest one seen.
-        milliseconds: quartiles of the run, empty where the goal was not reached.
-        evaluations: right-hand-side evaluations of the run, 0 where it is not told.
-        note: what happened where the goal was not reached, or the solver.
+    name : str
+        Method or peer.
+    goal : float
+        Energy error asked for.
+    setting : float
+        Steps per period, or tolerance; ``nan`` where no setting reached the goal.
+    error : float
+        Energy error reached there, else the smallest one seen.
+    milliseconds : tuple[float, float, float] or tuple[()]
+        Quartiles of the run, empty where the goal was not reached.
+    evaluations : int
+        Right-hand-side evaluations of the run, 0 where it is not told.
+    note : str
+        What happened where the goal was not reached, or the solver.
     """
 
     name: str

@@ -53,8 +53,12 @@ class Row:
 
     Attributes
     ----------
-        nanoseconds: quartiles of the time of one step of one trajectory: in lanes, one by one.
-        gain: the second over the first, medians. width: lanes per block.
+    nanoseconds : dict[str, tuple[float, float, float]]
+        Quartiles of the time of one step of one trajectory: in lanes, one by one.
+    gain : float
+        The second over the first, medians.
+    width : int
+        Lanes per block.
     """
 
     method: str

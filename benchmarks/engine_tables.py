@@ -1,4 +1,4 @@
-"""The tables of docs/engine.md, and one of docs/pairs.md, from data/measurements/engine.json."""
+"""The tables of docs/engine.md, and one of campaigns/partitioned/README.md: the engine's speed."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ def against_c_in_short(rows: list[Row]) -> str:
     return table(["method", *problems], body)
 
 
-#: Name in the page -> what writes it: docs/engine.md, then docs/pairs.md.
+#: Name in the page -> what writes it: docs/engine.md, then campaigns/partitioned/README.md.
 TABLES: Tables = {"steps": steps, "sweeps": sweeps, "lanes": lanes, "kepler": kepler}
 PAIR_TABLES: Tables = {"against-c": against_c_in_short}
 

@@ -4,7 +4,7 @@ Four comparisons: ``c`` and ``sweep`` of :mod:`benchmarks.compare_c`, ``lanes`` 
 :mod:`benchmarks.compare_lanes` and ``kepler`` of :mod:`benchmarks.compare_kepler`; where some are
 named, only these are measured, and the rows of the others are those of the record. Prints the
 tables; with ``--write`` stores what was measured in data/measurements/engine.json and the tables in
-docs/engine.md and docs/pairs.md. Needs a C compiler, heyoka, scipy.
+docs/engine.md and campaigns/partitioned/README.md. Needs a C compiler, heyoka, scipy.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from glmref.measure.timing import circumstances
 ROOT = Path(__file__).resolve().parents[1]
 RECORD = ROOT / "data" / "measurements" / "engine.json"
 PAGE = ROOT / "docs" / "engine.md"
-PAIR_PAGE = ROOT / "docs" / "pairs.md"
+PAIR_PAGE = ROOT / "campaigns" / "partitioned" / "README.md"
 
 MEASURED = (
     "Processor time of one thread; competitors take turns within one run; quartiles and medians "
@@ -76,12 +76,17 @@ def circumstances_now() -> dict[str, Any]:
 def record(wanted: Sequence[str], known: dict[str, Any]) -> dict[str, Any]:
     """Everything measured, as the document that is stored.
 
-    Args:
-        wanted: names of comparisons. known: the document so far, whose other rows are kept.
+    Parameters
+    ----------
+    wanted : Sequence[str]
+        Names of comparisons.
+    known : dict[str, Any]
+        The document so far, whose other rows are kept.
 
     Raises
     ------
-        SystemExit: where rows would be kept that were measured under other circumstances.
+    SystemExit
+        Where rows would be kept that were measured under other circumstances.
     """
     where, rows = circumstances_now(), []
     others = [row for row in known.get("rows", []) if row["comparison"] not in wanted]

@@ -44,12 +44,12 @@ long run(double *restrict y, const double *restrict par, double h, long steps)
         for (;;) {
             for (int i = 0; i < 3; i++)
                 for (int c = 0; c < M; c++)
-                    Lq[i][c] = hb[i] * (p[c] + (ep[c] + MU[i][0] * Lp[0][c] + MU[i][1] * Lp[1][c]
-                        + MU[i][2] * Lp[2][c]));
+                    Lq[i][c] = hb[i] * (p[c] + ((ep[c] + MU[i][0] * Lp[0][c])
+                        + (MU[i][1] * Lp[1][c] + MU[i][2] * Lp[2][c])));
             for (int i = 0; i < 3; i++)
                 for (int c = 0; c < M; c++)
-                    N[i][c] = q[c] + (eq[c] + MU[i][0] * Lq[0][c] + MU[i][1] * Lq[1][c]
-                        + MU[i][2] * Lq[2][c]);
+                    N[i][c] = q[c] + ((eq[c] + MU[i][0] * Lq[0][c])
+                        + (MU[i][1] * Lq[1][c] + MU[i][2] * Lq[2][c]));
             double change = 0;
             if (rounds > 0) {
                 for (int c = 0; c < M; c++)

@@ -1,27 +1,31 @@
-/* Stormer-Verlet, kick - drift - kick, the last force kept, compensated summation. */
+/* Stormer-Verlet, kick - drift - kick, the two half kicks between steps as one, compensated. */
 #include "problems.h"
 
 long run(double *restrict y, const double *restrict par, double h, long steps)
 {
-    double q[M], p[M], eq[M] = {0}, ep[M] = {0}, g[M], uq[M], up[M], Q[M];
-    double half = h * 0.5;
-    for (int c = 0; c < M; c++) {
+    double q[M], p[M], eq[M] = {0}, ep[M], g[M], uq[M], up[M];
+    double half = 0.5 * h;
+    for (int c = 0; c < M; c++)
         q[c] = y[c];
-        p[c] = y[M + c];
-    }
     force(q, par, g);
+    for (int c = 0; c < M; c++) {
+        double more = half * g[c];
+        p[c] = y[M + c] + more;
+        double share = p[c] - y[M + c];
+        ep[c] = (y[M + c] - (p[c] - share)) + (more - share);
+    }
     for (long n = 0; n < steps; n++) {
-        for (int c = 0; c < M; c++) {
-            up[c] = ep[c] + half * g[c];
-            uq[c] = eq[c] + h * (p[c] + up[c]);
-            Q[c] = q[c] + uq[c];
-        }
-        force(Q, par, g);
         for (int c = 0; c < M; c++)
-            up[c] += half * g[c];
-        if (!(fabs(add(q, eq, uq, M) + add(p, ep, up, M)) < 1e300))
+            uq[c] = eq[c] + h * (p[c] + ep[c]);
+        double check = add(q, eq, uq, M);
+        force(q, par, g);
+        for (int c = 0; c < M; c++)
+            up[c] = ep[c] + h * g[c];
+        if (!(fabs(check + add(p, ep, up, M)) < 1e300))
             return -1;
     }
+    for (int c = 0; c < M; c++)
+        p[c] += ep[c] - half * g[c];
     for (int c = 0; c < M; c++) {
         y[c] = q[c];
         y[M + c] = p[c];

@@ -11,26 +11,29 @@
 #include "problems.h"
 #include "table.h"
 
-/* What the next stage sees: value + (u + w (-value2 + u2)). Before anything was added to u2 it is
-   the rounding error of value2, which is below the rounding of the product. */
+/* What the next stage sees: value + (u + w d2), where d2 is -value2 and what was added to it. What
+   rounding took from the values is below the rounding of the product, and left out until then. */
 static inline void seen(
     double *restrict Y, const double *restrict y, const double *restrict u,
-    const double *restrict y2, const double *restrict u2, double w, int grown)
+    const double *restrict d2, double w, int begun)
 {
     for (int c = 0; c < M; c++)
-        Y[c] = w == 0 ? y[c] + u[c]
-            : grown   ? y[c] + (u[c] + w * (u2[c] - y2[c]))
-                      : y[c] + (u[c] - w * y2[c]);
+        Y[c] = w == 0 ? (begun ? y[c] + u[c] : y[c])
+            : begun   ? y[c] + (u[c] + w * d2[c])
+                      : y[c] + w * d2[c];
 }
 
 static inline void moved(
-    double *restrict u, double *restrict u2, const double *restrict f, double hb, double w)
+    double *restrict u, double *restrict u2, double *restrict d2, const double *restrict f,
+    double hb, double w)
 {
     for (int c = 0; c < M; c++) {
         double L = hb * f[c];
         u[c] += L;
-        if (w != 0)
+        if (w != 0) {
             u2[c] += w * L;
+            d2[c] += w * L;
+        }
     }
 }
 
@@ -51,7 +54,7 @@ long run(double *restrict y, const double *restrict par, double h, long steps)
 {
     double q[M], p[M], q2[M] = {0}, p2[M] = {0};
     double eq[M] = {0}, ep[M] = {0}, eq2[M] = {0}, ep2[M] = {0};
-    double uq[M], up[M], uq2[M], up2[M], Y[M], g[M], hb[64], hc[64];
+    double uq[M], up[M], uq2[M], up2[M], dq2[M], dp2[M], Y[M], g[M], hb[64], hc[64];
     for (int c = 0; c < M; c++) {
         q[c] = y[c];
         p[c] = y[M + c];
@@ -67,23 +70,25 @@ long run(double *restrict y, const double *restrict par, double h, long steps)
 #undef Q
     long forces = 0;
     for (long n = 0; n < steps; n++) {
-        int grown_q = 0, grown_p = 0;
+        int begun_q = 0, begun_p = 0;
         for (int c = 0; c < M; c++) {
             uq[c] = eq[c];
             up[c] = ep[c];
             uq2[c] = -eq2[c];
             up2[c] = -ep2[c];
+            dq2[c] = -q2[c];
+            dp2[c] = -p2[c];
         }
 #define P(i, b, w)                           \
-    seen(Y, p, up, p2, up2, w, grown_p);     \
-    moved(uq, uq2, Y, hb[i], w);             \
-    grown_q |= w != 0;
+    seen(Y, p, up, dp2, w, begun_p);         \
+    moved(uq, uq2, dq2, Y, hb[i], w);        \
+    begun_q = 1;
 #define Q(j, c, v)                           \
-    seen(Y, q, uq, q2, uq2, v, grown_q);     \
+    seen(Y, q, uq, dq2, v, begun_q);         \
     force(Y, par, g);                        \
-    moved(up, up2, g, hc[j], v);             \
+    moved(up, up2, dp2, g, hc[j], v);        \
     forces++;                                \
-    grown_p |= v != 0;
+    begun_p = 1;
         TABLE
         double check = add(q, eq, uq, M) + add(p, ep, up, M);
         if (VALUES == 2)

@@ -6,7 +6,7 @@ shared between threads.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -77,6 +77,24 @@ class Arithmetic:
         out = np.empty(shape, dtype=object)
         out[...] = self.context.mpf(0)
         return out
+
+    # -- the sums of a step. Arrays stand left of h: an mpmath number there would format the whole
+    # array for a message that nobody reads before it lets numpy multiply.
+
+    def known(self, U: np.ndarray, values: np.ndarray) -> Sequence[Any]:
+        """What stages take from the values, ``U y``: (n, d)."""
+        return U.dot(values)
+
+    def stage(self, known: Any, driving: Sequence[tuple[np.ndarray, np.ndarray]], h: Any) -> Any:
+        """One stage, ``known + h sum a F`` over the rows a and slopes F of what drives it: (d,)."""
+        sums = [row.dot(slopes) * h for row, slopes in driving]
+        return known + sum(sums[1:], sums[0])
+
+    def updated(
+        self, B: np.ndarray, slopes: np.ndarray, h: Any, V: np.ndarray, values: np.ndarray
+    ) -> np.ndarray:
+        """Values after a step, ``h B F + V y``: (r, d)."""
+        return B.dot(slopes) * h + V.dot(values)
 
     def localised(self, problem: Problem) -> Problem:
         """Return the problem in this arithmetic."""

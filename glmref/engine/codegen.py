@@ -19,11 +19,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..problems.formula import Formula
+from .band import Band
 from .emit import ArrayTarget, ScalarTarget, Target, Writer, length_check
+from .explicit import ExplicitWriter
 from .forms import StepForm
-from .newton import HELPERS
-from .shape import Shape, inlined, jacobian_block, parameter_names, used_parameters
-from .stages import StageWriter
+from .newton import COMPLEX_HELPERS, HELPERS
+from .shape import Part, Shape, inlined, jacobian_block, parameter_names, used_parameters
 from .values import Values, linear
 
 __all__ = ["ARGUMENTS", "Builder", "KernelSource", "Options", "kernel_source"]
@@ -35,7 +36,7 @@ ARGUMENTS = {
 }  # fmt: skip
 
 #: Systems up to this dimension live in local variables, larger ones in arrays.
-SCALAR_LIMIT = 12
+SCALAR_LIMIT = 20
 SCALAR_STAGE_LIMIT = 256  # and at most this many stage components
 
 
@@ -45,13 +46,19 @@ class Options:
 
     Attributes
     ----------
-        compensated: compensated summation of the values.
-        solver: ``"fixed-point"`` or ``"newton"``.
-        target: ``"scalar"``, ``"array"`` or ``"auto"``.
-        history: whether all values are recorded, not only the solution.
-        interpreted: whether the source is for the interpreter: arithmetic errors end the run by
-            name instead of raising.
-        fused: whether the compiler may fuse products and sums.
+    compensated : bool
+        Compensated summation of the values.
+    solver : str
+        ``"fixed-point"`` or ``"newton"``.
+    target : str
+        ``"scalar"``, ``"array"`` or ``"auto"``.
+    history : bool
+        Whether all values are recorded, not only the solution.
+    interpreted : bool
+        Whether the source is for the interpreter: arithmetic errors end the run by name instead of
+        raising.
+    fused : bool
+        Whether the compiler may fuse products and sums.
     """
 
     compensated: bool = True
@@ -73,12 +80,16 @@ class KernelSource:
 
     Attributes
     ----------
-        text: module source; defines ``kernel``.
-        work_size: length of the work array ``x``. Its head is the state that lasts from step to
-            step: ``value_rows`` rows of d values y, as many rounding errors e (if compensated),
-            and ``memory_rows`` rows L that the predictor starts from.
-        target: ``"scalar"`` or ``"array"``.
-        side_by_side: stages of the largest block that is solved together.
+    text : str
+        Module source; defines ``kernel``.
+    work_size : int
+        Length of the work array ``x``. Its head is the state that lasts from step to step:
+        ``value_rows`` rows of d values y, as many rounding errors e (if compensated), and
+        ``memory_rows`` rows L that the predictor starts from.
+    target : str
+        ``"scalar"`` or ``"array"``.
+    side_by_side : int
+        Stages of the largest block that is solved together.
     """
 
     text: str
@@ -93,10 +104,10 @@ def choose_kind(stages: int, shape: Shape, options: Options) -> str:
     """Local variables for small systems, arrays for large ones and for loop bodies."""
     if options.target != "auto":
         return options.target
-    if options.interpreted and not any(part.body for part in shape.parts):
+    if options.interpreted and not any(part.body and not part.straight for part in shape.parts):
         return "scalar"
     small = shape.dimension <= SCALAR_LIMIT and stages * shape.dimension <= SCALAR_STAGE_LIMIT
-    return "scalar" if small and not shape.loops else "array"
+    return "scalar" if small and not shape.arrays else "array"
 
 
 def kernel_source(form: StepForm, shape: Shape, options: Options) -> KernelSource:
@@ -122,17 +133,17 @@ def header(shape: Shape, kind: str, *, newton: bool) -> str:
     w = Writer()
     w("from math import atan2, cos, exp, log, sin, sqrt, tan", "")
     # a Jacobian by differences calls the parts as functions, whatever the target
-    differenced = newton and shape.jacobian is None and not shape.jacobian_body
+    differenced = newton and shape.differenced
     for part in shape.parts if kind == "array" or newton else ():
         if part.body:
-            w("", "@compiled", *part.body.splitlines(), "")
+            w("", "@compiled", *(part.straight or part.body).splitlines(), "")
         elif part.formula is not None and not part.identity and (kind == "array" or differenced):
             w("", "@compiled")
             with w.block(f"def {part.role}({'time, ' if part.timed else ''}v, par, out):"):
                 _formula_body(w, shape, part.formula, lambda c: f"out[{c}]")
             w("")
     if newton:
-        w(*HELPERS.splitlines(), "")
+        w(*HELPERS.splitlines(), "", *COMPLEX_HELPERS.splitlines(), "")
         _jacobian_function(w, shape)
     return w.text
 
@@ -143,31 +154,91 @@ def _formula_body(w: Writer, shape: Shape, formula: Formula, entry: Callable[[in
         w(f"par_{shape.parameters[i]} = par[{i}]")
     lines, outputs = inlined(formula, lambda i: f"v[{i}]", parameter_names(shape), "c_")
     w(*lines)
-    w(*(f"{entry(c)} = {text}" for c, text in enumerate(outputs) if text != "0"))
+    places = ((entry(c), text) for c, text in enumerate(outputs) if text != "0")
+    w(*(f"{place} = {text}" for place, text in places if place))
 
 
 def _jacobian_function(w: Writer, shape: Shape) -> None:
     """``jacobian_into(time, v, par, out, scratch)`` from a formula, a loop body or differences."""
     d, first, size = shape.dimension, len(shape.parameters), len(shape.values)
-    if shape.jacobian_body:
-        w("", "@compiled", *shape.jacobian_body.splitlines(), "")
+    body, band = shape.banded_body or shape.jacobian_body, shape.band
+    if body and not shape.differenced:
+        w("", "@compiled", *body.splitlines(), "")
     w("", "@compiled")
     with w.block("def jacobian_into(time, v, par, out, scratch):"):
-        with w.block(f"for i in range({d}):"), w.block(f"for j in range({d}):"):
-            w("out[i, j] = 0.0")
-        if shape.jacobian is not None:
-            formula = jacobian_block(shape, range(d), range(d))
-            _formula_body(w, shape, formula, lambda c: f"out[{c // d}, {c % d}]")
-        elif shape.jacobian_body:
-            w(f"{shape.jacobian_name}(time, v, par[{first}:{size}], out)")
+        if band is not None:
+            with w.block(f"for i in range({len(band.order) * band.width}):"):
+                w("out[i] = 0.0")
         else:
+            with w.block(f"for i in range({d}):"), w.block(f"for j in range({d}):"):
+                w("out[i, j] = 0.0")
+        if shape.jacobian is not None:
+            rows, columns = range(d), range(d)
+            if band is not None and shape.halved:
+                rows, columns = range(shape.half, d), range(shape.half)
+            formula = jacobian_block(shape, rows, columns)
+            _formula_body(w, shape, formula, lambda c: _entry(shape, *divmod(c, len(columns))))
+        elif shape.differenced and band is not None:
+            _band_differences(w, shape, band)
+        elif shape.differenced:
             _differences(w, shape)
+        else:
+            places = "" if band is None else f", par[{size}:{size + len(band.order)}]"
+            w(f"{shape.jacobian_name}(time, v, par[{first}:{size}], out{places})")
     w("")
+
+
+def _entry(shape: Shape, i: int, j: int) -> str:
+    """Source of entry (i, j) of the Jacobian, ``""`` beyond the diagonals of a band."""
+    band = shape.band
+    if band is None:
+        return f"out[{i}, {j}]"
+    row, column = int(band.places[i]), int(band.places[j])
+    if not -band.upper <= row - column <= band.lower:
+        return ""
+    return f"out[{column * (band.width - 1) + band.upper + row}]"
+
+
+def _called(w: Writer, shape: Shape, part: Part, place: str) -> None:
+    """A part of the right-hand side at ``v``, into ``scratch`` from ``place`` on."""
+    first, count = len(shape.parameters), part.stop - part.start
+    time = "time, " if part.timed else ""
+    where = f"v[{part.source}:{part.source_stop}]"
+    if part.function is not None:
+        w(f"found = {part.role}({time}{where}.copy())", *length_check(part))
+        with w.block(f"for c in range({count}):"):
+            w(f"scratch[{place} + c] = found[c]")
+    elif part.body:
+        values = f"par[{first}:{len(shape.values)}]"
+        w(f"{part.body_name}({time}{where}, {values}, scratch[{place}:{place} + {count}])")
+    else:
+        w(f"{part.role}({time}{where}, par, scratch[{place}:{place} + {count}])")
+
+
+def _band_differences(w: Writer, shape: Shape, band: Band) -> None:
+    """Difference quotients of a band: columns a width apart have no row in common."""
+    d, n, part = shape.dimension, len(band.order), shape.counted
+    order = len(shape.values) + n
+    _called(w, shape, part, "0")
+    with w.block(f"for first in range({band.width}):"):
+        with w.block(f"for k in range(first, {n}, {band.width}):"):
+            w(f"c = {part.source} + int(par[{order} + k])", f"scratch[{2 * d} + k] = v[c]")
+            w("v[c] = v[c] + 1.4901161193847656e-08*(abs(v[c]) + 1.0)")
+        _called(w, shape, part, str(d))
+        with w.block(f"for k in range(first, {n}, {band.width}):"):
+            w(f"c = {part.source} + int(par[{order} + k])", f"held = scratch[{2 * d} + k]")
+            w("step = v[c] - held", "v[c] = held")
+            w(f"low = k - {band.upper} if k > {band.upper} else 0")
+            w(f"high = k + {band.lower + 1} if k + {band.lower + 1} < {n} else {n}")
+            with w.block("for i in range(low, high):"):
+                w(f"row = int(par[{order} + i])")
+                w(f"change = scratch[{d} + row] - scratch[row]")
+                w(f"out[k*{band.width - 1} + {band.upper} + i] = change/step")
 
 
 def _differences(w: Writer, shape: Shape) -> None:
     """Columns of the Jacobian by difference quotients, part by part."""
-    d, first = shape.dimension, len(shape.parameters)
+    d = shape.dimension
     for part in shape.parts:
         if part.identity:
             with w.block(f"for c in range({part.stop - part.start}):"):
@@ -179,25 +250,15 @@ def _differences(w: Writer, shape: Shape) -> None:
             w("held = v[k]")
             with w.block(f"if k >= {low}:"):
                 w("step = 1.4901161193847656e-08*(abs(held) + 1.0)", "v[k] = held + step")
-            time = "time, " if part.timed else ""
-            where = f"v[{low}:{high}]"
             count = part.stop - part.start
-            if part.function is not None:
-                w(f"found = {part.role}({time}{where}.copy())", *length_check(part))
-                with w.block(f"for c in range({count}):"):
-                    w("scratch[place + c] = found[c]")
-            elif part.body:
-                values = f"par[{first}:{len(shape.values)}]"
-                w(f"{part.body_name}({time}{where}, {values}, scratch[place:place + {count}])")
-            else:
-                w(f"{part.role}({time}{where}, par, scratch[place:place + {count}])")
+            _called(w, shape, part, "place")
             with w.block(f"if k >= {low}:"):
                 w("v[k] = held")
                 with w.block(f"for c in range({count}):"):
                     w(f"out[{part.start} + c, k] = (scratch[{d} + c] - scratch[c])/step")
 
 
-class Builder(StageWriter):
+class Builder(ExplicitWriter):
     """Writes one kernel: the loop over steps and what happens to the values."""
 
     # --- skeleton -------------------------------------------------------------------------------
@@ -233,6 +294,9 @@ class Builder(StageWriter):
 
     def _blocks(self) -> None:
         """All stages of a step."""
+        if self.direct:
+            self._direct_stages()
+            return
         if self.factored_newton:
             self.w("slow = False")
         for block in self.form.blocks:
@@ -253,7 +317,9 @@ class Builder(StageWriter):
             self.w("trouble.append(error)", "outcome = 2", "break")
 
     def _scaled_weights(self) -> None:
-        for i, weight in enumerate(self.form.weights):
+        if self.direct:
+            self._direct_coefficients()
+        for i, weight in enumerate(self.form.weights if not self.direct else ()):
             self.w(f"hw{i} = h" if weight == 1.0 else f"hw{i} = h*{weight!r}")
         if self.shape.uses_time:
             for i, c in enumerate(self.form.c):
@@ -279,19 +345,19 @@ class Builder(StageWriter):
 
     def _record(self) -> None:
         for k in range(self.form.r) if self.options.history else range(1):
-            terms = [(x, f"@y{j}") for j, x in enumerate(self.form.from_form[k])]
-            self._output(k, terms, self.all)
+            text = linear([(x, f"@y{j}") for j, x in enumerate(self.form.from_form[k])])
+            self._output(k, text, self.all)
 
-    def _output(self, k: int, terms: list[tuple[float, str]], part: tuple[int, int]) -> None:
+    def _output(self, k: int, text: str, part: tuple[int, int]) -> None:
         """Write value k to the current row of ``out``, an array (rows, values, d) laid flat."""
         d = self.shape.dimension
         size = d * (self._rows() if self.options.history else 1)
         if isinstance(self.t, ScalarTarget):
             for c in range(*part):
                 place = f"out[row*{size} + {k * d + c}]"
-                self.w(f"{place} = {self.t.substitute(linear(terms), c)}")
+                self.w(f"{place} = {self.t.substitute(text, c)}")
         else:
-            self.t.vec([f"out[row*{size} + {k * d} + component] = {linear(terms)}"], part)
+            self.t.vec([f"out[row*{size} + {k * d} + component] = {text}"], part)
 
     # --- values ---------------------------------------------------------------------------------
 
@@ -304,7 +370,10 @@ class Builder(StageWriter):
 
     def _commit(self) -> None:
         """New values, their rounding errors, and the check that they are numbers."""
-        self.values.finish([f"@L{i}" for i in range(self.form.s)])
+        if self.direct:
+            self._direct_values()
+        else:
+            self.values.finish([f"@L{i}" for i in range(self.form.s)])
         self.values.check("check")
         self._finite("check")
         self._accept(self.values)

@@ -11,10 +11,8 @@ from __future__ import annotations
 import ast
 import hashlib
 import importlib.util
-import os
 import platform
 import sys
-import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -22,17 +20,17 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import numpy as np
+
 from ..problems.formula import RealPowers, real_power
 from ..problems.tracing import fingerprint
 from ..problems.user import UserFunction, plain
+from ..system.cache import cache_folder
 from ..system.terminal import saying
 from . import native
 from .native import PLAIN, Tuning
 
 __all__ = ["Built", "build", "cache_folder", "interpret"]
-
-#: Variable that names the cache folder; by default the platform's user cache.
-CACHE_VARIABLE = "GLMREF_CACHE"
 
 #: What the kinds of :data:`.native.KINDS` are called in a numba signature.
 _NUMBA_TYPES = {"d*": "float64[::1]", "i*": "int64[::1]", "d": "float64", "i": "int64"}
@@ -71,12 +69,18 @@ class Built:
 
     Attributes
     ----------
-        kernel: the function, with the arguments of :mod:`.codegen`.
-        engine: ``"native"`` (llvmlite), ``"numba"`` or ``"python"``.
-        path: the generated module, or ``None`` where it was not written.
-        notice: why the interpreter runs it, or ``""``.
-        functions: a user's functions as numba compiled them, by the names the source calls.
-        trouble: arithmetic and value errors that ended a call of an interpreted kernel.
+    kernel : Callable[..., int]
+        The function, with the arguments of :mod:`.codegen`.
+    engine : str
+        ``"native"`` (llvmlite), ``"numba"`` or ``"python"``.
+    path : Path or None
+        The generated module, or ``None`` where it was not written.
+    notice : str
+        Why the interpreter runs it, or ``""``.
+    functions : Mapping[str, Callable[..., Any]]
+        A user's functions as numba compiled them, by the names the source calls.
+    trouble : list[Exception]
+        Arithmetic and value errors that ended a call of an interpreted kernel.
     """
 
     kernel: Callable[..., int]
@@ -87,50 +91,6 @@ class Built:
     trouble: list[Exception] = field(default_factory=list)
 
 
-def cache_folder() -> Path | None:
-    """Folder for generated kernels: ``$GLMREF_CACHE``, else the platform's user cache.
-
-    Where that cannot be written (a read-only home, no home), a folder below the temporary
-    directory; ``None`` where that cannot be written either, or where ``$GLMREF_CACHE`` cannot:
-    kernels are then compiled anew in each process.
-    """
-    named = os.environ.get(CACHE_VARIABLE)
-    if named:
-        return Path(named) if _writable(Path(named)) else None
-    base = _user_cache()
-    if base is not None and _writable(base / "glmref" / "kernels"):
-        return base / "glmref" / "kernels"
-    # code is read from there and run: the folder must be this user's, and nobody else's
-    user = str(os.getuid()) if hasattr(os, "getuid") else os.environ.get("USERNAME") or "user"
-    fallback = Path(tempfile.gettempdir()) / f"glmref-{user}"
-    return fallback if _writable(fallback, private=True) else None
-
-
-def _user_cache() -> Path | None:
-    """The platform's folder for caches; ``None`` for a user without a home."""
-    try:
-        home = Path.home()
-    except RuntimeError:
-        return None
-    if sys.platform == "darwin":
-        return home / "Library" / "Caches"
-    if sys.platform == "win32":
-        return Path(os.environ.get("LOCALAPPDATA", home / "AppData" / "Local"))
-    return Path(os.environ.get("XDG_CACHE_HOME") or home / ".cache")
-
-
-def _writable(folder: Path, *, private: bool = False) -> bool:
-    try:
-        folder.mkdir(0o700 if private else 0o777, parents=True, exist_ok=True)
-        if private and hasattr(os, "getuid"):
-            about = folder.lstat()
-            if about.st_uid != os.getuid() or about.st_mode & 0o022:
-                return False
-    except (OSError, ValueError):
-        return False
-    return os.access(folder, os.W_OK | os.X_OK)
-
-
 def build(
     source: str,
     arguments: Mapping[str, str],
@@ -139,12 +99,17 @@ def build(
 ) -> Built:
     """Compile a module: by the translator, by numba, or not at all.
 
-    Args:
-        source: module text that defines ``kernel``.
-        arguments: names and kinds of its arguments (:data:`.native.KINDS`).
-        functions: Python callables the source calls by name; with any, nothing is cached on disk
-            because their code is not part of the source.
-        tuning: what the compiler may do; of it numba knows ``fuse`` only.
+    Parameters
+    ----------
+    source : str
+        Module text that defines ``kernel``.
+    arguments : Mapping[str, str]
+        Names and kinds of its arguments (:data:`.native.KINDS`).
+    functions : Mapping[str, Callable[..., Any]] or None
+        Python callables the source calls by name; with any, nothing is cached on disk because their
+        code is not part of the source.
+    tuning : Tuning
+        What the compiler may do; of it numba knows ``fuse`` only.
     """
     types = ", ".join(_NUMBA_TYPES[kind] for kind in arguments.values())
     signature = f"int64({types})"
@@ -268,8 +233,6 @@ def _compiled_around(
 
 def interpret(source: str, functions: Mapping[str, Callable[..., Any]], notice: str = "") -> Built:
     """Run the source in the interpreter."""
-    import numpy as np
-
     # Python numbers, not those of numpy: the kernel computes with them, ten times as fast
     called = {k: f.listed if isinstance(f, UserFunction) else f for k, f in functions.items()}
     trouble: list[Exception] = []

@@ -22,6 +22,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from .shape import Part, Shape, inlined, parameter_names, used_parameters
+from .unroll import placed
 
 __all__ = [
     "ArrayTarget",
@@ -133,8 +134,15 @@ class Target:
             self.w(f"par_{self.shape.parameters[i]} = par[{i}]")
 
     def inline(self, part: Part, source: str, out: str, tag: str) -> None:
-        """Write the expressions of a part, component by component."""
-        assert part.formula is not None
+        """Write the expressions or straight lines of a part, component by component."""
+        if part.formula is None:
+            first = len(self.shape.parameters)
+            lines = placed(
+                part.straight, lambda i: self.ref(source, part.source + i),
+                lambda i: self.ref(out, part.start + i), lambda i: f"par[{first + i}]", f"{tag}_",
+            )  # fmt: skip
+            self.w(*lines)
+            return
         lines, outputs = inlined(
             part.formula,
             lambda i: self.ref(source, part.source + i),
@@ -176,7 +184,7 @@ class ScalarTarget(_Unrolled):
         """See :class:`Target`."""
         if part.identity:
             self.identity(part, source, out)
-        elif part.formula is not None:
+        elif part.formula is not None or part.straight:
             self.inline(part, source, out, tag)
         else:
             arguments = ", ".join(self.ref(source, c) for c in range(part.source, part.source_stop))
@@ -204,8 +212,16 @@ class _Loop:
 
     Attributes
     ----------
-        head, end: number of its line ``while``, and of the line after it. depth: indentation.
-        start, stop: components. counter: name. statements: as they were asked for.
+    head, end : int
+        Number of its line ``while``, and of the line after it.
+    depth : int
+        indentation.
+    start, stop : int
+        components.
+    counter : str
+        name.
+    statements : list[str]
+        As they were asked for.
     """
 
     head: int

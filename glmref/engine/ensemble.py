@@ -37,18 +37,26 @@ def solve_ensemble(
 ) -> EnsembleSolution:  # fmt: skip
     """Integrate N initial values of one problem.
 
-    Args:
-        problem, method, h, t_end, steps, every, arithmetic, solver: as for :func:`.solve.solve`.
-        initial: (N, d) initial values.
-        start: ``None``: the method's own explicit starting method, else the enhanced start;
-            ``"enhanced"``, ``"zero"``, an explicit starting method, or values (N, r, d).
-        threads: number of threads, by default one per processor.
-        width: lanes per block, by default what fits the first-level cache; 1 for one by one.
-        cancel: called about every 100 ms.
+    Parameters
+    ----------
+    problem, method, h, t_end, steps, every, arithmetic, solver
+        As for :func:`.solve.solve`.
+    initial : Any
+        (N, d) initial values.
+    start : Any
+        ``None``: the method's own explicit starting method, else the enhanced start;
+        ``"enhanced"``, ``"zero"``, an explicit starting method, or values (N, r, d).
+    threads : int or None
+        Number of threads, by default one per processor.
+    width : int or None
+        Lanes per block, by default what fits the first-level cache; 1 for one by one.
+    cancel : Callable[[], bool] or None
+        Called about every 100 ms.
 
     Raises
     ------
-        UsageError: one sentence on an argument that does not fit.
+    UsageError
+        One sentence on an argument that does not fit.
     """
     problem, method = resolved(problem, method)
     y0 = np.array(initial, dtype=float)
@@ -82,7 +90,7 @@ def _has_lanes(method: Method, problem: Problem) -> bool:
     if problem.dimension > SCALAR_LIMIT:
         return False
     form, shape = choose_form(method, problem, "auto")
-    return not shape.loops and not (method.parts == 2 and form.implicit_stages)
+    return not shape.arrays and not (method.parts == 2 and form.implicit_stages)
 
 
 def _starts(
@@ -141,11 +149,14 @@ def _many_starts(
 ) -> tuple[np.ndarray, int]:
     """An explicit starting method on all initial values, stage by stage.
 
-    Args:
-        y0: (N, d).
+    Parameters
+    ----------
+    y0 : np.ndarray
+        (N, d).
 
     Returns
     -------
+    tuple[np.ndarray, int]
         values (N, r, d) and the evaluations, of k alone for a pair on a separable problem.
     """
     inner, problem = engine.of(start), engine.problem

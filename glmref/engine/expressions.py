@@ -30,10 +30,16 @@ class Expressions:
 
     Attributes
     ----------
-        m: the module: its types, its functions.
-        b: where instructions go.
-        entry: block of the stack slots.
-        slots: stack slot of each number variable. arrays: the array variables.
+    m : Any
+        The module: its types, its functions.
+    b : Any
+        Where instructions go.
+    entry : Any
+        Block of the stack slots.
+    slots : dict[str, Any]
+        Stack slot of each number variable.
+    arrays : dict[str, Array]
+        The array variables.
     """
 
     m: Any

@@ -57,18 +57,38 @@ class StepForm:
 
     Attributes
     ----------
-        kind: ``"sweep"``, ``"mu"`` or ``"standard"``.
-        s, r: numbers of stages and values.
-        running: whether the updates R L are added to x as the stages go (sweep).
-        U: (s, r). M: (s, s). R: (r, s). V: (r, r). weights: (s,), the w of the module docstring.
-        R_residue: (r, s), exact minus rounded update coefficients (zero in the structural forms).
-        M_residue: (s,), what rounding took from M_ii (sweep; below 1e-20 it is left out).
-        c: (s,) abscissae.
-        blocks: stages in the order of computation.
-        large: values that are multiples of y (u_k != 0); the others are O(h).
-        to_form, from_form: (r, r), change of basis: x = to_form @ y and back.
-        exact_V: whether V is integral, so that V^T G V = G holds without rounding.
-        G: (r, r) form that a running form conserves, in its basis, or ``None``.
+    kind : str
+        ``"sweep"``, ``"mu"`` or ``"standard"``.
+    s, r : int
+        Numbers of stages and values.
+    running : bool
+        Whether the updates R L are added to x as the stages go (sweep).
+    U : tuple[Row, ...]
+        (s, r).
+    M : tuple[Row, ...]
+        (s, s).
+    R : tuple[Row, ...]
+        (r, s).
+    V : tuple[Row, ...]
+        (r, r).
+    weights : Row
+        (s,), the w of the module docstring.
+    R_residue : tuple[Row, ...]
+        (r, s), exact minus rounded update coefficients (zero in the structural forms).
+    M_residue : Row
+        (s,), what rounding took from M_ii (sweep; below 1e-20 it is left out).
+    c : Row
+        (s,) abscissae.
+    blocks : tuple[StageBlock, ...]
+        Stages in the order of computation.
+    large : tuple[bool, ...]
+        Values that are multiples of y (u_k != 0); the others are O(h).
+    to_form, from_form : tuple[Row, ...]
+        (r, r), change of basis: x = to_form @ y and back.
+    exact_V : bool
+        Whether V is integral, so that V^T G V = G holds without rounding.
+    G : tuple[Row, ...] or None
+        (r, r) form that a running form conserves, in its basis, or ``None``.
     """
 
     kind: str

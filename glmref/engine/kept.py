@@ -20,8 +20,10 @@ from typing import Any
 
 import numpy as np
 
+from ..catalogue.lookup import load, path_of
 from ..method import Method
 from ..method.stage_order import StageBlock
+from ..problems import problem
 from ..problems.formula import Formula
 from ..problems.model import Problem
 from ..problems.tracing import Recorded, recorded, traced
@@ -44,22 +46,16 @@ _ARGUMENTS = {"f": ("t", "y"), "dq": ("p",), "dp": ("q",), "force": ("q",)}
 
 def problem_of(name: str) -> Problem:
     """A shipped problem with its default parameters, or one of a file."""
-    from ..problems import problem
-
     return problem(name) if name.endswith(".toml") else _shipped(name)
 
 
 @lru_cache(maxsize=_MOST)
 def _shipped(name: str) -> Problem:
-    from ..problems import problem
-
     return problem(name)
 
 
 def method_of(name: str | Path) -> Method:
     """A method by name or file, read again where the file has changed."""
-    from ..catalogue.lookup import path_of
-
     path = path_of(name)
     about = path.stat()
     return _read(path, about.st_mtime_ns, about.st_size)
@@ -67,8 +63,6 @@ def method_of(name: str | Path) -> Method:
 
 @lru_cache(maxsize=_MOST)
 def _read(path: Path, changed: int, size: int) -> Method:
-    from ..catalogue.lookup import load
-
     digest = hashlib.sha256(path.read_bytes()).hexdigest()
     method = load(path)
     if len(_origins) >= 2 * _MOST:

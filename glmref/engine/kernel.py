@@ -34,7 +34,7 @@ from .outcome import KERNEL_OUTCOMES, Outcome
 from .partitioned import pair_source
 from .partitioned_forms import PairForm
 from .plan import check_arithmetic
-from .shape import Shape, jacobian_block, shape_of
+from .shape import Shape, banded, jacobian_block, shape_of
 
 __all__ = ["SOLVERS", "Kernel", "State", "choose_solver", "contraction", "newton_bytes", "prepare"]
 
@@ -70,14 +70,20 @@ class State:
 
     Attributes
     ----------
-        work: the work array; ``y`` (r, d) and ``memory`` (rows, d) are views of its head.
-        tally: evaluations, velocity evaluations, iterations, factorisations, steps, rows.
-        trouble: what the right-hand side raised in the step that ended the run, or ``None``.
+    work : np.ndarray
+        The work array; ``y`` (r, d) and ``memory`` (rows, d) are views of its head.
+    tally : np.ndarray
+        Evaluations, velocity evaluations, iterations, factorisations, steps, rows.
+    trouble : Exception or None
+        What the right-hand side raised in the step that ended the run, or ``None``.
+    h : float
+        Step size.
     """
 
     work: np.ndarray
     y: np.ndarray
     memory: np.ndarray
+    h: float
     tally: np.ndarray = field(default_factory=lambda: np.zeros(6, dtype=np.int64))
     trouble: Exception | None = None
 
@@ -97,12 +103,18 @@ class Kernel:
 
     Attributes
     ----------
-        form: coefficients.
-        shape: problem.
-        options: what was generated.
-        source: the generated module.
-        built: the callable and where it came from.
-        seconds: time it took to generate and compile or load.
+    form : StepForm or PairForm
+        coefficients.
+    shape : Shape
+        problem.
+    options : Options
+        What was generated.
+    source : KernelSource
+        The generated module.
+    built : compiled.Built
+        The callable and where it came from.
+    seconds : float
+        Time it took to generate and compile or load.
     """
 
     form: StepForm | PairForm
@@ -126,11 +138,15 @@ class Kernel:
     def state(self, values: np.ndarray, slope: np.ndarray, h: float) -> State:
         """State before the first step.
 
-        Args:
-            values: (r, d) starting values in the method's basis.
-            slope: (d,) right-hand side at the first value: the force that a pair reuses, or the
-                predictor's first guess (where it is not finite: zero).
-            h: step size.
+        Parameters
+        ----------
+        values : np.ndarray
+            (r, d) starting values in the method's basis.
+        slope : np.ndarray
+            (d,) right-hand side at the first value: the force that a pair reuses, or the
+            predictor's first guess (where it is not finite: zero).
+        h : float
+            Step size.
         """
         work = native.aligned_zeros(self.source.work_size)
         d, rows = self.shape.dimension, self.source.value_rows
@@ -140,7 +156,21 @@ class Kernel:
         y[:] = self.form.into(values)
         for row, (_, weight) in zip(memory, self.form.memory, strict=True):
             row[:] = remembered(slope, weight, h)
-        return State(work, y, memory)
+        state = State(work, y, memory, h)
+        if isinstance(self.form, PairForm) and self.form.kick:
+            p, rest, force = self._kept(state)
+            p[:], lost = self.form.kicked(p, force, h)
+            if self.options.compensated:
+                rest[:] = lost
+        return state
+
+    def _kept(self, state: State) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The p part of the first value, its rounding error (zero without one), and the force."""
+        half = slice(self.shape.half, self.shape.dimension)
+        rows = self.source.value_rows
+        errors = state.work[rows * self.shape.dimension :][half]
+        rest = errors if self.options.compensated else np.zeros_like(errors)
+        return state.y[0, half], rest, state.memory[0, half]
 
     def resumed(self, other: State) -> State:
         """State of another kernel of the same form, to go on from: same values, same counts."""
@@ -152,11 +182,14 @@ class Kernel:
         memory = work[start:size].reshape(other.memory.shape)
         memory[~np.isfinite(memory)] = 0.0
         y = work[: other.y.size].reshape(other.y.shape)
-        return State(work, y, memory, other.tally)
+        return State(work, y, memory, other.h, other.tally)
 
     def values(self, state: State) -> np.ndarray:
         """(r, d) values in the method's basis."""
-        return self.form.back(state.y)
+        values = self.form.back(state.y)
+        if isinstance(self.form, PairForm) and self.form.kick:
+            values[0, self.shape.half :] = self.form.unkicked(*self._kept(state), state.h)
+        return values
 
     def advance(
         self, state: State, last: int, *, t0: float, h: float, every: int, out: np.ndarray,
@@ -164,12 +197,16 @@ class Kernel:
     ) -> tuple[Outcome, float]:  # fmt: skip
         """Step until ``last`` steps are done, in chunks of about 50 ms.
 
-        Args:
-            every: record into ``out`` after every so many steps; 0 for never.
-            pause: called between chunks with the steps done; True cancels.
+        Parameters
+        ----------
+        every : int
+            Record into ``out`` after every so many steps; 0 for never.
+        pause : Callable[[int], bool]
+            Called between chunks with the steps done; True cancels.
 
         Returns
         -------
+        tuple[Outcome, float]
             The outcome and the seconds spent stepping.
         """
         chunk, seconds, flat = _FIRST_CHUNK, 0.0, out.reshape(-1)
@@ -210,11 +247,11 @@ class Kernel:
         numbers = (t0, h, first, until, mark, every)
         row = int(state.tally[5])
         if self.built.engine == "native":
-            return kernel(state.work, self.shape.values, *numbers, flat, row, state.tally)
+            return kernel(state.work, self.shape.par, *numbers, flat, row, state.tally)
         held = state.work.copy(), state.tally.copy()
         self.built.trouble.clear()
         try:
-            code = kernel(state.work, self.shape.values, *numbers, flat, row, state.tally)
+            code = kernel(state.work, self.shape.par, *numbers, flat, row, state.tally)
         except Exception as error:
             state.take_back(*held)
             own = isinstance(error, FunctionFailed)
@@ -249,20 +286,26 @@ def prepare(
 ) -> Kernel:  # fmt: skip
     """Choose form and solver, generate the kernel and compile it.
 
-    Args:
-        arithmetic: ``"strict"``: structurally exact coefficients (sweep or mu-form) where the
-            method has them, increments first, compensated; ``"fused"``: the same, but
-            products and sums may be fused, which is faster and has the bits of the processor, not
-            of the source; ``"compensated"``: A, U, B, V with compensated summation and the
-            tableau's rounding residue; ``"naive"``: neither.
-        solver: one of :data:`SOLVERS`.
-        form: ``"auto"`` or one of :data:`.sweep.FORMS`, which overrides what ``arithmetic`` says.
-        history: whether all values are recorded.
-        interpreted: run the generated source in the interpreter.
+    Parameters
+    ----------
+    arithmetic : str
+        ``"strict"``: structurally exact coefficients (sweep or mu-form) where the method has them,
+        increments first, compensated; ``"fused"``: the same, but products and sums may be fused,
+        which is faster and has the bits of the processor, not of the source; ``"compensated"``: A,
+        U, B, V with compensated summation and the tableau's rounding residue; ``"naive"``: neither.
+    solver : str
+        One of :data:`SOLVERS`.
+    form : str
+        ``"auto"`` or one of :data:`.sweep.FORMS`, which overrides what ``arithmetic`` says.
+    history : bool
+        Whether all values are recorded.
+    interpreted : bool
+        Run the generated source in the interpreter.
 
     Raises
     ------
-        UsageError: when the method does not fit the problem or the form.
+    UsageError
+        When the method does not fit the problem or the form.
     """
     begin = time.perf_counter()
     check_arithmetic(arithmetic)
@@ -290,6 +333,8 @@ def _prepared(
     coefficients, shape = choose_form(method, problem, form)
     if isinstance(coefficients, StepForm):
         options = replace(options, solver=choose_solver(coefficients, shape, problem, h, solver))
+        if options.solver == "newton":
+            shape = with_band(shape)
     kernel = _assembled(coefficients, shape, options, begin)
     strange = _computes_otherwise(kernel, problem)
     if not strange:
@@ -335,7 +380,8 @@ def choose_form(method: Any, problem: Problem, form: str) -> tuple[StepForm | Pa
 
     Raises
     ------
-        UsageError: for an additive method.
+    UsageError
+        For an additive method.
     """
     if method.additive:
         raise UsageError("kernels are not made for additive methods; use engine='reference'")
@@ -382,10 +428,34 @@ _sources: dict[tuple[int, int, Options], tuple[StepForm | PairForm, Shape, Kerne
 def with_newton(kernel: Kernel) -> Kernel:
     """Return the same kernel with Newton in place of the fixed point."""
     options = replace(kernel.options, solver="newton")
-    return _assembled(kernel.form, kernel.shape, options, time.perf_counter())
+    return _assembled(kernel.form, with_band(kernel.shape), options, time.perf_counter())
 
 
 # --- which solver -------------------------------------------------------------------------------
+
+
+def newton_writer(form: StepForm, shape: Shape) -> NewtonWriter:
+    """What knows the matrices of Newton's method, without a kernel around it."""
+    writer = NewtonWriter()
+    writer.form, writer.shape = form, shape
+    writer.unknowns = shape.half if shape.halved else shape.dimension
+    return writer
+
+
+def with_band(shape: Shape) -> Shape:
+    """The shape with the band of its Newton matrices, kept by the identity of the shape."""
+    if shape.dimension < _BANDED_FROM or shape.band is not None:
+        return shape
+    known = _bands.get(id(shape))
+    if known is None or known[0] is not shape:
+        if len(_bands) >= _MOST_SOURCES:
+            _bands.clear()
+        known = _bands[id(shape)] = shape, banded(shape)
+    return known[1]
+
+
+_BANDED_FROM = 32
+_bands: dict[int, tuple[Shape, Shape]] = {}
 
 
 def contraction(form: StepForm, shape: Shape, problem: Problem, h: float) -> float:
@@ -476,11 +546,8 @@ def _norm_estimate(shape: Shape, problem: Problem) -> float:
 
 def newton_bytes(form: StepForm, shape: Shape) -> int:
     """Memory that Newton's method needs for the Jacobian and its factored matrices."""
-    writer = NewtonWriter()
-    writer.form, writer.shape = form, shape
-    writer.unknowns = shape.half if shape.halved else shape.dimension
-    sizes = dict(writer._matrix_names(block.stages) for block in form.blocks if block.implicit)
-    return 8 * (shape.dimension**2 + sum(n * n for n in sizes.values()))
+    writer = newton_writer(form, shape)
+    return 8 * (writer.jacobian_size + sum(one.doubles for one in writer.systems().values()))
 
 
 def choose_solver(
@@ -490,19 +557,21 @@ def choose_solver(
 
     Raises
     ------
-        UsageError: when Newton is asked for and its matrices are beyond :data:`NEWTON_BYTES`.
+    UsageError
+        When Newton is asked for and its matrices are beyond :data:`NEWTON_BYTES`.
     """
-    fits = not form.implicit_stages or newton_bytes(form, shape) <= NEWTON_BYTES
-    if solver == "newton" and not fits:
-        raise UsageError(
-            f"Newton's method on {shape.dimension} components needs "
-            f"{gibibytes(newton_bytes(form, shape))} for its matrices, and at most "
-            f"{gibibytes(NEWTON_BYTES)} are given to it; use solver='fixed-point'"
-        )
-    if solver != "auto":
+    if not form.implicit_stages or solver == "fixed-point":
+        return "fixed-point" if solver == "auto" else solver
+    if solver == "newton":
+        shape = with_band(shape)
+        needed = newton_bytes(form, shape)
+        if needed > NEWTON_BYTES:
+            raise UsageError(
+                f"Newton's method on {shape.dimension} components needs {gibibytes(needed)} for "
+                f"its matrices, and at most {gibibytes(NEWTON_BYTES)} are given to it; use "
+                f"solver='fixed-point'"
+            )
         return solver
-    if not fits:
-        return "fixed-point"
     rho = contraction(form, shape, problem, h)
     if rho == 0.0 or not math.isfinite(rho):
         return "fixed-point"
@@ -510,11 +579,45 @@ def choose_solver(
     unknowns = shape.half if shape.halved else shape.dimension
     inline = single and unknowns <= INLINE_LIMIT and shape.jacobian is not None
     if not inline or shape.loops or rho > POOR:
-        return "newton" if rho > POOR else "fixed-point"
+        if rho <= POOR:
+            return "fixed-point"
+        shape = with_band(shape)
+        fits = newton_bytes(form, shape) <= NEWTON_BYTES
+        return "newton" if fits and _newton_pays(form, shape, rho) else "fixed-point"
     once = _ROUND_LATENCY + sum(_latency(p.formula) for p in shape.parts if p.formula)
     rounds = 1 + 10 / -math.log10(rho)
     newton = _NEWTON_ROUNDS * once + _jacobian_latency(shape) + _INLINE_SOLVE[unknowns]
     return "newton" if newton < rounds * once else "fixed-point"
+
+
+def _newton_pays(form: StepForm, shape: Shape, rho: float) -> bool:
+    """Whether the factored matrices of a large system cost less than rounds of the fixed point.
+
+    In operations: a round evaluates every stage and forms it from the others; Newton solves with
+    every matrix besides, twice its entries, four times as many where it is complex, and factors
+    them every so many steps.
+    """
+    writer = newton_writer(form, shape)
+    if writer.unknowns <= _SMALL or rho >= _DIVERGES:
+        return True
+    stages = form.implicit_stages
+    read = _READ * shape.dimension if shape.band is None else 2 * shape.band.entries
+    once = stages * (read + (2 * stages + _AROUND) * shape.dimension)
+    solves, factors = 0.0, 0.0
+    for one in writer.systems().values():
+        weight = 4 if one.value.imag else 1
+        solves += 2 * weight * one.length
+        factors += 2 * weight * one.length * min(one.lower, one.size / 3)
+    fixed = (1 + 10 / -math.log10(rho)) * once
+    return _NEWTON_ROUNDS_LARGE * (once + solves) + factors / _STEPS_PER_FACTOR < fixed
+
+
+_SMALL = 64  # unknowns up to which a poor contraction is enough to prefer Newton
+_DIVERGES = 0.9
+_READ = 8  # operations for one component of a right-hand side whose structure is not known
+_AROUND = 10  # operations around one component: residual, comparison, sum
+_NEWTON_ROUNDS_LARGE = 4
+_STEPS_PER_FACTOR = 10
 
 
 def _jacobian_latency(shape: Shape) -> int:

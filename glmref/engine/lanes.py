@@ -34,10 +34,14 @@ class LaneSource:
 
     Attributes
     ----------
-        text: module source; defines ``kernel``.
-        rows: name -> first row of the work array (of ``width`` entries each).
-        work_size: length of the work array.
-        width: lanes in a block.
+    text : str
+        Module source; defines ``kernel``.
+    rows
+        Name -> first row of the work array (of ``width`` entries each).
+    work_size
+        Length of the work array.
+    width
+        Lanes in a block.
     """
 
     def __init__(self, text: str, target: LaneTarget) -> None:
@@ -53,10 +57,11 @@ def lane_source(
 
     Raises
     ------
-        UsageError: for a right-hand side that is not given as expressions.
+    UsageError
+        For a right-hand side that is not given as expressions.
     """
-    if shape.loops:
-        raise UsageError("lanes need a right-hand side given as expressions")
+    if shape.arrays:
+        raise UsageError("lanes need a right-hand side given as expressions, or as a short loop")
     writer = Writer()
     target = LaneTarget(shape, writer, width)
     kind: Any = _LanePairBuilder if isinstance(form, PairForm) else _LaneBuilder

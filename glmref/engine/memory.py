@@ -24,7 +24,7 @@ def memory() -> int:
     with suppress(AttributeError, OSError, ValueError):
         found = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     with suppress(ImportError, OSError, ValueError):
-        import resource
+        import resource  # not on every system
 
         limit = resource.getrlimit(resource.RLIMIT_AS)[0]
         if limit not in (resource.RLIM_INFINITY, -1):

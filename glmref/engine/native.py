@@ -55,12 +55,15 @@ class Tuning:
 
     Attributes
     ----------
-        pack: whether independent operations of straight-line code are packed into vectors. That
-            helps where several stages go side by side and hurts a single chain of operations.
-        wide: whether loops may use the widest vectors of the processor, which LLVM avoids by
-            default where short bursts of them do not pay; loops over lanes are no short bursts.
-        fuse: whether a product and a sum may become one operation with one rounding. The bits
-            then depend on the processor.
+    pack : bool
+        Whether independent operations of straight-line code are packed into vectors. That helps
+        where several stages go side by side and hurts a single chain of operations.
+    wide : bool
+        Whether loops may use the widest vectors of the processor, which LLVM avoids by default
+        where short bursts of them do not pay; loops over lanes are no short bursts.
+    fuse : bool
+        Whether a product and a sum may become one operation with one rounding. The bits then depend
+        on the processor.
     """
 
     pack: bool = False
@@ -76,20 +79,27 @@ def compile_kernel(
 ) -> Callable[..., int]:
     """Compile the function ``kernel`` of a generated module.
 
-    Args:
-        source: module text.
-        arguments: name -> kind (:data:`KINDS`), in order.
-        cached: file with the object code; read where it exists, else written.
-        tuning: what the compiler may do.
+    Parameters
+    ----------
+    source : str
+        Module text.
+    arguments : Mapping[str, str]
+        Name -> kind (:data:`KINDS`), in order.
+    cached : Path or None
+        File with the object code; read where it exists, else written.
+    tuning : Tuning
+        What the compiler may do.
 
     Returns
     -------
+    Callable[..., int]
         A function of numpy arrays and numbers that returns an integer; it holds no lock while it
         runs.
 
     Raises
     ------
-        Unsupported: when the source cannot be translated.
+    Unsupported
+        When the source cannot be translated.
     """
     engine = _engine(source, arguments, cached, tuning)
     address = engine.get_function_address("kernel")

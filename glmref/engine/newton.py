@@ -4,72 +4,252 @@ Two kinds. *Inline*, for one stage at a time with at most :data:`INLINE_LIMIT` u
 I - h w M J is written out entry by entry and evaluated afresh at the predicted stage. *Factored*:
 the Jacobian is evaluated once, the matrices of all blocks are factored (equal ones share), and they
 are kept from step to step until a solve needs more than :data:`REFRESH_ROUNDS` rounds. On a
-separable problem the unknown is the p part of L and J is the product K J_f of the two halves.
+separable problem the unknown is the p part of L and J is the product K J_f of the two halves. The
+stages of a block that depend on each other are separated by the eigenvectors of their coupling: one
+real or complex matrix of the size of J for each eigenvalue. Where J is a narrow band in some order
+of the unknowns (:mod:`.band`), so are the matrices and their factors.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from .emit import ScalarTarget, Target, Writer
 from .forms import StepForm
 from .shape import Shape, inlined, jacobian_block, parameter_names
+from .values import linear
 
 if TYPE_CHECKING:
     from .codegen import Options
 
-__all__ = ["HELPERS", "INLINE_LIMIT", "REFRESH_ROUNDS", "NewtonWriter"]
+__all__ = ["COMPLEX_HELPERS", "HELPERS", "INLINE_LIMIT", "REFRESH_ROUNDS", "NewtonWriter"]
 
 INLINE_LIMIT = 3
 REFRESH_ROUNDS = 5
 
-#: Dense elimination with partial pivoting on the transposed matrix: a[j, i] is entry (i, j), so
-#: that every inner loop runs along memory and no sum has to be reordered to be fast. The diagonal
-#: holds reciprocals.
+#: Elimination with partial pivoting. Entry (i, j) is a[offset + j*stride + i]: a dense matrix by
+#: columns (stride n, offset 0), or its diagonals with room for those that pivoting fills (stride
+#: 2 lower + upper, offset lower + upper), as LAPACK's gbtrf keeps them. Every inner loop runs along
+#: memory, and no sum has to be reordered to be fast. The diagonal holds reciprocals. Zeros stand
+#: around a ``padded`` band and its vectors, so that every inner loop has the same length.
 HELPERS = """
 @compiled
-def factor(a, pivots):
-    n = len(pivots)
+def factor(a, pivots, n, lower, upper, stride, offset, padded):
     for k in range(n):
+        column = offset + k*stride
+        end = k + lower + 1 if padded == 1 else n
         p = k
-        for i in range(k + 1, n):
-            if abs(a[k, i]) > abs(a[k, p]):
+        for i in range(k + 1, end):
+            if abs(a[column + i]) > abs(a[column + p]):
                 p = i
         pivots[k] = p
+        reach = k + lower + upper + 1 if padded == 1 else n
         if p != k:
-            for j in range(n):
-                held = a[j, k]
-                a[j, k] = a[j, p]
-                a[j, p] = held
-        a[k, k] = 1.0 / a[k, k]
-        for i in range(k + 1, n):
-            a[k, i] = a[k, i] * a[k, k]
-        for j in range(k + 1, n):
-            ratio = a[j, k]
+            for j in range(k, reach):
+                held = a[offset + j*stride + k]
+                a[offset + j*stride + k] = a[offset + j*stride + p]
+                a[offset + j*stride + p] = held
+        a[column + k] = 1.0 / a[column + k]
+        for i in range(k + 1, end):
+            a[column + i] = a[column + i] * a[column + k]
+        for j in range(k + 1, reach):
+            other = offset + j*stride
+            ratio = a[other + k]
             if ratio != 0.0:
-                for i in range(k + 1, n):
-                    a[j, i] -= a[k, i] * ratio
+                for i in range(k + 1, end):
+                    a[other + i] -= a[column + i] * ratio
 
 
 @compiled
-def eliminate(a, pivots, b):
-    n = len(pivots)
+def eliminate(a, pivots, b, n, lower, upper, stride, offset, padded):
+    shift = lower + upper if padded == 1 else 0
     for k in range(n):
         p = int(pivots[k])
-        held = b[k]
-        b[k] = b[p]
-        b[p] = held
-    for j in range(n):
-        known = b[j]
-        for i in range(j + 1, n):
-            b[i] -= a[j, i] * known
+        known = b[shift + p]
+        b[shift + p] = b[shift + k]
+        b[shift + k] = known
+        column = offset + k*stride
+        end = k + lower + 1 if padded == 1 else n
+        for i in range(k + 1, end):
+            b[shift + i] -= a[column + i] * known
     for j in range(n - 1, -1, -1):
-        known = b[j] * a[j, j]
-        b[j] = known
-        for i in range(j):
-            b[i] -= a[j, i] * known
+        column = offset + j*stride
+        known = b[shift + j] * a[column + j]
+        b[shift + j] = known
+        first = j - lower - upper if padded == 1 else 0
+        for i in range(first, j):
+            b[shift + i] -= a[column + i] * known
 """
+
+#: The same for a + i b, with the unknown c + i d.
+COMPLEX_HELPERS = """
+@compiled
+def complex_factor(a, b, pivots, n, lower, upper, stride, offset, padded):
+    for k in range(n):
+        column = offset + k*stride
+        end = k + lower + 1 if padded == 1 else n
+        p = k
+        largest = abs(a[column + k]) + abs(b[column + k])
+        for i in range(k + 1, end):
+            size = abs(a[column + i]) + abs(b[column + i])
+            if size > largest:
+                largest = size
+                p = i
+        pivots[k] = p
+        reach = k + lower + upper + 1 if padded == 1 else n
+        if p != k:
+            for j in range(k, reach):
+                here = offset + j*stride
+                held = a[here + k]
+                a[here + k] = a[here + p]
+                a[here + p] = held
+                held = b[here + k]
+                b[here + k] = b[here + p]
+                b[here + p] = held
+        real = a[column + k]
+        imaginary = b[column + k]
+        norm = real*real + imaginary*imaginary
+        real = real/norm
+        imaginary = -imaginary/norm
+        a[column + k] = real
+        b[column + k] = imaginary
+        for i in range(k + 1, end):
+            held = a[column + i]*real - b[column + i]*imaginary
+            b[column + i] = a[column + i]*imaginary + b[column + i]*real
+            a[column + i] = held
+        for j in range(k + 1, reach):
+            other = offset + j*stride
+            real = a[other + k]
+            imaginary = b[other + k]
+            if real != 0.0 or imaginary != 0.0:
+                for i in range(k + 1, end):
+                    a[other + i] -= a[column + i]*real - b[column + i]*imaginary
+                    b[other + i] -= a[column + i]*imaginary + b[column + i]*real
+
+
+@compiled
+def complex_eliminate(a, b, pivots, c, d, n, lower, upper, stride, offset, padded):
+    shift = lower + upper if padded == 1 else 0
+    for k in range(n):
+        p = int(pivots[k])
+        real = c[shift + p]
+        imaginary = d[shift + p]
+        c[shift + p] = c[shift + k]
+        d[shift + p] = d[shift + k]
+        c[shift + k] = real
+        d[shift + k] = imaginary
+        column = offset + k*stride
+        end = k + lower + 1 if padded == 1 else n
+        for i in range(k + 1, end):
+            c[shift + i] -= a[column + i]*real - b[column + i]*imaginary
+            d[shift + i] -= a[column + i]*imaginary + b[column + i]*real
+    for j in range(n - 1, -1, -1):
+        column = offset + j*stride
+        real = c[shift + j]*a[column + j] - d[shift + j]*b[column + j]
+        imaginary = c[shift + j]*b[column + j] + d[shift + j]*a[column + j]
+        c[shift + j] = real
+        d[shift + j] = imaginary
+        first = j - lower - upper if padded == 1 else 0
+        for i in range(first, j):
+            c[shift + i] -= a[column + i]*real - b[column + i]*imaginary
+            d[shift + i] -= a[column + i]*imaginary + b[column + i]*real
+"""
+
+
+#: Condition of the eigenvectors of a block beyond which its stages are solved for as one system.
+_WORST_CONDITION = 1e6
+
+
+@dataclass(frozen=True)
+class Split:
+    """A coupling of stages C = T diag(values) T^-1; of conjugate pairs one is kept.
+
+    With it the equations (I - C x J) L = R of a block become one of the size of J for each value:
+    real ones, and a complex one for each conjugate pair (Butcher, On the implementation of implicit
+    Runge-Kutta methods, BIT 16 (1976)).
+
+    Attributes
+    ----------
+    values : tuple of complex
+    into : tuple of tuples of complex
+        Rows of T^-1 that belong to the values.
+    back : tuple of tuples of complex
+        Columns of T, twice as large for a value that stands for a pair.
+    """
+
+    values: tuple[complex, ...]
+    into: tuple[tuple[complex, ...], ...]
+    back: tuple[tuple[complex, ...], ...]
+
+
+def split_of(coupling: Sequence[Sequence[float]]) -> Split | None:
+    """Eigenvalues and vectors of the coupling of a block; ``None`` where they are too close."""
+    if len(coupling) == 1:
+        return Split((complex(coupling[0][0]),), ((1.0,),), ((1.0,),))
+    values, T = np.linalg.eig(np.array(coupling))
+    if not np.linalg.cond(T) < _WORST_CONDITION:
+        return None
+    inverse = np.linalg.inv(T)
+    kept = [k for k, value in enumerate(values) if value.imag >= 0]
+    twice = [2.0 if values[k].imag else 1.0 for k in kept]
+    return Split(
+        tuple(complex(values[k]) for k in kept),
+        tuple(tuple(complex(x) for x in inverse[k]) for k in kept),
+        tuple(
+            tuple(complex(x) * factor for x in T[:, k])
+            for k, factor in zip(kept, twice, strict=True)
+        ),
+    )
+
+
+@dataclass(frozen=True)
+class System:
+    """One of the matrices that Newton's method factors, and where its entries are.
+
+    Attributes
+    ----------
+    name : str
+        Of its place in the work array; equal matrices share one.
+    value : complex
+        The matrix is I - value h J (h^2 K J_f on a separable problem); of a whole block: nan.
+    size, lower, upper : int
+        Rows, and diagonals.
+    stride, offset, length : int
+        Entry (i, j) is ``offset + j*stride + i``, below ``length``.
+    padded : bool
+        Whether zeros stand around it, as :data:`HELPERS` asks for.
+    """
+
+    name: str
+    value: complex
+    size: int
+    lower: int
+    upper: int
+    stride: int
+    offset: int
+    length: int
+    padded: bool = False
+
+    @property
+    def numbers(self) -> str:
+        """Last arguments of :data:`HELPERS`."""
+        given = (self.size, self.lower, self.upper, self.stride, self.offset, int(self.padded))
+        return ", ".join(map(str, given))
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """Names of the real part and, if there is one, of the imaginary part."""
+        return (self.name, f"{self.name}_i") if self.value.imag else (self.name,)
+
+    @property
+    def doubles(self) -> int:
+        """Numbers kept for it, pivots included."""
+        return self.length * len(self.parts) + self.size
 
 
 class NewtonWriter:
@@ -229,31 +409,92 @@ class NewtonWriter:
             name = self.t.ref(f"L{i}", low + a)
             self.w(f"known = {name}", f"new = known + inverse*({text})", f"{name} = {accepted[a]}")
 
-    def _matrix_names(self, stages: Sequence[int]) -> tuple[str, int]:
-        """Name of the factored matrix of a block and its size; equal couplings share one.
+    def _systems(self, stages: Sequence[int]) -> list[System]:
+        """Matrices to be factored for a block; equal couplings share one.
 
         Couplings are products of rounded numbers: equal diagonals give them equal to a few units of
         the last place only, and a matrix for the one serves the other.
         """
-        key = "_".join(f"{x:.12g}" for row in self._coupling(stages) for x, _ in row)
-        return f"lu_{key}", len(stages) * self.unknowns
+        coupling = [[x for x, _ in row] for row in self._coupling(stages)]
+        split, n, band = split_of(coupling), self.unknowns, self.shape.band
+        if split is None:
+            key, size = "_".join(f"{x:.12g}" for row in coupling for x in row), len(stages) * n
+            whole = (size - 1, size - 1, size, 0, size * size)
+            return [System(f"lu_{key}", complex(math.nan), size, *whole)]
+        found = []
+        for x in split.values:
+            key = f"{x.real:.12g}" + (f"_{x.imag:.12g}" if x.imag else "")
+            where = (n - 1, n - 1, n, 0, n * n)
+            if band is not None:
+                low, up = band.lower, band.upper
+                length = (n + low + up) * (2 * low + up + 1)
+                where = (low, up, 2 * low + up, low + up, length)
+            found.append(System(f"lu_{key}", x, n, *where, padded=band is not None))
+        return found
 
-    def _view(self, name: str, size: int) -> tuple[str, str]:
-        """Source of a matrix in the work array and of its pivots."""
-        a = self.t.reserve(name, size * size)
-        p = self.t.reserve(f"{name}_pivots", size)
-        return f"x[{a}:{a + size * size}].reshape(({size}, {size}))", f"x[{p}:{p + size}]"
+    def systems(self) -> dict[str, System]:
+        """All matrices of a step by name."""
+        blocks = [block.stages for block in self.form.blocks if block.implicit]
+        return {one.name: one for stages in blocks for one in self._systems(stages)}
+
+    def _view(self, name: str, size: int) -> str:
+        """Source of a vector in the work array."""
+        start = self.t.reserve(name, size)
+        return f"x[{start}:{start + size}]"
+
+    def _matrix(self, one: System) -> str:
+        """Source of a matrix and its pivots, as arguments of :data:`HELPERS`."""
+        views = [self._view(name, one.length) for name in one.parts]
+        return ", ".join((*views, self._view(f"{one.name}_pivots", one.size)))
 
     def _factored_update(self, stages: Sequence[int]) -> None:
-        name, size = self._matrix_names(stages)
-        start = self.t.reserve("residual", self._largest_block() * self.unknowns)
+        systems, n = self._systems(stages), self.unknowns
+        start = self.t.reserve("residual", self._largest_block() * n)
         for k, i in enumerate(stages):
-            place = start + k * self.unknowns
-            self._packed(place, f"hw{i}*@F{i} - @L{i}", f"L{i}", put=True)
-        matrix, pivots = self._view(name, size)
-        self.w(f"eliminate({matrix}, {pivots}, x[{start}:{start + size}])")
+            self._packed(start + k * n, f"hw{i}*@F{i} - @L{i}", f"L{i}", put=True)
+        (first,) = systems if len(systems) == 1 else (None,)
+        if first is not None and self.shape.band is None and not first.value.imag:
+            # nothing to transform: one stage, or a block as a whole
+            end = start + first.size
+            self.w(f"eliminate({self._matrix(first)}, x[{start}:{end}], {first.numbers})")
+        else:
+            self._transformed(stages, systems, start)
         for k, i in enumerate(stages):
-            self._packed(start + k * self.unknowns, "", f"L{i}", put=False)
+            self._packed(start + k * n, "", f"L{i}", put=False)
+
+    def _transformed(self, stages: Sequence[int], systems: Sequence[System], start: int) -> None:
+        """T (I - diag x J)^-1 T^-1 of the residuals of a block, in place."""
+        split = split_of([[x for x, _ in row] for row in self._coupling(stages)])
+        assert split is not None
+        w, n, count, band = self.w, self.unknowns, range(len(stages)), self.shape.band
+        before, after = (0, 0) if band is None else (band.lower + band.upper, band.lower)
+        vectors = [
+            [self.t.reserve(f"r{part}{m}", before + n + after) for part in range(len(one.parts))]
+            for m, one in enumerate(systems)
+        ]
+        place = f"{before} + int(par[{len(self.shape.values)} + c])" if band else "c"
+        with w.block(f"for c in range({n}):"):
+            w(f"place = {place}", *(f"r{k} = x[{start + k * n} + c]" for k in count))
+            for row, places in zip(split.into, vectors, strict=True):
+                real = linear([(complex(x).real, f"r{k}") for k, x in enumerate(row)])
+                imaginary = linear([(complex(x).imag, f"r{k}") for k, x in enumerate(row)])
+                for at, text in zip(places, (real, imaginary), strict=False):
+                    w(f"x[{at} + place] = {text}")
+        for one, places in zip(systems, vectors, strict=True):
+            given = ", ".join(f"x[{at}:{at + before + n + after}]" for at in places)
+            name = "complex_eliminate" if one.value.imag else "eliminate"
+            w(f"{name}({self._matrix(one)}, {given}, {one.numbers})")
+        with w.block(f"for c in range({n}):"):
+            w(f"place = {place}")
+            for k in count:
+                terms = []
+                for column, places in zip(split.back, vectors, strict=True):
+                    x = complex(column[k])
+                    signed = (x.real, -x.imag)
+                    terms += [
+                        (f, f"x[{at} + place]") for f, at in zip(signed, places, strict=False)
+                    ]
+                w(f"x[{start + k * n} + c] = {linear(terms)}")
 
     def _packed(self, place: int, template: str, name: str, *, put: bool) -> None:
         """Write a vector to consecutive entries of x, or add them to a vector."""
@@ -275,29 +516,35 @@ class NewtonWriter:
 
     def _factored_matrix(self, stages: Sequence[int]) -> None:
         """Where the kept matrices are stale: Jacobian at this stage, then factor all of them."""
-        w, d = self.w, self.shape.dimension
+        w = self.w
         flag = self.t.reserve("fresh", 1)
         with w.block(f"if x[{flag}] == 0.0:"):
             w(f"x[{flag}] = 1.0", "factorisations += 1")
-            jacobian = self.t.reserve("jacobian", d * d)
+            jacobian = self.t.reserve("jacobian", self.jacobian_size)
             self._jacobian_at(stages[0], jacobian)
             w("spread = 0.0")
-            with w.block(f"for k in range({d * d}):"):
+            with w.block(f"for k in range({self.jacobian_size}):"):
                 w(f"spread += abs(x[{jacobian} + k])")
             with w.block("if not (spread < 1e300):"):
                 w("outcome = 1", "break")
-            seen = set()
+            seen: set[str] = set()
             for block in self.form.blocks:
-                name, _ = self._matrix_names(block.stages)
-                if block.implicit and name not in seen:
-                    seen.add(name)
-                    self._assemble(block.stages, jacobian)
+                for one in self._systems(block.stages) if block.implicit else ():
+                    if one.name not in seen:
+                        seen.add(one.name)
+                        self._assemble(one, block.stages, jacobian)
+
+    @property
+    def jacobian_size(self) -> int:
+        """Numbers kept of the Jacobian: all entries, or its diagonals."""
+        band, d = self.shape.band, self.shape.dimension
+        return d * d if band is None else self.unknowns * band.width
 
     def _jacobian_at(self, i: int, place: int) -> None:
         """df/dy at stage i into the work array, by its formula or by differences."""
-        w, d = self.w, self.shape.dimension
+        w, d, band = self.w, self.shape.dimension, self.shape.band
         source = self.t.reserve("point", d)
-        slopes = self.t.reserve("slopes", 2 * d)
+        slopes = self.t.reserve("slopes", (2 if band is None else 3) * d)
         # on a separable problem both halves of Y are known here: P was formed before Q
         for c in range(d) if isinstance(self.t, ScalarTarget) else ():
             w(f"x[{source + c}] = {self.t.ref(f'Y{i}', c)}")
@@ -307,37 +554,69 @@ class NewtonWriter:
         time = "time" if any(part.timed for part in self.shape.parts) else "t0"
         if self.shape.uses_time is False:
             time = "t0"
+        size = len(self.shape.par)
+        out = f"x[{place}:{place + self.jacobian_size}]"
+        if band is None:
+            out += f".reshape(({d}, {d}))"
         w(
-            f"jacobian_into({time}, x[{source}:{source + d}], par[0:{len(self.shape.values)}], "
-            f"x[{place}:{place + d * d}].reshape(({d}, {d})), x[{slopes}:{slopes + 2 * d}])"
+            f"jacobian_into({time}, x[{source}:{source + d}], par[0:{size}], "
+            f"{out}, x[{slopes}:{slopes + (2 if band is None else 3) * d}])"
         )
-        if self.shape.jacobian is None and not self.shape.jacobian_body:
-            w(f"evaluations += {self.shape.counted.source_stop - self.shape.counted.source + 1}")
+        if self.shape.differenced:
+            read = self.shape.counted.source_stop - self.shape.counted.source
+            w(f"evaluations += {(read if band is None else band.width) + 1}")
 
-    def _assemble(self, stages: Sequence[int], jacobian: int) -> None:
-        """I - factor J of a block into its matrix, factored."""
-        w, n, d, half = self.w, self.unknowns, self.shape.dimension, self.shape.half
-        name, size = self._matrix_names(stages)
-        start = self.t.reserve(name, size * size)
-        coupling = self._coupling(stages)
-        with w.block(f"for a in range({n}):"), w.block(f"for b in range({n}):"):
-            if not self.shape.halved:
-                w(f"entry = x[{jacobian} + a*{d} + b]")
-            elif self.shape.parts[0].identity:
-                w(f"entry = x[{jacobian} + ({half} + a)*{d} + b]")
-            else:
-                w("entry = 0.0")
-                with w.block(f"for k in range({half}):"):
-                    w(
-                        f"entry += x[{jacobian} + ({half} + a)*{d} + k]"
-                        f"*x[{jacobian} + k*{d} + {half} + b]"
-                    )
-            w("one = 1.0 if a == b else 0.0")
-            for i in range(len(stages)):
-                for j in range(len(stages)):
-                    factor, power = coupling[i][j]
-                    place = f"x[{start} + ({j * n} + b)*{size} + {i * n} + a]"
-                    one = "one - " if i == j else "-"
-                    w(f"{place} = {one}{factor!r}*({power})*entry")
-        matrix, pivots = self._view(name, size)
-        w(f"factor({matrix}, {pivots})")
+    def _assemble(self, one: System, stages: Sequence[int], jacobian: int) -> None:
+        """I - factor J into a matrix, factored."""
+        w, n, band = self.w, self.unknowns, self.shape.band
+        d, half = self.shape.dimension, self.shape.half
+        power = self._coupling(stages)[0][0][1]
+        starts = [self.t.reserve(name, one.length) for name in one.parts]
+
+        def entries(place: str) -> None:
+            for start, factor, unit in zip(
+                starts, (one.value.real, one.value.imag), ("one - ", "-"), strict=False
+            ):
+                w(f"x[{start} + {place}] = {unit}{factor!r}*({power})*entry")
+
+        if band is not None:
+            for start in starts:
+                with w.block(f"for k in range({one.length}):"):
+                    w(f"x[{start} + k] = 0.0")
+            with w.block(f"for b in range({n}):"):
+                w(f"low = b - {band.upper} if b > {band.upper} else 0")
+                w(f"high = b + {band.lower + 1} if b + {band.lower + 1} < {n} else {n}")
+                with w.block("for a in range(low, high):"):
+                    w(f"entry = x[{jacobian + band.upper} + b*{band.width - 1} + a]")
+                    w("one = 1.0 if a == b else 0.0")
+                    entries(f"{one.offset} + b*{one.stride} + a")
+        else:
+            with w.block(f"for a in range({n}):"), w.block(f"for b in range({n}):"):
+                if not self.shape.halved:
+                    w(f"entry = x[{jacobian} + a*{d} + b]")
+                elif self.shape.parts[0].identity:
+                    w(f"entry = x[{jacobian} + ({half} + a)*{d} + b]")
+                else:
+                    w("entry = 0.0")
+                    with w.block(f"for k in range({half}):"):
+                        w(
+                            f"entry += x[{jacobian} + ({half} + a)*{d} + k]"
+                            f"*x[{jacobian} + k*{d} + {half} + b]"
+                        )
+                w("one = 1.0 if a == b else 0.0")
+                if math.isnan(one.value.real):
+                    self._whole_block(one, stages, starts[0])
+                else:
+                    entries(f"b*{n} + a")
+        name = "complex_factor" if one.value.imag else "factor"
+        w(f"{name}({self._matrix(one)}, {one.numbers})")
+
+    def _whole_block(self, one: System, stages: Sequence[int], start: int) -> None:
+        """Entry (a, b) of every pair of stages of a block that is not split."""
+        coupling, n = self._coupling(stages), self.unknowns
+        for i in range(len(stages)):
+            for j in range(len(stages)):
+                factor, power = coupling[i][j]
+                place = f"x[{start} + ({j * n} + b)*{one.size} + {i * n} + a]"
+                unit = "one - " if i == j else "-"
+                self.w(f"{place} = {unit}{factor!r}*({power})*entry")

@@ -46,26 +46,44 @@ class Solution(Shown):
 
     Attributes
     ----------
-        t: (m,) times of the rows kept.
-        y: (m, d) solution at these times (finishing method applied).
-        outcome: how the run ended.
-        message: one sentence on the outcome; says what to do where it is not ``completed``.
-        steps: number of steps completed.
-        values: (r, d) the values carried, after the last completed step, in the method's own basis;
-            for a pair (max(r, r^), d), q in the first half of the columns and p in the second.
-        history: (m, r, d) the same at every time in ``t``, or ``None`` where not asked for.
-        evaluations: right-hand-side evaluations of the steps. For a separable problem the
-            evaluations of p' = dp(q), the expensive half; see ``velocity_evaluations``.
-        velocity_evaluations: evaluations of q' = dq(p) where it is counted apart, else 0.
-        iterations: rounds of the stage solver, summed over stages and steps.
-        factorisations: Newton matrices factored.
-        seconds: wall clock time of the steps alone (no compilation, no start).
-        start_evaluations, finish_evaluations: right-hand-side evaluations of start and finish.
-        build_seconds: time to generate, compile or load the kernel.
-        method, problem, h: what was run.
-        kernel: what was built: engine, form, solver and arithmetic in words.
-        notices: sentences worth knowing, such as a fallback that was taken.
-        renewals: how often the values were made anew, see ``renew`` of :func:`glmref.solve`.
+    t : np.ndarray
+        (m,) times of the rows kept.
+    y : np.ndarray
+        (m, d) solution at these times (finishing method applied).
+    outcome : Outcome
+        How the run ended.
+    message : str
+        One sentence on the outcome; says what to do where it is not ``completed``.
+    steps : int
+        Number of steps completed.
+    values : np.ndarray
+        (r, d) the values carried, after the last completed step, in the method's own basis; for a
+        pair (max(r, r^), d), q in the first half of the columns and p in the second.
+    history : np.ndarray or None
+        (m, r, d) the same at every time in ``t``, or ``None`` where not asked for.
+    evaluations : int
+        Right-hand-side evaluations of the steps. For a separable problem the evaluations of p' =
+        dp(q), the expensive half; see ``velocity_evaluations``.
+    velocity_evaluations : int
+        Evaluations of q' = dq(p) where it is counted apart, else 0.
+    iterations : int
+        Rounds of the stage solver, summed over stages and steps.
+    factorisations : int
+        Newton matrices factored.
+    seconds : float
+        Wall clock time of the steps alone (no compilation, no start).
+    start_evaluations, finish_evaluations : int
+        Right-hand-side evaluations of start and finish.
+    build_seconds : float
+        Time to generate, compile or load the kernel.
+    method, problem, h
+        What was run.
+    kernel : str
+        What was built: engine, form, solver and arithmetic in words.
+    notices : tuple[str, ...]
+        Sentences worth knowing, such as a fallback that was taken.
+    renewals : int
+        How often the values were made anew, see ``renew`` of :func:`glmref.solve`.
     """
 
     t: np.ndarray
@@ -99,16 +117,20 @@ class Solution(Shown):
     def plot(self, components: Sequence[int] | None = None) -> Drawing:
         """Draw the components of the solution against time.
 
-        Args:
-            components: numbers of the components, from 0; the first six by default.
+        Parameters
+        ----------
+        components : Sequence[int] or None
+            Numbers of the components, from 0; the first six by default.
 
         Returns
         -------
+        Drawing
             A picture in SVG: a notebook shows it, and ``save(path)`` writes it.
 
         Raises
         ------
-            UsageError: where fewer than two rows were kept: say ``every`` or ``times``.
+        UsageError
+            Where fewer than two rows were kept: say ``every`` or ``times``.
         """
         return above("views.plot", "plot")(self, components=components)
 

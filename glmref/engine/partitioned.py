@@ -41,7 +41,7 @@ class PairBuilder(Builder):
     def __init__(self, form: PairForm, shape: Shape, options: Options, target: Target) -> None:
         super().__init__(form, shape, options, target)  # type: ignore[arg-type]
         m, d = shape.half, shape.dimension
-        kinds = {"running": form.running, "compensated": options.compensated}
+        kinds = {"running": form.running, "compensated": options.compensated, "ahead": True}
         P, Q = form.P, form.Q
         self.in_place = False
         if isinstance(target, ArrayTarget) and form.running:
@@ -74,13 +74,18 @@ class PairBuilder(Builder):
         for half, shift in ((self.form.Q, 0), (self.form.P, self.form.Q.n)):
             for i, weight in enumerate(half.weights):
                 self.w(f"hw{i + shift} = h" if weight == 1.0 else f"hw{i + shift} = h*{weight!r}")
+        if self.form.kick:
+            self.w(f"hk = {self.form.kick!r}*h")
 
     def _record(self) -> None:
         for part, basis in zip((0, 1), self.form.from_form, strict=True):
             low, high = ((0, self.shape.half), (self.shape.half, self.shape.dimension))[part]
             for k in range(len(basis)) if self.options.history else range(1):
-                terms = [(x, f"@y{j}") for j, x in enumerate(basis[k])]
-                self._output(k, terms, (low, high))
+                text = linear([(x, f"@y{j}") for j, x in enumerate(basis[k])])
+                if part and self.form.kick:
+                    rest = "@e0 - hk*@G" if self.options.compensated else "-hk*@G"
+                    text = f"@y0 + ({rest})"
+                self._output(k, text, (low, high))
 
     def _begin(self) -> None:
         for values in self.sides:
@@ -101,10 +106,13 @@ class PairBuilder(Builder):
         n = self.form.Q.n
         return (self.form.Q, node, 0) if node < n else (self.form.P, node - n, 1)
 
-    def _base_of(self, node: int, done: Sequence[int]) -> tuple[str, str]:
+    def _base_of(
+        self, node: int, done: Sequence[int], *, implicit: bool = False
+    ) -> tuple[str, str]:
         """z and a of a stage from values and from increments already known."""
         half, i, side = self._side(node)
-        big, small = self.sides[side].read(half.U[i])
+        alone = not implicit and not any(half.M[i])
+        big, small = self.sides[side].read(half.U[i], alone=alone)
         if not self.form.running:
             # a Q stage reads increments of P stages, and the other way round
             n = self.form.Q.n
@@ -115,17 +123,22 @@ class PairBuilder(Builder):
     def _node(self, node: int, done: Sequence[int]) -> None:
         """One explicit stage: its value, its function, its increment.
 
-        A force that is kept from step to step is G: at the first stage it is known, at the last one
+        A force that is kept from step to step is G: at a first stage Q it is known, at the last one
         it is evaluated anew.
         """
         _, i, side = self._side(node)
-        ends = {self.form.blocks[k].stages[0] for k in (0, -1)} if self.form.reuses_force else ()
+        ends = {self.form.blocks[k].stages[0] for k in ((0, -1) if self.form.reuses_force else ())}
+        if self.form.kick:
+            ends = {self.form.blocks[-1].stages[0]}
         slope = "G" if node in ends else f"F{node}"
         if slope != "G" or done:
             z, a = self._base_of(node, done)
-            text = z if a == "0.0" else f"{z} + {a}"
-            self.t.vec([f"@Y{node} = {text}"], self.sides[side].part)
-            self.t.call(self.shape.parts[1 - side], f"Y{node}", slope, f"s{node}")
+            source = z.removeprefix("@")
+            if a != "0.0" or source == z or not source.isidentifier():
+                source = f"Y{node}"
+                text = z if a == "0.0" else f"{z} + {a}"
+                self.t.vec([f"@{source} = {text}"], self.sides[side].part)
+            self.t.call(self.shape.parts[1 - side], source, slope, f"s{node}")
         lines = [f"@L{node} = hw{node}*@{slope}"]
         if self.form.running:
             lines += self.sides[1 - side].adding(i, f"@L{node}")
@@ -140,8 +153,7 @@ class PairBuilder(Builder):
     def _evaluations_of_explicit_stages(self) -> None:
         n = self.form.Q.n
         single = [b.stages[0] for b in self.form.blocks if not b.implicit]
-        forces = sum(1 for node in single if node < n) - self.form.reuses_force
-        self.w(f"evaluations += {forces}")
+        self.w(f"evaluations += {self.form.forces}")
         if not self.shape.parts[0].identity:
             self.w(f"velocities += {sum(1 for node in single if node >= n)}")
 
@@ -149,7 +161,7 @@ class PairBuilder(Builder):
         """Stages that depend on each other: rounds P -> dq -> Q -> dp until Q is settled."""
         w, n = self.w, self.form.Q.n
         at_q, at_p = [j for j in nodes if j < n], [j for j in nodes if j >= n]
-        bases = {node: self._base_of(node, done) for node in nodes}
+        bases = {node: self._base_of(node, done, implicit=True) for node in nodes}
 
         def values(group: Sequence[int], others: Sequence[int], name: str) -> None:
             for node in group:

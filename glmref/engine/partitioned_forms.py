@@ -14,7 +14,7 @@ for, are stepped with their own A and U.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -39,11 +39,20 @@ class Half:
 
     Attributes
     ----------
-        letter: ``"Q"`` for the stages Q, with the updates of p; ``"P"`` for P, with those of q.
-        n: number of stages. r: number of values they are read from.
-        U: (n, r) from those values; M: (n, n') from the increments of the other half.
-        R: (r', n) updates of the other values; R_residue what its rounding lost.
-        weights: (n,).
+    letter : str
+        ``"Q"`` for the stages Q, with the updates of p; ``"P"`` for P, with those of q.
+    n : int
+        Number of stages.
+    r : int
+        Number of values they are read from.
+    U : tuple[Row, ...]
+        (n, r) from those values.
+    M : tuple[Row, ...]
+        (n, n') from the increments of the other half.
+    R : tuple[Row, ...]
+        (r', n) updates of the other values; R_residue what its rounding lost.
+    weights : Row
+        (n,).
     """
 
     letter: str
@@ -62,9 +71,14 @@ class PairForm:
 
     Attributes
     ----------
-        Q, P: the two halves.
-        V, V_hat: (r, r) and (r^, r^).
-        blocks: nodes in the order of computation, Q stages 0..n_Q-1, then P stages.
+    Q, P : Half
+        The two halves.
+    V, V_hat : tuple[Row, ...]
+        (r, r) and (r^, r^).
+    blocks : tuple[StageBlock, ...]
+        Nodes in the order of computation, Q stages 0..n_Q-1, then P stages.
+    kick : float
+        What is carried in place of p is p + kick h dp(q), see :func:`merged`.
     """
 
     kind: str
@@ -80,6 +94,7 @@ class PairForm:
     large_hat: tuple[bool, ...]
     to_form: tuple[tuple[Row, ...], tuple[Row, ...]]
     from_form: tuple[tuple[Row, ...], tuple[Row, ...]]
+    kick: float = 0.0
 
     @property
     def implicit_stages(self) -> int:
@@ -90,19 +105,53 @@ class PairForm:
     def reuses_force(self) -> bool:
         """Whether the first stage Q of a step is the last one of the step before.
 
-        So it is for one value each where a step begins and ends with an update of p.
+        So it is for one value each where a step begins and ends with an update of p, and for one
+        value of q and several of p where the last stage is the new q.
         """
         n = self.Q.n
-        ends = self.blocks[0].stages[0], self.blocks[-1].stages[0]
-        one = self.r == self.r_hat == 1 and self.running and n > 1
-        if not one or max(ends) >= n or not self.V == self.V_hat == ((1.0,),):
+        first, last = self.blocks[0].stages[0], self.blocks[-1].stages[0]
+        if (
+            self.r > 1
+            or n < 2
+            or max(first, last) >= n
+            or self.V != ((1.0,),)
+            or self.implicit_stages
+        ):
             return False
-        return all(self.Q.U[j] == (1.0,) for j in ends)
+        if self.Q.U[first] != (1.0,) or self.Q.U[last] != (1.0,):
+            return False
+        if self.running:
+            return self.r_hat == 1 and self.V_hat == ((1.0,),)
+        return not any(self.Q.M[first]) and self.Q.M[last] == self.P.R[0]
+
+    @property
+    def keeps_force(self) -> bool:
+        """Whether the last force of a step is kept: for the next step, or to read p from it."""
+        return self.kick != 0.0 or self.reuses_force
+
+    @property
+    def forces(self) -> int:
+        """Forces evaluated in a step by stages that need no equation solved."""
+        single = [b.stages[0] for b in self.blocks if not b.implicit]
+        return sum(1 for node in single if node < self.Q.n) - self.reuses_force
+
+    def kicked(self, p: np.ndarray, force: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
+        """p + kick h force and what its rounding lost (Knuth's TwoSum)."""
+        more = self.kick * h * force
+        total = p + more
+        share = total - p
+        return total, (p - (total - share)) + (more - share)
+
+    def unkicked(
+        self, p: np.ndarray, rest: np.ndarray | float, force: np.ndarray, h: float
+    ) -> np.ndarray:
+        """Take :meth:`kicked` back."""
+        return p + (rest - self.kick * h * force)
 
     @property
     def memory(self) -> tuple[tuple[str, float | None], ...]:
         """What is kept from step to step: increments and weights, or a force (weight ``None``)."""
-        if self.reuses_force:
+        if self.keeps_force:
             return (("G", None),)
         if not self.implicit_stages:
             return ()
@@ -127,16 +176,18 @@ class PairForm:
 def pair_form(pair: PartitionedGLM, form: str = "auto") -> PairForm:
     """Sweep where the pair is G-symplectic and explicit, else A, U, B, V as given.
 
-    Args:
-        form: ``"auto"``, ``"sweep"`` or ``"standard"``.
+    Parameters
+    ----------
+    form : str
+        ``"auto"``, ``"sweep"`` or ``"standard"``.
 
     Raises
     ------
-        UsageError: for complex coefficients, or a form that does not apply.
+    UsageError
+        For complex coefficients, or a form that does not apply.
     """
     name = pair.name or "the pair"
-    matrices = [getattr(pair, x + y) for x in "AUBV" for y in ("", "_hat")]
-    if not all(x.is_real() for matrix in matrices for row in matrix for x in row):
+    if not pair.is_real:
         raise UsageError(f'{name} has complex coefficients; use engine="reference"')
     if form not in ("auto", "sweep", "standard"):
         raise UsageError(f"`form` of a pair must be auto, sweep or standard, got {form!r}")
@@ -171,8 +222,7 @@ def _obstacle(pair: PartitionedGLM, blocks: tuple[StageBlock, ...]) -> str:
         return "the numbers of values of q and p differ"
     if any(vanishes(x) for x in (*D_P, *D_Q)):
         return "D has a zero"
-    names = [x + y for x in "AUBV" for y in ("", "_hat")]
-    A, A_, U, U_, B, B_, V, V_ = (as_balls(getattr(pair, name)) for name in names)
+    (A, U, B, V), (A_, U_, B_, V_) = (map(as_balls, c.matrices) for c in pair.components)
     T, product = linalg.transpose, linalg.matmul
 
     def scaled(D: Sequence, matrix: Matrix) -> Matrix:
@@ -211,7 +261,7 @@ def _sweep(pair: PartitionedGLM, blocks: tuple[StageBlock, ...]) -> PairForm:
     u, u_ = map(preconsistency_vector, pair.components)
     V, V_ = as_balls(pair.V), as_balls(pair.V_hat)
     back_p = linalg.inverse(to_p)
-    return PairForm(
+    form = PairForm(
         kind="sweep", running=True, r=r, r_hat=r,
         Q=half("Q", n_q, omega_, D_Q, n_p), P=half("P", n_p, omega, D_P, n_q),
         V=float_rows(linalg.matmul(to_q, V, back)),
@@ -222,6 +272,33 @@ def _sweep(pair: PartitionedGLM, blocks: tuple[StageBlock, ...]) -> PairForm:
         to_form=(float_rows(to_q), float_rows(to_p)),
         from_form=(float_rows(back), float_rows(back_p)),
     )  # fmt: skip
+    return merged(form)
+
+
+def merged(form: PairForm) -> PairForm:
+    """Put the last update of p of a step and the first one of the next together, where both are.
+
+    The step then begins with an update of q, and what it carries is p + kick h dp(q): one operation
+    less for every component, and a shorter chain from step to step. Positions are those of the
+    method, up to rounding; p is read by taking the kick back.
+    """
+    ones = ((1.0,),)
+    if not form.reuses_force or form.to_form != (ones, ones) or form.from_form != (ones, ones):
+        return form
+    first, last = form.blocks[0].stages[0], form.blocks[-1].stages[0]
+    kick = form.Q.weights[first]
+    if form.Q.weights[last] != kick or first != 0 or set(form.Q.R[0]) != {1.0}:
+        return form
+    weights = tuple(w + kick if j == last else w for j, w in enumerate(form.Q.weights))
+    n = form.Q.n - 1
+    Q = replace(
+        form.Q, n=n, U=form.Q.U[1:], M=form.Q.M[1:], weights=weights[1:],
+        R=tuple(row[1:] for row in form.Q.R),
+        R_residue=tuple(row[1:] for row in form.Q.R_residue),
+    )  # fmt: skip
+    P = replace(form.P, M=tuple(row[1:] for row in form.P.M))
+    blocks = tuple(replace(b, stages=tuple(j - 1 for j in b.stages)) for b in form.blocks[1:])
+    return replace(form, Q=Q, P=P, blocks=blocks, kick=kick)
 
 
 def _standard(pair: PartitionedGLM, blocks: tuple[StageBlock, ...]) -> PairForm:

@@ -68,10 +68,14 @@ class Plan:
 
     Attributes
     ----------
-        steps: how many steps.
-        every: record every so many, 0 for none.
-        rows: step numbers to keep, in order.
-        limited: whether a step limit cut the run short.
+    steps : int
+        How many steps.
+    every : int
+        Record every so many, 0 for none.
+    rows : Sequence[int]
+        Step numbers to keep, in order.
+    limited : bool
+        Whether a step limit cut the run short.
     """
 
     steps: int
@@ -85,7 +89,8 @@ def check_arithmetic(arithmetic: str) -> None:
 
     Raises
     ------
-        UsageError: for anything but one of :data:`ARITHMETIC`.
+    UsageError
+        For anything but one of :data:`ARITHMETIC`.
     """
     if arithmetic not in ARITHMETIC:
         raise UsageError(f"`arithmetic` must be one of {', '.join(ARITHMETIC)}, got {arithmetic!r}")
@@ -96,8 +101,9 @@ def resolved(problem: Any, method: Any) -> tuple[Problem, Any]:
 
     Raises
     ------
-        UsageError: for anything else, a problem moved to another precision, or the name of a
-            method that is wrong on purpose: such a one is taken as an object only.
+    UsageError
+        For anything else, a problem moved to another precision, or the name of a method that is
+        wrong on purpose: such a one is taken as an object only.
     """
     if isinstance(problem, str):
         problem = kept.problem_of(problem)
@@ -127,7 +133,8 @@ def step_size(h: Any) -> float:
 
     Raises
     ------
-        UsageError: when it is not.
+    UsageError
+        When it is not.
     """
     try:
         value = float(h)
@@ -181,7 +188,8 @@ def plan_of(
 
     Raises
     ------
-        UsageError: for arguments that do not fit each other or the step size.
+    UsageError
+        For arguments that do not fit each other or the step size.
     """
     for name, value in (("steps", steps), ("every", every), ("step_limit", limit)):
         whole = isinstance(value, int | np.integer) and not isinstance(value, bool)

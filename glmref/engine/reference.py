@@ -2,18 +2,18 @@
 
     Y = h A f(Y) + U y        y+ = h B f(Y) + V y
 
-for every GLM (explicit, diagonally or fully implicit, real or complex) and every pair, in double
-precision (numpy) or at any number of digits (mpmath). Stage equations are iterated to round-off:
-until the change is zero or no longer decreases. Nothing is rearranged, so that a compiled kernel
-can be compared with it. Arrays stand left of h: an mpmath number there would format the whole array
-for a message that nobody reads before it lets numpy multiply.
+for every GLM (explicit, diagonally or fully implicit, real or complex) and every pair, in any
+arithmetic: double precision (numpy), any number of digits (mpmath), and what else has the methods
+of :class:`.arithmetic.Arithmetic` (the conformance suite steps in balls and in numbers with error
+bounds). Stage equations are iterated to round-off: until the change is zero or no longer decreases.
+Nothing is rearranged, so that a compiled kernel can be compared with it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -41,9 +41,12 @@ class Reader(NamedTuple):
 
     Attributes
     ----------
-        columns: of the state, those of the component.
-        place: of the value that is the solution, or ``None`` where several values are combined.
-        weights: (r,) output functional in the arithmetic of the run.
+    columns : slice
+        Of the state, those of the component.
+    place : int or None
+        Of the value that is the solution, or ``None`` where several values are combined.
+    weights : np.ndarray
+        (r,) output functional in the arithmetic of the run.
     """
 
     columns: slice
@@ -57,11 +60,16 @@ class Step:
 
     Attributes
     ----------
-        values: (r, d) values after the step; for a pair see :class:`.outcome.Solution`.
-        stages: (s, d) the Y_i; for a pair (n_Q, d/2) of Q followed by (n_P, d/2) of P as a tuple.
-        slopes: the right-hand side at the stages, in the same shape.
-        evaluations, velocity_evaluations, iterations: as in :class:`.outcome.Solution`.
-        converged: whether every stage equation was solved to round-off.
+    values : np.ndarray
+        (r, d) values after the step; for a pair see :class:`.outcome.Solution`.
+    stages : Any
+        (s, d) the Y_i; for a pair (n_Q, d/2) of Q followed by (n_P, d/2) of P as a tuple.
+    slopes : Any
+        The right-hand side at the stages, in the same shape.
+    evaluations, velocity_evaluations, iterations : int
+        As in :class:`.outcome.Solution`.
+    converged : bool
+        Whether every stage equation was solved to round-off.
     """
 
     values: np.ndarray
@@ -78,7 +86,14 @@ class Coupled(NamedTuple):
 
     Attributes
     ----------
-        h: step size. inner: (m, m). times: (m,). base: (m, d).
+    h : Any
+        Step size.
+    inner : np.ndarray
+        (m, m).
+    times : list[Any]
+        (m,).
+    base : np.ndarray
+        (m, d).
     """
 
     h: Any
@@ -90,6 +105,10 @@ class Coupled(NamedTuple):
 #: ``settle(rhs, F, coupled)``: slopes (m, d) of coupled stages. ``rhs(F)`` is f at the stages
 #: that the slopes F make; the F given are those at ``base``.
 Settle = Callable[[Callable[[np.ndarray], np.ndarray], np.ndarray, Coupled], np.ndarray]
+
+#: ``enclose(stages, update)``: coupled stages, by their numbers, where ``update`` makes of given
+#: stage vectors those that the right-hand sides there ask for.
+Enclose = Callable[[Sequence[int], Callable[[Any], Any]], Any]
 
 
 def _shaped(found: Any, like: np.ndarray, name: str) -> np.ndarray:
@@ -131,21 +150,31 @@ class Stepper:
     partitioned method are apart; on another one stage i is the point (Q_i, P_i). The right-hand
     sides of an additive method are the ``terms`` of the problem, all at one stage.
 
-    Args:
-        method: a method of any number of components, or a start or a finish.
-        problem: in double precision form; it is moved to the arithmetic here.
-        digits: ``None`` for double precision, else decimal digits of mpmath.
+    Parameters
+    ----------
+    method : Method
+        A method of any number of components, or a start or a finish.
+    problem : Problem
+        In double precision form; it is moved to the arithmetic here.
+    digits : int or None
+        ``None`` for double precision, else decimal digits of mpmath.
+    arithmetic : Arithmetic or None
+        Instead of ``digits``, and then the problem is in it already.
 
     Raises
     ------
-        UsageError: for a problem that has not the parts the method needs.
+    UsageError
+        For a problem that has not the parts the method needs.
     """
 
     A, U, B, V = (_matrix(letter) for letter in "AUBV")
     A_hat, U_hat, B_hat, V_hat = (_matrix(letter, 1) for letter in "AUBV")
 
-    def __init__(self, method: Method, problem: Problem, *, digits: int | None = None) -> None:
-        self.arithmetic = Arithmetic(digits)
+    def __init__(
+        self, method: Method, problem: Problem, *, digits: int | None = None,
+        arithmetic: Arithmetic | None = None,
+    ) -> None:  # fmt: skip
+        self.arithmetic = arithmetic or Arithmetic(digits)
         self.problem = self.arithmetic.localised(problem)
         _check(method, problem)
         self._take(method)
@@ -243,19 +272,24 @@ class Stepper:
 
         Raises
         ------
-            UsageError: when the function returns another shape.
+        UsageError
+            When the function returns another shape.
         """
         return _shaped(self.problem.f(t, y), y, "f")
 
-    def step(self, t: Any, values: np.ndarray, h: Any, *, settle: Settle | None = None) -> Step:
+    def step(
+        self, t: Any, values: np.ndarray, h: Any, *, settle: Settle | None = None,
+        enclose: Enclose | None = None,
+    ) -> Step:  # fmt: skip
         """Take one step of size h from the values at time t.
 
         Parameters
         ----------
         settle : what finds the slopes of coupled stages; by default iteration to round-off. Of
             methods with one component only.
+        enclose : what finds coupled stages themselves, in place of iteration.
         """
-        return _Step(self, t, values, h).taken(settle)
+        return _Step(self, t, values, h).taken(settle, enclose)
 
 
 class _Step:
@@ -269,7 +303,7 @@ class _Step:
         self.known, self.slopes = [], []
         for c in engine.components:
             width = len(range(d)[c.columns])
-            self.known.append(c.U.dot(values[: c.V.shape[1], c.columns]))
+            self.known.append(engine.arithmetic.known(c.U, values[: c.V.shape[1], c.columns]))
             self.slopes.append(zeros((c.B.shape[1], width), like))
         self.where: list[Any] = [None] * len(engine.nodes)
         self.counts = [0, 0]
@@ -277,11 +311,12 @@ class _Step:
     def sum_at(self, node: int) -> np.ndarray:
         """The stage that the slopes as they are make."""
         engine, (whose, i) = self.engine, self.engine.nodes[node]
-        driving = range(len(engine.components)) if self.additive else whose
-        sums = [engine.components[n].A[i].dot(self.slopes[n]) * self.h for n in driving]
+        among = range(len(engine.components)) if self.additive else whose
+        driving = [(engine.components[n].A[i], self.slopes[n]) for n in among]
+        sums = engine.arithmetic.stage
         if self.additive:
-            return self.known[0][i] + sum(sums[1:], sums[0])
-        rows = [self.known[n][i] + x for n, x in zip(whose, sums, strict=True)]
+            return sums(self.known[0][i], driving, self.h)
+        rows = [sums(self.known[n][i], [x], self.h) for n, x in zip(whose, driving, strict=True)]
         return rows[0] if len(rows) == 1 else np.concatenate(rows)
 
     def evaluate(self, node: int, y: np.ndarray) -> None:
@@ -304,12 +339,21 @@ class _Step:
             self.counts[whose[0]] += 1
             self.slopes[1 - whose[0]][i] = _shaped(getattr(problem, name)(y), y, name)
 
-    def taken(self, settle: Settle | None) -> Step:
+    def update(self, nodes: Sequence[int], given: Sequence[Any]) -> list[np.ndarray]:
+        """Evaluate at given stage vectors; return the stages that these slopes make."""
+        for node, y in zip(nodes, given, strict=True):
+            self.evaluate(node, np.asarray(y))
+        return [self.sum_at(node) for node in nodes]
+
+    def taken(self, settle: Settle | None, enclose: Enclose | None) -> Step:
         """Go through the stages, then sum the values."""
         engine, h = self.engine, self.h
         solver = StageSolver(engine.arithmetic)
         for block in engine.blocks:
             nodes = list(block.stages)
+            if block.implicit and enclose is not None:
+                self.update(nodes, enclose(nodes, partial(self.update, nodes)))
+                continue
             bases = [self.sum_at(node) for node in nodes]
             for node, y in zip(nodes, bases, strict=True):
                 self.evaluate(node, y)
@@ -317,12 +361,12 @@ class _Step:
                 self._solve(solver, nodes, bases, settle)
         new = engine.arithmetic.zeros(engine.shape, self.values + engine.V[0, 0])
         for n, c in enumerate(engine.components):
-            part = c.B.dot(self.slopes[n]) * h
-            if not (self.additive and n):
-                part = part + c.V.dot(self.values[: c.V.shape[1], c.columns])
-                new[: len(part), c.columns] = part
-            else:
-                new = new + part
+            if self.additive and n:
+                new = new + c.B.dot(self.slopes[n]) * h
+                continue
+            given = self.values[: c.V.shape[1], c.columns]
+            part = engine.arithmetic.updated(c.B, self.slopes[n], h, c.V, given)
+            new[: len(part), c.columns] = part
         stages, slopes = self._shown()
         return Step(
             new, stages, slopes, self.counts[0], self.counts[1], solver.iterations,
@@ -391,9 +435,15 @@ def _check(method: Method, problem: Problem) -> None:
 
     Raises
     ------
-        UsageError: naming what is missing.
+    UsageError
+        Naming what is missing.
     """
     name = method.name or "the method"
+    if method.rosenbrock:
+        raise UsageError(
+            f"{name} is a Rosenbrock method, which needs the Jacobian of the right-hand side, and "
+            f"no engine evaluates one; `verify`, `analyze` and `show` read it"
+        )
     if method.additive:
         wanted = len(method.components)
         if len(problem.terms) != wanted:
@@ -414,12 +464,15 @@ def _check(method: Method, problem: Problem) -> None:
 def stepper(method: Method, problem: Problem, *, digits: int | None = None) -> Stepper:
     """Return the stepper for a method on a problem.
 
-    Args:
-        digits: ``None`` for double precision, else decimal digits.
+    Parameters
+    ----------
+    digits : int or None
+        ``None`` for double precision, else decimal digits.
 
     Raises
     ------
-        UsageError: for a problem that has not the parts the method needs.
+    UsageError
+        For a problem that has not the parts the method needs.
     """
     return Stepper(method, problem, digits=digits)
 
@@ -433,8 +486,10 @@ def apply_start(
 
     Raises
     ------
-        UsageError: for a start that gives other numbers of values than the method carries.
-        StartFailed: when implicit stages cannot be solved.
+    UsageError
+        For a start that gives other numbers of values than the method carries.
+    StartFailed
+        When implicit stages cannot be solved.
     """
     given = tuple(len(c.V) for c in start.components)
     wanted = tuple(len(c.V) for c in engine.method.components)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -14,14 +14,14 @@ from ..method import Method
 from ..problems.model import Problem
 from ..problems.user import FunctionFailed, NoValue
 from .forms import StepForm
+from .kept import expressed
+from .kernel import Kernel, State, newton_bytes, prepare, with_band, with_newton
+from .maps import Map, map_of
 from .memory import NEWTON_BYTES, gibibytes, memory
 from .outcome import Outcome, Solution, StartFailed
 from .plan import Plan
 from .reference import Stepper, apply_finish
 from .start import Start, starting_values
-
-if TYPE_CHECKING:
-    from .kernel import Kernel, State
 
 __all__ = ["Run"]
 
@@ -73,6 +73,8 @@ class Run:
         self.start_evaluations, self.finish_evaluations = start.evaluations, 0
         self.kernel, self.notices, self.too_large = "", [], False
         self.renew, self.again, self.renewals = 0, None, 0
+        #: Kernel of the finishing method, where there is one.
+        self.finishing: Map | None = None
         #: Step and values from which the steps so far followed: those of the last renewal.
         self.base = (0, start.values)
 
@@ -95,7 +97,10 @@ class Run:
         finishing = self.method.finishing
         try:
             y = self.reference.solution(values)
-            if finishing is not None:
+            made = self._finished_once(t, y)
+            if made is not None:
+                y = made
+            elif finishing is not None:
                 y, cost = apply_finish(finishing, self.reference, t, y, h)
                 self.finish_evaluations += cost
             again = starting_values(self.reference, self.again, t=t, y0=y, h=h)
@@ -106,6 +111,15 @@ class Run:
         self.start_evaluations += again.evaluations
         self.base, self.renewals = (n, again.values), self.renewals + 1
         return again.values
+
+    def _finished_once(self, t: Any, y: np.ndarray) -> np.ndarray | None:
+        """y as the kernel of the finishing method makes it, ``None`` where it makes nothing."""
+        if self.finishing is None:
+            return None
+        out = np.array(y, dtype=float)[None, None]
+        good, cost = self.finishing(out, float(t), self.h)
+        self.finish_evaluations += cost
+        return out[0, 0] if good else None
 
     def _renewed(self, kernel: Kernel, state: State) -> State:
         """State of a kernel after a renewal; the counts go on."""
@@ -185,7 +199,10 @@ class Run:
         return bool(np.isfinite(values).all())
 
     def _room(self) -> np.ndarray:
-        """Space for every row asked for, which the system hands out as it is written."""
+        """Space for every row asked for, which the system hands out as it is written.
+
+        Zeros: where one half of a pair carries fewer values than the other, nothing is written.
+        """
         width = self.start.shape[0] if self.wide else 1
         shape = (max(1, len(self.plan.rows)), width, self.problem.dimension)
         complex_ = np.iscomplexobj(self.start) or np.iscomplexobj(getattr(self.reference, "V", 0.0))
@@ -194,7 +211,7 @@ class Run:
         try:
             if needed > memory():
                 raise MemoryError
-            return np.empty(shape, dtype=kind)
+            return np.zeros(shape, dtype=kind)
         except MemoryError:
             raise UsageError(
                 f"the {shape[0]} rows asked for need {gibibytes(needed)}, more than this "
@@ -211,9 +228,6 @@ class Run:
 
     def by_kernel(self, arithmetic: str, form: str, solver: str, *, interpreted: bool) -> None:
         """Take the steps in a compiled loop."""
-        from .kept import expressed
-        from .kernel import prepare
-
         t0 = float(self.problem.t_span[0])
         slope = self._slope(t0, self.start)
         problem = expressed(self.problem)
@@ -222,6 +236,8 @@ class Run:
             history=self.wide, interpreted=interpreted,
         )  # fmt: skip
         self._adopt(kernel)
+        if kernel.built.engine == "native" or interpreted:
+            self.finishing = map_of(self.method.finishing, self.problem, interpreted=interpreted)
         self.start_evaluations += bool(kernel.form.memory)
         state = kernel.state(self.start, slope, self.h)
         if self.plan.rows[0] == 0:
@@ -313,11 +329,9 @@ class Run:
         self, kernel: Kernel, state: State, mark: int, t0: float, out: np.ndarray
     ) -> tuple[Kernel, State]:
         """The fixed point failed: go on from the same step with Newton."""
-        from .kernel import newton_bytes, with_newton
-
         if kernel.options.solver == "newton" or not isinstance(kernel.form, StepForm):
             return kernel, state
-        needed = newton_bytes(kernel.form, kernel.shape)
+        needed = newton_bytes(kernel.form, with_band(kernel.shape))
         if needed > NEWTON_BYTES:
             self.too_large = True
             self.notices.append(
@@ -387,7 +401,10 @@ class Run:
         if finishing is None:
             return y
         h = self.reference.arithmetic.number(self.h)
-        for row in range(len(y)):
+        first = 0
+        if self.finishing is not None:
+            first, y = self._finished_by_kernel(self.finishing, t, y)
+        for row in range(first, len(y)):
             try:
                 y[row], cost = apply_finish(finishing, self.reference, t[row], y[row], h)
             except (StartFailed, FunctionFailed, ArithmeticError, ValueError) as error:
@@ -396,6 +413,31 @@ class Run:
                 return self._unfinished(Outcome.NOT_FINITE, "", t, y, row)
             self.finish_evaluations += cost
         return y
+
+    def _finished_by_kernel(
+        self, finish: Map, t: np.ndarray, y: np.ndarray
+    ) -> tuple[int, np.ndarray]:
+        """Finish all rows at once, row by row where the steps are not regular.
+
+        Returns
+        -------
+        tuple
+            How many rows are done, and the rows; the next one has no value, or one that the fixed
+            point does not find.
+        """
+        rows, every = np.array(y)[:, None], self.plan.every
+        t0 = float(self.problem.t_span[0])
+        if every:
+            good, cost = finish(rows, t0, self.h, every=every, last=self.done)
+        else:
+            good, cost = 0, 0
+            for row in range(len(rows)):
+                fine, spent = finish(rows[row : row + 1], float(t[row]), self.h)
+                good, cost = good + fine, cost + spent
+                if not fine:
+                    break
+        self.finish_evaluations += cost
+        return good, rows[:, 0]
 
     def _unfinished(
         self, how: Outcome, why: str, t: np.ndarray, y: np.ndarray, row: int

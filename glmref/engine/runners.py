@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import UsageError
-from ..method import Method, PartitionedGLM
+from ..method import Method
 from ..problems.model import Problem
 from . import compiled, native
 from .codegen import Options
@@ -29,6 +29,7 @@ from .lanes import LANE_ARGUMENTS, LaneSource, lane_source
 from .native import Tuning
 from .newton import INLINE_LIMIT
 from .outcome import KERNEL_OUTCOMES, Outcome
+from .partitioned_forms import PairForm
 from .plan import check_arithmetic
 from .reference import stepper
 
@@ -46,15 +47,30 @@ class EnsembleSolution:
 
     Attributes
     ----------
-        t: (m,) times kept.
-        y: (m, N, d) solutions; a trajectory that ended early keeps its last good value.
-        outcomes: (N,) of :class:`.outcome.Outcome`.
-        steps: (N,) steps completed.
-        values: (N, r, d) values carried at the end, in the method's basis.
-        evaluations: right-hand-side evaluations in all, start included.
-        seconds: wall clock time of the steps; build_seconds: of generating and compiling.
-        width: lanes per block (1: one by one). threads: how many.
-        kernel: what was built, in words. notices: sentences worth knowing.
+    t : np.ndarray
+        (m,) times kept.
+    y : np.ndarray
+        (m, N, d) solutions; a trajectory that ended early keeps its last good value.
+    outcomes : np.ndarray
+        (N,) of :class:`.outcome.Outcome`.
+    steps : np.ndarray
+        (N,) steps completed.
+    values : np.ndarray
+        (N, r, d) values carried at the end, in the method's basis.
+    evaluations : int
+        Right-hand-side evaluations in all, start included.
+    seconds : float
+        Wall clock time of the steps.
+    build_seconds : float
+        Of generating and compiling.
+    width : int
+        Lanes per block (1: one by one).
+    threads : int
+        How many.
+    kernel : str
+        What was built, in words.
+    notices : tuple[str, ...]
+        Sentences worth knowing.
     """
 
     t: np.ndarray
@@ -229,12 +245,19 @@ class Lanes(Runner):
             self._put(f"y{k}", inner[:, k])
         for name, weight in self.form.memory:
             self._put(name, remembered(slopes, weight, self.h))
+        if isinstance(self.form, PairForm) and self.form.kick:
+            m = self.shape.half
+            for name, moved in zip(
+                "ye", self.form.kicked(inner[:, 0, m:], slopes[:, m:], self.h), strict=True
+            ):
+                if name == "y" or self.options.compensated:
+                    self._put(f"{name}0", moved, m)
         self.head_size = head
         self.initial_evaluations = n if self.form.memory else 0
 
-    def _put(self, name: str, vectors: np.ndarray) -> None:
+    def _put(self, name: str, vectors: np.ndarray, first: int = 0) -> None:
         blocks, _, w = self.heads.shape
-        row, d = self.source.rows[name], vectors.shape[1]
+        row, d = self.source.rows[name] + first, vectors.shape[1]
         self.heads[:, row : row + d] = vectors.reshape(blocks, w, d).transpose(0, 2, 1)
 
     def _get(self, name: str, size: int) -> np.ndarray:
@@ -269,6 +292,11 @@ class Lanes(Runner):
         rows = max(self.form.r, getattr(self.form, "r_hat", 0))
         inner = np.stack([self._get(f"y{k}", d) for k in range(rows)], axis=1)
         values = self.form.back(inner)
+        if isinstance(self.form, PairForm) and self.form.kick:
+            m = self.shape.half
+            rest = self._get("e0", d)[:, m:] if self.options.compensated else 0.0
+            force = self._get("G", d)[:, m:]
+            values[:, 0, m:] = self.form.unkicked(inner[:, 0, m:], rest, force, self.h)
         status, steps = self._get("status", 1)[:, 0], self._get("done", 1)[:, 0]
         explicit, per_round = self._costs()
         rounds = float(self._get("rounds", 1).sum())
@@ -277,8 +305,8 @@ class Lanes(Runner):
 
     def _costs(self) -> tuple[int, int]:
         """Counted evaluations of the explicit stages of a step, and of one solver round."""
-        if isinstance(self.method, PartitionedGLM):
-            return self.method.n_Q - getattr(self.form, "reuses_force", False), 0
+        if isinstance(self.form, PairForm):
+            return self.form.forces, 0
         explicit = sum(1 for b in self.form.blocks if not b.implicit)
         sizes = {len(b.stages) for b in self.form.blocks if b.implicit}
         return explicit, max(sizes, default=0)

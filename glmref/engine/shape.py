@@ -12,6 +12,7 @@ import inspect
 import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -21,9 +22,13 @@ from ..problems.derivative import Jacobian
 from ..problems.formula import Formula, subscripts
 from ..problems.loops import Loops, PhaseSpace
 from ..problems.model import Problem
+from .band import Band, band_of, formula_structure, loop_structure, stays_within, written
+from .unroll import unrolled
 
-__all__ = ["Part", "Shape", "inlined", "jacobian_block", "shape_of"]
+__all__ = ["Part", "Shape", "banded", "inlined", "jacobian_block", "shape_of"]
 
+_STRAIGHT_UP_TO = 500  # statements of a loop body without its loops
+_STRAIGHT_SIZE = 40  # components up to which it is tried
 _EXPAND_UP_TO = 8  # integer powers up to this become products: the same bits in C, numba and Python
 
 
@@ -33,14 +38,24 @@ class Part:
 
     Attributes
     ----------
-        role: ``"full"`` for f(t, y), ``"force"`` for dp(q), ``"velocity"`` for dq(p).
-        start, stop: components of y that it fills.
-        source, source_stop: components of y that it reads are ``range(source, source_stop)``.
-        formula: its expressions, or ``None``.
-        body: source text of a plain loop body, or ``None``.
-        body_name: name of that body.
-        function: a Python callable, where neither is there.
-        identity: q' = p.
+    role : str
+        ``"full"`` for f(t, y), ``"force"`` for dp(q), ``"velocity"`` for dq(p).
+    start, stop : int
+        Components of y that it fills.
+    source, source_stop : int
+        Components of y that it reads are ``range(source, source_stop)``.
+    formula : Formula or None
+        Its expressions, or ``None``.
+    body : str
+        Source text of a plain loop body, or ``None``.
+    body_name : str
+        Name of that body.
+    straight : str
+        The body for this size without its loops, or ``""`` where that is long.
+    function : Callable[..., Any] or None
+        A Python callable, where neither is there.
+    identity : bool
+        q' = p.
     """
 
     role: str
@@ -51,6 +66,7 @@ class Part:
     formula: Formula | None = None
     body: str = ""
     body_name: str = ""
+    straight: str = ""
     function: Callable[..., Any] | None = None
     identity: bool = False
 
@@ -77,14 +93,25 @@ class Shape:
 
     Attributes
     ----------
-        dimension: d.
-        halved: whether q and p parts are evaluated apart (separable).
-        parts: the full right-hand side, or (velocity, force).
-        jacobian: formula of the Jacobian (d, d), or ``None``.
-        jacobian_body, jacobian_name: source and name of a loop body for it, or ``""``.
-        parameters: names handed to expressions.
-        values: their values, then the constants of a loop body: the kernel's ``par``.
-        opaque: whether a Python callable is among the parts.
+    dimension : int
+        d.
+    halved : bool
+        Whether q and p parts are evaluated apart (separable).
+    parts : tuple[Part, ...]
+        The full right-hand side, or (velocity, force).
+    jacobian : Formula or None
+        Formula of the Jacobian (d, d), or ``None``.
+    jacobian_body, jacobian_name : str
+        Source and name of a loop body for it, or ``""``.
+    band : Band or None
+        Order of the unknowns of Newton's method in which their matrix has few diagonals.
+    parameters : tuple[str, ...]
+        Names handed to expressions.
+    values : np.ndarray
+        Their values, then the constants of a loop body: the kernel's ``par``.
+    band : Band or None
+        Order of the unknowns of Newton's method in which their matrix has few diagonals, or
+        ``None``.
     """
 
     dimension: int
@@ -95,6 +122,33 @@ class Shape:
     values: np.ndarray
     jacobian_body: str = ""
     jacobian_name: str = ""
+    band: Band | None = None
+
+    @cached_property
+    def par(self) -> np.ndarray:
+        """What a kernel is called with: the values, then positions and order of a band."""
+        if self.band is None:
+            return self.values
+        return np.concatenate([self.values, self.band.places, self.band.order])
+
+    @property
+    def differenced(self) -> bool:
+        """Whether the Jacobian is formed by differences: it is not given, or not as a band."""
+        if self.jacobian is not None:
+            return False
+        return not self.jacobian_body or (self.band is not None and not self.banded_body)
+
+    @cached_property
+    def banded_body(self) -> str:
+        """The body of the Jacobian, writing into diagonals; ``""`` where it cannot."""
+        if self.band is None or self.halved or not self.jacobian_body:
+            return ""
+        params = self.values[len(self.parameters) :].tolist()
+        if not stays_within(self.jacobian_body, self.jacobian_name, self.band, params):
+            return ""
+        upper, step = self.band.upper, self.band.width - 1
+        place = f"int(places[{{1}}])*{step} + {upper} + int(places[{{0}}])"
+        return written(self.jacobian_body, place.format)
 
     @property
     def half(self) -> int:
@@ -112,6 +166,12 @@ class Shape:
         return any(part.formula is None and not part.identity for part in self.parts)
 
     @property
+    def arrays(self) -> bool:
+        """Whether a part can be called on arrays only: a long loop body, or a callable."""
+        parts = (part for part in self.parts if part.formula is None and not part.identity)
+        return any(not part.straight for part in parts)
+
+    @property
     def uses_time(self) -> bool:
         """Whether the right-hand side depends on t."""
         return any(part.uses_time for part in self.parts)
@@ -125,13 +185,16 @@ class Shape:
 def shape_of(problem: Problem, *, split: bool | None = None) -> Shape:
     """Read the shape of a problem.
 
-    Args:
-        split: ``True`` asks for separate parts, ``False`` for f as a whole, ``None`` takes the
-            parts where the problem gives them.
+    Parameters
+    ----------
+    split : bool or None
+        ``True`` asks for separate parts, ``False`` for f as a whole, ``None`` takes the parts where
+        the problem gives them.
 
     Raises
     ------
-        UsageError: when separate parts are asked for and there are none.
+    UsageError
+        When separate parts are asked for and there are none.
     """
     d = problem.dimension
     if split and not problem.separable:
@@ -146,6 +209,7 @@ def shape_of(problem: Problem, *, split: bool | None = None) -> Shape:
         )
     else:
         parts = (_part("full", 0, d, 0, d, problem.f),)
+    parts = tuple(_straightened(part, len(problem.params)) for part in parts)
     jacobian: Any = problem.jacobian
     known = jacobian.formula if isinstance(jacobian, Jacobian) else jacobian
     formulas = [*(part.formula for part in parts), known if isinstance(known, Formula) else None]
@@ -157,6 +221,35 @@ def shape_of(problem: Problem, *, split: bool | None = None) -> Shape:
         d, halved, parts, known if isinstance(known, Formula) else None, tuple(parameters),
         np.array(values, dtype=float), body, name,
     )  # fmt: skip
+
+
+def _straightened(part: Part, params: int) -> Part:
+    """A part with its loop body unrolled, where that is short."""
+    if not part.body or part.source_stop > _STRAIGHT_SIZE:
+        return part
+    sizes = part.source_stop - part.source, params, part.stop - part.start
+    return replace(part, straight=unrolled(part.body, sizes, _STRAIGHT_UP_TO))
+
+
+def banded(shape: Shape) -> Shape:
+    """The shape with the band of its Newton matrices, where there is one.
+
+    Positions of a separable problem with q' = p and a force of few neighbours, or all components
+    of one whose right-hand side has few.
+    """
+    if shape.halved and not shape.parts[0].identity:
+        return shape  # K J_f has the structure of neither
+    part = shape.counted
+    size, count = part.source_stop - part.source, part.stop - part.start
+    if part.formula is not None:
+        structure = formula_structure(part.formula)
+    elif part.body:
+        params = shape.values[len(shape.parameters) :].tolist()
+        structure = loop_structure(part.body, part.body_name, size, count, params, timed=part.timed)
+    else:
+        return shape
+    band = None if structure is None else band_of(structure)
+    return shape if band is None else replace(shape, band=band)
 
 
 def _part(
@@ -254,10 +347,14 @@ def inlined(
 ) -> tuple[list[str], list[str]]:
     """Return assignments of the common subexpressions and the outputs, as kernel source.
 
-    Args:
-        component: name of component i of the vector argument.
-        names: names of the parameters, ``t`` and ``pi`` in the kernel.
-        prefix: put before the names of common subexpressions.
+    Parameters
+    ----------
+    component : Callable[[int], str]
+        Name of component i of the vector argument.
+    names : dict[str, str]
+        Names of the parameters, ``t`` and ``pi`` in the kernel.
+    prefix : str
+        Put before the names of common subexpressions.
     """
     rewrite = _Inline(component, dict(names), prefix)
     lines: list[str] = []

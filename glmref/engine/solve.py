@@ -36,40 +36,58 @@ def solve(
 ) -> Solution:  # fmt: skip
     """Integrate a problem with a method at constant step size.
 
-    Args:
-        problem: the problem, or its name. Integration starts at ``problem.t_span[0]``.
-        method: a GLM or a pair, its name or its file. One that is wrong on purpose is refused by
-            name; as an object, ``glmref.load(name)``, it runs, and ``notices`` says so.
-        h: step size; negative to go back in time.
-        t_end: final time, a whole number of steps away; by default the problem's.
-        steps: number of steps, instead of ``t_end``.
-        every: keep every k-th step and the last; 0 keeps only the end.
-        times: instead of ``every``, the times to keep, on the grid t0 + n h.
-        start: see :func:`.start.starting_values`; by default the method's own starting method.
-        renew: make the carried values anew from the solution, by the starting method ``start``,
-            after every so many steps; 0 for never. A parasitic part that grows starts from nothing
-            each time, so that it takes many more steps to become large. What is exact for one step
-            (G-symplecticity, symmetry) does not hold across a renewal, and each renewal adds the
-            error of the start. ``history`` keeps the values from before it.
-        engine: ``"compiled"``; ``"reference"``, the step as in a paper; ``"interpreted"``, the
-            compiled engine's source run by the interpreter. Additive methods take the reference
-            engine always.
-        arithmetic: ``"strict"``, ``"fused"``, ``"compensated"`` or ``"naive"``, see
-            :func:`.kernel.prepare`.
-        form, solver: override what is chosen, see :func:`.kernel.prepare`.
-        history: keep all values at every time kept, not only the solution.
-        digits: decimal digits (reference engine only).
-        step_limit: take at most so many steps.
-        cancel: called about every 50 ms; ``True`` ends the run.
-        progress: called as ``progress(steps done, steps in all)``.
+    Parameters
+    ----------
+    problem : Problem or str
+        The problem, or its name. Integration starts at ``problem.t_span[0]``.
+    method : Method or str or Path
+        A GLM or a pair, its name or its file. One that is wrong on purpose is refused by name; as
+        an object, ``glmref.load(name)``, it runs, and ``notices`` says so.
+    h : float
+        Step size; negative to go back in time.
+    t_end : float or None
+        Final time, a whole number of steps away; by default the problem's.
+    steps : int or None
+        Number of steps, instead of ``t_end``.
+    every : int
+        Keep every k-th step and the last; 0 keeps only the end.
+    times : Sequence[float] or None
+        Instead of ``every``, the times to keep, on the grid t0 + n h.
+    start : Any
+        See :func:`.start.starting_values`; by default the method's own starting method.
+    renew : int
+        Make the carried values anew from the solution, by the starting method ``start``, after
+        every so many steps; 0 for never. A parasitic part that grows starts from nothing each time,
+        so that it takes many more steps to become large. What is exact for one step
+        (G-symplecticity, symmetry) does not hold across a renewal, and each renewal adds the error
+        of the start. ``history`` keeps the values from before it.
+    engine : str
+        ``"compiled"``; ``"reference"``, the step as in a paper; ``"interpreted"``, the compiled
+        engine's source run by the interpreter. Additive methods take the reference engine always.
+    arithmetic : str
+        ``"strict"``, ``"fused"``, ``"compensated"`` or ``"naive"``, see :func:`.kernel.prepare`.
+    form, solver : str
+        Override what is chosen, see :func:`.kernel.prepare`.
+    history : bool
+        Keep all values at every time kept, not only the solution.
+    digits : int or None
+        Decimal digits (reference engine only).
+    step_limit : int or None
+        Take at most so many steps.
+    cancel : Callable[[], bool] or None
+        Called about every 50 ms; ``True`` ends the run.
+    progress : Callable[[int, int], None] or None
+        Called as ``progress(steps done, steps in all)``.
 
     Returns
     -------
+    Solution
         A :class:`Solution`; its ``outcome`` says how the run ended. Ctrl-C ends a run as cancelled.
 
     Raises
     ------
-        UsageError: one sentence on an argument that does not fit.
+    UsageError
+        One sentence on an argument that does not fit.
     """
     problem, chosen = resolved(problem, method)
     if engine not in ENGINES:

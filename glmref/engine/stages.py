@@ -18,7 +18,7 @@ from .forms import StepForm
 from .newton import REFRESH_ROUNDS, NewtonWriter
 from .shape import Part, Shape
 from .tableau import lagrange_weights
-from .values import Term, Values, linear
+from .values import Term, Values, balanced, linear
 
 if TYPE_CHECKING:
     from .codegen import Options
@@ -66,7 +66,8 @@ class StageWriter(NewtonWriter):
 
     def _base(self, i: int, done: Sequence[int]) -> tuple[str, str]:
         """References to z and a of stage i, after writing what they need."""
-        big, small = self.values.read(self.form.U[i])
+        alone = not any(self.form.M[i])
+        big, small = self.values.read(self.form.U[i], alone=alone)
         small += [(self.form.M[i][j], f"@L{j}") for j in done]
         return self._named(i, big, small, self.all)
 
@@ -106,7 +107,7 @@ class StageWriter(NewtonWriter):
             z, a = bases[i]
             terms = [(self.form.M[i][j], f"@L{j}") for j in stages]
             terms = terms if a == "0.0" else [(1.0, a), *terms]
-            lines.append(f"@{name}{i} = {z} + ({linear(terms)})")
+            lines.append(f"@{name}{i} = {z} + ({balanced(terms)})")
         self.t.vec(lines, part)
 
     def _evaluate(self, part: Part, stages: Sequence[int]) -> None:

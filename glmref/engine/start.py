@@ -54,17 +54,22 @@ def starting_values(
 ) -> Start:
     """Compute the values carried into the first step.
 
-    Args:
-        engine: stepper of the method on the problem, in the arithmetic of the run.
-        start: ``None``: the method's own starting method, else the enhanced start where r > 1;
-            ``"enhanced"`` or ``("enhanced", passes)``; ``"zero"``: (y0, 0, ...); a
-            :class:`StartingMethod`, for a pair a :class:`PairStartingMethod`; values (r, d); or
-            ``start(problem, h)`` that returns them.
-        t, y0, h: initial time and value, step size.
+    Parameters
+    ----------
+    engine : Stepper
+        Stepper of the method on the problem, in the arithmetic of the run.
+    start : Any
+        ``None``: the method's own starting method, else the enhanced start where r > 1;
+        ``"enhanced"`` or ``("enhanced", passes)``; ``"zero"``: (y0, 0, ...); a
+        :class:`StartingMethod`, for a pair a :class:`PairStartingMethod`; values (r, d); or
+        ``start(problem, h)`` that returns them.
+    t, y0, h
+        Initial time and value, step size.
 
     Raises
     ------
-        UsageError: for a start that does not fit the method.
+    UsageError
+        For a start that does not fit the method.
     """
     method = engine.method
     if start is None:
@@ -131,11 +136,14 @@ def _halves(engine: Stepper) -> list[tuple[Reader, Component]]:
 def zero_start(engine: Stepper, y0: np.ndarray) -> np.ndarray:
     """Return u y0: (y0, 0, ..., 0) where the first value is the solution and the others small.
 
-    Args:
-        y0: (d,), or (N, d) for N starts at once.
+    Parameters
+    ----------
+    y0 : np.ndarray
+        (d,), or (N, d) for N starts at once.
 
     Returns
     -------
+    np.ndarray
         (r, d) or (N, r, d).
     """
     y0 = np.asarray(y0)
@@ -190,12 +198,15 @@ def enhanced_start(
 ) -> tuple[np.ndarray, int]:
     """Enhanced start: the values and the right-hand-side evaluations they cost.
 
-    Args:
-        passes: number of passes k; the cost is 2^k - 1 steps.
+    Parameters
+    ----------
+    passes : int
+        Number of passes k; the cost is 2^k - 1 steps.
 
     Raises
     ------
-        UsageError: when the method is not preconsistent, or a trial step fails.
+    UsageError
+        When the method is not preconsistent, or a trial step fails.
     """
     if not isinstance(passes, int) or not 0 <= passes <= MOST_PASSES:
         raise UsageError(f"the enhanced start takes 0 to {MOST_PASSES} passes, got {passes!r}")

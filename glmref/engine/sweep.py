@@ -56,13 +56,17 @@ _GOOD_ENOUGH = 2.0**-68
 def step_form(method: GLM, form: str = "auto") -> StepForm:
     """Choose and compute the form a kernel steps in.
 
-    Args:
-        method: real GLM.
-        form: one of :data:`FORMS`, or ``"auto"``: the first of them that applies.
+    Parameters
+    ----------
+    method : GLM
+        Real GLM.
+    form : str
+        One of :data:`FORMS`, or ``"auto"``: the first of them that applies.
 
     Raises
     ------
-        UsageError: when the form asked for does not apply, saying why.
+    UsageError
+        When the form asked for does not apply, saying why.
     """
     if not method.is_real:
         raise UsageError(

@@ -24,10 +24,14 @@ __all__ = ["LIBRARY", "Unsupported", "translated"]
 def translated(source: str, arguments: Mapping[str, str], *, fuse: bool = False) -> str:
     """LLVM assembly of a module's function ``kernel`` and of what it calls.
 
-    Args:
-        source: module text.
-        arguments: name -> kind: ``d*`` or ``i*`` for arrays, ``d`` or ``i`` for numbers.
-        fuse: whether a product and a sum may become one operation.
+    Parameters
+    ----------
+    source : str
+        Module text.
+    arguments : Mapping[str, str]
+        Name -> kind: ``d*`` or ``i*`` for arrays, ``d`` or ``i`` for numbers.
+    fuse : bool
+        Whether a product and a sum may become one operation.
     """
     tree = ast.parse(source)
     functions = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}

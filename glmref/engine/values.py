@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from .emit import Target
 from .forms import Row
 
-__all__ = ["Values", "linear"]
+__all__ = ["Values", "balanced", "linear"]
 
 Term = tuple[float, str]
 
@@ -33,25 +33,52 @@ def linear(terms: Sequence[Term]) -> str:
     return text or "0.0"
 
 
+def balanced(terms: Sequence[Term]) -> str:
+    """The same summed by halves: what is computed last is waited for by fewer additions."""
+    terms = [term for term in terms if term[0]]
+    if len(terms) < 4:
+        return linear(terms)
+    half = len(terms) // 2
+    first, second = terms[:half], terms[half:]
+    sign = -1.0 if second[0][0] < 0 else 1.0
+    other = balanced([(sign * factor, name) for factor, name in second])
+    return f"({balanced(first)}) {'-' if sign < 0 else '+'} ({other})"
+
+
 class Values:
     """The values of one side of a method within the step that is being written.
 
-    Args:
-        target: where statements go.
-        V: (r, r). R: (r, n), the update coefficients. residue: (r, n), what their rounding lost.
-        large: which values are multiples of the solution.
-        part: components of the state that these values are.
-        running: whether increments are added as they come, to V y.
-        compensated: whether rounding errors are kept.
+    Parameters
+    ----------
+    target : Target
+        Where statements go.
+    V : tuple[Row, ...]
+        (r, r).
+    R : tuple[Row, ...]
+        (r, n), the update coefficients.
+    residue : tuple[Row, ...]
+        (r, n), what their rounding lost.
+    large : Sequence[bool]
+        Which values are multiples of the solution.
+    part : tuple[int, int]
+        Components of the state that these values are.
+    running : bool
+        Whether increments are added as they come, to V y.
+    compensated : bool
+        Whether rounding errors are kept.
+    ahead : bool
+        Whether small values are also kept together with the increments so far, so that a stage
+        waits for one sum less; an operation more for each increment.
     """
 
     def __init__(
         self, target: Target, V: tuple[Row, ...], R: tuple[Row, ...], residue: tuple[Row, ...],
         large: Sequence[bool], part: tuple[int, int], *, running: bool, compensated: bool,
+        ahead: bool = False,
     ) -> None:  # fmt: skip
         self.t, self.V, self.R, self.residue = target, V, R, residue
         self.large, self.part = large, part
-        self.running, self.compensated = running, compensated
+        self.running, self.compensated, self.ahead = running, compensated, ahead
         self.x: list[Term] = []
         self.u: list[Term | None] = []
         self.grown: set[int] = set()
@@ -65,12 +92,12 @@ class Values:
         """Values that the stages read: V y, or y itself where increments are added at the end."""
         self.grown.clear()
         if self.running:
-            self._shift()
+            self.shift()
             return
         self.x = [(1.0, f"@y{k}") for k in range(self.r)]
         self.u = [(1.0, f"@e{k}") if self.compensated else None for k in range(self.r)]
 
-    def _shift(self) -> None:
+    def shift(self) -> None:
         """x = V y and u = V e."""
         self.x, self.u, lines = [], [], []
         for k, row in enumerate(self.V):
@@ -91,8 +118,16 @@ class Values:
         if lines:
             self.t.vec(lines, self.part)
 
-    def read(self, factors: Row) -> tuple[list[Term], list[Term]]:
-        """Terms of ``factors . values`` for a stage: multiples of the solution, and small terms."""
+    def read(self, factors: Row, *, alone: bool = False) -> tuple[list[Term], list[Term]]:
+        """Terms of ``factors . values`` for a stage: multiples of the solution, and small terms.
+
+        Parameters
+        ----------
+        alone : bool
+            Whether no increments are added to them. The rounding error of a value without
+            increments is then left out: value and error add up to the value, and the next step
+            would wait for the error.
+        """
         big: list[Term] = []
         small: list[Term] = []
         for k, factor in enumerate(factors):
@@ -100,11 +135,13 @@ class Values:
             rest = self.u[k]
             if self.large[k]:
                 big.append((factor * sign, name))
-                if rest is not None:
+                if rest is not None and (k in self.grown or not alone):
                     small.append((factor * rest[0], rest[1]))
             elif rest is None or k not in self.grown:
                 # e of a small value is below the rounding of the sum it enters
                 small.append((factor * sign, name))
+            elif self.ahead:
+                small.append((factor, f"@d{k}"))
             else:
                 small.append((factor, f"({linear([self.x[k], rest])})"))
         return big, small
@@ -118,6 +155,10 @@ class Values:
             rest = self.u[k]
             terms = [(row[column], name)]
             lines.append(f"@u{k} = {linear(terms if rest is None else [rest, *terms])}")
+            if self.ahead and not self.large[k]:
+                # value and increments in one, so that a stage need not wait for both sums
+                value = (1.0, f"@d{k}") if k in self.grown else self.x[k]
+                lines.append(f"@d{k} = {linear([value, *terms])}")
             self.u[k] = (1.0, f"@u{k}")
             self.grown.add(k)
         return lines
@@ -131,7 +172,7 @@ class Values:
     def finish(self, names: Sequence[str]) -> None:
         """New values in n{k} and, compensated, their rounding errors in r{k}."""
         if not self.running:
-            self._shift()
+            self.shift()
         self.t.vec(self.finishing(names), self.part)
 
     def finishing(self, names: Sequence[str]) -> list[str]:
@@ -159,6 +200,16 @@ class Values:
                 lines.append(
                     f"@r{k} = {linear([rest])} - ({linear([(1.0, f'@n{k}'), (-sign, value)])})"
                 )
+        return lines
+
+    def new(self, k: int, increments: str) -> list[str]:
+        """Statements for new value k, the increments given as source; after :meth:`shift`."""
+        (sign, value), rest = self.x[k], self.u[k]
+        kept = "" if rest is None else linear([rest])
+        total = " + ".join(x for x in (kept, increments) if x) or "0.0"
+        lines = [f"@u{k} = {total}", f"@n{k} = {linear([self.x[k]])} + @u{k}"]
+        if self.compensated:
+            lines.append(f"@r{k} = @u{k} - ({linear([(1.0, f'@n{k}'), (-sign, value)])})")
         return lines
 
     def coming(self) -> str:
