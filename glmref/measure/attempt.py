@@ -38,9 +38,12 @@ class Attempt:
 
     Attributes
     ----------
-        outcome: one of :class:`glmref.engine.Outcome`, :data:`REFUSED` or :data:`FUNCTION_FAILED`.
-        message: one sentence on it.
-        solution: what was computed, ``None`` where nothing was.
+    outcome : str
+        One of :class:`glmref.engine.Outcome`, :data:`REFUSED` or :data:`FUNCTION_FAILED`.
+    message : str
+        One sentence on it.
+    solution : Solution or None
+        What was computed, ``None`` where nothing was.
     """
 
     outcome: str
@@ -59,14 +62,19 @@ def attempt(
 ) -> Attempt:
     """Run a method on a problem and name the end.
 
-    Args:
-        h, steps: as in :func:`glmref.solve`.
-        evaluations: budget of right-hand-side evaluations. No stage equation takes more than
-            :data:`MOST_ROUNDS` rounds of each solver, so it is kept by taking fewer steps.
-        **options: further arguments of :func:`glmref.solve`.
+    Parameters
+    ----------
+    h, steps
+        As in :func:`glmref.solve`.
+    evaluations : int
+        Budget of right-hand-side evaluations. No stage equation takes more than :data:`MOST_ROUNDS`
+        rounds of each solver, so it is kept by taking fewer steps.
+    **options : Any
+        Further arguments of :func:`glmref.solve`.
 
     Returns
     -------
+    Attempt
         The outcome. An exception that comes from the code of this package is not caught: it would
         be a defect, not an outcome.
     """
@@ -102,7 +110,8 @@ def check_function(problem: Problem) -> None:
 
     Raises
     ------
-        TypeError, ValueError: for a result that is none.
+    TypeError, ValueError
+        For a result that is none.
     """
     if not given_by_user(problem):
         return

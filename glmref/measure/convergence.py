@@ -24,8 +24,10 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
+from ..compute.records import finite
 from ..engine.reference import stepper
-from ..method import GLM, Method, PartitionedGLM
+from ..method import GLM, Method
+from ..problems.formula import Formula
 from ..problems.model import Problem
 from ..problems.precision import Flow
 from .underlying import Underlying
@@ -60,12 +62,18 @@ class ConvergenceRecord:
 
     Attributes
     ----------
-        steps: numbers of steps, each twice the one before.
-        sizes: differences ``|y_n - y_2n|``, one fewer than ``steps``; or errors, as many.
-        orders: base-2 logarithms of successive ratios of sizes.
-        extrapolated: the orders after Richardson extrapolation.
-        order: the last extrapolated order.
-        settled: whether the last extrapolated orders agree to :data:`AGREEMENT`.
+    steps : tuple[int, ...]
+        Numbers of steps, each twice the one before.
+    sizes : tuple[float, ...]
+        Differences ``|y_n - y_2n|``, one fewer than ``steps``; or errors, as many.
+    orders : tuple[float, ...]
+        Base-2 logarithms of successive ratios of sizes.
+    extrapolated : tuple[float, ...]
+        The orders after Richardson extrapolation.
+    order : float
+        The last extrapolated order.
+    settled : bool
+        Whether the last extrapolated orders agree to :data:`AGREEMENT`.
     """
 
     steps: tuple[int, ...]
@@ -77,8 +85,6 @@ class ConvergenceRecord:
 
     def as_json(self) -> dict[str, Any]:
         """Return the record in JSON's types."""
-        from .records import finite
-
         return {
             "steps": list(self.steps),
             "sizes": [finite(x) for x in self.sizes],
@@ -100,12 +106,18 @@ def observed_order(
 
     The number of steps doubles until two extrapolated orders agree, or ``most`` is reached.
 
-    Args:
-        run: n -> components, in a precision high enough that no difference reaches round-off.
-        first: the first number of steps.
-        most: the largest number of steps.
-        target: what ``run`` converges to; by default successive runs are compared.
-        distance: norm of the difference of two results; the Euclidean norm when not given.
+    Parameters
+    ----------
+    run : Callable[[int], Sequence[Any]]
+        n -> components, in a precision high enough that no difference reaches round-off.
+    first : int
+        The first number of steps.
+    most : int
+        The largest number of steps.
+    target : Sequence[Any] or None
+        What ``run`` converges to; by default successive runs are compared.
+    distance : Callable[[Sequence[Any], Sequence[Any]], Any] or None
+        Norm of the difference of two results; the Euclidean norm when not given.
     """
     norm = distance or _norm
     steps, sizes = [first], []
@@ -191,10 +203,13 @@ def _log2_ratio(coarse: Any, fine: Any) -> float:
 def _digits(order: int, finest: float) -> int:
     """Digits that keep differences at the finest usual step above round-off.
 
-    Args:
-        order: order expected.
-        finest: step size at which a run usually settles; differences are about ``finest^(p + 1)``
-            there, times a constant that may be small, and a ratio is wanted to four digits.
+    Parameters
+    ----------
+    order : int
+        Order expected.
+    finest : float
+        Step size at which a run usually settles; differences are about ``finest^(p + 1)`` there,
+        times a constant that may be small, and a ratio is wanted to four digits.
     """
     return 12 + math.ceil((order + 1) * -math.log10(finest))
 
@@ -209,13 +224,19 @@ def method_order(
 ) -> ConvergenceRecord:
     """Measure the order of the first value, the solution, when started by iteration.
 
-    Args:
-        method: any method.
-        problem: a nonlinear problem.
-        expected: the order thought to be there; sets precision and passes of the start, nothing
-            else: a lower order is seen as such, and a higher one too (up to two more).
-        t_end: length of the interval.
-        most: the largest number of steps.
+    Parameters
+    ----------
+    method : Method
+        Any method.
+    problem : Problem
+        A nonlinear problem.
+    expected : int
+        The order thought to be there; sets precision and passes of the start, nothing else: a lower
+        order is seen as such, and a higher one too (up to two more).
+    t_end : float or Fraction
+        Length of the interval.
+    most : int
+        The largest number of steps.
     """
     return observed_order(_run(method, problem, expected, t_end), most=most)
 
@@ -223,12 +244,16 @@ def method_order(
 def effective_order(method: Method, *, expected: int, most: int = 256 * FIRST) -> ConvergenceRecord:
     """Measure the order that start and finish can reach, on an isochronous problem.
 
-    Args:
-        method: any method; a pair is measured on a separable problem.
-        expected: as in :func:`method_order`.
-        most: the largest number of steps in the period, or in its third.
+    Parameters
+    ----------
+    method : Method
+        Any method; a pair is measured on a separable problem.
+    expected : int
+        As in :func:`method_order`.
+    most : int
+        The largest number of steps in the period, or in its third.
     """
-    if isinstance(method, PartitionedGLM):
+    if method.parts == 2:
         problem, turns = isochronous_separable(), 1
     else:
         problem, turns = isochronous_threefold(), 3
@@ -284,13 +309,20 @@ def parasitic_order(
 ) -> ConvergenceRecord:
     """Measure how fast the parasitic part at ``t_end`` falls with h, for a given start.
 
-    Args:
-        method: a GLM with r > 1.
-        problem: a nonlinear problem.
-        start: ``start(engine, t, y0, h)`` -> (r, d) values, in the engine's arithmetic.
-        expected: order thought to be there.
-        t_end: length of the interval.
-        most: the largest number of steps.
+    Parameters
+    ----------
+    method : GLM
+        A GLM with r > 1.
+    problem : Problem
+        A nonlinear problem.
+    start : Callable[[Any, Any, Any, Any], Any]
+        ``start(engine, t, y0, h)`` -> (r, d) values, in the engine's arithmetic.
+    expected : int
+        Order thought to be there.
+    t_end : float or Fraction
+        Length of the interval.
+    most : int
+        The largest number of steps.
     """
     engine = stepper(method, problem, digits=_digits(expected + 2, float(t_end) / 100))
     underlying = Underlying(engine)
@@ -314,8 +346,6 @@ def isochronous(a: str = "1/4", b: str = "1/3") -> Problem:
     With z1' = z2, z2' = -z1: y1 = z1 + a z2^2, y2 = z2 + b y1^2. The equations are not Hamiltonian,
     and no elementary differential of them vanishes for a reason of structure.
     """
-    from ..problems.formula import Formula
-
     parameters = {"a": Fraction(a), "b": Fraction(b)}
     return Problem(
         name="isochronous",
@@ -355,8 +385,6 @@ def isochronous_threefold() -> Problem:
     In complex notation ``w' = i (z + b conj(z))/(1 - |b|^2)``, ``b = 2 a conj(w)``. Every period is
     2 pi, and after a third of it a solution is its start, turned by a third.
     """
-    from ..problems.formula import Formula
-
     parameters = {"a": Fraction(1, 8)}
     return Problem(
         name="isochronous-threefold",

@@ -12,19 +12,19 @@ beyond the solution outgrow it, a drift otherwise, whose order in h the run with
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from ..compute.records import finite
 from ..engine.outcome import Solution
 from ..engine.solve import solve
 from ..errors import UsageError
-from ..method import GLM, Method
+from ..method import Method
 from ..problems.model import Problem
 from .longtime import along, energy_scale, exponent, g_form
 from .parasitic import parasitic_size, solution_direction
-from .records import finite
 
 __all__ = ["CAUSES", "KINDS", "Diagnosis", "Law", "diagnose", "fit_law", "samples_of"]
 
@@ -50,10 +50,16 @@ class Law:
 
     Attributes
     ----------
-        kind: one of :data:`KINDS` or ``"blow-up"``.
-        exponent: slope of log rms against log t; NaN where there is nothing to fit.
-        largest: largest deviation. last: root mean square over the last half of the time.
-        time: length of the run; of a blow-up, when the deviation reached :data:`LOST`.
+    kind : str
+        One of :data:`KINDS` or ``"blow-up"``.
+    exponent : float
+        Slope of log rms against log t; NaN where there is nothing to fit.
+    largest : float
+        Largest deviation.
+    last : float
+        Root mean square over the last half of the time.
+    time : float
+        Length of the run; of a blow-up, when the deviation reached :data:`LOST`.
     """
 
     kind: str
@@ -74,12 +80,22 @@ class Diagnosis:
 
     Attributes
     ----------
-        method, problem, quantity: what was watched. h, steps: of the first run.
-        law: with h. half: with h/2 over the same time.
-        precise: with h at ``digits`` digits, over ``precise_steps`` steps.
-        compared: rms of the first run over those steps.
-        order: order of the deviation in h, from the first two; NaN where it means nothing.
-        cause: one of :data:`CAUSES`.
+    method, problem, quantity : str
+        What was watched.
+    h, steps
+        Of the first run.
+    law : Law
+        With h.
+    half : Law
+        With h/2 over the same time.
+    precise : Law
+        With h at ``digits`` digits, over ``precise_steps`` steps.
+    compared : float
+        Rms of the first run over those steps.
+    order : float
+        Order of the deviation in h, from the first two; NaN where it means nothing.
+    cause : str
+        One of :data:`CAUSES`.
     """
 
     method: str
@@ -108,9 +124,14 @@ class Diagnosis:
 def fit_law(t: np.ndarray, deviation: np.ndarray, *, ended: bool = False) -> Law:
     """Fit the law of a deviation.
 
-    Args:
-        t: (m,) times, increasing in size. deviation: (m,) relative deviations, the first is zero.
-        ended: whether the run ended before its time.
+    Parameters
+    ----------
+    t : np.ndarray
+        (m,) times, increasing in size.
+    deviation : np.ndarray
+        (m,) relative deviations, the first is zero.
+    ended : bool
+        Whether the run ended before its time.
     """
     elapsed = np.abs(np.asarray(t, dtype=float) - float(t[0]))
     sizes = np.abs(np.asarray(deviation, dtype=float))
@@ -131,18 +152,21 @@ def fit_law(t: np.ndarray, deviation: np.ndarray, *, ended: bool = False) -> Law
 def samples_of(problem: Problem, method: Method, solution: Solution, quantity: str) -> np.ndarray:
     """Relative deviation of one conserved quantity along a solution, (m,).
 
-    Args:
-        quantity: ``"energy"``, the name of an invariant, or ``"form of NAME"``: the form G of all
-            values of a quadratic invariant.
+    Parameters
+    ----------
+    quantity : str
+        ``"energy"``, the name of an invariant, or ``"form of NAME"``: the form G of all values of a
+        quadratic invariant.
 
     Raises
     ------
-        UsageError: for a quantity that the problem, or the method, does not have.
+    UsageError
+        For a quantity that the problem, or the method, does not have.
     """
     with np.errstate(all="ignore"):
         if quantity.startswith("form of "):
             form = problem.quadratic.get(quantity.removeprefix("form of "))
-            if form is None or not isinstance(method, GLM) or method.G is None:
+            if form is None or len(method.components) > 1 or method.G is None:
                 raise UsageError(f"{method.name} on {problem.name} has no {quantity!r}")
             G = np.array([[complex(x) for x in row] for row in method.G])
             values = g_form(np.asarray(solution.history), G, form.matrix)
@@ -172,15 +196,21 @@ def diagnose(
 ) -> Diagnosis:
     """Tell by which law a conserved quantity deviates, and why.
 
-    Args:
-        quantity: see :func:`samples_of`.
-        digits: of the precise run, which the reference engine takes: slowly.
-        precise_steps: its length; all steps by default.
-        **options: further arguments of :func:`glmref.solve` for the runs in double precision.
+    Parameters
+    ----------
+    quantity : str
+        See :func:`samples_of`.
+    digits : int
+        Of the precise run, which the reference engine takes: slowly.
+    precise_steps : int or None
+        Its length; all steps by default.
+    **options : Any
+        Further arguments of :func:`glmref.solve` for the runs in double precision.
 
     Raises
     ------
-        UsageError: as :func:`samples_of`.
+    UsageError
+        As :func:`samples_of`.
     """
     short = min(steps, steps if precise_steps is None else precise_steps)
     history = method.parts == 1 and method.carried > 1
@@ -222,8 +252,6 @@ def diagnose(
 
 def _in_doubles(run: Solution, y: np.ndarray) -> Solution:
     """The run itself, or the precise one rounded to doubles."""
-    from dataclasses import replace
-
     if np.asarray(run.y).dtype != object:
         return run
     history = None if run.history is None else np.array(run.history).astype(complex)

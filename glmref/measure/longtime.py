@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from ..compute.records import finite
 from ..engine.outcome import Solution
 from ..engine.solve import solve
 from ..errors import UsageError
@@ -41,15 +42,23 @@ class Drift:
 
     Attributes
     ----------
-        quantity: its name, as the problem gives it.
-        kind: ``"hamiltonian"``, ``"quadratic"`` or ``"invariant"`` of the solution, or ``"form"``:
-            the G-form, of a quadratic invariant, of all values.
-        start: the value at the first sample.
-        scale: what deviations are measured against: |start|, or the size of its largest term.
-        largest: largest deviation over the samples, relative to ``scale``.
-        last: deviation of the last sample, relative to ``scale``, with its sign.
-        slope: least squares slope of the relative deviation, per time unit of the problem.
-        exponent: exponent of growth of the root mean square with time; NaN where it is all zero.
+    quantity : str
+        Its name, as the problem gives it.
+    kind : str
+        ``"hamiltonian"``, ``"quadratic"`` or ``"invariant"`` of the solution, or ``"form"``: the
+        G-form, of a quadratic invariant, of all values.
+    start : float
+        The value at the first sample.
+    scale : float
+        What deviations are measured against: |start|, or the size of its largest term.
+    largest : float
+        Largest deviation over the samples, relative to ``scale``.
+    last : float
+        Deviation of the last sample, relative to ``scale``, with its sign.
+    slope : float
+        Least squares slope of the relative deviation, per time unit of the problem.
+    exponent : float
+        Exponent of growth of the root mean square with time; NaN where it is all zero.
     """
 
     quantity: str
@@ -63,8 +72,6 @@ class Drift:
 
     def as_json(self) -> dict[str, Any]:
         """Return the record in JSON's types."""
-        from .records import finite
-
         numbers = {
             k: finite(getattr(self, k)) for k in self.__slots__ if k not in ("quantity", "kind")
         }
@@ -124,14 +131,20 @@ def follow(
     The run is taken in stretches, each as long as all before it; :data:`ROWS` samples are kept of
     each, so that the time of an event is known to a thousandth of itself.
 
-    Args:
-        problem: autonomous, because each stretch restarts the clock.
-        h, steps: step size and number of steps.
-        start, engine, cancel: as in :func:`glmref.solve`.
-        lost: called with each finished stretch; true ends the run there.
+    Parameters
+    ----------
+    problem : Problem
+        Autonomous, because each stretch restarts the clock.
+    h, steps
+        Step size and number of steps.
+    start, engine, cancel
+        As in :func:`glmref.solve`.
+    lost : Callable[[Solution], bool] or None
+        Called with each finished stretch; true ends the run there.
 
     Returns
     -------
+    Solution
         A solution with history; its counts and seconds are those of the whole run.
     """
     done, length = 0, min(steps, ROWS)
@@ -179,10 +192,16 @@ def drift(
 ) -> Drift:
     """Summarize a conserved quantity sampled at times t.
 
-    Args:
-        quantity, kind: what it is, see :class:`Drift`.
-        t: (m,) times. values: (m,) samples, the first of which is the reference.
-        scale: unit of the deviations; by default |values[0]|, or 1 where that is zero.
+    Parameters
+    ----------
+    quantity, kind : str
+        What it is, see :class:`Drift`.
+    t : np.ndarray
+        (m,) times.
+    values : np.ndarray
+        (m,) samples, the first of which is the reference.
+    scale : float or None
+        Unit of the deviations; by default |values[0]|, or 1 where that is zero.
     """
     if len(t) != len(values) or not len(t):
         raise UsageError(f"`values` must have as many samples as `t`, {len(t)}, got {len(values)}")
@@ -233,8 +252,14 @@ def exponent(elapsed: np.ndarray, deviation: np.ndarray) -> float:
 def g_form(history: np.ndarray, G: np.ndarray, C: np.ndarray) -> np.ndarray:
     """Return ``sum_ij g_ij y_i^* C y_j`` at every sample.
 
-    Args:
-        history: (m, r, d) all the values. G: (r, r) Hermitian. C: (d, d) symmetric.
+    Parameters
+    ----------
+    history : np.ndarray
+        (m, r, d) all the values.
+    G : np.ndarray
+        (r, r) Hermitian.
+    C : np.ndarray
+        (d, d) symmetric.
 
     The sum is formed with compensation of its rounding: one evaluation then errs by a few units of
     the last place of its largest term, and what is seen over a long run is the method's.
@@ -261,11 +286,16 @@ def watch(
 ) -> list[Drift]:
     """Drifts of what a problem conserves along a solution.
 
-    Args:
-        problem: the problem that was solved.
-        solution: with several rows; with ``history`` where the G-form is wanted.
-        G: (r, r) form of the method; ``None`` leaves the G-forms out.
-        energy, quadratic, invariants: which conserved quantities of y_1 to watch.
+    Parameters
+    ----------
+    problem : Problem
+        The problem that was solved.
+    solution : Solution
+        With several rows; with ``history`` where the G-form is wanted.
+    G : np.ndarray or None
+        (r, r) form of the method; ``None`` leaves the G-forms out.
+    energy, quadratic, invariants : bool
+        Which conserved quantities of y_1 to watch.
     """
     found: list[Drift] = []
     t, y = np.asarray(solution.t, dtype=float), np.real(np.asarray(solution.y)).astype(float)

@@ -40,9 +40,14 @@ class Orbit:
 
     Attributes
     ----------
-        axes: names of the two components.
-        t: (m,) times. paths: (bodies, m, 2) points of each body.
-        ended: why the path stops before the run does, in one sentence, or ``""``.
+    axes : tuple[str, str]
+        Names of the two components.
+    t : np.ndarray
+        (m,) times.
+    paths : np.ndarray
+        (bodies, m, 2) points of each body.
+    ended : str
+        Why the path stops before the run does, in one sentence, or ``""``.
     """
 
     axes: tuple[str, str]
@@ -67,7 +72,8 @@ def plane_of(problem: Problem) -> tuple[tuple[str, str], list[tuple[int, int]]]:
 
     Raises
     ------
-        UsageError: for a problem with one component.
+    UsageError
+        For a problem with one component.
     """
     d = problem.dimension
     if d < 2:
@@ -99,14 +105,20 @@ def orbit(
 ) -> Orbit:
     """Take the steps and keep points of the path.
 
-    Args:
-        problem, method: what to solve, and with what.
-        h, steps: step size and number of steps.
-        start: as in :func:`glmref.solve`.
-        points: of all bodies together.
+    Parameters
+    ----------
+    problem, method
+        What to solve, and with what.
+    h, steps
+        Step size and number of steps.
+    start : Any
+        As in :func:`glmref.solve`.
+    points : int
+        Of all bodies together.
 
     Returns
     -------
+    Orbit
         The path up to where the numbers are finite and the energy error is below the energy itself.
     """
     axes, pairs = plane_of(problem)

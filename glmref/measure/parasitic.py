@@ -21,6 +21,7 @@ from ..errors import UsageError
 from ..method import GLM, Method
 from ..method.solution_value import preconsistency_vector
 from ..problems.model import Problem
+from .longtime import energy_deviation
 from .underlying import Underlying
 
 __all__ = [
@@ -51,9 +52,14 @@ class Mode:
 
     Attributes
     ----------
-        zeta: eigenvalue, |zeta| = 1.
-        right: (r,) eigenvector whose largest entry is 1. left: (r,), with ``left right = 1``.
-        mu: growth parameter ``zeta^-1 left B U right``, from the rounded tableau.
+    zeta : complex
+        Eigenvalue, |zeta| = 1.
+    right : np.ndarray
+        (r,) eigenvector whose largest entry is 1.
+    left : np.ndarray
+        (r,), with ``left right = 1``.
+    mu : complex
+        Growth parameter ``zeta^-1 left B U right``, from the rounded tableau.
     """
 
     zeta: complex
@@ -91,11 +97,16 @@ class Growth:
 
     Attributes
     ----------
-        zeta, mu: eigenvalue of V and growth parameter used for the prediction.
-        time: length of the interval, time units of the problem.
-        measured, predicted: (d, d) propagators of phi over that time.
-        rate, predicted_rate: ``log(spectral radius)/time`` of each, per time unit.
-        discrepancy: largest difference of the propagators, relative to the predicted one's norm.
+    zeta, mu : complex
+        Eigenvalue of V and growth parameter used for the prediction.
+    time : float
+        Length of the interval, time units of the problem.
+    measured, predicted : np.ndarray
+        (d, d) propagators of phi over that time.
+    rate, predicted_rate : float
+        ``log(spectral radius)/time`` of each, per time unit.
+    discrepancy : float
+        Largest difference of the propagators, relative to the predicted one's norm.
     """
 
     zeta: complex
@@ -113,16 +124,25 @@ def growth(
 ) -> Growth:
     """Measure one parasitic propagator with the reference engine, and predict it from mu f'.
 
-    Args:
-        method: a GLM with a parasitic mode.
-        problem: nonlinear, autonomous.
-        h: step size. time: length of the interval, rounded to whole steps.
-        mode: one of :func:`modes`; the first by default.
+    Parameters
+    ----------
+    method : GLM
+        A GLM with a parasitic mode.
+    problem : Problem
+        Nonlinear, autonomous.
+    h : float
+        Step size.
+    time : float
+        Length of the interval, rounded to whole steps.
+    mode : Mode or None
+        One of :func:`modes`; the first by default.
 
     Raises
     ------
-        UsageError: for a method without parasitic modes.
-        ArithmeticError: when a stage equation could not be solved.
+    UsageError
+        For a method without parasitic modes.
+    ArithmeticError
+        When a stage equation could not be solved.
     """
     found = modes(method)
     if mode is None:
@@ -177,16 +197,22 @@ def predicted_propagator(
 ) -> np.ndarray:
     """Solve ``Phi' = mu f'(y) Phi``, ``Phi(0) = I``, along the solution y; return Phi(time).
 
-    Args:
-        mu: growth parameter.
-        problem: with a Jacobian (given, or derived from expressions), autonomous.
-        time: length of the interval.
-        steps: number of steps; by default 400 per time unit of the problem's scale, which leaves an
-            error near 1e-9 of the result.
+    Parameters
+    ----------
+    mu : complex
+        Growth parameter.
+    problem : Problem
+        With a Jacobian (given, or derived from expressions), autonomous.
+    time : float
+        Length of the interval.
+    steps : int or None
+        Number of steps; by default 400 per time unit of the problem's scale, which leaves an error
+        near 1e-9 of the result.
 
     Raises
     ------
-        UsageError: where the problem has no Jacobian.
+    UsageError
+        Where the problem has no Jacobian.
     """
     return _propagators(mu, problem, time=time, pieces=1, steps=steps)[-1]
 
@@ -228,8 +254,10 @@ def start_amplitude(
 ) -> np.ndarray:
     """Amplitude phi(0) of a mode that a start leaves, shape (d,): its starting error.
 
-    Args:
-        start: as in :func:`glmref.solve`.
+    Parameters
+    ----------
+    start : Any
+        As in :func:`glmref.solve`.
     """
     engine = stepper(method, problem)
     y0 = np.array(problem.y0)
@@ -248,9 +276,12 @@ def predicted_loss(
     The starting error of every mode is carried on by ``phi' = mu f'(y) phi`` along the periodic
     solution: one period's propagator gives all of them.
 
-    Args:
-        period: period of the solution.
-        start: as in :func:`glmref.solve`.
+    Parameters
+    ----------
+    period : float
+        Period of the solution.
+    start : Any
+        As in :func:`glmref.solve`.
     """
     level = LOST * float(np.linalg.norm(problem.y0))
     pieces = 64
@@ -347,9 +378,12 @@ class Loss:
 
     Attributes
     ----------
-        time: time of the first sample at which it was, ``None`` where it was not.
-        reason: ``"parasitic"``, ``"energy"`` or the outcome by name, ``""`` where it was not.
-        largest: largest size of the values beyond ``u y_1``, relative to the first solution value.
+    time : float or None
+        Time of the first sample at which it was, ``None`` where it was not.
+    reason : str
+        ``"parasitic"``, ``"energy"`` or the outcome by name, ``""`` where it was not.
+    largest : float
+        Largest size of the values beyond ``u y_1``, relative to the first solution value.
     """
 
     time: float | None
@@ -360,11 +394,11 @@ class Loss:
 def loss(problem: Problem, solution: Solution, u: np.ndarray) -> Loss:
     """Find when a run was lost: parasitic part or energy error too large, or an early end.
 
-    Args:
-        u: (r,) right eigenvector of V at 1, for what of the values is the solution itself.
+    Parameters
+    ----------
+    u : np.ndarray
+        (r,) right eigenvector of V at 1, for what of the values is the solution itself.
     """
-    from .longtime import energy_deviation
-
     t = np.asarray(solution.t, dtype=float)
     unit = float(np.linalg.norm(np.asarray(solution.y[0]))) or 1.0
     with np.errstate(all="ignore"):

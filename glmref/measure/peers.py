@@ -19,10 +19,11 @@ from typing import Any
 
 import numpy as np
 
+from ..compute.records import finite
 from ..errors import UsageError
+from ..problems.formula import FUNCTIONS
 from ..problems.model import Problem
 from .longtime import energy_deviation
-from .records import finite
 from .timing import repeat
 from .work_precision import SAMPLES, reference_state, state_error
 
@@ -38,10 +39,14 @@ class Run:
 
     Attributes
     ----------
-        y: (m, d) states at the times asked for.
-        evaluations: right-hand-side evaluations, ``None`` where the peer does not count them.
-        steps: steps taken, ``None`` where it does not tell.
-        message: why it ended early, ``""`` where it did not.
+    y : np.ndarray
+        (m, d) states at the times asked for.
+    evaluations : int or None
+        Right-hand-side evaluations, ``None`` where the peer does not count them.
+    steps : int or None
+        Steps taken, ``None`` where it does not tell.
+    message : str
+        Why it ended early, ``""`` where it did not.
     """
 
     y: np.ndarray
@@ -78,8 +83,6 @@ def _floor(problem: Problem) -> float:
 
 def _names_of(module: Any, **renamed: str) -> SimpleNamespace:
     """Return a module's functions as the context a problem's functions are evaluated in."""
-    from ..problems.formula import FUNCTIONS
-
     found = {name: getattr(module, renamed.get(name, name)) for name in FUNCTIONS}
     return SimpleNamespace(mpf=float, pi=math.pi, **found)
 
@@ -234,7 +237,8 @@ def package_of(name: str) -> str:
 
     Raises
     ------
-        UsageError: for an unknown peer.
+    UsageError
+        For an unknown peer.
     """
     if name not in _ADAPTERS:
         raise UsageError(f"there is no peer named {str(name)[:80]!r}; known are {', '.join(NAMES)}")
@@ -246,7 +250,8 @@ def runner(name: str, problem: Problem, *, tolerance: float, times: np.ndarray) 
 
     Raises
     ------
-        UsageError: for an unknown peer, one that is not installed, or a problem it cannot take.
+    UsageError
+        For an unknown peer, one that is not installed, or a problem it cannot take.
     """
     package = package_of(name)
     _, adapter, method = _ADAPTERS[name]
@@ -270,7 +275,8 @@ def measure_peer(
 
     Raises
     ------
-        UsageError: as :func:`runner`.
+    UsageError
+        As :func:`runner`.
     """
     end = float(problem.t_span[0]) + t_end
     count = SAMPLES if "energy" in ask else 1

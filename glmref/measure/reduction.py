@@ -38,9 +38,16 @@ class ObservedOrder:
 
     Attributes
     ----------
-        method: its name. z: h lambda, the same for all runs; ``None`` where lambda was fixed.
-        h: step sizes. errors: at the end, in absolute value.
-        orders: binary logarithms of the quotients of errors, one fewer.
+    method : str
+        Its name.
+    z : float or None
+        h lambda, the same for all runs; ``None`` where lambda was fixed.
+    h : tuple[float, ...]
+        Step sizes.
+    errors : tuple[float, ...]
+        At the end, in absolute value.
+    orders : tuple[float, ...]
+        Binary logarithms of the quotients of errors, one fewer.
     """
 
     method: str
@@ -77,14 +84,19 @@ def observed_order(
 ) -> ObservedOrder:
     """Measure the order of convergence on Prothero and Robinson's problem.
 
-    Args:
-        z: h lambda, held fixed while h is halved; ``None``: lambda = -1, not stiff at all.
-        steps: numbers of steps to ``t_end``, each twice the one before.
-        digits: decimal digits of the runs: stiffly accurate methods err by ``h^(q + 1)/|z|``.
+    Parameters
+    ----------
+    z : float or None
+        h lambda, held fixed while h is halved; ``None``: lambda = -1, not stiff at all.
+    steps : Sequence[int]
+        Numbers of steps to ``t_end``, each twice the one before.
+    digits : int
+        Decimal digits of the runs: stiffly accurate methods err by ``h^(q + 1)/|z|``.
 
     Raises
     ------
-        UsageError: when a run does not end.
+    UsageError
+        When a run does not end.
     """
     errors: list[Any] = []
     for n in steps:

@@ -29,10 +29,14 @@ class Resonance:
 
     Attributes
     ----------
-        h: the step size.
-        zeta: the eigenvalue of V from which the parasitic one starts.
-        frequency: of the parasitic component.
-        waves: frequencies, with signs, whose product excites it: one (first order) or two.
+    h : float
+        The step size.
+    zeta : complex
+        The eigenvalue of V from which the parasitic one starts.
+    frequency : float
+        Of the parasitic component.
+    waves : tuple[float, ...]
+        Frequencies, with signs, whose product excites it: one (first order) or two.
     """
 
     h: float
@@ -56,10 +60,16 @@ def resonances(
     the eigenvalues zeta != 1 of V on the unit circle. A term of the equations that is quadratic in
     the solution forces the component where both agree.
 
-    Args:
-        frequencies: angular frequencies of the problem's linear part.
-        most: largest step size looked at. samples: step sizes at which signs are compared.
-        order: 1 or 2, how many waves.
+    Parameters
+    ----------
+    frequencies : Sequence[float]
+        Angular frequencies of the problem's linear part.
+    most : float
+        Largest step size looked at.
+    samples : int
+        Step sizes at which signs are compared.
+    order : int
+        1 or 2, how many waves.
 
     References: Hairer, Lubich and Wanner, "Geometric Numerical Integration" (2006), section XV.5.
     """

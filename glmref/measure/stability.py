@@ -56,12 +56,16 @@ GROWTH = 1e-7
 def amplification(method: GLM, z: Any) -> np.ndarray:
     """Stability matrix M(z) in double precision.
 
-    Args:
-        method: a GLM.
-        z: complex numbers of any shape.
+    Parameters
+    ----------
+    method : GLM
+        A GLM.
+    z : Any
+        Complex numbers of any shape.
 
     Returns
     -------
+    np.ndarray
         (..., r, r); infinite where ``I - z A`` is singular.
     """
     rounded = method.to_float()
@@ -102,15 +106,19 @@ def interval(
 ) -> float:
     """Length of the part of a ray, from 0 on, on which no eigenvalue of M leaves the unit disc.
 
-    Args:
-        direction: of the ray: 1j the imaginary axis, -1 the negative real axis.
-        most: where to stop.
-        samples: points first looked at; a shorter escape is not seen. There are short ones: of
-            ``g6245`` the eigenvalues are off the circle from y = 1.829 to 1.851, and then on it
-            again to 2.504.
+    Parameters
+    ----------
+    direction : complex
+        Of the ray: 1j the imaginary axis, -1 the negative real axis.
+    most : float
+        Where to stop.
+    samples : int
+        Points first looked at; a shorter escape is not seen. There are short ones: of ``g6245`` the
+        eigenvalues are off the circle from y = 1.829 to 1.851, and then on it again to 2.504.
 
     Returns
     -------
+    float
         The end; ``most`` where no eigenvalue leaves. It is late by the way on which an eigenvalue
         grows by :data:`GROWTH`: 1e-14 where two eigenvalues meet and part, 1e-7 where one crosses
         the circle, but more where it only grazes it: ``|w| = 1 + c y^k`` is seen from about
@@ -139,8 +147,12 @@ class Locus:
 
     Attributes
     ----------
-        z: (m,) points. w: (m,) that eigenvalue.
-        edge: (m,) whether all other eigenvalues lie in the closed disc: the boundary of the region.
+    z : np.ndarray
+        (m,) points.
+    w : np.ndarray
+        (m,) that eigenvalue.
+    edge : np.ndarray
+        (m,) whether all other eigenvalues lie in the closed disc: the boundary of the region.
     """
 
     z: np.ndarray
@@ -151,12 +163,15 @@ class Locus:
 def locus(method: GLM, *, turns: int = 720) -> Locus:
     """Trace the boundary of the stability region.
 
-    Args:
-        turns: points on the unit circle, halfway between multiples of ``2 pi/turns``, so that none
-            is an eigenvalue of V of small order.
+    Parameters
+    ----------
+    turns : int
+        Points on the unit circle, halfway between multiples of ``2 pi/turns``, so that none is an
+        eigenvalue of V of small order.
 
     Returns
     -------
+    Locus
         Every point of the boundary that belongs to these points: the eigenvalues x of ``A + U (w I
         - V)^-1 B`` are the 1/z with w an eigenvalue of M(z), and there are no others.
     """
@@ -180,10 +195,14 @@ class Region:
 
     Attributes
     ----------
-        area: area of the part in which M(z) is power-bounded.
-        error: area of the cells that the boundary may cross: a bound, where no cell hides a hole.
-        cells: (m, 4) cells wholly inside: real and imaginary parts of two corners.
-        evaluations: points looked at.
+    area : float
+        Area of the part in which M(z) is power-bounded.
+    error : float
+        Area of the cells that the boundary may cross: a bound, where no cell hides a hole.
+    cells : np.ndarray
+        (m, 4) cells wholly inside: real and imaginary parts of two corners.
+    evaluations : int
+        Points looked at.
     """
 
     area: float
@@ -199,9 +218,14 @@ def region(
 
     A cell is split in four where its corners and its middle do not agree.
 
-    Args:
-        box: lower left and upper right corner.
-        coarse: cells along each side at the start. depth: how often a cell may be split.
+    Parameters
+    ----------
+    box : tuple[complex, complex]
+        Lower left and upper right corner.
+    coarse : int
+        Cells along each side at the start.
+    depth : int
+        How often a cell may be split.
     """
     low, high = box
     xs = np.linspace(low.real, high.real, coarse + 1)
@@ -244,12 +268,15 @@ def _quartered(cells: np.ndarray) -> np.ndarray:
 def paths(method: GLM, y: np.ndarray) -> np.ndarray:
     """Eigenvalues of M(i y) followed along y.
 
-    Args:
-        y: (m,) increasing, close enough that no eigenvalue moves by more than its distance to the
-            next one.
+    Parameters
+    ----------
+    y : np.ndarray
+        (m,) increasing, close enough that no eigenvalue moves by more than its distance to the next
+        one.
 
     Returns
     -------
+    np.ndarray
         (m, r): column k is continuous in y; the first row is ordered by argument.
     """
     values = _eigenvalues(amplification(method, 1j * np.asarray(y, dtype=float)))
@@ -276,9 +303,14 @@ class Threshold:
 
     Attributes
     ----------
-        h: largest step size seen to be good. above: smallest seen to fail.
-        reason: how the run at ``above`` failed.
-        runs: how many runs it took.
+    h : float
+        Largest step size seen to be good.
+    above : float
+        Smallest seen to fail.
+    reason : str
+        How the run at ``above`` failed.
+    runs : int
+        How many runs it took.
     """
 
     h: float
@@ -300,16 +332,23 @@ def threshold(
 ) -> Threshold:
     """Bisect for the largest step size at which a run of so many steps is good.
 
-    Args:
-        low, high: step sizes between which good turns into bad.
-        steps: steps of each run.
-        good: judges a completed run; by default its values stay below three times their start.
-        width: relative width at which to stop.
-        **options: further arguments of :func:`glmref.solve`.
+    Parameters
+    ----------
+    low, high : float
+        Step sizes between which good turns into bad.
+    steps : int
+        Steps of each run.
+    good : Callable[[Solution], bool] or None
+        Judges a completed run; by default its values stay below three times their start.
+    width : float
+        Relative width at which to stop.
+    **options : Any
+        Further arguments of :func:`glmref.solve`.
 
     Raises
     ------
-        UsageError: when the run at ``low`` fails or the one at ``high`` does not.
+    UsageError
+        When the run at ``low`` fails or the one at ``high`` does not.
     """
     judge = good or _stays_near
     every = max(1, steps // 256)

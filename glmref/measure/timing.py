@@ -5,13 +5,13 @@ from __future__ import annotations
 import os
 import platform
 import statistics
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from time import perf_counter
 from typing import Any, TypeVar
 
-__all__ = ["Timing", "circumstances", "repeat"]
+__all__ = ["Timing", "circumstances", "machine", "repeat"]
 
 Result = TypeVar("Result")
 
@@ -43,10 +43,14 @@ def repeat(
 ) -> tuple[Result, Timing]:
     """Run something a few times, at least once, and stop early when the budget is spent.
 
-    Args:
-        run: what to time; its last result is returned.
-        repeats: how often at the most.
-        budget: seconds after which no further repetition starts.
+    Parameters
+    ----------
+    run : Callable[[], Result]
+        What to time; its last result is returned.
+    repeats : int
+        How often at the most.
+    budget : float
+        Seconds after which no further repetition starts.
     """
     seconds: list[float] = []
     begun = perf_counter()
@@ -71,8 +75,22 @@ def circumstances() -> dict[str, Any]:
         "system": platform.system(),
         "processor": _processor(),
         "cores": os.cpu_count(),
+        **({"pinned": True} if _pinned() else {}),
         "versions": versions,
     }
+
+
+def _pinned() -> bool:
+    """Whether this process stays on one core of several."""
+    usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 0
+    return usable == 1 and (os.cpu_count() or 1) > 1
+
+
+def machine(where: Mapping[str, Any]) -> str:
+    """Kind of machine, from what :func:`circumstances` recorded: times of one kind compare."""
+    given = [where.get(key) for key in ("processor", "machine", "system")]
+    parts = [*map(str, filter(None, given)), f"{where.get('cores')} cores"]
+    return ", ".join([*parts, *(["pinned"] if where.get("pinned") else [])])
 
 
 def _processor() -> str:

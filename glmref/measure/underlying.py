@@ -27,12 +27,18 @@ class _Half:
 
     Attributes
     ----------
-        columns: the components of a state this half carries.
-        rows: number of values carried.
-        u: (r,), ``V u = u``.
-        e: (r,) with ``e u = 1``: the solution is ``e y``.
-        inverse: (r, r), ``(I - V + u e V)^-1``.
-        steady: whether ``e V = e``, as where the first value takes from no other, or by choice.
+    columns : slice
+        The components of a state this half carries.
+    rows : int
+        Number of values carried.
+    u : np.ndarray
+        (r,), ``V u = u``.
+    e : np.ndarray
+        (r,) with ``e u = 1``: the solution is ``e y``.
+    inverse : np.ndarray
+        (r, r), ``(I - V + u e V)^-1``.
+    steady : bool
+        Whether ``e V = e``, as where the first value takes from no other, or by choice.
     """
 
     columns: slice
@@ -69,15 +75,19 @@ def _half(engine: Stepper, reader: Reader, m: Component, *, conjugate: bool) -> 
 class Underlying:
     """Starting map, solution and parasitic part for one method on one problem.
 
-    Args:
-        engine: the reference stepper of the method on the problem.
-        conjugate: read the solution off by the left eigenvector of V at 1 instead of the
-            output. Where that takes from others the underlying method becomes a conjugate one, and
-            starting it costs a quarter.
+    Parameters
+    ----------
+    engine : Stepper
+        The reference stepper of the method on the problem.
+    conjugate : bool
+        Read the solution off by the left eigenvector of V at 1 instead of the output. Where that
+        takes from others the underlying method becomes a conjugate one, and starting it costs a
+        quarter.
 
     Raises
     ------
-        UsageError: where V has no simple eigenvalue 1 with a common right eigenvector u.
+    UsageError
+        Where V has no simple eigenvalue 1 with a common right eigenvector u.
     """
 
     def __init__(self, engine: Stepper, *, conjugate: bool = False) -> None:
@@ -144,7 +154,8 @@ class Underlying:
 
         Raises
         ------
-            ArithmeticError: when a stage equation could not be solved to round-off.
+        ArithmeticError
+            When a stage equation could not be solved to round-off.
         """
         for n in range(steps):
             step = self.engine.step(t + n * h, values, h)

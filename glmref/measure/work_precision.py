@@ -16,13 +16,16 @@ from typing import Any
 
 import numpy as np
 
+from ..catalogue.lookup import load
+from ..compute.records import finite
 from ..engine.outcome import Outcome, Solution
+from ..engine.reference import stepper
 from ..engine.solve import solve
+from ..engine.start import starting_values
 from ..errors import UsageError
 from ..method import Method
 from ..problems.model import Problem
 from .longtime import energy_deviation
-from .records import finite
 from .timing import Timing
 
 __all__ = [
@@ -46,9 +49,12 @@ class Reference:
 
     Attributes
     ----------
-        state: (d,) in double precision.
-        error: bound or estimate of its relative error.
-        kind: ``"exact"``, ``"stored"`` or ``"computed"``.
+    state : np.ndarray
+        (d,) in double precision.
+    error : float
+        Bound or estimate of its relative error.
+    kind : str
+        ``"exact"``, ``"stored"`` or ``"computed"``.
     """
 
     state: np.ndarray
@@ -62,18 +68,36 @@ class Work:
 
     Attributes
     ----------
-        method, problem, h, steps, t_end: what was run; ``steps`` were completed.
-        outcome: how it ended, by name. message: one sentence where it did not complete.
-        state_error: Euclidean error of the last state, relative; ``None`` where not asked.
-        reference, reference_error: what it was measured against, and how good that is.
-        energy_error: largest relative error of H over the samples; ``None`` where not asked.
-        seconds: wall-clock time of the steps alone, repeated.
-        evaluations: right-hand-side evaluations of the steps; of a separable problem those of p'.
-        velocity_evaluations: evaluations of q' where counted apart.
-        iterations: rounds of the stage solver.
-        start_evaluations: evaluations of start and finish. start_seconds: time of the start.
-        build_seconds: time to generate and compile, or to load, the kernel.
-        kernel: what ran, in words. notices: sentences worth knowing.
+    method, problem, h, steps, t_end
+        What was run; ``steps`` were completed.
+    outcome : str
+        How it ended, by name.
+    message : str
+        One sentence where it did not complete.
+    state_error : float or None
+        Euclidean error of the last state, relative; ``None`` where not asked.
+    reference, reference_error
+        What it was measured against, and how good that is.
+    energy_error : float or None
+        Largest relative error of H over the samples; ``None`` where not asked.
+    seconds : Timing
+        Wall-clock time of the steps alone, repeated.
+    evaluations : int
+        Right-hand-side evaluations of the steps; of a separable problem those of p'.
+    velocity_evaluations : int
+        Evaluations of q' where counted apart.
+    iterations : int
+        Rounds of the stage solver.
+    start_evaluations : int
+        Evaluations of start and finish.
+    start_seconds : float
+        Time of the start.
+    build_seconds : float
+        Time to generate and compile, or to load, the kernel.
+    kernel : str
+        What ran, in words.
+    notices : tuple[str, ...]
+        Sentences worth knowing.
     """
 
     method: str
@@ -128,17 +152,27 @@ def measure(
 ) -> Work:
     """Run a method, time it, and measure its errors.
 
-    Args:
-        problem: what to solve. method: with what.
-        h: step size. t_end or steps: how far, one of them.
-        ask: ``"state"`` for the error of the last state, ``"energy"`` for the largest of H.
-        repeats: runs to time at the most.
-        budget: seconds after which a run is cancelled, and after which none is repeated.
-        engine, start: as in :func:`glmref.solve`.
+    Parameters
+    ----------
+    problem : Problem
+        What to solve.
+    method : Method
+        With what.
+    h : float
+        Step size. t_end or steps: how far, one of them.
+    ask : Collection[str]
+        ``"state"`` for the error of the last state, ``"energy"`` for the largest of H.
+    repeats : int
+        Runs to time at the most.
+    budget : float
+        Seconds after which a run is cancelled, and after which none is repeated.
+    engine, start
+        As in :func:`glmref.solve`.
 
     Raises
     ------
-        UsageError: for a question the problem cannot answer, or arguments that do not fit.
+    UsageError
+        For a question the problem cannot answer, or arguments that do not fit.
     """
     _check_questions(problem, ask)
     begin = _started(problem, method, h, start)
@@ -205,8 +239,9 @@ class Deadline:
 
     Attributes
     ----------
-        passed: whether the answer has been yes; a run that was cancelled without it was cancelled
-            by the user.
+    passed
+        Whether the answer has been yes; a run that was cancelled without it was cancelled by the
+        user.
     """
 
     def __init__(self, budget: float) -> None:
@@ -240,9 +275,6 @@ class _Started:
 
 def _started(problem: Problem, method: Any, h: float, start: Any) -> _Started:
     """Compute the starting values in double precision."""
-    from ..engine.reference import stepper
-    from ..engine.start import starting_values
-
     engine = stepper(method, problem)
     begun = perf_counter()
     with np.errstate(all="ignore"):
@@ -287,7 +319,8 @@ def reference_state(problem: Problem, t: float) -> Reference:
 
     Raises
     ------
-        UsageError: when the computed reference does not reach the time.
+    UsageError
+        When the computed reference does not reach the time.
     """
     if problem.exact is not None:
         elapsed = t - float(problem.t_span[0])
@@ -313,8 +346,6 @@ def _computed(problem: Problem, t: float) -> Reference:
     of which the difference is a sample. Halving ends where the difference is below :data:`_AGREE`,
     or shrinks no more, which is round-off or chaos.
     """
-    from ..catalogue.lookup import load
-
     elapsed = t - float(problem.t_span[0])
     scale = float(problem.scales.get("time", 1.0))
     steps = max(16, math.ceil(abs(elapsed) / scale * 20))

@@ -15,7 +15,7 @@ from .answers import answer
 from .model import ASK, Answer, Scene
 from .planning import Plan, plan
 from .reading import load_scene, names
-from .running import SYSTEM_REFUSED, run
+from .running import SYSTEM_REFUSED, mixed_machines, run
 from .views import charts, orbits, rows
 
 __all__ = [
@@ -27,6 +27,7 @@ __all__ = [
     "answer",
     "charts",
     "load_scene",
+    "mixed_machines",
     "names",
     "orbits",
     "plan",

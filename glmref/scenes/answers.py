@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from ..catalogue.lookup import load
 from ..errors import GlmrefError
 from .endings import KINDS
 from .model import Scene
@@ -41,13 +42,18 @@ def duration(seconds: float) -> str:
 def seconds_at(records: Sequence[Record], error: str, at: float) -> float | None:
     """Seconds one method needs to reach an error, on straight lines through its log-log points.
 
-    Args:
-        records: of one method at several step sizes.
-        error: ``"state"`` or ``"energy"``.
-        at: the error to reach.
+    Parameters
+    ----------
+    records : Sequence[Record]
+        Of one method at several step sizes.
+    error : str
+        ``"state"`` or ``"energy"``.
+    at : float
+        The error to reach.
 
     Returns
     -------
+    float or None
         ``None`` where no run reaches it. A run that is more accurate than asked counts with its
         whole time where no less accurate one is cheaper.
     """
@@ -100,8 +106,6 @@ def _times(ratio: float) -> str:
 
 def _carries_several(records: Sequence[Record], name: str) -> bool:
     """Whether a method carries more than one value from step to step."""
-    from ..catalogue.lookup import load
-
     task = next(record["task"] for record in records if method_of(record) == name)
     if task["kind"] == "peer":
         return False

@@ -19,7 +19,14 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from ..catalogue.claims import NYSTROM_ORDER, ORDER, SYMPLECTIC
+from ..catalogue.lookup import document, is_broken, load, names
 from ..errors import GlmrefError, UsageError
+from ..measure.work_precision import measure, reference_state
+from ..method import Method
+from ..problems import Problem, from_path
+from ..problems import problem as shipped_problem
+from ..problems.canonical import constant_matrix
+from ..problems.formula import Formula
 from ..system.terminal import saying
 from ..views.chart import Series, svg
 from ..views.tables import Style, columns
@@ -27,7 +34,6 @@ from .answers import duration, seconds_at
 
 if TYPE_CHECKING:
     from ..measure.work_precision import Work
-    from ..problems import Problem
 
 __all__ = ["CANDIDATES", "Candidate", "Comparison", "compare", "kind_of"]
 
@@ -219,9 +225,6 @@ class Comparison:
 
 def kind_of(problem: Problem) -> str:
     """Which candidates fit a problem: a key of :data:`CANDIDATES`."""
-    from ..problems.canonical import constant_matrix
-    from ..problems.formula import Formula
-
     if problem.second_order:
         return "second order"
     if problem.separable:
@@ -285,30 +288,25 @@ def compare(
 
 
 def _subject(problem: Any) -> Problem:
-    from .. import problems as room
-
-    if isinstance(problem, room.Problem):
+    if isinstance(problem, Problem):
         return problem
     text = os.fspath(problem) if isinstance(problem, str | os.PathLike) else ""
     if not isinstance(text, str) or not text:
         raise UsageError(
             f"`problem` must be a Problem, its name or a TOML file, got {type(problem).__name__}"
         )
-    return room.from_path(text) if text.endswith(".toml") else room.problem(text)
+    return from_path(text) if text.endswith(".toml") else shipped_problem(text)
 
 
 def _methods(given: Sequence[Any]) -> Iterable[tuple[Any, list[str]]]:
     """Methods, and the notes of their files."""
-    from ..catalogue.lookup import document, is_broken, load, names
-    from ..method import GLM, PartitionedGLM
-
-    if isinstance(given, str | GLM | PartitionedGLM):
+    if isinstance(given, str | Method):
         given = [given]
     if not given:
         raise UsageError("`methods` is empty; name one or more, or leave it out")
     shipped = set(names("methods"))
     for one in given:
-        if isinstance(one, GLM | PartitionedGLM):
+        if isinstance(one, Method):
             yield one, document(one.name).get("notes", []) if one.name in shipped else []
             continue
         if is_broken(one):
@@ -318,8 +316,6 @@ def _methods(given: Sequence[Any]) -> Iterable[tuple[Any, list[str]]]:
 
 def _judge(subject: Problem, end: float, tolerance: float) -> tuple[str, str]:
     """Which error is measured, and against what."""
-    from ..measure.work_precision import reference_state
-
     why = ""
     try:
         found = reference_state(subject, end)
@@ -416,8 +412,6 @@ class _Search:
                 return
 
     def _run(self, steps: int) -> Work:
-        from ..measure.work_precision import measure
-
         energy = ("energy",) if self.subject.hamiltonian is not None else ()
         ask = ("state", *energy) if self.error == "state" else energy
         left = max(0.2, self.deadline - perf_counter())
@@ -438,8 +432,7 @@ def _label(method: Any, notes: Sequence[str]) -> str:
         return GROWS
     if method.claims.get(SYMPLECTIC.key) is True:
         return BOUNDED
-    carried = max(getattr(method, "r", 1), getattr(method, "r_hat", 1))
-    return DRIFTS if carried == 1 else UNKNOWN
+    return DRIFTS if method.is_one_step else UNKNOWN
 
 
 def _recommended(

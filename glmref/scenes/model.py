@@ -86,9 +86,12 @@ class Answer:
 
     Attributes
     ----------
-        kind: one of :data:`ANSWERS`.
-        error: for ``"fastest"`` and ``"accurate"``, which error: ``"state"`` or ``"energy"``.
-        at: for these two the error to reach, for ``"conserved"`` the drift that counts as kept.
+    kind : str
+        One of :data:`ANSWERS`.
+    error : str
+        For ``"fastest"`` and ``"accurate"``, which error: ``"state"`` or ``"energy"``.
+    at : float
+        For these two the error to reach, for ``"conserved"`` the drift that counts as kept.
     """
 
     kind: str
@@ -102,19 +105,38 @@ class Scene:
 
     Attributes
     ----------
-        name, title, question: for the reader.
-        problem: name of the problem. parameters: its parameters.
-        definition: an own problem as the table of :mod:`glmref.problems.table`, else ``None``.
-        methods: names of shipped methods, or paths of files, in order.
-        h: step sizes; empty where ``steps`` is given. steps: numbers of steps to ``t_end``.
-        t_end: final time.
-        ask: what is measured, of :data:`ASK`.
-        answer: how the answer is computed.
-        repeats: runs to time, where the answer is about time.
-        budget: seconds after which a run is cancelled.
-        start: ``"zero"``, ``"enhanced"`` or ``None`` for the method's own.
-        peers: other integrators. tolerances: relative tolerances they run at.
-        file: where it was read, for messages.
+    name, title, question : str
+        For the reader.
+    problem : str
+        Name of the problem.
+    parameters : Mapping[str, Any]
+        Its parameters.
+    definition : Mapping[str, Any] or None
+        An own problem as the table of :mod:`glmref.problems.table`, else ``None``.
+    methods : tuple[str, ...]
+        Names of shipped methods, or paths of files, in order.
+    h : tuple[float, ...]
+        Step sizes; empty where ``steps`` is given.
+    steps : tuple[int, ...]
+        Numbers of steps to ``t_end``.
+    t_end : float
+        Final time.
+    ask : tuple[str, ...]
+        What is measured, of :data:`ASK`.
+    answer : Answer
+        How the answer is computed.
+    repeats : int
+        Runs to time, where the answer is about time.
+    budget : float
+        Seconds after which a run is cancelled.
+    start : str or None
+        ``"zero"``, ``"enhanced"`` or ``None`` for the method's own.
+    peers : tuple[str, ...]
+        Other integrators.
+    tolerances : tuple[float, ...]
+        Relative tolerances they run at.
+    file : str
+        Where it was read, for messages.
     """
 
     name: str

@@ -9,13 +9,18 @@ from typing import Any
 
 from .. import __version__
 from ..catalogue.lookup import document, load
+from ..compute.records import key_of
+from ..engine.kept import expressed
+from ..engine.kernel import choose_form
+from ..engine.shape import shape_of
 from ..errors import GlmrefError
-from ..measure.records import key_of
+from ..measure.peers import package_of
 from ..method import Method
+from ..method.component import GENERAL, SEPARABLE
 from ..problems.model import Problem
 from .model import ASK, TIMED, Scene
 
-__all__ = ["SAMPLED", "Cost", "Plan", "plan"]
+__all__ = ["SAMPLED", "Cost", "Plan", "plan", "task_of"]
 
 #: Evaluations of one stage of an equation that has to be solved, about: predictor and rounds.
 ROUNDS = 6
@@ -36,10 +41,13 @@ class Cost:
 
     Attributes
     ----------
-        explicit: of the explicit stages together.
-        each_round: of one round of the solver on one block of implicit stages; 0 where there is
-            none, ``None`` where blocks differ in size.
-        stages: implicit stages in all.
+    explicit : int
+        Of the explicit stages together.
+    each_round : int or None
+        Of one round of the solver on one block of implicit stages; 0 where there is none, ``None``
+        where blocks differ in size.
+    stages : int
+        Implicit stages in all.
     """
 
     explicit: int
@@ -64,14 +72,22 @@ class Plan:
 
     Attributes
     ----------
-        scene: the scene.
-        tasks: what is measured, one JSON-ready mapping each, in order; its hash is its key.
-        modules: packages besides the standard library that are imported.
-        recorded: what each record holds.
-        evaluations: right-hand-side evaluations in all: exactly, where no stage is implicit.
-        absent: packages of peers that are not installed; their tasks are left out.
-        costs: of each task, ``None`` for a peer's.
-        reference: where the right last state comes from, ``""`` where it is not asked for.
+    scene : Scene
+        The scene.
+    tasks : tuple[Mapping[str, Any], ...]
+        What is measured, one JSON-ready mapping each, in order; its hash is its key.
+    modules : tuple[str, ...]
+        Packages besides the standard library that are imported.
+    recorded : tuple[str, ...]
+        What each record holds.
+    evaluations : int
+        Right-hand-side evaluations in all: exactly, where no stage is implicit.
+    absent : tuple[str, ...]
+        Packages of peers that are not installed; their tasks are left out.
+    costs : tuple[Cost or None, ...]
+        Of each task, ``None`` for a peer's.
+    reference : str
+        Where the right last state comes from, ``""`` where it is not asked for.
     """
 
     scene: Scene
@@ -103,11 +119,9 @@ def plan(scene: Scene) -> Plan:
 
     Raises
     ------
-        DataError: for a method file that cannot be read.
+    DataError
+        For a method file that cannot be read.
     """
-    from ..engine.kept import expressed
-    from ..engine.shape import shape_of
-
     subject = scene.subject
     tasks: list[Mapping[str, Any]] = []
     costs: list[Cost | None] = []
@@ -117,7 +131,7 @@ def plan(scene: Scene) -> Plan:
         doc = document(name)
         fingerprint = key_of({"document": doc})
         for h, steps in scene.grid:
-            tasks.append(_task(scene, name, doc["name"], fingerprint, h, steps))
+            tasks.append(task_of(scene, name, doc["name"], fingerprint, h, steps))
             costs.append(cost)
             evaluations += steps * cost.about * (_runs(scene) + ("orbit" in scene.ask))
     modules: list[str] = list(ALWAYS)
@@ -128,8 +142,6 @@ def plan(scene: Scene) -> Plan:
     if shape_of(expressed(subject)).opaque:
         modules.append("numba")  # a right-hand side in Python is compiled by numba alone
     if scene.peers:
-        from ..measure.peers import package_of
-
         for peer in scene.peers:
             package = package_of(peer)
             if find_spec(package) is None:
@@ -183,9 +195,10 @@ def _common(scene: Scene) -> dict[str, Any]:
     }
 
 
-def _task(
+def task_of(
     scene: Scene, name: str, method: str, fingerprint: str, h: float, steps: int
 ) -> dict[str, Any]:
+    """Return the task of one run of a scene; its hash is its key."""
     return {
         **_common(scene),
         "kind": "method",
@@ -210,9 +223,6 @@ def _runs(scene: Scene) -> int:
 
 def _cost(method: Method, subject: Problem) -> Cost:
     """Count the evaluations of a step: one for an explicit stage, unless the last step had it."""
-    from ..engine.kernel import choose_form
-    from ..method.component import GENERAL, SEPARABLE
-
     form, palette = None, method.palette
     if method.parts == 2:  # of a separable problem those of p' = k(q) count, at the stages Q
         palette = SEPARABLE if subject.separable else GENERAL
@@ -227,7 +237,7 @@ def _cost(method: Method, subject: Problem) -> Cost:
     ]
     explicit = sum(count for implicit, count in inside if not implicit)
     solved = [count for implicit, count in inside if implicit]
-    return _cost_of(explicit - int(getattr(form, "reuses_force", False)), solved)
+    return _cost_of(getattr(form, "forces", explicit), solved)
 
 
 def _cost_of(explicit: int, solved: list[int]) -> Cost:

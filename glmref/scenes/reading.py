@@ -19,6 +19,10 @@ from ..catalogue.lookup import names as method_names
 from ..catalogue.lookup import path_of as method_path
 from ..catalogue.strict_json import shown
 from ..errors import DataError, UsageError, did_you_mean
+from ..measure.peers import NAMES
+from ..problems import problem as build
+from ..problems.formula import Formula
+from ..problems.table import from_table
 from ..system.files import kind_of, read_text, reason
 from .model import ANSWERS, ASK, FORMAT, JUDGING, KINDS, STARTS, Answer, Scene
 
@@ -66,16 +70,20 @@ def names() -> list[str]:
 def load_scene(name: str | Path, *, quick: bool = False) -> Scene:
     """Load a scene by name or path.
 
-    Args:
-        quick: apply the overrides of the file's table ``[quick]``.
+    Parameters
+    ----------
+    quick : bool
+        Apply the overrides of the file's table ``[quick]``.
 
     Raises
     ------
-        UsageError: for an unknown name or a missing file.
-        DataError: for a file that is not a scene, naming the line.
+    UsageError
+        For an unknown name or a missing file.
+    DataError
+        For a file that is not a scene, naming the line.
     """
     path = _path_of(str(name))
-    return _Reader(path).scene(quick=quick)
+    return Reader(path).scene(quick=quick)
 
 
 def _path_of(text: str) -> Path:
@@ -130,7 +138,7 @@ def _lines(text: str) -> dict[tuple[str, ...], int]:
     return found
 
 
-class _Reader:
+class Reader:
     """Reads one file; every complaint names its line."""
 
     def __init__(self, path: Path) -> None:
@@ -238,7 +246,7 @@ class _Reader:
         given = self.document
         self.known((), given, _KEYS)
         for key in _TEXTS:
-            self._text((key,), given.get(key))
+            self.text((key,), given.get(key))
         if given["format"] != FORMAT:
             raise self.fail(
                 ("format",), f"`format` must be {FORMAT!r}, got {shown(given['format'])}"
@@ -258,12 +266,12 @@ class _Reader:
         if overrides:
             for key in ("title", "question"):
                 if key in overrides:
-                    self._text(("quick", key), overrides[key])
+                    self.text(("quick", key), overrides[key])
             merged["title"] = self._quick_title(merged["title"], overrides)
         quickened = self._checked(merged, ("quick",) if overrides else ())
         return quickened if quick else full
 
-    def _text(self, where: tuple[str, ...], value: Any) -> None:
+    def text(self, where: tuple[str, ...], value: Any) -> None:
         if not isinstance(value, str) or not value.strip():
             raise self.fail(where, f"`{'.'.join(where)}` must be a text, got {shown(value)}")
         if len(value) > MAX_TEXT:
@@ -342,8 +350,6 @@ class _Reader:
         self, given: Mapping[str, Any]
     ) -> tuple[Any, dict[str, Any], dict[str, Any] | None]:
         """The problem, and what describes it: parameters of a shipped one, else its table."""
-        from ..problems import problem as build
-
         table = given.get("problem")
         if isinstance(table, dict) and any(key in table for key in ("H", "f", "file")):
             return self._own(table)
@@ -365,8 +371,6 @@ class _Reader:
 
     def _own(self, table: dict[str, Any]) -> tuple[Any, dict[str, Any], dict[str, Any]]:
         """A problem that the scene itself describes, or a Python file beside it."""
-        from ..problems.table import from_table
-
         folder = self.path.resolve().parent
         definition: dict[str, Any] = {**table, "folder": str(folder)}
         if "file" in table:
@@ -491,8 +495,6 @@ class _Reader:
     def _peers(
         self, given: Mapping[str, Any], tolerances: tuple[float, ...], at: Any
     ) -> tuple[str, ...]:
-        from ..measure.peers import NAMES
-
         peers = self._list(at("peers"), given, "peers", empty=True)
         if peers and not tolerances:
             raise self.fail(at("peers"), "peers need `tolerances`, a list such as [1e-6, 1e-9]")
@@ -515,8 +517,6 @@ def _line_of_digits(text: str) -> int:
 
 def _evaluated(text: str) -> float:
     """Evaluate an arithmetic expression in numbers, pi and sqrt; NaN where it is none."""
-    from ..problems.formula import Formula
-
     try:
         value = Formula((text,), variables=("y",), shape=())(())
         return float(value)

@@ -5,15 +5,42 @@ from __future__ import annotations
 import contextlib
 import math
 import warnings
-from collections.abc import Callable, Mapping
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from ..catalogue.lookup import load
+from ..compute import Done, Executor, Limits, RecordFile
+from ..compute.child import MEMORY
+from ..compute.executors import Here
+from ..engine.outcome import StartFailed
 from ..errors import GlmrefError, UsageError
-from ..measure.attempt import FUNCTION_FAILED
-from ..measure.records import RecordFile
-from ..method import GLM
+from ..measure.attempt import FUNCTION_FAILED, check_function, given_by_user
+from ..measure.law import fit_law, samples_of
+from ..measure.longtime import along, energy_deviation, follow, g_form, watch
+from ..measure.orbit import orbit
+from ..measure.parasitic import (
+    loss,
+    modes,
+    parasitic_size,
+    period_of,
+    predicted_loss,
+    solution_direction,
+)
+from ..measure.peers import measure_peer
+from ..measure.timing import Timing, circumstances, machine
+from ..measure.work_precision import (
+    Deadline,
+    check_interruption,
+    measure,
+    reference_state,
+    state_error,
+)
 from ..problems.user import FunctionFailed
-from .model import Scene, subject_of
+from .model import TIMED, Scene, subject_of
 from .planning import SAMPLED, Plan, plan
 
 __all__ = [
@@ -23,6 +50,8 @@ __all__ = [
     "NOT_APPLICABLE",
     "START_FAILED",
     "SYSTEM_REFUSED",
+    "limits_of",
+    "mixed_machines",
     "perform",
     "run",
 ]
@@ -36,6 +65,8 @@ NOT_APPLICABLE = "not applicable"
 SYSTEM_REFUSED = "system refused"
 START_FAILED = "start failed"
 
+#: Seconds that a task may take besides its runs: to compile, to compute a reference.
+PATIENCE = 600.0
 #: Points kept of a curve over time.
 POINTS = 60
 #: Values of a curve at the most: a deviation beyond it says nothing more.
@@ -47,31 +78,41 @@ def run(
     store: RecordFile | None = None,
     *,
     advance: Callable[[Mapping[str, Any], Mapping[str, Any]], None] | None = None,
+    on: Executor | None = None,
 ) -> list[dict[str, Any]]:
     """Measure what the store does not hold yet, and return the records of all tasks in order.
 
-    Args:
-        scene: a scene, or the plan of one.
-        store: where records are kept; in memory by default.
-        advance: called after each new record with the task and the record.
+    Parameters
+    ----------
+    scene : Scene or Plan
+        A scene, or the plan of one.
+    store : RecordFile or None
+        Where records are kept; in memory by default.
+    advance : Callable[[Mapping[str, Any], Mapping[str, Any]], None] or None
+        Called after each new record with the task and the record.
+    on : Executor or None
+        Where tasks are carried out; in this process, one after another, by default.
 
-    Each record is on the disk before the next task starts, so that a killed run loses one task.
+    Each record is on the disk before it counts, so that a killed run loses the tasks that run.
     While tasks are missing the store's lock is held: a second run of the same scene into the same
     folder is refused. A task that the system refuses (no memory, a library that cannot be loaded)
-    has a record in memory only, and is tried again by the next run.
+    has a record in memory only, and is tried again by the next run. Where the scene asks for run
+    times, each task of other processes has a core of its own.
 
     Raises
     ------
-        UsageError: where another process measures the same, or a record cannot be written.
+    UsageError
+        Where another process measures the same, or a record cannot be written.
     """
     todo = scene if isinstance(scene, Plan) else plan(scene)
     store = RecordFile(None) if store is None else store
     if any(True for _ in store.missing(todo.tasks)):
         with store.exclusive():
-            for task in store.missing(todo.tasks):
-                record = _measured(store, task)
-                if advance is not None:
-                    advance(task, record)
+            missing = list(store.missing(todo.tasks))
+            for results in (on or Here()).run(perform, missing, limits_of(todo.scene)):
+                for task, record in _kept(store, results):
+                    if advance is not None:
+                        advance(task, record)
     elif store.faulty:
         with contextlib.suppress(UsageError), store.exclusive():
             pass  # that repairs the file, where it can be written
@@ -79,14 +120,46 @@ def run(
     return [record for record in found if record is not None]
 
 
-def _measured(store: RecordFile, task: Mapping[str, Any]) -> dict[str, Any]:
-    """Measure one task and keep its record, unless another machine could do better."""
-    measured = perform(task)
-    if measured["outcome"] != SYSTEM_REFUSED:
-        return store.append(task, measured)
-    record = store.made(task, measured)
-    store.remember(record)
-    return record
+def limits_of(scene: Scene) -> Limits:
+    """What a task of a scene may take: it ends by itself, unless a function of the user hangs."""
+    patient = PATIENCE + 20 * scene.budget * scene.repeats
+    return Limits(seconds=patient, pinned=scene.answer.kind in TIMED)
+
+
+def mixed_machines(scene: Scene, records: Sequence[Mapping[str, Any]]) -> list[str]:
+    """The sentence on run times that were taken on more than one kind of machine, if they were."""
+    kinds = Counter(
+        machine(x["where"])
+        for x in records
+        if "seconds" in x and isinstance(x.get("where"), Mapping)
+    )
+    if len(kinds) < 2 or scene.answer.kind not in TIMED:
+        return []
+    listed = "; ".join(f"{count} on {kind}" for kind, count in kinds.most_common())
+    sentence = (
+        f"the run times are not of one kind of machine ({listed}), so that they do not compare; "
+        f"move the records away to measure all of them on one"
+    )
+    return [sentence]
+
+
+def _kept(
+    store: RecordFile, results: Iterable[tuple[Mapping[str, Any], Done]]
+) -> Iterator[tuple[Mapping[str, Any], dict[str, Any]]]:
+    """Keep what tasks gave, in memory alone where another machine could do better."""
+    rows = [(task, _record(done)) for task, done in results]
+    lasting = [row for row in rows if row[1]["outcome"] != SYSTEM_REFUSED]
+    yield from zip([task for task, _ in lasting], store.append_all(lasting), strict=True)
+    for task, measured in rows:
+        if measured["outcome"] == SYSTEM_REFUSED:
+            record = store.made(task, measured)
+            store.remember(record)
+            yield task, record
+
+
+def _record(done: Done) -> dict[str, Any]:
+    record = done.as_record()
+    return record | {"outcome": SYSTEM_REFUSED} if done.failure == MEMORY else record
 
 
 def perform(task: Mapping[str, Any]) -> dict[str, Any]:
@@ -94,11 +167,13 @@ def perform(task: Mapping[str, Any]) -> dict[str, Any]:
 
     Raises
     ------
-        KeyboardInterrupt: when the user stops the run, and nothing else.
+    KeyboardInterrupt
+        When the user stops the run, and nothing else.
     """
-    from ..engine.outcome import StartFailed
-    from ..measure.timing import circumstances
-
+    file = task.get("file")
+    if file and not Path(file).is_file():
+        message = f"there is no file {file} where the task runs; a cluster needs a shared folder"
+        return {"outcome": SYSTEM_REFUSED, "message": message, "where": circumstances()}
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # overflow in a run that blows up is an outcome
@@ -123,15 +198,10 @@ def perform(task: Mapping[str, Any]) -> dict[str, Any]:
 
 def _user_function(task: Mapping[str, Any]) -> bool:
     """Whether the problem's right-hand side is a Python function: not ours to answer for."""
-    from ..measure.attempt import given_by_user
-
     return given_by_user(_subject(task))
 
 
 def _method(task: Mapping[str, Any]) -> dict[str, Any]:
-    from ..catalogue.lookup import load
-    from ..measure.attempt import check_function
-
     method = load(task["file"] or task["method"])
     subject = _subject(task)
     check_function(subject)
@@ -146,8 +216,6 @@ def _orbit(
     task: Mapping[str, Any], method: Any, subject: Any, record: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Take the steps once more, as many as there were, for the path: it is never timed."""
-    from ..measure.orbit import orbit
-
     if not record["steps"]:
         return {}
     path = orbit(subject, method, h=task["h"], steps=record["steps"], start=task["start"])
@@ -159,8 +227,6 @@ def _orbit(
 
 def _short(task: Mapping[str, Any], method: Any, subject: Any) -> dict[str, Any]:
     """One run, timed, that answers about the error of the state and of the energy."""
-    from ..measure.work_precision import measure
-
     work = measure(
         subject,
         method,
@@ -191,12 +257,6 @@ def _spent(record: dict[str, Any], task: Mapping[str, Any]) -> dict[str, Any]:
 
 def _long(task: Mapping[str, Any], method: Any, subject: Any) -> dict[str, Any]:
     """One sampled run that answers about invariants and parasitic parts."""
-    import numpy as np
-
-    from ..measure.longtime import watch
-    from ..measure.parasitic import solution_direction
-    from ..measure.work_precision import reference_state, state_error
-
     u, asked = solution_direction(method), set(task["ask"])
     solution, record = _sampled(task, method, subject, u)
     if "invariants" in asked:
@@ -222,11 +282,6 @@ def _sampled(
     task: Mapping[str, Any], method: Any, subject: Any, u: Any
 ) -> tuple[Any, dict[str, Any]]:
     """Run as often as asked: the last solution, with samples, and what every record has."""
-    from ..measure.longtime import follow
-    from ..measure.parasitic import loss
-    from ..measure.timing import Timing
-    from ..measure.work_precision import Deadline, check_interruption
-
     parasitic = "parasitic" in task["ask"]
     stop = (lambda part: loss(subject, part, u).time is not None) if parasitic else None
     seconds: list[float] = []
@@ -261,10 +316,6 @@ def _sampled(
 
 def _law(method: Any, subject: Any, solution: Any) -> dict[str, Any]:
     """By which law the first conserved quantity of the solution deviates, and how far over time."""
-    import numpy as np
-
-    from ..measure.law import fit_law, samples_of
-
     known = ("energy",) if subject.hamiltonian is not None else ()
     quantity = (*known, *subject.quadratic, *subject.invariants)[0]
     deviation = samples_of(subject, method, solution, quantity)
@@ -278,17 +329,13 @@ def _law(method: Any, subject: Any, solution: Any) -> dict[str, Any]:
 
 def _form(method: Any) -> Any:
     """The form G of a GLM with several values as floats, or ``None``; that of a pair is another."""
-    return method.to_float().G if isinstance(method, GLM) and method.r > 1 else None
+    return method.to_float().G if len(method.components) == 1 and method.r > 1 else None
 
 
 def _parasitic(
     task: Mapping[str, Any], method: Any, subject: Any, solution: Any, u: Any
 ) -> dict[str, Any]:
     """When the run was lost, when mu f' says so, and the size of the rest over time."""
-    import numpy as np
-
-    from ..measure.parasitic import loss, modes, parasitic_size, period_of, predicted_loss
-
     found = loss(subject, solution, u)
     size = parasitic_size(solution, u) / (float(np.linalg.norm(solution.y[0])) or 1.0)
     record: dict[str, Any] = {
@@ -300,7 +347,7 @@ def _parasitic(
     if found.time is not None:
         record["outcome"] = LOST
         record["message"] = f"lost at t = {found.time:.6g}: {found.reason}"
-    if not isinstance(method, GLM):
+    if len(method.components) > 1:
         return record
     growing = modes(method)
     record["growth"] = [
@@ -316,8 +363,6 @@ def _parasitic(
 
 def _thinned(t: Any, values: Any) -> list[list[float]]:
     """Running maximum at points evenly spread over log t, while it is positive and below BEYOND."""
-    import numpy as np
-
     with np.errstate(invalid="ignore"):
         inside = (t > 0) & (np.maximum.accumulate(values) <= BEYOND)
     t, values = t[inside], np.maximum.accumulate(values[inside]) if inside.any() else values[inside]
@@ -329,10 +374,6 @@ def _thinned(t: Any, values: Any) -> list[list[float]]:
 
 def _kept_series(subject: Any, solution: Any, G: Any) -> list[list[float]]:
     """Largest relative deviation of what the method should keep, over time."""
-    import numpy as np
-
-    from ..measure.longtime import along, energy_deviation, g_form
-
     t, y = np.asarray(solution.t, dtype=float), np.real(np.asarray(solution.y)).astype(float)
     worst = np.zeros(len(t))
     for form in subject.quadratic.values():
@@ -350,8 +391,6 @@ def _kept_series(subject: Any, solution: Any, G: Any) -> list[list[float]]:
 
 
 def _peer(task: Mapping[str, Any]) -> dict[str, Any]:
-    from ..measure.peers import measure_peer
-
     subject = _subject(task)
     return measure_peer(
         task["peer"],

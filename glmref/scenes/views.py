@@ -58,8 +58,10 @@ def columns_of(scene: Scene) -> tuple[str, ...]:
 def rows(scene: Scene, records: Sequence[Record], *, raw: bool = False) -> list[dict[str, Any]]:
     """One mapping per record, column -> cell.
 
-    Args:
-        raw: numbers as they are (``None`` where there is none), else short texts.
+    Parameters
+    ----------
+    raw : bool
+        Numbers as they are (``None`` where there is none), else short texts.
     """
     return [
         {column: _cell(column, record, raw=raw) for column in columns_of(scene)}

@@ -20,6 +20,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ..catalogue.canonical import compact
 from ..errors import DataError, UsageError
 from ..system.files import Lock, lines_of, make_folder, printable, read_bytes, reason, sync_folder
 from ..system.files import write_bytes as replace_file
@@ -47,17 +48,13 @@ _BEGIN = b'{"format":"'
 
 def key_of(task: Mapping[str, Any]) -> str:
     """Sixteen hexadecimal digits that depend on the task's content alone."""
-    return hashlib.sha256(_canonical(task)).hexdigest()[:16]
-
-
-def _canonical(document: Mapping[str, Any]) -> bytes:
-    return json.dumps(document, sort_keys=True, separators=(",", ":"), allow_nan=False).encode()
+    return hashlib.sha256(compact(task, sort_keys=True)).hexdigest()[:16]
 
 
 def checksum(record: Mapping[str, Any]) -> str:
     """SHA-256 of a record's canonical text without its checksum, in hexadecimal digits."""
     return hashlib.sha256(
-        _canonical({k: x for k, x in record.items() if k != CHECKSUM})
+        compact({k: x for k, x in record.items() if k != CHECKSUM}, sort_keys=True)
     ).hexdigest()
 
 
@@ -198,10 +195,6 @@ def _salvaged(raw: bytes) -> list[dict[str, Any]]:
     return found
 
 
-def _line(record: Mapping[str, Any]) -> bytes:
-    return json.dumps(record, allow_nan=False, separators=(",", ":")).encode()
-
-
 def scan(path: Path) -> Content:
     """Read a file of records, and tell sound lines from others.
 
@@ -230,7 +223,7 @@ def scan(path: Path) -> Content:
                 raise _NotARecord("is not ended")
             unended = not ended
         except _NotARecord as error:
-            rows = [(record, _line(record)) for record in _salvaged(raw)]
+            rows = [(record, compact(record)) for record in _salvaged(raw)]
             if ended or rows:
                 faults.append(Fault(number, str(error), raw, error.foreign))
             else:
@@ -400,7 +393,13 @@ class RecordFile:
         )
 
     def append(self, task: Mapping[str, Any], measured: Mapping[str, Any]) -> dict[str, Any]:
-        """Add one record and make sure that it is on the disk before returning it.
+        """Add one record; see :meth:`append_all`."""
+        return self.append_all([(task, measured)])[0]
+
+    def append_all(
+        self, results: Iterable[tuple[Mapping[str, Any], Mapping[str, Any]]]
+    ) -> list[dict[str, Any]]:
+        """Add records and make sure that they are on the disk before returning them.
 
         Raises
         ------
@@ -409,13 +408,14 @@ class RecordFile:
         UsageError
             Where the system refuses to write; the file then ends with the record before.
         """
-        record = self.made(task, measured)
-        line = _line(record) + b"\n"
-        with self.exclusive():
-            if self.path is not None:
-                self._write(self.path, line)
-            self.remember(record)
-        return record
+        records = [self.made(task, measured) for task, measured in results]
+        if records:
+            with self.exclusive():
+                if self.path is not None:
+                    self._write(self.path, b"".join(compact(x) + b"\n" for x in records))
+                for record in records:
+                    self.remember(record)
+        return records
 
     @staticmethod
     def made(task: Mapping[str, Any], measured: Mapping[str, Any]) -> dict[str, Any]:

@@ -1,0 +1,325 @@
+"""A process that carries out one task at a time, under limits; whatever happens, a result is said.
+
+The local back end has one such child for each task that runs; a Dask worker has one for each of its
+threads. A task that hangs, takes too much memory or kills its process so ends in the same way
+everywhere, and costs neither the worker nor another task.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import faulthandler
+import os
+import signal
+import tempfile
+import time
+import traceback
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass, replace
+from multiprocessing import current_process, get_context
+from pathlib import Path
+from threading import Lock, current_thread, main_thread
+from time import perf_counter
+from typing import Any
+
+from ..errors import GlmrefError, UsageError
+from ..system.process import end_with_parent
+
+try:
+    import fcntl
+    import resource
+except ImportError:  # not POSIX: there are no limits of memory, and nothing is pinned
+    fcntl = resource = None  # type: ignore[assignment]
+
+__all__ = [
+    "FAILED",
+    "KILLED",
+    "MEMORY",
+    "REFUSED",
+    "TIME_LIMIT",
+    "UNLIMITED",
+    "Child",
+    "Done",
+    "Function",
+    "Limits",
+    "Task",
+    "attempt",
+    "cores",
+    "physical_cores",
+]
+
+Task = Mapping[str, Any]
+#: What carries out a task: a function of a module, which another process can import.
+Function = Callable[[Task], Any]
+
+#: How a task can fail.
+FAILED = "internal error"
+KILLED = "process killed"
+MEMORY = "memory exhausted"
+REFUSED = "refused"
+TIME_LIMIT = "time limit"
+
+#: Libraries read these when they are loaded; a task has one thread, or cores would be shared.
+_ONE_THREAD = (
+    *("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"),
+    *("VECLIB_MAXIMUM_THREADS", "BLIS_NUM_THREADS"),
+)
+#: A child that nobody ends any more, because its parent was killed, ends after this many limits.
+_ABANDONED = 2.0
+#: Seconds that a timed task waits for a core.
+_WAIT = 20.0
+_starting = Lock()
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What a task may take.
+
+    Attributes
+    ----------
+    seconds : float or None
+        Wall-clock time of one task; its process is killed then.
+    memory : int or None
+        Bytes of data of its process (``RLIMIT_DATA``).
+    retries : int
+        How often a task whose process died is tried again.
+    pinned : bool
+        Whether it has a core of its own, on which no other such task of this user runs: for what
+        is timed.
+    """
+
+    seconds: float | None = None
+    memory: int | None = None
+    retries: int = 2
+    pinned: bool = False
+
+
+UNLIMITED = Limits()
+
+
+@dataclass(frozen=True, slots=True)
+class Done:
+    """What became of a task.
+
+    Attributes
+    ----------
+    value : object
+        What the function returned.
+    failure : str
+        Why there is no value (:data:`FAILED`, :data:`KILLED`, :data:`MEMORY`, :data:`REFUSED`,
+        :data:`TIME_LIMIT`), or ``""``.
+    message, trace : str
+        One sentence on the failure; the traceback of an internal error.
+    attempts : int
+        How often it was tried.
+    seconds : float
+        Wall-clock time of the last attempt.
+    """
+
+    value: Any = None
+    failure: str = ""
+    message: str = ""
+    trace: str = ""
+    attempts: int = 1
+    seconds: float = 0.0
+
+    def as_record(self) -> dict[str, Any]:
+        """Return the value, or the failure as a record."""
+        if not self.failure:
+            return self.value
+        return {"outcome": self.failure, "message": self.message, "attempts": self.attempts}
+
+
+def attempt(function: Function, task: Task) -> Done:
+    """Carry out a task in this process; an exception becomes a failure."""
+    begun = perf_counter()
+    try:
+        done = Done(function(task))
+    except MemoryError:
+        done = Done(failure=MEMORY, message="the memory did not suffice")
+    except GlmrefError as error:
+        done = Done(failure=REFUSED, message=str(error))
+    except Exception as error:
+        trace = "".join(traceback.format_exception(error))
+        done = Done(failure=FAILED, message=f"{type(error).__name__}: {error}", trace=trace)
+    return replace(done, seconds=perf_counter() - begun)
+
+
+class Child:
+    """A process for one task after another; it is started when it is needed, and again if it died.
+
+    Parameters
+    ----------
+    limits : Limits
+        What each task may take.
+    folder : str
+        Where relative paths begin, if there is such a folder; by default as in this process.
+    """
+
+    def __init__(self, limits: Limits, folder: str = "") -> None:
+        self.limits, self.folder = limits, folder
+        self._pool: ProcessPoolExecutor | None = None
+        self._pid = 0
+        self._ended = False
+
+    def carry_out(self, function: Function, task: Task) -> Done:
+        """Carry out a task; one whose process dies is tried again, as often as the limits say."""
+        done = Done()
+        for number in range(1, self.limits.retries + 2):
+            done = replace(self._once(function, task), attempts=number)
+            if done.failure != KILLED or self._ended:
+                break
+        return done
+
+    def _once(self, function: Function, task: Task) -> Done:
+        if self._pool is None:
+            self._start()
+        assert self._pool is not None
+        limit, begun = self.limits.seconds, perf_counter()
+        try:
+            return self._pool.submit(_attempt_in, function, task, limit).result(limit)
+        except TimeoutError:
+            failure = Done(failure=TIME_LIMIT, message=f"stopped after {limit:g} s")
+        except BrokenProcessPool:
+            failure = Done(failure=KILLED, message="the process of the task ended before it did")
+        self._kill()
+        return replace(failure, seconds=perf_counter() - begun)
+
+    def _start(self) -> None:
+        with _starting, _surroundings():
+            # spawn: the same on every system, and no thread of the parent can be caught half-way
+            pool = ProcessPoolExecutor(1, get_context("spawn"), _begin, (self.limits, self.folder))
+            begun = pool.submit(_settle, self.limits.pinned)
+        try:
+            self._pid, settled = begun.result()
+            self._pool = pool
+        except BrokenProcessPool:
+            raise UsageError(
+                "a process for tasks cannot be started; a script that asks for processes needs "
+                "`if __name__ == '__main__':` before what it does"
+            ) from None
+        if not settled:
+            self._kill()
+            raise UsageError(
+                "timed tasks need a core each, and all cores have one; ask for fewer processes, or "
+                "wait until the other run has ended"
+            )
+
+    def _kill(self) -> None:
+        pool, self._pool = self._pool, None
+        if pool is not None:
+            with contextlib.suppress(OSError):
+                os.kill(self._pid, signal.SIGKILL if os.name == "posix" else signal.SIGTERM)
+            pool.shutdown(wait=False, cancel_futures=True)
+
+    def end(self) -> None:
+        """End the process, whatever it does; a task that it had is not tried again."""
+        self._ended = True
+        self._kill()
+
+
+# --- inside of the child --------------------------------------------------------------------------
+
+
+def _attempt_in(function: Function, task: Task, limit: float | None) -> Done:
+    if limit is None:
+        return attempt(function, task)
+    # the parent ends what takes too long; this timer, which needs no interpreter, serves where
+    # the parent is gone and machine code holds the interpreter, so that nothing else is heard
+    with open(os.devnull, "w") as nowhere:
+        faulthandler.dump_traceback_later(_ABANDONED * limit + 1, exit=True, file=nowhere)
+        try:
+            return attempt(function, task)
+        finally:
+            faulthandler.cancel_dump_traceback_later()
+
+
+def _begin(limits: Limits, folder: str) -> None:
+    """Leave Ctrl-C to the parent, end with it, however it ends, and take on the limits."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    end_with_parent()
+    if folder:
+        with contextlib.suppress(OSError):
+            os.chdir(folder)
+    if limits.memory is not None and resource is not None:
+        with contextlib.suppress(OSError, ValueError):
+            _, most = resource.getrlimit(resource.RLIMIT_DATA)
+            resource.setrlimit(resource.RLIMIT_DATA, (limits.memory, most))
+
+
+def _settle(pinned: bool) -> tuple[int, bool]:
+    """Return the number of this process, and whether it has the core that it needs."""
+    return os.getpid(), not pinned or _pin()
+
+
+_core: list[int] = []  # the descriptor of the lock; it is held as long as the process lives
+
+
+def _pin() -> bool:
+    """Stay on a physical core that no other timed task of this user has; wait a while for one."""
+    if fcntl is None or not hasattr(os, "sched_setaffinity"):
+        return True
+    own, begun = physical_cores(), perf_counter()
+    while perf_counter() - begun < _WAIT:
+        for core in own:
+            path = Path(tempfile.gettempdir(), f"glmref-core-{os.getuid()}-{core}.lock")
+            descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
+            try:
+                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except OSError:
+                os.close(descriptor)
+                continue
+            _core.append(descriptor)
+            os.sched_setaffinity(0, {core})
+            return True
+        time.sleep(0.1)
+    return False
+
+
+# --- around the start of a child ------------------------------------------------------------------
+
+
+@contextlib.contextmanager
+def _surroundings() -> Iterator[None]:
+    """What a child inherits: one thread, and a deaf ear for Ctrl-C from its first moment on."""
+    before = {name: os.environ.get(name) for name in _ONE_THREAD}
+    os.environ.update(dict.fromkeys(_ONE_THREAD, "1"))
+    # a worker that Dask's nanny started counts as a daemon, and such may have no children; ours
+    # end with their parent whatever happens to it
+    config = current_process()._config  # type: ignore[attr-defined]
+    daemon, config["daemon"] = config.get("daemon"), False
+    in_main = current_thread() is main_thread()
+    heard = signal.signal(signal.SIGINT, signal.SIG_IGN) if in_main else None
+    try:
+        yield
+    finally:
+        if in_main:
+            signal.signal(signal.SIGINT, heard)
+        config["daemon"] = daemon
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value
+
+
+def cores() -> list[int]:
+    """Return the logical cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return sorted(os.sched_getaffinity(0))
+    return list(range(os.cpu_count() or 1))
+
+
+def physical_cores() -> list[int]:
+    """Return one of the usable logical cores for each physical core."""
+    kept: dict[str, int] = {}
+    for core in cores():
+        place = Path(f"/sys/devices/system/cpu/cpu{core}/topology/thread_siblings_list")
+        try:
+            siblings = place.read_text(encoding="ascii").strip()
+        except OSError:
+            siblings = str(core)
+        kept.setdefault(siblings, core)
+    return list(kept.values())

@@ -1,0 +1,280 @@
+"""Tasks on a Dask cluster; imported when one is asked for, and no sooner.
+
+Dask decides which worker takes which task, and gives the tasks of a lost worker to others. Each
+thread of a worker has a :class:`~.child.Child` for its tasks, so that what a task does to its
+process, the worker survives, and machine code that holds the interpreter does not silence it.
+Results come back to this process, which alone writes records. Short tasks travel several at a time.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from importlib import import_module
+from itertools import count, islice
+from pathlib import Path
+from queue import Empty, SimpleQueue
+from threading import Lock
+from time import monotonic
+from typing import Any
+from uuid import uuid4
+
+from ..errors import UsageError
+from ..system.files import printable
+from .child import KILLED, UNLIMITED, Child, Done, Function, Limits, Task, cores
+from .executors import Results
+from .identity import difference, identity
+
+__all__ = ["Dask", "cluster"]
+
+#: Seconds of work that tasks which travel together may hold, and how many they may be.
+TOGETHER, MOST = 0.1, 64
+#: Seconds after which the scheduler is asked how many threads its workers have.
+LOOK = 5.0
+#: Seconds to wait for a scheduler that does not answer.
+PATIENCE = 30.0
+
+
+# --- on a worker ----------------------------------------------------------------------------------
+
+_idle: dict[tuple[Limits, str], list[Child]] = {}
+_lock = Lock()
+
+
+def carry_out(
+    function: Function,
+    tasks: Sequence[Task],
+    limits: Limits,
+    expected: dict[str, str],
+    folder: str,
+) -> list[Done] | str:
+    """Carry out tasks one after another in a child of this worker, in the client's folder.
+
+    Returns
+    -------
+    list of Done, or str
+        The sentence that refuses them, where this worker is not what the client is.
+    """
+    if wrong := difference(identity(), expected):
+        return wrong
+    with _lock:
+        wanted = (limits, folder)
+        for other in [x for x in _idle if x != wanted]:  # timed and untimed tasks never mix
+            for child in _idle.pop(other):
+                child.end()
+        children = _idle.setdefault(wanted, [])
+        child = children.pop() if children else Child(limits, folder)
+    try:
+        return [child.carry_out(function, task) for task in tasks]
+    finally:
+        with _lock:
+            children.append(child)
+
+
+# --- at the client --------------------------------------------------------------------------------
+
+
+class Dask:
+    """A Dask cluster.
+
+    Parameters
+    ----------
+    client : distributed.Client
+        Connected to its scheduler.
+    name : str
+        As it is chosen.
+    """
+
+    def __init__(self, client: Any, name: str) -> None:
+        self.client, self.name = client, name
+        self.dashboard: str = client.dashboard_link if _has_dashboard() else ""
+
+    def run(
+        self,
+        function: Function,
+        tasks: Iterable[Task],
+        limits: Limits = UNLIMITED,
+    ) -> Iterator[Results]:
+        """Carry out tasks; see :class:`~.executors.Executor`."""
+        return _Run(self.client, function, limits).results(iter(tasks))
+
+
+class _Run:
+    """One call of :meth:`Dask.run`."""
+
+    def __init__(self, client: Any, function: Function, limits: Limits) -> None:
+        self.client, self.function, self.limits = client, function, limits
+        self.ended: SimpleQueue[Any] = SimpleQueue()
+        self.sent: dict[tuple[str, int], tuple[Any, list[Task], int]] = {}
+        self.prefix, self.numbers = f"glmref-{uuid4().hex}", count()
+        self.mean: float | None = None
+        self.threads, self.looked = 1, -LOOK
+
+    def results(self, waiting: Iterator[Task]) -> Iterator[Results]:
+        """Keep every thread busy, with one parcel of tasks more behind the one that it has."""
+        try:
+            while True:
+                self._look()
+                while len(self.sent) < 2 * self.threads:
+                    parcel = list(islice(waiting, self._together()))
+                    if not parcel:
+                        break
+                    self._send(parcel, 1)
+                if not self.sent:
+                    return
+                if results := self._collect():
+                    yield results
+        finally:
+            with suppress(Exception):  # the connection may be lost
+                self.client.cancel([future for future, _, _ in self.sent.values()])
+
+    def _look(self) -> None:
+        if monotonic() - self.looked > LOOK:
+            try:
+                known = self.client.nthreads()
+            except Exception:
+                raise self._lost() from None
+            self.threads, self.looked = max(1, sum(known.values())), monotonic()
+
+    def _together(self) -> int:
+        """How many tasks travel together: as many as take :data:`TOGETHER` seconds."""
+        if self.mean is None or self.limits.pinned:
+            return 1
+        return max(1, min(MOST, int(TOGETHER / max(self.mean, 1e-6))))
+
+    def _send(self, parcel: list[Task], number: int) -> None:
+        # one group of tasks for the whole run: the scheduler remembers each group for ever
+        key = (self.prefix, next(self.numbers))
+        try:
+            future = self.client.submit(
+                carry_out, self.function, parcel, self.limits, identity(), os.getcwd(),
+                key=key, pure=False,
+            )  # fmt: skip
+        except Exception:
+            raise self._lost() from None
+        self.sent[key] = (future, parcel, number)
+        future.add_done_callback(self.ended.put)
+
+    def _collect(self) -> Results:
+        """Wait for a parcel, take those that have ended as well, and fetch their results."""
+        try:
+            futures = [self.ended.get(timeout=1.0)]
+        except Empty:
+            if self.client.status not in ("running", "connecting"):
+                raise self._lost() from None
+            return []
+        with suppress(Empty):
+            while True:
+                futures.append(self.ended.get_nowait())
+        if any(future.status in ("cancelled", "lost") for future in futures):
+            raise self._lost()
+        good = [future for future in futures if future.status == "finished"]
+        try:
+            values = dict(zip([x.key for x in good], self.client.gather(good), strict=True))
+        except Exception:
+            raise self._lost() from None
+        results: Results = []
+        for future in futures:
+            _, parcel, number = self.sent.pop(future.key)
+            if future.key in values:
+                results += self._opened(parcel, values[future.key])
+            else:
+                results += self._failed(future, parcel, number)
+        return results
+
+    def _opened(self, parcel: list[Task], value: list[Done] | str) -> Results:
+        if isinstance(value, str):
+            raise UsageError(f"a worker of {self.client.scheduler.address} {value}")
+        for done in value:
+            self.mean = done.seconds if self.mean is None else 0.9 * self.mean + 0.1 * done.seconds
+        return list(zip(parcel, value, strict=True))
+
+    def _failed(self, future: Any, parcel: list[Task], number: int) -> Results:
+        """Try a parcel whose workers died again, task by task; after the retries say so."""
+        error = future.exception()
+        if isinstance(error, UsageError):
+            raise error
+        if type(error).__name__ != "KilledWorker":
+            raise UsageError(
+                f"the workers of {self.client.scheduler.address} cannot carry out a task "
+                f"({type(error).__name__}: {error}); install the same glmref there"
+            )
+        if number <= self.limits.retries:
+            for task in parcel:
+                self._send([task], number + 1)
+            return []
+        message = f"the workers that had the task died, {number} times"
+        return [(task, Done(failure=KILLED, message=message, attempts=number)) for task in parcel]
+
+    def _lost(self) -> UsageError:
+        return UsageError(
+            "the connection to the scheduler of the Dask cluster was lost; what had ended is kept, "
+            "so start the scheduler again and run the same command"
+        )
+
+
+def _has_dashboard() -> bool:
+    try:
+        import_module("bokeh")
+    except ImportError:
+        return False
+    return True
+
+
+@contextmanager
+def cluster(where: str) -> Iterator[Dask]:
+    """Connect to a cluster, or start one on this machine.
+
+    Parameters
+    ----------
+    where : str
+        Empty or a number: workers of a cluster that is started here and closed in the end. The
+        address of a scheduler, or the file that it wrote.
+
+    Raises
+    ------
+    UsageError
+        Where Dask is not installed, or no scheduler answers.
+    """
+    try:
+        distributed = import_module("distributed")
+    except ImportError:
+        raise UsageError(
+            "--on dask needs Dask, which is not installed; install it with "
+            "`pip install 'glmref[cluster]'`"
+        ) from None
+    logging.getLogger("distributed").setLevel(
+        logging.DEBUG if os.environ.get("GLMREF_DEBUG") else logging.CRITICAL
+    )
+    if not where or where.isdecimal():
+        number = int(where) if where else len(cores())
+        if not number:
+            raise UsageError("a cluster needs one worker or more; write dask:1")
+        made = distributed.LocalCluster(
+            n_workers=number,
+            threads_per_worker=1,
+            processes=True,
+            memory_limit=0,  # the tasks have processes of their own, with the limits asked for
+            dashboard_address=":0",  # any free port: another cluster may have the usual one
+        )
+        with made, distributed.Client(made) as client:
+            yield Dask(client, f"dask:{number}")
+        return
+    is_file = "://" not in where and not where.rpartition(":")[2].isdecimal()
+    if is_file and not Path(where).is_file():
+        raise UsageError(
+            f"there is no file {printable(where)}; name the file of a Dask scheduler, or its "
+            f"address as in dask:tcp://HOST:8786"
+        )
+    given = {"scheduler_file": where} if is_file else {"address": where}
+    try:
+        client = distributed.Client(**given, timeout=PATIENCE)
+    except (OSError, TimeoutError, ValueError) as error:
+        raise UsageError(
+            f"no Dask scheduler answers at {where} ({error or type(error).__name__}); start one "
+            f"with `dask scheduler`, or look whether the network lets it through"
+        ) from None
+    with client:
+        yield Dask(client, f"dask:{where}")

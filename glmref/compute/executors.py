@@ -1,0 +1,183 @@
+"""Where tasks are carried out: in this process, in processes of this machine, on a Dask cluster.
+
+An executor takes a function of a module and tasks in JSON, and yields what became of each in the
+order in which they end. Few tasks are taken ahead, so that a million of them needs no more memory
+than ten.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from itertools import islice
+from queue import Empty, SimpleQueue
+from typing import Any, Protocol
+
+from ..errors import UsageError
+from .child import (
+    UNLIMITED,
+    Child,
+    Done,
+    Function,
+    Limits,
+    Task,
+    attempt,
+    cores,
+    physical_cores,
+)
+
+__all__ = ["Executor", "Here", "Local", "Results", "in_order", "taken"]
+
+Results = list[tuple[Task, Done]]
+
+
+class Executor(Protocol):
+    """Something that carries out tasks.
+
+    Attributes
+    ----------
+    name : str
+        As it is chosen.
+    dashboard : str
+        The address of a page that shows what happens, or ``""``.
+    """
+
+    name: str
+    dashboard: str
+
+    def run(
+        self, function: Function, tasks: Iterable[Task], limits: Limits = UNLIMITED
+    ) -> Iterator[Results]:
+        """Carry out tasks.
+
+        Parameters
+        ----------
+        function : callable
+            A function of a module: from a task to what JSON can hold.
+        tasks : iterable of mapping
+            They are read when they are needed.
+        limits : Limits
+            What each task may take.
+
+        Yields
+        ------
+        list of (task, Done)
+            Those that have ended since the last list. Each task comes once.
+
+        Raises
+        ------
+        UsageError
+            When the executor itself fails: then some tasks have no result.
+        """
+        ...
+
+
+class Here:
+    """Tasks one after another in this process. A limit of time or memory cannot be held here."""
+
+    name, dashboard = "here", ""
+
+    def run(
+        self,
+        function: Function,
+        tasks: Iterable[Task],
+        limits: Limits = UNLIMITED,
+    ) -> Iterator[Results]:
+        """Carry out tasks; see :class:`Executor`."""
+        for task in tasks:
+            yield [(task, attempt(function, task))]
+
+
+class Local:
+    """Processes on this machine, one task each at a time.
+
+    Parameters
+    ----------
+    processes : int or None
+        How many; by default as many as there are cores, physical ones where tasks are pinned.
+    """
+
+    dashboard = ""
+
+    def __init__(self, processes: int | None = None) -> None:
+        self.processes = processes
+        self.name = "local" if processes is None else f"local:{processes}"
+
+    def run(
+        self,
+        function: Function,
+        tasks: Iterable[Task],
+        limits: Limits = UNLIMITED,
+    ) -> Iterator[Results]:
+        """Carry out tasks; see :class:`Executor`."""
+        usable = physical_cores() if limits.pinned else cores()
+        count = self.processes or len(usable)
+        if limits.pinned and count > len(usable):
+            raise UsageError(
+                f"timed tasks need a core each, {count} processes were asked for and there are "
+                f"{len(usable)} cores; use --on local:{len(usable)}"
+            )
+        children = [Child(limits) for _ in range(count)]
+        idle: SimpleQueue[Child] = SimpleQueue()
+        for child in children:
+            idle.put(child)
+        ended: SimpleQueue[tuple[Task, Done | BaseException]] = SimpleQueue()
+
+        def carry_out(task: Task) -> None:
+            child = idle.get()
+            try:
+                ended.put((task, child.carry_out(function, task)))
+            except BaseException as error:  # it is raised where results are waited for
+                ended.put((task, error))
+            finally:
+                idle.put(child)
+
+        waiting = iter(tasks)
+        threads = ThreadPoolExecutor(count)
+        try:
+            running = 0
+            while True:
+                for task in islice(waiting, 2 * count - running):
+                    threads.submit(carry_out, task)
+                    running += 1
+                if not running:
+                    return
+                results = []
+                for task, done in taken(ended):
+                    if isinstance(done, BaseException):
+                        raise done
+                    results.append((task, done))
+                running -= len(results)
+                yield results
+        finally:
+            threads.shutdown(wait=False, cancel_futures=True)
+            for child in children:
+                child.end()
+
+
+def taken(queue: SimpleQueue[Any]) -> list[Any]:
+    """Wait for an item of a queue, and take with it those that are there as well."""
+    items = [queue.get()]
+    try:
+        while True:
+            items.append(queue.get_nowait())
+    except Empty:
+        return items
+
+
+def in_order(results: Iterable[Results], tasks: Iterable[Task]) -> Iterator[tuple[Task, Done]]:
+    """Give results the order of their tasks; what comes early is kept until its turn.
+
+    Parameters
+    ----------
+    results : iterable of list of (task, Done)
+        From an executor that was given exactly these tasks.
+    tasks : iterable of mapping
+        The same objects in order.
+    """
+    early: dict[int, Done] = {}
+    waiting = iter(results)
+    for task in tasks:
+        while id(task) not in early:
+            early |= {id(one): done for one, done in next(waiting)}
+        yield task, early.pop(id(task))
