@@ -12,7 +12,7 @@ Reading and writing the text form is the business of :mod:`glmref.exact.expressi
 """
 
 from .ball import Ball, ball
-from .field import BALL_BITS
+from .field import BALL_BITS, LIBRARY
 from .jet import Jet, jets, lift
 from .number import Exact, exact, root_of_unity
 from .products import BallMatrix, sum_of_products
@@ -20,6 +20,7 @@ from .relations import box, cyclotomic, factorization, rational_combination
 
 __all__ = [
     "BALL_BITS",
+    "LIBRARY",
     "Ball",
     "BallMatrix",
     "Exact",

@@ -141,7 +141,8 @@ class Ball(Arithmetic):
 
         Raises
         ------
-            ExactnessError: when the ball contains zero, so that the sign is not known.
+        ExactnessError
+            When the ball contains zero, so that the sign is not known.
         """
         part = self._acb.real
         if part > 0:

@@ -20,6 +20,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from math import isfinite, prod
 from typing import NamedTuple
 
@@ -39,6 +40,7 @@ __all__ = [
     "Text",
     "Weight",
     "parse",
+    "rational",
     "shown_number",
     "syntax_tree",
     "to_text",
@@ -161,7 +163,8 @@ def weigh(text: str, weights: Mapping[str, Weight]) -> Weight:
 
     Raises
     ------
-        DataError: when it is more than this module computes.
+    DataError
+        When it is more than this module computes.
     """
     if _RATIONAL.fullmatch(text):
         return Weight(len(text), 0, 0, len(text))
@@ -239,23 +242,29 @@ def parse(
 ) -> Scalar:
     """Read one entry.
 
-    Args:
-        text: the expression, for example ``"(3-sqrt(3))/6"``.
-        constants: names the entry may use, with their values.
-        digits: digits after the point that published decimals of this file carry; ``None`` where
-            decimals are not allowed.
+    Parameters
+    ----------
+    text : str
+        The expression, for example ``"(3-sqrt(3))/6"``.
+    constants : Mapping[str, Scalar] or None
+        Names the entry may use, with their values.
+    digits : int or None
+        Digits after the point that published decimals of this file carry; ``None`` where decimals
+        are not allowed.
 
     Returns
     -------
+    Scalar
         An :class:`Exact`, or a :class:`Ball` where a decimal took part.
 
     Raises
     ------
-        DataError: with one sentence that names the entry and what to do.
+    DataError
+        With one sentence that names the entry and what to do.
     """
-    rational = _RATIONAL.fullmatch(text)
-    if rational and (rational[2] is None or int(rational[2])):
-        return Exact(int(rational[1])) / Exact(int(rational[2] or 1))
+    number = rational(text)
+    if number is not None:
+        return number
     tree = syntax_tree(text)
     evaluator = _Evaluator(text, constants or {}, digits)
     try:
@@ -269,6 +278,16 @@ def parse(
     return value
 
 
+@lru_cache(maxsize=1 << 14)
+def rational(text: str) -> Exact | None:
+    """A whole number or a fraction of two, the same object each time: its ball is found once."""
+    found = _RATIONAL.fullmatch(text)
+    if found is None or (found[2] is not None and not int(found[2])):
+        return None
+    return Exact(int(found[1])) / Exact(int(found[2] or 1))
+
+
+@lru_cache(maxsize=1 << 12)
 def syntax_tree(text: str, *, exponents: bool = False) -> Node:
     """Read an expression; its names may be any.
 
@@ -508,7 +527,8 @@ def to_text(value: Scalar) -> str:
 
     Raises
     ------
-        ExactnessError: for a ball, and for an algebraic number without square-root form.
+    ExactnessError
+        For a ball, and for an algebraic number without square-root form.
     """
     if isinstance(value, Ball):
         raise ExactnessError("a ball has no exact text; write its decimals and declare `digits`")

@@ -19,6 +19,9 @@ BALL_BITS = 512
 #: Sign and magnitude of a nonzero number are found by doubling the precision up to this many bits.
 MAX_BITS = 1 << 16
 
+#: Versions of the library that computes: of its Python package and of its own.
+LIBRARY = f"python-flint {flint.__version__}, FLINT {flint.__FLINT_VERSION__}"
+
 FIELD = _gr.gr_complex_algebraic_ca_ctx.new()
 MINIMAL = _gr.gr_complex_qqbar_ctx.new()  # the same numbers by their minimal polynomials
 TERM = re.compile(r"(?P<sign>[+-]?)(?:(?P<c>\d+)\*?)?(?P<a>a(?:\^(?P<n>\d+))?)?")

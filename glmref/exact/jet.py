@@ -33,9 +33,12 @@ _ZERO, _UNIT = Exact(0), Exact(1)
 class Jet:
     """A value and its partial derivatives with respect to n unknowns.
 
-    Args:
-        value: the number.
-        gradient: (n,) derivatives.
+    Parameters
+    ----------
+    value : Exact or Ball
+        The number.
+    gradient : Sequence[Exact or Ball]
+        (n,) derivatives.
     """
 
     __slots__ = ("_row", "size", "value")
@@ -186,10 +189,10 @@ def _scaled(row: _Row, factor: Exact | Ball) -> _Row:
 
 def _add_to(total: _Row, row: _Row, factor: Exact | Ball) -> None:
     """Add a multiple of derivatives to those of a dictionary that is still one's own."""
-    q = factor._q if type(factor) is Exact else None
-    if not row or (q is not None and q == 0):
+    if not row:
         return
-    if q is not None and q == 1:
+    q = factor._q if type(factor) is Exact else None
+    if factor is _UNIT or (q is not None and q == 1):
         for k, x in row.items():
             total[k] = total[k] + x if k in total else x
         return

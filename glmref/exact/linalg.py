@@ -35,6 +35,7 @@ __all__ = [
     "matvec",
     "nullspace",
     "rank",
+    "row_sums",
     "scale",
     "solve",
     "solve_affine",
@@ -137,6 +138,11 @@ def scale(factor: Scalar | int, a: Matrix) -> Matrix:
     return tuple(tuple(factor * x for x in row) for row in a)
 
 
+def row_sums(a: Matrix) -> Vector:
+    """``A 1``; zeros of no length for rows without entries."""
+    return tuple(sum(row, _ZERO) for row in a)
+
+
 def entries(a: Matrix) -> list[tuple[int, int, Scalar]]:
     """All entries as ``(row, column, value)``."""
     return [(i, j, x) for i, row in enumerate(a) for j, x in enumerate(row)]
@@ -204,7 +210,8 @@ def solve(a: Matrix, right: Matrix) -> Matrix:
 
     Raises
     ------
-        ExactnessError: when ``a`` is singular.
+    ExactnessError
+        When ``a`` is singular.
     """
     size = len(a)
     rows, pivots = _reduce([(*r, *s) for r, s in zip(a, right, strict=True)], size)
@@ -218,7 +225,8 @@ def inverse(a: Matrix) -> Matrix:
 
     Raises
     ------
-        ExactnessError: when it is singular.
+    ExactnessError
+        When it is singular.
     """
     return solve(a, identity(len(a)))
 
@@ -251,10 +259,14 @@ class Affine:
 
     Attributes
     ----------
-        point: (n,), the solution with every free unknown zero.
-        directions: basis of the homogeneous solutions.
-        failed: index of the row (from 0) that contradicts those before it, or ``None``.
-        undecided: whether balls around zero were left out of the decision.
+    point : Vector
+        (n,), the solution with every free unknown zero.
+    directions : tuple[Vector, ...]
+        Basis of the homogeneous solutions.
+    failed : int or None
+        Index of the row (from 0) that contradicts those before it, or ``None``.
+    undecided : bool
+        Whether balls around zero were left out of the decision.
     """
 
     point: Vector
@@ -278,8 +290,12 @@ def _pivot(row: Sequence[Scalar], used: set[int]) -> int | None:
 def solve_affine(rows: Matrix, right: Vector) -> Affine:
     """Solve ``rows x = right``, row by row; rows that follow from earlier ones cost little.
 
-    Args:
-        rows: (m, n). right: (m,).
+    Parameters
+    ----------
+    rows : Matrix
+        (m, n).
+    right : Vector
+        (m,).
     """
     n = len(rows[0])
     solved: dict[

@@ -37,12 +37,15 @@ _FOREIGN = (Arithmetic, bool)  # numbers that take part by their own operators, 
 class Exact(Arithmetic):
     """An algebraic number with decidable zero.
 
-    Args:
-        value: an int, a Fraction, or (internally) an element of flint's algebraic field.
+    Parameters
+    ----------
+    value : int or Fraction or flint.fmpq or Exact
+        An int, a Fraction, or (internally) an element of flint's algebraic field.
 
     Raises
     ------
-        ExactnessError: for a float or any other type whose value is not exact.
+    ExactnessError
+        For a float or any other type whose value is not exact.
     """
 
     __slots__ = ("_ball", "_gr", "_q")
@@ -72,6 +75,13 @@ class Exact(Arithmetic):
         self._q, self._gr, self._ball = None, element, None
         return self
 
+    @classmethod
+    def _of(cls, value: flint.fmpq) -> Exact:
+        """Wrap a rational."""
+        self = _new(cls)
+        self._q, self._gr, self._ball = value, None, None
+        return self
+
     def _settle(self) -> None:
         """Notice a rational value. It costs a printing, ten operations: never in arithmetic."""
         if self._q is None:
@@ -94,9 +104,7 @@ class Exact(Arithmetic):
                 return NotImplemented
             other = Exact(other)
         if self._q is not None and other._q is not None:
-            result = _new(Exact)
-            result._q, result._gr, result._ball = operation(self._q, other._q), None, None
-            return result
+            return Exact._of(operation(self._q, other._q))
         spend()
         try:
             return Exact._wrap(operation(self._element, other._element))
@@ -122,7 +130,8 @@ class Exact(Arithmetic):
 
         Raises
         ------
-            ZeroDivisionError: for zero.
+        ZeroDivisionError
+            For zero.
         """
         plain = Exact(1)._binary(self, operator.truediv)
         if not re.search("[a-z]", repr(plain._element).partition(" where ")[0].partition("/")[2]):
@@ -161,10 +170,11 @@ class Exact(Arithmetic):
 
         Raises
         ------
-            UndecidedError: when flint cannot decide, as among many roots of unity.
+        UndecidedError
+            When flint cannot decide, as among many roots of unity.
         """
         if self._q is not None:
-            return self._q == 0
+            return not self._q
         spend()
         answer = self._gr.is_zero()
         if answer is None:
@@ -228,7 +238,8 @@ class Exact(Arithmetic):
 
         Raises
         ------
-            ExactnessError: for a number that is not real.
+        ExactnessError
+            For a number that is not real.
         """
         if self.is_zero():
             return 0

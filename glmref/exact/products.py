@@ -19,7 +19,6 @@ from .number import Exact
 __all__ = ["BallMatrix", "sum_of_products"]
 
 _NIL = flint.fmpq(0)
-_SCALARS = frozenset({Ball, Exact})
 _ZERO = Exact(0)
 
 
@@ -28,47 +27,60 @@ def sum_of_products(pairs: Sequence[tuple[Any, Any]]) -> Any:
 
     Returns
     -------
+    Any
         Exact where no ball took part; a ball; a jet where one took part.
     """
     spend()
-    kinds = {type(x) for x, _ in pairs} | {type(y) for _, y in pairs}
-    if Jet in kinds:
+    rational, exactly, total = _NIL, None, None
+    for x, y in pairs:
+        first, second = type(x), type(y)
+        if second is Ball:
+            if first is Ball:
+                product = x._acb * y._acb
+            elif first is Exact:
+                product = (x._ball or x.ball())._acb * y._acb
+            else:
+                return _sum_of_others(pairs)
+            total = product if total is None else total + product
+        elif second is Exact:
+            if first is Exact:
+                if x._q is not None and y._q is not None:
+                    rational += x._q * y._q
+                else:
+                    exactly = x * y if exactly is None else exactly + x * y
+            elif first is Ball:
+                product = x._acb * (y._ball or y.ball())._acb
+                total = product if total is None else total + product
+            else:
+                return _sum_of_others(pairs)
+        else:
+            return _sum_of_others(pairs)
+    if exactly is not None:
+        rest: Any = exactly + Exact._of(rational)
+    elif total is None or rational:
+        rest = Exact._of(rational)
+    else:
+        return Ball._wrap(total)
+    return rest if total is None else Ball._wrap(total) + rest
+
+
+def _sum_of_others(pairs: Sequence[tuple[Any, Any]]) -> Any:
+    """The same where a number takes part that is neither exact nor a ball."""
+    if any(type(x) is Jet or type(y) is Jet for x, y in pairs):
         return Jet.sum_of_products(pairs)
-    if kinds <= _SCALARS:
-        return _sum_of_scalars(pairs)
     total: Any = _ZERO
     for x, y in pairs:
         total = total + x * y
     return total
 
 
-def _sum_of_scalars(pairs: Sequence[tuple[Exact | Ball, Exact | Ball]]) -> Exact | Ball:
-    """The same where no jet takes part: rationals, other exact numbers and balls apart."""
-    rational, exactly, total = _NIL, None, None
-    for x, y in pairs:
-        if type(x) is Exact and type(y) is Exact:
-            if x._q is not None and y._q is not None:
-                rational += x._q * y._q
-            else:
-                exactly = x * y if exactly is None else exactly + x * y
-        else:
-            a = x._acb if type(x) is Ball else x.ball()._acb
-            b = y._acb if type(y) is Ball else y.ball()._acb
-            total = a * b if total is None else total + a * b
-    if exactly is not None:
-        rest: Any = exactly + Exact(rational)
-    elif total is None or rational != 0:
-        rest = Exact(rational)
-    else:
-        return Ball._wrap(total)
-    return rest if total is None else Ball._wrap(total) + rest
-
-
 class BallMatrix:
     """A matrix of balls whose products and inverse are computed as a whole.
 
-    Args:
-        rows: (m, n) exact numbers or balls, one row at least.
+    Parameters
+    ----------
+    rows : Sequence[Sequence[Exact or Ball]]
+        (m, n) exact numbers or balls, one row at least.
     """
 
     def __init__(self, rows: Sequence[Sequence[Exact | Ball]]) -> None:
@@ -101,7 +113,8 @@ class BallMatrix:
 
         Raises
         ------
-            ExactnessError: when one of them may be singular.
+        ExactnessError
+            When one of them may be singular.
         """
         try:
             return BallMatrix._wrap(self._matrix.inv())

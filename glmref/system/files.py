@@ -9,11 +9,13 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import hashlib
 import json
 import os
 import socket
 import stat
 from collections.abc import Iterator
+from contextvars import ContextVar
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -29,6 +31,7 @@ __all__ = [
     "Lock",
     "kind_of",
     "make_folder",
+    "noting",
     "printable",
     "read_bytes",
     "read_text",
@@ -61,6 +64,21 @@ def kind_of(mode: int) -> str:
         stat.S_IFSOCK: "a socket",
     }
     return kinds.get(stat.S_IFMT(mode), "not a regular file")
+
+
+#: Checksums of the files read inside :func:`noting`, by path.
+_noted: ContextVar[dict[str, str] | None] = ContextVar("noted", default=None)
+
+
+@contextlib.contextmanager
+def noting() -> Iterator[dict[str, str]]:
+    """Note which files are read inside: path -> sha256 of the bytes that were read."""
+    found: dict[str, str] = {}
+    token = _noted.set(found)
+    try:
+        yield found
+    finally:
+        _noted.reset(token)
 
 
 # --- reading --------------------------------------------------------------------------------------
@@ -112,7 +130,11 @@ def read_bytes(path: Path, most: int) -> bytes:
         raise DataError(f"{name}: the file cannot be read ({reason(error)})") from None
     finally:
         os.close(descriptor)
-    return b"".join(parts)
+    content = b"".join(parts)
+    noted = _noted.get()
+    if noted is not None:
+        noted[str(path)] = hashlib.sha256(content).hexdigest()
+    return content
 
 
 def read_text(path: Path, most: int) -> str:

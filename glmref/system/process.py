@@ -77,7 +77,7 @@ def end_children() -> None:
     """End everything that this process started: programs, and processes that share its work."""
     end_groups()
     if "multiprocessing" in sys.modules:
-        from multiprocessing import active_children
+        from multiprocessing import active_children  # in memory already
 
         for child in active_children():
             child.kill()
@@ -85,8 +85,9 @@ def end_children() -> None:
 
 def end_with_parent() -> None:
     """Have this process, started by `multiprocessing`, end when its parent does, even if killed."""
+    # few processes are started by multiprocessing, and it takes a while to load
     from multiprocessing import parent_process
-    from multiprocessing.connection import wait
+    from multiprocessing.connection import wait  # as above
 
     parent = parent_process()
     if parent is None:

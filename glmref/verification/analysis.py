@@ -10,6 +10,7 @@ from typing import Any
 from ..catalogue.claims import (
     A_STABLE,
     CONSISTENT,
+    DENSE_ORDER,
     EXPLICIT,
     G_SYMPLECTIC,
     L_STABLE,
@@ -20,6 +21,7 @@ from ..catalogue.claims import (
     PRECONSISTENT,
     STAGE_ORDER,
     SYMMETRIC,
+    W_ORDER,
     ZERO_STABLE,
 )
 from ..catalogue.lookup import method_of, path_of
@@ -37,6 +39,7 @@ from ..theory.error_constants import error_norm
 from ..theory.order import order_of
 from ..theory.periodicity import periodicity
 from ..theory.stability_interval import imaginary_interval, real_interval
+from .verifier import budget_of, facts_for
 
 __all__ = ["FORMAT", "Analysis", "analyze"]
 
@@ -49,27 +52,52 @@ class Analysis(Shown):
 
     Attributes
     ----------
-        method: its name. stages, values: s and r (pairs: of both halves).
-        order: the order; with ``principal`` = ``"identity"`` the first value is the solution,
-            with ``"free"`` a start and a finish belong to the method.
-        order_proved: a proved lower and a proved upper bound of it.
-        order_identity: order of the first value taken as the solution.
-        order_witness: the tree that decides.
-        order_nystrom: of a pair, the order on q' = M^-1 p, p' = k(q).
-        consistency_witness: which row of V u = u, U u = 1 or B 1 + V v = u + v is off.
-        error_constants: residuals at order p + 1 by tree, as floats: what the method gives less the
-            elementary weight of the solution.
-        error_norm: Euclidean norm of residual / symmetry over these trees (Hairer, Norsett, Wanner
-            1993, section II.1).
-        order_parts: of an additive method, the order of each part for y' = f_c(t, y) alone.
-        quadrature_constant: C in the local error C h^(p+1) y^(p+1) when y' = g(t) is integrated.
-        stability: ``A``, ``L``: whether A- and L-stable. ``real``, ``imaginary``: length of the
-            interval [-x, 0] and of [0, iy] on which no eigenvalue of M(z) leaves the closed unit
-            disc. ``periodicity``: largest y below which all are simple and of modulus one; of a
-            pair on the oscillator. ``math.inf`` for a whole half-axis.
-        g_symplectic: ``{"holds", "G", "D"}``. symmetric: ``{"holds", "L", "P"}``.
-        growth: ``[{"eigenvalue", "mu"}, ...]``.
-        proof: the kind of proof all of this has.
+    method : str
+        Its name.
+    stages, values : int or list[int]
+        s and r (pairs: of both halves).
+    order : int
+        The order; with ``principal`` = ``"identity"`` the first value is the solution, with
+        ``"free"`` a start and a finish belong to the method.
+    order_proved : list[int or None]
+        A proved lower and a proved upper bound of it.
+    order_identity : int
+        Order of the first value taken as the solution.
+    order_witness : str
+        The tree that decides.
+    order_nystrom : int or None
+        Of a pair, the order on q' = M^-1 p, p' = k(q).
+    consistency_witness : str
+        Which row of V u = u, U u = 1 or B 1 + V v = u + v is off.
+    error_constants : dict[str, float]
+        Residuals at order p + 1 by tree, as floats: what the method gives less the elementary
+        weight of the solution.
+    error_norm : float
+        Euclidean norm of residual / symmetry over these trees (Hairer, Norsett, Wanner 1993,
+        section II.1).
+    order_parts : list[int] or None
+        Of an additive method, the order of each part for y' = f_c(t, y) alone.
+    order_embedded : dict[str, int] or None
+        Orders of the embedded rows by name.
+    order_dense : int or None
+        Order of the dense output.
+    order_w : int or None
+        Of a Rosenbrock method, the order with any matrix in the place of the Jacobian.
+    quadrature_constant : float or None
+        C in the local error C h^(p+1) y^(p+1) when y' = g(t) is integrated.
+    stability : dict[str, Any]
+        ``A``, ``L``: whether A- and L-stable. ``real``, ``imaginary``: length of the interval [-x,
+        0] and of [0, iy] on which no eigenvalue of M(z) leaves the closed unit disc.
+        ``periodicity``: largest y below which all are simple and of modulus one; of a pair on the
+        oscillator. ``math.inf`` for a whole half-axis.
+    g_symplectic : dict[str, Any]
+        ``{"holds", "G", "D"}``.
+    symmetric : dict[str, Any]
+        ``{"holds", "L", "P"}``.
+    growth : list[dict[str, Any]]
+        ``[{"eigenvalue", "mu"}, ...]``.
+    proof : Proof
+        The kind of proof all of this has.
     """
 
     method: str
@@ -99,6 +127,9 @@ class Analysis(Shown):
     error_norm: float
     quadrature_constant: float | None
     order_parts: list[int] | None = None
+    order_embedded: dict[str, int] | None = None
+    order_dense: int | None = None
+    order_w: int | None = None
 
     def __repr__(self) -> str:
         return f"<Analysis {self.method or '(unnamed)'}: order {self.order}, {self.proof}>"
@@ -106,25 +137,29 @@ class Analysis(Shown):
     def as_json(self) -> dict[str, Any]:
         """Return the record, with its format, as JSON-ready values."""
         found = {"format": FORMAT, **asdict(self), "proof": str(self.proof)}
-        if self.order_parts is None:  # of additive methods only
-            del found["order_parts"]
+        for key in ("order_parts", "order_embedded", "order_dense", "order_w"):
+            if found[key] is None:  # of methods that have such parts only
+                del found[key]
         return found
 
 
 def analyze(method: Method | str | Path, *, budget: float | None = None) -> Analysis:
     """Compute everything there is to know of a method; claims play no part.
 
-    Args:
-        method: a GLM or a pair, from a file or made by hand; its name or its file.
-        budget: seconds of processor time; by default 60 for a file of the user, no limit else.
+    Parameters
+    ----------
+    method : Method or str or Path
+        A GLM or a pair, from a file or made by hand; its name or its file.
+    budget : float or None
+        Seconds of processor time; by default 60 for a file of the user, no limit else.
 
     Raises
     ------
-        BudgetError: when they are spent.
-        UsageError, DataError: for a name or a file that cannot be read.
+    BudgetError
+        When they are spent.
+    UsageError, DataError
+        For a name or a file that cannot be read.
     """
-    from .verifier import budget_of, facts_for
-
     if isinstance(method, str | Path):
         budget = budget_of(path_of(method), budget)
     method = method_of(method)
@@ -158,6 +193,18 @@ def _shared(facts: Facts) -> dict[str, Any]:
         "proof": facts.proof,
         "consistency_witness": "; ".join(x.witness for x in facts.consistencies if x.witness),
         "error_norm": error_norm(facts.classical_order),
+        "order_embedded": {name: x.range(kernel.row_claim).value for name, x in kernel.row_kernels}
+        or None,
+    }
+
+
+def _stability(facts: Facts) -> dict[str, Any]:
+    """A- and L-stability and the intervals of a single method or of one that is one if linear."""
+    return {
+        "A": _decided(lambda: facts.truth(A_STABLE.key)),
+        "L": _decided(lambda: facts.truth(L_STABLE.key)),
+        "real": _decided(lambda: real_interval(facts.linear).end),
+        "imaginary": _decided(lambda: imaginary_interval(facts.linear).end),
     }
 
 
@@ -185,6 +232,7 @@ def staircase(facts: Facts) -> str:
 
     Returns
     -------
+    str
         Such as "order 5 to 2e-12, order 3 to 3e-17, order 0 exactly"; ``""`` where no order beyond
         the proved one is nearly reached.
     """
@@ -212,10 +260,13 @@ def _analyzed_sum(facts: Facts) -> Analysis:
         symmetric={**nothing, "L": None, "P": None},
         growth=[],
         abscissae=None,
-        stability={},
+        stability=_stability(facts) if m.rosenbrock else {},
         order_nystrom=None,
         quadrature_constant=None,
-        order_parts=[order_of(m.part(n), principal="identity").order for n in range(1, m.k + 1)],
+        order_w=facts.kernel.range(W_ORDER.key).value if m.rosenbrock else None,
+        order_parts=None
+        if m.rosenbrock
+        else [order_of(m.part(n), principal="identity").order for n in range(1, m.k + 1)],
     )
 
 
@@ -254,15 +305,14 @@ def _analyzed(facts: Facts) -> Analysis:
         abscissae=_vector(facts.abscissae),
         stability={"periodicity": _decided(lambda: _periodicity(facts))}
         if not single
-        else {
-            "A": _decided(lambda: facts.truth(A_STABLE.key)),
-            "L": _decided(lambda: facts.truth(L_STABLE.key)),
-            "real": _decided(lambda: real_interval(facts.method).end),
-            "imaginary": _decided(lambda: imaginary_interval(facts.method).end),
-            "periodicity": _decided(lambda: _periodicity(facts)),
-        },
-        order_nystrom=None if single or m.shared else facts.kernel.range(NYSTROM_ORDER.key).value,
+        else {**_stability(facts), "periodicity": _decided(lambda: _periodicity(facts))},
+        order_nystrom=facts.kernel.range(NYSTROM_ORDER.key).value
+        if not single and (not m.shared or (m.document or {}).get("class") == "nystrom")
+        else None,
         quadrature_constant=_quadrature(facts) if single else None,
+        order_dense=facts.kernel.range(DENSE_ORDER.key).value
+        if single and m.dense is not None
+        else None,
     )
 
 

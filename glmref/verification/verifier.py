@@ -31,20 +31,27 @@ def verify(
 ) -> list[Finding]:
     """Check every claim the method carries.
 
-    Args:
-        method: a method, with its ``claims``, or its name or its file, as :func:`verify_file`.
-        only: keys of the claims to check; all by default.
-        budget: seconds of processor time for all of them; by default 60 for a file of the user and
-            no limit else. What is not decided when they are spent is open.
+    Parameters
+    ----------
+    method : Method or str or Path
+        A method, with its ``claims``, or its name or its file, as :func:`verify_file`.
+    only : Collection[str]
+        Keys of the claims to check; all by default.
+    budget : float or None
+        Seconds of processor time for all of them; by default 60 for a file of the user and no limit
+        else. What is not decided when they are spent is open.
 
     Returns
     -------
+    list[Finding]
         One finding for each claim, in the order of the file.
 
     Raises
     ------
-        DataError: when the method carries no claims.
-        UsageError: for an unknown name, a missing file, or a claim there is not.
+    DataError
+        When the method carries no claims.
+    UsageError
+        For an unknown name, a missing file, or a claim there is not.
     """
     unknown = [key for key in only if key not in CLAIMS]
     if unknown:
@@ -115,7 +122,8 @@ def claims_of(method: Method) -> Mapping[str, Any]:
 
     Raises
     ------
-        DataError: where a block and a claim disagree.
+    DataError
+        Where a block and a claim disagree.
     """
     claims = dict(method.claims)
     for kind, claim in (("starting", STARTING_ORDER.key), ("finishing", FINISHING_ORDER.key)):
@@ -136,7 +144,8 @@ def facts_for(method: Method) -> Facts:
 
     Raises
     ------
-        DataError, ExactnessError: when the file asks for a proof and it cannot be given.
+    DataError, ExactnessError
+        When the file asks for a proof and it cannot be given.
     """
     return facts_of(method, implied=implied_by(method.document, method))
 
@@ -147,12 +156,18 @@ def _judged(facts: Facts, claim: str, declared: object) -> Judgement:
             f"the claim {claim!r} of {facts.method.name!r} is unknown; "
             f"known are {', '.join(sorted(CLAIMS))}"
         )
-    if facts.method.additive and not CLAIMS[claim].additive:
+    if facts.method.rosenbrock:
+        if not CLAIMS[claim].rosenbrock:
+            raise DataError(
+                f"the claim {claim!r} of {facts.method.name!r} has no meaning for a Rosenbrock "
+                f"method; remove it"
+            )
+    elif facts.method.additive and not CLAIMS[claim].additive:
         raise DataError(
             f"the claim {claim!r} of {facts.method.name!r} has no meaning for an additive method; "
             f"remove it"
         )
-    if not facts.is_single and not CLAIMS[claim].has_meaning(pair=True):
+    elif not facts.is_single and not CLAIMS[claim].has_meaning(pair=True):
         raise DataError(
             f"the claim {claim!r} of {facts.method.name!r} has no meaning for a pair; remove it"
         )
@@ -181,15 +196,20 @@ def verify_file(
 ) -> list[Finding]:
     """Check a data file; for one of ``broken/`` the finding is that the named claim fails.
 
-    Args:
-        name: a shipped name or a path.
-        only: keys of the claims to check; all by default.
-        budget: seconds of processor time for its proofs; by default 60 for a file of the user and
-            no limit for a shipped one.
+    Parameters
+    ----------
+    name : str or Path
+        A shipped name or a path.
+    only : Collection[str]
+        Keys of the claims to check; all by default.
+    budget : float or None
+        Seconds of processor time for its proofs; by default 60 for a file of the user and no limit
+        for a shipped one.
 
     Raises
     ------
-        UsageError, DataError: for a name or a file that cannot be read.
+    UsageError, DataError
+        For a name or a file that cannot be read.
     """
     path = path_of(name)
     doc, method = read_method(path)
