@@ -29,6 +29,9 @@ FORMAT = "glmref-certificate-1"
 class Refused(Exception):
     """The certificate proves nothing: the answer is no."""
 
+    def __init__(self, why):
+        super().__init__(why if len(why) <= 200 else f"{why[:200]}...")
+
 
 class Unreadable(Exception):
     """The file is not JSON: the exit code is 2."""
@@ -234,12 +237,14 @@ def determinant(M):
 
 COMMON = "$schema format name title class field broken notes digits constants claims source"
 CLASSES = {  # needed keys, optional keys
-    "glm": ("A U B V", "G D starting finishing"),
-    "rk": ("A b", "starting finishing"),
+    "glm": ("A U B V", "G D output starting finishing"),
+    "rk": ("A b", "starting finishing c embedded dense"),
     "composition": ("base gamma", "starting finishing"),
     "lmm": ("alpha beta", "starting finishing"),
     "one-leg": ("alpha beta", "G starting finishing"),
-    "additive": ("parts", ""),
+    "additive": ("parts", "embedded"),
+    "nystrom": ("A b b_prime c", "A_prime embedded"),
+    "rosenbrock": ("alpha gamma b", "embedded"),
     "sweep": ("D X V G", "unknowns enclosure starting finishing"),
     "splitting": ("first a b", "unknowns enclosure starting"),
     "partitioned-rk": ("A b A_hat b_hat", "starting separable"),
@@ -276,15 +281,26 @@ class Method:
         require(isinstance(kind, str) and kind in CLASSES, f"no class is called {kind!r}")
         needed, optional = CLASSES[kind]
         keys(document, needed + " class", COMMON + " " + optional, where="document")
-        require(document.get("format", "glmref-method-1") == "glmref-method-1", "another format")
+        formats = ("glmref-method-1", "glmref-method-2")
+        require(document.get("format", formats[0]) in formats, "another format")
         require((base is not None) == (kind == "composition"), "a base belongs to compositions")
         self.kind, self.base = kind, base
         made = getattr(self, "make_" + kind.replace("-", "_"))()
-        self.pair, self.additive = isinstance(made, tuple), kind == "additive"
+        self.pair, self.additive = isinstance(made, tuple), kind in ("additive", "rosenbrock")
+        self.system = "rosenbrock" if kind == "rosenbrock" else ""
         self.parts = {"f": made[0], "k": made[1]} if self.pair else {"o": made}
         if self.additive:
             self.parts = made
-        fixed = {"splitting": True, "pair-sweep": True, "partitioned-rk": False}
+        blocks = {"glm": {"o": document}}
+        if kind == "partitioned":
+            blocks = {kind: {"f": document["q"], "k": document["p"]}}
+        self.declared = {
+            c: self.list("output", block)
+            for c, block in blocks.get(kind, {}).items()
+            if "output" in block
+        }
+        fixed = {"splitting": True, "pair-sweep": True, "partitioned-rk": False,
+                 "nystrom": "A_prime" not in document}  # fmt: skip
         self.separable = self.pair and document.get("separable", fixed.get(kind, False)) is True
         children = {"f": "k", "k": "f"} if self.separable else {}
         self.palette = tuple((c, children.get(c, "".join(self.parts))) for c in self.parts)
@@ -406,7 +422,7 @@ class Method:
     def make_partitioned(self):
         """Return two methods as they stand."""
         for key in ("q", "p"):
-            keys(self.document[key], "A U B V", where=f"component {key}")
+            keys(self.document[key], "A U B V", "output", where=f"component {key}")
         return self.make_glm(self.document["q"]), self.make_glm(self.document["p"])
 
     def make_partitioned_rk(self):
@@ -424,6 +440,118 @@ class Method:
             made[str(n)] = self.runge_kutta(lambda part=part: self.matrix("A", part),
                                             lambda part=part: self.list("b", part))  # fmt: skip
         return made
+
+    def make_rosenbrock(self):
+        """Return f - J with alpha and J with alpha + gamma below it, on two sets of stages."""
+
+        def rows():
+            alpha, gamma = self.matrix("alpha"), self.matrix("gamma")
+            require(len(alpha) == len(gamma), "alpha and gamma have other shapes")
+            return alpha + combine(alpha, gamma)
+
+        none = lambda: [Fraction(0)] * len(self.list("b"))  # noqa: E731
+        return {
+            "1": self.runge_kutta(lambda: [x + none() for x in rows()],
+                                  lambda: self.list("b") + none()),
+            "2": self.runge_kutta(lambda: [none() + x for x in rows()],
+                                  lambda: none() + self.list("b")),
+        }  # fmt: skip
+
+    def make_nystrom(self):
+        """Return the pair q' = p, p' = k: the stages p and p + h k_l, from which Q is combined."""
+        zero, see = Fraction(0), "A_prime" in self.document
+
+        def below_q():
+            c, A = self.list("c"), self.matrix("A")
+            require(len(A) == len(c) and all(len(x) == len(c) for x in A), "A has another shape")
+            rows = [[x - total(row), *row] for x, row in zip(c, A, strict=True)]
+            if not see:
+                return rows
+            none = [zero] * len(c)
+            return [[zero, *none, *none]] * (len(c) + 1) + [row + none for row in rows]
+
+        def below_p():
+            s = len(self.list("c"))
+            rows = [[zero] * s, *identity(s)]
+            if not see:
+                return rows
+            return [[zero] * (s + 1) + row for row in rows + self.matrix("A_prime")]
+
+        both = self.nystrom_weights(self.document)
+        return self.runge_kutta(below_q, both[0]), self.runge_kutta(below_p, both[1])
+
+    def nystrom_weights(self, source):
+        """Return two functions that give the weights of q and of p."""
+        s, zero = len(self.list("c")), Fraction(0)
+        more = [zero] * s if "A_prime" in self.document else []
+        first = lambda: [1 - total(self.list("b", source)), *self.list("b", source), *more]  # noqa: E731
+        second = lambda: ([zero, *more] if more else []) + self.list("b_prime", source)  # noqa: E731
+        return first, second
+
+    def rows(self):
+        """Return {name: (weights of the solution, of the estimate) by colour} of `embedded`."""
+        given = self.document.get("embedded", [])
+        require(isinstance(given, list) and len(given) <= 20, "embedded is a list")
+        own = {"rk": "b", "additive": "b", "nystrom": "b b_prime", "rosenbrock": "b"}
+        require(not given or self.kind in own, "no rows are embedded here")
+        found = {}
+        for row in given:
+            error = self.kind == "rk" and "error" in as_object(row)
+            keys(row, "name " + ("error" if error else own[self.kind]), where="embedded")
+            if self.kind == "additive":
+                weights = self.matrix("b", row)
+            elif self.kind == "nystrom":
+                weights = [make() for make in self.nystrom_weights(row)]
+            elif self.kind == "rosenbrock":
+                b, none = self.list("b", row), [Fraction(0)] * len(self.list("b", row))
+                weights = [b + none, none + b]
+            else:
+                weights = [self.list("error" if error else "b", row)]
+            require(row["name"] not in found, "a name stands twice in embedded")
+            require(len(weights) == len(self.parts), "embedded has another number of rows")
+            weights = dict(zip(self.parts, weights, strict=True))
+            other = {}
+            for c, w in weights.items():
+                b = self.part(c).B[0]
+                require(len(b) == len(w), "embedded has another length")
+                other[c] = [x - y for x, y in zip(b, w, strict=True)]
+            found[row["name"]] = (other, weights) if error else (weights, other)
+        return found
+
+    def with_parts(self, parts, system="", separable=None):
+        """Return this method with other components."""
+        other = object.__new__(Method)
+        other.__dict__.update(self.__dict__, parts=parts, system=system)
+        other.pair = set(parts) == {"f", "k"}
+        other.additive = set(parts) == {"1", "2"} or (self.additive and len(parts) > 1)
+        if other.pair and not self.pair:
+            other.separable, other.palette = False, (("f", "fk"), ("k", "fk"))
+        if set(parts) == {"o"}:
+            other.palette = (("o", "o"),)
+        return other
+
+    def for_claim(self, claim):
+        """Return the method that a claim is about."""
+        if self.kind == "rosenbrock" and claim in ("a-stable", "l-stable"):
+            beta = combine(self.matrix("alpha"), self.matrix("gamma"))
+            return self.with_parts({"o": self.runge_kutta(lambda: beta, lambda: self.list("b"))})
+        if self.kind == "rosenbrock":
+            return self.with_parts(self.parts, "w" if claim == "w-order" else "rosenbrock")
+        if self.kind != "rk" or "c" not in self.document or claim not in (*ORDERS, *SECOND):
+            return self
+        m, c = self.single(), self.list("c")
+        if c == apply(m.A, ones(len(m.A))):
+            return self
+        require(len(c) == len(m.A) and claim in ORDERS, "a claim with c apart")
+        rest = [Fraction(0)] * (len(c) - 1)
+        time = self.runge_kutta(lambda: [[x, *rest] for x in c], lambda: [Fraction(1), *rest])
+        return self.with_parts({"f": m, "k": time}, "time")
+
+    def with_row(self, weights):
+        """Return the method with other weights by colour."""
+        parts = {c: self.runge_kutta(lambda m=m: m.A, lambda w=weights[c]: w)
+                 for c, m in self.parts.items()}  # fmt: skip
+        return self.with_parts(parts, self.system)
 
     def make_splitting(self):
         """Return the pair of a splitting: P stages from a, Q stages from b."""
@@ -1176,9 +1304,25 @@ def forests(pool, left, start):
             yield (pool[i], *rest)
 
 
+@cache
 def is_nystrom(tree):
-    """Tell whether no vertex f has two children or more."""
-    return not (tree[0] == "f" and len(tree[1]) > 1) and all(map(is_nystrom, tree[1]))
+    """Tell whether no vertex f has two children or more, or a child f."""
+    bad = tree[0] == "f" and (len(tree[1]) > 1 or any(x[0] == "f" for x in tree[1]))
+    return not bad and all(map(is_nystrom, tree[1]))
+
+
+@cache
+def stands(tree, system):
+    """Tell whether a tree does not vanish on the systems of a method."""
+    colour, n = tree[0], len(tree[1])
+    fine = True
+    if system == "time":  # t' = 1 has no arguments
+        fine = colour != "k" or n == 0
+    elif system == "w" or (system and colour == "2"):  # J is linear
+        fine = colour != "2" or n < 2
+    elif system == "rosenbrock":  # and f - J has the derivative 0
+        fine = n != 1
+    return fine and all(stands(x, system) for x in tree[1])
 
 
 def read_tree(text):
@@ -1239,8 +1383,7 @@ class Series:
     def read(cls, method, witness, order, nystrom, identity_mode):
         """Return the series of a witness, with every tree through the order."""
         u = read_u(method, witness["u"])
-        pool = [t for n in range(1, order + 1) for t in trees(method.palette, n)]
-        pool = [t for t in pool if not nystrom or is_nystrom(t)]
+        pool = [t for n in range(1, order + 1) for t in pool_of(method, n, nystrom)]
         zero = {c: [Fraction(0)] * method.part(c).r for c in method.parts}
         if witness["eta"] == "zero":
             eta = {t: zero[t[0]] for t in pool}
@@ -1256,10 +1399,15 @@ class Series:
                 require(len(eta[tree]) == len(zero[tree[0]]), "a value of eta has another length")
             require(len(eta) == len(pool), "there are trees too many in eta")
         if identity_mode:
-            place = {c: first_place(x) for c, x in u.items()}
-            fine = all(not x[place[t[0]]] for t, x in eta.items())
-            require(fine, "eta is not 0 in the value that carries the solution")
-        return cls(method, u, eta.__getitem__)
+            reads = {c: reading(method, c, x) for c, x in u.items()}
+            fine = all(vanishes(dot(reads[t[0]], x)) for t, x in eta.items())
+            require(fine, "eta is not 0 in what is read as the solution")
+        if not method.system:
+            return cls(method, u, eta.__getitem__)
+        # the trees are not closed under cuts; one value that is the solution has no series but 0
+        fine = identity_mode and all(len(x) == 1 for x in zero.values())
+        require(fine, "several values are carried, or the solution is not among them")
+        return cls(method, u, lambda t: eta.get(t, zero[t[0]]))
 
     def derivative(self, tree):
         """Return xiD(t), the product of the xi of the children."""
@@ -1299,6 +1447,16 @@ def first_place(u):
     return place
 
 
+def reading(method, colour, u):
+    """Return the row that reads the solution: as declared, or 1 / u_k at the first place k."""
+    w = method.declared.get(colour)
+    if w is None:
+        k = first_place(u)
+        return [inverse(u[k]) if j == k else Fraction(0) for j in range(len(u))]
+    require(len(w) == len(u) and vanishes(dot(w, u) - 1), "the output does not read the solution")
+    return w
+
+
 def read_u(method, given):
     """Return u of each colour after V u = u, U u = 1."""
     require(isinstance(given, dict) and set(given) == set(method.parts), "u is given by colours")
@@ -1317,13 +1475,29 @@ def read_u(method, given):
 def mode(witness):
     """Return (identity?, nystrom?) of a witness."""
     require(witness["principal"] in ("free", "identity"), "principal is free or identity")
-    require(witness["trees"] in ("all", "nystrom"), "trees are all or nystrom")
-    return witness["principal"] == "identity", witness["trees"] == "nystrom"
+    return witness["principal"] == "identity", counted(witness["trees"])
+
+
+def counted(name):
+    """Return which trees a name means: False for all, True for nystrom, else "paths"."""
+    require(name in ("all", "nystrom", "paths"), "trees are all, nystrom or paths")
+    return name if name == "paths" else name == "nystrom"
+
+
+def paths(palette, order):
+    """Return the trees of an order without branches."""
+    if order == 1:
+        return [(colour, ()) for colour, _ in palette]
+    below = paths(palette, order - 1)
+    return [(colour, (t,)) for colour, children in palette for t in below if t[0] in children]
 
 
 def pool_of(method, order, nystrom):
     """Return the trees of one order that count."""
-    return [t for t in trees(method.palette, order) if not nystrom or is_nystrom(t)]
+    if nystrom == "paths":
+        return paths(method.palette, order)
+    return [t for t in trees(method.palette, order)
+            if stands(t, method.system) and (not nystrom or is_nystrom(t))]  # fmt: skip
 
 
 def check_series(method, series, order, nystrom):
@@ -1332,6 +1506,16 @@ def check_series(method, series, order, nystrom):
         m, eta = method.part(tree[0]), series.eta_of(tree)
         left = [x - y for x, y in zip(eta, apply(m.V, eta), strict=True)]
         equal(left, series.residual(tree), f"the condition of tree {show(tree)}")
+
+
+def check_quadrature(method, series, order):
+    """Refuse unless xi(t) = c^|t| / |t|! at the stages Q, on the paths below the order."""
+    require(method.separable, "paths decide for separable pairs")
+    c = series.stages(("f", ()))
+    for n in range(2, order):
+        (tree,) = [t for t in paths(method.palette, n) if t[0] == "f"]
+        want = [x**n * Fraction(1, gamma(tree)) if x else x for x in c]
+        equal(series.stages(tree), want, f"the stages Q at {show(tree)}")
 
 
 def show(tree):
@@ -1344,9 +1528,12 @@ def order_at_least(proof, w):
     """Rule order-at-least."""
     keys(w, "order principal trees u eta")
     identity_mode, nystrom = mode(w)
-    order = whole(w["order"], 0, 14)
+    order = whole(w["order"], 0, 14 if nystrom != "paths" else 20)
     series = Series.read(proof.method, w, order, nystrom, identity_mode)
     check_series(proof.method, series, order, nystrom)
+    if nystrom == "paths":
+        require(identity_mode, "paths decide where principal parts are the identity")
+        check_quadrature(proof.method, series, order)
     proof.series, proof.low = series, (order, identity_mode, nystrom)
 
 
@@ -1355,7 +1542,7 @@ def order_at_most(proof, w):
     method, same = proof.method, w.get("same", False) is True
     keys(w, "order principal trees W N n" + (" same" if same else " u eta"))
     identity_mode, nystrom = mode(w)
-    p = whole(w["order"], 0, 14)
+    p = whole(w["order"], 0, 14 if nystrom != "paths" else 20)
     if same:
         require(proof.low == (p, identity_mode, nystrom), "order-at-least has another series")
         series = proof.series
@@ -1376,6 +1563,7 @@ def order_at_most(proof, w):
     first = total(dot(x, apply(W[t[0]], series.residual(t))) for t, x in n.items())
     require(nonzero(first), "the sum (a) is 0")
     check_sum_b(method, p, nystrom, n, K, principal_parts(series, N, identity_mode))
+    require(nystrom != "paths" or max(d.values()) == 1, "paths need a simple eigenvalue 1")
     proof.high, proof.simple = (p, identity_mode, nystrom), max(d.values()) == 1
 
 
@@ -1419,10 +1607,10 @@ def check_kernel(method, d, K):
 
 
 def principal_parts(series, N, identity_mode):
-    """Return a basis of F for each colour: all e, or those with (N e)_k = 0."""
+    """Return a basis of F for each colour: all e, or those that are not read in N e."""
     if not identity_mode:
         return {c: identity(len(M[0])) for c, M in N.items()}
-    return {c: kernel([M[first_place(series.u[c])]]) for c, M in N.items()}
+    return {c: kernel(times([reading(series.method, c, series.u[c])], M)) for c, M in N.items()}
 
 
 def check_sum_b(method, p, nystrom, n, K, free):
@@ -1572,17 +1760,18 @@ def start_of(method):
 def start_series(proof, w):
     """Return (q, order, eta, start) of a start-at-.. witness; eta satisfies order-at-least."""
     method = proof.method
-    order, q = whole(w["order"], 0, 14), whole(w["q"])
-    require(w["trees"] in ("all", "nystrom"), "trees are all or nystrom")
+    order, q, trees_ = whole(w["order"], 0, 20), whole(w["q"]), counted(w["trees"])
     require(proof.low and proof.low == proof.high, "the order is not enclosed")
     p, identity_mode, nystrom = proof.low
-    fits = (
-        order == p and nystrom == (w["trees"] == "nystrom") and (identity_mode or not method.pair)
-    )
+    fits = order == p and nystrom == trees_ and (identity_mode or not method.pair)
     require(fits and q <= order, "the order of the series is not that of the method")
     series = Series.read(method, w, order, nystrom, identity_mode)
     check_series(method, series, order, nystrom)
-    return q, order, series, start_of(method)
+    start = start_of(method)
+    if nystrom == "paths":
+        require(isinstance(start, StartSeries), "paths do not decide about the start (y0, 0, ..)")
+        check_quadrature(method, start, order)
+    return q, order, series, start
 
 
 def start_at_least(proof, w):
@@ -1602,13 +1791,13 @@ def start_at_most(proof, w):
     q, order, series, start = start_series(proof, {"trees": "all", **w})
     require(proof.simple, "the eigenvalue 1 is not simple")
     colour = next(iter(series.u))
-    if w["tree"] == "":
+    if w["tree"] == "" and q != order:
         different = any(nonzero(x - y) for c, u in series.u.items()
                         for x, y in zip(start.u[c], u, strict=True))  # fmt: skip
         require(q == 0 and different, "u is that of the start")
         return q
-    k, single = first_place(series.u[colour]), (colour, ())
-    same = order == 0 or start.value(single)[k] == series.eta_of(single)[k]
+    row, single = reading(proof.method, colour, series.u[colour]), (colour, ())
+    same = order == 0 or dot(row, start.value(single)) == dot(row, series.eta_of(single))
     require(same, "eta does not agree with the start at the single vertex")
     if q == order:
         return q
@@ -1629,6 +1818,7 @@ def finish_defect(proof, tree):
     """Return (a b)(t), a the first value of the start and b the finish."""
     method = proof.method
     require(not method.pair, "pairs have no finish")
+    require(not method.declared, "not covered: a finish of a method that declares an output")
     start, table = start_of(method), method.document.get("finishing")
     require(start.u["o"][0] == 1, "the first value of the start is not y0")
     keys(table, "A b", "name kind order", "finish")
@@ -2350,7 +2540,8 @@ def abscissae_of(proof, w):
     """Return c = A 1 + U v with v_k = 0 at the first k with u_k not 0."""
     u, v = consistent(proof, {key: w.get(key) for key in ("u", "v")})
     m = proof.method.single()
-    require(not v["o"][first_place(u["o"])], "v is not 0 in the value that carries the solution")
+    row = reading(proof.method, "o", u["o"])
+    require(vanishes(dot(row, v["o"])), "v is not 0 in what is read as the solution")
     return [x + y for x, y in zip(apply(m.A, ones(len(m.A))), apply(m.U, v["o"]), strict=True)]
 
 
@@ -4137,6 +4328,7 @@ def implied_order(proof, w):
     keys(w, "order principal trees")
     identity_mode, nystrom = mode(w)
     p = whole(w["order"], 1, 14)
+    require(nystrom != "paths", "paths decide for exact pairs")
     proof.root().order_holds(p, identity_mode, nystrom)
     proof.low = (p, identity_mode, nystrom)
 
@@ -4146,6 +4338,7 @@ def not_order(proof, w):
     keys(w, "order principal trees tree")
     identity_mode, nystrom = mode(w)
     p, tree = whole(w["order"], 0, 11), read_tree(w["tree"])
+    require(nystrom != "paths", "paths decide for exact pairs")
     require(tree in pool_of(proof.method, p + 1, nystrom), "the tree has another order")
     bounds = proof.bounds(identity_mode, nystrom, p + 1)
     require(apart(bounds.condition(tree)), "the condition of the tree may hold")
@@ -4256,6 +4449,99 @@ def implied(proof, w):
         require(root.implies(claim), f"{claim} does not follow")
 
 
+def row(proof, w):
+    """Rule row: the order of the method with the weights of an embedded row; return (name, p)."""
+    keys(w, "row parts")
+    rows, whole_method = proof.method.rows(), proof.method
+    require(w["row"] in rows, "no row of embedded has the name")
+    require(isinstance(w["parts"], list), "the parts of a row are a list")
+    names = [part["rule"] for part in w["parts"]]
+    require(names in (["order-at-least", "order-at-most"], ["no-order-1"]), "the parts of a row")
+    nystrom = whole_method.kind == "nystrom"
+    proof.series = proof.low = proof.high = None
+    proof.method = whole_method.with_row(rows[w["row"]][0])
+    for part in w["parts"]:
+        RULES[part["rule"]](proof, part["witness"])
+    proof.method = whole_method
+    if names == ["no-order-1"]:
+        return w["row"], 0
+    fine = proof.low == proof.high and proof.low[1] is True
+    kinds = (True, "paths") if nystrom else (False,)
+    require(fine and proof.low[2] in kinds, "the order is not enclosed")
+    return w["row"], proof.low[0]
+
+
+def check_rows(proof, found):
+    """Refuse orders of rows that do not decide what is declared."""
+    orders = dict(found)
+    require(len(orders) == len(found) and set(orders) == set(proof.method.rows()), "rows")
+    require((orders == as_object(proof.declared)) == proof.holds, f"the orders are {orders}")
+
+
+def differences_of(method):
+    """Return the sum of the weights of each estimate; of a Nystrom method those of q' left out."""
+    require(method.rows(), "no rows are embedded")
+    return [total(w[1:] if method.kind == "nystrom" and c == "f" else w)
+            for _, estimate in method.rows().values() for c, w in estimate.items()]  # fmt: skip
+
+
+def gaps_of_rows(method):
+    """Return A 1 - c."""
+    m = method.single()
+    return [x - y for x, y in zip(apply(m.A, ones(len(m.A))), method.list("c"), strict=True)]
+
+
+def gaps_of_end(method):
+    """Return b(1) - b."""
+    ends = [total(x) for x in method.matrix("dense")]
+    return [x - y for x, y in zip(ends, method.single().B[0], strict=True)]
+
+
+def all_zero_or_not(gaps, wanted):
+    """Return the rule that the numbers are all zero, or that one is not."""
+
+    def rule(proof, w):
+        keys(w, "")
+        values = gaps(proof.method)
+        if wanted:
+            require(vanishes(values), "a number is not 0")
+        else:
+            require(any(nonzero(x) for x in values), "the numbers are 0")
+
+    return rule
+
+
+def dense(proof, w):
+    """Rule dense: the order of b(theta), power by power of theta, and a tree that fails beyond."""
+    keys(w, "order tree")
+    p, method, known = whole(w["order"]), proof.method, {}
+    require(method.system == "" and not method.pair, "c is A 1")
+    m, columns = method.single(), transpose(method.matrix("dense"))
+    require(len(columns[0]) == len(m.A), "dense has another length")
+
+    def weights(tree):
+        if tree not in known:
+            value = ones(len(m.A))
+            for child in tree[1]:
+                value = [x * y for x, y in zip(value, apply(m.A, weights(child)), strict=True)]
+            known[tree] = value
+        return known[tree]
+
+    def gaps(tree):
+        n = size(tree)
+        found = [dot(x, weights(tree)) for x in columns]
+        found += [Fraction(0)] * (n - len(found))
+        found[n - 1] = found[n - 1] - Fraction(1, gamma(tree))
+        return found
+
+    for tree in (t for n in range(1, p + 1) for t in trees(method.palette, n)):
+        require(vanishes(gaps(tree)), f"the condition of tree {show(tree)}")
+    tree = read_tree(w["tree"])
+    require(size(tree) == p + 1 and tree in trees(method.palette, p + 1), "the tree")
+    require(any(nonzero(x) for x in gaps(tree)), "the next order is reached")
+    proof.low = proof.high = (p, True, False)
+
+
 # ------------------------------------------------ section 7: which parts prove which statement
 
 RULES = {
@@ -4280,9 +4566,16 @@ RULES = {
     "implied": implied, "implied-order": implied_order, "not-order": not_order,
     "implied-stage-order": implied_stage_order, "not-stage-order": not_stage_order,
     "implied-start": implied_start, "not-start": not_start, "implied-finish": implied_finish,
+    "row": row, "dense": dense,
+    "differences": all_zero_or_not(differences_of, True),
+    "no-differences": all_zero_or_not(differences_of, False),
+    "row-sums": all_zero_or_not(gaps_of_rows, True),
+    "no-row-sums": all_zero_or_not(gaps_of_rows, False),
+    "dense-end": all_zero_or_not(gaps_of_end, True),
+    "no-dense-end": all_zero_or_not(gaps_of_end, False),
 }  # fmt: skip
 
-ORDERS = ("order", "order-identity", "effective-order", "nystrom-order")
+ORDERS = ("order", "order-identity", "effective-order", "nystrom-order", "w-order")
 SECOND = {  # claims about orders that rest on the order: their pair of rules
     "stage-order": ("stage-order-at-least", "stage-order-at-most"),
     "starting-order": ("start-at-least", "start-at-most"),
@@ -4303,6 +4596,9 @@ BOOLEAN = {  # claim: lists of rules that prove it, lists of rules that refute i
     "a-stable": ([["bounded", "a-stable"]], [["not-a-stable"], ["unbounded", "not-a-stable"]]),
     "l-stable": ([["bounded", "a-stable", "l-limit"]],
                  [["not-a-stable"], ["unbounded", "not-a-stable"], ["not-l-limit"]]),
+    "embedded-difference": ([["differences"]], [["no-differences"]]),
+    "row-sums": ([["row-sums"]], [["no-row-sums"]]),
+    "dense-end": ([["dense-end"]], [["no-dense-end"]]),
 }  # fmt: skip
 LISTS = {  # claim: rule where it holds, rule where it fails
     "abscissae": ("abscissae", "other-abscissae"),
@@ -4312,8 +4608,9 @@ LISTS = {  # claim: rule where it holds, rule where it fails
 
 ADDITIVE = {  # claims of methods for a sum of right-hand sides
     "order", "order-identity", "effective-order", "stage-order", "preconsistent", "consistent",
-    "zero-stable", "explicit",
+    "zero-stable", "explicit", "embedded-order", "embedded-difference",
 }  # fmt: skip
+ROSENBROCK = {"order", "w-order", "a-stable", "l-stable", "embedded-order", "embedded-difference"}
 STRUCTURAL = {"bounded", "explicit"}  # rules that look at exact entries only
 
 
@@ -4418,6 +4715,7 @@ class Proof:
         self.record = Record.of(document, certificate["field"], numbers)
         self.method = Method(document, self.record.numbers, certificate.get("base"))
         self.method.check_shapes()
+        self.method = self.method.for_claim(self.claim)
         self.series = self.low = self.high = self.reversal = None
         self.simple, self.stable, self.eigen, self.claim_text = (
             False,
@@ -4485,7 +4783,9 @@ class Proof:
         """Check that the parts are those of the statement (7), and each of them."""
         self.check_rules()
         results = [RULES[part["rule"]](self, as_object(part["witness"])) for part in self.parts]
-        if self.claim in ORDERS:
+        if self.claim == "embedded-order":
+            check_rows(self, results)
+        elif self.claim in ORDERS or self.claim == "dense-order":
             self.check_order(self.low and self.low[0], self.high and self.high[0])
         elif self.claim in SECOND:
             low, high = ([value for rule, value in zip(self.rules, results, strict=True)
@@ -4495,7 +4795,8 @@ class Proof:
             require(self.stable == set(self.method.parts), "V of one component is missing")
         for shown in (self.low, self.high):
             if shown and (self.claim in ORDERS or self.claim in SECOND):
-                require(shown[1:] == self.mode(), "principal or trees are not those of the claim")
+                found = shown[1], shown[2] is not False  # paths decide about Nystrom trees
+                require(found == self.mode(), "principal or trees are not those of the claim")
 
     def both_ends(self):
         """Return the rules for the two bounds of an order that rests on the order."""
@@ -4516,8 +4817,11 @@ class Proof:
 
     def check_rules(self):
         """Refuse parts that are not exactly those of the statement."""
+        kind = self.method.kind
         about = self.claim in ADDITIVE or not self.method.additive
+        about = self.claim in ROSENBROCK if kind == "rosenbrock" else about
         require(about, f"{self.claim} has no meaning for an additive method")
+        require(self.claim != "w-order" or kind == "rosenbrock", "a Rosenbrock method is needed")
         allowed = self.allowed()
         require(self.rules in allowed, f"these parts do not prove {self.claim}: {self.rules}")
 
@@ -4526,6 +4830,11 @@ class Proof:
         if self.kind in ("balls", "enclosure"):
             return self.allowed_in_intervals()
         pair = ["order-at-least", "order-at-most"]
+        if self.claim == "embedded-order":
+            return [["row"] * len(self.method.rows())]
+        if self.claim == "dense-order":
+            whole(self.declared)
+            return [["dense"]]
         if self.claim in ORDERS:
             whole(self.declared)
             ends = [] if self.holds else [[x] for x in pair]
