@@ -8,14 +8,14 @@ to a family that contains other solutions. That nothing was found is no proof.
 
 from __future__ import annotations
 
-import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from campaigns.driver import carried_out
 from glmref.catalogue.strict_json import write_json
 from glmref.derive.ansatz import Ansatz, Value
 from glmref.derive.search import search
@@ -68,7 +68,7 @@ def attempt(
     good = [x for x in ends if max(abs(v) for v in x.point) < LARGEST]
     return {
         "stages": stages,
-        "values": system.r,
+        "values": len(system.G),
         "eigenvalues": [x.eigenvalue for x in values],
         "signs": [x.sign for x in values],
         "parity": [x.parity for x in values if not x.is_pair],
@@ -82,12 +82,14 @@ def attempt(
     }
 
 
+def attempt_case(case: Mapping[str, Any]) -> dict[str, Any]:
+    """Search the ansatz of a number."""
+    return attempt(*ANSATZES[case["ansatz"]])
+
+
 def main(path: Path) -> None:
     """Search every ansatz and write the file."""
-    found = []
-    for ansatz in ANSATZES:
-        found.append(attempt(*ansatz))
-        sys.stderr.write(f"{json.dumps(found[-1])}\n")
+    found = list(carried_out(attempt_case, ({"ansatz": k} for k in range(len(ANSATZES)))))
     document = {
         "format": "glmref-measurement-1",
         "name": path.stem,

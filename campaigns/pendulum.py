@@ -45,11 +45,18 @@ CHECKPOINTS = tuple(ROWS * 4**k for k in range(20))
 def long_run(name: str, *, steps: int, h: float) -> dict[str, Any]:
     """Run one method for many steps and say how its energy fared.
 
-    Args:
-        name: of a method. steps: how many. h: step size.
+    Parameters
+    ----------
+    name : str
+        Of a method.
+    steps : int
+        How many.
+    h : float
+        Step size.
 
     Returns
     -------
+    dict[str, Any]
         A JSON-ready record: outcome, seconds, memory, law of the energy deviation, and the root
         mean square of the deviation over each doubling of time, with the size of the values beyond
         the solution where there are any; and the values (r, d) at the checkpoints.

@@ -74,12 +74,18 @@ class RoundOff:
 
     Attributes
     ----------
-        method, kernel, h: what ran.
-        steps: numbers of steps n, each twice the one before.
-        rms: root mean square of the relative deviations over n/2 .. n steps, over all invariants.
-        exponent: least squares slope of log rms against log n.
-        mean: mean deviation over the last stretch, with its sign; a drift shows here.
-        runs: how many invariants of how many problems went into it.
+    method, kernel, h
+        What ran.
+    steps : tuple[int, ...]
+        Numbers of steps n, each twice the one before.
+    rms : tuple[float, ...]
+        Root mean square of the relative deviations over n/2 .. n steps, over all invariants.
+    exponent : float
+        Least squares slope of log rms against log n.
+    mean : float
+        Mean deviation over the last stretch, with its sign; a drift shows here.
+    runs : int
+        How many invariants of how many problems went into it.
     """
 
     method: str
@@ -93,7 +99,7 @@ class RoundOff:
 
     def as_json(self) -> dict[str, Any]:
         """Return the record in JSON's types."""
-        from glmref.measure.records import finite
+        from glmref.compute.records import finite
 
         record = {key: getattr(self, key) for key in self.__dataclass_fields__}
         record |= {"steps": list(self.steps), "rms": [finite(x) for x in self.rms]}
@@ -111,16 +117,25 @@ def round_off(
 ) -> RoundOff:
     """Measure how the round-off in exactly kept quadratic invariants grows.
 
-    Args:
-        method: symplectic with one value, or with a form G.
-        problems: with quadratic invariants; several, because one walk tells little.
-        h: step size. steps: number of steps.
-        first: number of steps from which growth is fitted.
-        **options: ``engine``, ``arithmetic``, ``form`` and ``solver`` of :func:`glmref.solve`.
+    Parameters
+    ----------
+    method : GLM
+        Symplectic with one value, or with a form G.
+    problems : Sequence[Problem]
+        With quadratic invariants; several, because one walk tells little.
+    h : float
+        Step size.
+    steps : int
+        Number of steps.
+    first : int
+        Number of steps from which growth is fitted.
+    **options : Any
+        ``engine``, ``arithmetic``, ``form`` and ``solver`` of :func:`glmref.solve`.
 
     Raises
     ------
-        UsageError: for a method without a form, problems without invariants, or a run that fails.
+    UsageError
+        For a method without a form, problems without invariants, or a run that fails.
     """
     if method.r > 1 and method.G is None:
         raise UsageError(
@@ -187,9 +202,14 @@ def rows(
     The exact form, compensated, is measured on eight bodies, because the exponent of a random walk
     takes many of them; the others, which drift or are far larger, on three.
 
-    Args:
-        methods: names. steps: number of steps.
-        known: rows that exist; they are passed on as they are.
+    Parameters
+    ----------
+    methods : Sequence[str]
+        names.
+    steps : int
+        Number of steps.
+    known : Sequence[Row]
+        Rows that exist; they are passed on as they are.
     """
     done = {(row["method"], row["variant"], row["steps"][-1]): row for row in known}
     for name in methods:

@@ -20,13 +20,16 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import fingerprint
+from campaigns.driver import carried_out, fingerprint
 from glmref.catalogue.lookup import document, load, names
 from glmref.catalogue.strict_json import write_json
 from glmref.measure.stability import amplification, bounded, interval, locus, radius
 from glmref.measure.timing import circumstances
 from glmref.method import GLM, PartitionedGLM
 from glmref.theory.stability import oscillator
+
+#: Classes that have no region of one variable, or whose linear form is a method of its own.
+WITHOUT = ("additive", "rosenbrock")
 
 __all__ = ["FORMAT", "main", "row", "simplified"]
 
@@ -48,9 +51,10 @@ def row(method: Any) -> dict[str, Any]:
 
     Returns
     -------
+    dict[str, Any]
         ``reach``, half the side of the box; ``rings``, polygons in it; ``imaginary`` and ``real``,
-        ends of the stable parts of the imaginary and the negative real axis, :data:`FAR` where
-        none was seen. Of a pair ``reach``, ``moduli``, curves of moduli against h omega, and
+        ends of the stable parts of the imaginary and the negative real axis, :data:`FAR` where none
+        was seen. Of a pair ``reach``, ``moduli``, curves of moduli against h omega, and
         ``oscillation``, the end of the stable part.
     """
     if isinstance(method, PartitionedGLM):
@@ -251,7 +255,12 @@ def _moduli(whole: GLM, reach: float) -> list[list[Point]]:
 
 def names_with_region() -> list[str]:
     """Methods whose stability depends on one number z: a method of k parts has z_1, ..., z_k."""
-    return [name for name in names("methods") if document(name)["class"] != "additive"]
+    return [name for name in names("methods") if document(name)["class"] not in WITHOUT]
+
+
+def row_of(case: Mapping[str, Any]) -> dict[str, Any]:
+    """The row of a method by its name."""
+    return row(load(case["method"]))
 
 
 def main(path: Path) -> int:
@@ -260,14 +269,14 @@ def main(path: Path) -> int:
     if path.is_file():
         file = json.loads(path.read_text(encoding="utf-8"))
     stored = file.get("methods", {})
-    rows, measured = {}, 0
-    for name in names_with_region():
-        mark = fingerprint(name)
-        known = stored.get(name, {})
-        if known.get("fingerprint") != mark:
-            known = {"fingerprint": mark, **row(load(name))}
-            measured += 1
-        rows[name] = known
+    marks = {name: fingerprint(name) for name in names_with_region()}
+    missing = [x for x, mark in marks.items() if stored.get(x, {}).get("fingerprint") != mark]
+    new = dict(zip(missing, carried_out(row_of, ({"method": x} for x in missing)), strict=True))
+    rows = {
+        name: {"fingerprint": mark, **new[name]} if name in new else stored[name]
+        for name, mark in marks.items()
+    }
+    measured = len(missing)
     document = {
         "format": FORMAT,
         "name": "stability",

@@ -20,10 +20,10 @@ import numpy as np
 
 from glmref.catalogue.lookup import load
 from glmref.catalogue.strict_json import write_json
+from glmref.compute.records import finite
 from glmref.engine.kernel import Kernel, prepare
 from glmref.errors import UsageError
 from glmref.measure.attempt import attempt
-from glmref.measure.records import finite
 from glmref.measure.timing import circumstances
 from glmref.measure.work_precision import reference_state, state_error
 from glmref.method import GLM
@@ -53,9 +53,13 @@ class Matrices:
 
     Attributes
     ----------
-        size: rows of the largest. distinct: how many are factored for each Jacobian.
-        inline: whether they are written out and inverted in place, afresh at every stage (up to
-            three unknowns), instead of kept from step to step.
+    size : int
+        Rows of the largest.
+    distinct : int
+        How many are factored for each Jacobian.
+    inline : bool
+        Whether they are written out and inverted in place, afresh at every stage (up to three
+        unknowns), instead of kept from step to step.
     """
 
     size: int
@@ -69,11 +73,26 @@ class StiffCost:
 
     Attributes
     ----------
-        name: method or solver. problem: what was solved. t_end: end of the run.
-        h: step size, or ``None`` for an adaptive solver. tolerance: relative, of an adaptive one.
-        outcome: how it ended. error: of the last state, relative.
-        evaluations: of the right-hand side. jacobians: evaluated. matrices: factored, each of
-            ``size`` rows.
+    name : str
+        Method or solver.
+    problem : str
+        What was solved.
+    t_end : float
+        End of the run.
+    h : float or None
+        Step size, or ``None`` for an adaptive solver.
+    tolerance : float or None
+        Relative, of an adaptive one.
+    outcome : str
+        How it ended.
+    error : float or None
+        Of the last state, relative.
+    evaluations : int
+        Of the right-hand side.
+    jacobians : int
+        evaluated.
+    matrices : int
+        Factored, each of ``size`` rows.
     """
 
     name: str
@@ -99,7 +118,8 @@ def matrices_of(method: GLM, problem: Problem, *, h: float) -> Matrices:
 
     Raises
     ------
-        UsageError: for a method without implicit stages.
+    UsageError
+        For a method without implicit stages.
     """
     kernel = prepare(method, problem, h=h, solver="newton")
     return _matrices(kernel)
@@ -112,11 +132,12 @@ def _matrices(kernel: Kernel) -> Matrices:
     places = [
         line.strip()
         for line in kernel.source.text.splitlines()
-        if line.strip().startswith("factor(")
+        if line.strip().startswith(("factor(", "complex_factor("))
     ]
     if not places:
         return Matrices(unknowns, 1, True)
-    rows = {int(place.partition("reshape((")[2].partition(",")[0]) for place in places}
+    # after the arrays come the size, the numbers of diagonals and how the array is laid out
+    rows = {int(place.rpartition("],")[2].split(",")[0]) for place in places}
     return Matrices(max(rows), len(set(places)), False)
 
 

@@ -122,6 +122,7 @@ def test_the_laws_follow_from_the_samples():
     assert kind_of(slope(walk)) == "random walk"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "h"), [("g6245", 0.05), ("gauss-3", 0.1), ("rk4", 0.1)])
 def test_the_first_million_steps_pass_through_the_states_of_the_record(name, h):
     """Another machine rounds the sine differently: 1e-17 in each increment.

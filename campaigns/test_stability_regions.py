@@ -100,6 +100,7 @@ def numbers(found):
     return [*flat, *(x for x in found.values() if isinstance(x, float))]
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", SAMPLE)
 def test_what_is_stored_is_what_is_measured(name):
     found, stored = row(load(name)), dict(STORED["methods"][name])

@@ -24,12 +24,12 @@ import numpy as np
 
 from glmref.catalogue.lookup import load
 from glmref.catalogue.strict_json import write_json
+from glmref.compute.records import finite
 from glmref.engine.kernel import Kernel, prepare
 from glmref.engine.outcome import Outcome
 from glmref.engine.reference import Stepper, apply_finish, stepper
 from glmref.engine.start import starting_values
 from glmref.errors import GlmrefError
-from glmref.measure.records import finite
 from glmref.measure.timing import circumstances
 from glmref.measure.work_precision import Reference, reference_state, state_error
 from glmref.method import GLM
@@ -75,8 +75,16 @@ class Case:
 
     Attributes
     ----------
-        name: key of the record. build: the problem. t_end: final time.
-        first: step number of the first rung. methods: those compared on it; all where empty.
+    name : str
+        Key of the record.
+    build : Callable[[], Problem]
+        The problem.
+    t_end : float
+        Final time.
+    first : int
+        Step number of the first rung.
+    methods : Sequence[str]
+        Those compared on it; all where empty.
     """
 
     name: str
@@ -228,8 +236,12 @@ def rounded(value: float) -> float:
 class Comparison:
     """All methods on one problem: the ladders are climbed at once, the timing is apart.
 
-    Args:
-        case: the problem. names: methods.
+    Parameters
+    ----------
+    case : Case
+        The problem.
+    names : Sequence[str]
+        methods.
     """
 
     def __init__(self, case: Case, names: Sequence[str]) -> None:

@@ -22,6 +22,7 @@ from typing import Any
 
 import numpy as np
 
+from campaigns.driver import carried_out
 from campaigns.order6.compare import METHODS, rounded
 from glmref.catalogue.lookup import load
 from glmref.catalogue.strict_json import write_json
@@ -66,12 +67,26 @@ class LongRun:
 
     Attributes
     ----------
-        method, run: what was run. h: step size. steps: completed. outcome: by name.
-        energy: largest relative error of H; energy_early: the same in the first hundredth.
-        parasitic: largest Euclidean norm of the parasitic part, relative to y_0; parasitic_early.
-        bounded: whether both stay within :data:`FACTOR` of their early size.
-        lost: time at which the parasitic part first exceeds FACTOR times its early size.
-        rate: exponential rate of growth of a nudged parasitic part, for each unit of time.
+    method, run : str
+        What was run.
+    h : float
+        Step size.
+    steps : int
+        completed.
+    outcome : str
+        By name.
+    energy : float
+        Largest relative error of H.
+    energy_early : float
+        The same in the first hundredth.
+    parasitic : float
+        Largest Euclidean norm of the parasitic part, relative to y_0; parasitic_early.
+    bounded : bool
+        Whether both stay within :data:`FACTOR` of their early size.
+    lost : float or None
+        Time at which the parasitic part first exceeds FACTOR times its early size.
+    rate : float or None
+        Exponential rate of growth of a nudged parasitic part, for each unit of time.
     """
 
     method: str
@@ -115,8 +130,14 @@ def parasitic_part(engine: Stepper, values: np.ndarray, h: float) -> tuple[np.nd
 def long_run(name: str, run: str, *, h: float = 0.1, steps: int = STEPS) -> LongRun:
     """Run one method on one of :data:`RUNS`.
 
-    Args:
-        name: of a method with a starting method. run: key of RUNS. h, steps: how far.
+    Parameters
+    ----------
+    name : str
+        Of a method with a starting method.
+    run : str
+        Key of RUNS.
+    h, steps
+        How far.
     """
     subject, method = RUNS[run](), load(name)
     assert isinstance(method, GLM)
@@ -206,15 +227,17 @@ def _gone(part: Solution, unit: float) -> bool:
     return not bool(np.isfinite(values).all()) or float(np.linalg.norm(values[1:])) > 10 * unit
 
 
+def row(case: Mapping[str, Any]) -> dict[str, Any]:
+    """One run of one method, with the rate at which its parasitic part grows."""
+    name, run = case["method"], case["run"]
+    return replace(long_run(name, run), rate=growth_rate(name, run)).as_json()
+
+
 def main(path: Path) -> None:
     """Run everything and write the file."""
     groups = ("order 6, general linear", "order 8, general linear")
-    runs = []
-    for run in RUNS:
-        for name in (name for group in groups for name in METHODS[group]):
-            found = replace(long_run(name, run), rate=growth_rate(name, run))
-            sys.stderr.write(f"{run} {name}: {'bounded' if found.bounded else 'not bounded'}\n")
-            runs.append(found.as_json())
+    names = [name for group in groups for name in METHODS[group]]
+    runs = list(carried_out(row, ({"run": run, "method": x} for run in RUNS for x in names)))
     document = {
         "format": "glmref-measurement-1",
         "name": path.stem,

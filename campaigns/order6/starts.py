@@ -43,8 +43,10 @@ T_END = 20.0
 def begin(kind: str, engine: Stepper, y0: np.ndarray, h: Any) -> tuple[np.ndarray, int]:
     """Starting values (r, d) and the evaluations they cost.
 
-    Args:
-        kind: ``"zero"``, ``"explicit"``, ``"enhanced k"`` or ``"iterated k"``.
+    Parameters
+    ----------
+    kind : str
+        ``"zero"``, ``"explicit"``, ``"enhanced k"`` or ``"iterated k"``.
     """
     name, _, passes = kind.partition(" ")
     if name == "enhanced":

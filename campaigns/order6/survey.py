@@ -20,15 +20,15 @@ parasitic
 from __future__ import annotations
 
 import cmath
-import json
 import math
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from campaigns.driver import carried_out
 from glmref.catalogue.lookup import document, load, names
 from glmref.catalogue.strict_json import write_json
 from glmref.method import GLM
@@ -124,12 +124,14 @@ def _rounded(value: Any) -> Any:
     return [_rounded(x) for x in value] if isinstance(value, list) else value
 
 
+def row(case: Mapping[str, Any]) -> dict[str, Any]:
+    """The rounded record of one method."""
+    return _rounded(record(case["method"]))
+
+
 def main(path: Path) -> None:
     """Compute all records and write the file."""
-    records = []
-    for name in (*methods(), *NEIGHBOURS):
-        records.append(_rounded(record(name)))
-        sys.stderr.write(f"{json.dumps(records[-1])}\n")
+    records = list(carried_out(row, ({"method": x} for x in (*methods(), *NEIGHBOURS))))
     out = {
         "format": "glmref-measurement-1",
         "name": path.stem,

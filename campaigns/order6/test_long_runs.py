@@ -1,4 +1,4 @@
-"""What docs/order6.md recommends for long runs follows from ten million steps, and a million agree.
+"""What the page recommends for long runs follows from ten million steps, and a million agree.
 
 ``data/measurements/long-runs.json`` holds the ten million; here the same code runs a tenth of it
 for the methods that the page names, and measures one rate of growth of second order in h again.
@@ -23,7 +23,7 @@ LONG_RUNS = json.loads(
     (data_root() / "measurements" / "long-runs.json").read_text(encoding="utf-8")
 )
 RECORD = LONG_RUNS["runs"]
-PAGE = (Path(__file__).parents[2] / "docs" / "order6.md").read_text(encoding="utf-8")
+PAGE = " ".join((Path(__file__).parent / "README.md").read_text(encoding="utf-8").split())
 PENDULUM = "pendulum-2.3"
 #: What two million steps can tell from no growth: the page says so.
 SEEN = 1.5e-6
@@ -57,7 +57,7 @@ def steady(record: Sequence[Record]) -> list[str]:
 def named(before: str, after: str) -> list[str]:
     """Methods between two phrases of the page, in order."""
     found = re.search(rf"{before}(.*?){after}", PAGE, re.DOTALL)
-    assert found is not None, f"docs/order6.md lacks a sentence between {before!r} and {after!r}"
+    assert found is not None, f"the page lacks a sentence between {before!r} and {after!r}"
     return re.findall(r"`([^`]+)`", found[1])
 
 

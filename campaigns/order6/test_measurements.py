@@ -162,7 +162,7 @@ LONG_RUNS = json.loads(
 
 
 def test_the_rate_of_growth_goes_with_the_square_of_h_and_not_with_the_nudge() -> None:
-    """The scan of docs/order6.md; that the rates are those of the code, see tests/evidence."""
+    """The scan of README.md; that the rates are those of the code, see tests/evidence."""
     scan = LONG_RUNS["scan"]
     rates = {x["h"]: x["rate"] for x in scan if x["nudge"] == LONG_RUNS["nudge"]}
     # exp(c h^2 t + O(h^3) t) with one c: what is left is the sampling of the maxima, which moves

@@ -56,6 +56,7 @@ __all__ = [
     "Case",
     "Long",
     "add",
+    "follow_at",
     "follow_method",
     "follow_pair",
     "grown",
@@ -131,9 +132,14 @@ class Long:
 
     Attributes
     ----------
-        pair, problem, h, steps: what was run. outcome: how it ended.
-        marks: numbers of steps. energy, carried: largest relative energy error and largest
-            absolute entry of the values 2..r up to each.
+    pair, problem, h, steps
+        What was run.
+    outcome : str
+        How it ended.
+    marks : tuple[int, ...]
+        Numbers of steps.
+    energy, carried : tuple[float, ...]
+        Largest relative energy error and largest absolute entry of the values 2..r up to each.
     """
 
     pair: str
@@ -193,9 +199,12 @@ def step_size(name: str, case: Case) -> float:
 def follow_pair(name: str, case: Case, steps: int = STEPS, *, start: str | None = "zero") -> Long:
     """Run a pair and record energy and carried values.
 
-    Args:
-        steps: a power of ten from 10^4 on. start: ``"zero"`` values, or ``None`` for the starting
-            method of the file.
+    Parameters
+    ----------
+    steps : int
+        A power of ten from 10^4 on.
+    start : str or None
+        ``"zero"`` values, or ``None`` for the starting method of the file.
     """
     h = case.per_evaluation * load(name).n_Q  # type: ignore[union-attr]
     return _followed(name, case, h, steps, start=start)
@@ -223,6 +232,11 @@ def follow_method(name: str, case: Case, steps: int = STEPS, *, restart: int = 0
         part (:func:`.long_order6.parasitic_part`) for general linear methods.
     """
     return _followed(name, case, step_size(name, case), steps, restart=restart)
+
+
+def follow_at(name: str, case: Case, h: float, steps: int = STEPS) -> Long:
+    """Run a method from its default start at a given step size: :func:`follow_method` else."""
+    return _followed(name, case, h, steps)
 
 
 def _followed(
@@ -294,7 +308,8 @@ def add(path: Path, name: str, cases: Sequence[Case] = CASES, steps: int = STEPS
 
     Raises
     ------
-        UsageError: when the catalogue has no such explicit pair.
+    UsageError
+        When the catalogue has no such explicit pair.
     """
     order = pair_names()
     if name not in order:

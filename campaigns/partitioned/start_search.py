@@ -19,9 +19,10 @@ from typing import Any
 import numpy as np
 
 from glmref.derive.parameters import pivots
+from glmref.derive.parity_start import expanded
 from glmref.derive.search import Found, evaluate, search
 from glmref.errors import UsageError
-from glmref.prove.partitioned_starting import PairTarget, expanded, start_function, start_system
+from glmref.prove.starting import Target, starting_function, starting_system
 
 __all__ = ["fixed_start", "general_start", "search_start"]
 
@@ -30,18 +31,22 @@ WIDTH = 0.4
 
 
 def general_start(pairs: int) -> dict[str, list[list[str]]]:
-    """One stage of each pair of every explicit start, for :func:`~.pair_start.expanded`.
+    """One stage of each pair of every explicit start, for :func:`.parity_start.expanded`.
 
-    Args:
-        pairs: of stages Q, and as many of stages P.
+    Parameters
+    ----------
+    pairs : int
+        Of stages Q, and as many of stages P.
 
     Returns
     -------
+    dict[str, list[list[str]]]
         Every coefficient a decimal of its own, which stands for an unknown.
 
     Raises
     ------
-        UsageError: for a number of pairs out of range.
+    UsageError
+        For a number of pairs out of range.
     """
     if not 1 <= pairs <= 20:
         raise UsageError(f"`pairs` must lie between 1 and 20, got {pairs}")
@@ -60,30 +65,34 @@ def general_start(pairs: int) -> dict[str, list[list[str]]]:
     }
 
 
-def _weighted(pairs: int, target: PairTarget) -> tuple[Any, int]:
+def _weighted(pairs: int, target: Target) -> tuple[Any, int]:
     """The conditions times the density of their trees, and the number of unknowns.
 
     Without the factor high orders would hardly count.
     """
     block = expanded(general_start(pairs))
-    conditions = start_function(block, target)
-    weights = [t.density for t, zeta in target.zeta.items() for _ in zeta[1:]]
+    conditions = starting_function(block, target)
+    weights = [t.density for k, _, t in target.conditions() if k > 0]
 
     def residuals(values: Sequence[Any]) -> list[Any]:
         return [x * w for x, w in zip(conditions(values), weights, strict=True)]
 
-    return residuals, len(start_system(block).unknowns)
+    return residuals, len(starting_system(block).unknowns)
 
 
 def search_start(
-    target: PairTarget, pairs: int, *, seed: int, starts: int, iterations: int = 300
+    target: Target, pairs: int, *, seed: int, starts: int, iterations: int = 300
 ) -> Iterator[Found]:
     """Solve the conditions from random coefficients, reproducibly.
 
-    Args:
-        target: of a pair that carries two values of q and two of p. pairs: see
-            :func:`general_start`. seed, starts, iterations: see
-            :func:`~glmref.derive.search.search`.
+    Parameters
+    ----------
+    target : Target
+        Of a pair that carries two values of q and two of p.
+    pairs : int
+        See :func:`general_start`.
+    seed, starts, iterations : int
+        See :func:`~glmref.derive.search.search`.
     """
     residuals, size = _weighted(pairs, target)
 
@@ -94,22 +103,25 @@ def search_start(
 
 
 def fixed_start(
-    target: PairTarget, pairs: int, point: Sequence[float], *, places: int = 3
+    target: Target, pairs: int, point: Sequence[float], *, places: int = 3
 ) -> dict[str, list[list[str]]]:
     """Fix as many coefficients at short fractions as are free; the others are rough decimals.
 
-    Args:
-        point: a solution that :func:`search_start` found.
+    Parameters
+    ----------
+    point : Sequence[float]
+        A solution that :func:`search_start` found.
 
     Returns
     -------
-        What :func:`~.pair_start.complete_start` polishes and proves.
+    dict[str, list[list[str]]]
+        What :func:`~glmref.derive.parity_start.complete` polishes and proves.
     """
     residuals, _ = _weighted(pairs, target)
     _, jacobians = evaluate(residuals, np.array([point], dtype=float))
     free = set(pivots(jacobians[0]))
     half = general_start(pairs)
-    order = start_system(expanded(half)).unknowns
+    order = starting_system(expanded(half)).unknowns
     texts: Mapping[str, str] = {
         name: str(Fraction(round(x * 10**places), 10**places)) if k in free else f"{x:.14f}"
         for k, (name, x) in enumerate(zip(order, point, strict=True))

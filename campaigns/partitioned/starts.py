@@ -63,9 +63,13 @@ class Misses:
 
     Attributes
     ----------
-        carried: of the values 2..r at the start. first: of the first values at the end, over the
-            last two steps. Each for the zero start and for that of the file.
-        evaluations: of k and of f by the start of the file.
+    carried : tuple[float, float]
+        Of the values 2..r at the start.
+    first : tuple[float, float]
+        Of the first values at the end, over the last two steps. Each for the zero start and for
+        that of the file.
+    evaluations : tuple[int, int]
+        Of k and of f by the start of the file.
     """
 
     carried: tuple[float, float]
@@ -76,8 +80,12 @@ class Misses:
 def misses(name: str, h: Fraction, *, of: str = "pendulum", end: int = 1) -> Misses:
     """Compare both starts with exact starting values, see the module docstring.
 
-    Args:
-        h: step size; ``end / h`` is a whole number of steps. of: a key of :data:`SUBJECTS`.
+    Parameters
+    ----------
+    h : Fraction
+        Step size; ``end / h`` is a whole number of steps.
+    of : str
+        A key of :data:`SUBJECTS`.
     """
     pair = load(name)
     assert isinstance(pair, PartitionedGLM) and pair.starting is not None
@@ -186,8 +194,12 @@ def starts_table(document: Mapping[str, Any]) -> str:
 def runs_table(document: Mapping[str, Any], zero: Mapping[str, Any]) -> str:
     """Ten million steps from both starts: energy error and carried values, in Markdown.
 
-    Args:
-        document: of :func:`main`. zero: of :mod:`.pair_long`.
+    Parameters
+    ----------
+    document : Mapping[str, Any]
+        Of :func:`main`.
+    zero : Mapping[str, Any]
+        Of :mod:`.pair_long`.
     """
     lines = [
         "| pair | problem | energy: zero | own | carried: zero | own | bounded: zero | own |",

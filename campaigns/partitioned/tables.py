@@ -1,4 +1,8 @@
-"""The measurements of pairs as tables in Markdown: what docs/pairs.md shows.
+"""The tables of campaigns/partitioned/README.md, docs/pairs.md and docs/pairs-theory.md.
+
+    python -m campaigns.partitioned.tables
+
+computes them anew from the files in data/measurements and data/methods/partitioned.
 
 Public names::
 
@@ -7,24 +11,54 @@ Public names::
     long_table(document) -> str                  ten million steps
     one_pair_table(document, names, tolerance)   ratios of single pairs to the best other method
     start_table(document, cases, tolerance) -> str       zero and enhanced starts
+    shipped_table(records) -> str                every pair: cost, and where it grows
+    growth_table() -> str                        parasitic growth of second order
     best(case, names, tolerance, key) -> (name, number) or None
+    ratios(case, name, tolerance)
+    PAGES                                        page -> name of a table -> what writes it
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import json
+import math
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
+
+from campaigns.pages import filled
+from campaigns.partitioned.long_runs import (
+    FURTHER,
+    ONE_VALUE,
+    RESTARTED,
+    kepler_table,
+    pair_names,
+)
+from campaigns.partitioned.starts import runs_table, starts_table
+from campaigns.partitioned.work import CASES, PAIRS
+from glmref.catalogue.lookup import data_root, load
+from glmref.catalogue.lookup import document as file_of
+from glmref.theory.periodicity import periodicity
+from glmref.theory.stability import parasitic_curvature
 
 __all__ = [
     "GROUPS",
+    "PAGES",
+    "RECOMMENDED",
     "best",
+    "growth_table",
     "long_table",
+    "main",
     "needs_table",
     "one_pair_table",
+    "ratios",
+    "record",
+    "shipped_table",
     "start_table",
     "time_table",
 ]
 
+ROOT = Path(__file__).resolve().parents[2]
 #: Column -> the methods it stands for; the best of them is shown.
 GROUPS: Mapping[str, Sequence[str]] = {
     "Störmer-Verlet": ("stormer-verlet",),
@@ -51,9 +85,14 @@ def best(
 ) -> tuple[str, float] | None:
     """Return the method that needs least, from zero starts, with the number.
 
-    Args:
-        case: an entry of ``cases`` in data/measurements/pairs.json. tolerance: ``"1e-09"``.
-        key: ``"needed"`` for evaluations, ``"seconds"`` for times.
+    Parameters
+    ----------
+    case : Mapping[str, Any]
+        An entry of ``cases`` in data/measurements/pairs.json.
+    tolerance : str
+        ``"1e-09"``.
+    key : str
+        ``"needed"`` for evaluations, ``"seconds"`` for times.
     """
     found = [
         (row[key][tolerance], row["method"])
@@ -96,18 +135,24 @@ def time_table(document: Mapping[str, Any], tolerance: str) -> str:
     return _rows(document, tolerance, "seconds", lambda x: f"{1e3 * x:.3g}")
 
 
+def ratios(document: Mapping[str, Any], name: str, tolerance: str) -> dict[str, float]:
+    """Case -> evaluations of a method over those of the best other, where both reach it."""
+    others = [one for group in GROUPS.values() for one in group]
+    found = {}
+    for case in document["cases"]:
+        ours, theirs = best(case, (name,), tolerance), best(case, others, tolerance)
+        if ours is not None and theirs is not None:
+            found[case["case"]] = ours[1] / theirs[1]
+    return found
+
+
 def one_pair_table(document: Mapping[str, Any], names: Sequence[str], tolerance: str) -> str:
     """Evaluations of single pairs over those of the best other method, by case."""
-    others = [name for group in GROUPS.values() for name in group]
     lines = ["| case | " + " | ".join(names) + " |", "|---" * (len(names) + 1) + "|"]
-    for case in document["cases"]:
-        theirs = best(case, others, tolerance)
-        cells = []
-        for name in names:
-            ours = best(case, (name,), tolerance)
-            both = ours is not None and theirs is not None
-            cells.append(f"{ours[1] / theirs[1]:.2f}" if both else "-")  # type: ignore[index]
-        lines.append(f"| {case['case']} | " + " | ".join(cells) + " |")
+    found = [ratios(document, name, tolerance) for name in names]
+    for case in (case["case"] for case in document["cases"]):
+        cells = [f"{one[case]:.2f}" if case in one else "-" for one in found]
+        lines.append(f"| {case} | " + " | ".join(cells) + " |")
     return "\n".join(lines) + "\n"
 
 
@@ -148,3 +193,129 @@ def _ending(run: Mapping[str, Any]) -> str:
     """Say that a run is not bounded, and where it ended if it did not reach the last mark."""
     early = run["steps"] < run["marks"][-1]
     return f"no: {run['outcome']} after {run['steps']:,} steps" if early else "no"
+
+
+#: Problem of a long run -> how a table calls it.
+_CALLED = {"pendulum": "pendulum", "henon-heiles": "Hénon-Heiles", "kepler": "Kepler"}
+#: Pairs that docs/choose.md recommends for runs of up to 100,000 steps.
+RECOMMENDED = ("pair-6-8", "pair-6-9", "pair-rkn-6-7b", "pair-rkn-6-8b")
+#: Cases that say nothing of a pair: both tolerances are met at the coarsest step of ``n-body``.
+_SILENT = ("n-body",)
+
+
+def _growth(runs: Sequence[Mapping[str, Any]]) -> dict[str, str]:
+    """Pair -> the problems on which a run of it is not bounded."""
+    found: dict[str, dict[str, None]] = {}
+    for run in runs:
+        if not run["bounded"]:
+            found.setdefault(run["method"], {})[_CALLED[run["problem"]]] = None
+    return {name: ", ".join(problems) for name, problems in found.items()}
+
+
+def shipped_table(records: Mapping[str, Mapping[str, Any]]) -> str:
+    """Every pair of the catalogue: order, cost against the best splitting, and where it grows.
+
+    Parameters
+    ----------
+    records
+        Name of a measurement -> its file: ``pairs``, ``pairs-long``, ``pairs-starts`` and
+        ``kepler-long``.
+    """
+    own, kepler = records["pairs-starts"], records["kepler-long"]
+    started = {run["method"] for run in own["runs"]}
+    zero = [x for x in records["pairs-long"]["runs"] if x["method"] not in started]
+    ten = _growth([*own["runs"], *zero, *kepler["runs"]])
+    hundred = _growth([*own["further"], *kepler["further"]])
+    heads = (
+        *("pair", "order", "order on $q'' = g(q)$", "force evaluations a step"),
+        *("evaluations over the best splitting's", "fewer on"),
+        *("grows within $10^7$ steps on", "within $10^8$ also on"),
+    )
+    lines = [f"| {' | '.join(heads)} |", "|" + "---|" * len(heads)]
+    for name in PAIRS:
+        file = file_of(name)
+        claims, order = file["claims"], file["claims"]["order"]
+        second = claims.get("nystrom-order", order)
+        silent = (*_SILENT, "lotka-volterra") if second > order else _SILENT
+        mine = {x: r for x, r in ratios(records["pairs"], name, "1e-09").items() if x not in silent}
+        mean = math.prod(mine.values()) ** (1 / len(mine))
+        cells = (
+            *(f"**`{name}`**" if name in RECOMMENDED else f"`{name}`", order, second),
+            *(file["stages"].count("Q"), f"{mean:.2f}"),
+            f"{sum(r < 1 for r in mine.values())} of {len(mine)}",
+            *(ten.get(name, "-"), hundred.get(name, "-")),
+        )
+        lines.append("| " + " | ".join(map(str, cells)) + " |")
+    return "\n".join(lines)
+
+
+def growth_table() -> str:
+    """Parasitic growth of second order on the oscillator: its sign and the periodicity interval."""
+    lines = [
+        "| pair | order | stages Q | $\\kappa$ | periodic to $y$ | order of zero start | remark |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for name in PAIRS:
+        pair, file = load(name), file_of(name)
+        claims, kappa = file["claims"], float(parasitic_curvature(pair))
+        second = claims.get("nystrom-order", claims["order"])
+        order = f"{second} ({claims['order']})" if second > claims["order"] else f"{second}"
+        # every pair is G-symplectic, by its claims: the eigenvalues lie in pairs w, 1/w
+        end = periodicity(pair, conserving=True).value if kappa > 0 else 0.0
+        both = {"start f[k] 2", "start k[f] 2"} <= set(file["enclosure"]["equations"])
+        remark = ""
+        if kappa < 0:
+            digits, exponent = f"{math.sqrt(-kappa):.2e}".split("e")
+            remark = rf"$\vert w\vert - 1 = {digits} \cdot 10^{{{int(exponent)}}} y^3$"
+        cells = (
+            *(f"`{name}`", order, file["stages"].count("Q"), f"{kappa:.2e}"),
+            *("-" if end is None else f"{end:.5g}", 3 if both else 1, remark),
+        )
+        lines.append("| " + " | ".join(map(str, cells)) + " |")
+    return "\n".join(lines)
+
+
+def record(name: str) -> dict[str, Any]:
+    """Return a file of data/measurements."""
+    path = data_root() / "measurements" / f"{name}.json"
+    found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    return found
+
+
+_TIMED = [case.name for case in CASES if case.timed]
+_SINGLE = (
+    *("pair-6-7", "pair-6-8", "pair-8-24", "pair-rkn-6-7b", "pair-rkn-6-8b", "pair-rkn-8-16"),
+)
+_SHIPPED = ("pairs", "pairs-long", "pairs-starts", "kepler-long")
+#: Page -> name of a table -> what writes it.
+PAGES: Mapping[Path, Mapping[str, Callable[[], str]]] = {
+    ROOT / "campaigns" / "partitioned" / "README.md": {
+        "evaluations-9": lambda: needs_table(record("pairs"), "1e-09"),
+        "evaluations-6": lambda: needs_table(record("pairs"), "1e-06"),
+        "one-pair": lambda: one_pair_table(record("pairs"), _SINGLE, "1e-09"),
+        "starts": lambda: starts_table(record("pairs-starts")),
+        "enhanced-start": lambda: start_table(record("pairs"), _TIMED, "1e-09"),
+        "times": lambda: time_table(record("pairs"), "1e-09"),
+        "long-runs": lambda: long_table(record("pairs-long")),
+        "long-runs-own-start": lambda: runs_table(record("pairs-starts"), record("pairs-long")),
+        "kepler-long": lambda: kepler_table(
+            record("kepler-long")["runs"], [*pair_names(), *ONE_VALUE]
+        ),
+        "kepler-restarted": lambda: kepler_table(record("kepler-long")["restarted"], RESTARTED),
+        "kepler-further": lambda: kepler_table(record("kepler-long")["further"], FURTHER),
+    },
+    ROOT / "docs" / "pairs.md": {
+        "shipped": lambda: shipped_table({x: record(x) for x in _SHIPPED}),
+    },
+    ROOT / "docs" / "pairs-theory.md": {"growth": growth_table},
+}
+
+
+def main() -> None:
+    """Put the tables into their pages."""
+    for page, tables in PAGES.items():
+        page.write_text(filled(page.read_text(encoding="utf-8"), tables), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

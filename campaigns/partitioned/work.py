@@ -37,6 +37,7 @@ from campaigns.partitioned.long_runs import three_digits
 from glmref.catalogue.lookup import load
 from glmref.catalogue.strict_json import write_json
 from glmref.engine.outcome import Solution, StartFailed
+from glmref.engine.partitioned_forms import pair_form
 from glmref.engine.solve import solve
 from glmref.errors import UsageError
 from glmref.measure.timing import circumstances
@@ -78,11 +79,19 @@ class Case:
 
     Attributes
     ----------
-        name: one word. problem, parameters: of the catalogue. t_end: time, from its beginning.
-        least: evaluations at which the grid begins.
-        measure: ``"state"``: Euclidean error of the last state, relative; ``"energy"``: largest
-            error of H over 64 samples, relative (where the motion is chaotic or the time long).
-        timed: whether times are taken too.
+    name : str
+        One word.
+    problem, parameters
+        Of the catalogue.
+    t_end : float
+        Time, from its beginning.
+    least : int
+        Evaluations at which the grid begins.
+    measure : str
+        ``"state"``: Euclidean error of the last state, relative; ``"energy"``: largest error of H
+        over 64 samples, relative (where the motion is chaotic or the time long).
+    timed : bool
+        Whether times are taken too.
     """
 
     name: str
@@ -141,11 +150,18 @@ class Need:
 
     Attributes
     ----------
-        method: its name. start: ``"zero"`` or ``"enhanced"`` for pairs, ``""`` for splittings.
-        curve: (evaluations of the steps, error) for each step size, coarse to fine.
-        start_evaluations: what the start costs.
-        needed: tolerance -> evaluations of the steps; missing where it was not reached.
-        seconds: tolerance -> median time of the steps at that many evaluations.
+    method : str
+        Its name.
+    start : str
+        ``"zero"`` or ``"enhanced"`` for pairs, ``""`` for splittings.
+    curve : tuple[tuple[int, float], ...]
+        (evaluations of the steps, error) for each step size, coarse to fine.
+    start_evaluations : int
+        What the start costs.
+    needed : dict[float, float]
+        Tolerance -> evaluations of the steps; missing where it was not reached.
+    seconds : dict[float, float]
+        Tolerance -> median time of the steps at that many evaluations.
     """
 
     method: str
@@ -185,10 +201,8 @@ def _error(case: Case) -> Callable[[Solution], float]:
 
 def _per_step(method: str) -> int:
     """Evaluations of a step; one less where the last of a step is the first of the next."""
-    pair = _method(method)
-    document = pair.document or {}
-    reused = document.get("class") == "splitting" and document.get("first") == "p"
-    return max(1, pair.n_Q - 1 if reused and len(document["b"]) > len(document["a"]) else pair.n_Q)
+    form = pair_form(_method(method))
+    return max(1, form.Q.n - form.reuses_force)
 
 
 def needs(case: Case, methods: Sequence[str] = METHODS) -> list[Need]:
@@ -325,7 +339,8 @@ def add(path: Path, method: str, cases: Sequence[Case] = CASES) -> None:
 
     Raises
     ------
-        UsageError: when the method is not one of :data:`METHODS`.
+    UsageError
+        When the method is not one of :data:`METHODS`.
     """
     if method not in METHODS:
         raise UsageError(f"the method must be one of {', '.join(METHODS)}, got {method!r}")

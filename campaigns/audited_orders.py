@@ -1,0 +1,199 @@
+"""The defects of the audit seen in runs: errors with the table as shipped and with the right one.
+
+Each table of ``tests/suite/real_defects.json`` makes an integrator, and so does the corrected one.
+Both integrate a problem over one unit of time at halved steps; the observed order is the binary
+logarithm of the ratio of two errors, the last one above round-off. Where the package of the code is
+installed, it solves a problem too, by itself, with the method of that name.
+
+``python -m campaigns.audited_orders FILE`` measures (``data/measurements/audit-orders.json``);
+``python -m campaigns.audited_orders --page`` puts the table into ``docs/audit.md``.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.metadata
+import json
+import math
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from glmref.catalogue.strict_json import write_json
+from glmref.conformance.vectors import problems
+from glmref.engine.solve import solve
+from glmref.measure.timing import circumstances
+from glmref.problems.model import Problem
+from tests.suite.real_defects import DEFECTS, mended, published
+
+__all__ = ["PACKAGES", "PLACE", "observed", "rows", "table"]
+
+ROOT = Path(__file__).parents[1]
+PLACE = ROOT / "data" / "measurements" / "audit-orders.json"
+PAGE = ROOT / "docs" / "audit.md"
+#: Numbers of steps, and the error below which round-off takes part.
+STEPS = (1, 2, 4, 8, 16, 32, 64, 128, 256)
+ROUND_OFF = 2e-13
+HEAD: Mapping[str, str] = {
+    "format": "glmref-measurement-1",
+    "name": "audit-orders",
+    "question": "Which order do tables of the audit show in runs, as shipped and corrected?",
+    "how": "python -m campaigns.audited_orders FILE",
+}
+
+Errors = Sequence[float]
+
+
+def observed(errors: Errors) -> float | None:
+    """Order from the last two errors above round-off; ``None`` where no two are."""
+    good = [x for x in errors if math.isfinite(x) and x > ROUND_OFF]
+    return math.log2(good[-2] / good[-1]) if len(good) > 1 else None
+
+
+def truth(problem: Problem) -> np.ndarray:
+    """Solution at the end of its time: Gauss, order 10, with an error below 1e-15."""
+    return np.asarray(solve(problem, "gauss-5", h=1 / 64, steps=64).y[-1], dtype=float)
+
+
+def errors_of(integrator: Any, name: str, problem: Problem) -> list[float]:
+    """Largest error at the end for each number of steps."""
+    right, found = truth(problem), []
+    for n in STEPS:
+        if hasattr(integrator, "solve"):
+            y = integrator.solve(name, problem, 1 / n, n)
+        else:
+            y = np.array([float(x) for x in problem.y0])
+            for k in range(n):
+                y = integrator.step(name, problem, problem.t_span[0] + k / n, y, 1 / n)
+        found.append(float(np.abs(y - right).max()))
+    return found
+
+
+def rows() -> list[dict[str, Any]]:
+    """Errors of every table on the problem that shows most: one with time where it can."""
+    found = []
+    for name, entry in DEFECTS.items():
+        shipped = published(name)
+        on = shipped.problems[-1]
+        row: dict[str, Any] = {
+            "table": name, "where": entry["where"], "commit": entry["commit"], "problem": on,
+            "declared": entry["declared"],
+            "shipped": errors_of(shipped, name, problems()[on].problem),
+        }  # fmt: skip
+        right = entry["right"] or {}
+        if set(right) - {"order"}:
+            row["corrected"] = errors_of(mended(name), name, problems()[on].problem)
+        found.append(row)
+    return found
+
+
+# --- the codes' own packages --------------------------------------------------------------------
+
+
+def _nodepy(n: int) -> float:
+    """Lambert65 of nodepy on y' = -y^2 + t, against its own steps with 4096 of RK4."""
+    loader = importlib.import_module("nodepy.runge_kutta_method").loadRKM
+    tables = {k: loader(k) for k in ("Lambert65", "RK44")}
+
+    def end(name: str, steps: int) -> float:
+        A, b, c = (np.array(getattr(tables[name], k), dtype=float) for k in "Abc")
+        y: Any = 1.0
+        h = 1 / steps
+        for k in range(steps):
+            slopes = np.zeros(len(b))
+            for i in range(len(b)):
+                Y = y + h * A[i] @ slopes
+                slopes[i] = k * h + c[i] * h - Y * Y
+            y += h * b @ slopes
+        return float(y)
+
+    return float(abs(end("Lambert65", n) - end("RK44", 4096)))
+
+
+#: Name of the table -> package, its method, and what runs it. Of the other codes in Python with a
+#: defect, release 0.2.5 of torchdiffeq has neither Tsit5 nor Gauss-Legendre 4, desolver 5.1 takes
+#: no steps of one size with an implicit method, and the defect of diffrax is as small as round-off.
+PACKAGES: Mapping[str, tuple[str, str, Callable[[int], float]]] = {
+    "nodepy-lambert65": ("nodepy", "Lambert65", _nodepy),
+}
+
+
+def packages() -> list[dict[str, Any]]:
+    """Errors of the packages that are installed, with their versions."""
+    found = []
+    for name, (package, method, run) in PACKAGES.items():
+        try:
+            version = importlib.metadata.version(package)
+        except importlib.metadata.PackageNotFoundError:
+            continue
+        steps = [8, 16, 32, 64]
+        errors = [run(n) for n in steps]
+        found.append(
+            {"table": name, "package": package, "version": version, "method": method,
+             "steps": steps, "errors": errors}
+        )  # fmt: skip
+    return found
+
+
+# --- the page -----------------------------------------------------------------------------------
+
+
+def _seen(errors: Errors | None) -> str:
+    """Observed order as the page shows it."""
+    order = None if errors is None else observed(errors)
+    return "" if order is None else f"{order:.1f}"
+
+
+def table(record: Mapping[str, Any]) -> str:
+    """What the page shows: a row for each table whose defect is larger than round-off of a run."""
+    lines = [
+        "| table | declared | shipped | corrected | error at h = 1/16, shipped | corrected |",
+        "|---|---|---|---|---|---|",
+    ]
+    at = STEPS.index(16)
+    for row in record["rows"]:
+        right = row.get("corrected")
+        cells = [
+            row["table"], row["declared"], _seen(row["shipped"]), _seen(right),
+            f"{row['shipped'][at]:.1e}", "" if right is None else f"{right[at]:.1e}",
+        ]  # fmt: skip
+        lines.append("| " + " | ".join(map(str, cells)) + " |")
+    for row in record["packages"]:
+        name = f"{row['package']} {row['version']}, `{row['method']}`"
+        lines.append(
+            f"| {name} itself |  | {_seen(row['errors'])} |  | {row['errors'][1]:.1e} |  |"
+        )
+    return "\n".join(lines)
+
+
+def put(text: str, page: str) -> str:
+    """The page with the table between its marks."""
+    begin, end = "<!-- table: audit-orders -->\n", "\n<!-- end of table -->"
+    head, _, rest = page.partition(begin)
+    _, found, tail = rest.partition(end)
+    if not found:
+        raise ValueError(f"{PAGE} has no place for the table")
+    return head + begin + text + end + tail
+
+
+def main(arguments: Sequence[str]) -> None:
+    """Measure into a file, or put the table into the page."""
+    if list(arguments) == ["--page"]:
+        PAGE.write_text(
+            put(table(json.loads(PLACE.read_text("utf-8"))), PAGE.read_text("utf-8")), "utf-8"
+        )
+        return
+    path = Path(arguments[0])
+    known = json.loads(path.read_text("utf-8")) if path.exists() else {}
+    here = packages()
+    # what another environment has measured of a package stays
+    others = [x for x in known.get("packages", ()) if x["table"] not in {y["table"] for y in here}]
+    measured = {"rows": rows(), "packages": others + here}
+    write_json(path, {**HEAD, **measured, **circumstances()})
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,272 @@
+"""The tables of campaigns/order6/README.md and docs/order6.md.
+
+    python -m campaigns.order6.tables
+
+computes them anew from the files in data/measurements.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from campaigns.pages import filled
+from campaigns.partitioned.long_runs import kepler_table
+from glmref.catalogue.lookup import data_root
+
+__all__ = ["BASE", "PAGES", "RECOMMENDED", "TABLES", "main", "measured"]
+
+TARGETS = ("1e-06", "1e-09")
+BASE = "gauss-3"
+
+
+def measured(name: str) -> dict[str, Any]:
+    """Return a file of data/measurements."""
+    path = data_root() / "measurements" / f"{name}.json"
+    found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    return found
+
+
+def row(*cells: object) -> str:
+    """Return a row of a table in Markdown."""
+    return "| " + " | ".join(map(str, cells)) + " |"
+
+
+def table(head: list[str], rows: list[str]) -> str:
+    """Return a table in Markdown."""
+    return "\n".join([row(*head), "|" + "---|" * len(head), *rows])
+
+
+def number(value: float | None, digits: int = 2) -> str:
+    """Return a number with a few digits, or a dash."""
+    if value is None:
+        return "-"
+    return f"{value:.{digits}g}" if 1e-3 <= abs(value) < 1e4 else f"{value:.{digits - 1}e}"
+
+
+def frequency(x: Mapping[str, float]) -> str:
+    """c2 and c3 of a complex eigenvalue, c3 of -1."""
+    return f"{number(x['c2'])}, {number(x['c3'])}" if x["argument"] < 3.1 else number(x["c3"])
+
+
+def constants() -> str:
+    """Constants of every method."""
+    rows = []
+    for m in measured("order6-methods")["methods"]:
+        error, c = m["error"], m["parasitic"]
+        rows.append(
+            row(
+                f"`{m['name']}`", m["order"], m["stages"],
+                " ".join(map(str, m["implicit"])) if len(m["implicit"]) < m["stages"] else "all",
+                number(error["identity"]), number(error["after_conjugation"]),
+                number(m["largest"]["A"]), number(m["largest"]["U"]),
+                "whole axis" if m["periodicity"] is None else f"{m['periodicity']:.3g}",
+                "; ".join(frequency(x) for x in c) or "-",
+                f"{m['start_stages']}, {m['finish_stages']}" if m["start_stages"] else "-",
+            )
+        )  # fmt: skip
+    head = [
+        *("method", "order", "stages", "implicit", "error, identity", "error, conjugated"),
+        *("largest A", "largest U", "periodicity", "parasitic", "start, finish"),
+    ]
+    return table(head, rows)
+
+
+def fastest(case: Mapping[str, Any], target: str, solver: str) -> dict[str, Mapping[str, float]]:
+    """Method -> its fastest track at an error."""
+    best: dict[str, Mapping[str, float]] = {}
+    for track in case["tracks"]:
+        at = track["at"][target]
+        if at is None or (solver and track["solver"] != solver):
+            continue
+        name = track["method"]
+        if name not in best or at["seconds"] < best[name]["seconds"]:
+            best[name] = at
+    return best
+
+
+def comparison(solver: str, *cases: str) -> str:
+    """Time at equal error in units of Gauss-3, with evaluations in brackets."""
+    shown = [c for c in measured("order6")["cases"] if c["case"] in cases]
+    columns = [(c, t, fastest(c, t, solver)) for c in shown for t in TARGETS]
+    names = list(dict.fromkeys(t["method"] for c in shown for t in c["tracks"]))
+    rows = []
+    for name in names:
+        cells = []
+        for _, _, best in columns:
+            at = best.get(name)
+            cells.append(
+                "-"
+                if at is None
+                else f"{number(at['seconds'] / best[BASE]['seconds'])} ({at['evaluations']:.0f})"
+            )
+        rows.append(row(f"`{name}`", *cells))
+    return table(["method", *(f"{c['case']}, {t}" for c, t, _ in columns)], rows)
+
+
+def verdict(run: Mapping[str, Any]) -> str:
+    """What became of the parasitic part in ten million steps."""
+    if not run["bounded"]:
+        return f"30-fold at t = {run['lost']:g}"
+    return "grows" if run["parasitic"] > 3 * run["parasitic_early"] else "bounded"
+
+
+def long_runs() -> str:
+    """Ten million steps."""
+    rows = []
+    for run in measured("long-runs")["runs"]:
+        low = "none" if run["bounded"] else "saturated"
+        rate = number(run["rate"]) if run["rate"] > 1.5e-6 else low
+        rows.append(
+            row(
+                f"`{run['method']}`", run["run"], f"{run['steps']:,}", number(run["energy"]),
+                number(run["parasitic_early"]), number(run["parasitic"]), verdict(run),
+                rate,
+            )
+        )  # fmt: skip
+    head = ["method", "run", "steps", "energy", "parasitic, early", "largest", "", "rate"]
+    return table(head, rows)
+
+
+def rate_scan() -> str:
+    """Rates of one method over h and the size of the nudge."""
+    rows = [
+        row(f"{x['h']:g}", f"{x['steps']:,}", f"{x['nudge']:g}", number(x["rate"], 3),
+            number(x["rate"] / x["h"] ** 2, 4))
+        for x in measured("long-runs")["scan"]
+    ]  # fmt: skip
+    return table(["h", "steps", "nudge", "rate", "rate / h^2"], rows)
+
+
+def kepler() -> str:
+    """Ten million steps of Kepler's problem."""
+    names = [r["method"] for r in measured("long-runs")["runs"]]
+    shown = [*dict.fromkeys(names), BASE]
+    return kepler_table(measured("kepler-long")["runs"], shown).rstrip("\n")
+
+
+def starts() -> str:
+    """What a start costs and buys."""
+    found = measured("starts")
+    rows = [
+        row(
+            f"`{s['method']}`", s["start"], s["evaluations"], number(s["amplitude"][1]),
+            s["order"], *(number(x) for x in s["error"]),
+        )
+        for s in found["starts"]
+    ]  # fmt: skip
+    head = ["method", "start", "evaluations", "amplitude, h = 0.1", "power of h"]
+    return table([*head, *(f"error, h = {h:g}" for h in found["h"])], rows)
+
+
+def losses() -> str:
+    """When methods with growth are lost."""
+    rows = [
+        row(f"`{x['method']}`", x["start"], "-" if x["lost"] is None else f"{x['lost']:g}")
+        for x in measured("starts")["losses"]["runs"]
+    ]
+    return table(["method", "start", "lost at t"], rows)
+
+
+def searches() -> str:
+    """The search for order 8."""
+    rows = [
+        row(
+            a["stages"], a["values"], a["stage_order"],
+            " ".join(map(str, a["explicit"])) or "none",
+            "symmetric" if a["parity"] == [1] else "antisymmetric" if a["parity"] else "no -1",
+            " ".join("+" if x > 0 else "-" for x in a["signs"]),
+            a["unknowns"], a["conditions"], f"{a['solved']} of {a['starts']}",
+            number(a["smallest_residual"]),
+        )
+        for a in measured("order8-search")["ansatzes"]
+    ]  # fmt: skip
+    head = [
+        *(
+            "stages",
+            "values",
+            "stage order",
+            "explicit",
+            "gamma",
+            "signs",
+            "unknowns",
+            "conditions",
+        ),
+        *("starts that reach zero", "smallest residual"),
+    ]
+    return table(head, rows)
+
+
+TABLES: Mapping[str, Callable[[], str]] = {
+    "constants": constants,
+    "orbits": lambda: comparison("", "kepler-0.6", "henon-heiles"),
+    "newton": lambda: comparison(
+        "newton", "nonseparable-chain-40", "fput-stiff-12", "fput-stiff-80"
+    ),
+    "any-solver": lambda: comparison("", "nonseparable-chain-40", "fput-stiff-12", "fput-stiff-80"),
+    "long-runs": long_runs,
+    "rate-scan": rate_scan,
+    "kepler-long": kepler,
+    "starts": starts,
+    "losses": losses,
+    "searches": searches,
+}
+
+
+#: Methods that docs/choose.md recommends for large systems, for up to 100,000 steps.
+RECOMMENDED = ("s5i2-w3", "s5i1-w3")
+
+
+def shipped() -> str:
+    """Every method of order 6 and 8: its stages, error, time beside Gauss, and long runs."""
+    constants = {m["name"]: m for m in measured("order6-methods")["methods"]}
+    cases = {case["case"]: case for case in measured("order6")["cases"]}
+    columns = [
+        fastest(cases[case], "1e-09", solver)
+        for case, solver in (("henon-heiles", ""), ("nonseparable-chain-40", "newton"))
+    ]
+    long = {(run["method"], run["run"]): run for run in measured("long-runs")["runs"]}
+    where: dict[str, list[str]] = {}
+    for run in measured("kepler-long")["runs"]:
+        where.setdefault(run["method"], []).extend([run["eccentricity"]] * run["bounded"])
+    rows = []
+    for name in dict.fromkeys(name for name, _ in long):
+        m = constants[name]
+        implicit = len(m["implicit"])
+        times = (
+            number(times[name]["seconds"] / times[BASE]["seconds"]) if name in times else "-"
+            for times in columns
+        )
+        rows.append(
+            row(
+                f"**`{name}`**" if name in RECOMMENDED else f"`{name}`", m["order"], m["stages"],
+                implicit, number(m["error"]["after_conjugation"]), *times,
+                f"{m['start_stages']}, {m['finish_stages']}", verdict(long[name, "pendulum-2.3"]),
+                f"bounded at {' and '.join(where[name])}" if where[name] else "grows",
+            )
+        )  # fmt: skip
+    head = [
+        *("method", "order", "stages", "implicit", "error constant", "time, Hénon-Heiles"),
+        *("time, chain, Newton", "start, finish", "pendulum", "Kepler"),
+    ]
+    return table(head, rows)
+
+
+ROOT = Path(__file__).resolve().parents[2]
+#: Page -> name of a table -> what writes it.
+PAGES: Mapping[Path, Mapping[str, Callable[[], str]]] = {
+    ROOT / "campaigns" / "order6" / "README.md": TABLES,
+    ROOT / "docs" / "order6.md": {"shipped": shipped},
+}
+
+
+def main() -> None:
+    """Put the tables into their pages."""
+    for page, tables in PAGES.items():
+        page.write_text(filled(page.read_text(encoding="utf-8"), tables), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,34 @@
+"""Tables of a page: each stands between ``<!-- table: NAME -->`` and ``<!-- end of table -->``."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+
+__all__ = ["filled"]
+
+
+def filled(text: str, tables: Mapping[str, Callable[[], str]]) -> str:
+    """Return a page with its tables computed anew.
+
+    Parameters
+    ----------
+    text
+        The page, in Markdown.
+    tables
+        Name of a table -> what writes it. Every name must have exactly one place in the page.
+
+    Raises
+    ------
+    ValueError
+        If a table has no place in the page, or more than one.
+    """
+    for name, write in tables.items():
+        pattern = rf"(<!-- table: {name} -->\n)(?:(?!<!--).)*(<!-- end of table -->)"
+        table = write().rstrip("\n")
+        text, count = re.subn(
+            pattern, lambda found, table=table: f"{found[1]}{table}\n{found[2]}", text, flags=re.S
+        )
+        if count != 1:
+            raise ValueError(f"the page has {count} places for the table {name}, not one")
+    return text

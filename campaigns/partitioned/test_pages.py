@@ -1,0 +1,126 @@
+"""The tables and the sentences of the pages about pairs are those of the data."""
+
+import copy
+import re
+
+import pytest
+
+from campaigns.pages import filled
+from campaigns.partitioned import tables
+from campaigns.partitioned.starts import started_pairs
+from campaigns.partitioned.tables import PAGES, RECOMMENDED, record, shipped_table
+
+#: What takes seconds: the periodicity of every pair, in balls.
+SLOW = {"growth"}
+TABLES = [
+    pytest.param(page, name, id=name, marks=pytest.mark.slow if name in SLOW else ())
+    for page, names in PAGES.items()
+    for name in names
+]
+README, SHORT, THEORY = PAGES
+
+
+def text(page):
+    return page.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(("page", "name"), TABLES)
+def test_a_table_of_a_page_is_that_of_the_data(page, name):
+    again = filled(text(page), {name: PAGES[page][name]})
+    assert again == text(page), "run `python -m campaigns.partitioned.tables`"
+
+
+def changed(found, name):
+    """The record with every number of one method a tenth larger, and its verdicts the opposite."""
+    if isinstance(found, dict):
+        found = {key: changed(x, name) for key, x in found.items()}
+        return _other(found) if found.get("method") == name else found
+    return [changed(x, name) for x in found] if isinstance(found, list) else found
+
+
+def _other(found):
+    if isinstance(found, bool):
+        return not found
+    if isinstance(found, int | float):
+        return type(found)(1.1 * found)
+    if isinstance(found, dict):
+        # where a run is looked at, and the step size, are no results
+        keep = ("marks", "h", "steps", "curve")
+        return {key: x if key in keep else _other(x) for key, x in found.items()}
+    return [_other(x) for x in found] if isinstance(found, list) else found
+
+
+@pytest.mark.parametrize(
+    ("page", "name"), [p for p in TABLES if p.id not in ("growth", "kepler-further")]
+)
+def test_other_data_give_another_table(page, name, monkeypatch):
+    for pair in ("pair-6-8", "pair-rkn-6-8b"):
+        monkeypatch.setattr(tables, "record", lambda x, pair=pair: changed(record(x), pair))
+        assert filled(text(page), {name: PAGES[page][name]}) != text(page)
+
+
+def test_other_data_give_another_table_of_longer_runs(monkeypatch):
+    monkeypatch.setattr(tables, "record", lambda x: changed(record(x), "gauss-3"))
+    page = text(README)
+    assert filled(page, {"kepler-further": PAGES[README]["kepler-further"]}) != page
+
+
+def test_every_table_between_marks_is_computed():
+    for page, names in PAGES.items():
+        there = set(re.findall(r"<!-- table: (\S+) -->", text(page)))
+        assert there - {"against-c"} == set(names)  # that one: benchmarks/engine_tables.py
+
+
+def test_a_table_without_a_place_is_refused():
+    with pytest.raises(ValueError, match="2 places for the table a, not one"):
+        filled(2 * "<!-- table: a -->\n<!-- end of table -->\n", {"a": lambda: ""})
+
+
+def test_the_recommended_pairs_are_those_of_the_page_of_choice():
+    rows = [x for x in text(README.parents[2] / "docs" / "choose.md").splitlines() if x[:2] == "| "]
+    assert set(re.findall(r"`(pair-[^`]+)`", "".join(rows[:3]))) == set(RECOMMENDED)
+    assert set(re.findall(r"\*\*`(pair-[^`]+)`\*\*", text(SHORT))) == set(RECOMMENDED)
+    first = text(SHORT).split("## ")[0]
+    assert set(re.findall(r"`(pair-[^`]+)`", first)) == set(RECOMMENDED)
+
+
+def counted(records):
+    """What the short page says in numbers: pairs that grow on Kepler's problem, and renewed ones."""
+    kepler = records["kepler-long"]
+    pairs = {x["method"] for x in records["pairs-long"]["runs"]}
+    grow = {x["method"] for x in kepler["runs"] if not x["bounded"]} & pairs
+    lost = {
+        x["method"] for x in kepler["runs"] if not x["bounded"] and not x["energy"][-1] <= 0.1
+    } & pairs
+    renewed = {x["method"] for x in kepler["restarted"] if x["bounded"]} & pairs
+    return len(pairs), len(grow), len(lost), len(renewed)
+
+
+def test_the_sentences_of_the_short_page_are_those_of_the_data():
+    records = {x: record(x) for x in ("pairs", "pairs-long", "pairs-starts", "kepler-long")}
+    page = " ".join(text(SHORT).split())
+    assert counted(records) == (14, 11, 8, 6)
+    assert "eleven of the fourteen pairs grow, and eight lose the orbit" in page
+    assert "the six pairs that were tried stayed bounded over ten million steps" in page
+    assert set(started_pairs()) == {x["method"] for x in records["pairs-long"]["runs"]} - {
+        "pair-8-24"
+    }
+    rows = records["pairs"]["cases"]
+    ratio = [_best(row) for row in rows]
+    assert sum(x < 1 for x in ratio) == 17 and len(ratio) == 19
+    assert "on 17 of 19 problems, by a factor of 1.3 to 3" in page
+    wins = sorted(1 / x for x in ratio if x < 1)
+    assert round(wins[0], 1) == 1.3 and round(wins[-1]) == 3
+    # a record in which a pair stays bounded everywhere would show: the column would be empty
+    other = copy.deepcopy(records)
+    for run in other["kepler-long"]["runs"]:
+        run["bounded"] |= run["method"] == "pair-rkn-6-8b"
+    assert shipped_table(other) != shipped_table(records)
+
+
+def _best(row):
+    others = [name for group in tables.GROUPS.values() for name in group]
+    ours = tables.best(row, tables.PAIRS, "1e-09")
+    theirs = tables.best(row, others, "1e-09")
+    assert ours is not None and theirs is not None
+    return ours[1] / theirs[1]

@@ -1,0 +1,130 @@
+"""The tables of docs/scene-results.md, from the files in data/measurements.
+
+    python -m campaigns.scene_results
+    glmref run --all --quick --format json > run.json; python -m campaigns.scene_results run.json
+
+The first form puts the tables into the page; the second first takes questions and answers of a run
+into data/measurements/scenes.json.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from campaigns.pages import filled
+from glmref.catalogue.lookup import data_root
+
+__all__ = ["PAGE", "TABLES", "main", "measured", "renew"]
+
+PAGE = Path(__file__).parents[1] / "docs" / "scene-results.md"
+FOLDER = data_root() / "measurements"
+
+
+def measured(name: str) -> dict[str, Any]:
+    """Return a file of data/measurements."""
+    found: dict[str, Any] = json.loads((FOLDER / f"{name}.json").read_text(encoding="utf-8"))
+    return found
+
+
+def row(*cells: object) -> str:
+    """Return a row of a table in Markdown."""
+    return "| " + " | ".join(str(cell).replace("|", "\\|") for cell in cells) + " |"
+
+
+def table(head: list[str], rows: list[str]) -> str:
+    """Return a table in Markdown."""
+    return "\n".join([row(*head), "|" + "---|" * len(head), *rows])
+
+
+def scenes() -> str:
+    """Every scene, its question and its answer."""
+    rows = [
+        row(f"`{one['scene']}`", one["question"], one["answer"])
+        for one in measured("scenes")["scenes"]
+    ]
+    return table(["scene", "question", "answer"], rows)
+
+
+def stiff() -> str:
+    """Counts beside those of scipy."""
+    rows = []
+    for one in measured("stiff-cost")["rows"]:
+        step = f"h = {one['h']:.3g}" if one["h"] else f"tol {one['tolerance']:.0e}"
+        error = one["outcome"] if one["error"] is None else f"{one['error']:.1e}"
+        matrices = f"{one['matrices']:,} of {one['size']}"
+        problem = f"{one['problem']}, t = {one['t_end']:g}"
+        count = f"{one['evaluations']:,}"
+        rows.append(
+            row(problem, one["name"], step, error, count, f"{one['jacobians']:,}", matrices)
+        )
+    head = ["problem", "method", "step", "error", "evaluations", "Jacobians", "matrices"]
+    return table(head, rows)
+
+
+def long() -> str:
+    """A hundred million steps."""
+    rows = []
+    for run in measured("pendulum-1e8")["runs"]:
+        law, memory = run["law"], run["peak_memory_mb"]
+        exponent = "-" if law["exponent"] is None else f"{law['exponent']:.3f}"
+        when = "" if law["kind"] != "blow-up" else f" at t = {law['time']:.3g}"
+        growth = memory["at the end"] - memory["after 1 per cent"]
+        rows.append(
+            row(
+                f"`{run['method']}`", run["h"], law["kind"] + when, exponent,
+                f"{law['largest']:.1e}", f"{run['seconds']['process']:.0f} s", f"{growth:.1f} MB",
+            )
+        )  # fmt: skip
+    head = ["method", "h", "law of the energy error", "exponent", "largest", "processor", "memory"]
+    return table(head, rows)
+
+
+#: Name of a table -> what writes it.
+TABLES: Mapping[str, Callable[[], str]] = {"scenes": scenes, "stiff": stiff, "long": long}
+
+
+def renew(path: Path) -> None:
+    """Take questions and answers of a run into the data."""
+    documents = json.loads(path.read_text(encoding="utf-8"))
+    circumstances = documents[0]["records"][0]["where"]
+    document = {
+        "format": "glmref-measurement-1",
+        "what": "the answer of every scene, with the step sizes of --quick",
+        "how": "glmref run --all --quick --format json > run.json; "
+        "python -m campaigns.scene_results run.json",
+        "where": circumstances,
+        "scenes": [
+            {
+                "scene": one["scene"],
+                "question": one["question"],
+                "answer": one["answer"],
+                "outcomes": outcomes(one["records"]),
+            }
+            for one in sorted(documents, key=lambda one: one["scene"])
+        ],
+    }
+    text = json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False)
+    (FOLDER / "scenes.json").write_text(text + "\n", encoding="utf-8")
+
+
+def outcomes(records: list[dict[str, Any]]) -> dict[str, int]:
+    """How often each outcome was met."""
+    found: dict[str, int] = {}
+    for record in records:
+        found[record["outcome"]] = found.get(record["outcome"], 0) + 1
+    return dict(sorted(found.items()))
+
+
+def main(run: Path | None = None) -> None:
+    """Put the tables into the page, after the answers of a run into the data if one is given."""
+    if run is not None:
+        renew(run)
+    PAGE.write_text(filled(PAGE.read_text(encoding="utf-8"), TABLES), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]) if sys.argv[1:] else None)

@@ -1,0 +1,53 @@
+"""The orders that tables of the audit show in runs, and their place in docs/audit.md."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from campaigns.audited_orders import PAGE, PLACE, STEPS, errors_of, observed, put, table
+from glmref.conformance.vectors import problems
+from tests.suite.real_defects import DEFECTS, mended, published
+
+RECORD = json.loads(PLACE.read_text("utf-8"))
+ROWS = {row["table"]: row for row in RECORD["rows"]}
+#: Tables whose defect is no larger than the errors of a run: exact conditions only show it.
+HIDDEN = {"diffrax-kencarp5", "sciml-sir54", "tudat-rkf89", "rklib-rks5", "nodepy-ssp53",
+          "petsc-glee25i", "rklib-rk8-10"}  # fmt: skip
+#: Their order is the declared one; what is wrong are the times of their stages.
+TIMES = {"petsc-4l", "petsc-grk4t", "petsc-shamp4", "petsc-veldd4"}
+
+
+def test_the_table_of_the_page_is_that_of_the_record():
+    page = PAGE.read_text("utf-8")
+    assert put(table(RECORD), page) == page
+    assert set(ROWS) == set(DEFECTS)
+
+
+@pytest.mark.parametrize("name", sorted(set(DEFECTS) - HIDDEN - TIMES))
+def test_a_run_shows_the_order_that_the_conditions_say(name):
+    row, entry = ROWS[name], DEFECTS[name]
+    seen = observed(row["shipped"])
+    assert seen is not None and seen < float(entry["declared"]) - 0.5
+    assert abs(seen - entry["found"]) < 0.7
+    if "corrected" in row:
+        right = observed(row["corrected"])
+        assert right is None or right > float(entry["declared"]) - 0.5
+
+
+@pytest.mark.parametrize("name", ["petsc-bpr3", "nodepy-lambert65"])
+def test_the_record_can_be_measured_again(name):
+    row = ROWS[name]
+    problem = problems()[row["problem"]].problem
+    for integrator, key in ((published(name), "shipped"), (mended(name), "corrected")):
+        found = errors_of(integrator, name, problem)
+        assert found == pytest.approx(row[key], rel=1e-3, abs=1e-14)
+
+
+def test_the_order_is_observed_above_round_off_only():
+    assert observed([1.0, 0.5, 0.25]) == pytest.approx(1)
+    assert observed([8e-12, 1e-12, 1e-15]) == pytest.approx(3)
+    assert observed([1e-3, 1e-15]) is None
+    assert observed([float("inf"), 1e-2, 1e-4]) == pytest.approx(6.6439, abs=1e-4)
+    assert len(STEPS) == len(ROWS["petsc-bpr3"]["shipped"])
