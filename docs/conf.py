@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 from docutils import nodes
@@ -31,10 +32,39 @@ html_static_path = ["_static"]
 html_css_files = ["pictures.css"]
 html_math_renderer = "mathml"
 
+PUNCTUATION = re.compile(r"[.,;:!?)]+")
+NUMBER = re.compile(r"(\b\d[\d.]*e-\d+)")
+
 
 def _inline(translator: Any, node: nodes.Element) -> None:
-    translator.body.append(convert(node.astext()))
+    after = node.get("after", "")
+    formula = f"{convert(node.astext())}{after}"
+    translator.body.append(f'<span class="formula">{formula}</span>' if after else formula)
     raise nodes.SkipNode
+
+
+def _punctuated(app: Any, doctree: nodes.document, name: str) -> None:
+    """Give formulas within the text the punctuation behind them: no line begins with it."""
+    for node in list(doctree.findall(nodes.math)):
+        place = node.parent.index(node) + 1
+        behind = node.parent[place] if place < len(node.parent) else None
+        if isinstance(behind, nodes.Text) and (mark := PUNCTUATION.match(behind.astext())):
+            node["after"] = mark[0]
+            node.parent[place] = nodes.Text(behind.astext()[mark.end() :])
+
+
+def _unbroken(app: Any, doctree: nodes.document, name: str) -> None:
+    """Keep numbers such as 1.2e-13 in one line: a browser may break a line behind a hyphen."""
+    for node in list(doctree.findall(nodes.Text)):
+        parts = NUMBER.split(node.astext())
+        if len(parts) == 1 or isinstance(node.parent, nodes.FixedTextElement | nodes.literal):
+            continue
+        place = node.parent.index(node)
+        node.parent[place : place + 1] = [
+            nodes.inline(part, part, classes=["number"]) if k % 2 else nodes.Text(part)
+            for k, part in enumerate(parts)
+            if part
+        ]
 
 
 def _display(translator: Any, node: nodes.Element) -> None:
@@ -53,4 +83,6 @@ def _sections(app: Any, what: str, name: str, obj: Any, options: Any, lines: lis
 def setup(app: Any) -> None:
     """Write formulas as MathML, which browsers show without a script from elsewhere."""
     app.connect("autodoc-process-docstring", _sections, priority=100)
+    app.connect("doctree-resolved", _punctuated)
+    app.connect("doctree-resolved", _unbroken)
     app.add_html_math_renderer("mathml", (_inline, None), (_display, None))

@@ -36,12 +36,21 @@ class Cell:
 
     Attributes
     ----------
-        benchmark: class, with its module.
-        parameters: name -> value, both as strings.
-        values: function (``time_run``, ``track_error``...) -> number, seconds for ``time_``;
-            ``None`` where it failed, was skipped or is not finite.
-        quartiles: function -> (25 %, 75 %), seconds, where asv gives them.
-        commit: hash. date: of the commit, ISO 8601. machine, python: where it was measured.
+    benchmark : str
+        Class, with its module.
+    parameters : Mapping[str, str]
+        Name -> value, both as strings.
+    values : Mapping[str, float or None]
+        Function (``time_run``, ``track_error``...) -> number, seconds for ``time_``; ``None`` where
+        it failed, was skipped or is not finite.
+    quartiles : Mapping[str, tuple[float, float]]
+        Function -> (25 %, 75 %), seconds, where asv gives them.
+    commit : str
+        hash.
+    date : str
+        Of the commit, ISO 8601.
+    machine, python : str
+        Where it was measured.
     """
 
     benchmark: str
@@ -72,7 +81,8 @@ def read_results(folder: Path) -> list[Cell]:
 
     Raises
     ------
-        DataError: for a file that is not what asv 0.6 writes, naming it.
+    DataError
+        For a file that is not what asv 0.6 writes, naming it.
     """
     names = _parameter_names(folder / "benchmarks.json")
     files = [path for path in sorted(folder.glob("*/*.json")) if path.name != "machine.json"]

@@ -44,20 +44,28 @@ def build(
 ) -> list[Path]:  # fmt: skip
     """Write the report.
 
-    Args:
-        results: what :func:`.store.read` found.
-        output: a folder, new, empty or of an earlier report; with ``single`` a file.
-        single: everything on one page.
-        methods: methods with a page of their own; all of the catalogue by default.
-        docs: where the documentation lies, a folder seen from the pages or an address of the web.
+    Parameters
+    ----------
+    results : Results
+        What :func:`.store.read` found.
+    output : Path
+        A folder, new, empty or of an earlier report; with ``single`` a file.
+    single : bool
+        Everything on one page.
+    methods : Sequence[str] or None
+        Methods with a page of their own; all of the catalogue by default.
+    docs : str
+        Where the documentation lies, a folder seen from the pages or an address of the web.
 
     Returns
     -------
+    list[Path]
         The files that were written.
 
     Raises
     ------
-        UsageError: for a folder with other things in it, or a file where a folder must be.
+    UsageError
+        For a folder with other things in it, or a file where a folder must be.
     """
     scheme, colon, _ = docs.partition(":")
     if colon and scheme not in ("http", "https"):

@@ -101,8 +101,14 @@ class Column:
 
     Attributes
     ----------
-        key: what the script knows it by. title: what is shown. unit: behind the title.
-        linear: whether a picture shows it on a linear axis.
+    key : str
+        What the script knows it by.
+    title : str
+        What is shown.
+    unit : str
+        Behind the title.
+    linear : bool
+        Whether a picture shows it on a linear axis.
     """
 
     key: str
@@ -133,10 +139,18 @@ class Figure:
 
     Attributes
     ----------
-        table: id of the table. across, up: keys of columns to choose from.
-        label, caption: for who listens, and for all. series: key of the column that names a line.
-        marks: whether every point has one.
-        plane: equal axes, points that are not joined; names of runs that do not set the range.
+    table : str
+        Id of the table.
+    across, up : Sequence[str]
+        Keys of columns to choose from.
+    label, caption : str
+        For who listens, and for all.
+    series : str
+        Key of the column that names a line.
+    marks : bool
+        Whether every point has one.
+    plane : Sequence[str] or None
+        Equal axes, points that are not joined; names of runs that do not set the range.
     """
 
     table: str
@@ -162,9 +176,18 @@ class Page:
 
     Attributes
     ----------
-        name: stem of its file. title, body: what it shows.
-        tab: the word for it in the bar. group: the menu it stands in, ``""`` for the bar itself.
-        kind: the heading in the menu. pictures: names of the lines of each of its pictures.
+    name : str
+        Stem of its file.
+    title, body
+        What it shows.
+    tab : str
+        The word for it in the bar.
+    group : str
+        The menu it stands in, ``""`` for the bar itself.
+    kind : str
+        The heading in the menu.
+    pictures : tuple[tuple[str, ...], ...]
+        Names of the lines of each of its pictures.
     """
 
     name: str
@@ -182,8 +205,12 @@ class Site:
 
     Attributes
     ----------
-        single: whether they are sections. docs: where the documentation lies.
-        looks: number of the colour and mark of each line, one for all pictures.
+    single : bool
+        Whether they are sections.
+    docs : str
+        Where the documentation lies.
+    looks : Mapping[str, int]
+        Number of the colour and mark of each line, one for all pictures.
     """
 
     single: bool = False

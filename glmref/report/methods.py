@@ -23,7 +23,7 @@ from ..catalogue.errata import find_errata, load_errata
 from ..catalogue.files import names as shipped_names
 from ..catalogue.lookup import document, load
 from ..catalogue.reader import load_document
-from ..method import Method, PartitionedGLM
+from ..method import Method
 from ..views.bibtex import source_entry
 from ..views.show import parts
 from .markup import Column, Page, Site, Table, counted, number, render, wrapped
@@ -42,6 +42,8 @@ _CLASSES = {
     "splitting": "splittings", "partitioned-rk": "partitioned Runge-Kutta",
     "partitioned": "partitioned general linear", "pair-sweep": "explicit pairs",
     "additive": "additive (IMEX)",
+    "nystrom": "Runge-Kutta-Nystrom",
+    "rosenbrock": "Rosenbrock",
 }  # fmt: skip
 
 #: What is needed, what to take, and why: the table of docs/choose.md in short.
@@ -115,6 +117,7 @@ def overview(site: Site, results: Results, names: Sequence[str]) -> Page:
     ]
     body = render(
         "index.html",
+        site=site,
         table=table,
         measured=measured,
         needs=[row for row in needs if row[1]],
@@ -212,29 +215,10 @@ def _loaded(results: Results, name: str) -> Method | None:
     return _shipped(name)[1] if is_shipped_name(name) else None
 
 
-def _sizes(method: Any) -> tuple[Any, Any, Any]:
+def _sizes(method: Method) -> tuple[str, int, str]:
     """Stages, implicit ones among them, values carried."""
-    if isinstance(method, PartitionedGLM):
-        blocks = [(i, j) for i, row in enumerate(method.A) for j, x in enumerate(row)]
-        back = [(j, i) for j, row in enumerate(method.A_hat) for i, x in enumerate(row)]
-        needs_p = {(i, j) for i, j in blocks if method.A[i][j].is_zero() is not True}
-        needs_q = {(i, j) for j, i in back if method.A_hat[j][i].is_zero() is not True}
-        implicit = _cyclic(method.n_Q, method.n_P, needs_p, needs_q)
-        return f"{method.n_Q} + {method.n_P}", implicit, f"{method.r} + {method.r_hat}"
-    return method.s, len(method.implicit_stages), method.r
-
-
-def _cyclic(
-    n_q: int, n_p: int, needs_p: set[tuple[int, int]], needs_q: set[tuple[int, int]]
-) -> int:
-    """Stages of a pair that are left when those that can be computed have been, one by one."""
-    q, p = set(range(n_q)), set(range(n_p))
-    while True:
-        ready_q = {i for i in q if not any(a == i and j in p for a, j in needs_p)}
-        ready_p = {j for j in p if not any(b == j and i in q for i, b in needs_q)}
-        if not ready_q and not ready_p:
-            return len(q) + len(p)
-        q, p = q - ready_q, p - ready_p
+    stages, values = zip(*((len(c.A), len(c.V)) for c in method.carriers), strict=True)
+    return " + ".join(map(str, stages)), len(method.implicit_stages), " + ".join(map(str, values))
 
 
 def _proofs(found: Sequence[Record]) -> list[str]:

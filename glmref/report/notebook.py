@@ -34,7 +34,8 @@ def html(record: object) -> str:
 
     Raises
     ------
-        TypeError: for a record that has none.
+    TypeError
+        For a record that has none.
     """
     raise TypeError(f"{type(record).__name__} has no HTML")
 

@@ -39,9 +39,14 @@ class Orbits:
 
     Attributes
     ----------
-        figure: picture of all paths in the plane of the first; none where there are only points.
-        table: its numbers. lost: methods lost at every step size, and how. left_out: methods whose
-            orbits are stored and not drawn.
+    figure : Figure or None
+        Picture of all paths in the plane of the first; none where there are only points.
+    table : Table
+        Its numbers.
+    lost : list[tuple[str, str]]
+        Methods lost at every step size, and how.
+    left_out : int
+        Methods whose orbits are stored and not drawn.
     """
 
     figure: Figure | None
@@ -53,8 +58,12 @@ class Orbits:
 def orbits(run: RunFile, title: str, far: str = "") -> Orbits | None:
     """Return what a page shows of the orbits of a run; nothing where none is stored.
 
-    Args:
-        title: of the page. far: a sentence of how far the runs go, for the caption.
+    Parameters
+    ----------
+    title : str
+        Of the page.
+    far : str
+        A sentence of how far the runs go, for the caption.
     """
     found = [one for one in map(_orbit, run.records) if one is not None]
     room = MOST - len(run.records)

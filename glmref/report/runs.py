@@ -81,8 +81,10 @@ def tab_of(run: RunFile) -> str:
 def run_page(site: Site, run: RunFile, methods: frozenset[str]) -> Page:
     """Page of one file of records.
 
-    Args:
-        methods: names that have a page of their own.
+    Parameters
+    ----------
+    methods : frozenset[str]
+        Names that have a page of their own.
     """
     scene = _shipped(run)
     title = scene.title if scene else run.name
@@ -113,6 +115,7 @@ def run_page(site: Site, run: RunFile, methods: frozenset[str]) -> Page:
         scene=scene,
         quick=_is_quick(run),
         answer=answer_of(run),
+        mixed=_mixed(run),
         curves=curves,
         work=work,
         table=table,
@@ -155,6 +158,14 @@ def answer_of(run: RunFile) -> str:
         return answer(_scene(run.scene, _is_quick(run)), run.records)
     except (GlmrefError, KeyError, TypeError, ValueError, OverflowError) as error:
         return f"no answer: a record lacks something ({type(error).__name__}: {error})"
+
+
+def _mixed(run: RunFile) -> list[str]:
+    """Say that run times are of several kinds of machine, where they are and the scene is known."""
+    from ..scenes import mixed_machines
+
+    scene = _shipped(run)
+    return mixed_machines(scene, run.records) if scene else []
 
 
 def _is_quick(run: RunFile) -> bool:

@@ -346,7 +346,7 @@
       });
     });
     const label = make("label", {});
-    label.textContent = "show rows with ";
+    label.textContent = "filter rows by ";
     const input = make("input", { type: "search", placeholder: "words" }, label);
     const line = make("div", { class: "controls" });
     line.append(label);

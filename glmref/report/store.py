@@ -20,8 +20,8 @@ from ..catalogue.files import names as shipped_names
 from ..catalogue.keys import FORMAT as METHOD
 from ..catalogue.keys import class_of_keys
 from ..catalogue.lookup import read_method
+from ..compute.records import wrong_checksum
 from ..errors import DataError, UsageError
-from ..measure.records import wrong_checksum
 from ..system.files import lines_of, read_bytes, read_text
 from .asv_results import Cell, read_results
 from .markup import counted
@@ -55,8 +55,10 @@ class RunFile:
 
     Attributes
     ----------
-        name: stem of the file: the scene's name, with ``-quick`` for a quick run.
-        records: in the order of the file.
+    name : str
+        Stem of the file: the scene's name, with ``-quick`` for a quick run.
+    records : tuple[Record, ...]
+        In the order of the file.
     """
 
     name: str
@@ -74,11 +76,24 @@ class Results:
 
     Attributes
     ----------
-        runs: record files. findings: method -> findings of `glmref verify`; of two about one claim
-            the one that was read first. regions: method -> its stability.
-        benchmarks: cells of asv. measurements: name -> document with a format of its own.
-        own: name -> method file of the user, checked. portraits: method -> SVG.
-        odd: what could not be read. files: (path, what it holds).
+    runs : list[RunFile]
+        Record files.
+    findings : dict[str, list[Record]]
+        Method -> findings of `glmref verify`; of two about one claim the one that was read first.
+    regions : dict[str, Record]
+        Method -> its stability.
+    benchmarks : list[Cell]
+        Cells of asv.
+    measurements : dict[str, Record]
+        Name -> document with a format of its own.
+    own : dict[str, Record]
+        Name -> method file of the user, checked.
+    portraits : dict[str, str]
+        Method -> SVG.
+    odd : list[Odd]
+        What could not be read.
+    files : list[tuple[str, str]]
+        (path, what it holds).
     """
 
     runs: list[RunFile] = field(default_factory=list)
@@ -130,14 +145,17 @@ class Results:
 def read(paths: Iterable[Path], methods: Iterable[str] = ()) -> Results:
     """Read files and folders.
 
-    Args:
-        paths: files, or folders that are searched to any depth; a folder of results of asv is read
-            as one.
-        methods: names for which an SVG file ``NAME.svg`` is a portrait.
+    Parameters
+    ----------
+    paths : Iterable[Path]
+        Files, or folders that are searched to any depth; a folder of results of asv is read as one.
+    methods : Iterable[str]
+        Names for which an SVG file ``NAME.svg`` is a portrait.
 
     Raises
     ------
-        UsageError: for a path that does not exist.
+    UsageError
+        For a path that does not exist.
     """
     found, known, seen = Results(), frozenset(methods), set()
     drawn: list[Path] = []
@@ -197,7 +215,8 @@ def _drawing(path: Path) -> str:
 
     Raises
     ------
-        DataError: for anything else, such as a script, a link or a style.
+    DataError
+        For anything else, such as a script, a link or a style.
     """
     text = read_text(path, MAX_DRAWING)
     try:

@@ -109,8 +109,10 @@ def typeset(text: str) -> Markup:
 def typeset_table(grid: list[list[list[list[str]]]]) -> Markup:
     """A partitioned matrix: blocks with rules between them.
 
-    Args:
-        grid: rows of blocks, each a list of rows of entries.
+    Parameters
+    ----------
+    grid : list[list[list[list[str]]]]
+        Rows of blocks, each a list of rows of entries.
     """
     rows = [
         (

@@ -112,7 +112,10 @@ class Axes:
 
     Attributes
     ----------
-        left, top, width, height: the rectangle. x, y: limits; of logarithmic axes their log10.
+    left, top, width, height : float
+        The rectangle.
+    x, y : Point
+        Limits; of logarithmic axes their log10.
     """
 
     left: float

@@ -54,13 +54,16 @@ def escape(text: str) -> str:
 def source_entry(method: Mapping[str, Any]) -> str:
     """Return the BibTeX entry of a method's source: that of its file, or one made of its citation.
 
-    Args:
-        method: a method document.
+    Parameters
+    ----------
+    method : Mapping[str, Any]
+        A method document.
 
     Raises
     ------
-        DataError: for a bare tableau, which names no source; for an entry that is not one entry of
-            BibTeX, or that holds what TeX would carry out beyond setting a text.
+    DataError
+        For a bare tableau, which names no source; for an entry that is not one entry of BibTeX, or
+        that holds what TeX would carry out beyond setting a text.
     """
     source = method.get("source", {})
     if not source:
@@ -84,7 +87,8 @@ def file_entry(name: str | Path) -> str:
 
     Raises
     ------
-        UsageError, DataError: for a name or a file that cannot be read.
+    UsageError, DataError
+        For a name or a file that cannot be read.
     """
     path, root = path_of(name), data_root()
     method = load(path).document or {}  # checked, and a bare tableau has its name
@@ -166,7 +170,8 @@ def entries(names: Iterable[str | Path]) -> list[str]:
 
     Raises
     ------
-        UsageError, DataError: for a name or a file that cannot be read.
+    UsageError, DataError
+        For a name or a file that cannot be read.
     """
     found: dict[str, str] = {}
     for name in names:

@@ -48,9 +48,12 @@ class Series:
 
     Attributes
     ----------
-        name: shown beside the line.
-        points: (x, y) in the order in which they are joined.
-        notes: one text per point for the reader who points at it, or none.
+    name : str
+        Shown beside the line.
+    points : tuple[Point, ...]
+        (x, y) in the order in which they are joined.
+    notes : tuple[str, ...]
+        One text per point for the reader who points at it, or none.
     """
 
     name: str
@@ -71,9 +74,12 @@ class Series:
 def place_labels(wanted: Sequence[float], low: float, high: float) -> list[float]:
     """Move label positions apart to at least the line spacing, changing their order not at all.
 
-    Args:
-        wanted: positions in px, any order. low, high: limits they should stay within; where there
-            is no room for all, the last ones pass ``high``.
+    Parameters
+    ----------
+    wanted : Sequence[float]
+        Positions in px, any order.
+    low, high : float
+        Limits they should stay within; where there is no room for all, the last ones pass ``high``.
     """
     order = sorted(range(len(wanted)), key=lambda i: wanted[i])
     placed = [0.0] * len(wanted)
@@ -249,8 +255,10 @@ def write_figures(
 ) -> str | None:
     """Write the chart as PNG and PDF; return a notice where matplotlib is not installed.
 
-    Args:
-        path: of the PNG file; the PDF file stands beside it.
+    Parameters
+    ----------
+    path : Path
+        Of the PNG file; the PDF file stands beside it.
     """
     figure = blank_figure(8.2, 4.8)
     if figure is None:

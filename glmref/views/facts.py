@@ -19,7 +19,7 @@ _TITLES = {
     "order_identity": "order with the identity as principal part",
     "order_nystrom": "order on second-order systems",
     "principal": "principal part",
-    "order_witness": "why not more",
+    "order_witness": "why not higher",
     "g_symplectic": "G-symplectic",
     "consistency_witness": "why not consistent",
 }

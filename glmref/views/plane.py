@@ -40,9 +40,14 @@ class Cloud:
 
     Attributes
     ----------
-        name: of the method. points: (x, y), finite.
-        ended: why they stop before the run does, or nothing.
-        h: step size, where it is to be told.
+    name : str
+        Of the method.
+    points : tuple[Point, ...]
+        (x, y), finite.
+    ended : str or None
+        Why they stop before the run does, or nothing.
+    h : float or None
+        Step size, where it is to be told.
     """
 
     name: str
@@ -139,8 +144,10 @@ def write_figures(
 ) -> str | None:
     """Write the picture as PNG and PDF; return a notice where matplotlib is not installed.
 
-    Args:
-        path: of the PNG file; the PDF file stands beside it.
+    Parameters
+    ----------
+    path : Path
+        Of the PNG file; the PDF file stands beside it.
     """
     box = box_of(clouds)
     across = min(_ACROSS, max(len(clouds), 1))

@@ -34,17 +34,22 @@ def plot(
 ) -> Drawing:
     """Draw a method (stability region, eigenvalues, sparsity), or a solution against time.
 
-    Args:
-        what: a method, its name or its file, or a solution.
-        components: of a solution: numbers from 0; the first six by default.
+    Parameters
+    ----------
+    what : GLM or PartitionedGLM or AdditiveGLM or Solution or str or Path
+        A method, its name or its file, or a solution.
+    components : Sequence[int] or None
+        Of a solution: numbers from 0; the first six by default.
 
     Returns
     -------
+    Drawing
         A picture in SVG: a notebook shows it, and ``save(path)`` writes it.
 
     Raises
     ------
-        UsageError: for anything else, and for a solution with fewer than two rows.
+    UsageError
+        For anything else, and for a solution with fewer than two rows.
     """
     if not isinstance(what, Solution):
         return Drawing(portrait(method_of(what)))

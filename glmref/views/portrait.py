@@ -47,6 +47,7 @@ def portrait(method: GLM | PartitionedGLM | AdditiveGLM) -> str:
 
     Returns
     -------
+    str
         A complete SVG document, readable without any style sheet or script.
     """
     name = method.name or "method"
@@ -56,18 +57,16 @@ def portrait(method: GLM | PartitionedGLM | AdditiveGLM) -> str:
             f"parts, glmref.plot(glmref.load({name!r}).part(1))"
         )
     parts: list[str] = []
+    blocks = [c.matrices for c in method.components]
     if isinstance(method, PartitionedGLM):
         # M(y) of the oscillator at real y is what M(i y) is for one method
         parts += _moduli(oscillator(method), 1.0, "h omega", (50, 64, 330, 300))
-        blocks = [("q: A U / B V", method.A, method.U, method.B, method.V)]
-        hats = (method.A_hat, method.U_hat, method.B_hat, method.V_hat)
-        blocks.append(("p: A^ U^ / B^ V^", *hats))
-        parts += _sparsity(blocks[0], (450, 64, 150)) + _sparsity(blocks[1], (640, 64, 150))
+        parts += _sparsity(("q: A U / B V", *blocks[0]), (450, 64, 150))
+        parts += _sparsity(("p: A^ U^ / B^ V^", *blocks[1]), (640, 64, 150))
     else:
         parts += _region(method)
         parts += _moduli(method, 1j, "Im z", (470, 64, 320, 120))
-        block = ("tableau A U / B V", method.A, method.U, method.B, method.V)
-        parts += _sparsity(block, (470, 254, 150))
+        parts += _sparsity(("tableau A U / B V", *blocks[0]), (470, 254, 150))
     return document(name, _WIDTH, _HEIGHT, parts, left=40)
 
 

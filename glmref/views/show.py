@@ -21,10 +21,10 @@ from typing import Any
 
 from ..catalogue.claims import ABSCISSAE, ORDER
 from ..catalogue.lookup import method_of
-from ..exact import Ball, Scalar
+from ..exact import Ball, Exact, Scalar
 from ..exact.expression import shown_number
 from ..exact.linalg import Matrix, Vector
-from ..method import GLM, AdditiveGLM, PartitionedGLM
+from ..method import GLM, AdditiveGLM, PartitionedGLM, RosenbrockGLM
 from ..prove.facts import Facts, facts_of
 from .tableau_text import Cells, decimal_text, tableau
 from .tables import Style, one_line
@@ -64,13 +64,18 @@ def show(
 ) -> str:
     """Return a method as text: title, tableau, legend, forms, starting method, source.
 
-    Args:
-        method: a loaded or computed method, its name or its file.
-        decimal: significant digits of decimals; exact expressions by default.
-        style: what the terminal shows. What is wider than it is wrapped.
+    Parameters
+    ----------
+    method : GLM or PartitionedGLM or AdditiveGLM or str or Path
+        A loaded or computed method, its name or its file.
+    decimal : int or None
+        Significant digits of decimals; exact expressions by default.
+    style : Style or None
+        What the terminal shows. What is wider than it is wrapped.
 
     Returns
     -------
+    str
         The text, which an interpreter shows as it stands.
     """
     method = method_of(method)
@@ -92,9 +97,12 @@ class Parts:
 
     Attributes
     ----------
-        blocks: (heading, lines that were drawn), the tableau first.
-        legend: name in a tableau -> what it stands for.
-        rounded: whether published decimals were rounded.
+    blocks : tuple[tuple[str, tuple[str, ...]], ...]
+        (heading, lines that were drawn), the tableau first.
+    legend : Mapping[str, str]
+        Name in a tableau -> what it stands for.
+    rounded : bool
+        Whether published decimals were rounded.
     """
 
     blocks: tuple[tuple[str, tuple[str, ...]], ...]
@@ -125,7 +133,14 @@ class _Page:
         self.texts: set[str] = set()
         self.rounded = False
         facts = facts_of(method)
-        self.body = self._pair(facts) if not facts.is_single else self._glm(facts)
+        kind = self.document.get("class")
+        if method.rosenbrock:
+            self.body = self._rosenbrock()
+        elif kind == "nystrom":
+            self.body = self._nystrom()
+        else:
+            self.body = self._pair(facts) if not facts.is_single else self._glm(facts)
+        self.body += self._beside(self._embedded_slices(kind))
 
     @property
     def width(self) -> int:
@@ -200,12 +215,13 @@ class _Page:
         method, document = self.method, self.document
         name = one_line(method.name or "(unnamed)")
         title = one_line(document.get("title", ""))
-        if isinstance(method, PartitionedGLM):
-            size = f"pair with {_count(method.n_Q, 'stage')} Q and {method.n_P} P"
-            size += f", {_count(method.r, 'value')} of q and {method.r_hat} of p"
+        first, last = method.carriers[0], method.carriers[-1]
+        if method.parts == 2:
+            size = f"pair with {_count(len(first.A), 'stage')} Q and {len(last.A)} P"
+            size += f", {_count(len(first.V), 'value')} of q and {len(last.V)} of p"
         else:
             parts = f"{len(method.components)} parts on " if method.additive else ""
-            size = f"{parts}{_count(method.s, 'stage')}, {_count(method.r, 'value')}"
+            size = f"{parts}{_count(len(first.A), 'stage')}, {_count(len(first.V), 'value')}"
             size += "" if not method.is_explicit else ", explicit"
         lines: list[str] = self.wrapped(f"{name}  {title}" if title else name)
         lines[0] = self.style.paint(name, "bold") + lines[0].removeprefix(name)
@@ -233,7 +249,7 @@ class _Page:
         method, doc = facts.method, self.document
         own = doc if doc.get("class") in ("glm", "rk") else {}
         body = self._lists()
-        body.append(("", self._half(method, own, facts.abscissae)))
+        body.append(("", self._half(method, own, method.abscissae_given or facts.abscissae)))
         for letter in "GD":
             values = getattr(method, letter)
             if values is not None:
@@ -252,8 +268,67 @@ class _Page:
         U, B, V = (self.matrix(getattr(half, x), texts.get(x)) for x in "UBV")
         return self.draw([[column, A, U], [[[""]] * len(B), B, V]])
 
+    def _rosenbrock(self) -> list[tuple[str, list[str]]]:
+        """Draw alpha and gamma side by side, b below."""
+        m, doc = self.method, self.document
+        assert isinstance(m, RosenbrockGLM)
+        alpha, gamma = (self.matrix(getattr(m, x), doc.get(x)) for x in ("alpha", "gamma"))
+        grid = [[alpha, gamma], [self.vector(m.b, doc.get("b")), [[""] * len(m.b)]]]
+        return [("alpha | gamma, with b below:", self.draw(grid))]
+
+    def _nystrom(self) -> list[tuple[str, list[str]]]:
+        """Draw c and A with b and b' below, and A' where there is one."""
+        pair, doc = self.method, self.document
+        assert isinstance(pair, PartitionedGLM)
+        s = len(doc["c"])
+        b, b_prime = self._embedded_slices("nystrom")
+        stages = pair.A[-s:]
+        c = [[x] for x in self.vector(tuple(sum(x, Exact(0)) for x in stages), doc["c"])[0]]
+        empty = [[""]]
+        grid = [
+            [c, self.matrix(tuple(x[b] for x in stages), doc["A"])],
+            [empty, self.vector(pair.B[0][b], doc["b"])],
+            [empty, self.vector(pair.B_hat[0][b_prime], doc["b_prime"])],
+        ]
+        body = [("c | A, with b and b' below:", self.draw(grid))]
+        if "A_prime" in doc:
+            rows = tuple(x[b_prime] for x in pair.A_hat[-s:])
+            body.append(("A' =", self.draw([[self.matrix(rows, doc["A_prime"])]])))
+        return body
+
+    def _embedded_slices(self, kind: object) -> tuple[slice, ...]:
+        """Which weights of each component a file of a class writes."""
+        m = self.method
+        if isinstance(m, RosenbrockGLM):
+            return slice(len(m.b)), slice(0)
+        if kind == "nystrom":
+            s = len(self.document["c"])
+            return slice(1, s + 1), slice(-s, None)
+        return (slice(None),) * len(m.components)
+
+    def _beside(self, slices: tuple[slice, ...]) -> list[tuple[str, list[str]]]:
+        """Draw embedded rows and the coefficients of the dense output."""
+        method, texts = self.method, self.document.get("embedded", [])
+        body = []
+        for n, row in enumerate(method.embedded):
+            own = texts[n] if n < len(texts) else {}
+            cells: Cells = []
+            for k, (weights, part) in enumerate(zip(row.weights, slices, strict=True)):
+                given = own.get("b", own.get("error"))
+                if k and self.document.get("class") == "nystrom":
+                    given = own.get("b_prime")
+                elif method.additive and not method.rosenbrock and given:
+                    given = given[k]
+                cells += self.vector(weights[part], given) if weights[part] else []
+            what = "estimate" if row.difference else "embedded"
+            body.append((f"{what} {one_line(row.name)}:", self.draw([[cells]])))
+        dense = getattr(method, "dense", None)
+        if dense is not None:
+            grid = [[self.matrix(dense, self.document.get("dense"))]]
+            body.append(("b(theta), by powers of theta from 1:", self.draw(grid)))
+        return body
+
     def _start_and_finish(self) -> list[tuple[str, list[str]]]:
-        assert isinstance(self.method, GLM)
         body = []
         start, finish = self.method.starting, self.method.finishing
         if start is not None:
@@ -306,20 +381,18 @@ class _Page:
 
     def _pair_start(self) -> list[tuple[str, list[str]]]:
         """Draw the start of a pair: for q and for p the stages above the values, u at the right."""
-        assert isinstance(self.method, PartitionedGLM)
         start, block = self.method.starting, self.document.get("starting", {})
         if start is None:
             return []
         body, named = [], _named("starting method", start, "Q = h A f(P) + q0")
-        for heading, hat, other in (
-            (named, "", start.A),
-            ("  and for p:  P = h A^ k(Q) + p0", "_hat", start.A_hat),
-        ):
-            B, u = getattr(start, f"B{hat}"), getattr(start, f"u{hat}")
+        headings = (named, "  and for p:  P = h A^ k(Q) + p0")
+        for heading, c in zip(headings, start.components, strict=True):
+            hat = start.LETTERS[c.colour]
+            u = tuple(x for (x,) in c.V)
             right = [[x] for x in self.vector(u, block.get(f"u{hat}"))[0]]
             grid = [
-                [self.matrix(other, block.get(f"A{hat}")), [["1"]] * len(other)],
-                [self.matrix(B, block.get(f"B{hat}")), right],
+                [self.matrix(c.A, block.get(f"A{hat}")), [["1"]] * len(c.A)],
+                [self.matrix(c.B, block.get(f"B{hat}")), right],
             ]
             body.append((heading, self.draw(grid)))
         return body
@@ -385,5 +458,5 @@ def _count(number: int, what: str) -> str:
 
 def _named(kind: str, method: Any, stages: str = "Y = h A f(Y) + y0") -> str:
     order = f", order {method.claims[ORDER.key]}" if ORDER.key in method.claims else ""
-    name = f" {one_line(method.name)}" if method.name else ""
+    name = f" ({one_line(method.name)})" if method.name else ""
     return f"{kind}{name}{order}:  {stages}"

@@ -28,9 +28,12 @@ def decimal_text(x: Scalar, digits: int) -> str:
 
     A ball that contains zero has no significant digit and is ``0``.
 
-    Args:
-        x: the number.
-        digits: significant digits, of each of the two parts of a complex number.
+    Parameters
+    ----------
+    x : Scalar
+        The number.
+    digits : int
+        Significant digits, of each of the two parts of a complex number.
     """
     if x.is_real():
         return _real_text(x, digits)
@@ -57,10 +60,13 @@ def _real_text(x: Scalar, digits: int) -> str:
 def tableau(grid: Sequence[Sequence[Cells]], style: Style) -> list[str]:
     """Draw a partitioned matrix; one that is wider than the terminal in parts, columns by columns.
 
-    Args:
-        grid: rows of blocks. Blocks side by side have as many rows, those above each other as many
-            columns.
-        style: decides the characters of the rules, and the width.
+    Parameters
+    ----------
+    grid : Sequence[Sequence[Cells]]
+        Rows of blocks. Blocks side by side have as many rows, those above each other as many
+        columns.
+    style : Style
+        Decides the characters of the rules, and the width.
     """
     places = [(j, k) for j, block in enumerate(grid[0]) for k in range(len(block[0]))]
     sizes = [max(len(cells[k]) for row in _on_the_point(grid) for cells in row[j])

@@ -69,9 +69,12 @@ class Style:
 
     Attributes
     ----------
-        unicode: whether line-drawing characters can be encoded.
-        color: whether ANSI colours are wanted.
-        width: columns to wrap prose at.
+    unicode : bool
+        Whether line-drawing characters can be encoded.
+    color : bool
+        Whether ANSI colours are wanted.
+    width : int
+        Columns to wrap prose at.
     """
 
     unicode: bool = False
@@ -114,11 +117,16 @@ def columns(
 ) -> str:
     """Align rows into columns, two spaces apart, the last column as long as it is.
 
-    Args:
-        rows: cells; every row has as many as the head.
-        style: decides the rule under the head.
-        head: column names, or none.
-        right: the digits of the columns (from 0) that are aligned to the right, as ``"12"``.
+    Parameters
+    ----------
+    rows : Iterable[Sequence[str]]
+        Cells; every row has as many as the head.
+    style : Style
+        Decides the rule under the head.
+    head : Sequence[str]
+        Column names, or none.
+    right : str
+        The digits of the columns (from 0) that are aligned to the right, as ``"12"``.
     """
     cells = [[one_line(x) for x in row] for row in rows]
     everything = [list(head), *cells] if head else cells
@@ -209,12 +217,17 @@ def findings_table(
 ) -> str:
     """Return the findings of one method.
 
-    Args:
-        findings: all of the same method.
-        style: what the terminal shows.
-        every: a line for each claim under the method's name; else one line for the method while
-            all hold, and below it those that do not.
-        width: columns of the name in the one-line form.
+    Parameters
+    ----------
+    findings : Sequence[Finding]
+        All of the same method.
+    style : Style
+        What the terminal shows.
+    every : bool
+        A line for each claim under the method's name; else one line for the method while all hold,
+        and below it those that do not.
+    width : int
+        Columns of the name in the one-line form.
     """
     if not findings:
         return ""
@@ -275,9 +288,12 @@ def _cell(text: str) -> str:
 def findings_junit(findings: Sequence[Finding], errors: Sequence[tuple[str, str]] = ()) -> str:
     """Return JUnit XML: a suite for each method, a case for each claim.
 
-    Args:
-        findings: what fails becomes a ``failure``, what is open an ``error``.
-        errors: ``(file, sentence)`` for each file that could not be checked: an ``error`` too.
+    Parameters
+    ----------
+    findings : Sequence[Finding]
+        What fails becomes a ``failure``, what is open an ``error``.
+    errors : Sequence[tuple[str, str]]
+        ``(file, sentence)`` for each file that could not be checked: an ``error`` too.
     """
     root = ElementTree.Element("testsuites", name="glmref verify")
     suites: dict[str, list[Finding]] = {}

@@ -1,0 +1,117 @@
+"""A map in colours over two axes, as SVG: one rectangle for each pair of values."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from xml.sax.saxutils import escape
+
+from .axes import document, text
+
+__all__ = ["heat_map"]
+
+#: Colours from small to large, told apart by lightness alone (after the scale "cividis").
+_SCALE = ("#00224e", "#35456c", "#666970", "#948e77", "#c8b866", "#fee838")
+_MISSING = "#f4f4f4"
+_MOST_TEXTS = 8
+
+
+def heat_map(
+    cells: Mapping[tuple[float | str, float | str], float],
+    *,
+    title: str,
+    x_label: str,
+    y_label: str,
+    value_label: str,
+    limits: tuple[float, float] | None = None,
+    width: int = 560,
+    height: int = 360,
+) -> str:
+    """Return a complete SVG document.
+
+    Parameters
+    ----------
+    cells : mapping
+        (x, y) -> value. Every x that occurs has a column and every y a row, in their order; a pair
+        without a value stays blank.
+    title, x_label, y_label, value_label : str
+        What is shown.
+    limits : (float, float), optional
+        Values of the first and the last colour, so that several maps agree; those that occur by
+        default. Where both are positive and a factor of a thousand apart, colours go with the
+        logarithm.
+    width, height : int
+        Of the picture, in px.
+    """
+    xs, ys = (sorted({pair[k] for pair in cells}, key=_place) for k in (0, 1))
+    left, top, right, bottom = 74.0, 40.0, width - 110.0, height - 56.0
+    if not cells:
+        return document(title, width, height, [text(left, top + 20, "nothing to draw")])
+    scale = Scale(limits or (min(cells.values()), max(cells.values())))
+    wide, high = (right - left) / len(xs), (bottom - top) / len(ys)
+    frame = f'x="{left}" y="{top}" width="{right - left}" height="{bottom - top}"'
+    parts = [f'<rect {frame} fill="{_MISSING}" stroke="#555"/>']
+    columns, rows = ({x: k for k, x in enumerate(values)} for values in (xs, ys))
+    for (x, y), value in cells.items():
+        u, v = left + columns[x] * wide, bottom - (rows[y] + 1) * high
+        place = f'x="{u:.1f}" y="{v:.1f}" width="{wide + 0.3:.1f}" height="{high + 0.3:.1f}"'
+        said = f"<title>{escape(f'{_shown(x)}, {_shown(y)}: {value:.4g}')}</title>"
+        parts.append(f'<rect {place} fill="{scale.color(value)}">{said}</rect>')
+    for k in _thinned(len(xs)):
+        parts.append(text(left + (k + 0.5) * wide, bottom + 16, _shown(xs[k]), "middle"))
+    for k in _thinned(len(ys)):
+        parts.append(text(left - 6, bottom - (k + 0.5) * high + 4, _shown(ys[k]), "end"))
+    parts.append(text((left + right) / 2, bottom + 38, x_label, "middle"))
+    parts.append(
+        f'<text transform="translate(20 {(top + bottom) / 2:.0f}) rotate(-90)" '
+        f'text-anchor="middle" fill="#111">{escape(y_label)}</text>'
+    )
+    return document(title, width, height, [*parts, *_legend(scale, right + 16, top, value_label)])
+
+
+class Scale:
+    """Colours of values between two limits, linear or logarithmic."""
+
+    def __init__(self, limits: tuple[float, float]) -> None:
+        low, high = limits
+        self.limits = limits
+        self.log = low > 0 and high > 1e3 * low
+        self.ends = (math.log10(low), math.log10(high)) if self.log else (low, high)
+
+    def color(self, value: float) -> str:
+        """The colour of a value; beyond the limits it is that of the limit."""
+        low, high = self.ends
+        at = math.log10(value) if self.log and value > 0 else (low if self.log else value)
+        share = (at - low) / (high - low) if high > low else 0.0
+        return _SCALE[min(len(_SCALE) - 1, max(0, int(share * len(_SCALE))))]
+
+    def bounds(self) -> list[float]:
+        """Values at which colours change, and both limits."""
+        low, high = self.ends
+        marks = [low + (high - low) * k / len(_SCALE) for k in range(len(_SCALE) + 1)]
+        return [10**x for x in marks] if self.log else marks
+
+
+def _legend(scale: Scale, left: float, top: float, label: str) -> list[str]:
+    parts = [text(left, top - 6, label)]
+    for k, mark in enumerate(scale.bounds()):
+        v = top + (len(_SCALE) - k) * 22
+        parts.append(text(left + 22, v + 4, f"{mark:.3g}"))
+        if k < len(_SCALE):
+            parts.append(
+                f'<rect x="{left:.0f}" y="{v - 22:.0f}" width="16" height="22" fill="{_SCALE[k]}"/>'
+            )
+    return parts
+
+
+def _place(value: float | str) -> tuple[bool, float | str]:
+    return isinstance(value, str), value
+
+
+def _shown(value: float | str) -> str:
+    return value if isinstance(value, str) else f"{value:.4g}"
+
+
+def _thinned(count: int) -> Sequence[int]:
+    """Indices of about eight of so many values."""
+    return range(0, count, max(1, math.ceil(count / _MOST_TEXTS)))
