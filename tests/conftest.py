@@ -9,16 +9,21 @@ from zlib import crc32
 import pytest
 from hypothesis import HealthCheck, settings
 
+from glmref.verification import kept
+
 #: Examples of a property in the quick run, of a hundred in the whole one; see `examples.py`.
 QUICK = 30
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Choose the profile of hypothesis.
+    """Choose the profile of hypothesis, and keep no verdicts.
+
+    Tests change the program while it runs: what it finds then must not be kept for the next run.
 
     Machines are shared and slow at times: no example is failed for its duration. In CI the examples
     are the same in every run, so that a failure there can be repeated; elsewhere they are random.
     """
+    kept.private_folder = lambda name: None
     whole = "not slow" not in config.option.markexpr
     settings.register_profile(
         "glmref",
@@ -36,7 +41,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark as slow what goes beyond the sample of a test that is marked ``sampled(n)``.
 
     The sample is drawn by a hash of the names of the cases: it is the same in every run, and a case
-    that is added moves no other one but the last.
+    that is added moves no other one but the last. Cases with a name that contains one of ``besides``
+    take long and come last.
     """
     families: dict[str, list[pytest.Item]] = defaultdict(list)
     for item in items:
@@ -45,6 +51,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for family in families.values():
         mark = family[0].get_closest_marker("sampled")
         assert mark is not None
-        family.sort(key=lambda item: crc32(item.name.encode()))
+        long = mark.kwargs.get("besides", ())
+        family.sort(key=lambda item: (any(x in item.name for x in long), crc32(item.name.encode())))
         for item in family[mark.args[0] :]:
             item.add_marker(pytest.mark.slow)

@@ -16,6 +16,7 @@ def test_every_mutant_of_a_sample_is_noticed() -> None:
     assert survivors(23) == []
 
 
+@pytest.mark.slow
 def test_the_sample_is_no_empty_one() -> None:
     drawn = [label.partition(": ")[2] for _, label, _ in sample(23)]
     assert len(drawn) >= 15

@@ -15,7 +15,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from glmref.measure.records import CHECKSUM, RecordFile, scan
+from glmref.compute.records import CHECKSUM, RecordFile, scan
 from glmref.report.store import read as read_report
 
 from .tally import Tally

@@ -124,7 +124,7 @@ def test_a_form_of_many_values_is_not_looked_for(tmp_path):
 
 
 def test_an_enclosure_without_unknowns_is_refused():
-    from glmref.prove.enclosure import krawczyk
+    from glmref.prove.krawczyk import krawczyk
 
     with pytest.raises(DataError, match="must have `unknowns`"):
         krawczyk(lambda x: [], [], Fraction(1, 10**70))

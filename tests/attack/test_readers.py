@@ -87,6 +87,7 @@ def test_a_problem_that_is_none_is_refused_with_a_short_sentence(given):
         (("cases", 0, "stages"), [["0"]]), (("cases", 0, "flags"), ["zzz"]),
         (("cases", 0, "conserved"), "inf"), (("coefficients", "c"), ["0"]),
         (("cases", 10, "rows", 3, "error"), "0"),
+        (("cases", 10, "rows", 3, "steps"), 10_001),
         (("cases", 5, "wrong", 0, "output"), [["1"]]), (("cases", 5, "wrong", 0, "flag"), "zzz"),
     ],
 )  # fmt: skip

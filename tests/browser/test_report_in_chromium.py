@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -16,17 +15,12 @@ import pytest
 
 from glmref import scenes
 from glmref.catalogue.lookup import data_root, names
-from glmref.measure.records import RecordFile
+from glmref.compute.records import RecordFile
 from glmref.report import build, read
 from glmref.report.markup import number
+from tests.browser.chromium import visit
 
-webdriver = pytest.importorskip("selenium.webdriver")
-BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
-pytestmark = [
-    pytest.mark.browser,
-    pytest.mark.slow,
-    pytest.mark.skipif(not (BROWSER and DRIVER), reason="chromium or chromedriver is absent"),
-]
+pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
 METHODS = ("rk4", "gauss-2", "gsymplectic-n", "pair-4-4", "g6245-w3", "order8-s3-w3-i")
 NAME = "oscillator-quick"
@@ -86,39 +80,6 @@ def whole(tmp_path_factory: pytest.TempPathFactory, records: list[dict[str, Any]
     (source / f"{NAME}.jsonl").write_text(text, encoding="utf-8")
     build(read([source, data_root() / "measurements"]), folder)
     return folder
-
-
-@pytest.fixture(scope="module")
-def chromium() -> Iterator[Any]:
-    options = webdriver.ChromeOptions()
-    options.binary_location = BROWSER or ""
-    for word in ("--headless=new", "--no-sandbox", "--host-resolver-rules=MAP * ~NOTFOUND"):
-        options.add_argument(word)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
-    try:
-        yield driver
-    finally:
-        driver.quit()
-
-
-def visit(
-    driver: Any, path: Path, *, width: int = 1200, dark: bool = False, script: bool = True
-) -> None:
-    driver.execute_cdp_cmd(
-        "Emulation.setDeviceMetricsOverride",
-        {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500},
-    )
-    scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
-    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [scheme]})
-    for kind in ("browser", "performance"):
-        driver.get_log(kind)
-    driver.get(path.as_uri())
-    if script:
-        # the pictures are drawn when their size is known: after the next frame
-        driver.execute_async_script(
-            "requestAnimationFrame(() => requestAnimationFrame(arguments[0]))"
-        )
 
 
 def requests(driver: Any) -> list[str]:

@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from glmref.measure.records import read_records
+from glmref.compute.records import read_records
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -1,6 +1,6 @@
-"""The second witness for explicit pairs: observed order on the pendulum and on Kepler's problem.
+"""The second witness for explicit pairs: observed order on the pendulum and on orbits.
 
-Both are second-order systems, so that what is seen is the order of the claim ``nystrom-order``
+All are second-order systems, so that what is seen is the order of the claim ``nystrom-order``
 where a file makes one; ``test_order_observed`` measures ``order`` on a system where both functions
 are nonlinear.
 """
@@ -18,6 +18,7 @@ QUICK = {"pair-4-4", "pair-6-7"}
 PROBLEMS = {
     "pendulum": ("pendulum", {"q0": "3/2", "p0": "3/10"}),
     "kepler": ("kepler", {"eccentricity": "1/5"}),
+    "henon-heiles": ("henon-heiles", {}),
 }
 
 
@@ -25,8 +26,8 @@ def cases():
     for name in names("methods"):
         doc = document(name)
         claims = doc["claims"]
-        if doc["class"] == "pair-sweep" or "nystrom-order" in claims:
-            order = claims.get("nystrom-order", claims["order"])
+        if doc["class"] in ("pair-sweep", "splitting") or "nystrom-order" in claims:
+            order = claims["nystrom-order"] if "nystrom-order" in claims else claims["order"]
             marks = () if name in QUICK else pytest.mark.slow
             yield pytest.param(name, order, id=name, marks=marks)
 

@@ -71,7 +71,7 @@ def test_a_wrong_growth_parameter_does_not_pass():
     )
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FREE)
 def test_a_method_with_mu_zero_carries_its_parasitic_part_unchanged(name):
     for mode in modes(load(name)):
@@ -162,7 +162,8 @@ def test_parasitism_free_methods_stay_bounded_over_a_million_steps(name):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "name", [n for n in without_growth(6) if load(n).claims["order"] == 6 and n not in SPECIAL]
+    "name",
+    [n for n in without_growth(6) if document(n)["claims"]["order"] == 6 and n not in SPECIAL],
 )
 def test_the_other_methods_of_order_six_stay_bounded_over_a_million_steps(name):
     found, told = follow_pendulum(name, 1_000_000)

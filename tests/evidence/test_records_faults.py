@@ -244,6 +244,7 @@ def test_a_clock_that_jumps_changes_no_record(runs: Runs) -> None:
     runs.check("clock")
 
 
+@pytest.mark.slow
 def test_damage_of_every_kind_costs_the_lines_it_hit(runs: Runs) -> None:
     whole = runs.path("undisturbed").read_bytes()
     lines = whole.splitlines(keepends=True)

@@ -26,6 +26,7 @@ KNOWN = [
 ]
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(("name", "parameters", "t"), KNOWN)
 def test_a_computed_reference_errs_by_less_than_it_says_or_is_refused(name, parameters, t):
     subject = problem(name, **parameters)

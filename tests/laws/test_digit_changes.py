@@ -1,8 +1,8 @@
 """Change any one digit of any coefficient of any shipped method: some claim fails.
 
 Every digit of every coefficient, constant, form, start and finish of every file in
-``data/methods`` is replaced by the next one in turn. A change that the loader refuses, or that
-makes the enclosure's proof fail, is caught too.
+``data/methods`` is replaced by the next one in turn; of long files and starts a sample is. A change that the
+loader refuses, or that makes the enclosure's proof fail, is caught too.
 """
 
 from __future__ import annotations
@@ -23,8 +23,26 @@ pytestmark = pytest.mark.slow
 
 NOT_COEFFICIENTS = {"format", "name", "title", "class", "field", "claims", "source", "notes"}
 NOT_COEFFICIENTS |= {"digits", "enclosure", "base", "first", "separable", "$schema"}
+#: Changes of one start that are tried: some starts have ten thousand digits.
+MOST_IN_A_START = 60
+#: Changes of the rest of one file that are tried: some have five thousand digits.
+MOST = 400
 #: Claims that are cheap to check come first: most changes break one of them.
-CHEAP_FIRST = ("abscissae", "preconsistent", "consistent", "starting-order", "order")
+CHEAP_FIRST = (
+    *("abscissae", "row-sums", "embedded-difference", "dense-end"),
+    *("preconsistent", "consistent", "starting-order", "nystrom-starting-order"),
+    "order",
+)
+#: Entries that no condition through the order of the method sees: the first stage of additive
+#: methods in which it has no weight, and a position that only stages without weight depend on.
+_FIRST_STAGE = (("parts", 0, "A", 0), ("parts", 1, "A", 0))
+UNSEEN: dict[str, tuple[tuple[Any, ...], ...]] = {
+    "ars-1-2-2": _FIRST_STAGE,
+    "ars-2-3-2": _FIRST_STAGE,
+    "ssp2-3-2-2": _FIRST_STAGE,
+    "fine-rkn-4-3": (("A", 1, 0),),
+    "fine-rkn-5-4": (("A", 1, 0),),
+}
 
 
 def places(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
@@ -43,7 +61,10 @@ def places(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
 def changes(doc: dict[str, Any]) -> Iterator[tuple[dict[str, Any], str]]:
     """Every document that differs from the given one in one digit of one coefficient."""
     coefficients = {k: v for k, v in doc.items() if k not in NOT_COEFFICIENTS}
+    unseen = UNSEEN.get(doc["name"], ())
     for path in places(coefficients):
+        if any(path[: len(x)] == x for x in unseen):
+            continue
         holder: Any = coefficients
         for step in path[:-1]:
             holder = holder[step]
@@ -73,7 +94,9 @@ def caught(doc: dict[str, Any]) -> bool:
         method = load_document(doc)
         facts = facts_for(method)
         claims = claims_of(method)
-        for claim in sorted(claims, key=lambda c: (c not in CHEAP_FIRST, c)):
+        last = len(CHEAP_FIRST)
+        ranks = {claim: n for n, claim in enumerate(CHEAP_FIRST)}
+        for claim in sorted(claims, key=lambda c: (ranks.get(c, last), c)):
             if facts.judge(claim, claims[claim]).verdict is Verdict.FAILS:
                 return True
     except GlmrefError:
@@ -112,5 +135,14 @@ def test_a_start_in_decimals_takes_no_file_out_of_the_law() -> None:
 def test_any_changed_digit_is_caught(name: str) -> None:
     doc = exact_part(document(name))
     assert doc is not None
-    missed = [what for changed, what in changes(doc) if not caught(changed)]
+    tried = list(changes(doc))
+    of_start = [what for _, what in tried if what.startswith("('starting'")]
+    rest = [what for _, what in tried if not what.startswith("('starting'")]
+    left_out = {
+        what
+        for whats, most in ((of_start, MOST_IN_A_START), (rest, MOST))
+        for n, what in enumerate(whats)
+        if n % -(-max(len(whats), 1) // most)
+    }
+    missed = [what for changed, what in tried if what not in left_out and not caught(changed)]
     assert not missed, f"{name}: {len(missed)} changes pass unnoticed, first {missed[:3]}"

@@ -133,7 +133,7 @@ def same_solutions(
 # --- a change of values ---------------------------------------------------------------------------
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(1, besides=("s4-symmetric", "g6245", "gsymplectic"))
 @pytest.mark.parametrize("name", CARRIED)
 @given(data=st.data())
 @LAWS
@@ -273,7 +273,7 @@ def test_an_idle_stage_changes_nothing(name):
     same_verdicts(analyze(bare), analyze(other), stages=False, symmetric=False)
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(2, besides=("s4-symmetric",))
 @pytest.mark.parametrize("copy", [True, False])
 @pytest.mark.parametrize("name", METHODS)
 def test_an_idle_value_changes_nothing(name, copy):

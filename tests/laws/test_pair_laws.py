@@ -139,7 +139,7 @@ def test_a_near_miss_loses_the_bilinear_invariant(half):
 
 @pytest.mark.parametrize("name", [*PAIRS, "gsymplectic-n-pair"])
 def test_the_weights_of_a_consistent_method_have_equal_sums(name):
-    """sum D_P = sum D_Q = u^T G u_hat, see docs/pairs.md, in the exact field or within the digits."""
+    """sum D_P = sum D_Q = u^T G u_hat, see docs/pairs-theory.md, in the exact field or within the digits."""
     pair = load(name)
     first, second = (sum(row[1:], row[0]) for row in (pair.D_P, pair.D_Q))
     assert (first - second).is_zero() is not False

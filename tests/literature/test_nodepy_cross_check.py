@@ -72,6 +72,7 @@ def test_every_runge_kutta_method_of_nodepy_gets_the_same_order_from_us() -> Non
     assert exact >= 30
 
 
+@pytest.mark.slow
 def test_a_changed_entry_changes_both_orders() -> None:
     table = tables()["RK44"]
     table.b = table.b.copy()

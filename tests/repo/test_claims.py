@@ -8,7 +8,7 @@ import pytest
 
 import glmref
 from glmref.catalogue.canonical import KEY_ORDER
-from glmref.catalogue.claims import ANY, CLAIMS, PARTITIONED, SINGLE
+from glmref.catalogue.claims import ANY, CLAIMS, PARTITIONED, ROSENBROCK, SINGLE
 from glmref.errors import DataError
 from glmref.exact import Exact
 from glmref.exact.expression import Text
@@ -18,7 +18,7 @@ from glmref.prove.facts import facts_of
 from glmref.prove.finders import proposal_for
 from glmref.prove.kernel import Kernel
 from glmref.verification.verifier import verify
-from tools.method_schema import CONTRACT, SCHEMA, with_claims, with_table
+from tools.method_schema import CONTRACT, SCHEMA, SECOND, second_schema, with_claims, with_table
 
 PACKAGE = Path(glmref.__file__).parent
 RUN = "run `python -m tools.method_schema`"
@@ -38,6 +38,7 @@ def test_the_schema_and_the_contract_are_those_of_the_table() -> None:
     for path, generated in ((SCHEMA, with_claims), (CONTRACT, with_table)):
         text = path.read_text(encoding="utf-8")
         assert generated(text) == text, f"{path.name}: {RUN}"
+    assert SECOND.read_text(encoding="utf-8") == second_schema(SCHEMA.read_text("utf-8")), RUN
 
 
 def test_a_changed_schema_or_contract_is_noticed() -> None:
@@ -61,9 +62,10 @@ def test_every_claim_is_decided_by_a_rule_of_its_own(key: str) -> None:
     spec = CLAIMS[key]
     assert callable(getattr(Kernel, f"_{spec.rule}")) == (spec.type is not int)
     assert [x.key for x in CLAIMS.values() if x.rule == spec.rule] == [key]
-    values = {int: 0, bool: True, list: [Text("7", Exact(7))]}
+    values = {int: 0, bool: True, list: [Text("7", Exact(7))], dict: {"hat": 1}}
     declared = values.get(spec.type, Text("7", Exact(7)))
     names = {ANY: ("bdf-2", "stormer-verlet"), SINGLE: ("bdf-2",), PARTITIONED: ("stormer-verlet",)}
+    names[ROSENBROCK] = ("ros3p",)
     for name in names[spec.applies_to]:
         facts = facts_of(glmref.load(name))
         judged = facts.kernel.judge(key, declared, proposal_for(facts, key))

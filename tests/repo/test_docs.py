@@ -90,7 +90,7 @@ def test_a_displayed_formula_within_a_paragraph_is_seen() -> None:
     assert run_on("Insert:\n\n$$ a = b $$\n\nThe rest") == []
     assert run_on("Insert:\n$$ a = b $$\n\nThe rest") == ["$$ a = b $$"]
     assert run_on("Insert:\n\n$$ a = b $$\nThe rest") == ["$$ a = b $$"]
-    pairs = text("pairs.md")
+    pairs = text("pairs-theory.md")
     assert run_on(pairs.replace("outputs:\n\n$$", "outputs:\n$$")) != run_on(pairs)
 
 
@@ -152,11 +152,11 @@ def test_the_site_builds_without_a_warning(tmp_path: Path) -> None:
         shown = re.findall(r'<div><math [^>]*display="block"', html)
         if page != "api.md":  # docstrings have formulas, too
             assert len(shown) == written, page
-    assert "$$" in text("pairs.md")
+    assert "$$" in text("pairs-theory.md")
 
 
 def test_the_time_of_a_verification_is_that_of_the_record():
     record = json.loads((MEASURED / "verify-time.json").read_text("utf-8"))
     told = " ".join(text("quickstart.md").split())
     assert f"takes some {record['wall']:.0f} seconds on {WORDS[record['cores']]} cores" in told
-    assert record["wall"] == statistics.median(run["wall"] for run in record["runs"]) < 20
+    assert record["wall"] == statistics.median(run["wall"] for run in record["runs"]) < 30

@@ -24,6 +24,8 @@ FAMILIES = {
     "glm": "general linear, multivalue",
     "partitioned": "partitioned pairs",
     "additive": "additive (implicit-explicit)",
+    "nystrom": "Runge-Kutta-Nystrom",
+    "rosenbrock": "Rosenbrock",
 }
 
 
@@ -36,7 +38,8 @@ def verified_table() -> str:
             document(path.stem)["claims"]
             for path in sorted((data_root() / "methods" / folder).glob("*.json"))
         ]
-        orders = [c["order"] for c in claims if "order" in c]
+        orders = [c.get("order", c.get("nystrom-order")) for c in claims]
+        orders = [x for x in orders if x is not None]
         count: Counter[str] = Counter(k for c in claims for k, v in c.items() if v is True)
         conserving = [c for c in claims if c.get("g-symplectic") or c.get("symplectic")]
         lines.append(

@@ -37,6 +37,7 @@ def _made(tree: ast.AST) -> list[int]:
     return found
 
 
+@pytest.mark.sampled(80)
 @pytest.mark.parametrize("path", SOURCES, ids=lambda p: str(p.relative_to(PACKAGE)))
 def test_no_other_module_makes_a_verdict(path: Path) -> None:
     name = str(path.relative_to(PACKAGE))
@@ -69,6 +70,16 @@ def test_findings_are_made_from_judgements_only() -> None:
             assert ast.unparse(verdict) in allowed, path
 
 
+def test_findings_are_read_back_where_they_are_kept_only() -> None:
+    readers = [
+        str(path.relative_to(PACKAGE))
+        for path in SOURCES
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Attribute) and node.attr == "from_json"
+    ]
+    assert set(readers) == {"verification/kept.py"}
+
+
 def test_the_constructors_are_sealed() -> None:
     with pytest.raises(TypeError, match="kernel"):
         Judgement(Verdict.HOLDS, Proof.EXACT, True, 0.0, "", seal=object())
@@ -80,9 +91,9 @@ def test_the_kernel_imports_no_finder() -> None:
     allowed = {
         "", "errors", "findings", "catalogue.claims", "exact", "exact.expression", "exact.linalg",
         "method", "method.solution_value", "system.budget", "theory", "theory.polynomials", "theory.coefficients", "theory.root_location",
-        "theory.stability", "algebra", "forest", "implications", "series",
+        "theory.stability", "algebra", "forest", "implications", "kernel", "ranges", "rows", "series",
     }  # fmt: skip
-    for name in ("kernel", "series", "forest", "algebra"):
+    for name in ("kernel", "rows", "ranges", "series", "forest", "algebra"):
         tree = ast.parse((PACKAGE / "prove" / f"{name}.py").read_text(encoding="utf-8"))
         for node in ast.walk(tree):
             if isinstance(node, ast.ImportFrom) and node.level:

@@ -8,6 +8,7 @@ from glmref.catalogue.lookup import document, load, names
 from glmref.findings import Proof, Verdict
 from glmref.method import GLM
 from glmref.prove.facts import facts_of
+from glmref.theory.order import highest_order
 from glmref.verification.verifier import facts_for, verify_file
 
 from .stored import RENEW, same, stored
@@ -41,11 +42,14 @@ def test_a_broken_file_is_refuted_for_the_declared_reason(name: str) -> None:
     assert same(stored(name), [finding.as_json()]), RENEW
 
 
-@pytest.mark.sampled(12)
+@pytest.mark.sampled(8, besides=("s5t", "s5i"))
 @pytest.mark.parametrize("name", names("methods"))
 def test_the_order_is_exact_and_one_more_fails_at_a_named_tree(name: str) -> None:
     method = load(name)
     result = facts_for(method).classical_order
+    if result.at_least:  # trees are listed so far; beyond, the kernel decides by paths
+        assert result.order == highest_order(method.palette) < document(name)["claims"]["order"]
+        return
     assert result.failing_tree is not None
     assert result.failing_tree.order == result.order + 1
     assert result.residual is not None

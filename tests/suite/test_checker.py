@@ -344,6 +344,12 @@ def test_no_form_needs_the_right_factor():
         assert found[0] is expected, found[1]
 
 
+def test_a_refusal_quotes_little_of_what_it_refuses():
+    doc = document("methods/rk/rk4.json") | {"class": "x" * 10_000}
+    accepted, sentence = check.verdict(certificate(doc, "order", order_parts(4, "[o]"), declared=4))
+    assert not accepted and sentence.startswith("no class is called 'xxx") and len(sentence) < 210
+
+
 def test_the_basis_of_forms_of_a_separable_pair_is_complete():
     method = check.Method(
         document("methods/partitioned/stormer-verlet.json"), check.Numbers(RATIONAL)

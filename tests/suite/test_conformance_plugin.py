@@ -243,6 +243,7 @@ def test_the_face_without_pytest_says_a_bad_adapter_in_one_line(here, monkeypatc
     assert done.ret == 4 and len(done.errlines) == 1
 
 
+@pytest.mark.slow
 def test_the_page_without_pytest_shows_the_defect_and_counts_what_rests_on_it(
     here, monkeypatch
 ) -> None:
@@ -260,6 +261,7 @@ def test_the_page_without_pytest_shows_the_defect_and_counts_what_rests_on_it(
     )
 
 
+@pytest.mark.slow
 def test_what_an_adapter_prints_stays_out_of_the_findings(here, monkeypatch) -> None:
     monkeypatch.setenv("PYTHONPATH", str(PACKAGE.parent))
     done = module(here, "mine:Chatty", "--format", "json")

@@ -19,6 +19,8 @@ from pathlib import Path
 import pytest
 
 import glmref
+from glmref.catalogue.lookup import document
+from glmref.errors import UsageError
 from glmref.exchange.export import export
 from glmref.exchange.scheme import scheme_of
 from glmref.exchange.steppers import identifier
@@ -187,14 +189,19 @@ def force(q):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "name", [x for x in glmref.names("methods") if not glmref.load(x).additive]
+    "name",
+    [x for x in glmref.names("methods") if document(x)["class"] not in ("additive", "rosenbrock")],
 )
 def test_the_python_stepper_of_every_method_agrees_with_the_engine(name: str) -> None:
     """20 steps: 20 * 4 u * 1.6 is 1.4e-14; ten times that for starts with weights of that size."""
     if not getattr(glmref.load(name), "is_real", True):
         pytest.skip("complex methods are refused")
     stepper: dict = {}
-    exec(export(name, to="python"), stepper)
+    try:
+        exec(export(name, to="python"), stepper)
+    except UsageError as refusal:  # multistep methods whose velocity several values make
+        assert "combines several values" in str(refusal) and glmref.load(name).r_hat > 1
+        return
     root = 1.5**0.5
     if is_pair(name):
         q, p = stepper["integrate"](lambda p: p, force, H, 20, [0.8, 0.0], [0.0, root])

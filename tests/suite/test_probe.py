@@ -218,6 +218,7 @@ def test_closed_forms_are_recognised_from_doubles(text: str) -> None:
     assert found is not None and parse(found) == value
 
 
+@pytest.mark.slow
 def test_a_number_without_a_closed_form_stays_a_ball_of_its_digits() -> None:
     reading = read(Subject(Opaque("gauss-5")), "black-box", 1)
     method, complete = as_method(reading)
@@ -226,6 +227,7 @@ def test_a_number_without_a_closed_form_stays_a_ball_of_its_digits() -> None:
     assert recognised(float(Fraction(1, 3)) + 1e-12) is None
 
 
+@pytest.mark.slow
 def test_scipy_is_read_as_dormand_prince_and_dop853_as_its_table() -> None:
     pytest.importorskip("scipy")
     from scipy.integrate._ivp import dop853_coefficients as table

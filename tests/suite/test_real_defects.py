@@ -58,6 +58,7 @@ def findings(adapter: object) -> list[Finding]:
     return Suite(Subject(adapter)).findings()
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", MARKED)
 def test_a_table_that_was_published_wrong_is_caught_under_its_claim(name: str) -> None:
     claim, *words = CAUGHT[name]
@@ -67,6 +68,7 @@ def test_a_table_that_was_published_wrong_is_caught_under_its_claim(name: str) -
     assert all(word in messages for word in words), messages
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", [
     x if x in QUICK else pytest.param(x, marks=pytest.mark.slow)
     for x in CAUGHT if DEFECTS[x]["right"]

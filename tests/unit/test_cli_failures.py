@@ -7,7 +7,7 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
@@ -208,30 +208,26 @@ def test_results_come_in_order_whether_in_one_process_or_in_several(
     from glmref.cli import parallel
 
     names = ["euler", "no-such-method", "rk4", "gauss-2", "ab-2", "rkf45-3554"]
-    alone = list(check_all(names, processes=1))
+    alone = list(check_all(names, on="here"))
     monkeypatch.setattr(parallel, "STARTUP", 0.0)  # processes pay at once
-    spread = list(check_all(names, processes=2))
+    monkeypatch.setattr(parallel, "cores", lambda: [0, 1])
+    spread = list(check_all(names))
     assert [c.name for c in spread] == names
     assert [c.error for c in spread] == [c.error for c in alone]
     for x, y in zip(spread, alone, strict=True):
         assert [f.as_json() for f in x.findings] == [f.as_json() for f in y.findings]
 
 
-def killed(name: str, only: Sequence[str] = ()) -> Checked:
-    if name == "rk4":
+def killed(task: Mapping[str, str]) -> Checked:
+    if task["name"] == "rk4":
         os.kill(os.getpid(), signal.SIGKILL)
-    return check(name)
+    return check(task["name"])
 
 
 @pytest.mark.slow
-def test_a_file_that_kills_its_process_costs_only_its_own_result(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    from glmref.cli import parallel
-
-    monkeypatch.setattr(parallel, "STARTUP", 0.0)
+def test_a_file_that_kills_its_process_costs_only_its_own_result() -> None:
     names = ["euler", "ab-2", "rk4", "gauss-2"]
-    results = list(parallel._in_processes(names, (), 2, function=killed))
+    results = list(check_all(names, on="local:2", function=killed))
     assert [c.name for c in results] == names
     assert [c.internal for c in results] == [False, False, True, False]
     assert "internal error while checking rk4" in results[2].error

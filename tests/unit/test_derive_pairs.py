@@ -8,7 +8,7 @@ from glmref.derive import recipes
 from glmref.derive.partitioned import PairAnsatz, complete_pair, fix_parameters, search_pairs
 from glmref.derive.recipes.shipped_pairs import SHIPPED
 from glmref.errors import UsageError
-from glmref.prove.partitioned_system import PairSystem
+from glmref.prove.system import SweepSystem
 from glmref.theory.stability import parasitic_curvature
 
 SOURCE = {"citation": "a test", "where": "here", "status": "derived"}
@@ -36,7 +36,7 @@ def test_the_number_of_equations(order, nystrom, equations):
 
 def test_palindromes_hold_for_all_values_of_the_unknowns():
     for ansatz in (PairAnsatz("x", 5, 6), PairAnsatz("x", 4, 4, outer="Q", g=-1)):
-        assert PairSystem(ansatz.document()).signs() == ((1, -1), (1, -1))
+        assert SweepSystem(ansatz.document()).signs() == ((1, -1), (1, -1))
 
 
 @pytest.mark.parametrize(

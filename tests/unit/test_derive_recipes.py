@@ -192,6 +192,7 @@ def test_other_conjugation_methods_are_reproduced_bit_for_bit(name: str) -> None
 ORDER_8 = ("order8-s3-w3-i", "order8-s4i2-w3-i")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ORDER_8)
 def test_order_8_methods_with_six_values_are_reproduced_bit_for_bit(name: str) -> None:
     assert_reproduced("order8", name)
@@ -262,22 +263,21 @@ ANSATZ = Path(__file__).with_name("three-stages.toml")
 @pytest.mark.slow
 def test_search_finds_a_method_and_resumes_where_it_stopped(tmp_path: Path) -> None:
     state = tmp_path / "state.jsonl"
-    options = {"ansatz": str(ANSATZ), "starts": "32"}
+    options = {"ansatz": str(ANSATZ), "starts": "96"}
     whole = recipes.run("search", options)
     assert whole.documents[0]["claims"]["order"] == 6
-    recipes.run("search", {**options, "starts": "16", "state": str(state)})
+    recipes.run("search", {**options, "starts": "64", "state": str(state)})
     lines = state.read_text(encoding="utf-8").splitlines()
-    state.write_text(
-        "\n".join([*lines[:10], lines[10][:20]]), encoding="utf-8"
-    )  # killed while writing
+    state.write_text("\n".join([lines[0], lines[1][:20]]), encoding="utf-8")  # killed while writing
     ran: list[int] = []
     resumed = recipes.run(
         "search", {**options, "state": str(state)}, lambda what, done, total: ran.append(done)
     )
-    assert min(ran) > 10
+    assert ran == [64, 96]
     assert canonical(resumed.documents[0]) == canonical(whole.documents[0])
 
 
+@pytest.mark.slow
 def test_search_says_how_far_it_came_when_nothing_is_found(tmp_path: Path) -> None:
     ansatz = tmp_path / "a.toml"
     text = ANSATZ.read_text(encoding="utf-8").replace("stages = 3", "stages = 2")

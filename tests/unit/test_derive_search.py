@@ -124,9 +124,9 @@ def test_ansatz_files_are_checked(tmp_path: Path) -> None:
 
 def test_palindromic_signs_are_decided_for_all_values() -> None:
     document = S3.document()
-    assert SweepSystem(document).signs() == (1, -1, 1, 1)
+    assert SweepSystem(document).signs() == ((1, -1, 1, 1),)
     document["X"][2][0] = "beta1+b1-b1"
-    assert SweepSystem(document).signs() == (1, -1, 1, 1)
+    assert SweepSystem(document).signs() == ((1, -1, 1, 1),)
     document["X"][2][0] = "beta2"
     assert SweepSystem(document).signs() is None
 

@@ -10,11 +10,12 @@ import pytest
 from glmref import Problem, load, problem, solve
 from glmref.engine import compiled, kernel, native
 from glmref.engine.kernel import prepare
+from glmref.system import cache
 
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    monkeypatch.setenv(compiled.CACHE_VARIABLE, str(tmp_path / "cache"))
+    monkeypatch.setenv(cache.CACHE_VARIABLE, str(tmp_path / "cache"))
     compiled._native.cache_clear()
     compiled._load.cache_clear()
     yield tmp_path / "cache"
@@ -45,7 +46,7 @@ def test_a_named_folder_that_cannot_be_written_costs_the_cache_and_no_run(
     cached = prepare(load("rk4"), problem("pendulum"), h=0.1)
     blocked = tmp_path / "file"
     blocked.write_text("")
-    monkeypatch.setenv(compiled.CACHE_VARIABLE, str(blocked / "below"))
+    monkeypatch.setenv(cache.CACHE_VARIABLE, str(blocked / "below"))
     assert compiled.cache_folder() is None
     compiled._native.cache_clear()
     again = prepare(load("rk4"), problem("pendulum"), h=0.1)
@@ -81,8 +82,8 @@ def test_a_module_that_numba_cannot_keep_is_compiled_in_memory(folder, monkeypat
 
 
 def test_the_shared_temporary_folder_is_used_only_where_it_is_one_s_own(monkeypatch, tmp_path):
-    monkeypatch.delenv(compiled.CACHE_VARIABLE, raising=False)
-    monkeypatch.setattr(compiled, "_user_cache", lambda: None)
+    monkeypatch.delenv(cache.CACHE_VARIABLE, raising=False)
+    monkeypatch.setattr(cache, "_user_cache", lambda: None)
     monkeypatch.setattr("tempfile.gettempdir", lambda: str(tmp_path))
     folder = compiled.cache_folder()
     assert folder is not None and folder.parent == tmp_path
@@ -91,7 +92,7 @@ def test_the_shared_temporary_folder_is_used_only_where_it_is_one_s_own(monkeypa
 
 
 def test_the_default_folder_is_the_platform_s_user_cache(monkeypatch, tmp_path):
-    monkeypatch.delenv(compiled.CACHE_VARIABLE, raising=False)
+    monkeypatch.delenv(cache.CACHE_VARIABLE, raising=False)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     monkeypatch.setattr(sys, "platform", "linux")
     assert compiled.cache_folder() == tmp_path / "glmref" / "kernels"

@@ -88,7 +88,8 @@ def test_a_function_that_means_well_is_stepped_right(method, engine):
         assert run.completed, (name, run.message)
         # gauss and the diagonally implicit methods may solve their stages in another way
         assert np.abs(run.y - expected.y).max() < 2e-14, name
-        np.testing.assert_array_equal(run.y, again.y, err_msg=name)
+        # some functions are recorded as formulas, whose kernels may add in another order
+        np.testing.assert_allclose(run.y, again.y, rtol=0, atol=1e-15, err_msg=name)
 
 
 @pytest.mark.parametrize("engine", ENGINES)
@@ -328,6 +329,7 @@ def test_an_ensemble_looks_at_functions_too():
     assert np.isfinite(found.y).all()
 
 
+@pytest.mark.slow
 def test_an_ensemble_says_what_is_doubtful_of_a_function():
     from glmref.engine.ensemble import solve_ensemble
 

@@ -11,7 +11,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 RECORD = ROOT / "data" / "measurements" / "engine.json"
 PAGE = ROOT / "docs" / "engine.md"
-PAIR_PAGE = ROOT / "docs" / "pairs.md"
+PAIR_PAGE = ROOT / "campaigns" / "partitioned" / "README.md"
 
 
 def tables():

@@ -48,6 +48,7 @@ def allocations(text):
     return sum(body.partition("br label")[2].count("alloca") for body in bodies)
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(("method", "name", "solver"), KERNELS)
 def test_a_kernel_calls_nothing_but_functions_of_numbers(method, name, solver):
     text = assembly(method, name, solver)

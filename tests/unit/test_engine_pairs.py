@@ -5,7 +5,7 @@ import ast
 import numpy as np
 import pytest
 
-from glmref import load, problem
+from glmref import load, problem, solve
 from glmref.engine.codegen import Options
 from glmref.engine.compiled import interpret
 from glmref.engine.kernel import Kernel, prepare
@@ -62,7 +62,7 @@ def test_arrays_have_the_bits_of_local_variables(name, compensated):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_machine_code_of_arrays_has_the_bits_of_the_interpreter(name):
-    of = problem("toda", sites=8)
+    of = problem("toda", sites=12)
     found = [ends(prepare(load(name), of, h=H, interpreted=x), of, 40)[0] for x in (False, True)]
     assert prepare(load(name), of, h=H).source.target == "array"
     np.testing.assert_array_equal(*found)
@@ -93,13 +93,13 @@ def test_a_step_of_a_pair_in_arrays_copies_nothing_and_keeps_only_what_is_read_a
         Options(),
     )  # fmt: skip
     found = loops(source.text)
-    # half a kick and P; the drift and Q; half a kick with the new force; the check; new values
-    assert len(found) == 5
+    # the drift and Q; the kicks of two steps as one; the check; new values
+    assert len(found) == 4
     assigned = [x for inner in found for x in inner.body if isinstance(x, ast.Assign)]
     assert not [x for x in assigned if isinstance(x.value, ast.Subscript)], "copies"
-    # increments of three stages, new values and their errors are local variables
+    # increments of two stages, new values and their errors are local variables
     local = [x for x in assigned if isinstance(x.targets[0], ast.Name)]
-    assert len(local) == 3 + 2
+    assert len(local) == 2 + 2
 
 
 def test_a_kept_force_is_evaluated_once_a_step():
@@ -109,3 +109,33 @@ def test_a_kept_force_is_evaluated_once_a_step():
     # the near miss: two stages Q and nothing kept
     drift = pair_source(pair_form(load("yoshida-verlet-6")), shape_of(of, split=True), Options())
     assert drift.text.count("gravity_3_into(x") == 7
+
+
+@pytest.mark.parametrize("name", ["stormer-verlet", "blanes-moan-rkn-6-11"])
+def test_kicks_of_neighbouring_steps_are_one(name):
+    form = pair_form(load(name))
+    whole = load(name)
+    assert form.kick and form.Q.n == whole.n_Q - 1 and form.forces == form.Q.n
+    assert sum(form.Q.weights) == pytest.approx(1, abs=1e-15)
+    # rows, chunks and the end read p where the step of the method has it
+    run = solve("kepler", name, h=0.05, steps=40, every=7)
+    exact = solve("kepler", name, h=0.05, steps=40, every=7, engine="reference", digits=25)
+    assert np.abs(run.y - exact.y.astype(float)).max() < 40 * 2.0**-52
+    np.testing.assert_array_equal(run.y[-1], run.values[0])
+    parts = solve("kepler", name, h=0.05, times=[7 * 0.05, 40 * 0.05])
+    np.testing.assert_array_equal(parts.y, run.y[[1, -1]])
+    assert run.evaluations == 40 * form.forces
+
+
+def test_a_kick_is_taken_back_without_loss():
+    form, rng = pair_form(load("stormer-verlet")), np.random.default_rng(1)
+    p, force = rng.standard_normal(1000), rng.standard_normal(1000)
+    moved, rest = form.kicked(p, force, 0.1)
+    assert (rest != 0).any()
+    assert np.abs(form.unkicked(moved, rest, force, 0.1) - p).max() <= 2.0**-52
+
+
+def test_only_equal_kicks_at_both_ends_are_put_together():
+    assert not pair_form(load("yoshida-verlet-6")).kick  # begins with an update of q
+    assert not pair_form(load("pair-6-8")).kick  # two values
+    assert not pair_form(load("symplectic-euler-a")).kick

@@ -90,7 +90,7 @@ def collecting(*state, **options):
     return [state[1][1], -np.sin(state[1][0])]
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("f", [importing, collecting])
 @pytest.mark.parametrize("arithmetic", ["strict", "fused"])
 def test_what_numba_refuses_in_a_way_of_its_own_is_interpreted_too(f, arithmetic):
@@ -101,6 +101,7 @@ def test_what_numba_refuses_in_a_way_of_its_own_is_interpreted_too(f, arithmetic
     np.testing.assert_allclose(run.y, solve(pendulum, "rk4", h=0.1, steps=5).y, rtol=1e-14)
 
 
+@pytest.mark.slow
 def test_what_numba_cannot_compile_is_interpreted_with_a_notice_for_pairs_too():
     state = {"k": 1.0}
 

@@ -62,6 +62,7 @@ def test_texts_in_a_chart_are_no_markup() -> None:
     drawn(chart.svg([chart.Series(HOSTILE, ())], title=HOSTILE, x_label="x", y_label="y"))
 
 
+@pytest.mark.slow
 def test_texts_in_figures_of_matplotlib_are_no_formulas(tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
     text = HOSTILE + "$x^{$ costs 5$"
@@ -183,6 +184,7 @@ kind = "ended"
 """
 
 
+@pytest.mark.slow
 def test_texts_of_a_scene_reach_no_terminal_and_no_picture(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -42,6 +42,7 @@ SHARP = [
 ]
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize(("name", "order", "tree", "identity", "tree_i", "stage"), SHARP)
 def test_order_holds_and_the_next_fails(name, order, tree, identity, tree_i, stage):
     method = load(name)

@@ -186,6 +186,7 @@ def test_a_solution_is_drawn_and_saved(tmp_path: Path) -> None:
         glmref.solve("kepler", "rk4", h=0.1, steps=2).plot()
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("width", [60, 80, 100, 140])
 @pytest.mark.parametrize("name", ["g6245-w3", "rk4", "pair-rkn-6-8b", "gauss-3"])
 def test_show_wraps_at_the_width_of_the_terminal(name: str, width: int) -> None:
@@ -232,6 +233,8 @@ def test_analyze_tells_stability_and_error_constants(capsys: pytest.CaptureFixtu
     assert glmref.analyze("gauss-2").stability["A"] is True
     assert glmref.analyze("stormer-verlet").stability == {"periodicity": pytest.approx(2)}
     assert glmref.analyze("pair-rkn-6-8b").order_nystrom == 6
+    # kappa < 0: the eigenvalues leave the circle at once, and an enclosure of the end contains 0
+    assert glmref.analyze("pair-6-7").stability["periodicity"] == 0
 
 
 def test_analyze_names_the_row_that_is_not_consistent(

@@ -13,7 +13,8 @@ from glmref.errors import DataError
 from glmref.exact import exact, linalg
 from glmref.method import as_matrix, as_vector
 from glmref.method.families import splitting
-from glmref.method.partitioned_sweep import build, columns, stage_word
+from glmref.method.sweep import build_partitioned as build
+from glmref.method.sweep import columns, stage_word
 from glmref.theory.parasitism import growth
 from glmref.theory.symmetry import symmetry
 from glmref.theory.symplectic import g_symplectic_residual
@@ -100,7 +101,7 @@ def test_one_value_is_a_splitting_method():
 
 def test_columns_put_ones_on_top():
     assert columns([as_vector([2, 3], "w")], 2) == as_matrix([[1, 1], [2, 3]], "X")
-    assert stage_word("PQP", 2, 1) == (("P", 0), ("Q", 0), ("P", 1))
+    assert stage_word("PQP", 2, 1) == (("f", 0), ("k", 0), ("f", 1))
 
 
 @pytest.mark.parametrize(

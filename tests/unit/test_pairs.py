@@ -201,6 +201,7 @@ SWEEPS = [x for x in names("methods") if document(x)["class"] == "pair-sweep"]
 LABEL = re.compile(r"\|w\| - 1 = (\S+) \(h omega\)\^3")
 
 
+@pytest.mark.sampled(4, besides=("pair-8-24", "pair-rkn-8"))
 @pytest.mark.parametrize("name", SWEEPS)
 def test_a_pair_is_labelled_exactly_where_its_curvature_is_negative(name):
     kappa = parasitic_curvature(load(name))
@@ -219,6 +220,7 @@ def step_matrix(pair, y):
     return V + y * B @ np.linalg.solve(np.eye(len(A)) - y * A, U)
 
 
+@pytest.mark.sampled(3, besides=("pair-8-24", "pair-rkn-8"))
 @pytest.mark.parametrize(
     "name", ["pair-4-4", "pair-6-7", "pair-8-24", "pair-rkn-6-8b", "pair-rkn-8-16"]
 )

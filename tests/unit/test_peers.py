@@ -96,6 +96,7 @@ def test_a_peer_solves_the_problem_to_about_its_tolerance(name, subject):
     assert found["energy_error"] < 1e-5
 
 
+@pytest.mark.slow
 @pytest.mark.peers
 @pytest.mark.parametrize("name", ["heyoka", "diffrax-dopri8"])
 def test_a_right_hand_side_in_python_is_refused_where_symbols_are_needed(name):

@@ -26,6 +26,7 @@ def squares(text: str) -> list[str]:
     ]
 
 
+@pytest.mark.sampled(3, besides=("g6245",))
 @pytest.mark.parametrize("name", NAMES)
 def test_it_is_a_document_without_script_that_names_the_method(name: str) -> None:
     text = portrait(load(name))

@@ -26,6 +26,7 @@ def central_differences(f, y, context, step):
     return np.array(columns).T
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("name", DERIVED)
 def test_jacobian_agrees_with_differences_at_60_digits(name):
     context = mpmath.MPContext()

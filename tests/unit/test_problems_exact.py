@@ -39,6 +39,7 @@ def size(y):
     return max(abs(x) for x in y)
 
 
+@pytest.mark.sampled(10)
 @pytest.mark.parametrize(("name", "parameters"), CASES)
 def test_exact_solution_solves_the_equation(name, parameters):
     context = high()

@@ -60,6 +60,7 @@ def slope_along(function, y, direction, context):
     return result.coefficients[1], bound
 
 
+@pytest.mark.sampled(14)
 @pytest.mark.parametrize(("name", "parameters"), VARIANTS)
 def test_every_invariant_is_constant_along_f(name, parameters):
     for seed in (1, 2):
@@ -71,6 +72,7 @@ def test_every_invariant_is_constant_along_f(name, parameters):
                 assert abs(slope) <= bound, (key, float(slope), float(bound))
 
 
+@pytest.mark.sampled(10)
 @pytest.mark.parametrize(("name", "parameters"), VARIANTS)
 def test_an_invariant_off_by_a_billionth_is_noticed(name, parameters):
     # near miss: f with one component changed by 1e-9 of itself
@@ -90,6 +92,7 @@ def test_an_invariant_off_by_a_billionth_is_noticed(name, parameters):
 CANONICAL = [(n, k) for n, k in VARIANTS if problem(n, **k).canonical]
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize(("name", "parameters"), CANONICAL)
 def test_canonical_problems_are_j_times_the_gradient_of_h(name, parameters):
     p, y, context = at_random(name, parameters, 3)

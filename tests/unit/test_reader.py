@@ -60,7 +60,8 @@ def test_every_shipped_file_loads_as_what_its_class_says() -> None:
     for name in names("all"):
         method = load(name)
         kind = document(name)["class"]
-        expected = PartitionedGLM if kind in PAIRS else AdditiveGLM if kind == "additive" else GLM
+        sums = ("additive", "rosenbrock")
+        expected = PartitionedGLM if kind in PAIRS else AdditiveGLM if kind in sums else GLM
         assert isinstance(method, expected), name
         assert method.name == name
         assert method.document == document(name)
@@ -96,9 +97,10 @@ def test_claimed_expressions_keep_text_and_value() -> None:
 
 
 def test_each_claim_is_refused_with_a_value_of_another_kind() -> None:
-    wrong = {int: True, bool: 1, list: "1", str: ["1"]}
+    wrong = {int: True, bool: 1, list: "1", str: ["1"], dict: ["1"]}
     for claim, spec in CLAIMS.items():
-        base = "stormer-verlet" if claim in without_meaning("rk") else "rk4"
+        classes = {"rk": "rk4", "splitting": "stormer-verlet", "rosenbrock": "ros3p"}
+        base = next(x for kind, x in classes.items() if claim not in without_meaning(kind))
         with pytest.raises(DataError, match=f"the claim '{claim}' must be"):
             load_document({**document(base), "claims": {claim: wrong[spec.type]}})
 
@@ -107,10 +109,12 @@ def test_claims_of_one_method_and_of_a_pair_are_refused_for_the_other() -> None:
     for base, kind, right in (("rk4", "rk", 0), ("stormer-verlet", "splitting", 1)):
         assert without_meaning(kind)
         for claim in without_meaning(kind):
-            values = {int: 1, bool: True, list: ["1"], str: "1"}
+            values = {int: 1, bool: True, list: ["1"], str: "1", dict: {"b": 1}}
             with pytest.raises(DataError, match="has no meaning for"):
                 load_document({**document(base), "claims": {claim: values[CLAIMS[claim].type]}})
-        assert not without_meaning(kind) & without_meaning(("splitting", "rk")[right])
+        other = without_meaning(("splitting", "rk")[right])
+        # but for what is said of Rosenbrock methods only
+        assert without_meaning(kind) & other == {"w-order"}
 
 
 def test_each_needed_key_is_asked_for_by_name() -> None:

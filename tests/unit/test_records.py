@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from glmref.compute.records import RecordFile, checksum, finite, key_of, read_records
 from glmref.errors import DataError, UsageError
-from glmref.measure.records import RecordFile, checksum, finite, key_of, read_records
 
 TASKS = [{"method": "a", "h": h} for h in (0.1, 0.2, 0.3)]
 

@@ -3,7 +3,7 @@
 from glmref.catalogue.lookup import load
 from glmref.exact import linalg
 from glmref.method import as_matrix, as_vector
-from glmref.method.partitioned_sweep import build
+from glmref.method.sweep import build_partitioned as build
 from glmref.theory.reduction import is_reducible, reduction
 
 SIGNS = as_matrix([["1", "0"], ["0", "-1"]], "V")

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from glmref.catalogue.lookup import data_root
 from glmref.cli import main
+from glmref.compute.records import RecordFile
 from glmref.errors import DataError, GlmrefError, UsageError
-from glmref.measure.records import RecordFile
 from glmref.scenes import answer, charts, load_scene, names, orbits, plan, rows, run
 from glmref.scenes.answers import duration, seconds_at
 
@@ -53,6 +53,7 @@ def line_of(text, start):
 # --- reading --------------------------------------------------------------------------------------
 
 
+@pytest.mark.sampled(12)
 @pytest.mark.parametrize("name", names())
 def test_every_shipped_scene_is_read_in_both_forms(name):
     full, quick = load_scene(name), load_scene(name, quick=True)
@@ -88,6 +89,7 @@ def test_the_first_scenes_are_there():
 HORIZON = re.compile(r"[\w,]+ (?:million )?(?:periods|steps|days)|t = [\d.]+")
 
 
+@pytest.mark.sampled(10)
 @pytest.mark.parametrize("name", names())
 def test_a_quick_run_is_titled_with_its_own_horizon(name):
     full, quick = load_scene(name), load_scene(name, quick=True)
@@ -290,7 +292,7 @@ def test_a_plan_names_what_is_recorded_and_nothing_else(tmp_path):
 
 
 def test_tasks_differ_by_everything_that_can_change_a_result(tmp_path):
-    from glmref.measure.records import key_of
+    from glmref.compute.records import key_of
 
     base = {key_of(task) for task in plan(load_scene(write(tmp_path))).tasks}
     assert len(base) == 4
@@ -356,7 +358,7 @@ def test_a_run_over_its_budget_is_a_record(tmp_path):
 
 
 def test_an_error_nobody_expected_is_a_record(tmp_path, monkeypatch):
-    import glmref.measure.work_precision as room
+    import glmref.scenes.running as room
 
     def broken(*args, **options):
         raise ZeroDivisionError("by design")
@@ -368,7 +370,7 @@ def test_an_error_nobody_expected_is_a_record(tmp_path, monkeypatch):
 
 
 def test_an_interruption_is_obeyed(tmp_path, monkeypatch):
-    import glmref.measure.work_precision as room
+    import glmref.scenes.running as room
 
     def interrupted(*args, **options):
         raise KeyboardInterrupt
@@ -457,7 +459,7 @@ def test_an_orbit_is_kept_where_it_is_asked_for(tmp_path):
 
 
 def test_a_scene_that_does_not_ask_takes_no_points(tmp_path, monkeypatch):
-    import glmref.measure.orbit as room
+    import glmref.scenes.running as room
 
     asked = []
     monkeypatch.setattr(room, "orbit", lambda *a, **k: asked.append(k) or 1 / 0)

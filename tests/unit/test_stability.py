@@ -218,6 +218,7 @@ def test_powers_and_values_give_the_same_polynomial_whatever_the_order_of_the_st
     assert not other.bare(A=each).is_explicit
 
 
+@pytest.mark.slow
 def test_published_decimals_keep_their_digits_through_49_stages():
     m = oscillator(glmref.load("pair-8-24"))
     assert m.s == 49

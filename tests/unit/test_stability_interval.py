@@ -48,6 +48,7 @@ def test_a_rational_end_is_itself() -> None:
     assert real_interval(glmref.from_rk([[0]], [1])).end == 2.0
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize(
     "name", ["rk4", "ab-4", "am-3", "gsymplectic-n", "ark-4", "bdf-5", "kutta-3"]
 )

@@ -67,6 +67,7 @@ WITH_INTERVAL = (
 QUICK = {"leapfrog", "gsymplectic-n", "g6245-w3"}
 
 
+@pytest.mark.sampled(2, besides=("g6245-w3",))
 @pytest.mark.parametrize(
     "name",
     [pytest.param(n, marks=() if n in QUICK else pytest.mark.slow) for n in WITH_INTERVAL],
@@ -97,6 +98,7 @@ def negative_end(method):
     return min(x for x in ends if x > 1e-6)
 
 
+@pytest.mark.sampled(3, besides=("cooper",))
 @pytest.mark.parametrize(
     "name", ["euler", "heun-2", "heun-3", "rk4", "kutta-3", "dormand-prince-5", "cooper-verner-8"]
 )
@@ -105,6 +107,7 @@ def test_measured_ends_on_the_negative_axis_are_the_roots_of_the_polynomial(name
     assert interval(load(name), -1) == pytest.approx(negative_end(load(name)), abs=1e-6)
 
 
+@pytest.mark.slow
 def test_a_short_escape_is_seen_with_enough_samples_only():
     method = load("g6245")
     assert interval(method) == pytest.approx(1.8290546, abs=1e-6)

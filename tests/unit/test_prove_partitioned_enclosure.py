@@ -8,8 +8,8 @@ from glmref.catalogue.lookup import document, names
 from glmref.catalogue.reader import load_document
 from glmref.errors import DataError, ExactnessError
 from glmref.findings import Proof, Verdict
+from glmref.prove.enclosure import WIDTH, prove
 from glmref.prove.implications import implied_by
-from glmref.prove.partitioned_enclosure import WIDTH, prove_pair
 from glmref.verification.verifier import verify
 
 ENCLOSED = [x for x in names("methods") if "enclosure" in document(x)]
@@ -25,7 +25,7 @@ def test_every_pair_of_class_pair_sweep_is_enclosed():
 @pytest.mark.parametrize("name", QUICK)
 def test_a_published_pair_is_proved(name):
     doc = document(name)
-    proof = prove_pair(doc)
+    proof = prove(doc)
     assert proof.order == doc["claims"]["order"]
     assert proof.nystrom_order == doc["claims"].get("nystrom-order", proof.order)
     assert proof.identity
@@ -51,7 +51,7 @@ def test_every_finding_on_it_is_enclosed(name):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [x for x in PAIRS if x not in QUICK])
 def test_the_other_published_pairs_are_proved(name):
-    proof = prove_pair(document(name))
+    proof = prove(document(name))
     assert proof.order == document(name)["claims"]["order"]
     assert proof.width < WIDTH
 
@@ -69,34 +69,34 @@ def test_a_digit_that_is_wrong_is_refused():
         unknowns["v2"] = text[:-2] + str((int(text[-2]) + 5) % 10) + text[-1]
 
     with pytest.raises(ExactnessError, match="is not satisfied within the published digits"):
-        prove_pair(changed("pair-4-4", unknowns=last_but_one))
+        prove(changed("pair-4-4", unknowns=last_but_one))
 
 
 def test_equations_that_do_not_give_the_order_are_refused():
     doc = changed("pair-6-7", claims=lambda x: x.update(order=8))
     with pytest.raises(DataError, match="do not give the conditions of order 7"):
-        prove_pair(doc)
+        prove(doc)
 
     def forget(enclosure):
         enclosure["equations"].remove("order f[kkkk]")
 
     with pytest.raises(DataError, match=r"conditions of order 5; those of f\[kkkk\]"):
-        prove_pair(changed("pair-6-7", enclosure=forget))
+        prove(changed("pair-6-7", enclosure=forget))
     rkn = changed("blanes-moan-rkn-6-11", claims=lambda x: x.update(order=6))
     with pytest.raises(DataError, match="do not give the conditions of order 5"):
-        prove_pair(rkn)
+        prove(rkn)
 
 
 def test_numbers_that_are_not_palindromic_are_refused():
     doc = changed("pair-4-4", v=lambda rows: rows.__setitem__(0, ["v1", "v2", "-v2", "v1"]))
     with pytest.raises(DataError, match="must be palindromic"):
-        prove_pair(doc)
+        prove(doc)
 
 
 def test_the_number_of_equations_and_the_radius_are_checked():
     extra = changed("pair-4-4", enclosure=lambda x: x["equations"].append("start f[k] 2"))
     with pytest.raises(DataError, match=r"as many as the unknowns \(4\), got 5"):
-        prove_pair(extra)
+        prove(extra)
     wide = changed("pair-4-4", enclosure=lambda x: x.update(radius="1e-20"))
     with pytest.raises(DataError, match="at most 1e-60"):
-        prove_pair(wide)
+        prove(wide)

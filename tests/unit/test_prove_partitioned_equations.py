@@ -8,9 +8,10 @@ from glmref.catalogue.lookup import document
 from glmref.catalogue.reader import load_document
 from glmref.errors import DataError
 from glmref.exact import exact
-from glmref.prove.partitioned_series import pair_series
-from glmref.prove.partitioned_system import PairEquation, PairSystem
-from glmref.prove.partitioned_trees import moves
+from glmref.prove.classes import Family, moves
+from glmref.prove.equations import starting_series
+from glmref.prove.order_conditions import covered
+from glmref.prove.system import Equation, SweepSystem
 from glmref.theory.order import order_residuals
 from glmref.theory.trees import SEPARABLE, trees
 
@@ -25,16 +26,20 @@ def rational(name):
     return {**rest, "constants": {**cut, **doc["constants"]}, "claims": {"order": 2}}
 
 
-def numbers_of(doc):
-    system = PairSystem(doc)
+def form_of(doc):
+    system = SweepSystem(doc)
     return system, system.read({})[0]
+
+
+def series_of(form, order, **more):
+    return starting_series(form.blocks, form.G, order, family=Family.SEPARABLE, **more)
 
 
 @pytest.mark.parametrize("name", ["pair-4-4", "pair-6-7"])
 def test_residuals_agree_with_the_theory_where_principal_parts_are_zero(name):
     doc = rational(name)
-    _, numbers = numbers_of(doc)
-    series = pair_series(numbers, 3, identity=True)
+    _, form = form_of(doc)
+    series = series_of(form, 3, identity=True)
     known = order_residuals(load_document(doc), 3)
     for n in (1, 2, 3):
         for t in trees(n, SEPARABLE):
@@ -44,8 +49,8 @@ def test_residuals_agree_with_the_theory_where_principal_parts_are_zero(name):
 
 def test_moving_the_root_changes_the_sign_of_a_residual():
     doc = rational("pair-4-4")
-    _, numbers = numbers_of(doc)
-    series = pair_series(numbers, 3)
+    _, form = form_of(doc)
+    series = series_of(form, 3)
     lower = [x for t, x in series.residual.items() if t.order < 3]
     assert all(x.is_zero() for x in lower)  # consistent and symmetric: order 2
     pairs = [(t, other) for t in trees(3, SEPARABLE) for _, _, other in moves(t)]
@@ -57,20 +62,20 @@ def test_moving_the_root_changes_the_sign_of_a_residual():
 def test_a_pair_that_is_not_symmetric_has_residuals_of_even_order():
     doc = rational("pair-4-4")
     doc["v"] = [["v1", "v2", "v2", "v1"]]
-    system, numbers = numbers_of(doc)
+    system, form = form_of(doc)
     assert system.signs() == ((1, -1), (1, 1)) or system.signs() is None
     doc["w"] = [["w1", "w2", "1/3", "w2", "w1"]]
     doc["v"] = [["v1", "v2", "v2", "v1/2"]]
-    system, numbers = numbers_of(doc)
+    system, form = form_of(doc)
     assert system.signs() is None
-    residual = pair_series(numbers, 4).residual
+    residual = series_of(form, 4).residual
     assert any(not x.is_zero() for t, x in residual.items() if t.order % 2 == 0)
 
 
 def test_the_shipped_systems_vanish_at_their_digits():
     for name in ("pair-4-5", "pair-6-7", "kahan-li-6", "blanes-moan-rkn-6-11"):
         doc = document(name)
-        system = PairSystem(doc)
+        system = SweepSystem(doc)
         values = [exact(Fraction(x)) for x in doc["unknowns"].values()]
         assert max(abs(float(x)) for x in system.residuals(values)) < 1e-70
         wrong = [values[0] + exact(Fraction(1, 10**6)), *values[1:]]
@@ -78,25 +83,25 @@ def test_the_shipped_systems_vanish_at_their_digits():
 
 
 def test_what_kind_of_flow_a_file_is():
-    assert PairSystem(document("yoshida-verlet-8")).kind_of_flow() == "verlet f"
-    assert PairSystem(document("blanes-moan-6")).kind_of_flow() == "splitting"
-    assert PairSystem(document("pair-6-7")).kind_of_flow() is None
+    assert SweepSystem(document("yoshida-verlet-8")).kind_of_flow() == "verlet f"
+    assert SweepSystem(document("blanes-moan-6")).kind_of_flow() == "splitting"
+    assert SweepSystem(document("pair-6-7")).kind_of_flow() is None
 
 
 def test_which_orders_the_equations_cover():
-    system = PairSystem(document("pair-6-7"))
-    assert [system.covered(n) for n in (1, 3, 5, 7)] == [True, True, True, False]
-    rkn = PairSystem(document("blanes-moan-rkn-6-11"))
-    assert [rkn.covered(5), rkn.covered(5, nystrom=True)] == [False, True]
+    system = SweepSystem(document("pair-6-7"))
+    assert [covered(system, n) for n in (1, 3, 5, 7)] == [True, True, True, False]
+    rkn = SweepSystem(document("blanes-moan-rkn-6-11"))
+    assert [covered(rkn, 5, x) for x in (Family.SEPARABLE, Family.SECOND_ORDER)] == [False, True]
 
 
 def test_principal_parts_are_zero_only_where_the_starts_say_so():
     doc = document("pair-6-7")
-    assert PairSystem(doc).identity_through(5)
+    assert SweepSystem(doc).identity_through(5, Family.SEPARABLE)
     equations = [x for x in doc["enclosure"]["equations"] if not x.startswith("start")]
-    without = PairSystem({**doc, "enclosure": {"equations": equations}})
-    assert without.identity_through(3)
-    assert not without.identity_through(4)
+    without = SweepSystem({**doc, "enclosure": {"equations": equations}})
+    assert without.identity_through(3, Family.SEPARABLE)
+    assert not without.identity_through(4, Family.SEPARABLE)
 
 
 @pytest.mark.parametrize(
@@ -104,11 +109,11 @@ def test_principal_parts_are_zero_only_where_the_starts_say_so():
 )
 def test_equations_without_meaning_are_refused(text):
     with pytest.raises((DataError, Exception), match=r"unknown|alternate|tree"):
-        PairEquation.read(text)
+        Equation.read(text, 2)
 
 
 def test_other_classes_and_forms_are_refused():
     with pytest.raises(DataError, match="only files of class"):
-        PairSystem(document("gauss-2"))
+        SweepSystem(document("gauss-2"))
     with pytest.raises(DataError, match="must preserve"):
-        PairSystem({**document("pair-4-4"), "V": [["1", "0"], ["0", "1"]]})
+        SweepSystem({**document("pair-4-4"), "V": [["1", "0"], ["0", "1"]]})

@@ -7,17 +7,13 @@ import pytest
 
 from glmref.catalogue.lookup import document
 from glmref.method.families import splitting
-from glmref.prove.partitioned_trees import (
+from glmref.prove.classes import Family, attach, free_tree, moves, representatives, second_order
+from glmref.prove.lie import (
     SPLITTING,
     VERLET_F,
     VERLET_K,
-    attach,
-    free_tree,
     images,
     lie_basis,
-    moves,
-    representatives,
-    second_order,
     spans,
     verlet_logarithm,
     words,
@@ -35,14 +31,22 @@ def test_moving_the_root_changes_its_colour():
 
 
 def test_the_numbers_of_free_trees_with_two_colours():
-    assert [len(representatives(n)) for n in range(1, 8)] == [2, 1, 2, 3, 6, 10, 22]
-    of_second_order = [len(representatives(n, nystrom=True)) for n in range(1, 8)]
+    assert [len(representatives(n, 1, Family.SEPARABLE)) for n in range(1, 8)] == [
+        2,
+        1,
+        2,
+        3,
+        6,
+        10,
+        22,
+    ]
+    of_second_order = [len(representatives(n, 1, Family.SECOND_ORDER)) for n in range(1, 8)]
     assert of_second_order == [2, 1, 2, 2, 4, 5, 10]
 
 
 def test_free_trees_divide_the_rooted_ones():
     for n in range(1, 7):
-        versions = [v for t in representatives(n) for v in free_tree(t)]
+        versions = [v for t in representatives(n, 1, Family.SEPARABLE) for v in free_tree(t)]
         assert sorted(map(str, versions)) == sorted(map(str, trees(n, SEPARABLE)))
         assert all(second_order(v) == second_order(free_tree(v)[0]) for v in versions)
 
@@ -92,7 +96,7 @@ def test_the_residuals_of_a_verlet_step_are_the_image_of_its_logarithm():
 @pytest.mark.parametrize(("order", "needed"), [(3, 1), (5, 2)])
 @pytest.mark.parametrize("kind", [VERLET_F, VERLET_K])
 def test_compositions_of_verlet_need_1_and_2_conditions(order, needed, kind):
-    candidates = list(representatives(order))
+    candidates = list(representatives(order, 1, Family.SEPARABLE))
     assert any(spans(order, x, kind) for x in combinations(candidates, needed))
     assert not any(spans(order, x, kind) for x in combinations(candidates, needed - 1))
 

@@ -1,0 +1,228 @@
+"""Campaign files: read strictly, planned, sampled reproducibly, carried out once, shown."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from itertools import islice
+from pathlib import Path
+
+import pytest
+
+from glmref.cli import main
+from glmref.compute import RecordFolder
+from glmref.compute.child import attempt
+from glmref.compute.records import key_of
+from glmref.errors import DataError, UsageError
+from glmref.report.campaigns import campaign_page, write_parquet
+from glmref.scenes.campaign import campaign_names, load_campaign
+from glmref.scenes.campaign_kinds import resonance
+from glmref.views.heat import heat_map
+
+SMALL = """\
+format = "glmref-campaign-1"
+name = "small"
+title = "A small campaign"
+question = "Does it work?"
+kind = "resonance"
+seed = 3
+
+[fixed]
+steps = 50
+
+[grid]
+method = ["leapfrog-one-leg"]
+h = { from = 0.1, to = 0.2, count = 2 }
+
+[sample]
+count = 3
+frequency = { from = 1, to = 4, spacing = "log" }
+
+[limits]
+seconds = 60
+
+[report]
+picture = "map"
+across = "frequency"
+up = "h"
+value = "largest"
+each = "method"
+"""
+Write = Callable[..., str]
+
+
+@pytest.fixture
+def write(tmp_path: Path) -> Write:
+    def written(old: str = "", new: str = "") -> str:
+        assert old in SMALL
+        path = tmp_path / "small.toml"
+        path.write_text(SMALL.replace(old, new) if old else SMALL, encoding="utf-8")
+        return str(path)
+
+    return written
+
+
+@pytest.mark.parametrize("name", campaign_names())
+def test_a_shipped_campaign_is_read_and_its_tasks_differ(name: str) -> None:
+    campaign = load_campaign(name)
+    assert campaign.question.endswith("?")
+    keys = [key_of(task) for task in islice(campaign.tasks(), 200)]
+    assert len(set(keys)) == 200 <= len(campaign)
+    assert len(campaign.spread(3)) == 3
+
+
+def test_the_shipped_campaigns_are_the_three_that_the_page_describes() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "campaigns.md").read_text(encoding="utf-8")
+    assert campaign_names() == ["order8-partitioned", "resonance-map", "work-precision"]
+    for name in campaign_names():
+        assert f"| `{name}` | {len(load_campaign(name)):,} |" in page
+
+
+def test_the_tasks_are_the_grid_crossed_with_the_sample_the_same_each_time(write: Write) -> None:
+    campaign = load_campaign(write())
+    tasks = list(campaign.tasks())
+    assert len(tasks) == len(campaign) == 6
+    assert tasks == list(load_campaign(write()).tasks())
+    assert [task["h"] for task in tasks] == [0.1] * 3 + [0.2] * 3
+    drawn = [task["frequency"] for task in tasks[:3]]
+    assert drawn == [task["frequency"] for task in tasks[3:]]
+    assert all(1 <= x <= 4 for x in drawn)
+    other = [task["frequency"] for task in load_campaign(write("seed = 3", "seed = 4")).tasks()]
+    assert other[:3] != drawn
+
+
+def test_a_halton_sample_is_more_even_than_a_random_one(write: Write) -> None:
+    def gap(draw: str) -> float:
+        text = write("count = 3\n", f'count = 256\ndraw = "{draw}"\n')
+        values = sorted(
+            math.log(t["frequency"], 4) for t in islice(load_campaign(text).tasks(), 256)
+        )
+        return max(b - a for a, b in zip([0.0, *values], [*values, 1.0], strict=True))
+
+    assert gap("halton") <= 2 / 256 + 1e-9 < gap("random")  # two radical inverses are 1/256 apart
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('kind = "resonance"', 'kind = "resonanz"', "line 5: `kind` must be one of"),
+        ("steps = 50", "step = 50", "there is no key 'step' here; did you mean 'steps'"),
+        ("steps = 50", "", "needs `steps` in"),
+        ("steps = 50", "steps = 50\nh = 1", "`h` is given twice"),
+        ("steps = 50", 'steps = "many"', "no task can be made of these values"),
+        ('["leapfrog-one-leg"]', '["leapfrok"]', "did you mean 'leapfrog'"),
+        ('["leapfrog-one-leg"]', '{ having = "magic" }', "`grid.method` must be one of"),
+        ("count = 3\n", "count = 0\n", "`sample.count` must be a whole number"),
+        ("from = 1, to = 4", "from = 0, to = 4", "must be a positive number"),
+        ("seconds = 60", "minutes = 1", "there is no key 'minutes'"),
+        ('up = "h"\n', "", "`report.up` must be a text"),
+        ("count = 2 }", "count = 2, spacing = 'cubic' }", "must be one of 'linear', 'log'"),
+    ],
+)
+def test_what_is_wrong_in_a_file_is_said_with_its_line(
+    old: str, new: str, said: str, write: Write, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(DataError) as caught:
+        load_campaign(write(old, new))
+    assert said in str(caught.value)
+    assert "small.toml: line " in str(caught.value)
+
+
+def test_a_file_that_is_not_there_is_a_sentence(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["campaign", "nothing.toml"]) == 2
+    assert 'there is no campaign and no file "nothing.toml"' in capsys.readouterr().err
+
+
+def test_a_campaign_is_carried_out_once_and_shown(
+    write: Write, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["campaign", write(), "--output", str(tmp_path), "--format", "json"]
+    assert main(words) == 0
+    summary = json.loads(capsys.readouterr().out)
+    assert (summary["carried_out"], summary["records"]) == (6, 6)
+    assert main(words) == 0
+    assert json.loads(capsys.readouterr().out)["carried_out"] == 0
+    folder = tmp_path / "small"
+    records = list(RecordFolder(folder).records())
+    assert len({x["key"] for x in records}) == 6
+    page = (folder / "index.html").read_text(encoding="utf-8")
+    for words_of_page in ("Does it work?", "6 of 6 tasks", "frequency", "leapfrog-one-leg"):
+        assert words_of_page in page
+    assert page.count("<title>1") >= 1  # a cell says its values
+
+
+def test_a_budget_ends_a_campaign_and_the_same_command_goes_on(
+    write: Write, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["campaign", write("seed = 3", "seed = 3\nbudget = 1e-9"), "--output", str(tmp_path)]
+    for left in (5, 4):
+        assert main(words) == 0
+        said = capsys.readouterr()
+        assert "the budget of 1e-09 s is spent" in said.err
+        assert f"{left} of 6 tasks are left" in said.out
+
+
+def test_the_table_in_columns_has_a_row_for_each_record(write: Write, tmp_path: Path) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet")
+    campaign = load_campaign(write())
+    records = [
+        {"outcome": "completed", "largest": 1, "task": task, "solutions": [{"point": [1.0]}]}
+        for task in campaign.tasks()
+    ]
+    records[2]["largest"] = 0.5
+    assert write_parquet(records, records, tmp_path / "r.parquet") == 6
+    table = parquet.read_table(tmp_path / "r.parquet").to_pylist()
+    assert [row["largest"] for row in table] == [1.0, 1.0, 0.5, 1.0, 1.0, 1.0]
+    assert [row["task.h"] for row in table] == [0.1] * 3 + [0.2] * 3
+    assert json.loads(table[0]["solutions"]) == [{"point": [1.0]}]
+
+
+def test_without_pyarrow_a_note_says_how_to_get_the_table(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "pyarrow", None)
+    with pytest.raises(UsageError, match=r"pip install 'glmref\[cluster\]'"):
+        write_parquet([], [], tmp_path / "r.parquet")
+
+
+def test_times_of_two_kinds_of_machine_are_told_on_the_page(write: Write, tmp_path: Path) -> None:
+    text = write('kind = "resonance"', 'kind = "run"')
+    content = Path(text).read_text(encoding="utf-8")
+    head = content[: content.index("[fixed]")]
+    Path(text).write_text(
+        head + "[fixed]\ntimed = true\nsteps = 10\n[grid]\nmethod = ['rk4']\nproblem = ['kepler']\n"
+        "[report]\npicture = 'front'\nacross = 'evaluations'\nup = 'state_error'\neach = 'method'\n",
+        encoding="utf-8",
+    )
+    campaign = load_campaign(text)
+    assert campaign.limits.pinned
+    (task,) = campaign.tasks()
+    rows = [
+        {"outcome": "completed", "evaluations": 40, "state_error": error, "task": task,
+         "where": {"processor": kind, "cores": 2}}
+        for kind, error in (("A", 1e-3), ("B", 1e-4))
+    ]  # fmt: skip
+    page = tmp_path / "p.html"
+    campaign_page(campaign, rows, page)
+    assert "not of one kind of machine" in page.read_text(encoding="utf-8")
+    campaign_page(campaign, rows[:1], page)
+    assert "not of one kind of machine" not in page.read_text(encoding="utf-8")
+
+
+def test_a_resonance_task_sees_parasitic_values_grow() -> None:
+    """Of the leapfrog, whose parasitic root of -1 grows on a nonlinear problem, and not of S4."""
+    task = {"method": "gsymplectic-p", "file": None, "coupling": 0.1, "steps": 2000}
+    found = attempt(resonance, {**task, "h": 0.1, "frequency": 2.0}).value
+    calm = attempt(resonance, {**task, "h": 0.01, "frequency": 2.0}).value
+    assert found["outcome"] in ("completed", "lost")
+    assert found["largest"] > calm["largest"] > 0
+
+
+def test_a_map_has_a_cell_for_each_value_and_colours_by_size() -> None:
+    cells = {(x, y): 10.0 ** (x + y) for x in (1.0, 2.0) for y in (0.0, 3.0)}
+    drawn = heat_map(cells, title="t", x_label="x", y_label="y <", value_label="v")
+    assert drawn.count("</rect>") == 4
+    assert "y &lt;" in drawn
+    assert "#00224e" in drawn and "#fee838" in drawn
+    assert "nothing to draw" in heat_map({}, title="", x_label="", y_label="", value_label="")

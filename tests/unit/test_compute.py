@@ -1,0 +1,311 @@
+"""Executors: the same results everywhere, limits, faults, records under interruption."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from glmref.compute import Done, Executor, Limits, RecordFile, RecordFolder, executor, measure
+from glmref.compute.child import (
+    FAILED,
+    KILLED,
+    MEMORY,
+    TIME_LIMIT,
+    UNLIMITED,
+    Child,
+    physical_cores,
+)
+from glmref.compute.executors import Here, Local, in_order
+from glmref.compute.identity import difference, identity
+from glmref.compute.records import read_records
+from glmref.errors import UsageError
+from tests.unit.faulty_tasks import behave, where
+
+SQUARES = [{"n": k} for k in range(40)]
+
+
+@pytest.fixture(scope="module")
+def dask() -> Iterator[Executor]:
+    """A Dask cluster whose workers are threads of this process: quick to start."""
+    distributed = pytest.importorskip("distributed")
+    from glmref.compute.cluster import Dask
+
+    made = distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=False, dashboard_address=":0"
+    )
+    with made, distributed.Client(made) as client:
+        yield Dask(client, "dask:2")
+
+
+def run(on: Executor, tasks: list[dict[str, Any]], limits: Limits = UNLIMITED) -> list[Done]:
+    return [done for _, done in in_order(on.run(behave, tasks, limits), tasks)]
+
+
+def test_results_do_not_depend_on_the_executor(dask: Executor) -> None:
+    here = [done.value for done in run(Here(), SQUARES)]
+    assert here == [{"outcome": "completed", "square": k * k} for k in range(40)]
+    for on in (Local(2), dask):
+        assert [done.value for done in run(on, SQUARES)] == here
+
+
+def test_few_tasks_are_taken_ahead(dask: Executor) -> None:
+    for on in (Here(), Local(2), dask):
+        taken = 0
+
+        def tasks() -> Iterator[dict[str, int]]:
+            nonlocal taken
+            for k in range(10_000):
+                taken += 1
+                yield {"n": k}
+
+        results = on.run(behave, tasks())
+        next(results)
+        assert taken <= 8
+        results.close()  # type: ignore[attr-defined]
+
+
+def test_the_scheduler_keeps_nothing_of_a_task_that_has_ended(
+    dask: Executor, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from glmref.compute import cluster
+
+    monkeypatch.setattr(cluster, "MOST", 1)
+    scheduler = dask.client.cluster.scheduler  # type: ignore[attr-defined]
+
+    def kept() -> int:
+        spans = scheduler.extensions["spans"].spans.values()
+        return len(scheduler.tasks) + sum(len(span.groups) for span in spans)
+
+    run(dask, SQUARES)
+    before = kept()
+    run(dask, SQUARES, Limits(retries=1))
+    assert kept() <= before + 4  # a group for the run, and what it has not let go yet
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="limits of memory are Linux's")
+def test_every_fault_is_a_result_and_costs_no_other_task(dask: Executor, tmp_path: Path) -> None:
+    faults: list[dict[str, Any]] = [
+        {"n": 1, "how": "hang"},
+        {"n": 2, "how": "die"},
+        {"n": 3, "how": "eat", "bytes": 10**10},
+        {"n": 4, "how": "fail"},
+        {"n": 5, "how": "die once"},
+    ]
+    limits = Limits(seconds=1.0, memory=2**30, retries=1)
+    for on in (Local(2), dask):
+        faults[-1]["mark"] = str(tmp_path / on.name)
+        done = run(on, SQUARES[:10] + faults + SQUARES[10:20], limits)
+        assert [x.failure for x in done[10:14]] == [TIME_LIMIT, KILLED, MEMORY, FAILED]
+        assert [x.attempts for x in done[10:15]] == [1, 2, 1, 1, 2]
+        assert done[14].value["square"] == 25
+        assert "ValueError: seven" in done[13].trace
+        rest = [x.value["square"] for x in done[:10] + done[15:]]
+        assert rest == [k * k for k in range(20)]
+        assert done[10].as_record() == {
+            "outcome": TIME_LIMIT,
+            "message": "stopped after 1 s",
+            "attempts": 1,
+        }
+
+
+@pytest.mark.skipif(len(physical_cores()) < 2, reason="needs two cores")
+def test_timed_tasks_have_a_core_each_and_one_thread() -> None:
+    tasks = [{"n": k} for k in range(8)]
+    done = [x.value for _, x in in_order(Local(2).run(where, tasks, Limits(pinned=True)), tasks)]
+    assert {len(x["cores"]) for x in done} == {1}
+    assert {x["threads"] for x in done} == {"1"}
+    by_process = {x["process"]: tuple(x["cores"]) for x in done}
+    assert len(set(by_process.values())) == len(by_process)
+    with pytest.raises(UsageError, match="timed tasks need a core each"):
+        next(Local(1 + len(physical_cores())).run(where, tasks, Limits(pinned=True)))
+
+
+def test_a_core_that_another_timed_task_has_is_waited_for_and_refused_in_the_end(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    if sys.platform != "linux":
+        pytest.skip("nothing is pinned here")
+    from glmref.compute import child
+
+    monkeypatch.setattr(child.tempfile, "gettempdir", lambda: str(tmp_path))
+    monkeypatch.setattr(child, "_WAIT", 0.2)
+    import fcntl
+
+    with contextlib.ExitStack() as held:
+        for core in physical_cores():
+            lock = tmp_path / f"glmref-core-{os.getuid()}-{core}.lock"
+            stream = held.enter_context(lock.open("w"))
+            fcntl.flock(stream, fcntl.LOCK_EX)
+        assert not child._pin()
+
+
+def test_a_child_that_ended_is_not_started_again_by_its_task() -> None:
+    child = Child(Limits(retries=5))
+    child.end()
+    assert child.carry_out(behave, {"n": 2, "how": "die"}).attempts == 1
+    child.end()
+
+
+def test_a_worker_that_is_not_what_the_client_is_is_refused(
+    dask: Executor, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from glmref.compute import cluster
+
+    mine = identity()
+    assert difference(mine, mine) == ""
+    monkeypatch.setattr(cluster, "difference", lambda *_: "has 1.0 for numpy and the client 2.0")
+    with pytest.raises(UsageError, match=r"a worker of \S+ has 1.0 for numpy"):
+        run(dask, SQUARES)
+    assert "numpy" in difference({**mine, "numpy": "0"}, mine)
+    assert difference({k: x for k, x in mine.items() if k != "numpy"}, mine).startswith("has none")
+
+
+@pytest.mark.parametrize("text", ["cloud", "local:0", "local:x", "local:-1", "here:2", "dask:0"])
+def test_what_chooses_nothing_is_refused_in_a_sentence(text: str) -> None:
+    with pytest.raises(UsageError, match=r"executor|worker or more"), executor(text):
+        pass
+
+
+def test_the_environment_chooses(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("GLMREF_EXECUTOR", "local:3")
+    with executor() as on:
+        assert on.name == "local:3"
+    with executor("here") as on:
+        assert on.name == "here"
+
+
+def test_without_dask_one_sentence_says_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(UsageError, match=r"pip install 'glmref\[cluster\]'"), executor("dask"):
+        pass
+
+
+def test_nothing_of_dask_is_loaded_unless_it_is_asked_for() -> None:
+    code = (
+        "import sys; import glmref.compute; from glmref.cli import main; main(['list']);"
+        "loaded = {'dask', 'distributed', 'tornado', 'pyarrow'} & set(sys.modules); assert not loaded"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, stdout=subprocess.DEVNULL)
+
+
+def test_no_scheduler_is_a_sentence(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    pytest.importorskip("distributed")
+    from glmref.compute import cluster
+
+    monkeypatch.setattr(cluster, "PATIENCE", 0.2)
+    with (
+        pytest.raises(UsageError, match="no Dask scheduler answers at tcp://127"),
+        executor("dask:tcp://127.0.0.1:9"),
+    ):
+        pass
+    with (
+        pytest.raises(UsageError, match="there is no file"),
+        executor(f"dask:{tmp_path / 'none.json'}"),
+    ):
+        pass
+
+
+# --- records --------------------------------------------------------------------------------------
+
+
+def test_what_is_missing_is_carried_out_and_written_first(tmp_path: Path) -> None:
+    path = tmp_path / "r.jsonl"
+    assert measure(behave, SQUARES[:10], RecordFile(path)) == 10
+    seen: list[int] = []
+
+    def advance(task: Any, record: Any) -> None:
+        on_disk = {x["key"] for x in read_records(path)}
+        assert record["key"] in on_disk
+        seen.append(task["n"])
+
+    assert measure(behave, SQUARES, RecordFile(path), Local(2), advance=advance) == 30
+    assert sorted(seen) == list(range(10, 40))
+    assert len(read_records(path)) == 40
+
+
+def test_a_folder_of_records_holds_each_task_once_in_files_of_bounded_size(tmp_path: Path) -> None:
+    store = RecordFolder(tmp_path / "f", each=16)
+    assert measure(behave, SQUARES[:30], store) == 30
+    again = RecordFolder(tmp_path / "f", each=16)
+    assert len(again) == 30
+    assert measure(behave, SQUARES, again) == 10
+    assert [len(read_records(x)) for x in again.files()] == [16, 16, 8]
+    assert sorted(x["square"] for x in again.records()) == [k * k for k in range(40)]
+    # the near miss: another content is another task
+    assert measure(behave, [{"n": 3, "how": "well"}], RecordFolder(tmp_path / "f")) == 1
+
+
+def test_what_is_read_does_not_grow_with_the_number_of_records(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from glmref.compute import records
+
+    read, scan = [], records.scan
+    monkeypatch.setattr(records, "scan", lambda path: read.append(path) or scan(path))
+    store = RecordFolder(tmp_path, each=100)
+    measure(behave, [{"n": k} for k in range(300)], store)
+    assert len(read) == 2 * len(store.files()) == 6  # as a file is opened, and as its lock is taken
+
+
+def test_a_torn_line_in_a_folder_is_repaired_and_its_task_done_again(tmp_path: Path) -> None:
+    measure(behave, SQUARES, RecordFolder(tmp_path, each=16))
+    last = RecordFolder(tmp_path).files()[-1]
+    last.write_bytes(last.read_bytes()[:-20])
+    store = RecordFolder(tmp_path)
+    assert measure(behave, SQUARES, store) == 1
+    assert "was not written to its end" in store.notices[0]
+    assert len(RecordFolder(tmp_path)) == 40
+
+
+def test_a_second_writer_is_refused(tmp_path: Path) -> None:
+    store = RecordFolder(tmp_path)
+    with store.exclusive(), pytest.raises(UsageError, match="in use by process"):
+        measure(behave, SQUARES, RecordFolder(tmp_path))
+
+
+SCRIPT = """
+import sys
+from pathlib import Path
+from glmref.compute import RecordFolder, executor, measure
+from tests.unit.faulty_tasks import behave
+if __name__ == "__main__":
+    tasks = [{"n": k, "how": "sleep", "seconds": 0.01} for k in range(200)]
+    with executor("local:2") as on:
+        measure(behave, tasks, RecordFolder(Path(sys.argv[1]), each=50), on)
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs signals of POSIX")
+def test_a_run_that_is_killed_and_run_again_loses_nothing_and_does_nothing_twice(
+    tmp_path: Path,
+) -> None:
+    """Its processes are killed at random as well; they end with it."""
+    root = Path(__file__).parents[2]
+    script = tmp_path / "run.py"
+    script.write_text(SCRIPT, encoding="utf-8")
+    folder = tmp_path / "records"
+    command = [sys.executable, str(script), str(folder)]
+    environment = {**os.environ, "PYTHONPATH": str(root)}
+    first = subprocess.Popen(command, env=environment)
+    until = time.monotonic() + 60
+    while not list(folder.glob("*.jsonl")) and time.monotonic() < until:
+        time.sleep(0.01)
+    first.send_signal(signal.SIGKILL)
+    first.wait()
+    kept = len(RecordFolder(folder))
+    assert 0 < kept < 200
+    subprocess.run(command, env=environment, check=True)
+    records = list(RecordFolder(folder).records())
+    assert len(records) == len({x["key"] for x in records}) == 200
+    assert sorted(x["square"] for x in records) == [k * k for k in range(200)]
+    assert json.loads(json.dumps(records)) == records

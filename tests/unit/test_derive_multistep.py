@@ -1,0 +1,150 @@
+"""Partitioned multistep methods in one-step form: orders, starts, reversibility, one force a step."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import pytest
+
+from glmref.catalogue.canonical import canonical
+from glmref.catalogue.lookup import load, path_of
+from glmref.catalogue.reader import load_document
+from glmref.derive import recipes
+from glmref.derive.multistep import multistep_document
+from glmref.derive.recipes.multistep import SHIPPED, claims_of
+from glmref.engine.solve import solve
+from glmref.errors import UsageError
+from glmref.findings import Verdict
+from glmref.problems import problem
+from glmref.prove import kernel
+from glmref.prove.facts import Facts, facts_of
+
+Cosines = tuple[Sequence[str], Sequence[str]]
+
+SECOND: Cosines = ((), ("-1/2", "1/4"))
+SEPARABLE: Cosines = (("1/4", "-3/4"), ("5/8", "-1/3"))
+
+
+def document(cosines: Cosines) -> dict[str, Any]:
+    q, p = ([Fraction(x) for x in half] for half in cosines)
+    found = multistep_document("found", q, p)
+    claims = claims_of(2 * len(p) + 2, second=not q)
+    source = {"citation": "-", "where": "-", "status": "derived"}
+    return {**found, "title": "found", "claims": claims, "source": source}
+
+
+def facts(cosines: Cosines) -> Facts:
+    return facts_of(load_document(document(cosines)))
+
+
+@pytest.mark.parametrize("cosines", [SECOND, SEPARABLE, ((), ("1/3",)), (("0",), ("-1/5",))])
+def test_every_claim_of_the_construction_is_proved(cosines: Cosines) -> None:
+    found = facts(cosines)
+    for claim, value in claims_of(2 * len(cosines[1]) + 2, second=not cosines[0]).items():
+        assert found.judge(claim, value).verdict is Verdict.HOLDS, claim
+
+
+@pytest.mark.parametrize(
+    ("cosines", "claim"),
+    [(SECOND, "nystrom-order"), (SEPARABLE, "order"), (SEPARABLE, "order-identity")],
+)
+def test_the_order_is_not_higher(cosines: Cosines, claim: str) -> None:
+    assert facts(cosines).judge(claim, 7).verdict is Verdict.FAILS
+
+
+@pytest.mark.parametrize("claim", ["order", "order-identity", "starting-order"])
+def test_trees_without_branches_and_all_trees_agree(
+    monkeypatch: pytest.MonkeyPatch, claim: str
+) -> None:
+    # below order 9 all trees are compared: with the bound lowered the paths decide
+    monkeypatch.setattr(kernel, "MAX_ORDER", (12, 3, 8, 6, 5))
+    found = facts(SEPARABLE)
+    assert found.judge(claim, 6).verdict is Verdict.HOLDS
+    assert found.judge(claim, 7).verdict is Verdict.FAILS
+
+
+@pytest.mark.parametrize(("cosines", "claim"), [(SECOND, "nystrom-"), (SEPARABLE, "")])
+def test_a_start_with_a_wrong_stage_is_not_proved(
+    monkeypatch: pytest.MonkeyPatch, cosines: Cosines, claim: str
+) -> None:
+    monkeypatch.setattr(kernel, "MAX_ORDER", (12, 3, 8, 6, 5))
+    broken = document(cosines)
+    row = broken["starting"]["A"][-1]
+    row[0] = str(Fraction(row[0]) + Fraction(1, 7))
+    found = facts_of(load_document(broken))
+    assert found.judge(f"{claim}starting-order", 6).verdict is not Verdict.HOLDS
+
+
+def test_where_stages_are_not_the_solution_all_trees_are_compared(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    # a splitting has stages of order 1: its paths alone hold through order 4 and more
+    monkeypatch.setattr(kernel, "MAX_ORDER", (12, 3, 8, 6, 5))
+    found = facts_of(load("forest-ruth-4")).kernel.order_range(free=False)
+    assert found.lower <= 3
+
+
+@pytest.mark.parametrize(
+    ("q", "p"),
+    [
+        ((), ()),
+        (("1/2",), ("1/2",)),
+        (("1/2",), ("1/3", "1/4")),
+        ((), ("1/3", "1/3")),
+        ((), ("1",)),
+    ],
+)
+def test_cosines_of_no_such_method_are_refused(q: Sequence[str], p: Sequence[str]) -> None:
+    with pytest.raises(UsageError, match="cosine"):
+        multistep_document("none", [Fraction(x) for x in q], [Fraction(x) for x in p])
+
+
+@pytest.mark.parametrize("cosines", [SECOND, SEPARABLE])
+def test_one_force_is_evaluated_a_step(cosines: Cosines) -> None:
+    method = load_document(document(cosines))
+    target = problem("henon-heiles")
+    run = solve(target, method, h=0.05, steps=100)
+    assert run.evaluations == 100
+    slow = solve(target, method, h=0.05, steps=100, engine="reference")
+    assert np.allclose(run.y[-1], slow.y[-1], rtol=0, atol=1e-13)
+
+
+def test_rows_of_the_half_that_carries_fewer_values_are_zero() -> None:
+    # they were whatever the memory held
+    run = solve(
+        problem("henon-heiles"), load_document(document(SECOND)), h=0.05, steps=50, every=5,
+        history=True,
+    )  # fmt: skip
+    history = np.asarray(run.history)
+    assert not history[1:, 1:, :2].any()
+
+
+@pytest.mark.parametrize("cosines", [SECOND, SEPARABLE])
+def test_the_order_is_seen_in_runs(cosines: Cosines) -> None:
+    method, target = load_document(document(cosines)), problem("kepler", eccentricity="1/5")
+    exact = target.solution
+    assert exact is not None
+    errors = []
+    for steps in (200, 400):
+        end = solve(target, method, h=2 * math.pi / steps, steps=steps).y[-1]
+        errors.append(float(np.abs(np.asarray(end) - np.asarray(target.y0)).max()))
+    assert math.log2(errors[0] / errors[1]) == pytest.approx(6, abs=0.5)
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_shipped_methods_are_reproduced_bit_for_bit(name: str) -> None:
+    derived = recipes.run("multistep", {"name": name}).documents[0]
+    assert canonical(derived) == path_of(name).read_text(encoding="utf-8")
+
+
+def test_any_cosines_can_be_derived() -> None:
+    found = recipes.run("multistep", {"p": "-1/2 1/4"})
+    assert found.documents[0]["name"] == "multistep-rkn-6-found"
+    with pytest.raises(UsageError, match="fractions"):
+        recipes.run("multistep", {"p": "x"})
+    with pytest.raises(UsageError, match="`name` must be"):
+        recipes.run("multistep", {"name": "multistep-3"})

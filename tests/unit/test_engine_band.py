@@ -1,0 +1,187 @@
+"""Newton's matrices of large systems: structure, order, elimination, separated stages."""
+
+import time
+
+import numpy as np
+import pytest
+
+from glmref import Problem, load, problem, solve
+from glmref.engine import newton
+from glmref.engine.band import band_of, loop_structure, stays_within
+from glmref.engine.kernel import choose_solver, newton_bytes, prepare, with_band
+from glmref.engine.shape import banded, shape_of
+from glmref.engine.sweep import step_form
+from glmref.errors import UsageError
+
+
+def ring(sites, coupling="1"):
+    """A ring of anharmonic oscillators as expressions."""
+    force = tuple(
+        f"{coupling}*(q[{(i + 1) % sites}] - 2*q[{i}] + q[{(i - 1) % sites}]) - q[{i}]**3"
+        for i in range(sites)
+    )
+    return Problem(force=force, y0=tuple(0.1 * ((3 * i) % 7) for i in range(sites)) + (0,) * sites)
+
+
+@pytest.mark.parametrize(
+    ("made", "method", "width"),
+    [
+        (lambda: problem("nonseparable-chain", sites=40), "gauss-3", 2),  # a body of the Jacobian
+        (lambda: problem("fput", sites=40), "s4-symmetric", 1),  # differences of a force
+        (lambda: ring(40), "radau-iia-2", 2),  # expressions
+    ],
+)
+def test_a_band_solves_the_same_stages(made, method, width):
+    of = made()
+    kernel = prepare(load(method), of, h=0.05, solver="newton")
+    assert kernel.shape.band is not None and kernel.shape.band.lower == width
+    ends = [solve(of, method, h=0.05, steps=20, solver=x) for x in ("newton", "fixed-point")]
+    assert ends[0].factorisations
+    assert np.abs(ends[0].y[-1] - ends[1].y[-1]).max() < 20 * 8 * 2.0**-52
+
+
+def test_machine_code_of_a_band_has_the_bits_of_the_interpreter():
+    chain = problem("nonseparable-chain", sites=20)
+    runs = [
+        solve(chain, "gauss-2", h=0.05, steps=3, solver="newton", engine=engine)
+        for engine in ("compiled", "interpreted")
+    ]
+    np.testing.assert_array_equal(runs[0].y, runs[1].y)
+
+
+def test_a_large_chain_is_solved_by_newton_in_little_memory():
+    chain = problem("nonseparable-chain", sites=5_000)
+    begin = time.process_time()
+    run = solve(chain, "gauss-3", h=0.4, steps=2)
+    assert run.completed and "newton" in run.kernel
+    assert time.process_time() - begin < 5
+    form, shape = step_form(load("gauss-3")), with_band(shape_of(chain))
+    assert newton_bytes(form, shape) < 4e6
+
+
+def test_where_there_is_no_band_the_cost_decides():
+    def coupled(t, y):
+        return -np.sum(y) * y
+
+    large = Problem(f=coupled, y0=(1e-3,) * 20_000, name="large")
+    with pytest.raises(UsageError, match=r"needs \d+(\.\d)? GiB for its matrices"):
+        solve(large, "gauss-3", h=0.1, steps=1, solver="newton")
+    heavy = problem("outer-solar-system")
+    assert shape_of(heavy).band is None and banded(shape_of(heavy)).band is None
+    # few rounds of the fixed point are cheaper than dense matrices of 1280, many are not
+    chain = problem("nonseparable-chain", sites=640)
+    form, shape = step_form(load("gauss-3")), shape_of(chain)
+    assert choose_solver(form, shape, chain, 0.02) == "fixed-point"
+    assert choose_solver(form, shape, chain, 0.4) == "newton"
+
+
+# --- structure ----------------------------------------------------------------------------------
+
+
+def test_the_structure_of_a_loop():
+    body = "def f(v, params, out):\n    for i in range(1, 3):\n        out[i] = sin(v[i - 1])*params[0] + v[i]"
+    found = loop_structure(body, "f", 4, 4, [2.0], timed=False)
+    assert found == [frozenset(), frozenset({0, 1}), frozenset({1, 2}), frozenset()]
+
+
+@pytest.mark.parametrize(
+    "line", ["out[0] = v[0] if v[0] > 0 else v[1]", "out[0:1] = v[0:1]", "out[0] = unknown(v[0])",
+             "out[int(v[0])] = 1.0"],
+)  # fmt: skip
+def test_what_depends_on_values_has_no_structure(line):
+    body = f"def f(v, params, out):\n    {line}"
+    assert loop_structure(body, "f", 2, 2, [], timed=False) is None
+
+
+def test_the_order_is_a_band_of_the_graph():
+    n, rng = 60, np.random.default_rng(3)
+    mixed = rng.permutation(n).tolist()
+    structure = [frozenset()] * n
+    for k, i in enumerate(mixed):
+        structure[i] = frozenset(mixed[max(0, k - 1) : k + 2])
+    band = band_of(structure)
+    assert band is not None and (band.lower, band.upper) == (1, 1)
+    assert sorted(band.order) == list(range(n))
+    assert band_of([frozenset(range(n))] * n) is None
+
+
+def test_a_jacobian_that_leaves_the_band_is_refused():
+    chain = with_band(shape_of(problem("nonseparable-chain", sites=40)))
+    assert chain.band is not None and chain.banded_body
+    inside = "def J(t, y, params, out):\n    for i in range(len(y)):\n        out[i, i] += y[i]"
+    beyond = inside.replace("[i, i]", "[i, 0]")
+    branch = inside.replace("out[i", "if y[i] > 0:\n            out[i")
+    assert stays_within(inside, "J", chain.band, [])
+    assert not stays_within(beyond, "J", chain.band, [])
+    assert not stays_within(branch, "J", chain.band, [])
+
+
+# --- elimination --------------------------------------------------------------------------------
+
+
+def helpers():
+    names = {"compiled": lambda function: function}
+    exec(newton.HELPERS + newton.COMPLEX_HELPERS, names)
+    return names
+
+
+@pytest.mark.parametrize("band", [None, (2, 1), (1, 3)])
+def test_elimination_solves_with_pivots(band):
+    n, rng, run = 9, np.random.default_rng(5), helpers()
+    A = rng.standard_normal((n, n)) + 1j * rng.standard_normal((n, n))
+    A[np.arange(n), np.arange(n)] *= 1e-3  # so that rows are exchanged
+    lower, upper = band or (n - 1, n - 1)
+    if band:
+        A = np.triu(np.tril(A, upper), -lower)
+    stride, offset = (2 * lower + upper, lower + upper) if band else (n, 0)
+    before, after = (lower + upper, lower) if band else (0, 0)
+    rest = n, lower, upper, stride, offset, int(band is not None)
+    stored = np.zeros((n + lower + upper) * (stride + 1), dtype=complex)
+    for i in range(n):
+        for j in range(n):
+            if not band or -upper <= i - j <= lower:
+                stored[offset + j * stride + i] = A[i, j]
+    known = rng.standard_normal(n) + 1j * rng.standard_normal(n)
+    padded = np.concatenate([np.zeros(before), known, np.zeros(after)])
+    for real in (True, False):
+        pivots = np.zeros(n)
+        a, b, c, d = stored.real.copy(), stored.imag.copy(), padded.real.copy(), padded.imag.copy()
+        if real:
+            run["factor"](a, pivots, *rest)
+            run["eliminate"](a, pivots, c, *rest)
+            found, expected = c, np.linalg.solve(A.real, known.real)
+        else:
+            run["complex_factor"](a, b, pivots, *rest)
+            run["complex_eliminate"](a, b, pivots, c, d, *rest)
+            found, expected = c + 1j * d, np.linalg.solve(A, known)
+        assert (pivots != np.arange(n)).any()
+        np.testing.assert_allclose(found[before : before + n], expected, rtol=1e-9)
+
+
+# --- stages apart -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["gauss-2", "gauss-3", "gauss-5", "radau-iia-3"])
+def test_a_coupling_is_its_eigenvalues_and_vectors(name):
+    A = np.array([[float(x) for x in row] for row in load(name).A])
+    split = newton.split_of(A)
+    assert split is not None and len(split.values) == (len(A) + 1) // 2
+    again = (np.array(split.back).T * split.values) @ np.array(split.into)
+    np.testing.assert_allclose(again.real, A, atol=1e-13)
+
+
+def test_stages_that_cannot_be_separated_are_solved_together(monkeypatch):
+    assert newton.split_of([[1.0, 1.0], [0.0, 1.0]]) is None
+    apart = solve("arenstorf", "gauss-3", h=1e-3, steps=20, solver="newton")
+    monkeypatch.setattr(newton, "_WORST_CONDITION", 0.0)
+    monkeypatch.setattr("glmref.engine.kernel._prepared", prepare_anew())
+    together = solve("arenstorf", "gauss-3", h=1e-3, steps=20, solver="newton")
+    assert together.factorisations
+    assert np.abs(apart.y - together.y).max() < 1e-13
+
+
+def prepare_anew():
+    from glmref.engine import kernel
+
+    kernel._sources.clear()
+    return kernel._prepared.__wrapped__

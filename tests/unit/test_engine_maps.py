@@ -1,0 +1,55 @@
+"""Starting and finishing methods as kernels of rows."""
+
+import time
+
+import numpy as np
+import pytest
+
+from glmref import Problem, load, problem, solve
+from glmref.engine.maps import map_of
+
+
+@pytest.mark.parametrize(  # explicit and implicit finish
+    "name", ["s5i2-w3", pytest.param("order8-s5-w3", marks=pytest.mark.slow)]
+)
+def test_rows_are_finished_as_by_the_reference(name):
+    options = {"h": 0.05, "renew": 6}
+    run = solve("kepler", name, every=3, steps=20, **options)
+    reference = solve("kepler", name, every=3, steps=20, engine="reference", **options)
+    assert np.abs(run.y - reference.y).max() < 1e-13
+    assert run.renewals == reference.renewals == 3 and run.finish_evaluations > 0
+    # each row by itself, whatever the others
+    picked = solve("kepler", name, times=run.t[[2, 5, 7]].tolist(), **options)
+    np.testing.assert_array_equal(picked.y, run.y[[2, 5, 7]])
+    interpreted = solve("kepler", name, every=3, steps=20, engine="interpreted", **options)
+    np.testing.assert_array_equal(interpreted.y, run.y)
+
+
+def test_the_reference_goes_on_where_the_kernel_of_a_finish_fails(monkeypatch):
+    class Fails:
+        def __call__(self, rows, t0, h, **_):
+            return 0, 0
+
+    expected = solve("pendulum", "s5i2-w3", h=0.1, steps=6, every=2)
+    monkeypatch.setattr("glmref.engine.run.map_of", lambda *_, **__: Fails())
+    run = solve("pendulum", "s5i2-w3", h=0.1, steps=6, every=2, renew=4)
+    assert run.completed and run.renewals == 1
+    assert np.abs(run.y - expected.y).max() < 1e-7
+
+
+def test_many_rows_of_a_finished_method_cost_no_more_than_its_steps():
+    solve("kepler", "s5i2-w3", h=0.01, steps=10, every=1)
+    begin = time.process_time()
+    solve("kepler", "s5i2-w3", h=0.01, steps=20_000, every=1)
+    assert time.process_time() - begin < 1  # 4 s when each row was finished in Python
+
+
+def test_what_needs_python_has_no_kernel():
+    def branches(t, y):
+        return -y if y[0] > 0 else y
+
+    opaque = Problem(f=branches, y0=(1.0,), name="opaque")
+    assert map_of(load("s5i2-w3").finishing, opaque) is None
+    assert map_of(None, problem("kepler")) is None
+    assert map_of(load("pair-6-8").starting, problem("kepler")) is None  # two components
+    assert map_of(load("s5i2-w3").finishing, problem("kepler")) is not None

@@ -1,0 +1,152 @@
+"""Multistep methods for q'' = k(q) as pairs: they are what is printed, and their orders."""
+
+from dataclasses import replace
+from fractions import Fraction
+from itertools import pairwise
+from typing import Any
+
+import pytest
+
+from glmref import verify
+from glmref.catalogue.lookup import load
+from glmref.exact import Exact
+from glmref.prove.algebra import first_nonzero, nystrom_filter
+from glmref.prove.forest import forest, paths
+from glmref.prove.kernel import Kernel
+from glmref.prove.series import StartingSeries
+from glmref.theory.parasitism import growth
+
+#: First halves of alpha and beta with their denominators: Quinlan and Tremaine (1990), Quinlan
+#: (1999), Hairer, Lubich and Wanner (2006), table XV.7.1.
+PRINTED = {
+    "quinlan-tremaine-8": ([1, -2, 2, -1, 0], [0, 17671, -23622, 61449, -50516], 12096),
+    "quinlan-tremaine-10": (
+        [1, -1, 1, -1, 1, -2],
+        [0, 399187, -485156, 2391436, -2816732, 4651330],
+        241920,
+    ),
+    "quinlan-tremaine-12": (
+        [1, -2, 2, -1, 0, 0, 0],
+        [0, 90987349, -229596838, 812627169, -1628539944, 2714971338, -3041896548],
+        53222400,
+    ),
+    "quinlan-tremaine-14": (
+        [1, -2, 2, -1, 0, 0, 0, 0],
+        [
+            0, 433489274083, -1364031998256, 5583113380398, -14154444148720, 28630585332045,
+            -42056933842656, 48471792742212,
+        ],
+        237758976000,
+    ),
+    "quinlan-8a": ([1, -2, 2, -2, 2], [0, 22081, -29418, 75183, -75212], 15120),
+    "quinlan-8b": (
+        [1, 0, 0, Fraction(-1, 2), -1],
+        [0, 192481, 6582, 816783, -156812],
+        120960,
+    ),
+    "symmetric-multistep-8c": ([1, -1, 0, 0, 0], [0, 13207, -8934, 42873, -33812], 8640),
+}  # fmt: skip
+#: Coefficients of the backward differences in Störmer's method: Hairer, Norsett and Wanner (1993),
+#: table III.10.1.
+DIFFERENCES = [
+    Fraction(x) for x in ("1", "0", "1/12", "1/12", "19/240", "3/40", "863/12096", "275/4032")
+]
+
+
+def positions(name, forces):
+    """The q of a method whose force evaluations are what is given, from arbitrary values."""
+    m: Any = load(name)
+    q, p = [[[x.as_fraction() for x in row] for row in M] for M in (m.V, m.V_hat)]
+    B = [row[0].as_fraction() for row in m.B_hat]
+    assert q == [[1]] and m.A[0][0] == m.B[0][0] == m.U[0][0] == 1
+    assert m.U_hat[0][0] == 1 and m.A_hat[0][0].is_zero()
+    y, z = Fraction(3, 7), [Fraction(k + 2, 5 * k + 3) for k in range(len(p))]
+    found = []
+    for force in forces:
+        y += z[0]  # h = 1: the stage P is v, the stage Q the new position
+        found.append(y)
+        moved = [sum(a * b for a, b in zip(row, z, strict=True)) for row in p]
+        z = [x + b * force for x, b in zip(moved, B, strict=True)]
+    return found
+
+
+@pytest.mark.parametrize("name", PRINTED)
+def test_the_positions_obey_the_printed_recurrence(name):
+    alpha, beta, denominator = PRINTED[name]
+    alpha, beta = (half + half[-2::-1] for half in (alpha, beta))
+    k = len(alpha) - 1
+    forces = [Fraction(n * n + 1, 2 * n + 3) for n in range(3 * k)]
+    q = positions(name, forces)
+    for n in range(k, len(q) - k):  # behind what the arbitrary values say
+        left = sum(a * x for a, x in zip(alpha, q[n:], strict=False))
+        right = sum(b * x for b, x in zip(beta, forces[n:], strict=False))
+        assert left == right / denominator
+
+
+def test_the_positions_obey_stoermers_recurrence():
+    order = len(DIFFERENCES)
+    forces = [Fraction(n * n + 1, 2 * n + 3) for n in range(4 * order)]
+    q = positions(f"stoermer-{order}", forces)
+    for n in range(2 * order, len(q) - 1):
+        differences, row = [], forces[n - order + 1 : n + 1]
+        for _ in range(order):
+            differences.append(row[-1])
+            row = [b - a for a, b in pairwise(row)]
+        right = sum(c * d for c, d in zip(DIFFERENCES, differences, strict=True))
+        assert q[n + 1] - 2 * q[n] + q[n - 1] == right
+
+
+def test_paths_decide_as_all_trees_of_second_order_systems_do():
+    kernel = Kernel(load("quinlan-8a"))
+    found = kernel.order_range(free=False, nystrom=True)
+    assert (found.lower, found.upper) == (8, 8)
+    trees = forest(kernel.palette)
+    series = StartingSeries(kernel._components, trees, free=False, counts=nystrom_filter(trees))
+    levels = [
+        {t: first_nonzero(series.residual(t)).is_zero() for t in series.advance()} for _ in range(9)
+    ]
+    assert [all(level.values()) for level in levels] == [True] * 8 + [False]
+    assert found.tree in {trees.text[t] for t, zero in levels[8].items() if not zero}
+
+
+def test_there_is_one_path_of_each_order_and_colour():
+    found = paths((("f", "k"), ("k", "f")))
+    assert [found.text[t] for n in (1, 2, 3) for t in found.level(n)] == [
+        "f", "k", "f[k]", "k[f]", "f[k[f]]", "k[f[k]]",
+    ]  # fmt: skip
+    assert found.density[found.level(5)[0]] == 120
+    assert set(found.cuts[found.level(4)[0]].values()) == {1}
+
+
+@pytest.mark.parametrize("name", ["pair-6-7", "ruth-3"])
+def test_paths_say_nothing_where_a_stage_is_not_the_solution(name):
+    kernel = Kernel(load(name))
+    assert kernel._along_paths(kernel._components, free=False, nystrom=True) is None
+
+
+def test_a_start_whose_stages_are_not_the_solution_is_refuted_by_a_path():
+    m: Any = load("quinlan-tremaine-8")
+    start = m.starting
+    rows = [list(row) for row in start.A]
+    rows[3][2] = rows[3][2] + Exact(1)
+    rows[3][1] = rows[3][1] - Exact(1)
+    wrong = replace(m, starting=replace(start, A=tuple(map(tuple, rows))))
+    found = Kernel(wrong).range("nystrom-starting-order")
+    assert (found.lower, found.upper) == (0, 2)
+    assert Kernel(m).range("nystrom-starting-order").lower == 8
+
+
+def test_growth_of_a_pair_needs_only_the_eigenvalues_that_are_shared():
+    """The other half may have eigenvalues that no square roots give."""
+    assert growth(load("quinlan-8b")).free is True
+
+
+@pytest.mark.parametrize("name", ["kahan-li-8b", "blanes-casas-rkn-8-19", "kahan-li-10"])
+def test_one_tree_bounds_the_order_of_an_enclosed_splitting(name):
+    findings = {f.claim: f for f in verify(name)}
+    declared: dict[str, Any] = {c: f.declared for c, f in findings.items()}
+    claim = max((c for c in declared if c.endswith("order")), key=lambda c: declared[c])
+    found, n = findings[claim], declared[claim] + 1
+    trees = {f"k[{'f' * (n - 1)}]", f"f[{'k' * (n - 1)}]"}
+    assert found.verdict.value == "holds"
+    assert found.witness.removeprefix("tree ").split(" of order ")[0] in trees
