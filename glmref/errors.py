@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from difflib import get_close_matches
 
 __all__ = [
     "BudgetError",
@@ -61,8 +62,6 @@ def did_you_mean(word: object, known: Iterable[str], before: str = "", otherwise
     str
         Such as ``"did you mean rk4 or ark-4?"``.
     """
-    from difflib import get_close_matches
-
     text = str(word)[:80].lower()
     near = get_close_matches(text, [*known], n=3)
     return f"{before}did you mean {' or '.join(near)}?" if near else otherwise

@@ -6,8 +6,10 @@ recomputed, and how: see :class:`Proof`. A finding never says more than its proo
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
+from typing import Any
 
 __all__ = ["Finding", "Proof", "Verdict", "summarize", "weakest"]
 
@@ -45,14 +47,22 @@ class Finding:
 
     Attributes
     ----------
-        method: name of the method, as its file gives it.
-        claim: the claim's key, for example ``"order"`` or ``"g-symplectic"``.
-        declared: the value the file claims (JSON-ready), or ``None`` where nothing was claimed.
-        verdict: whether the recomputed value agrees.
-        value: the recomputed value (JSON-ready).
-        proof: how the verdict was reached.
-        residual: size of the largest violated identity, 0.0 when all hold exactly.
-        witness: one sentence naming the tree, entry or equation that decides, or ``""``.
+    method : str
+        Name of the method, as its file gives it.
+    claim : str
+        The claim's key, for example ``"order"`` or ``"g-symplectic"``.
+    declared : object
+        The value the file claims (JSON-ready), or ``None`` where nothing was claimed.
+    verdict : Verdict
+        Whether the recomputed value agrees.
+    value : object
+        The recomputed value (JSON-ready).
+    proof : Proof
+        How the verdict was reached.
+    residual : float
+        Size of the largest violated identity, 0.0 when all hold exactly.
+    witness : str
+        One sentence naming the tree, entry or equation that decides, or ``""``.
     """
 
     method: str
@@ -76,6 +86,17 @@ class Finding:
             "residual": self.residual,
             "witness": self.witness,
         }
+
+    @classmethod
+    def from_json(cls, row: Mapping[str, Any]) -> Finding:
+        """Return the finding that :meth:`as_json` wrote.
+
+        Raises
+        ------
+        TypeError, ValueError, KeyError
+            For a row of another form.
+        """
+        return cls(**{**row, "verdict": Verdict(row["verdict"]), "proof": Proof(row["proof"])})
 
 
 def summarize(findings: list[Finding]) -> dict[str, int]:

@@ -146,20 +146,27 @@ def collocation_states(
 ) -> list[np.ndarray]:
     """Return the solution at the given times, from Radau IIA with variable steps.
 
-    Args:
-        problem: in double precision form, with a Jacobian; its exact y0 and parameters are used.
-        times: increasing; ints, Fractions or strings.
-        digits: the last Legendre coefficient of each step stays below 10**-digits, which the
-            error of the state (order 2s - 1) undercuts by far. Compare two settings.
-        stages: number s of stages.
+    Parameters
+    ----------
+    problem : Problem
+        In double precision form, with a Jacobian; its exact y0 and parameters are used.
+    times : Sequence[Any]
+        Increasing; ints, Fractions or strings.
+    digits : int
+        The last Legendre coefficient of each step stays below 10**-digits, which the error of the
+        state (order 2s - 1) undercuts by far. Compare two settings.
+    stages : int
+        Number s of stages.
 
     Returns
     -------
+    list[np.ndarray]
         One array (d,) of mpmath numbers per time.
 
     Raises
     ------
-        UsageError: without a Jacobian, or after 20,000 steps.
+    UsageError
+        Without a Jacobian, or after 20,000 steps.
     """
     if problem.jacobian is None:
         raise UsageError(f"a collocation reference for {problem.name} needs its Jacobian")

@@ -1,4 +1,6 @@
-"""Write what follows from the table of claims: its JSON Schema and its rows in ``data/README.md``.
+"""Write what follows from the table of claims: JSON Schemas and the rows in ``data/README.md``.
+
+The schema of ``glmref-method-2`` is that of ``glmref-method-1`` with the keys and classes below.
 
 ``python -m tools.method_schema`` rewrites both and brings the two lists of hashes up to date. Tests
 in ``tests/repo/test_claims.py`` compare the files with what is generated here.
@@ -10,12 +12,69 @@ import json
 import re
 import sys
 from pathlib import Path
+from typing import Any
 
 from glmref.catalogue.canonical import refresh
 from glmref.catalogue.claims import CLAIMS
 
 DATA = Path(__file__).resolve().parents[1] / "data"
 SCHEMA, CONTRACT = DATA / "schema" / "glmref-method-1.schema.json", DATA / "README.md"
+SECOND = DATA / "schema" / "glmref-method-2.schema.json"
+_VECTOR, _MATRIX = {"$ref": "#/$defs/vector"}, {"$ref": "#/$defs/matrix"}
+
+
+def _row(*choices: dict[str, Any]) -> dict[str, Any]:
+    """Schema of `embedded`: objects with a name and the keys of one of the choices."""
+    kinds = [
+        {
+            "type": "object",
+            "required": ["name", *keys],
+            "additionalProperties": False,
+            "properties": {"name": {"$ref": "#/$defs/sentence"}, **keys},
+        }
+        for keys in choices
+    ]
+    return {"type": "array", "minItems": 1, "items": {"anyOf": kinds}}
+
+
+#: Keys of the second format by class: those that are needed, and those that may be left out.
+NEW: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
+    "rk": (
+        {},
+        {"c": _VECTOR, "dense": _MATRIX, "embedded": _row({"b": _VECTOR}, {"error": _VECTOR})},
+    ),
+    "additive": ({}, {"embedded": _row({"b": _MATRIX})}),
+    "nystrom": (
+        {"A": _MATRIX, "b": _VECTOR, "b_prime": _VECTOR, "c": _VECTOR},
+        {"A_prime": _MATRIX, "embedded": _row({"b": _VECTOR, "b_prime": _VECTOR})},
+    ),
+    "rosenbrock": (
+        {"alpha": _MATRIX, "gamma": _MATRIX, "b": _VECTOR},
+        {"embedded": _row({"b": _VECTOR})},
+    ),
+}
+
+
+def second_schema(schema: str) -> str:
+    """Return the text of the schema of ``glmref-method-2`` from that of the first."""
+    found = json.loads(schema.replace("glmref-method-1", "glmref-method-2"))
+    kinds, defs = found["properties"]["class"]["enum"], found["$defs"]
+    for kind, (needed, optional) in NEW.items():
+        if kind not in kinds:
+            kinds.append(kind)
+            found["allOf"].append(
+                {
+                    "if": {"properties": {"class": {"const": kind}}},
+                    "then": {"$ref": f"#/$defs/{kind}"},
+                }
+            )
+            shared = {k: x for k, x in defs["additive"]["properties"].items() if k != "parts"}
+            names = [*(x for x in defs["additive"]["required"] if x != "parts"), *needed]
+            defs[kind] = {
+                "required": names, "additionalProperties": False, "properties": shared,
+            }  # fmt: skip
+        defs[kind]["properties"] |= {**needed, **optional}
+    return json.dumps(found, indent=2, ensure_ascii=False) + "\n"
 
 
 def with_claims(schema: str) -> str:
@@ -47,6 +106,10 @@ def main() -> None:
         if generated(text) != text:
             path.write_text(generated(text), encoding="utf-8")
             sys.stdout.write(f"wrote {path}\n")
+    text = second_schema(SCHEMA.read_text(encoding="utf-8"))
+    if not SECOND.is_file() or SECOND.read_text(encoding="utf-8") != text:
+        SECOND.write_text(text, encoding="utf-8")
+        sys.stdout.write(f"wrote {SECOND}\n")
     sys.stdout.writelines(f"wrote {path}\n" for path in refresh(DATA))
 
 

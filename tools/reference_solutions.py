@@ -19,12 +19,17 @@ def solution_entries(
 ) -> list[dict[str, Any]]:
     """Compute the entries of one problem's file, one per time.
 
-    Args:
-        problem: one of :func:`glmref.problems.names`, with its parameters.
-        times: increasing, as exact strings such as ``"10"``.
-        digits: of the first computation; the second one asks for 8 (Taylor) or 4 (collocation)
-            more, and is the one stored.
-        stages: use Radau IIA with so many stages, and two more; ``None``: use Taylor series.
+    Parameters
+    ----------
+    problem : Problem
+        One of :func:`glmref.problems.names`, with its parameters.
+    times : Sequence[str]
+        Increasing, as exact strings such as ``"10"``.
+    digits : int
+        Of the first computation; the second one asks for 8 (Taylor) or 4 (collocation) more, and is
+        the one stored.
+    stages : int or None
+        Use Radau IIA with so many stages, and two more; ``None``: use Taylor series.
     """
     if stages is None:
         from glmref.conformance.taylor import taylor_states

@@ -8,7 +8,7 @@ from typing import Any
 
 from ..errors import DataError, GlmrefError
 from ..exact import Exact
-from ..exact.linalg import Matrix, Vector
+from ..exact.linalg import Matrix, Vector, row_sums
 from ..findings import Finding, Verdict
 from ..prove.kernel import Judgement, reaches, vanishing
 from .numbers import Reader
@@ -21,7 +21,6 @@ from .orders import (
     nystrom,
     reach,
     rosenbrock,
-    row_sums,
     runge_kutta,
     w_method,
 )

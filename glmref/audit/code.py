@@ -33,9 +33,12 @@ class Statement:
 
     Attributes
     ----------
-        text: as Python, where it could be rewritten; of a header the words before its block.
-        line: where it begins.
-        kind: ``"do"``, ``"open"`` and ``"close"`` of a block with braces or ``function .. end``.
+    text : str
+        As Python, where it could be rewritten; of a header the words before its block.
+    line : int
+        Where it begins.
+    kind : str
+        ``"do"``, ``"open"`` and ``"close"`` of a block with braces or ``function .. end``.
     """
 
     text: str

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from ..catalogue.lookup import load, names
 from ..errors import GlmrefError
 from ..exact.expression import shown_number
-from ..method import GLM
 from .table import Table
 
 __all__ = ["Library"]
@@ -22,20 +22,19 @@ class Library:
     """Runge-Kutta methods of the catalogue by their number of stages."""
 
     def __init__(self) -> None:
-        from ..catalogue.lookup import load, names
-
         self.methods: dict[int, list[tuple[str, int, Any, list[list[complex]]]]] = {}
         for name in names():
             try:
                 method = load(name)
             except GlmrefError:  # a file beyond what is read here
                 continue
-            if isinstance(method, GLM) and len(method.V) == 1 and method.V[0][0] == 1:
-                rows = [*method.A, method.B[0]]
+            c = method.components[0]
+            if len(method.components) == len(c.V) == 1 and c.V[0][0] == 1:
+                rows = [*c.A, c.B[0]]
                 claims = (method.document or {}).get("claims", {})
                 claimed = int(claims.get("order", 99))
                 values = [[complex(x) for x in row] for row in rows]
-                self.methods.setdefault(len(method.A), []).append((name, claimed, rows, values))
+                self.methods.setdefault(len(c.A), []).append((name, claimed, rows, values))
 
     def nearest(self, table: Table, order: int = 0) -> dict[str, Any]:
         """Name of the nearest method of an order, and the entries that differ; or nothing."""

@@ -45,10 +45,13 @@ class Reader:
 
     Attributes
     ----------
-        digits: digits after the point to which decimals and floats are known; ``None`` where they
-            are the numbers that they write.
-        floats: how many entries were binary numbers taken as they are.
-        hints: of those that are near a short fraction, ``(place, number, fraction)``.
+    digits : int or None
+        Digits after the point to which decimals and floats are known; ``None`` where they are the
+        numbers that they write.
+    floats : int
+        How many entries were binary numbers taken as they are.
+    hints : list[tuple[str, str, str]]
+        Of those that are near a short fraction, ``(place, number, fraction)``.
     """
 
     digits: int | None = None

@@ -33,7 +33,7 @@ from fractions import Fraction
 from typing import Any
 
 from ..exact import Exact, Scalar
-from ..exact.linalg import Matrix, Vector
+from ..exact.linalg import Matrix, Vector, row_sums
 from ..prove import kernel
 from ..prove.forest import Forest, forest
 from ..prove.kernel import Reach
@@ -50,7 +50,6 @@ __all__ = [
     "nystrom",
     "reach",
     "rosenbrock",
-    "row_sums",
     "runge_kutta",
     "splitting",
     "w_method",
@@ -67,11 +66,16 @@ class Scheme:
 
     Attributes
     ----------
-        palette: colours with the colours their children may have.
-        blocks: (A, b) by colour.
-        roots: colours whose trees are conditions.
-        counts: which trees the systems have, or ``None`` for all.
-        written: pattern and replacement that write a tree for a reader.
+    palette : tuple[tuple[str, str], ...]
+        Colours with the colours their children may have.
+    blocks : Mapping[str, tuple[Matrix, Vector]]
+        (A, b) by colour.
+    roots : str
+        Colours whose trees are conditions.
+    counts : Callable[[Forest], Callable[[int], bool]] or None
+        Which trees the systems have, or ``None`` for all.
+    written : tuple[tuple[str, str], ...]
+        Pattern and replacement that write a tree for a reader.
     """
 
     palette: tuple[tuple[str, str], ...]
@@ -134,11 +138,6 @@ def reach(scheme: Scheme, most: int, *, stop: float = float("inf"), high: bool =
 
 
 # --- schemes ------------------------------------------------------------------------------------
-
-
-def row_sums(A: Matrix) -> Vector:
-    """c = A 1."""
-    return tuple(sum(row, _ZERO) for row in A)
 
 
 def _sums_to(A: Matrix, c: Sequence[Scalar]) -> bool:

@@ -17,6 +17,7 @@ from .arrays import gsl, odeint
 from .code import Statement, statements
 from .plain import from_csv, from_json
 from .principia import structs
+from .stepper import procedures
 from .table import ZERO, Rows, Table, vector
 from .values import Number, Scope, Sparse, Unread, assign, evaluate
 
@@ -774,8 +775,6 @@ def _steps_of(name: str, line: int, steps: list[tuple[int, Number]]) -> Table:
 
 def _rklib(text: str, declared: Mapping[str, int] | None = None) -> Iterator[Table]:
     """Fortran steps: stages ``call me%f(t+c*h, x+h*(..), f2)``, weights from ``xf``."""
-    from .stepper import procedures
-
     for name, line, found in procedures(text):
         if isinstance(found, Unread):
             yield _unread(name, line, found)

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 
+from ..compute import Executor, in_order
+from ..compute.executors import Here
 from ..errors import GlmrefError, UsageError
 from .judge import judge
 from .nearest import Library
 from .readers import FORMATS, SUFFIXES, declared_orders, read
+from .table import Table
 
-__all__ = ["FORMAT", "audit", "files"]
+__all__ = ["FORMAT", "audit", "files", "judge_table"]
 
 FORMAT = "glmref-audit-1"
 #: A file without any of these holds no table of the format.
@@ -62,7 +67,12 @@ def _text(path: Path) -> str | None:
 
 
 def audit(
-    source: Path, form: str, *, search: bool = True, compare: bool = True
+    source: Path,
+    form: str,
+    *,
+    search: bool = True,
+    compare: bool = True,
+    on: Executor | None = None,
 ) -> Iterator[dict[str, Any]]:
     """Read and judge all tables of a checkout.
 
@@ -76,6 +86,8 @@ def audit(
         Whether wrong entries are looked for.
     compare : bool
         Whether the catalogue is compared with.
+    on : Executor, optional
+        Where tables are judged; in this process by default. Others read the sources themselves.
 
     Yields
     ------
@@ -87,23 +99,67 @@ def audit(
         raise UsageError(f"there is no reader for {form!r}; one of {', '.join(FORMATS)}")
     paths = files(source, form)
     root = source if source.is_dir() else source.parent
-    texts = {path: _text(path) for path in paths}
     declared: dict[str, int] = {}
-    for text in texts.values():
-        declared |= declared_orders(text) if text else {}
-    library = Library() if compare else None
     for path in paths:
-        text, name = texts[path], str(path.relative_to(root))
+        text = _text(path)
+        declared |= declared_orders(text) if text else {}
+    rows = list(_rows(paths, form, declared))
+    tasks = [{**task, "search": search, "compare": compare} for _, task in rows if "number" in task]
+    judged = in_order((on or Here()).run(judge_table, tasks), tasks)
+    for path, row in rows:
+        name = str(path.relative_to(root))
+        if "number" not in row:
+            yield {"path": name, **row}
+            continue
+        _, done = next(judged)
+        if not done.failure:
+            yield {"path": name, **done.value}
+        else:
+            remark = f"the table is not understood: {done.message}"
+            yield {"path": name, **_unread(row["line"], row["name"], remark)}
+
+
+def _rows(
+    paths: Sequence[Path], form: str, declared: Mapping[str, int]
+) -> Iterator[tuple[Path, dict[str, Any]]]:
+    """Each file with the tasks of its tables, and with records of what cannot be read."""
+    for path in paths:
+        text = _text(path)
         if text is None:
-            yield {"path": name, "line": 1, "name": path.name, "status": "unread",
-                   "remarks": ["the file cannot be read"]}  # fmt: skip
+            yield path, _unread(1, path.name, "the file cannot be read")
             continue
         if not re.search(_MARKS[form], text):
             continue
+        task = {"kind": "audit", "file": str(path.absolute()), "form": form, "declared": declared}
         try:
-            for table in read(text, form, declared):
-                yield {"path": name, **judge(table, library, search=search)}
+            for number, table in enumerate(read(text, form, declared)):
+                yield path, {**task, "number": number, "name": table.name, "line": table.line}
         except (GlmrefError, ValueError, KeyError, IndexError, TypeError, AttributeError,
                 RecursionError) as error:  # fmt: skip
-            yield {"path": name, "line": 1, "name": path.name, "status": "unread",
-                   "remarks": [f"the rest of the file is not understood: {error}"]}  # fmt: skip
+            remark = f"the rest of the file is not understood: {error}"
+            yield path, _unread(1, path.name, remark)
+
+
+def _unread(line: int, name: str, remark: str) -> dict[str, Any]:
+    return {"line": line, "name": name, "status": "unread", "remarks": [remark]}
+
+
+def judge_table(task: Mapping[str, Any]) -> dict[str, Any]:
+    """Judge one table, which is the one of this number in its file."""
+    tables = _tables(task["file"], task["form"], tuple(task["declared"].items()))
+    library = _library() if task["compare"] else None
+    return judge(tables[task["number"]], library, search=task["search"])
+
+
+@lru_cache(maxsize=4)
+def _tables(file: str, form: str, declared: tuple[tuple[str, int], ...]) -> list[Table]:
+    """Tables of a file, as far as it is understood."""
+    found: list[Table] = []
+    with suppress(Exception):  # the client has read as far, and says what is wrong
+        found.extend(read(_text(Path(file)) or "", form, dict(declared)))
+    return found
+
+
+@cache
+def _library() -> Library:
+    return Library()

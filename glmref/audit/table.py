@@ -19,18 +19,26 @@ class Table:
 
     Attributes
     ----------
-        name, line: what the code calls it, and where it begins.
-        kind: ``"rk"``, ``"additive"``, ``"rosenbrock"``, ``"splitting"``, ``"nystrom"``,
-            ``"glm"``.
-        A, b, c: of each part; of a Rosenbrock method alpha and gamma are two entries of ``A``, of
-            a Nystrom method A, maybe A', and b, b'; of a general linear method b holds F B and the
-            weights of r - 1 other values that are the solution.
-        order: the order that the code declares, or ``None``.
-        rows: further weights, each with what it is called and its declared order.
-        errors: weights of error estimates, which sum to zero.
-        unread: why nothing could be read, or ``""``.
-        named: whether entries stand under names of their own, so that one may have none.
-        identities: equations beside the conditions, as "U S = 1", each with its largest residual.
+    name, line
+        What the code calls it, and where it begins.
+    kind : str
+        ``"rk"``, ``"additive"``, ``"rosenbrock"``, ``"splitting"``, ``"nystrom"``, ``"glm"``.
+    A, b, c
+        Of each part; of a Rosenbrock method alpha and gamma are two entries of ``A``, of a Nystrom
+        method A, maybe A', and b, b'; of a general linear method b holds F B and the weights of r -
+        1 other values that are the solution.
+    order : int or None
+        The order that the code declares, or ``None``.
+    rows : list[tuple[str, list[Number], int or None]]
+        Further weights, each with what it is called and its declared order.
+    errors : list[list[Number]]
+        Weights of error estimates, which sum to zero.
+    unread : str
+        Why nothing could be read, or ``""``.
+    named : bool
+        Whether entries stand under names of their own, so that one may have none.
+    identities : list[tuple[str, float]]
+        Equations beside the conditions, as "U S = 1", each with its largest residual.
     """
 
     name: str

@@ -19,6 +19,7 @@ from ..system.process import guarded
 from .auditing import audit, check
 from .benching import bench
 from .browsing import cite, list_, show
+from .campaigning import campaign
 from .certifying import certify
 from .checking import verify
 from .comparing import compare, problems
@@ -45,8 +46,22 @@ def group() -> None:
 
 
 for command in (
-    *(verify, certify, analyze, list_, show, cite, errata, derive, run, probe, bench, report),
-    *(export, import_, problems, compare, check, conformance, audit),
+    *(
+        verify,
+        certify,
+        analyze,
+        list_,
+        show,
+        cite,
+        errata,
+        derive,
+        run,
+        probe,
+        bench,
+        report,
+        campaign,
+    ),
+    *(export, import_, problems, compare, check, conformance, audit, campaign),
 ):
     group.add_command(command)
 
@@ -54,8 +69,10 @@ for command in (
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code; no exception leaves this function.
 
-    Args:
-        arguments: the command line without the program; that of the process by default.
+    Parameters
+    ----------
+    arguments : Sequence[str] or None
+        The command line without the program; that of the process by default.
     """
     if "_GLMREF_COMPLETE" in os.environ:  # the shell asks for completions
         return int(group.main(prog_name="glmref") or 0)

@@ -8,10 +8,11 @@ from typing import Any
 
 import click
 
+from ..catalogue.canonical import one_line
 from ..errors import BudgetError, DataError, UsageError
 from ..findings import Verdict
-from ..views.tables import FORMATS, json_text
-from .output import FAILED, HOLDS, INTERNAL, complain, say
+from ..views.tables import FORMATS, json_text, plain
+from .output import FAILED, HOLDS, INTERNAL, complain, on_option, say
 
 __all__ = ["audit", "check"]
 
@@ -27,23 +28,26 @@ _MOST_TEXT = 20_000_000  # characters of a document
 @click.command(short_help="Check a plain tableau: JSON or TOML from a file or a pipe.")
 @click.argument("file", metavar="FILE|-")
 @click.option(
-    "--order", type=click.IntRange(1, 100), metavar="N", help="The order to check; or a key there."
+    "--order",
+    type=click.IntRange(1, 100),
+    metavar="N",
+    help="The order to check; default: its key.",
 )
 @click.option(
     "--digits",
     type=click.IntRange(1, 300),
     metavar="N",
-    help="Digits after the point to which its decimals are known; or a key there.",
+    help="Digits after the point to which its decimals are known; default: its key.",
 )
 @click.option(
     "--format",
     "form",
     type=click.Choice([x for x in FORMATS if x in ("table", "json")]),
     default="table",
-    help="What stdout gets.",
+    help="Format of the output.",
 )
 def check(file: str, order: int | None, digits: int | None, form: str) -> int:
-    """Check a tableau against the orders that are said of it.
+    """Check a tableau against its claimed orders.
 
     FILE holds {"A": .., "b": .., "order": ..} in JSON or TOML, - stands for the standard input; the
     documentation lists the other keys (c, embedded, parts, b_prime, alpha, gamma, dense). A number
@@ -119,22 +123,23 @@ def _document(file: str) -> dict[str, Any]:
 )
 @click.option("--all", "every", is_flag=True, help="Show the tables that are right, too.")
 @click.option("--fast", is_flag=True, help="Do not look for the entry that is wrong.")
-def audit(source: Path, form: str, every: bool, fast: bool) -> int:
+@on_option
+def audit(source: Path, form: str, every: bool, fast: bool, on: str | None) -> int:
     """Check every tableau in a file or checkout: one line of JSON each, then a count.
 
     Nothing in the sources is executed. A table that is not understood is listed as unread, with its
     line, and the audit goes on. Exit code 1 when a table is wrong.
     """
-    import json
-
     from ..audit.judge import summary
     from ..audit.sources import audit as examine
+    from ..compute import executor
 
     records = []
-    for record in examine(source, form, search=not fast):
-        records.append(record)
-        if every or record["status"] not in ("right", "found", "digits"):
-            say(json.dumps(record, ensure_ascii=False))
+    with executor(on) as where:
+        for record in examine(source, form, search=not fast, on=where):
+            records.append(record)
+            if every or record["status"] not in ("right", "found", "digits"):
+                say(one_line(plain(record)))
     counts = summary(records)
     complain(f"{len(records)} tables: " + ", ".join(f"{n} {x}" for x, n in counts.items()))
     return FAILED if counts.get("wrong") else HOLDS

@@ -21,7 +21,7 @@ RESULTS = Path(".asv", "results")
 _BENCHMARK_FAILED = 2  # exit code of `asv run` when it ran, but not every benchmark did
 
 
-@click.command(short_help="Benchmarks with asv: error beside time.")
+@click.command(short_help="Run the benchmarks with asv: error beside time.")
 @click.option("--bench", "pattern", metavar="REGEX", help="Benchmarks whose name matches.")
 @click.option("--commits", default="HEAD^!", metavar="RANGE", help="Commits; the last by default.")
 @click.option("--quick", is_flag=True, help="Run each benchmark once: no quartiles.")
@@ -31,7 +31,7 @@ _BENCHMARK_FAILED = 2  # exit code of `asv run` when it ran, but not every bench
     "form",
     type=click.Choice(("table", "json", "csv")),
     default="table",
-    help="What stdout gets.",
+    help="Format of the output.",
 )
 def bench(pattern: str | None, commits: str, quick: bool, stored: bool, form: str) -> int:
     """Measure commits with asv, in a checkout, and print errors and run times side by side.

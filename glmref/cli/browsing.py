@@ -23,11 +23,11 @@ _METHODS = ("name", "class", "order", "status", "title")
 _BROKEN = ("name", "class", "refutes", "flag", "title")
 
 
-@click.command("list", short_help="The shipped methods.")
+@click.command("list", short_help="List the shipped methods.")
 @click.option("--class", "kind", type=Word(sorted(BLOCKS)), help="This class only.")
 @click.option("--broken", is_flag=True, help="The files that are wrong on purpose.")
 @click.option(
-    "--format", "form", type=click.Choice(LISTS), default="table", help="What stdout gets."
+    "--format", "form", type=click.Choice(LISTS), default="table", help="Format of the output."
 )
 def list_(kind: str | None, broken: bool, form: str) -> int:
     """List the shipped methods: name, class, order claimed, status of the source, title."""
@@ -62,7 +62,7 @@ def _row(doc: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-@click.command(short_help="A tableau as in a paper.")
+@click.command(short_help="Show a tableau as in a paper.")
 @click.argument("name", metavar="NAME|FILE", shell_complete=complete_method)
 @click.option(
     "--decimal",
@@ -97,7 +97,7 @@ def show(name: str, decimal: int | None, plot: Path | None) -> int:
     return HOLDS
 
 
-@click.command(short_help="BibTeX of methods and their files.")
+@click.command(short_help="Write BibTeX of methods and their files.")
 @click.argument(
     "names", nargs=-1, required=True, metavar="NAME|FILE...", shell_complete=complete_method
 )

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import click
 
+from ..catalogue.canonical import one_line
 from ..errors import UsageError
 from .output import BAD_INPUT, HOLDS, complain, complete_method, say
 
@@ -21,8 +21,9 @@ __all__ = ["certify", "write_certificates"]
 def certify(name: str, output: str | None) -> int:
     """Write what was proved about the claims of a method, with all that a check of it needs.
 
-    Without --output the certificates go to stdout, one line of JSON each; what has no certificate
-    is said on stderr, with the reason. docs/certificates.md tells how to check them.
+    Without --output the certificates go to stdout, one line of JSON each; a claim
+    without a certificate is named on stderr, with the reason. docs/certificates.md specifies the
+    format.
     """
     written = 0
     for claim, found in _certificates(name):
@@ -31,7 +32,7 @@ def certify(name: str, output: str | None) -> int:
             continue
         written += 1
         if output is None:
-            say(json.dumps(found, ensure_ascii=False))
+            say(one_line(found))
         else:
             _write(Path(output), found)
     if not written:
@@ -65,7 +66,7 @@ def _write(folder: Path, certificate: dict[str, Any]) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     statement = certificate["statement"]
     path = folder / f"{statement['method']}.{statement['claim']}.json"
-    path.write_text(json.dumps(certificate, ensure_ascii=False) + "\n", encoding="utf-8")
+    path.write_text(one_line(certificate) + "\n", encoding="utf-8")
 
 
 def write_certificates(names: list[str], folder: Path) -> tuple[int, list[str]]:

@@ -23,6 +23,7 @@ from .output import (
     Word,
     complain,
     complete_method,
+    on_option,
     say,
 )
 
@@ -32,10 +33,10 @@ if TYPE_CHECKING:
 __all__ = ["verify"]
 
 
-@click.command(short_help="Recompute every claim, and say by which proof.")
+@click.command(short_help="Recompute every claim, with the kind of proof.")
 @click.argument("names", nargs=-1, metavar="[NAME|FILE]...", shell_complete=complete_method)
 @click.option(
-    "--format", "form", type=click.Choice(FORMATS), default="table", help="What stdout gets."
+    "--format", "form", type=click.Choice(FORMATS), default="table", help="Format of the output."
 )
 @click.option(
     "--only",
@@ -56,17 +57,26 @@ __all__ = ["verify"]
     metavar="SECONDS",
     help="Processor time for the proofs of each file; 60 for your own, else no limit.",
 )
+@on_option
+@click.option(
+    "--no-cache",
+    is_flag=True,
+    help="Compute everything, and keep nothing for the next time.",
+)
 def verify(
     names: tuple[str, ...],
     form: str,
     only: tuple[str, ...],
     certificates: str | None,
     budget: float | None,
+    on: str | None,
+    no_cache: bool,
 ) -> int:
     """Recompute every claim of the methods named, and say how each was proved.
 
     Without a name all shipped methods are checked, and all files that are wrong on purpose are
     refuted, one line a file. A NAME is one of `glmref list`; a FILE is your own method file.
+    What was decided for the same bytes by the same program is not computed again.
     """
     from ..catalogue.lookup import names as shipped
 
@@ -74,7 +84,7 @@ def verify(
     report = _Report(form, every=bool(names), width=max(map(len, asked), default=0))
     try:
         with _progress(len(asked)) as advance:
-            _check(asked, only, report, advance, budget)
+            _check(asked, only, report, advance, budget, on, keep=not no_cache)
     except KeyboardInterrupt:
         report.finish(len(asked), interrupted=True)
         return INTERRUPTED
@@ -96,11 +106,18 @@ def _certify(names: Sequence[str], folder: str) -> None:
 
 
 def _check(
-    names: Sequence[str], only: Sequence[str], report: _Report, advance: Any, budget: float | None
+    names: Sequence[str],
+    only: Sequence[str],
+    report: _Report,
+    advance: Any,
+    budget: float | None,
+    on: str | None,
+    *,
+    keep: bool,
 ) -> None:
     from .parallel import check_all
 
-    for checked in check_all(names, only, budget=budget):
+    for checked in check_all(names, only, budget=budget, on=on, keep=keep):
         with advance():
             report.add(checked)
 

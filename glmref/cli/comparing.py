@@ -18,14 +18,14 @@ from .output import HOLDS, say
 __all__ = ["compare", "problems"]
 
 
-@click.command(short_help="The shipped problems, with formulas.")
+@click.command(short_help="List the shipped problems, with formulas.")
 @click.argument("names", nargs=-1, metavar="[NAME|FILE]...")
 @click.option(
     "--format",
     "form",
     type=click.Choice((*LISTS, "c")),
     default="table",
-    help="What stdout gets; c: the right-hand side of one problem for `glmref export --to c`.",
+    help="Format of the output; c: the right-hand side of one problem for `glmref export --to c`.",
 )
 def problems(names: tuple[str, ...], form: str) -> int:
     """List the shipped problems, or show the formulas of some.
@@ -65,7 +65,7 @@ def _found(name: str) -> tuple[Any, str]:
     return room.problem(name), room.about(name)
 
 
-@click.command(short_help="Which method for a problem, measured.")
+@click.command(short_help="Measure methods on a problem, recommend one.")
 @click.argument("problem", metavar="PROBLEM|FILE")
 @click.option("--methods", metavar="NAME,NAME,...", help="These methods instead of the usual ones.")
 @click.option("--tolerance", type=float, default=1e-9, show_default=True, help="Relative error.")
@@ -76,7 +76,7 @@ def _found(name: str) -> tuple[Any, str]:
     help="Folder for the pictures and the numbers.",
 )
 @click.option(
-    "--format", "form", type=click.Choice(LISTS), default="table", help="What stdout gets."
+    "--format", "form", type=click.Choice(LISTS), default="table", help="Format of the output."
 )
 def compare(
     problem: str,

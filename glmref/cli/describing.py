@@ -20,16 +20,16 @@ if TYPE_CHECKING:
 __all__ = ["analyze", "errata"]
 
 _FORM = click.option(
-    "--format", "form", type=click.Choice(LISTS), default="table", help="What stdout gets."
+    "--format", "form", type=click.Choice(LISTS), default="table", help="Format of the output."
 )
 _VERDICTS = ("right", "wrong", "misprint", "incomplete", "false")
 
 
-@click.command(short_help="What a method is, claims or not.")
+@click.command(short_help="Compute the properties of a method.")
 @click.argument("name", metavar="NAME|FILE", shell_complete=complete_method)
 @_FORM
 def analyze(name: str, form: str) -> int:
-    """Say what a method is, whatever is claimed: order, error, forms, symmetry, stability, proof.
+    """Compute order, error, forms, symmetry and stability of a method, whatever its claims.
 
     Exit code 3 when something could not be decided.
     """
@@ -77,7 +77,7 @@ def _measured(method: Any, stability: Mapping[str, Any]) -> dict[str, float]:
     return {key: interval(method, rays[key]) for key in open_}
 
 
-@click.command(short_help="What the thesis prints, and what is right.")
+@click.command(short_help="Show what the thesis prints, and what is right.")
 @click.argument("text", default="", metavar="[ID|TEXT]")
 @click.option("--verdict", type=click.Choice(_VERDICTS), help="These only.")
 @click.option("--method", metavar="NAME", help="Those about this data file only.")

@@ -29,7 +29,7 @@ _output = click.option(
 )
 
 
-@click.command(short_help="A method as source code or as a table of another package.")
+@click.command(short_help="Write a method as source code or as another package's table.")
 @click.argument("name", metavar="NAME|FILE", shell_complete=complete_method)
 @click.option("--to", "target", type=Word(TARGETS), required=True, help="What to write.")
 @click.option(
@@ -51,7 +51,7 @@ def export(name: str, target: str, digits: int | None, output: Path | None) -> i
     return HOLDS
 
 
-@click.command("import", short_help="A table of another package as a method file.")
+@click.command("import", short_help="Read another package's table as a method file.")
 @click.argument("file", type=click.Path(path_type=Path), metavar="FILE")
 @click.option("--from", "form", type=Word(READ), required=True, help="What the file is.")
 @_output

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import traceback
+from typing import Any
 
 import click
 from click.shell_completion import CompletionItem
@@ -20,11 +21,13 @@ __all__ = [
     "INTERNAL",
     "INTERRUPTED",
     "PIPE_CLOSED",
+    "Progress",
     "Word",
     "complain",
     "complete_method",
     "confess",
     "internal_sentence",
+    "on_option",
     "open_streams",
     "say",
 ]
@@ -51,6 +54,14 @@ def complete_method(
     return [*found, CompletionItem(incomplete, type="file")]
 
 
+on_option = click.option(
+    "--on",
+    metavar="WHERE",
+    help="Where tasks run: here, local, local:N, dask, dask:N, dask:ADDRESS or dask:FILE of a "
+    "scheduler; GLMREF_EXECUTOR says the same.",
+)
+
+
 def say(text: str) -> None:
     """Write a result to stdout, at once, so that an interruption keeps it."""
     sys.stdout.write(text + "\n")
@@ -62,11 +73,12 @@ def complain(text: str) -> None:
     print(f"glmref: {one_line(text)}", file=sys.stderr, flush=True)  # noqa: T201
 
 
-def internal_sentence(error: BaseException, where: str = "") -> str:
+def internal_sentence(error: BaseException | str, where: str = "") -> str:
     """Say that something failed that should not have, and what to do."""
     at = f" while checking {where}" if where else ""
+    what = error if isinstance(error, str) else f"{type(error).__name__}: {error}"
     return (
-        f"internal error{at} ({type(error).__name__}: {one_line(error, limit=300)}); "
+        f"internal error{at} ({one_line(what, limit=300)}); "
         f"please report it, with what GLMREF_DEBUG=1 shows"
     )
 
@@ -76,3 +88,48 @@ def confess(error: BaseException) -> None:
     if os.environ.get("GLMREF_DEBUG"):
         traceback.print_exception(error)
     complain(internal_sentence(error))
+
+
+class Progress:
+    """Tasks done, running and failed, their rate and the time left, in one line of a terminal.
+
+    Off a terminal nothing is shown.
+
+    Parameters
+    ----------
+    total : int
+        How many tasks there are.
+    name, unit : str
+        What they are for, and what each is called.
+
+    Attributes
+    ----------
+    out, done : int
+        How many were handed out, where that is known, and how many have ended.
+    """
+
+    def __init__(self, total: int, name: str, unit: str) -> None:
+        self.bar: Any = None
+        self.out = self.done = self.failed = 0
+        if sys.stderr.isatty() and total > 0:
+            from tqdm import tqdm
+
+            tqdm.monitor_interval = 0  # no thread besides this one
+            self.bar = tqdm(total=total, desc=name, unit=unit, leave=False, file=sys.stderr)
+
+    def __enter__(self) -> Progress:
+        return self
+
+    def advance(self, text: str = "", *, failed: bool = False) -> None:
+        """Count one task."""
+        self.done += 1
+        self.failed += failed
+        if self.bar is not None:
+            running = [f"{self.out - self.done} running"] if self.out > self.done else []
+            shown = [*running, *([f"{self.failed} failed"] if self.failed else []), text]
+            self.bar.set_postfix_str(", ".join(filter(None, shown)), refresh=False)
+            self.bar.update()
+
+    def __exit__(self, *exception: object) -> None:
+        if self.bar is not None:
+            self.bar.close()

@@ -18,13 +18,13 @@ if TYPE_CHECKING:
 __all__ = ["conformance", "probe"]
 
 
-@click.command(short_help="Does this code implement its method?")
+@click.command(short_help="Test that an integrator implements its method.")
 @click.argument("adapter", metavar="ADAPTER")
 @click.option(
-    "--known-failures", metavar="FILE", help="Lines `id: reason` of checks that are to fail."
+    "--known-failures", metavar="FILE", help="Lines `id: reason` of the expected failures."
 )
 @click.option(
-    "--format", "form", type=click.Choice(FORMATS), default="table", help="What stdout gets."
+    "--format", "form", type=click.Choice(FORMATS), default="table", help="Format of the output."
 )
 @click.option("--list", "ids", is_flag=True, help="Write the ids of the checks and stop.")
 def conformance(adapter: str, known_failures: str | None, form: str, ids: bool) -> int:
@@ -41,18 +41,18 @@ def conformance(adapter: str, known_failures: str | None, form: str, ids: bool) 
     return judge(Namespace(adapter=adapter, known_failures=known_failures, format=form, list=ids))
 
 
-@click.command(short_help="What method is this code really?")
+@click.command(short_help="Identify the method of an integrator.")
 @click.argument("adapter", metavar="ADAPTER")
 @click.option("--method", metavar="NAME", help="This one of the adapter's methods only.")
 @click.option(
     "--format", "form", type=click.Choice(["table", "json"]), default="table",
-    help="What stdout gets.",
+    help="Format of the output.",
 )  # fmt: skip
 def probe(adapter: str, method: str | None, form: str) -> int:
     """Read the coefficients out of a running integrator, name the method, and analyze it.
 
     ADAPTER is package.module:Name, cmd:program, or a shipped adapter such as scipy. Exit code 3
-    when something could not be seen; it is then said what.
+    when something could not be determined; the output says what.
     """
     from ..conformance.adapter import load_adapter
     from ..conformance.identify import FORMAT, identify

@@ -15,7 +15,7 @@ __all__ = ["report"]
 PLACES = (Path("report"), Path(".asv", "results"))
 
 
-@click.command(short_help="Stored results as pages, without a network.")
+@click.command(short_help="Write stored results as HTML pages.")
 @click.argument("results", nargs=-1, type=click.Path(path_type=Path), metavar="[RESULTS]...")
 @click.option(
     "--output",
@@ -30,13 +30,15 @@ PLACES = (Path("report"), Path(".asv", "results"))
     help="Where the documentation lies: a folder seen from the pages, such as .., or an address.",
 )
 def report(results: tuple[Path, ...], output: Path | None, single: bool, docs: str) -> int:
-    """Make pages of what is stored: methods, runs, errata, benchmarks. Nothing is computed.
+    """Write HTML pages of stored results: methods, runs, errata, benchmarks.
+
+    Nothing is computed.
 
     RESULTS are files and folders: records of `glmref run`, findings of `glmref verify --format
     json` and of the conformance suite, portraits NAME.svg of `glmref show NAME --plot`, results of
     asv, method files of your own, which get a page each. By default the folder report and
-    .asv/results. What comes with the data is shown as well, where RESULTS say nothing else:
-    verdicts, orders seen in runs, stability regions, measurements.
+    .asv/results. The measurements that come with the data (verdicts, observed orders,
+    stability regions and others) are shown where RESULTS have none.
     """
     from ..catalogue.files import data_root
     from ..catalogue.lookup import names

@@ -15,14 +15,15 @@ from ..errors import UsageError
 from ..system.files import write_text
 from ..views.tables import Style, columns, csv_text, json_text, one_line
 from .browsing import LISTS
-from .output import BAD_INPUT, HOLDS, INTERNAL, complain, say
+from .output import BAD_INPUT, HOLDS, INTERNAL, Progress, complain, on_option, say
 
 if TYPE_CHECKING:
+    from ..compute import Executor
     from ..scenes import Plan, Scene
 
 __all__ = ["run"]
 
-_FAILURES = ("internal error", "not applicable")
+_FAILURES = ("internal error", "not applicable", "process killed")
 #: Columns of a table that does not go to a terminal.
 WIDTH = 80
 #: Columns in the order in which they are left out where there is no room.
@@ -31,10 +32,10 @@ DISPENSABLE = ("start", "iterations", "q25", "q75", "outcome", "steps", "evaluat
 SHORT = {"state error": "state", "energy error": "energy", "largest rest": "rest"}
 
 
-@click.command(short_help="Carry out scenes: error against run time.")
+@click.command(short_help="Run scenes: error against run time.")
 @click.argument("names", nargs=-1, metavar="[SCENE|FILE]...")
 @click.option("--quick", is_flag=True, help="Fewer or shorter runs, as the scene says.")
-@click.option("--plan", "planned", is_flag=True, help="Say what would be done, and do nothing.")
+@click.option("--plan", "planned", is_flag=True, help="Show what would be run, and run nothing.")
 @click.option("--all", "every", is_flag=True, help="All shipped scenes.")
 @click.option("--list", "listed", is_flag=True, help="List the shipped scenes and their questions.")
 @click.option(
@@ -45,8 +46,9 @@ SHORT = {"state error": "state", "energy error": "energy", "largest rest": "rest
     help="Folder for records and pictures.",
 )
 @click.option(
-    "--format", "form", type=click.Choice(LISTS), default="table", help="What stdout gets."
+    "--format", "form", type=click.Choice(LISTS), default="table", help="Format of the output."
 )
+@on_option
 def run(
     names: tuple[str, ...],
     quick: bool,
@@ -55,14 +57,16 @@ def run(
     listed: bool,
     output: Path,
     form: str,
+    on: str | None,
 ) -> int:
-    """Carry out scenes and answer their questions.
+    """Run scenes and answer their questions.
 
     A SCENE is one of `glmref run --list`; a FILE is your own scene. Records are kept as lines of
     JSON in the output folder, one file a scene: a run that was stopped, or killed, goes on where it
     was. Delete the file to measure anew. Exit code 3 when a run ended in an error.
     """
     from .. import scenes as rooms
+    from ..compute import executor
 
     if listed:
         _list(rooms, form)
@@ -78,16 +82,19 @@ def run(
     documents: list[dict[str, Any]] = []
     told: set[str] = set()
     bad = False
-    for number, plan in enumerate(plans):
-        document = _carry_out(plan, output, quick=quick)
-        bad |= any(record["outcome"] in _FAILURES for record in document["records"])
-        documents.append(document)
-        for notice in document["notices"]:
-            if notice not in told:
-                _note(notice)
-        told |= set(document["notices"])
-        if form == "table":
-            say(("\n" if number else "") + _page(plan.scene, document, output))
+    with executor(on) as where:
+        if where.dashboard:
+            _note(f"the cluster shows what it does at {where.dashboard}")
+        for number, plan in enumerate(plans):
+            document = _carry_out(plan, output, where, quick=quick)
+            bad |= any(record["outcome"] in _FAILURES for record in document["records"])
+            documents.append(document)
+            for notice in document["notices"]:
+                if notice not in told:
+                    _note(notice)
+            told |= set(document["notices"])
+            if form == "table":
+                say(("\n" if number else "") + _page(plan.scene, document, output))
     if form == "json":
         say(json_text(documents[0] if len(documents) == 1 else documents))
     elif form == "csv":
@@ -145,20 +152,25 @@ def _show_plans(plans: Sequence[Plan], form: str) -> None:
         say(columns(lines, style=style))
 
 
-def _carry_out(plan: Plan, output: Path, *, quick: bool) -> dict[str, Any]:
+def _carry_out(plan: Plan, output: Path, where: Executor, *, quick: bool) -> dict[str, Any]:
     """Run what is missing, write the pictures, and return everything as one document."""
     from .. import scenes as rooms
-    from ..measure.records import RecordFile
+    from ..compute import RecordFile
 
     scene = plan.scene
     stem = scene.name + ("-quick" if quick else "")
     store = RecordFile(output / f"{stem}.jsonl")
-    with _Progress(len(list(store.missing(plan.tasks))), scene.name) as progress:
-        records = rooms.run(plan, store, advance=progress.advance)
+    with Progress(len(list(store.missing(plan.tasks))), scene.name, "run") as progress:
+
+        def advance(task: Mapping[str, Any], record: Mapping[str, Any]) -> None:
+            progress.advance(_who(record), failed=record["outcome"] in _FAILURES)
+
+        records = rooms.run(plan, store, advance=advance, on=where)
     missing = progress.done
     notices = [f"{package} is not installed; its runs are left out" for package in plan.absent]
     notices += store.notices
     notices += [text for record in records for text in record.get("notices", ())]
+    notices += rooms.mixed_machines(scene, records)
     pictures: list[str] = []
     if "picture" in scene.ask:
         pictures, missed = _draw(scene, records, output, stem)
@@ -303,30 +315,3 @@ def _write_csv(plans: Sequence[Plan], documents: Sequence[Mapping[str, Any]]) ->
         lines = [[plan.scene.name, *row.values()] for row in table]
         say(csv_text([*([head] if head != last else []), *lines]))
         last = head
-
-
-class _Progress:
-    """A bar on stderr, on a terminal only; nothing elsewhere."""
-
-    def __init__(self, total: int, name: str) -> None:
-        self.bar: Any = None
-        self.done = 0
-        if sys.stderr.isatty() and total:
-            from tqdm import tqdm
-
-            tqdm.monitor_interval = 0
-            self.bar = tqdm(total=total, desc=name, unit="run", leave=False, file=sys.stderr)
-
-    def __enter__(self) -> _Progress:
-        return self
-
-    def advance(self, task: Mapping[str, Any], record: Mapping[str, Any]) -> None:
-        """Count one record."""
-        self.done += 1
-        if self.bar is not None:
-            self.bar.set_postfix_str(_who(record), refresh=False)
-            self.bar.update()
-
-    def __exit__(self, *exception: object) -> None:
-        if self.bar is not None:
-            self.bar.close()

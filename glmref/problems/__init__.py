@@ -13,6 +13,7 @@ from pathlib import Path
 
 from ..errors import DataError, UsageError, did_you_mean
 from .model import Problem
+from .table import OWN, from_table, table_of
 
 __all__ = ["Problem", "about", "from_path", "names", "parameters_of", "problem"]
 
@@ -66,13 +67,17 @@ def names() -> list[str]:
 def problem(name: str, **parameters: object) -> Problem:
     """Return a problem by name, with its default parameters unless given, or one of a file.
 
-    Args:
-        name: one of :func:`names`, or a TOML file, see :func:`from_path`.
-        **parameters: numbers, or strings such as ``"3/5"``; a float means its exact binary value.
+    Parameters
+    ----------
+    name : str
+        One of :func:`names`, or a TOML file, see :func:`from_path`.
+    **parameters : object
+        Numbers, or strings such as ``"3/5"``; a float means its exact binary value.
 
     Raises
     ------
-        UsageError: for an unknown name or parameter, or a value out of range.
+    UsageError
+        For an unknown name or parameter, or a value out of range.
     """
     if isinstance(name, str) and name.endswith(".toml") and not parameters:
         return from_path(name)
@@ -106,10 +111,9 @@ def from_path(path: str | Path) -> Problem:
 
     Raises
     ------
-        DataError: one sentence on what is wrong, with the name of the file.
+    DataError
+        One sentence on what is wrong, with the name of the file.
     """
-    from .table import OWN, from_table, table_of
-
     path = Path(path)
     table = table_of(path)
     try:

@@ -28,8 +28,10 @@ class Jacobian:
 
     Attributes
     ----------
-        of: the formula.
-        dimension: number of components of y.
+    of : Formula
+        The formula.
+    dimension : int
+        Number of components of y.
     """
 
     of: Formula
@@ -52,12 +54,16 @@ class Jacobian:
 def differentiated(formula: Formula, dimension: int) -> Formula:
     """Return the formula of all derivatives by the components of the last variable.
 
-    Args:
-        formula: the function, of shape (n,) or ().
-        dimension: number d of components.
+    Parameters
+    ----------
+    formula : Formula
+        The function, of shape (n,) or ().
+    dimension : int
+        Number d of components.
 
     Returns
     -------
+    Formula
         A formula of shape (n, d), or (d,) for the gradient of a scalar.
     """
     common, outputs = formula.trees

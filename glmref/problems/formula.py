@@ -90,7 +90,8 @@ def exact_number(value: object, what: str) -> Number:
 
     Raises
     ------
-        UsageError: for anything else, naming the parameter ``what``.
+    UsageError
+        For anything else, naming the parameter ``what``.
     """
     if isinstance(value, np.generic):
         value = value.item()
@@ -143,19 +144,26 @@ class Formula:
 
     Attributes
     ----------
-        outputs: one expression per component.
-        common: pairs (name, expression) computed first, in this order; each may use those before.
-        variables: names of the arguments. The last one is a vector, written ``y[0]``, ``y[1]``...
-        parameters: values of the remaining names.
-        shape: shape of the result, ``()`` for a scalar; by default one component per output.
-        context: ``None`` for numpy in double precision, else an mpmath context.
+    outputs : tuple[str, ...]
+        One expression per component.
+    common : tuple[tuple[str, str], ...]
+        Pairs (name, expression) computed first, in this order; each may use those before.
+    variables : tuple[str, ...]
+        Names of the arguments. The last one is a vector, written ``y[0]``, ``y[1]``...
+    parameters : Mapping[str, Number]
+        Values of the remaining names.
+    shape : tuple[int, ...] or None
+        Shape of the result, ``()`` for a scalar; by default one component per output.
+    context : Any
+        ``None`` for numpy in double precision, else an mpmath context.
 
     Called with a vector of shape (d,) it returns an array of ``shape``; with (d, m), that is one
     column per state, it returns ``shape + (m,)``.
 
     Raises
     ------
-        UsageError: for an expression that is not arithmetic in the names given.
+    UsageError
+        For an expression that is not arithmetic in the names given.
     """
 
     outputs: tuple[str, ...]

@@ -56,7 +56,8 @@ def kepler_flow(t: Any, y0: Sequence[Any], _: Mapping[str, Any], ctx: Any) -> li
 
     Raises
     ------
-        UsageError: when the start does not lie on an ellipse.
+    UsageError
+        When the start does not lie on an ellipse.
     """
     q, p = y0[:2], y0[2:]
     r0 = ctx.hypot(*q)

@@ -28,12 +28,16 @@ class Loops:
 
     Attributes
     ----------
-        body: ``body(*arguments, params, out)`` fills ``out``; with ``shape == ()`` instead
-            ``body(*arguments, params)`` returns a number. A top-level function, so that its source
-            can be read and compiled.
-        shape: shape of the result.
-        constants: numbers handed to the body as the array ``params``.
-        context: ``None`` for numpy in double precision, else an mpmath context.
+    body : Callable[..., Any]
+        ``body(*arguments, params, out)`` fills ``out``; with ``shape == ()`` instead
+        ``body(*arguments, params)`` returns a number. A top-level function, so that its source can
+        be read and compiled.
+    shape : tuple[int, ...]
+        Shape of the result.
+    constants : tuple[Number, ...]
+        Numbers handed to the body as the array ``params``.
+    context : Any
+        ``None`` for numpy in double precision, else an mpmath context.
     """
 
     body: Callable[..., Any]
@@ -85,8 +89,10 @@ class PhaseSpace:
 
     Attributes
     ----------
-        dq: function of p, or ``None`` where q' = p.
-        dp: function of q.
+    dq : Callable[[Any], Any] or None
+        Function of p, or ``None`` where q' = p.
+    dp : Callable[[Any], Any]
+        Function of q.
     """
 
     dq: Callable[[Any], Any] | None
@@ -107,7 +113,8 @@ class PhaseSpace:
 
         Raises
         ------
-            UsageError: when the parts are not plain loops for q'' = g(q).
+        UsageError
+            When the parts are not plain loops for q'' = g(q).
         """
         if self.dq is not None or not isinstance(self.dp, Loops):
             raise UsageError("only q'' = g(q) with a force written as loops compiles in one piece")
@@ -141,9 +148,12 @@ class QuadraticForm:
 
     Attributes
     ----------
-        terms: mapping (i, j) -> coefficient of y_i y_j, i <= j.
-        dimension: number of components of y.
-        context: ``None`` for doubles, else an mpmath context.
+    terms : Mapping[tuple[int, int], Number]
+        Mapping (i, j) -> coefficient of y_i y_j, i <= j.
+    dimension : int
+        Number of components of y.
+    context : Any
+        ``None`` for doubles, else an mpmath context.
     """
 
     terms: Mapping[tuple[int, int], Number]
@@ -166,7 +176,8 @@ class QuadraticForm:
 
         Raises
         ------
-            UsageError: for another shape, or a matrix that is not symmetric.
+        UsageError
+            For another shape, or a matrix that is not symmetric.
         """
         rows: Sequence[Sequence[Any]] = matrix
         shape = np.shape(np.asarray(rows, dtype=object))

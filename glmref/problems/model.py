@@ -33,31 +33,51 @@ class Problem:
 
     Attributes
     ----------
-        f: ``f(t, y)`` -> (d,). May be left out where ``dp`` or ``force`` is given.
-        y0: initial value, (d,): numbers, expressions in the parameters, or a function that gets
-            the namespace sin, sqrt, pi ... and returns the numbers.
-        name, source: what it is and where it comes from.
-        parameters: name -> exact number (int, Fraction, or a float taken at its exact value).
-        t_span: (t0, t_end) of the problem's usual test.
-        jacobian: ``jacobian(t, y)`` -> (d, d); derived from f where f is expressions.
-        dq, dp: the separable parts, q' = dq(p) and p' = dp(q), in ``p[0]``... and ``q[0]``...
-        force: g of q'' = g(q), in ``q[0]``...; then dq(p) = p and dp = force.
-        terms: f_1, f_2, .. of ``y' = f_1(t, y) + f_2(t, y) + ..``, for additive (IMEX) methods; f
-            is their sum where it is not given.
-        hamiltonian: ``hamiltonian(y)``, conserved; in ``y[0]``...
-        quadratic: name -> symmetric C with y^T C y conserved, as a :class:`.loops.QuadraticForm`.
-        invariants: name -> ``I(y)``, other conserved functions.
-        observables: name -> ``O(y)``, functions worth watching that are not conserved exactly.
-        canonical: whether f = J grad H in the coordinates y = (q, p).
-        bodies: how many bodies' positions q lists one after another, each with as many components.
-        exact: ``exact(t, y0)`` -> (d,), in closed form: the solution at t that starts at t_span[0].
-        scales: typical sizes: ``"time"``, ``"length"``, and ``"period"`` where periodic.
-        context: the mpmath context of :meth:`on`, ``None`` in double precision.
-        initial: y0 as it was given.
+    f : Any
+        ``f(t, y)`` -> (d,). May be left out where ``dp`` or ``force`` is given.
+    y0 : Any
+        Initial value, (d,): numbers, expressions in the parameters, or a function that gets the
+        namespace sin, sqrt, pi ... and returns the numbers.
+    name, source : str
+        What it is and where it comes from.
+    parameters : Mapping[str, Number]
+        Name -> exact number (int, Fraction, or a float taken at its exact value).
+    t_span : tuple[float, float]
+        (t0, t_end) of the problem's usual test.
+    jacobian : Any
+        ``jacobian(t, y)`` -> (d, d); derived from f where f is expressions.
+    dq, dp : Any
+        The separable parts, q' = dq(p) and p' = dp(q), in ``p[0]``... and ``q[0]``...
+    force : Any
+        g of q'' = g(q), in ``q[0]``...; then dq(p) = p and dp = force.
+    terms : Sequence[Any]
+        f_1, f_2, .. of ``y' = f_1(t, y) + f_2(t, y) + ..``, for additive (IMEX) methods; f is their
+        sum where it is not given.
+    hamiltonian : Any
+        ``hamiltonian(y)``, conserved; in ``y[0]``...
+    quadratic : Mapping[str, Any]
+        Name -> symmetric C with y^T C y conserved, as a :class:`.loops.QuadraticForm`.
+    invariants : Mapping[str, Any]
+        Name -> ``I(y)``, other conserved functions.
+    observables : Mapping[str, Any]
+        Name -> ``O(y)``, functions worth watching that are not conserved exactly.
+    canonical : bool
+        Whether f = J grad H in the coordinates y = (q, p).
+    bodies : int
+        How many bodies' positions q lists one after another, each with as many components.
+    exact : Any
+        ``exact(t, y0)`` -> (d,), in closed form: the solution at t that starts at t_span[0].
+    scales : Mapping[str, float]
+        Typical sizes: ``"time"``, ``"length"``, and ``"period"`` where periodic.
+    context : Any
+        The mpmath context of :meth:`on`, ``None`` in double precision.
+    initial : Any
+        y0 as it was given.
 
     Raises
     ------
-        UsageError: one sentence on the first entry that does not fit.
+    UsageError
+        One sentence on the first entry that does not fit.
     """
 
     f: Any = None
@@ -263,7 +283,8 @@ class Problem:
 
         Raises
         ------
-            UsageError: when no closed form is known.
+        UsageError
+            When no closed form is known.
         """
         if self.exact is None:
             raise UsageError(f"{self.name} has no solution in closed form; see its references")

@@ -134,15 +134,21 @@ def gravity(
 ) -> Problem:
     """Bodies under mutual gravitation, in the plane or in space.
 
-    Args:
-        masses: N numbers.
-        positions, velocities: N rows of 2 or 3 entries each, numbers or strings such as "3/5".
-        gravitation: the constant G.
-        **record: further entries of the :class:`.model.Problem`.
+    Parameters
+    ----------
+    masses : Sequence[object]
+        N numbers.
+    positions, velocities : Sequence[Any]
+        N rows of 2 or 3 entries each, numbers or strings such as "3/5".
+    gravitation : object
+        The constant G.
+    **record : Any
+        Further entries of the :class:`.model.Problem`.
 
     Raises
     ------
-        UsageError: when the numbers of bodies or of coordinates differ.
+    UsageError
+        When the numbers of bodies or of coordinates differ.
     """
     m = [exact_number(x, "masses") for x in masses]
     space = len(positions[0]) if positions else 0

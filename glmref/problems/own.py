@@ -21,6 +21,7 @@ from typing import Any
 from ..errors import UsageError
 from .canonical import equations, shared
 from .formula import FUNCTIONS, Formula, Number, exact_number
+from .sums import hamiltonian_parts
 
 __all__ = ["equation_entries", "hamiltonian_entries", "time_of"]
 
@@ -75,8 +76,6 @@ def hamiltonian_entries(
     names = _Names.of(y0, coordinates, momenta, values)
     entries: dict[str, Any]
     if "sum" in _text(H, "H") or names.indexed:
-        from .sums import hamiltonian_parts
-
         entries = hamiltonian_parts(_text(H, "H"), names.half, values)
         scalars = {k: v for k, v in values.items() if not isinstance(v, tuple)}
     else:

@@ -25,9 +25,12 @@ class Flow:
 
     Attributes
     ----------
-        function: ``function(t, y0, parameters, context)`` -> list of numbers of the mpmath context.
-        parameters: exact values.
-        context: ``None``: arguments and result are doubles, each taken at its exact value.
+    function : Callable[..., Sequence[Any]]
+        ``function(t, y0, parameters, context)`` -> list of numbers of the mpmath context.
+    parameters : Mapping[str, Number]
+        Exact values.
+    context : Any
+        ``None``: arguments and result are doubles, each taken at its exact value.
     """
 
     function: Callable[..., Sequence[Any]]

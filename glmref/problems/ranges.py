@@ -20,7 +20,8 @@ def number(
 
     Raises
     ------
-        UsageError: naming the parameter, its range and the value.
+    UsageError
+        Naming the parameter, its range and the value.
     """
     result = exact_number(value, name)
     wrong = (
@@ -40,7 +41,8 @@ def count(value: object, name: str, *, least: int = 1, most: int = 10**7) -> int
 
     Raises
     ------
-        UsageError: naming the parameter, its range and the value.
+    UsageError
+        Naming the parameter, its range and the value.
     """
     result = exact_number(value, name)
     if result != int(result) or not least <= result <= most:

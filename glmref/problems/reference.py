@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ..catalogue.strict_json import read_json
 from ..errors import DataError
 
 __all__ = ["FORMAT", "Reference", "read_references", "references_of"]
@@ -24,11 +25,16 @@ class Reference:
 
     Attributes
     ----------
-        t: time, as an exact fraction.
-        state: (d,) decimal strings; each component has the digits on which two computations agree.
-        agreement: largest difference of the two, relative to the largest component.
-        generator: how it was computed.
-        source: citation of published digits that it confirms, or ``""``.
+    t : Fraction
+        Time, as an exact fraction.
+    state : tuple[str, ...]
+        (d,) decimal strings; each component has the digits on which two computations agree.
+    agreement : float
+        Largest difference of the two, relative to the largest component.
+    generator : str
+        How it was computed.
+    source : str
+        Citation of published digits that it confirms, or ``""``.
     """
 
     t: Fraction
@@ -60,10 +66,9 @@ def read_references(path: Path) -> tuple[tuple[dict[str, float], Reference], ...
 
     Raises
     ------
-        DataError: for a file that is not what it must be.
+    DataError
+        For a file that is not what it must be.
     """
-    from ..catalogue.strict_json import read_json
-
     document = read_json(path)
     if not isinstance(document, dict) or document.get("format") != FORMAT:
         raise DataError(f"{path.name}: `format` must be {FORMAT!r}")

@@ -93,18 +93,23 @@ def _flow(s: Any, y0: Sequence[Any], _: Mapping[str, Any], ctx: Any) -> list[Any
 def time_transformed(problem: Problem, rate: str) -> Problem:
     """Return the problem in the time s with dt = rate ds, Hamiltonian again.
 
-    Args:
-        problem: canonical, with a Hamiltonian and initial values given as expressions or numbers.
-        rate: positive expression in ``y[0]``, ... and the problem's parameters, small where small
-            steps are wanted; for the symplectic form it may use positions and momenta alike.
+    Parameters
+    ----------
+    problem : Problem
+        Canonical, with a Hamiltonian and initial values given as expressions or numbers.
+    rate : str
+        Positive expression in ``y[0]``, ... and the problem's parameters, small where small steps
+        are wanted; for the symplectic form it may use positions and momenta alike.
 
     Returns
     -------
+    Problem
         A problem in y = (q, t, p, w), two components more.
 
     Raises
     ------
-        UsageError: for a problem that is not canonical or not given as expressions.
+    UsageError
+        For a problem that is not canonical or not given as expressions.
     """
     energy = problem.hamiltonian
     if not problem.canonical or not isinstance(energy, Formula):

@@ -1,0 +1,197 @@
+"""``glmref campaign``: many tasks from a file, on this machine or on a cluster."""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from time import monotonic
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ..errors import UsageError
+from ..system.files import make_folder
+from ..views.tables import Style, columns, json_text, one_line
+from .output import HOLDS, INTERNAL, Progress, complain, on_option, say
+
+if TYPE_CHECKING:
+    from ..compute import Done, Executor, RecordFolder
+    from ..scenes.campaign import Campaign
+
+__all__ = ["campaign"]
+
+#: Tasks of a pilot, and seconds that each of them may take.
+PILOT, PILOT_SECONDS = 3, 20.0
+_FAILURES = ("internal error", "process killed")
+
+
+@click.command(short_help="Many tasks from a file, on one machine or a cluster.")
+@click.argument("name", metavar="[CAMPAIGN|FILE]", required=False)
+@click.option("--plan", "planned", is_flag=True, help="Say how many tasks and what they cost.")
+@click.option("--pages", "pages", is_flag=True, help="Make page and table anew; carry out nothing.")
+@click.option(
+    "--output",
+    type=click.Path(file_okay=False, path_type=Path),
+    default=Path("report"),
+    show_default=True,
+    help="Folder in which the campaign gets a folder of its own.",
+)
+@click.option(
+    "--format", "form", type=click.Choice(["table", "json"]), default="table",
+    help="What stdout gets.",
+)  # fmt: skip
+@on_option
+def campaign(
+    name: str | None, planned: bool, pages: bool, output: Path, form: str, on: str | None
+) -> int:
+    """Carry out a campaign: what its records lack, and no task twice.
+
+    Without a name the shipped campaigns are listed. Records are lines of JSON in OUTPUT/NAME; the
+    same command goes on after whatever stopped it. In the end a page with the map or the front, and
+    a table in Parquet where pyarrow is installed. --plan measures a few of the tasks for the cost.
+    """
+    from ..compute import RecordFolder, executor
+    from ..scenes.campaign import campaign_names, load_campaign
+
+    if name is None:
+        found = [load_campaign(x) for x in campaign_names()]
+        rows = [[x.name, f"{len(x):,} tasks", x.question] for x in found]
+        say(columns(rows, style=Style.of(sys.stdout), head=("campaign", "size", "question")))
+        return HOLDS
+    wanted = load_campaign(name)
+    store = RecordFolder(output / wanted.name)
+    if planned:
+        _show_plan(wanted, store, form)
+        return HOLDS
+    outcomes: Counter[str] = Counter()
+    spent, number = 0.0, 0
+    if not pages:
+        make_folder(output)
+        with executor(on) as where:
+            if where.dashboard:
+                click.echo(f"note: the cluster shows what it does at {where.dashboard}", err=True)
+            number, spent = _carry_out(wanted, store, where, outcomes)
+    for notice in store.notices:
+        click.echo(f"note: {one_line(notice)}", err=True)
+    store = RecordFolder(output / wanted.name)
+    written = _write(wanted, store)
+    summary = {
+        "format": "glmref-campaign-run-1",
+        "campaign": wanted.name,
+        "tasks": len(wanted),
+        "carried_out": number,
+        "records": len(store),
+        "seconds": round(spent, 3),
+        "outcomes": dict(sorted(outcomes.items())),
+        "written": [str(path) for path in written],
+    }
+    if form == "json":
+        say(json_text(summary))
+    else:
+        said = ", ".join(f"{n} {x}" for x, n in outcomes.most_common()) or "nothing was missing"
+        say(f"{number:,} tasks in {spent:,.0f} s of processes: {said}")
+        left = len(wanted) - len(store)
+        if left > 0 and not pages:
+            say(f"{left:,} of {len(wanted):,} tasks are left; the same command goes on")
+        say(f"wrote {', '.join(one_line(path) for path in written)}")
+    return INTERNAL if any(outcomes[x] for x in _FAILURES) else HOLDS
+
+
+def _carry_out(
+    wanted: Campaign, store: RecordFolder, where: Executor, outcomes: Counter[str]
+) -> tuple[int, float]:
+    """Carry out what is missing within the budget; return how many tasks, and their seconds."""
+    from ..compute import measure
+
+    spent = 0.0
+
+    def record(task: Mapping[str, Any], done: Done) -> Mapping[str, Any]:
+        nonlocal spent
+        spent += done.seconds
+        return done.as_record()
+
+    with Progress(len(wanted) - len(store), wanted.name, "task") as progress:
+
+        def advance(task: Mapping[str, Any], one: Mapping[str, Any]) -> None:
+            outcomes[str(one["outcome"])] += 1
+            progress.advance(failed=str(one["outcome"]) in _FAILURES)
+
+        def stop() -> bool:
+            progress.out += 1
+            return spent >= wanted.budget
+
+        number = measure(
+            wanted.kind.function, wanted.tasks(), store, where,
+            wanted.limits, record=record, advance=advance, stop=stop,
+        )  # fmt: skip
+    if spent >= wanted.budget:
+        complain(f"the budget of {wanted.budget:g} s is spent; the same command spends another one")
+    return number, spent
+
+
+def _write(wanted: Campaign, store: RecordFolder) -> list[Path]:
+    """Write the page and the table; return what was written."""
+    from ..report.campaigns import campaign_page, write_parquet
+
+    make_folder(store.path)
+    page, table = store.path / "index.html", store.path / "results.parquet"
+    campaign_page(wanted, store.records(), page)
+    written = [page]
+    if len(store):
+        try:
+            write_parquet(store.records(), store.records(), table)
+            written.append(table)
+        except UsageError as error:
+            click.echo(f"note: {error}", err=True)
+    return written
+
+
+def _show_plan(wanted: Campaign, store: RecordFolder, form: str) -> None:
+    """Say what there is to do, and what it costs by a few tasks that are carried out for it."""
+    from ..compute.child import cores, physical_cores
+    from ..compute.executors import Local
+
+    pilot = list({id(x): x for x in wanted.spread(PILOT)}.values())
+    limits = replace(wanted.limits, seconds=PILOT_SECONDS, pinned=False)
+    begun = monotonic()
+    results = [x for part in Local(1).run(wanted.kind.function, pilot, limits) for x in part]
+    seconds = sum(done.seconds for _, done in results) / len(results)
+    stopped = sum(done.failure == "time limit" for _, done in results)
+    left = len(wanted) - len(store)
+    usable = len(physical_cores() if wanted.limits.pinned else cores())
+    document = {
+        "format": "glmref-campaign-plan-1",
+        "campaign": wanted.name,
+        "question": wanted.question,
+        "kind": wanted.kind.name,
+        "tasks": len(wanted),
+        "left": left,
+        "axes": {k: len(x) for k, x in wanted.grid.items()},
+        "sampled": {"axes": sorted(wanted.sample), "count": wanted.count, "draw": wanted.draw},
+        "seed": wanted.seed,
+        "budget": None if wanted.budget == float("inf") else wanted.budget,
+        "pilot": {"tasks": len(results), "seconds": seconds, "stopped": stopped},
+        "core_seconds": seconds * left,
+    }
+    if form == "json":
+        say(json_text(document))
+        return
+    least = "at least " if stopped else "about "
+    grid = " x ".join(f"{len(x):,} {k}" for k, x in wanted.grid.items())
+    drawn = f"{wanted.count:,} points of {', '.join(wanted.sample)} ({wanted.draw})"
+    hours = seconds * left / 3600
+    lines = [
+        ("question", one_line(wanted.question)),
+        ("tasks", f"{len(wanted):,} of the kind {wanted.kind.name}, {left:,} of them left"),
+        ("grid", grid or "none"),
+        ("sample", drawn if wanted.sample else "none"),
+        ("timed", "yes: a core for each task" if wanted.limits.pinned else "no"),
+        ("limits", f"{wanted.limits.seconds:g} s a task, {wanted.limits.retries} retries"),
+        ("budget", "none" if document["budget"] is None else f"{wanted.budget:,.0f} s of cores"),
+        ("pilot", f"{len(results)} tasks in {monotonic() - begun:.1f} s, {seconds:.3g} s a task"),
+        ("cost", f"{least}{hours:,.3g} core hours; {hours / usable:,.3g} hours on {usable} cores"),
+    ]
+    say(columns(lines, style=Style.of(sys.stdout)))
