@@ -5,6 +5,7 @@ where a file makes one; ``test_order_observed`` measures ``order`` on a system w
 are nonlinear.
 """
 
+import os
 from dataclasses import replace
 
 import pytest
@@ -22,13 +23,21 @@ PROBLEMS = {
 }
 
 
+#: Minutes each in software arithmetic: asked for by the environment variable GLMREF_LONG.
+LONG = (
+    pytest.mark.slow,
+    pytest.mark.skipif("GLMREF_LONG" not in os.environ, reason="GLMREF_LONG is not set"),
+)
+
+
 def cases():
     for name in names("methods"):
         doc = document(name)
         claims = doc["claims"]
         if doc["class"] in ("pair-sweep", "splitting") or "nystrom-order" in claims:
             order = claims["nystrom-order"] if "nystrom-order" in claims else claims["order"]
-            marks = () if name in QUICK else pytest.mark.slow
+            several = doc["class"] == "partitioned" and order > 8
+            marks = () if name in QUICK else LONG if several else pytest.mark.slow
             yield pytest.param(name, order, id=name, marks=marks)
 
 
