@@ -22,6 +22,7 @@ from typing import Any
 
 import numpy as np
 
+from campaigns.pages import write
 from glmref.catalogue.strict_json import write_json
 from glmref.conformance.vectors import problems
 from glmref.engine.solve import solve
@@ -29,7 +30,7 @@ from glmref.measure.timing import circumstances
 from glmref.problems.model import Problem
 from tests.suite.real_defects import DEFECTS, mended, published
 
-__all__ = ["PACKAGES", "PLACE", "observed", "rows", "table"]
+__all__ = ["PACKAGES", "PLACE", "TABLES", "observed", "rows", "table"]
 
 ROOT = Path(__file__).parents[1]
 PLACE = ROOT / "data" / "measurements" / "audit-orders.json"
@@ -169,22 +170,14 @@ def table(record: Mapping[str, Any]) -> str:
     return "\n".join(lines)
 
 
-def put(text: str, page: str) -> str:
-    """The page with the table between its marks."""
-    begin, end = "<!-- table: audit-orders -->\n", "\n<!-- end of table -->"
-    head, _, rest = page.partition(begin)
-    _, found, tail = rest.partition(end)
-    if not found:
-        raise ValueError(f"{PAGE} has no place for the table")
-    return head + begin + text + end + tail
+#: Name of a table of the page -> what writes it.
+TABLES = {"audit-orders": lambda: table(json.loads(PLACE.read_text("utf-8")))}
 
 
 def main(arguments: Sequence[str]) -> None:
     """Measure into a file, or put the table into the page."""
     if list(arguments) == ["--page"]:
-        PAGE.write_text(
-            put(table(json.loads(PLACE.read_text("utf-8"))), PAGE.read_text("utf-8")), "utf-8"
-        )
+        write({PAGE: TABLES})
         return
     path = Path(arguments[0])
     known = json.loads(path.read_text("utf-8")) if path.exists() else {}

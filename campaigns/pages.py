@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
+from pathlib import Path
 
-__all__ = ["filled"]
+__all__ = ["filled", "write"]
 
 
 def filled(text: str, tables: Mapping[str, Callable[[], str]]) -> str:
@@ -32,3 +33,9 @@ def filled(text: str, tables: Mapping[str, Callable[[], str]]) -> str:
         if count != 1:
             raise ValueError(f"the page has {count} places for the table {name}, not one")
     return text
+
+
+def write(pages: Mapping[Path, Mapping[str, Callable[[], str]]]) -> None:
+    """Put tables into their pages: page -> name of a table -> what writes it."""
+    for page, tables in pages.items():
+        page.write_text(filled(page.read_text(encoding="utf-8"), tables), encoding="utf-8")

@@ -15,7 +15,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from campaigns.pages import filled
+from campaigns.pages import write
 from glmref.catalogue.lookup import data_root
 
 __all__ = ["PAGE", "TABLES", "main", "measured", "renew"]
@@ -123,7 +123,7 @@ def main(run: Path | None = None) -> None:
     """Put the tables into the page, after the answers of a run into the data if one is given."""
     if run is not None:
         renew(run)
-    PAGE.write_text(filled(PAGE.read_text(encoding="utf-8"), TABLES), encoding="utf-8")
+    write({PAGE: TABLES})
 
 
 if __name__ == "__main__":

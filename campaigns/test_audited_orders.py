@@ -6,7 +6,8 @@ import json
 
 import pytest
 
-from campaigns.audited_orders import PAGE, PLACE, STEPS, errors_of, observed, put, table
+from campaigns.audited_orders import PAGE, PLACE, STEPS, TABLES, errors_of, observed
+from campaigns.pages import filled
 from glmref.conformance.vectors import problems
 from tests.suite.real_defects import DEFECTS, mended, published
 
@@ -21,7 +22,7 @@ TIMES = {"petsc-4l", "petsc-grk4t", "petsc-shamp4", "petsc-veldd4"}
 
 def test_the_table_of_the_page_is_that_of_the_record():
     page = PAGE.read_text("utf-8")
-    assert put(table(RECORD), page) == page
+    assert filled(page, TABLES) == page
     assert set(ROWS) == set(DEFECTS)
 
 

@@ -26,7 +26,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from campaigns.pages import filled
+from campaigns.pages import write
 from campaigns.partitioned.long_runs import (
     FURTHER,
     ONE_VALUE,
@@ -313,8 +313,7 @@ PAGES: Mapping[Path, Mapping[str, Callable[[], str]]] = {
 
 def main() -> None:
     """Put the tables into their pages."""
-    for page, tables in PAGES.items():
-        page.write_text(filled(page.read_text(encoding="utf-8"), tables), encoding="utf-8")
+    write(PAGES)
 
 
 if __name__ == "__main__":

@@ -75,10 +75,10 @@ class Periodicity:
 
     @property
     def value(self) -> float | None:
-        """Midpoint of ``end``, 0 where it contains 0: no interval is shown; or infinity."""
+        """Midpoint of ``end``, infinity, or ``None``: also where the ball contains 0 and more."""
         if self.infinite or self.end is None:
             return float("inf") if self.infinite else None
-        return float(self.end) if self.end.is_zero() is False else 0.0
+        return None if self.end.is_zero() is None else float(self.end)
 
 
 def periodicity(
