@@ -238,13 +238,13 @@ def determinant(M):
 COMMON = "$schema format name title class field broken notes digits constants claims source"
 CLASSES = {  # needed keys, optional keys
     "glm": ("A U B V", "G D output starting finishing"),
-    "rk": ("A b", "starting finishing c embedded dense"),
+    "rk": ("A b", "starting finishing c embedded dense unknowns enclosure"),
     "composition": ("base gamma", "starting finishing"),
     "lmm": ("alpha beta", "starting finishing"),
     "one-leg": ("alpha beta", "G starting finishing"),
     "additive": ("parts", "embedded"),
     "nystrom": ("A b b_prime c", "A_prime embedded"),
-    "rosenbrock": ("alpha gamma b", "embedded"),
+    "rosenbrock": ("alpha gamma b", "embedded unknowns enclosure"),
     "sweep": ("D X V G", "unknowns enclosure starting finishing"),
     "splitting": ("first a b", "unknowns enclosure starting"),
     "partitioned-rk": ("A b A_hat b_hat", "starting separable"),
@@ -542,7 +542,8 @@ class Method:
         m, c = self.single(), self.list("c")
         if c == apply(m.A, ones(len(m.A))):
             return self
-        require(len(c) == len(m.A) and claim in ORDERS, "a claim with c apart")
+        fine = len(c) == len(m.A) and claim in (*ORDERS, "stage-order")
+        require(fine, "a claim with c apart")
         rest = [Fraction(0)] * (len(c) - 1)
         time = self.runge_kutta(lambda: [[x, *rest] for x in c], lambda: [Fraction(1), *rest])
         return self.with_parts({"f": m, "k": time}, "time")
@@ -602,13 +603,19 @@ class Method:
             fits = fits and (self.separable or len(m.A) == slopes)
             require(fits, f"shapes of component {c} do not fit")
 
-    def u(self, colour):
-        """Return the u with V u = u and U u = 1, which must be the only one."""
+    def vectors_to_one(self, colour):
+        """Return the list of u with V u = u and U u = 1, one or none; there may be no more."""
         m = self.part(colour)
         rows = minus(m.V, identity(m.r)) + m.U
         u, unique = solve(rows, [Fraction(0)] * m.r + ones(len(m.U)))
-        require(u is not None and unique, "u is not determined by V u = u, U u = 1")
-        return u
+        require(u is None or unique, "u is not determined by V u = u, U u = 1")
+        return [] if u is None else [u]
+
+    def u(self, colour):
+        """Return the u with V u = u and U u = 1, which must be the only one."""
+        found = self.vectors_to_one(colour)
+        require(found, "there is no u with V u = u, U u = 1")
+        return found[0]
 
 
 # ---------------------------------------------------------------------------- section 2: numbers
@@ -1472,6 +1479,9 @@ def read_u(method, given):
 # ---------------------------------------------------------------- section 4: rules for orders
 
 
+PATHS = {"paths": "fk", "nystrom-paths": "f"}  # trees without branches: which stages are checked
+
+
 def mode(witness):
     """Return (identity?, nystrom?) of a witness."""
     require(witness["principal"] in ("free", "identity"), "principal is free or identity")
@@ -1479,9 +1489,9 @@ def mode(witness):
 
 
 def counted(name):
-    """Return which trees a name means: False for all, True for nystrom, else "paths"."""
-    require(name in ("all", "nystrom", "paths"), "trees are all, nystrom or paths")
-    return name if name == "paths" else name == "nystrom"
+    """Return which trees a name means: False for all, True for nystrom, else the name itself."""
+    require(name in ("all", "nystrom", *PATHS), "trees are all, nystrom, paths or nystrom-paths")
+    return name if name in PATHS else name == "nystrom"
 
 
 def paths(palette, order):
@@ -1494,7 +1504,7 @@ def paths(palette, order):
 
 def pool_of(method, order, nystrom):
     """Return the trees of one order that count."""
-    if nystrom == "paths":
+    if nystrom in PATHS:
         return paths(method.palette, order)
     return [t for t in trees(method.palette, order)
             if stands(t, method.system) and (not nystrom or is_nystrom(t))]  # fmt: skip
@@ -1508,14 +1518,51 @@ def check_series(method, series, order, nystrom):
         equal(left, series.residual(tree), f"the condition of tree {show(tree)}")
 
 
-def check_quadrature(method, series, order):
-    """Refuse unless xi(t) = c^|t| / |t|! at the stages Q, on the paths below the order."""
+def check_quadrature(method, series, order, which):
+    """Refuse unless paths decide: stages are the solution on the paths below the order."""
     require(method.separable, "paths decide for separable pairs")
-    c = series.stages(("f", ()))
-    for n in range(2, order):
-        (tree,) = [t for t in paths(method.palette, n) if t[0] == "f"]
-        want = [x**n * Fraction(1, gamma(tree)) if x else x for x in c]
-        equal(series.stages(tree), want, f"the stages Q at {show(tree)}")
+    reads = {c: reading(method, c, u) for c, u in series.u.items()}
+    trees_ = [t for n in range(1, order + 1) for t in paths(method.palette, n)]
+    fine = all(vanishes(dot(reads[t[0]], series.eta_of(t))) for t in trees_)
+    require(fine, "paths decide where principal parts are the identity")
+    for colour in PATHS[which]:
+        reached = min(path_orders(method, series, colour, order - 1))
+        require(reached >= order - 1, f"a stage of {colour} is not the solution")
+
+
+def path_orders(method, series, colour, most):
+    """Return for each stage through which order, `most` or less, paths t give c^|t| / |t|!."""
+    c = series.stages((colour, ()))
+    reached = [min(1, most)] * len(c)
+    for n in range(2, most + 1):
+        (tree,) = [t for t in paths(method.palette, n) if t[0] == colour]
+        for i, x in enumerate(series.stages(tree)):
+            if reached[i] == n - 1 and vanishes(x - c[i] ** n * Fraction(1, gamma(tree))):
+                reached[i] = n
+    return reached
+
+
+def check_start_along_paths(method, start, p, nystrom):
+    """Refuse unless the values of a start use stages that are the solution far enough (4)."""
+    require(isinstance(start, StartSeries), "paths do not decide about the start (y0, 0, ..)")
+    (A, B), (A_hat, B_hat) = start.tables["f"], start.tables["k"]
+    if nystrom:
+        links = {"f": (times(A, A_hat), "f", 2)}
+        used = [(B_hat, "f", p - 1), (times(B, A_hat), "f", p - 2)]
+    else:
+        links = {"f": (A, "k", 1), "k": (A_hat, "f", 1)}
+        used = [(B, "k", p - 1), (B_hat, "f", p - 1)]
+    orders = {c: path_orders(method, start, c, p) for c in links}
+    before = None
+    while before != orders:
+        before = {c: list(x) for c, x in orders.items()}
+        for c, (M, other, gain) in links.items():
+            for i, row_ in enumerate(M):
+                least = [orders[other][j] + gain for j, x in enumerate(row_) if not is_nil(x)]
+                orders[c][i] = min([orders[c][i], *least])
+    fine = all(is_nil(x) or orders[c][j] >= least
+               for M, c, least in used for row_ in M for j, x in enumerate(row_))  # fmt: skip
+    require(fine, "a value of the start uses a stage that is not the solution")
 
 
 def show(tree):
@@ -1528,12 +1575,11 @@ def order_at_least(proof, w):
     """Rule order-at-least."""
     keys(w, "order principal trees u eta")
     identity_mode, nystrom = mode(w)
-    order = whole(w["order"], 0, 14 if nystrom != "paths" else 20)
+    order = whole(w["order"], 0, 20 if nystrom in PATHS else 14)
     series = Series.read(proof.method, w, order, nystrom, identity_mode)
     check_series(proof.method, series, order, nystrom)
-    if nystrom == "paths":
-        require(identity_mode, "paths decide where principal parts are the identity")
-        check_quadrature(proof.method, series, order)
+    if nystrom in PATHS:
+        check_quadrature(proof.method, series, order, nystrom)
     proof.series, proof.low = series, (order, identity_mode, nystrom)
 
 
@@ -1542,7 +1588,7 @@ def order_at_most(proof, w):
     method, same = proof.method, w.get("same", False) is True
     keys(w, "order principal trees W N n" + (" same" if same else " u eta"))
     identity_mode, nystrom = mode(w)
-    p = whole(w["order"], 0, 14 if nystrom != "paths" else 20)
+    p = whole(w["order"], 0, 20 if nystrom in PATHS else 14)
     if same:
         require(proof.low == (p, identity_mode, nystrom), "order-at-least has another series")
         series = proof.series
@@ -1563,8 +1609,9 @@ def order_at_most(proof, w):
     first = total(dot(x, apply(W[t[0]], series.residual(t))) for t, x in n.items())
     require(nonzero(first), "the sum (a) is 0")
     check_sum_b(method, p, nystrom, n, K, principal_parts(series, N, identity_mode))
-    require(nystrom != "paths" or max(d.values()) == 1, "paths need a simple eigenvalue 1")
-    proof.high, proof.simple = (p, identity_mode, nystrom), max(d.values()) == 1
+    simple = max(d.values()) == 1
+    require(nystrom not in PATHS or (same and simple), "paths need a simple eigenvalue 1")
+    proof.high, proof.simple = (p, identity_mode, nystrom), simple
 
 
 def as_object(value):
@@ -1768,9 +1815,8 @@ def start_series(proof, w):
     series = Series.read(method, w, order, nystrom, identity_mode)
     check_series(method, series, order, nystrom)
     start = start_of(method)
-    if nystrom == "paths":
-        require(isinstance(start, StartSeries), "paths do not decide about the start (y0, 0, ..)")
-        check_quadrature(method, start, order)
+    if nystrom in PATHS:
+        check_start_along_paths(method, start, order, nystrom == "nystrom-paths")
     return q, order, series, start
 
 
@@ -2095,6 +2141,16 @@ def growth_groups(proof):
     return groups
 
 
+def unshared(proof, w):
+    """Rule unshared: V and V^ of a separable pair share the simple eigenvalue 1 and no other."""
+    keys(w, "")
+    require(proof.method.separable, "the pair is not separable")
+    ends = [characteristic(m.V) for m in proof.method.parts.values()]
+    require(gcd(*ends) == [-1, 1], "an eigenvalue other than 1 is shared, or none is")
+    simple = all(nonzero(horner(derivative(p), Fraction(1))) for p in ends)
+    require(simple, "the eigenvalue 1 is multiple")
+
+
 def from_roots(numbers):
     """Return the product of (x - mu)."""
     p = [Fraction(1)]
@@ -2130,7 +2186,7 @@ def growth(proof, w):
             require(plus(from_roots(mine), from_roots(claimed), -1) == [], "other parameters")
     for (z, (M,)), mine in zip(groups, values, strict=True):
         require(growth_gap(z, M, mine) == [], "a list is not that of the eigenvalues")
-        if free:
+        if free and (nonzero(z - 1) or len(M) > 1):
             require(rank(M) == int(not nonzero(z - 1)), "a growth matrix is not 0")
 
 
@@ -2142,6 +2198,8 @@ def all_zero(proof, given):
 def growth_gap(z, M, numbers):
     """Return det(x I - M) minus the product of (x - mu), times x - 1 for zeta = 1."""
     one = [] if nonzero(z - 1) else [Fraction(1)]
+    if one and len(M) == 1 and not numbers:
+        return []  # a simple eigenvalue 1 has no parasitic component
     return plus(characteristic(M), from_roots(numbers + one), -1)
 
 
@@ -2330,9 +2388,16 @@ def not_quadratic(proof, w):
         several = any(m.r > 1 for m in proof.method.parts.values())
         require(w["several-values"] is True and several, "one value is carried")
         return
+    if "weight" in w:
+        keys(w, "weight")
+        b, _, b_hat, _ = weights_of(proof.method)
+        i = whole(w["weight"], 0, len(b) - 1)
+        shared = proof.method.pair and not proof.method.separable
+        require(shared and apart(b[i] - b_hat[i]), "b and b^ agree there")
+        return
     keys(w, "entry")
     require(isinstance(w["entry"], list) and len(w["entry"]) == 2, "an entry is [i, j]")
-    require(nonzero(quadratic_defect(proof.method, *w["entry"])), "the identity holds there")
+    require(apart(quadratic_defect(proof.method, *w["entry"])), "the identity holds there")
 
 
 def permutation(p, n):
@@ -2482,19 +2547,23 @@ def no_reversal(method, c, P):
     return unique and not vanishes(minus(times(L, L), identity(r)))
 
 
-def needs(method):
-    """Return {stage: stages it needs, exact zeros left out}."""
+def needs(method, surely=False):
+    """Return {stage: stages it needs}, exact zeros left out; or those that it surely needs."""
+
+    def counts(x):
+        return not is_nil(x) and (not surely or apart(x))
+
     if not method.separable:
         n = len(next(iter(method.parts.values())).A)
         return {i: {j for j in range(n)
-                    if any(not is_nil(m.A[i][j]) for m in method.parts.values())}
+                    if any(counts(m.A[i][j]) for m in method.parts.values())}
                 for i in range(n)}  # fmt: skip
     q, p = method.parts["f"], method.parts["k"]
     found = {
-        f"Q{i + 1}": {f"P{j + 1}" for j, x in enumerate(row) if not is_nil(x)}
+        f"Q{i + 1}": {f"P{j + 1}" for j, x in enumerate(row) if counts(x)}
         for i, row in enumerate(q.A)
     }
-    found.update({f"P{i + 1}": {f"Q{j + 1}" for j, x in enumerate(row) if not is_nil(x)}
+    found.update({f"P{i + 1}": {f"Q{j + 1}" for j, x in enumerate(row) if counts(x)}
                   for i, row in enumerate(p.A)})  # fmt: skip
     return found
 
@@ -2522,18 +2591,10 @@ def explicit(proof, w):
 def implicit(proof, w):
     """Rule implicit: a cycle of stages, each needing the next."""
     keys(w, "cycle")
-    needed = needs(proof.method)
+    needed = needs(proof.method, surely=True)
     cycle = stage_names(needed, w["cycle"])
     for stage, after in zip(cycle, cycle[1:] + cycle[:1], strict=True):
-        require(after in needed[stage], f"stage {stage} does not need {after}")
-    check_entries(proof.method)
-
-
-def check_entries(method):
-    """Refuse where an entry of A that does not reduce to 0 is not shown to be no zero."""
-    fine = all(apart(x) for m in method.parts.values() for row in m.A for x in row
-               if not is_nil(x))  # fmt: skip
-    require(fine, "an entry of A is not shown to be no zero")
+        require(after in needed[stage], f"stage {stage} is not shown to need {after}")
 
 
 def abscissae_of(proof, w):
@@ -2567,7 +2628,7 @@ def error_constant(proof, w, same=True):
     """Rules error-constant and other-error-constant."""
     keys(w, "order")
     require(proof.method.kind in ("lmm", "one-leg"), "only multistep methods have one")
-    p, (alpha, beta) = whole(w["order"], 0, 40), proof.method.multistep()
+    p, (alpha, beta) = whole(w["order"], -1, 40), proof.method.multistep()
     C = []
     for q in range(p + 2):
         value = dot(alpha, [Fraction(m**q) for m in range(len(alpha))])
@@ -2575,6 +2636,8 @@ def error_constant(proof, w, same=True):
             value = value - q * dot(beta, [Fraction(m ** (q - 1)) for m in range(len(beta))])
         C.append(value * Fraction(1, factorial(q)))
     require(vanishes(C[:-1]) and nonzero(C[-1]), "the order is another one")
+    if not same and vanishes(total(beta)):
+        return  # no error constant
     gap = C[-1] * inverse(total(beta)) - proof.claimed([proof.declared])[0]
     require(vanishes(gap) if same else nonzero(gap), "the error constant is (not) the declared one")
 
@@ -2597,7 +2660,7 @@ def irreducible(proof, w):
     """Rule irreducible: every value of both components is reached and seen."""
     keys(w, "")
     for c, m in proof.method.parts.items():
-        reached, seen = [proof.method.u(c), *transpose(m.B)], list(m.U)
+        reached, seen = [*proof.method.vectors_to_one(c), *transpose(m.B)], list(m.U)
         for _ in range(m.r - 1):
             reached += [apply(m.V, x) for x in reached[-len(m.B[0]) :]]
             seen += times(seen[-len(m.U) :], m.V)
@@ -2950,15 +3013,6 @@ def apart(x):
 def by(x, y):
     """Return x y; a factor 1 costs nothing."""
     return x if type(y) is Fraction and y == 1 else x * y
-
-
-def inner(x, y):
-    """Return sum x_i y_i over any numbers; exact zeros cost nothing."""
-    value = Fraction(0)
-    for a, b in zip(x, y, strict=True):
-        if not is_nil(a) and not is_nil(b):
-            value = value + a * b
-    return value
 
 
 class Gradient:
@@ -3449,9 +3503,9 @@ class Sweep(Enclosed):
         D, X = at_values(self.D, values), at_values(self.X, values)
         V, G = self.number_rows
         columns = transpose(X)
-        GX = [[inner(row, x) for row in G] for x in columns]  # G x_j, by stage
-        U = [[inner(g, v) for v in transpose(V)] for g in GX]
-        A = [[(inner(columns[i], GX[j]) * D[j] * (Fraction(1, 2) if i == j else 1))
+        GX = [[dot(row, x) for row in G] for x in columns]  # G x_j, by stage
+        U = [[dot(g, v) for v in transpose(V)] for g in GX]
+        A = [[(dot(columns[i], GX[j]) * D[j] * (Fraction(1, 2) if i == j else 1))
               if j < i or (j == i and i not in self.explicit_now) else Fraction(0)
               for j in range(self.s)] for i in range(self.s)]  # fmt: skip
         return D, X, A, U, [[x * d for x, d in zip(row, D, strict=True)] for row in X]
@@ -3480,15 +3534,15 @@ class Sweep(Enclosed):
                 slopes = ones(self.s)
                 for child in t[1]:
                     slopes = [by(x, y) for x, y in zip(known(child, xi), slopes, strict=True)]
-                right = [inner(row, slopes) for row in B]
+                right = [dot(row, slopes) for row in B]
                 for s, weight in cut(t):
                     if s != t:
                         right = [x if is_nil(y) else x - y * weight
                                  for x, y in zip(right, known(s, zeta), strict=True)]  # fmt: skip
                 R[t] = right[0] - Fraction(1, gamma(t))
                 if inside:
-                    zeta[t] = [first[t], *(inner(row, right[1:]) for row in self.resolvent)]
-                    xi[t] = [inner(a, slopes) + inner(u, zeta[t])
+                    zeta[t] = [first[t], *(dot(row, right[1:]) for row in self.resolvent)]
+                    xi[t] = [dot(a, slopes) + dot(u, zeta[t])
                              for a, u in zip(A, U, strict=True)]  # fmt: skip
         return xi, zeta, R
 
@@ -3498,9 +3552,9 @@ class Sweep(Enclosed):
             return dict.fromkeys(classes(n, self.q), Fraction(0))
         free = self.free.get(n, ())
         defining, _, back = plan(n, self.q, free)
-        right = [inner(zeta[t], [inner(row, zeta[u]) for row in G]) for t, u in defining]
+        right = [dot(zeta[t], [dot(row, zeta[u]) for row in G]) for t, u in defining]
         right += [given.get(t, Fraction(0)) for t in free]
-        return dict(zip(classes(n, self.q), [inner(row, right) for row in back], strict=True))
+        return dict(zip(classes(n, self.q), [dot(row, right) for row in back], strict=True))
 
     def residuals(self, values):
         """Return left minus right of every equation."""
@@ -3515,7 +3569,7 @@ class Sweep(Enclosed):
             elif kind == "growth":
                 value = Fraction(0)
                 for d, x in zip(D, transpose(X), strict=True):
-                    value = value + d * inner(x, [inner(row, x) for row in what[1]])
+                    value = value + d * dot(x, [dot(row, x) for row in what[1]])
                 found.append(value)
             elif kind == "explicit":
                 found.append(A[i][i])
@@ -3616,6 +3670,141 @@ class Sweep(Enclosed):
         require(1 <= q <= min(self.q, p), "the stages are not given")
 
 
+# ------------------------------------------------ section 6: Runge-Kutta methods with an enclosure
+
+RK_EQUATION = re.compile(r"order (\S+)|embedded (.+) (\S+)|column ([1-9][0-9]?)")
+
+
+class RungeKutta(Enclosed):
+    """A file of class rk or rosenbrock with an enclosure: trees, and D(1) at columns (6.8)."""
+
+    def prepare(self):
+        """Read what stands below a vertex, the rows of weights and the equations."""
+        doc = self.document
+        require(not {"c", "dense", "starting", "finishing"} & set(doc), "not covered: c or a start")
+        require(not self.xi and not set(self.proof) & {"free", "trees"}, "xi, free or trees")
+        if doc["class"] == "rk":
+            self.palette, self.below = (("o", "o"),), {"o": self.matrix("A")}
+        else:
+            alpha, gamma_ = self.matrix("alpha"), self.matrix("gamma")
+            require(len(alpha) == len(gamma_), "shapes")
+            both = [[x + y for x, y in zip(*rows, strict=True)]
+                    for rows in zip(alpha, gamma_, strict=True)]  # fmt: skip
+            self.palette, self.below = (("1", "12"), ("2", "12")), {"1": alpha, "2": both}
+        self.A = next(iter(self.below.values()))
+        self.rows = {None: self.numbers.vector(doc["b"], doc)}
+        for row in doc.get("embedded", []):
+            keys(row, "name b", where="embedded")
+            self.rows[row["name"]] = self.numbers.vector(row["b"], doc)
+        self.s = len(self.A)
+        shapes = [len(x) for x in (*self.A, *self.rows.values())]
+        require(all(n == self.s for n in shapes), "shapes")
+        self.equations = [self.read(text) for text in self.texts]
+        self.columns = len(self.below) == 1 and all(
+            ("column", j) in self.equations or self.vanishes(j) for j in range(self.s))  # fmt: skip
+
+    def read(self, text):
+        """Return an equation ("column", j) or (row, tree)."""
+        found = isinstance(text, str) and RK_EQUATION.fullmatch(text)
+        require(found, f"{str(text)[:40]!r} is no equation")
+        first, row, second, column = found.groups()
+        if column:
+            one = len(self.below) == 1
+            require(one and int(column) <= self.s, "an equation names another column")
+            return "column", int(column) - 1
+        require(row is None or row in self.rows, "an equation names another row")
+        tree = read_tree(first or second)
+        require(tree in trees(self.palette, size(tree)), "an equation names another tree")
+        return row, self.plain(tree)
+
+    def plain(self, t):
+        """Return the tree with leaves of the first colour: what stands below one is not used."""
+        if not t[1]:
+            return self.palette[0][0], ()
+        return t[0], tuple(sorted(map(self.plain, t[1])))
+
+    def column(self, A, b, j):
+        """Return sum b_i a_ij - b_j (1 - c_j)."""
+        left = Fraction(1)
+        for x in A[j]:
+            left = left - x
+        value = -(left * b[j])
+        for x, row in zip(b, A, strict=True):
+            value = value + x * row[j]
+        return value
+
+    def vanishes(self, j):
+        """Tell whether D(1) holds at a column for all values of the unknowns."""
+        b, rows = self.rows[None], range(self.s)
+        left = Fraction(1)
+        for x in self.A[j]:
+            left = left - x
+        products = [(left, b[j]), *((b[i], self.A[i][j]) for i in rows)]
+        if any(isinstance(x, Linear) and isinstance(y, Linear) for x, y in products):
+            return False
+        return is_nil(self.column(self.A, b, j))
+
+    def residuals(self, values):
+        """Return left minus right of every equation."""
+        matrices = {c: at_values(M, values) for c, M in self.below.items()}
+        rows = {name: at_values(b, values) for name, b in self.rows.items()}
+        known, A = {}, next(iter(matrices.values()))
+
+        def weights(t):
+            if t not in known:
+                value = ones(self.s)
+                for child in t[1]:
+                    below = weights(child)
+                    value = [by(x, dot(a, below))
+                             for x, a in zip(value, matrices[t[0]], strict=True)]  # fmt: skip
+                known[t] = value
+            return known[t]
+
+        return [self.column(A, rows[None], what) if row == "column"
+                else dot(rows[row], weights(what)) - Fraction(1, gamma(what))
+                for row, what in self.equations]  # fmt: skip
+
+    def given(self, t, row):
+        """Tell whether the condition of a tree follows from the equations (6.8)."""
+        t = self.plain(t)
+        if (row, t) in self.equations:
+            return True
+        if not t[1]:
+            value = Fraction(-1)
+            for x in self.rows[row]:
+                value = value + x
+            return is_nil(value)
+        if row is not None or len(t[1]) != 1 or not self.columns:
+            return False
+        below = t[1][0][1]
+        if not below:
+            return self.given(LEAF, None)
+        return self.given(("o", below), None) and self.given(attach(("o", below), LEAF), None)
+
+    def order_holds(self, p, identity_mode, nystrom, row, method):
+        """Refuse unless the equations give order p with the weights of a row."""
+        require(not nystrom and identity_mode, "one value is carried")
+        require(row in self.rows, "no row of embedded has the name")
+        for n in range(1, p + 1):
+            fine = all(self.given(t, row) for t in pool_of(method, n, nystrom))
+            require(fine, f"the conditions of order {n}")
+
+    def implies(self, claim):
+        """Tell whether a claim that is true or false holds at the root."""
+        if claim == "embedded-difference":
+            return len(self.rows) > 1 and all(self.given(LEAF, row) for row in self.rows)
+        if len(self.below) > 1:
+            return False
+        return claim == "preconsistent" or (claim == "consistent" and self.given(LEAF, None))
+
+    def zero_growths(self):
+        """No growth parameter is an equation."""
+
+    def stage_order_holds(self, q, p):
+        """Refuse all but q = 1, which c = A 1 is."""
+        require(len(self.below) == 1 and q == 1 <= p, "the stages are not given")
+
+
 # ------------------------------------------------ section 6: pairs with an enclosure
 
 PAIR_EQUATION = re.compile(r"order (\S+)|growth ([qp]) (.+)|start (\S+) ([1-9][0-9]?)")
@@ -3704,8 +3893,8 @@ class Pair(Enclosed):
     def series(self, values, order, nystrom, wanted=None, starts=False):
         """Return (zeta, R) through an order, with principal parts 0."""
         b, c, X, Y = (at_values(x, values) for x in (self.b, self.c, self.X, self.Y))
-        GY = [[inner(g, y) for g in self.real_G] for y in transpose(Y)]  # G y_j
-        XG = [[inner(x, g) for g in transpose(self.real_G)] for x in transpose(X)]  # x_i^T G
+        GY = [[dot(g, y) for g in self.real_G] for y in transpose(Y)]  # G y_j
+        XG = [[dot(x, g) for g in transpose(self.real_G)] for x in transpose(X)]  # x_i^T G
         half = {"f": ("P", b, transpose(X), GY), "k": ("Q", c, transpose(Y), XG)}
         stages, zeta, R = {}, {}, {}
         for n in range(1, order + 1):
@@ -3719,7 +3908,7 @@ class Pair(Enclosed):
                 for child in t[1]:
                     slopes = [by(x, y) for x, y in zip(stages[child], slopes, strict=True)]
                 updates = [w * x for w, x in zip(weights, slopes, strict=True)]
-                right = [inner(updates, row) for row in transpose(columns)]
+                right = [dot(updates, row) for row in transpose(columns)]
                 for s, weight in cut(t):
                     if s != t:
                         right = [x if is_nil(y) else x - y * weight
@@ -3727,14 +3916,14 @@ class Pair(Enclosed):
                 R[t] = right[0] - Fraction(1, gamma(t))
                 if last and not starts:
                     continue
-                zeta[t] = [Fraction(0), *(inner(row, right[1:]) for row in self.resolvent[t[0]])]
-                now, found = [inner(row, zeta[t]) for row in self.real_V[t[0]]], []
+                zeta[t] = [Fraction(0), *(dot(row, right[1:]) for row in self.resolvent[t[0]])]
+                now, found = [dot(row, zeta[t]) for row in self.real_V[t[0]]], []
                 for place, i in self.word:
                     if place == letter:
                         now = [x if is_nil(y) else x + updates[i] * y
                                for x, y in zip(now, columns[i], strict=True)]  # fmt: skip
                     else:
-                        found.append(inner(readers[i], now))
+                        found.append(dot(readers[i], now))
                 stages[t] = found
         return zeta, R
 
@@ -3753,7 +3942,7 @@ class Pair(Enclosed):
                 value = Fraction(0)
                 columns = transpose(at_values(X, values))
                 for d, x in zip(at_values(weights, values), columns, strict=True):
-                    value = value + d * inner(x, [inner(row, x) for row in e[3]])
+                    value = value + d * dot(x, [dot(row, x) for row in e[3]])
                 found.append(value)
         return found
 
@@ -4017,7 +4206,7 @@ def slopes_of(A, n, q, base=None):
                     if i and i % 2 == 0:
                         stages.append(stages[-1] * (-1 if m % 2 else 1))
                     else:
-                        stages.append(inner(A[i], value) + (base[t] if base else 0))
+                        stages.append(dot(A[i], value) + (base[t] if base else 0))
                 xi[t] = stages
     return found
 
@@ -4069,7 +4258,7 @@ def start_with_parity(proof, numbers, document, series, L, order, q_most):
     n = len(A)
     require(len(A[0]) == len(B[0]) == n and len(B) == r, "shapes of the start")
     opposite(A, [A[partner(i)] for i in range(n)])
-    images = [[inner_sum(row, [b[j] for b in B]) for j in range(n)] for row in L]
+    images = [[dot(row, [b[j] for b in B]) for j in range(n)] for row in L]
     opposite(B, images)
     known = not any(isinstance(x, Linear) for row in A for x in row)
     q = simplifies(A, q_most) if known else 1
@@ -4080,8 +4269,8 @@ def start_with_parity(proof, numbers, document, series, L, order, q_most):
     fixed = slopes_of(as_matrix(A), order, q) if known else None
 
     def gap(k, t, weights, slopes):
-        values = [inner(b, slopes[t]) - z for b, z in zip(weights, series(t), strict=True)]
-        return inner(rows[k][0], values)
+        values = [dot(b, slopes[t]) - z for b, z in zip(weights, series(t), strict=True)]
+        return dot(rows[k][0], values)
 
     def function(values):
         slopes = fixed or slopes_of(at_values(A, values), order, q)
@@ -4101,15 +4290,6 @@ def start_with_parity(proof, numbers, document, series, L, order, q_most):
 def as_matrix(A):
     """Return a matrix of exact numbers with intervals in place of irrational ones."""
     return [[as_real(x) for x in row] for row in A]
-
-
-def inner_sum(x, y):
-    """Return sum x_i y_i of expressions in unknowns."""
-    value = Fraction(0)
-    for a, b in zip(x, y, strict=True):
-        if not is_nil(a):
-            value = value + b * a
-    return value
 
 
 def undoes(numbers, opening, closing):
@@ -4139,7 +4319,7 @@ def finish_with_parity(proof, numbers, document, A, b, order):
     require(len(C) == len(C[0]) == len(d), "shapes of the finish")
     opposite(C, [C[partner(i)] for i in range(len(C))])
     opposite([d], [d])
-    base = {t: inner(b, x) for t, x in slopes_of(A, order, 1).items()}
+    base = {t: dot(b, x) for t, x in slopes_of(A, order, 1).items()}
     wanted = [(0, t) for m in range(2, order + 1, 2) for t in classes(m, 1)]
     labels = labels_of(proof, wanted)
     require(len(labels) == len(wanted), "a condition is missing")
@@ -4147,7 +4327,7 @@ def finish_with_parity(proof, numbers, document, A, b, order):
     def function(values):
         slopes = slopes_of(at_values(C, values), order, 1, base)
         weights = at_values(d, values)
-        return [inner(weights, slopes[t]) + base[t] for _, t in labels]
+        return [dot(weights, slopes[t]) + base[t] for _, t in labels]
 
     block.root(function, whole(document.get("digits", 75), 20, 400), proof)
 
@@ -4202,11 +4382,11 @@ def even_start(proof, pair, numbers, document):
                     if i and i % 2 == 0:
                         found.append(found[-1] * (-1 if size(t) % 2 else 1))
                     else:
-                        found.append(inner(row, below))
+                        found.append(dot(row, below))
                 stages[t] = found
             return stages[t]
 
-        return [inner(here[t[0]][1][k], slopes(t)) - zeta[t][k] for k, t in labels]
+        return [dot(here[t[0]][1][k], slopes(t)) - zeta[t][k] for k, t in labels]
 
     block.root(function, whole(document.get("digits", 75), 20, 400), proof)
     return most, max(most, nystrom)
@@ -4255,20 +4435,26 @@ class Bounds:
         """Return xi(t)."""
         if t not in self.stage:
             c, slopes = t[0], self.slopes(t)
-            self.stage[t] = [inner(a, slopes) + inner(u, self.eta[t])
+            self.stage[t] = [dot(a, slopes) + dot(u, self.eta[t])
                              for a, u in zip(self.A[c], self.U[c], strict=True)]  # fmt: skip
         return self.stage[t]
 
     def right(self, t):
         """Return R(t)."""
         slopes, c = self.slopes(t), t[0]
-        value = [inner(row, slopes) - u * Fraction(1, gamma(t))
+        value = [dot(row, slopes) - u * Fraction(1, gamma(t))
                  for row, u in zip(self.B[c], self.u[c], strict=True)]  # fmt: skip
         for s, weight in cut(t):
             if s != t:
                 value = [x if is_nil(y) else x - y * weight
-                         for x, y in zip(value, self.eta[s], strict=True)]  # fmt: skip
+                         for x, y in zip(value, self.cut_value(s), strict=True)]  # fmt: skip
         return value
+
+    def cut_value(self, s):
+        """Return eta at what is left of a tree, 0 at one that does not count where r = 1."""
+        if s not in self.eta and self.method.kind == "rosenbrock":
+            return [Fraction(0)]  # the one value is the solution
+        return self.eta[s]
 
     def move(self, s, beta):
         """Add beta u to eta(s)."""
@@ -4280,14 +4466,14 @@ class Bounds:
         if n == 2:
             first, *others = trees(self.method.palette, 1)
             for s in others:
-                self.move(s, inner(self.W[s[0]], self.right((s[0], (first,)))))
+                self.move(s, dot(self.W[s[0]], self.right((s[0], (first,)))))
             return
         found = {}
         leaf = {c: (children[0], ()) for c, children in palette.items()}
         level = pool_of(self.method, n - 1, self.nystrom)
         for s in sorted(level, key=lambda s: (-len(s[1]), -s[1].count(leaf[s[0]]))):
             t = (s[0], tuple(sorted((*s[1], leaf[s[0]]))))
-            value, ways = inner(self.W[t[0]], self.right(t)), 0
+            value, ways = dot(self.W[t[0]], self.right(t)), 0
             for kept, weight in cut(t):
                 if kept == s:
                     ways = weight
@@ -4312,12 +4498,12 @@ class Bounds:
         """Find eta at the trees of the order that was reached, principal parts 0."""
         for t in pool_of(self.method, self.order, self.nystrom):
             c, right = t[0], self.right(t)
-            self.eta[t] = [Fraction(0) if j == self.k[c] else inner(row, right)
+            self.eta[t] = [Fraction(0) if j == self.k[c] else dot(row, right)
                            for j, row in enumerate(self.lift[c])]  # fmt: skip
 
     def condition(self, t):
         """Return W R(t)."""
-        return inner(self.W[t[0]], self.right(t))
+        return dot(self.W[t[0]], self.right(t))
 
 
 # ------------------------------------------------ section 6: rules
@@ -4328,8 +4514,10 @@ def implied_order(proof, w):
     keys(w, "order principal trees")
     identity_mode, nystrom = mode(w)
     p = whole(w["order"], 1, 14)
-    require(nystrom != "paths", "paths decide for exact pairs")
-    proof.root().order_holds(p, identity_mode, nystrom)
+    require(nystrom not in PATHS, "paths decide for exact pairs")
+    root = proof.root()
+    more = (proof.row, proof.method) if isinstance(root, RungeKutta) else ()
+    root.order_holds(p, identity_mode, nystrom, *more)
     proof.low = (p, identity_mode, nystrom)
 
 
@@ -4338,7 +4526,7 @@ def not_order(proof, w):
     keys(w, "order principal trees tree")
     identity_mode, nystrom = mode(w)
     p, tree = whole(w["order"], 0, 11), read_tree(w["tree"])
-    require(nystrom != "paths", "paths decide for exact pairs")
+    require(nystrom not in PATHS, "paths decide for exact pairs")
     require(tree in pool_of(proof.method, p + 1, nystrom), "the tree has another order")
     bounds = proof.bounds(identity_mode, nystrom, p + 1)
     require(apart(bounds.condition(tree)), "the condition of the tree may hold")
@@ -4351,7 +4539,7 @@ def implied_stage_order(proof, w):
     q = whole(w["q"], 1)
     require(proof.low is not None, "the order is not part of the certificate")
     root = proof.root()
-    require(isinstance(root, Sweep), "the stage order of pairs")
+    require(not isinstance(root, Pair), "the stage order of pairs")
     root.stage_order_holds(q, proof.low[0])
     return q
 
@@ -4456,17 +4644,19 @@ def row(proof, w):
     require(w["row"] in rows, "no row of embedded has the name")
     require(isinstance(w["parts"], list), "the parts of a row are a list")
     names = [part["rule"] for part in w["parts"]]
-    require(names in (["order-at-least", "order-at-most"], ["no-order-1"]), "the parts of a row")
+    own = ["implied-order", "not-order"], ["order-at-least", "order-at-most"], ["no-order-1"]
+    require(names in (own[:1] if proof.record.root is not None else own[1:]), "the parts of a row")
     nystrom = whole_method.kind == "nystrom"
     proof.series = proof.low = proof.high = None
-    proof.method = whole_method.with_row(rows[w["row"]][0])
+    proof.method = whole_method.with_row(rows[w["row"]][0]).for_claim("order")
+    proof.row = w["row"]
     for part in w["parts"]:
         RULES[part["rule"]](proof, part["witness"])
-    proof.method = whole_method
+    proof.method, proof.row = whole_method, None
     if names == ["no-order-1"]:
         return w["row"], 0
     fine = proof.low == proof.high and proof.low[1] is True
-    kinds = (True, "paths") if nystrom else (False,)
+    kinds = (True, "nystrom-paths") if nystrom else (False,)
     require(fine and proof.low[2] in kinds, "the order is not enclosed")
     return w["row"], proof.low[0]
 
@@ -4474,6 +4664,7 @@ def row(proof, w):
 def check_rows(proof, found):
     """Refuse orders of rows that do not decide what is declared."""
     orders = dict(found)
+    require(orders, "no rows are embedded")
     require(len(orders) == len(found) and set(orders) == set(proof.method.rows()), "rows")
     require((orders == as_object(proof.declared)) == proof.holds, f"the orders are {orders}")
 
@@ -4553,6 +4744,7 @@ RULES = {
     "start-at-least": start_at_least, "start-at-most": start_at_most,
     "finish-at-least": finish_at_least, "finish-at-most": finish_at_most,
     "bounded": bounded, "unbounded": unbounded, "eigen": eigen, "growth": growth, "grows": grows,
+    "unshared": unshared,
     "form": form, "given-form-fails": given_form_fails, "no-form": no_form,
     "quadratic": quadratic, "not-quadratic": not_quadratic,
     "symmetric": symmetric, "not-symmetric": not_symmetric,
@@ -4587,7 +4779,8 @@ BOOLEAN = {  # claim: lists of rules that prove it, lists of rules that refute i
     "consistent": ([["consistent"]], [["no-order-1"]]),
     "symplectic": ([["quadratic"]], [["not-quadratic"]]),
     "g-symplectic": ([["preconsistent", "form"], ["form"]],
-                     [["given-form-fails"], ["preconsistent", "no-form"], ["no-form"]]),
+                     [["given-form-fails"], ["preconsistent", "no-form"], ["no-form"],
+                      ["not-preconsistent"]]),
     "symmetric": ([["symmetric"]], [["not-symmetric"]]),
     "symmetric-reduced": ([["equivalent", "irreducible", "symmetric"]],
                           [["equivalent", "irreducible", "not-symmetric"]]),
@@ -4626,6 +4819,8 @@ class Record:
             digits = whole(document.get("digits"), 1, 400)
 
             def around_decimal(text):
+                if not Fraction(text):
+                    return Fraction(0)  # 0.000 of a table is 0
                 unit = Fraction(1, 10**digits)
                 return Interval.ends(Fraction(text) - unit, Fraction(text) + unit)
 
@@ -4634,10 +4829,12 @@ class Record:
                 values[name] = around_decimal(published_decimal(text, digits))
             self.numbers = numbers.exactly(around_decimal).with_unknowns(values)
         elif field["kind"] == "enclosure" and "method" in as_object(field["proofs"]):
-            kinds = {"sweep": Sweep, "pair-sweep": Pair, "splitting": Pair}
+            kinds = {"sweep": Sweep, "pair-sweep": Pair, "splitting": Pair, "rk": RungeKutta,
+                     "rosenbrock": RungeKutta}  # fmt: skip
             require(document.get("class") in kinds, "an enclosure of another class")
             self.root = kinds[document["class"]](document, numbers, field["proofs"]["method"])
-            weights = [self.root.D] if isinstance(self.root, Sweep) else [self.root.b, self.root.c]
+            weights = {Sweep: "D", Pair: "bc", RungeKutta: ""}[type(self.root)]
+            weights = [getattr(self.root, key) for key in weights]
             fine = all(apart(x) for row in weights for x in at_values(row, self.root.root))
             require(fine, "a weight may be 0")
             values = dict(zip(self.root.unknowns, self.root.root, strict=True))
@@ -4716,7 +4913,7 @@ class Proof:
         self.method = Method(document, self.record.numbers, certificate.get("base"))
         self.method.check_shapes()
         self.method = self.method.for_claim(self.claim)
-        self.series = self.low = self.high = self.reversal = None
+        self.series = self.low = self.high = self.reversal = self.row = None
         self.simple, self.stable, self.eigen, self.claim_text = (
             False,
             set(),
@@ -4731,7 +4928,8 @@ class Proof:
 
     def bounds(self, identity_mode, nystrom, order):
         """Return the series in intervals, ready for the conditions of an order."""
-        found = self.record.known(("bounds", identity_mode, nystrom, order),
+        found = self.record.known(("bounds", self.row, self.method.system, identity_mode, nystrom,
+                                   order),
                                   lambda: Bounds(self.method, identity_mode, nystrom))  # fmt: skip
         found.advance(order)
         return found
@@ -4791,11 +4989,11 @@ class Proof:
             low, high = ([value for rule, value in zip(self.rules, results, strict=True)
                           if rule in names] for names in self.both_ends())  # fmt: skip
             self.check_order(*(found[0] if found else None for found in (low, high)))
-        if self.claim == "zero-stable" and "bounded" in self.rules:
+        if self.claim in ("zero-stable", "parasitism-free") and "bounded" in self.rules:
             require(self.stable == set(self.method.parts), "V of one component is missing")
         for shown in (self.low, self.high):
             if shown and (self.claim in ORDERS or self.claim in SECOND):
-                found = shown[1], shown[2] is not False  # paths decide about Nystrom trees
+                found = shown[1], shown[2] in (True, "nystrom-paths")
                 require(found == self.mode(), "principal or trees are not those of the claim")
 
     def both_ends(self):
@@ -4844,7 +5042,7 @@ class Proof:
             first, last = SECOND[self.claim]
             chains = [[first, last]] if self.holds else [[first, last], [first], [last]]
             bare = chains if self.claim == "finishing-order" else []
-            return [pair + chain for chain in chains] + bare
+            return [*(pair + chain for chain in chains), *bare, ["no-order-1"]]
         if self.claim in LISTS:
             inconsistent = [["no-order-1"]] if self.claim == "abscissae" and not self.holds else []
             return [[LISTS[self.claim][0 if self.holds else 1]], *inconsistent]
@@ -4853,7 +5051,8 @@ class Proof:
         if self.claim == "growth":
             return growth[0 if self.holds else 1]
         if self.claim == "parasitism-free":
-            table = growth
+            stable = ["bounded"] * len(self.method.parts)
+            table = [*growth[0], [*stable, "unshared"]], growth[1]
         elif self.claim == "zero-stable":
             table = [["bounded"] * len(self.method.parts)], [["unbounded"]]
         elif self.claim in BOOLEAN:
@@ -4879,6 +5078,8 @@ class Proof:
             top = "finish-at-most" if name == "finish" else "not-" + name
             between = [] if root else ["symmetric"]
             return [[*pair, *between, "implied-" + name, top]]
+        if self.claim == "embedded-order":
+            return [["row"] * len(self.method.rows())] if root else []
         parts = len(self.method.parts)
         if self.claim == "zero-stable" and self.declared is True and self.holds:
             return [["bounded"] * parts]
@@ -4888,6 +5089,9 @@ class Proof:
         if self.claim == "symmetric" and self.declared is not self.holds:
             require(type(self.declared) is bool, "the claim is true or false")
             return [["not-symmetric"]]
+        if self.claim == "symplectic" and self.declared is not self.holds:
+            require(type(self.declared) is bool, "the claim is true or false")
+            return [["not-quadratic"]]
         true = self.declared is True or self.claim in ("growth", "abscissae")
         return [["implied"]] if self.holds and true else []
 

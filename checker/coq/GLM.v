@@ -407,12 +407,10 @@ Proof.
   - eexists _, _. exact (check_starting _ C).
 Qed.
 
-Theorem check_order_identity p : check p && check_identity = true ->
-  has_order_identity value_of p.
+Lemma check_identity_value : check_identity = true ->
+  identity (fun c => vv (u c)) (fun t => vv (series t)).
 Proof.
-  rewrite andb_true_iff. intros [C I]. split; [exact (proj1 (check_order _ C))|].
-  eexists _, _. split; [exact (check_starting _ C)|].
-  unfold check_identity in I. rewrite andb_true_iff, !forallb_forall in I. destruct I as [I J].
+  unfold check_identity. rewrite andb_true_iff, !forallb_forall. intros [I J].
   split.
   - intro c. specialize (I c (colours_all P c)). apply (equal_eval F roots) in I.
     destruct (u c); simpl in *; exact I.
@@ -421,6 +419,13 @@ Proof.
       apply (is_zero_eval F roots) in J. rewrite <- of_Q_0 in J.
       destruct e as [k [|x l]]; [reflexivity | exact J].
     + destruct (length (V (M (root t)))); reflexivity.
+Qed.
+
+Theorem check_order_identity p : check p && check_identity = true ->
+  has_order_identity value_of p.
+Proof.
+  rewrite andb_true_iff. intros [C I]. split; [exact (proj1 (check_order _ C))|].
+  eexists _, _. split; [exact (check_starting _ C) | exact (check_identity_value I)].
 Qed.
 End Check.
 

@@ -24,7 +24,7 @@ from typing import TextIO
 HERE = Path(__file__).resolve().parent
 
 #: In order of compilation: each needs those before it.
-LIBRARY = ("Trees", "Field", "GLM", "Symplectic", "Printed", "Reals")
+LIBRARY = ("Trees", "Field", "GLM", "Symplectic", "NotOrder", "Printed", "Reals")
 
 #: The exact methods that are proved when none is named.
 METHODS = """

@@ -12,6 +12,7 @@ Reading and writing the text form is the business of :mod:`glmref.exact.expressi
 """
 
 from .ball import Ball, ball
+from .decimals import rounded_decimal
 from .field import BALL_BITS, LIBRARY
 from .jet import Jet, jets, lift
 from .number import Exact, exact, root_of_unity
@@ -35,6 +36,7 @@ __all__ = [
     "lift",
     "rational_combination",
     "root_of_unity",
+    "rounded_decimal",
     "sum_of_products",
 ]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import operator
 from fractions import Fraction
+from functools import cache
 from typing import Any
 
 import flint
@@ -16,6 +17,13 @@ __all__ = ["Ball", "ball"]
 
 _NIL = flint.acb(0)
 _new = object.__new__
+
+
+@cache
+def _last_place(digits: int, _precision: int) -> flint.arb:
+    """Interval around zero: one unit of the last of so many places, at a working precision."""
+    radius = flint.arb(flint.fmpq(1, 10**digits)).upper()
+    return radius.union(-radius)
 
 
 class Ball(Arithmetic):
@@ -33,9 +41,12 @@ class Ball(Arithmetic):
     @classmethod
     def decimal(cls, text: str, digits: int) -> Ball:
         """Ball of a published decimal: radius one unit of the last of ``digits`` places."""
-        radius = flint.arb(flint.fmpq(1, 10**digits)).upper()
-        midpoint = flint.arb(as_fmpq(Fraction(text)))
-        return cls._wrap(flint.acb(midpoint + radius.union(-radius)))
+        if "e" in text or "E" in text:
+            value = as_fmpq(Fraction(text))
+        else:  # the short way: most numbers of most files
+            whole, _, places = text.partition(".")
+            value = flint.fmpq(int(whole + places), 10 ** len(places))
+        return cls._wrap(flint.acb(flint.arb(value) + _last_place(digits, flint.ctx.prec)))
 
     @classmethod
     def around(cls, midpoint: Ball, radius: Fraction) -> Ball:

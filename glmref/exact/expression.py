@@ -59,6 +59,7 @@ MAX_RADICAL_DEPTH = 4  # sqrt inside sqrt, constants written out
 
 _SPACES = " \t\r\n\f\v"
 _RATIONAL = re.compile(r"(-?[0-9]{1,40})(?:/([0-9]{1,40}))?", re.ASCII)  # most entries
+_DECIMAL = re.compile(r"-?[0-9]{0,40}\.[0-9]{1,200}", re.ASCII)  # most of published digits
 _TOKEN = re.compile(
     r"\s*(?:([0-9]+\.[0-9]*|\.[0-9]+|[0-9]+)|([A-Za-z_][A-Za-z_0-9]*)|([-+*/(),]))", re.ASCII
 )
@@ -166,7 +167,7 @@ def weigh(text: str, weights: Mapping[str, Weight]) -> Weight:
     DataError
         When it is more than this module computes.
     """
-    if _RATIONAL.fullmatch(text):
+    if _RATIONAL.fullmatch(text) or _DECIMAL.fullmatch(text):
         return Weight(len(text), 0, 0, len(text))
     if len(text) > MAX_LENGTH:
         raise DataError(
@@ -265,8 +266,11 @@ def parse(
     number = rational(text)
     if number is not None:
         return number
-    tree = syntax_tree(text)
     evaluator = _Evaluator(text, constants or {}, digits)
+    if _DECIMAL.fullmatch(text):
+        size = evaluator.value(Number(text.removeprefix("-")))
+        return -size if text[0] == "-" else size
+    tree = syntax_tree(text)
     try:
         value = evaluator.value(tree)
     except ZeroDivisionError:

@@ -12,12 +12,14 @@ from typing import Any
 
 from ..errors import ExactnessError
 from ..exact import Exact, Scalar, linalg
+from ..exact.expression import shown_number
 from ..exact.linalg import Matrix, Vector
 from ..system.budget import spend
 from ..theory import polynomials as poly
 from ..theory.coefficients import is_zero, plus, times
 from ..theory.root_location import is_nonnegative, is_schur, real_roots, unimodular_roots
-from ..theory.stability import divided
+from ..theory.stability import schur_cohn
+from .ranges import Known
 
 _ZERO, _ONE = Exact(0), Exact(1)
 #: Most places that the search for exchanges of stages looks at before it gives up, open.
@@ -27,6 +29,21 @@ MAX_PLACES = 50_000
 def all_of(answers: Sequence[bool | None]) -> bool | None:
     """Conjunction in three values."""
     return False if False in answers else None if None in answers else True
+
+
+def compared(
+    found: Sequence[Scalar], declared: Sequence[Scalar], *, exact: bool, offset: int = 0
+) -> Known:
+    """Entry by entry: the first difference that is not zero decides, or else one that is open."""
+    differences = [x - y for x, y in zip(found, declared, strict=True)]
+    answers = [d.is_zero() for d in differences]
+    truth = all_of(answers)
+    if truth is True:
+        return Known(True, exact)
+    at = answers.index(truth)
+    size = max(d.magnitude() for d, a in zip(differences, answers, strict=True) if a is not True)
+    exact = exact and all(isinstance(d, Exact) for d in differences)
+    return Known(truth, exact, shown_number(found[at]), size, offset + at)
 
 
 def vanishes(matrix: Sequence[Sequence[Scalar]]) -> bool | None:
@@ -54,6 +71,11 @@ _VERTICES: dict[str, Callable[[str, int, str], bool]] = {
     "w": lambda colour, n, below: colour != "2" or n < 2,
     "rosenbrock": lambda colour, n, below: n < 2 if colour == "2" else n != 1,
 }
+
+
+def stands(system: str, colour: str, count: int, below: str = "") -> bool:
+    """Whether a vertex of a colour with so many children can stand in a tree of these systems."""
+    return _VERTICES[system](colour, count, below)
 
 
 def system_filter(system: str, trees: Any) -> Any:
@@ -380,20 +402,6 @@ def in_right_half(p: Any) -> bool:
     return is_schur(poly.trim(padded[::-1]))
 
 
-def fixed_part(P: Sequence[Any]) -> Any:
-    """Factor of P(w, z) that z does not occur in, a polynomial in w."""
-    common: Any = ()
-    for k in range(max(len(p) for p in P)):
-        layer = poly.trim([p[k] if k < len(p) else _ZERO for p in P])
-        if layer:
-            common = poly.gcd(common, layer) if common else layer
-    return common
-
-
-def _conjugate(p: Any) -> Any:
-    return tuple(x.conjugate() for x in p)
-
-
 def leaves_disc(q: Sequence[Any]) -> tuple[str | None, bool]:
     """Why some root w of q(w, y) leaves the closed disc for some real y, or ``None``.
 
@@ -404,38 +412,18 @@ def leaves_disc(q: Sequence[Any]) -> tuple[str | None, bool]:
     be its own mirror image, and its derivative by w takes its place (Cohn). Roots of modulus 1 are
     simple for y where all differences are positive and none vanishes but in degree 1.
     """
-    q, previous, strict = tuple(q), (_ONE,), True
-    while len(q) > 1:
-        low, high = q[0], q[-1]
-        if not poly.trim(low):
-            q = q[1:]
-            continue
-        difference = poly.sub(poly.mul(high, _conjugate(high)), poly.mul(low, _conjugate(low)))
-        difference = poly.trim(tuple(x.real for x in difference))
-        if not difference:
-            if any(
-                poly.sub(poly.mul(p, _conjugate(low)), poly.mul(_conjugate(other), high))
-                for p, other in zip(q, reversed(q), strict=True)
-            ):
-                return (
-                    "the eigenvalues of M(iy) are not mirrored in the unit circle and leave it",
-                    False,
-                )
-            if len(q) == 2:
-                return None, strict
-            q, previous, strict = (
-                tuple(poly.scale(k, p) for k, p in enumerate(q))[1:],
-                (_ONE,),
+    strict = True
+    for difference in schur_cohn(tuple(q)):
+        if difference is None:
+            return (
+                "the eigenvalues of M(iy) are not mirrored in the unit circle and leave it",
                 False,
             )
+        if not difference:
+            strict = False
             continue
         if not is_nonnegative(difference):
             return "for some y an eigenvalue of M(iy) lies outside the unit circle", False
         lowest = next(k for k, x in enumerate(difference) if not x.is_zero())
         strict = strict and real_roots(difference[lowest:]) == 0
-        reduced = tuple(
-            poly.sub(poly.mul(_conjugate(high), q[k + 1]), poly.mul(low, _conjugate(q[-2 - k])))
-            for k in range(len(q) - 1)
-        )
-        q, previous = divided(reduced, previous), high
     return None, strict

@@ -18,6 +18,7 @@ from ..catalogue.claims import (
     CLAIMS,
     DENSE_ORDER,
     EFFECTIVE_ORDER,
+    EMBEDDED_ORDER,
     EXPLICIT,
     FINISHING_ORDER,
     L_STABLE,
@@ -29,17 +30,28 @@ from ..catalogue.claims import (
     STAGE_ORDER,
     STARTING_ORDER,
     SYMMETRIC,
+    SYMPLECTIC,
+    W_ORDER,
     ZERO_STABLE,
 )
 from ..catalogue.files import document as shipped_document
 from ..errors import ExactnessError
 from ..exact import Exact, linalg
-from ..exact.expression import to_text
+from ..exact.expression import parse, to_text
 from ..exact.linalg import Matrix, Vector
 from ..findings import Proof, Verdict
 from ..theory import polynomials as poly
 from ..theory.coefficients import is_zero, plus, times
-from .algebra import consistency_vectors, difference, involutions, preconsistency, scalars
+from ..theory.root_location import in_closed_disc
+from .algebra import (
+    bounded,
+    consistency_vectors,
+    difference,
+    involutions,
+    is_exact,
+    preconsistency,
+    scalars,
+)
 from .certificate_enclosed import equation_numbers, method_proof, start_proofs
 from .field import Tower, radicals_of, written_out
 from .finders import proposal_for
@@ -82,11 +94,7 @@ def certificates_of(
 def _trees(series: StartingSeries, nystrom: bool) -> str:
     """Which trees a series is about, in the words of a certificate."""
     if isinstance(series.trees, Paths):
-        if not nystrom:
-            raise ExactnessError(
-                "certificates of orders by paths are written for second-order systems only"
-            )
-        return "paths"
+        return "nystrom-paths" if nystrom else "paths"
     return "nystrom" if nystrom else "all"
 
 
@@ -279,11 +287,8 @@ class _Writer:
         p = found.upper
         if p == 0:
             return [self._no_order()]
-        if (free, nystrom) not in self.kernel.series:
-            raise ExactnessError(
-                "certificates of orders by paths are written for second-order systems only"
-            )
-        series = self.kernel.series[free, nystrom]
+        # along paths the series with the identity as principal part serves a free one too
+        series = self.kernel.series[free and (free, nystrom) in self.kernel.series, nystrom]
         if not series.complete:
             raise ExactnessError("the eigenvalue 1 of V is multiple, and the series not unique")
         names = {
@@ -330,6 +335,8 @@ class _Writer:
     ) -> dict[str, list[str]]:
         """Rational numbers n(t) with n L = 0 that see the residual of one tree."""
         trees = series.trees
+        if isinstance(trees, Paths) and free:
+            return {trees.text[t]: ["1"] for t in trees.level(p + 1)}
         if not series.simple:
             return _Writer._wide_functional(series, p, free=free)
         if not free or p == 0:
@@ -347,9 +354,14 @@ class _Writer:
         rows = {t: row(t) for t in larger if t in series.determined} if p > 1 else {}
         target = row(trees.text.index(tree))
         if p == 1:
-            if any(target.values()):
-                raise ExactnessError("the functional of order 2 is not written out")
-            return {tree: ["1"]}
+            system = [row(t) for t in larger]
+            kept = tuple(tuple(Exact(x.get(s, Fraction(0))) for x in system) for s in smaller)
+            residuals = [scalars([series.residual(t)[0]])[0] for t in larger]
+            for n in linalg.nullspace(kept):
+                if not linalg.dot(n, residuals).is_zero():
+                    pairs = zip(larger, n, strict=True)
+                    return {trees.text[t]: _vector((x,)) for t, x in pairs if not x.is_zero()}
+            raise ExactnessError("no combination of the conditions refutes order 2")
         place = {s: j for j, s in enumerate(smaller)}
         names = list(rows)
         system = [tuple(Exact(rows[t].get(s, Fraction(0))) for t in names) for s in place]
@@ -412,11 +424,11 @@ class _Writer:
         raise ExactnessError("order 1 is not excluded by consistency")
 
     def _stage_order(self) -> list[Part]:
-        if self.kernel.timed is not self.kernel:
-            raise ExactnessError("certificates of stage orders with c apart are not written yet")
         found = self.kernel.range(STAGE_ORDER.key)
         parts = self._order()
         q = found.upper
+        if q == 0 and parts[0]["rule"] == "no-order-1":
+            return parts
         if q is None or found.lower != q or parts[0]["rule"] != "order-at-least":
             raise ExactnessError("the stage order is not settled")
         tree = (
@@ -429,14 +441,14 @@ class _Writer:
         ]
 
     def _failing_stage(self, witness: Mapping[str, Any], q: int) -> str:
-        series = self.kernel.series[witness["principal"] == "free", False]
+        series = self.kernel.timed.series[witness["principal"] == "free", False]
         trees = series.trees
         none = Kernel._none
         c = {
             trees.colour[t]: series.stage(t, series.eta.get(t, none(t, series)))
             for t in trees.level(1)
         }
-        for t in trees.level(q + 1):
+        for t in filter(series.counts, trees.level(q + 1)):
             power = times(Fraction(1, trees.density[t]), series.power(c[trees.colour[t]], q + 1))
             defect = plus(series.stage(t, series.eta.get(t, none(t, series))), times(-1, power))
             if witness["principal"] == "free" and q + 1 == witness["order"]:
@@ -452,17 +464,13 @@ class _Writer:
         known = kernel.order_range(free=free, nystrom=nystrom)
         if found.upper is None or found.lower != found.upper:
             raise ExactnessError("the order of the start is not settled")
+        if known.upper == 0 and kernel.exact:
+            return [self._no_order()]
         if not known.value or (free, nystrom) not in kernel.series:
             raise ExactnessError("the order of the start is not settled")
         if not kernel._exact_start():
             raise ExactnessError("certificates of enclosed starts are not written yet")
         q, p, series = found.upper, known.value, kernel.series[free, nystrom]
-        if isinstance(series.trees, Paths):
-            f, k = kernel.method.starting.components
-            if min(kernel._path_orders(f.A, k.A, p - 1)["f"]) < p - 1:
-                raise ExactnessError(
-                    "certificates of starts by paths need stages Q that are all the solution"
-                )
         given = kernel._start_series(series, p)
         eta = dict(kernel._shifted(series, given, p) if free else series.eta)
         trees = series.trees
@@ -551,21 +559,27 @@ class _Writer:
         return [self._vectors(v=True)] if self._truth() else [self._no_order()]
 
     def _preconsistent(self) -> list[Part]:
-        if self._truth():
-            return [self._vectors(v=False)]
+        return [self._vectors(v=False) if self._truth() else self._no_vector()]
+
+    def _no_vector(self) -> Part:
+        """A combination of V u = u, U u = 1 that contradicts itself."""
         for c, (_, U, _, V) in self.kernel.blocks.items():
             r = len(V)
             rows = (*linalg.sub(V, linalg.identity(r)), *U)
             right = [Exact(0)] * r + [Exact(1)] * len(U)
             for x in linalg.nullspace(linalg.transpose(rows)):
                 if not linalg.dot(x, right).is_zero():
-                    return [{
-                        "rule": "not-preconsistent",
-                        "witness": {"colour": c, "x": _vector(x[:r]), "y": _vector(x[r:])},
-                    }]  # fmt: skip
+                    witness = {"colour": c, "x": _vector(x[:r]), "y": _vector(x[r:])}
+                    return {"rule": "not-preconsistent", "witness": witness}
         raise ExactnessError("no vector refutes preconsistency")
 
     def _bounded(self, c: str) -> Part:
+        q, h = self._circle(c)
+        q = poly.squarefree(q) if len(q) > 1 else q
+        return {"rule": "bounded", "witness": {"which": c, "q": _vector(q), "h": _vector(h)}}
+
+    def _circle(self, c: str) -> tuple[Any, Any]:
+        """Factors of the characteristic polynomial of V: what it shares with its mirror image."""
         h = poly.characteristic_polynomial(self.kernel.blocks[c][3])
         q: Any = (Exact(1),)
         low = 0
@@ -577,17 +591,22 @@ class _Writer:
             if len(shared) <= 1:
                 break
             rest, q = poly.divide(rest, shared)[0], poly.mul(q, shared)
-        q = poly.squarefree(q) if len(q) > 1 else q
-        return {
-            "rule": "bounded",
-            "witness": {"which": c, "q": _vector(q), "h": _vector((*zeros, *rest))},
-        }
+        return q, (*zeros, *rest)
+
+    def _unbounded(self) -> Part:
+        """A root outside the circle, or a defective one on it, of the first V that has one."""
+        c = next(c for c, b in self.kernel.blocks.items() if bounded(b[3]) is False)
+        value: dict[str, Any] = {"charpoly": True}
+        if is_exact(self.kernel.blocks[c][3]):
+            q, h = self._circle(c)
+            if in_closed_disc(poly.mul(q, h)):
+                value["chain"] = {"q": _vector(q), "h": _vector(h)}
+        return {"rule": "unbounded", "witness": {"which": c, "value": value}}
 
     def _zero_stable(self) -> list[Part]:
         if self._truth():
             return [self._bounded(c) for c in self.kernel.blocks]
-        c = next(iter(self.kernel.blocks))
-        return [{"rule": "unbounded", "witness": {"which": c, "value": {"charpoly": True}}}]
+        return [self._unbounded()]
 
     def _symplectic(self) -> list[Part]:
         if self._truth():
@@ -604,14 +623,16 @@ class _Writer:
         for i in range(len(b)):
             for j in range(len(b_hat)):
                 value = b[i] * A_hat[i][j] + b_hat[j] * A[j][i] - b[i] * b_hat[j]
-                if not value.is_zero():
+                if value.is_zero() is False:
                     return [{"rule": "not-quadratic", "witness": {"entry": [i, j]}}]
-        raise ExactnessError("b and b^ differ: not written out")
+        gaps = [x - y for x, y in zip(b, b_hat, strict=True)]
+        at = next(i for i, x in enumerate(gaps) if x.is_zero() is False)
+        return [{"rule": "not-quadratic", "witness": {"weight": at}}]
 
     def _g_symplectic(self) -> list[Part]:
         proposed = self._witness()
         if self._truth():
-            G, diagonals = proposed["form"]
+            G, diagonals = proposed.get("form") or self._eliminated_form()
             names = ("D_P", "D_Q") if self.kernel.is_pair else ("D",)
             witness = {"G": _matrix(G)}
             witness |= {n: _vector(d) for n, d in zip(names, diagonals, strict=True)}  # type: ignore[misc]
@@ -631,13 +652,22 @@ class _Writer:
             return [self._vectors(v=False), {"rule": "given-form-fails", "witness": where}]
         return self._no_form()
 
+    def _eliminated_form(self) -> tuple[Matrix, list[Vector]]:
+        """A form that no finder proposes."""
+        vectors = [preconsistency(b[1], b[3]) for b in self.kernel.blocks.values()]
+        u, u_hat = vectors[0], vectors[-1]
+        assert u is not None and u_hat is not None
+        found = self.kernel.some_form(u, u_hat)
+        assert found is not None
+        return found
+
     def _no_form(self) -> list[Part]:
         """Factors of the identities whose sum is u^* G u, whatever G and D are."""
         kernel = self.kernel
         vectors = [preconsistency(b[1], b[3]) for b in kernel.blocks.values()]
         u, u_hat = vectors[0], vectors[-1]
         if u is None or u_hat is None:
-            raise ExactnessError("without u there is no form: not written out")
+            return [self._no_vector()]
         values, columns, labels = kernel.form_system(u, u_hat)
         # x (columns) = values: a combination of the identities
         rows = [(*row, -value) for row, value in zip(columns, values, strict=True)]
@@ -708,7 +738,15 @@ class _Writer:
         return [{"rule": "other-abscissae", "witness": {**witness, "stage": at}}]
 
     def _error_constant(self) -> list[Part]:
-        p = self.facts.classical_order.order
+        multistep = self.facts.method.multistep
+        assert multistep is not None
+        alpha, beta = multistep
+        p, defect = -2, Exact(0)
+        while defect.is_zero():
+            p += 1
+            q, defect = p + 1, Exact(0)
+            for m, (a, b) in enumerate(zip(alpha, beta, strict=True)):
+                defect = defect + a * m**q - (b * (q * m ** (q - 1)) if q else Exact(0))
         rule = "error-constant" if self.holds else "other-error-constant"
         return [{"rule": rule, "witness": {"order": p}}]
 
@@ -744,7 +782,7 @@ class _Writer:
         part = {"rule": "not-a-stable", "witness": {kind: True}}
         if kind != "start":
             return [part]
-        return [{"rule": "unbounded", "witness": {"which": "o", "value": {"charpoly": True}}}, part]
+        return [self._unbounded(), part]
 
     def _l_stable(self) -> list[Part]:
         if self._truth():
@@ -780,9 +818,8 @@ class _Writer:
         return parts, dict(proposed)
 
     def _growth(self) -> list[Part]:
-        if "power-bounded" in self.judged.reason:
-            c = next(iter(self.kernel.blocks))
-            return [{"rule": "unbounded", "witness": {"which": c, "value": {"charpoly": True}}}]
+        if self.kernel._unstable():
+            return [self._unbounded()]
         parts, proposed = self._eigen()
         declared = self.declared if isinstance(self.declared, list) else []
         if self.holds:
@@ -792,18 +829,37 @@ class _Writer:
                 lists.append([str(x) for x in declared[at : at + size]])
                 at += size
             return [*parts, {"rule": "growth", "witness": {"list": lists}}]
-        at = self._growing(declared)
-        return [*parts, {"rule": "grows", "witness": {"part": at}}]
+        return [*parts, {"rule": "grows", "witness": {"part": self._growing(declared)}}]
 
     def _growing(self, declared: list[Any]) -> int:
-        shown = self.judged.reason.split()
-        if shown[:1] == ["number"] and not self.kernel.is_pair:
-            return int(shown[1])
-        return -1  # the number of parameters is another one
+        """The part whose parameters are others than declared, or -1: their number is another."""
+        groups = self.kernel._growth_matrices(self._witness())
+        first = [not self.kernel.is_pair and bool((zeta - 1).is_zero()) for zeta, _ in groups]
+        sizes = [
+            sum(len(m) - one for m in found) for one, (_, found) in zip(first, groups, strict=True)
+        ]
+        if sum(sizes) != len(declared):
+            return -1
+        numbers = [parse(str(x)) for x in declared]
+        for k, (one, (_, found)) in enumerate(zip(first, groups, strict=True)):
+            mine, numbers = numbers[: sizes[k]], numbers[sizes[k] :]
+            if self.kernel.is_pair:
+                if any(not x.is_zero() for m in found for row in m for x in row):
+                    return k
+            elif len(found[0]) > one or mine:
+                wanted = [Exact(1), *mine] if one else mine
+                if self.kernel._same_spectrum(found[0], wanted).truth is False:
+                    return k
+        raise ExactnessError("no growth parameter is another one than declared")
 
     def _parasitism_free(self) -> list[Part]:
-        if "power-bounded" in self.judged.reason:
+        if self.kernel._unstable():
             return self._growth()
+        if self._truth() and self.kernel.is_pair and not self.kernel.shared:
+            ends = [poly.characteristic_polynomial(b[3]) for b in self.kernel.blocks.values()]
+            if poly.share_only_one(*ends):
+                bounded = [self._bounded(c) for c in self.kernel.blocks]
+                return [*bounded, {"rule": "unshared", "witness": {}}]
         parts, _ = self._eigen()
         if self._truth():
             return [*parts, {"rule": "growth", "witness": {"list": "zero"}}]
@@ -829,10 +885,14 @@ class _EnclosedWriter(_Writer):
             return [self._bounded(c) for c in kernel.blocks]
         if claim == EXPLICIT.key:
             return self._explicit()
+        if claim == EMBEDDED_ORDER.key and kernel.implied is not None:
+            return [self._row(name, x) for name, x in kernel.row_kernels]
         if claim == REDUCIBLE.key and not self._truth():
             return [{"rule": "irreducible", "witness": {}}]
         if claim == SYMMETRIC.key and not self._truth():
             return [{"rule": "not-symmetric", "witness": {"stages": True}}]
+        if claim == SYMPLECTIC.key and not self._truth() and not kernel.is_pair:
+            return self._symplectic()
         if self.holds and kernel.implied is not None:
             self.identities.append("holds at the one root of the equations of the file")
             return [{"rule": "implied", "witness": {}}]
@@ -846,7 +906,8 @@ class _EnclosedWriter(_Writer):
         if claim in (ORDER.key, STAGE_ORDER.key):
             free = not self.kernel.one_step
         nystrom = claim == NYSTROM_ORDER.key
-        parts = self._bounds(free=free, nystrom=nystrom)
+        kernel = self.kernel.any_matrix if claim == W_ORDER.key else None
+        parts = self._bounds(free=free, nystrom=nystrom, kernel=kernel)
         if claim != STAGE_ORDER.key:
             return parts if self.holds else parts[1:]
         found, p = self.kernel.range(claim), parts[0]["witness"]["order"]
@@ -860,8 +921,12 @@ class _EnclosedWriter(_Writer):
             {"rule": "not-stage-order", "witness": {"q": q, "tree": tree}},
         ]
 
-    def _bounds(self, *, free: bool, nystrom: bool) -> list[Part]:
-        found = self.kernel.order_range(free=free, nystrom=nystrom)
+    def _row(self, name: str, kernel: Kernel) -> Part:
+        parts = self._bounds(free=False, nystrom=False, kernel=kernel)
+        return {"rule": "row", "witness": {"row": name, "parts": parts}}
+
+    def _bounds(self, *, free: bool, nystrom: bool, kernel: Kernel | None = None) -> list[Part]:
+        found = (kernel or self.kernel).order_range(free=free, nystrom=nystrom)
         if found.upper is None:
             raise ExactnessError("the order is not settled")
         names = {

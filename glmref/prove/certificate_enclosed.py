@@ -17,6 +17,7 @@ from ..exact.expression import parse
 from .classes import Family, plan
 from .enclosure import prove, radius_of
 from .krawczyk import Outcome, krawczyk
+from .simplifying import RungeKuttaSystem
 from .starting import (
     RADIUS,
     Target,
@@ -56,11 +57,14 @@ def method_proof(document: Mapping[str, Any], order: int) -> Block:
     ExactnessError
         When the test does not succeed.
     """
-    system = SweepSystem(document)
+    one_step = document.get("class") in ("rk", "rosenbrock")
+    system = RungeKuttaSystem(document) if one_step else SweepSystem(document)
     texts = [document["unknowns"][name] for name in system.unknowns]
     published = [ball(parse(x, digits=document.get("digits", 75))) for x in texts]
     radius = document["enclosure"].get("radius", "1e-60")
     block = {"radius": radius, **_test(system.residuals, published, radius_of(document))}
+    if isinstance(system, RungeKuttaSystem):
+        return block
     if system.is_partitioned:
         return block | {"trees": "nystrom" if system.family is Family.SECOND_ORDER else "all"}
     free = {}

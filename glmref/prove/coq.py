@@ -12,7 +12,8 @@ What is written, by claim:
 
 ====================  ============================================================================
 order                 one-step methods: the classical order conditions, and one tree that fails at
-                      the next order; others: a starting series, over all trees
+                      the next order; others: a starting series, over all trees; where its first
+                      value is the solution, also one tree that fails at the next order
 G-symplectic          G, D
 symmetric             L, P
 zero growth           X, y with B U = V X - X V + u y^T, so that w B U v = 0 for eigenvectors
@@ -54,7 +55,7 @@ _HEADER = """\
 
    Written by `glmref certify --format coq {name}`, checked with the library in checker/coq. *)
 From Coq Require Import List QArith.
-From Glmref Require Import Trees Field GLM Symplectic.
+From Glmref Require Import Trees Field GLM Symplectic NotOrder.
 Import ListNotations.
 Open Scope nat_scope.
 """
@@ -211,8 +212,73 @@ class _Writer:
             self.theorem(
                 f"order_{p}", f"has_order {value} {p}", f"apply identity_order, {earlier}, H."
             )
+            self.not_order(found, palette, value, method_K)
         else:
             self.theorem(f"order_{p}", f"has_order {value} {p}", f"apply (@check_order {proof}")
+
+    def weight(self, t: Tree) -> Element:
+        """Elementary weight b phi(t) of methods that carry one value, in the tower."""
+        blocks = {
+            c.colour: [
+                [[self.tower.number(as_exact(x)) for x in row] for row in M] for M in (c.A, c.B)
+            ]
+            for c in self.method.components
+        }
+
+        def phi(t: Tree) -> list[Element]:
+            product = [self.tower.number(1)] * len(blocks[t.colour][1][0])
+            for child in t.children:
+                below = phi(child)
+                stages = [_dot(row, below) for row in blocks[child.colour][0]]
+                product = [x * y for x, y in zip(product, stages, strict=True)]
+            return product
+
+        return _dot(blocks[t.colour][1][0], phi(t))
+
+    def not_order(self, found: OrderResult, palette: str, value: str, method_K: str) -> None:
+        """The next order fails at one tree, where the series with the identity is the only one."""
+        t, p = found.failing_tree, found.order
+        resolvents = [_resolvent(c.V) for c in self.method.components]
+        solutions = [x for x in resolvents if x is not None]
+        if t is None or found.residual is None or found.principal != "identity":
+            return
+        if len(solutions) < len(resolvents):  # 1 is no simple eigenvalue
+            return
+        Zs = [self.matrix(Z) for Z, _ in solutions]
+        numbers = [self.vector(a) for _, a in solutions]
+        for name, kind, texts in (("Z", "list (list num)", Zs), ("a", "list num", numbers)):
+            choice = texts[0] if len(texts) == 1 else f"if c then {texts[1]} else {texts[0]}"
+            self.define(name, f"{palette} -> {kind}", f"fun c => {choice}")
+        (V,) = (c.V for c in self.method.components if c.colour == t.colour)
+        (w,) = linalg.nullspace(linalg.transpose(linalg.sub(V, linalg.identity(len(V)))))
+        assert found.eta is not None
+        seen = linalg.dot(w, found.eta.empty(t.colour))
+        norm = self.tower.number(as_exact(seen))
+        if self.method.is_one_step:  # reduced in the tower: not every number has a form by roots
+            residual = self.weight(t) - Fraction(1, t.density)
+        else:
+            residual = self.tower.number(as_exact(found.residual))
+        self.theorem(
+            f"not_order_identity_{p + 1}",
+            f"~ has_order_identity {value} {p + 1}",
+            f"apply (@check_not_order_identity {palette} T {method_K} u eta Z a F x H\n"
+            f"  {p} ({self.tree(t, palette)}) {self.vector(w)}\n"
+            f"  ({self.number(1 / (residual * norm))})); {_COMPUTE}",
+        )
+
+
+def _resolvent(V: Matrix) -> tuple[Matrix, Vector] | None:
+    """Rows z and numbers a with z (I - V) + a e_1 = e_i: where 1 is simple and u_1 not 0."""
+    r, rows, numbers = len(V), [], []
+    shifted = linalg.transpose(linalg.sub(linalg.identity(r), V))
+    system = tuple((*row, Exact(int(i == 0))) for i, row in enumerate(shifted))
+    for unit in linalg.identity(r):
+        found = solve_affine(system, unit)
+        if found.failed is not None or found.undecided:
+            return None
+        rows.append(tuple(found.point[:r]))
+        numbers.append(found.point[r])
+    return tuple(rows), tuple(numbers)
 
 
 def _comment(text: str) -> str:
@@ -234,7 +300,7 @@ class _One(_Writer):
         else:
             self.block("M", (m.A, m.U, m.B, m.V))
             found = order_of(m, max_order=MAX_ORDER, principal="free")
-            same = order_of(m, max_order=max(found.order, 1), principal="identity")
+            same = order_of(m, max_order=found.order + 1, principal="identity")
             best = same if same.order == found.order else found
             self.starting_series(best, "rooted", "fun _ : rooted => method F x T M", "(fun _ => M)")
         self.form()
@@ -258,23 +324,6 @@ class _One(_Writer):
                 f"apply (@check_rk_not_order T a b F x H {p + 1} ({term})\n"
                 f"  ({self.number(inverse)})); {_COMPUTE}",
             )
-
-    def weight(self, t: Tree) -> Element:
-        """Elementary weight b phi(t), in the tower."""
-        A, (b,) = (
-            [[self.tower.number(as_exact(x)) for x in row] for row in a]
-            for a in (self.method.A, self.method.B)
-        )
-
-        def phi(t: Tree) -> list[Element]:
-            product = [self.tower.number(1)] * len(A)
-            for child in t.children:
-                below = phi(child)
-                stages = [_dot(row, below) for row in A]
-                product = [x * y for x, y in zip(product, stages, strict=True)]
-            return product
-
-        return _dot(b, phi(t))
 
     def form(self) -> None:
         """G-symplecticity where it holds with plain transposes: of real methods."""

@@ -30,7 +30,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cache, cached_property
-from typing import Any
+from typing import Any, Protocol
 
 from ..catalogue.strict_json import shown
 from ..errors import DataError, ExactnessError
@@ -47,7 +47,7 @@ from .order_conditions import covered
 from .starting import Target, prove_blocks
 from .system import SweepSystem
 
-__all__ = ["Enclosure", "obstruction", "prove", "radius_of", "shift_matrix"]
+__all__ = ["Enclosure", "obstruction", "prove", "radius_of", "root_of", "shift_matrix"]
 
 #: Redundant identities are enclosed in balls around zero no wider than this.
 WIDTH = 1e-50
@@ -130,7 +130,7 @@ def prove(document: Mapping[str, Any]) -> Enclosure:
     if not system.families:
         raise DataError("a file with an `enclosure` must claim an order of at least 1")
     signs = _checked_signs(system)
-    root = _root(document, system)
+    root = root_of(document, system)
     form, principal = system.read(dict(zip(system.unknowns, root.box, strict=True)))
     form = replace(form, explicit=system.explicit)
     for name, weights in zip(system.names, form.D.values(), strict=True):
@@ -236,8 +236,34 @@ def radius_of(document: Mapping[str, Any]) -> Fraction:
     return radius
 
 
-def _root(document: Mapping[str, Any], system: SweepSystem) -> Krawczyk:
-    """Run the interval test around the digits of the file."""
+class Square(Protocol):
+    """A system of as many equations as unknowns, over any scalar."""
+
+    @property
+    def unknowns(self) -> tuple[str, ...]:
+        """Their names."""
+        ...
+
+    @property
+    def equations(self) -> Sequence[Any]:
+        """Each with its ``text``."""
+        ...
+
+    def residuals(self, values: Sequence[Any]) -> list[Any]:
+        """Left minus right side of every equation."""
+        ...
+
+
+def root_of(document: Mapping[str, Any], system: Square) -> Krawczyk:
+    """Run the interval test around the digits of the file.
+
+    Raises
+    ------
+    DataError
+        Where the equations are not as many as the unknowns.
+    ExactnessError
+        Where the test does not find exactly one root within the digits.
+    """
     radius, digits = radius_of(document), document.get("digits", 75)
     if len(system.equations) != len(system.unknowns):
         raise DataError(
@@ -263,7 +289,7 @@ def _root(document: Mapping[str, Any], system: SweepSystem) -> Krawczyk:
 
 
 def _check_satisfied(
-    document: Mapping[str, Any], system: SweepSystem, published: Sequence[Ball]
+    document: Mapping[str, Any], system: Square, published: Sequence[Ball]
 ) -> None:
     """Name the equation that has no solution within the digits, where there is one."""
     for e, x in zip(system.equations, system.residuals(published), strict=True):

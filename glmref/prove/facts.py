@@ -15,13 +15,11 @@ from ..exact import Scalar
 from ..exact.linalg import Vector
 from ..findings import Proof
 from ..method import Method
-from ..theory.a_stability import a_stability, l_stability
 from ..theory.consistency import consistency, zero_stability
-from ..theory.nystrom import is_nystrom, nystrom_order_of
+from ..theory.nystrom import nystrom_order_of
 from ..theory.order import order_of
 from ..theory.parasitism import growth
 from ..theory.reduction import reduction
-from ..theory.starting import finishing_order, starting_order, zero_start_order
 from ..theory.symmetry import symmetry
 from ..theory.symplectic import g_symplectic
 from ..theory.trees import single, tree
@@ -132,40 +130,6 @@ class Facts:
         return self.order_identity if same else self.order
 
     @cached_property
-    def starting_order(self) -> tuple[int, str]:
-        """Order to which the start agrees with the starting series, and why.
-
-        It is the starting method of the file. A method of several components whose file has none
-        starts from (y_0, 0, ..).
-        """
-        if self.is_single and self.method.starting is None:
-            return 0, "the file gives no starting method"
-        return self._start_against(self.order if self.is_single else self.order_identity)
-
-    @cached_property
-    def nystrom_starting_order(self) -> tuple[int, str]:
-        """The same on second-order systems."""
-        return self._start_against(
-            self.nystrom_order, counts=is_nystrom, compared="all trees of second-order systems"
-        )
-
-    def _start_against(self, known: OrderResult, **options: Any) -> tuple[int, str]:
-        if self.method.starting is None:
-            return zero_start_order(known)
-        found = starting_order(self.method, self.method.starting, known=known, **options)
-        return found.order, found.witness
-
-    @cached_property
-    def finishing_order(self) -> tuple[int, str]:
-        """Order to which the file's finishing method undoes the start, and why."""
-        if self.method.finishing is None:
-            return 0, "the file gives no finishing method"
-        found = finishing_order(
-            self.method, self.method.finishing, starting=self.method.starting, known=self.order
-        )
-        return found.order, found.witness
-
-    @cached_property
     def g_symplecticity(self) -> GSymplecticity:
         """The form G with its diagonals, that of the file or one found."""
         return g_symplectic(self.method)
@@ -210,16 +174,6 @@ class Facts:
         if residual is None:
             return None
         return (residual * Fraction(-1, factorial(result.order)),)
-
-    @cached_property
-    def a_stability(self) -> Any:
-        """Whether M(z) is power-bounded in the left half-plane."""
-        return a_stability(self.linear)
-
-    @cached_property
-    def l_stability(self) -> Any:
-        """A-stable, and M(z) tends to a nilpotent matrix as z tends to minus infinity."""
-        return l_stability(self.linear)
 
     @property
     def linear(self) -> Any:

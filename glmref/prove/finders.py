@@ -113,6 +113,8 @@ def _symmetric(facts: Facts) -> Proposal:
 
 def _symmetric_reduced(facts: Facts) -> Proposal:
     def witness() -> Mapping[str, Any]:
+        if not facts.method.is_exact:
+            return {}
         smaller = reduce(facts.method)
         found = symmetry(smaller)
         known: dict[str, Any] = {"reduced": smaller}

@@ -16,6 +16,8 @@ symmetric                 D and X palindromic for all values of the unknowns, up
                           row; E G E = G, E V^-1 E = V
 order >= p                preconsistent; symmetric (or a product of flows); the equations give all
                           conditions of the odd orders through p (of all orders)
+order, w-order >= p, rows classes rk (c = A 1) and rosenbrock: the equations give every tree through
+                          p for the weights of each row, those of b by D(1) (:mod:`.simplifying`)
 order-identity >= p       that, and every principal part below p is an exact zero
 explicit                  the equations ``explicit I``
 growth = 0                V has r different eigenvalues, and for each of modulus 1 other than 1, as
@@ -43,6 +45,7 @@ from typing import Any
 from ..catalogue.claims import (
     CONSISTENT,
     EFFECTIVE_ORDER,
+    EMBEDDED_DIFFERENCE,
     G_SYMPLECTIC,
     NYSTROM_ORDER,
     NYSTROM_STARTING_ORDER,
@@ -54,6 +57,7 @@ from ..catalogue.claims import (
     STARTING_ORDER,
     SYMMETRIC,
     SYMPLECTIC,
+    W_ORDER,
 )
 from ..errors import DataError, ExactnessError
 from ..exact import Exact, linalg
@@ -62,13 +66,14 @@ from ..exact.linalg import Matrix
 from .classes import Family, classes
 from .enclosure import Enclosure, prove
 from .order_conditions import abscissae
+from .simplifying import prove_runge_kutta
 from .starting import prove_blocks, target_of
 from .system import Affine, SweepSystem
 
 __all__ = ["ENCLOSED", "Implied", "implied_by"]
 
 #: Classes whose equations have a meaning.
-ENCLOSED = frozenset({"sweep", "pair-sweep", "splitting"})
+ENCLOSED = frozenset({"sweep", "pair-sweep", "splitting", "rk", "rosenbrock"})
 _SEAL = object()
 
 
@@ -88,6 +93,8 @@ class Implied:
         Where all of them are fixed exactly.
     zeros : bool
         Whether entries of A are exact zeros by an equation.
+    rows : Mapping[str, int]
+        Embedded row -> a lower bound of its order.
     """
 
     true: Mapping[str, str] = field(default_factory=dict)
@@ -95,11 +102,16 @@ class Implied:
     growth_zeros: int | None = None
     abscissae: Sequence[Fraction] | None = None
     zeros: bool = False
+    rows: Mapping[str, int] = field(default_factory=dict)
     seal: object = None
 
     def __post_init__(self) -> None:
         if self.seal is not _SEAL:
             raise TypeError("only the table of implications makes these")
+
+    def of_row(self, name: str) -> Implied:
+        """What is true of the method with the weights of an embedded row."""
+        return Implied(at_least={ORDER.key: self.rows.get(name, 0)}, seal=_SEAL)
 
 
 def implied_by(document: Mapping[str, Any] | None, method: Any) -> Implied | None:
@@ -128,7 +140,20 @@ def implied_by(document: Mapping[str, Any] | None, method: Any) -> Implied | Non
             "a file with an `enclosure` must claim an order of at least 1: it says which equations "
             "are needed"
         )
-    return _enclosed(document)
+    one_step = kind in ("rk", "rosenbrock")
+    return _enclosed_runge_kutta(document) if one_step else _enclosed(document)
+
+
+def _enclosed_runge_kutta(document: Mapping[str, Any]) -> Implied:
+    orders, any_matrix = prove_runge_kutta(document)
+    p, rows = orders[""], orders.keys() - {""}
+    true = {PRECONSISTENT.key: "U = V = 1", CONSISTENT.key: "the condition of one vertex"}
+    if rows and all(orders[x] for x in rows):  # b and each row sum to 1
+        true[EMBEDDED_DIFFERENCE.key] = "the condition of one vertex for each row"
+    if document["class"] == "rosenbrock":
+        return Implied(true, {ORDER.key: p, W_ORDER.key: any_matrix}, rows=orders, seal=_SEAL)
+    at_least = {x.key: p for x in (ORDER, ORDER_IDENTITY, EFFECTIVE_ORDER)}
+    return Implied(true, at_least | {STAGE_ORDER.key: 1}, rows=orders, seal=_SEAL)
 
 
 def _enclosed(document: Mapping[str, Any]) -> Implied:
@@ -158,7 +183,7 @@ def _enclosed(document: Mapping[str, Any]) -> Implied:
     zeros = _all_growths(system)
     if zeros is not None:
         true[PARASITISM_FREE.key] = "the growth parameters are equations"
-    return Implied(true, at_least, zeros, abscissae(system), bool(system.explicit), _SEAL)
+    return Implied(true, at_least, zeros, abscissae(system), bool(system.explicit), seal=_SEAL)
 
 
 def _orders(system: SweepSystem, record: Enclosure) -> dict[str, int]:
@@ -229,7 +254,7 @@ def _by_start(document: Mapping[str, Any], method: Any) -> Implied | None:
         claims = prove_blocks(document, target_of(method))
     except (DataError, ExactnessError):
         return None
-    return Implied({}, claims, None, None, False, _SEAL)
+    return Implied({}, claims, None, None, False, seal=_SEAL)
 
 
 def _zero_start(system: SweepSystem, most: int, family: Family) -> int:

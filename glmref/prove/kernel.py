@@ -37,43 +37,24 @@ from ..catalogue.claims import (
 )
 from ..errors import ExactnessError
 from ..exact import Exact, Scalar, ball, linalg
-from ..exact.expression import Text, parse, shown_number
+from ..exact.expression import Text, parse
 from ..exact.linalg import Matrix, Vector
 from ..findings import Proof, Verdict
-from ..method import GLM, Method
+from ..method import Method
 from ..method.solution_value import first_functional, output, outputs
 from ..system.budget import fits
-from ..theory import polynomials as poly
 from ..theory.coefficients import is_zero, plus, times, weighted
-from ..theory.root_location import (
-    in_closed_disc,
-    is_schur,
-    unimodular_roots,
-)
-from ..theory.stability import (
-    leading_part,
-    on_imaginary_axis,
-    only_zeros,
-    stability_matrix,
-    stability_polynomial,
-    without_content,
-)
 from .algebra import (
     acyclic,
     all_of,
     bilinear,
-    bounded,
+    compared,
     consistency_vectors,
     difference,
-    escape,
     first_nonzero,
-    fixed_part,
     full_rank,
-    in_right_half,
     involutions,
     is_exact,
-    leaves_disc,
-    multiple_on_axis,
     nystrom_filter,
     preconsistency,
     scalars,
@@ -83,17 +64,20 @@ from .algebra import (
     vanishes,
 )
 from .forest import Paths, forest, paths
+from .growth_rules import GrowthRules
 from .implications import Implied
 from .ranges import MAX_ORDER, Known, Range
 from .rows import RowRules
 from .series import (
     Component,
+    NoOrderOne,
     NotPreconsistent,
     StartingSeries,
     component,
     read,
     tableau_series,
 )
+from .stability_rules import StabilityRules
 
 __all__ = [
     "Judgement",
@@ -109,6 +93,8 @@ __all__ = [
 
 _ZERO, _ONE = Exact(0), Exact(1)
 _SEAL = object()
+#: Whose slopes a component uses: its own, or of a pair those of the other one.
+_OTHER: Mapping[str, str] = {"o": "o", "f": "k", "k": "f"}
 #: What the numbers of a claim are called in a sentence.
 _CALLED: Mapping[str, str] = {
     GROWTH.key: "growth parameters",
@@ -121,8 +107,6 @@ HIGHEST = 14
 LONGEST_PATH = 20
 #: A residual above this is no rounding; nor is one above that where digits were meant to count.
 SMALL, ROUNDING = 1e-3, 1e-9
-#: Points of the imaginary axis at which a violation of A-stability is looked for.
-SAMPLES = tuple(Fraction(x) for x in ("1", "3", "1/3", "10", "1/10", "50", "1/50", "2", "6"))
 
 
 class Judgement:
@@ -216,7 +200,7 @@ def _number(text: object) -> Scalar:
     return text.value if isinstance(text, Text) else parse(str(text))
 
 
-class Kernel(RowRules):
+class Kernel(RowRules, GrowthRules, StabilityRules):
     """The rules, for one method.
 
     Parameters
@@ -308,7 +292,6 @@ class Kernel(RowRules):
             truth = False
         elif found.lower == found.upper == wanted:
             truth = True
-        settled = found.lower == found.upper
         residual = found.residual
         if truth is True:
             residual = max(found.sizes[:wanted], default=0.0)
@@ -320,7 +303,7 @@ class Kernel(RowRules):
         return self._made(
             truth,
             exact=found.exact,
-            value=found.upper if settled else found.value,
+            value=found.value,
             residual=residual,
             reason=reason,
         )
@@ -409,7 +392,7 @@ class Kernel(RowRules):
             components = self._components
         except NotPreconsistent as reason:
             return Range(0, 0, exact=self.exact, reason=f"not preconsistent: {reason}")
-        if self.is_pair and not self.shared:
+        if not self.shared:
             found = self._along_paths(components, free=free, nystrom=nystrom)
             if found is not None:
                 return found
@@ -419,9 +402,7 @@ class Kernel(RowRules):
         found = None if free else self._above_implied(series, nystrom)
         if found is not None:
             return found
-        most = self._most
-        if nystrom and self.one_step and not self.shared:  # of these there are few
-            most = HIGHEST - 1
+        most = self._most(nystrom=nystrom)
         lower, sizes = 0, []
         proved = all(c.certain for c in components.values())
         for n in range(1, most + 1):
@@ -546,8 +527,7 @@ class Kernel(RowRules):
         found = self.order_range(free=not self.one_step)
         if found.value > MAX_ORDER[0] - 2:  # what was computed once is not computed again
             return [*found.sizes, found.residual]
-        low = min(self._most, MAX_ORDER[2]) if self.is_pair else self._most
-        most = self._most if self.one_step and not self.is_pair else low - 2
+        most = self._most_measured
         try:
             components = {
                 c: component(
@@ -583,12 +563,22 @@ class Kernel(RowRules):
         beyond = self._bush(series, most + 1)
         return sizes if beyond is None else [*sizes, beyond.magnitude()]
 
-    @property
-    def _most(self) -> int:
+    def _most(self, *, nystrom: bool = False) -> int:
         """Largest order to which trees are compared; one value carried needs no cuts of trees."""
         if not self.is_pair:
             return HIGHEST if self.one_step else MAX_ORDER[0]
-        return MAX_ORDER[min(len(self.blocks), 4)] if self.shared else MAX_ORDER[1]
+        if self.shared:
+            return MAX_ORDER[min(len(self.blocks), 4)]
+        # of the trees of second-order systems there are few
+        return HIGHEST - 1 if nystrom and self.one_step else MAX_ORDER[1]
+
+    @property
+    def _most_measured(self) -> int:
+        """The same where nothing is to be proved: two orders fewer where trees have cuts."""
+        most = self._most()
+        if self.is_pair:
+            return min(most, MAX_ORDER[2]) - 2
+        return most if self.one_step else most - 2
 
     def _beyond(
         self,
@@ -641,15 +631,18 @@ class Kernel(RowRules):
         free = not self.one_step
         order = self.order_range(free=free)
         top, exact = order.value, order.exact
-        if not top or (free, False) not in self.timed.series:
-            return Range(0, 0, exact=exact, reason="found 0")
+        if not top:
+            return Range(0, order.upper, exact=exact, reason="found 0")
+        if (free, False) not in self.timed.series:  # a start with free principal parts, by paths
+            reason = "trees with branches, which stage order asks for, were not compared"
+            return Range(1, None, exact=exact, value=1, reason=reason)
         series = self.timed.series[free, False].through(top)
         trees, nodes = series.trees, series.trees.level(1)
         c = {
             trees.colour[t]: series.stage(t, series.eta.get(t, self._none(t, series)))
             for t in nodes
         }
-        lower, proved = 0, True
+        lower = top if order.lower else 0
         for q in range(1, top + 1):
             answers = []
             for t in filter(series.counts, trees.level(q)):
@@ -660,10 +653,11 @@ class Kernel(RowRules):
                     defect = tuple(plus(x, times(-1, defect[0])) for x in defect[1:])
                 answers.append(is_zero(defect))
             if False in answers:
+                lower = min(lower, q - 1)
                 return Range(lower, q - 1, exact=exact, value=q - 1, reason=f"found {q - 1}")
             # of order 1 the condition says what the abscissae are
-            proved = proved and (q == 1 or None not in answers) and order.lower >= min(q, 1)
-            lower = q if proved else lower
+            if None in answers and q > 1:
+                lower = min(lower, q - 1)
         upper = order.upper
         return Range(min(lower, order.lower), upper, exact=exact, value=top, reason=f"found {top}")
 
@@ -695,16 +689,14 @@ class Kernel(RowRules):
         base = NYSTROM_ORDER if nystrom else ORDER_IDENTITY if self.is_pair else ORDER
         known = self._with_implied(base.key, known)
         p = known.value
-        if not p or (free, nystrom) not in self.series:
-            return Range(0, 0 if known.upper == 0 else None, exact=self.exact,
+        if not p:
+            return Range(0, known.upper, exact=self.exact,
                          reason="the method has no starting series to agree with")  # fmt: skip
         series = self.series[free, nystrom].through(p)
         given = self._start_series(series, p)
         eta = self._shifted(series, given, p) if free else series.eta
         trees, none = series.trees, self._none
-        proved = (
-            series.complete and known.lower > 0 and self._start_fits(series, p, nystrom=nystrom)
-        )
+        proved = self._start_fits(series, p, nystrom=nystrom)
         for c, x in series.components.items():
             gap = difference(given[c], x.u)
             bad = next((i for i, y in enumerate(gap) if y.is_zero() is False), None)
@@ -724,8 +716,9 @@ class Kernel(RowRules):
                     gap = self._without_principal(series, t, gap)
                 bad = next((i for i, y in enumerate(gap) if y.is_zero() is False), None)
                 if bad is not None:
+                    upper = q - 1 if series.complete else None  # others may agree with it
                     return Range(
-                        min(lower, known.lower), q - 1, exact=exact, value=q - 1,
+                        min(lower, known.lower), upper, exact=exact, value=q - 1,
                         reason=f"tree {trees.text[t]} differs by {gap[bad].magnitude():.6g} in "
                         f"value {bad + 1}" if start is not None else
                         f"a carried value starts with a term of {trees.text[t]}",
@@ -908,6 +901,8 @@ class Kernel(RowRules):
             exact = False
             try:
                 found = component(A, U, B, V)
+            except NoOrderOne:  # another u may have U u = 1
+                answers.append(None)
             except NotPreconsistent:
                 answers.append(False)
             except ExactnessError:
@@ -973,7 +968,7 @@ class Kernel(RowRules):
                 unique = True
         if len(found) != len(declared):
             return Known(False, exact, f"{len(found)} abscissae found, {len(declared)} declared")
-        known = _compared(found, declared, exact=exact)
+        known = compared(found, declared, exact=exact)
         return known if known.truth is not False or unique else Known(None, exact, known.reason)
 
     def _error_constant(self, declared: list[Scalar], witness: Mapping[str, Any]) -> Known:
@@ -982,11 +977,10 @@ class Kernel(RowRules):
         Hairer, Norsett, Wanner (1993), III.2, (2.6) and (2.13). For methods of other classes the
         constant depends on which value is called the solution: open.
         """
-        document = self.method.document or {}
-        if document.get("class") not in ("lmm", "one-leg"):
+        multistep = getattr(self.method, "multistep", None)
+        if multistep is None:
             raise ExactnessError("an error constant is defined for multistep methods only")
-        multistep = self.method.multistep
-        if multistep is None or not is_exact(multistep):
+        if not is_exact(multistep):
             raise ExactnessError("alpha and beta are not exact")
         alpha, beta = multistep
         sigma = sum(beta, _ZERO)
@@ -998,202 +992,8 @@ class Kernel(RowRules):
                 defect = defect + a * m**q - (b * (q * m ** (q - 1)) if q else _ZERO)
             if defect.is_zero() is False:
                 found = defect / sigma * Fraction(1, factorial(q))
-                return _compared([found], declared[:1], exact=True)
+                return compared([found], declared[:1], exact=True)
         raise ExactnessError("no term of the local error was found")
-
-    # -- stability of V ----------------------------------------------------------------------------
-
-    def _zero_stable(self, witness: Mapping[str, Any]) -> Known:
-        """The powers of V are bounded."""
-        found = [bounded(b[3]) for b in self.blocks.values()]
-        exact = all(is_exact(b[3]) for b in self.blocks.values())
-        return Known(all_of(found), exact)
-
-    def _eigen(self, colour: str, witness: Mapping[str, Any]) -> list[tuple[Any, Matrix, Matrix]]:
-        """Check the eigenvalues of modulus 1 that were proposed: all of them, semisimple.
-
-        V N = zeta N, W V = zeta W, W N = I, |zeta| = 1, the zeta different; and h(V) (I - sum N W)
-        = 0 with all roots of h inside the circle, so that V has no other such eigenvalue.
-
-        Raises
-        ------
-        ExactnessError
-            Where the proposal is missing or wrong.
-        """
-        proposed = witness.get(colour)
-        V = self.blocks[colour][3]
-        if proposed is None or not is_exact(V):
-            raise ExactnessError(witness.get("why", "the eigenvalues of V are not decided"))
-        parts, h = proposed
-        r = len(V)
-        rest = linalg.identity(r)
-        for n, (zeta, W, N) in enumerate(parts):
-            columns = linalg.transpose(tuple(N))
-            if (
-                (zeta * zeta.conjugate() - 1).is_zero() is not True
-                or any((zeta - other).is_zero() is not False for other, _, _ in parts[:n])
-                or vanishes(linalg.sub(linalg.matmul(V, columns), linalg.scale(zeta, columns)))
-                is not True
-                or vanishes(linalg.sub(linalg.matmul(tuple(W), V), linalg.scale(zeta, tuple(W))))
-                is not True
-                or vanishes(linalg.sub(linalg.matmul(tuple(W), columns), linalg.identity(len(N))))
-                is not True
-            ):
-                raise ExactnessError("an eigenvector of V that was proposed is none")
-            rest = linalg.sub(rest, linalg.matmul(columns, tuple(W)))
-        if not is_schur(h) or vanishes(linalg.matmul(poly.evaluate_matrix(h, V), rest)) is not True:
-            raise ExactnessError("V may have other eigenvalues on the unit circle")
-        return list(parts)
-
-    def _growth_matrices(
-        self, witness: Mapping[str, Any]
-    ) -> list[tuple[Exact, tuple[Matrix, ...]]]:
-        """zeta^-1 W B U N at each eigenvalue of V of modulus 1, by increasing argument.
-
-        For a pair the coupled matrices at the shared eigenvalues other than 1, and where stages are
-        shared also those within each half. At zeta = 1 of one method the principal component is in
-        the matrix, with the eigenvalue 1.
-        """
-        found = []
-        if not self.is_pair:
-            _, U, B, _ = self.blocks["o"]
-            for zeta, W, N in self._eigen("o", witness):
-                inner = linalg.matmul(tuple(W), B, U, linalg.transpose(tuple(N)))
-                found.append((zeta, (linalg.scale(1 / zeta, inner),)))
-            return found
-        V, V_hat = (self.blocks[c][3] for c in "fk")
-        if not self.shared and is_exact(V, V_hat):
-            # components that no eigenvalue pairs do not feed each other: nothing can grow
-            ends = map(poly.characteristic_polynomial, (V, V_hat))
-            if poly.share_only_one(*ends):
-                return []
-        parts = {c: self._eigen(c, witness) for c in "fk"}
-        for c in "fk":
-            for zeta, W, _ in parts[c]:
-                if (zeta - 1).is_zero() and len(W) > 1:
-                    raise ExactnessError(
-                        "1 is a multiple eigenvalue of V, which is not supported for pairs"
-                    )
-        others = {c: [x for x in parts[c] if not (x[0] - 1).is_zero()] for c in "fk"}
-        for zeta, W, N in others["f"]:
-            match = [x for x in others["k"] if (x[0] - zeta).is_zero()]
-            if not match:
-                continue
-            halves = {"f": (W, N), "k": match[0][1:]}
-            pairs = [("f", "k"), ("k", "f")] + ([("f", "f"), ("k", "k")] if self.shared else [])
-            found.append(
-                (
-                    zeta,
-                    tuple(
-                        linalg.scale(
-                            1 / zeta,
-                            linalg.matmul(
-                                tuple(halves[a][0]),
-                                self.blocks[a][2],
-                                self.blocks[b][1],
-                                linalg.transpose(tuple(halves[b][1])),
-                            ),
-                        )
-                        for a, b in pairs
-                    ),
-                )
-            )
-        if self.shared and len(found) < max(len(x) for x in others.values()):
-            raise ExactnessError(
-                "V and V^ have different eigenvalues and the stages are shared: not supported"
-            )
-        return found
-
-    def _unstable(self) -> bool:
-        """Whether some V is proved not to be power-bounded: then growth has no meaning."""
-        return any(bounded(b[3]) is False for b in self.blocks.values())
-
-    def _parasitism_free(self, witness: Mapping[str, Any]) -> Known:
-        """V is power-bounded and every growth matrix is 0 (at zeta = 1: but for the principal)."""
-        if self._unstable():
-            return Known(False, True, "V is not power-bounded: parasitic components grow anyway")
-        answers: list[bool | None] = []
-        for zeta, matrices in self._growth_matrices(witness):
-            if not self.is_pair and (zeta - 1).is_zero():
-                answers.append(self._only_principal(matrices[0]))
-            else:
-                answers += [vanishes(m) for m in matrices]
-        return Known(all_of(answers), self.exact)
-
-    def _only_principal(self, matrix: Matrix) -> bool | None:
-        """Whether W B U N has rank 1: its eigenvalue 1 belongs to the principal component."""
-        if len(matrix) == 1:
-            return True
-        if not is_exact(matrix):
-            return None
-        characteristic = poly.characteristic_polynomial(matrix)
-        wanted = (*((_ZERO,) * (len(matrix) - 1)), Exact(-1), _ONE)
-        if any((x - y).is_zero() is not True for x, y in zip(characteristic, wanted, strict=True)):
-            return False
-        return linalg.rank(matrix) == 1
-
-    def _growth(self, declared: list[Scalar], witness: Mapping[str, Any]) -> Known:
-        """The declared numbers are the eigenvalues of the growth matrices, zeta by zeta.
-
-        Within one multiple eigenvalue of V their order does not matter: compared are characteristic
-        polynomials. For a pair: mu_q and then mu_p at each shared eigenvalue, both of which are
-        zero or not whatever the eigenvectors are; other values are not defined.
-        """
-        if self._unstable():
-            return Known(False, True, "V is not power-bounded: growth parameters are not defined")
-        if self.implied is not None and self.implied.growth_zeros is not None:
-            count = self.implied.growth_zeros
-            if len(declared) != count:
-                return Known(
-                    False, False, f"{count} growth parameters found, {len(declared)} declared"
-                )
-            return _compared([_ZERO] * count, declared, exact=False)
-        matrices = self._growth_matrices(witness)
-        blocks = [
-            (zeta, m, not self.is_pair and bool((zeta - 1).is_zero()))
-            for zeta, found in matrices
-            for m in (found[:2] if self.is_pair else found)
-        ]
-        sizes = [len(m) * (len(m[0]) if self.is_pair else 1) - first for _, m, first in blocks]
-        if sum(sizes) != len(declared):
-            return Known(
-                False,
-                all(is_exact(b[3]) for b in self.blocks.values()),
-                f"{sum(sizes)} growth parameters found, {len(declared)} declared",
-            )
-        answers: list[Known] = []
-        at = 0
-        for (_, m, first), size in zip(blocks, sizes, strict=True):
-            part = declared[at : at + size]
-            if self.is_pair:
-                entries = [x for row in m for x in row]
-                known = _compared(entries, part, exact=self.exact, offset=at)
-                if any(x.is_zero() is False for x in entries) and any(
-                    x.is_zero() is False for x in part
-                ):
-                    known = Known(None, self.exact, "growth parameters of a pair other than 0 "
-                                  "depend on the scaling of the eigenvectors")  # fmt: skip
-            elif size == 1 and not first:
-                known = _compared(m[0], part, exact=self.exact, offset=at)
-            else:
-                known = self._same_spectrum(m, [_ONE, *part] if first else part)
-            answers.append(known)
-            at += size
-        truth = all_of([x.truth for x in answers])
-        chosen = next((x for x in answers if x.truth is truth), Known(True))
-        return replace(
-            chosen,
-            truth=truth,
-            exact=self.exact,
-            residual=max((x.residual for x in answers), default=0.0),
-        )
-
-    def _same_spectrum(self, matrix: Matrix, numbers: Sequence[Scalar]) -> Known:
-        found = poly.characteristic_polynomial(matrix)
-        wanted = poly.from_roots(list(numbers))
-        answer = all_of([(x - y).is_zero() for x, y in zip(found, wanted, strict=True)])
-        shown = ", ".join(f"{complex(x):.6g}" for x in poly.approximate_roots(found))
-        return Known(answer, self.exact, f"the growth matrix has the eigenvalues {shown}")
 
     # -- forms -------------------------------------------------------------------------------------
 
@@ -1220,7 +1020,7 @@ class Kernel(RowRules):
             for i in range(len(b))
         )
         answers = [vanishes(identity)]
-        if self.is_pair and self.shared:
+        if self.shared:
             answers.append(vanishes([difference(b, b_hat)]))
         return Known(all_of(answers), self.exact)
 
@@ -1238,9 +1038,17 @@ class Kernel(RowRules):
         if any(x is None for x in vectors):
             if all(is_exact(b[1], b[3]) for b in self.blocks.values()):
                 return Known(False, True, "the method is not preconsistent: no form counts")
-            vectors = [c.u if c.certain else None for c in self._components.values()]
+            try:
+                vectors = [c.u if c.certain else None for c in self._components.values()]
+            except NoOrderOne as reason:
+                raise ExactnessError(f"the form is not decided: {reason}") from reason
+            except NotPreconsistent as reason:
+                return Known(False, self.exact, f"not preconsistent, no form counts: {reason}")
             if any(x is None for x in vectors):
                 raise ExactnessError("whether V u = u, U u = 1 is not decided within the digits")
+        if not all(full_rank((*linalg.sub(V, linalg.identity(len(V))), *U), len(V))
+                   for _, U, _, V in self.blocks.values()):  # fmt: skip
+            raise ExactnessError("V u = u and U u = 1 do not determine u")
         u, u_hat = vectors[0], vectors[-1]
         assert u is not None
         assert u_hat is not None
@@ -1255,7 +1063,7 @@ class Kernel(RowRules):
                 return Known(truth, self.exact and is_exact(G, diagonals))
         if not self.exact:
             raise ExactnessError("no form was proved or excluded within the digits")
-        return Known(self._some_form(u, u_hat))
+        return Known(self.some_form(u, u_hat) is not None)
 
     def _form_residuals(self, G: Matrix, diagonals: Sequence[Vector]) -> list[Matrix]:
         """Left minus right of the identities; the last one says that D is real, G Hermitian."""
@@ -1285,14 +1093,29 @@ class Kernel(RowRules):
             residuals.append((difference(d_p, d_q),))
         return residuals
 
-    def _some_form(self, u: Vector, u_hat: Vector) -> bool:
-        """Whether a form exists, over exact numbers: its space is eliminated."""
+    def some_form(self, u: Vector, u_hat: Vector) -> tuple[Matrix, list[Vector]] | None:
+        """A form (G, D) with u^* G u^ not 0, over exact numbers; ``None`` proves that none exists.
+
+        The space of all forms is eliminated.
+        """
         values, equations, _ = self.form_system(u, u_hat)
         system = tuple(
             row for row in zip(*equations, strict=True) if any(not x.vanishes() for x in row)
         )
         space = linalg.nullspace(system) if system else list(linalg.identity(len(values)))
-        return any(linalg.dot(x, values).is_zero() is False for x in space)
+        chosen = next((x for x in space if linalg.dot(x, values).is_zero() is False), None)
+        if chosen is None:
+            return None
+        units = self._form_units(len(u), len(u_hat))
+        G = linalg.zeros(len(u), len(u_hat))
+        diagonals: list[Vector] = [(_ZERO,) * len(d) for d in units[0][1]]
+        for x, (unit, parts) in zip(chosen, units, strict=True):
+            G = linalg.add(G, linalg.scale(x, unit))
+            diagonals = [
+                tuple(a + x * b for a, b in zip(d, part, strict=True))
+                for d, part in zip(diagonals, parts, strict=True)
+            ]
+        return G, diagonals
 
     def form_system(
         self, u: Vector, u_hat: Vector
@@ -1305,8 +1128,31 @@ class Kernel(RowRules):
             For each real unit of (G, D) its u^* G u^, and the entries of the identities; and for
             each entry its identity, row, column, and "re" or "im".
         """
-        rows, columns = len(u), len(u_hat)
-        real = all(x.is_real() for b in self.blocks.values() for m in b for row in m for x in row)
+        units = self._form_units(len(u), len(u_hat))
+        real = self._is_real
+        equations: list[list[Scalar]] = []
+        names = ("V", "P", "Q", "A", "real", "shared") if self.is_pair else (
+            "V", "U", "A", "hermitian", "real"
+        )  # fmt: skip
+        labels: list[tuple[str, int, int, str]] = []
+        for G, d in units:
+            residuals = self._form_residuals(G, d)
+            flat = [x for m in residuals for row in m for x in row]
+            equations.append([x.real for x in flat] + ([] if real else [x.imag for x in flat]))
+            if not labels:
+                for part in ("re",) if real else ("re", "im"):
+                    for name, m in zip(names, residuals, strict=False):
+                        labels += [(name, i, j, part) for i, j, _ in linalg.entries(m)]
+        values = [bilinear(u, G, u_hat).real for G, _ in units]
+        return values, equations, labels
+
+    @property
+    def _is_real(self) -> bool:
+        return all(x.is_real() for b in self.blocks.values() for m in b for row in m for x in row)
+
+    def _form_units(self, rows: int, columns: int) -> list[tuple[Matrix, list[Vector]]]:
+        """A basis of all (G, D) over the real numbers, G Hermitian where it is square."""
+        real = self._is_real
         factors = (_ONE,) if real else (_ONE, Exact(-1).sqrt())
         units: list[tuple[Matrix, list[Vector]]] = []
         lengths = [len(self.blocks["o"][0])] if not self.is_pair else [
@@ -1328,21 +1174,7 @@ class Kernel(RowRules):
             for i in range(n):
                 unit = tuple(_ONE if j == i else _ZERO for j in range(n))
                 units.append((zero, [unit if m == k else x for m, x in enumerate(nil)]))
-        equations: list[list[Scalar]] = []
-        names = ("V", "P", "Q", "A", "real", "shared") if self.is_pair else (
-            "V", "U", "A", "hermitian", "real"
-        )  # fmt: skip
-        labels: list[tuple[str, int, int, str]] = []
-        for G, d in units:
-            residuals = self._form_residuals(G, d)
-            flat = [x for m in residuals for row in m for x in row]
-            equations.append([x.real for x in flat] + ([] if real else [x.imag for x in flat]))
-            if not labels:
-                for part in ("re",) if real else ("re", "im"):
-                    for name, m in zip(names, residuals, strict=False):
-                        labels += [(name, i, j, part) for i, j, _ in linalg.entries(m)]
-        values = [bilinear(u, G, u_hat).real for G, _ in units]
-        return values, equations, labels
+        return units
 
     # -- symmetry ----------------------------------------------------------------------------------
 
@@ -1369,7 +1201,7 @@ class Kernel(RowRules):
                 residuals = self._symmetry_residuals(c, inverses[c], L, exchanges)
                 answers += [vanishes(m) for m in residuals]
             if all(P[P[i]] == i for P in exchanges.values() for i in range(len(P))):
-                if self.shared and self.is_pair and exchanges["f"] != exchanges["k"]:
+                if self.shared and len({tuple(P) for P in exchanges.values()}) > 1:
                     answers.append(None)
                 if all_of(answers) is True:
                     return Known(True, self.exact)
@@ -1383,7 +1215,7 @@ class Kernel(RowRules):
         minimal methods with equal U V^k B differ by a change of basis only (Kalman 1963).
         """
         smaller = witness.get("reduced")
-        if smaller is None or not self.exact or not _is_glm_exact(smaller):
+        if smaller is None:
             raise ExactnessError("the method without idle values was not found")
         if len(smaller.A) != len(self.blocks["o"][0]):
             raise ExactnessError(
@@ -1401,7 +1233,9 @@ class Kernel(RowRules):
         inner = Kernel(smaller)
         minimal = inner.known("reducible", Proposal()).truth is False
         found = inner.known("symmetric", Proposal(lambda: witness))
-        return found if minimal else Known(None, True, "the reduced method is not minimal")
+        if not minimal:
+            raise ExactnessError("the reduced method is not minimal")
+        return replace(found, exact=self.exact)
 
     def _symmetry_residuals(
         self, c: str, inverse: Matrix, L: Matrix, exchanges: Mapping[str, Sequence[int]]
@@ -1410,7 +1244,7 @@ class Kernel(RowRules):
         A, U, B, V = self.blocks[c]
         # stages of this component, where its rows of A and U belong, and its slopes
         rows = exchanges[c]
-        columns = exchanges[c] if not self.is_pair else exchanges["k" if c == "f" else "f"]
+        columns = exchanges[_OTHER[c]]
         matmul, sub = linalg.matmul, linalg.sub
         turned = tuple(tuple(A[i][j] for j in columns) for i in rows)
         return [
@@ -1431,10 +1265,9 @@ class Kernel(RowRules):
             offset["k"] = len(self.blocks["f"][0])  # stages Q first, then stages P
         for c, (A, U, B, _) in self.blocks.items():
             target = linalg.matmul(U, inverses[c], B)
-            other = c if not self.is_pair else "k" if c == "f" else "f"
-            relations.append((A, target, offset[c], offset[other]))
+            relations.append((A, target, offset[c], offset[_OTHER[c]]))
         sizes = [len(self.blocks[c][0]) for c in self.blocks]
-        if self.is_pair and self.shared:
+        if self.shared:
             sizes = sizes[:1]
         return relations, sizes
 
@@ -1445,7 +1278,7 @@ class Kernel(RowRules):
             return Known(None, self.exact, "the search for an exchange of stages was cut off")
         for P in exchanges:
             split = dict.fromkeys(self.blocks, P)
-            if self.is_pair and not self.shared:
+            if not self.shared:
                 n = len(self.blocks["f"][0])
                 split = {"f": P[:n], "k": tuple(i - n for i in P[n:])}
             if not any(self._excluded(c, inverses[c], split) for c in self.blocks):
@@ -1460,7 +1293,7 @@ class Kernel(RowRules):
         if not is_exact(U, B, V):
             return False
         r, s = len(V), len(U)
-        columns = exchanges[c] if not self.is_pair else exchanges["k" if c == "f" else "f"]
+        columns = exchanges[_OTHER[c]]
         PU = tuple(U[i] for i in exchanges[c])
         BP = tuple(tuple(row[j] for j in columns) for row in B)
         U_back, B_back = linalg.matmul(U, inverse), linalg.matmul(inverse, B)
@@ -1514,7 +1347,7 @@ class Kernel(RowRules):
         """What each stage needs: stage -> {stage: whether certainly}; stages of f are Q, of k P."""
         edges: dict[tuple[str, int], dict[tuple[str, int], bool]] = {}
         for c, (A, _, _, _) in self.blocks.items():
-            other = c if self.shared else "k" if c == "f" else "f"
+            other = c if self.shared else _OTHER[c]
             for i, row in enumerate(A):
                 needs = edges.setdefault(("" if self.shared else c, i), {})
                 for j, x in enumerate(row):
@@ -1557,7 +1390,10 @@ class Kernel(RowRules):
     def reached_and_seen(self, colour: str) -> tuple[Matrix, Matrix]:
         """Rows that span what is reached, u and V^k B, and what is seen, U V^k."""
         A, U, B, V = self.blocks[colour]
-        u = preconsistency(U, V) if is_exact(U, V) else component(A, U, B, V).u
+        try:
+            u = preconsistency(U, V) if is_exact(U, V) else component(A, U, B, V).u
+        except NotPreconsistent as reason:
+            raise ExactnessError(f"what u reaches is not decided: {reason}") from reason
         reached = list(linalg.transpose(B)) + ([u] if u is not None else [])
         layer = linalg.transpose(B)
         seen, images = list(U), U
@@ -1578,124 +1414,6 @@ class Kernel(RowRules):
         full = all_of(answers)
         return Known(None if full is None else not full, self.exact)
 
-    # -- linear stability --------------------------------------------------------------------------
-
-    def _a_stable(self, witness: Mapping[str, Any]) -> Known:
-        """M(z) = V + z B (I - z A)^-1 U is power-bounded for every z with Re z <= 0, 0 included.
-
-        Holds where (1) V is power-bounded; (2) M has no pole there; (3) the limits for large z are
-        finite and in the closed disc; (4) on the imaginary axis all eigenvalues lie in the closed
-        disc: then, by the maximum principle for the moduli of eigenvalues, they do so in the half
-        plane, and in its interior only an eigenvalue that z does not move has modulus 1; (5) there
-        is none, and on the axis eigenvalues of modulus 1 are simple (y = 0 apart, which is (1)).
-        Dahlquist, BIT 3 (1963) 27; Hairer and Wanner (1996), IV.3; Marden (1966), 42 and 45.
-        """
-        if self.method.rosenbrock:
-            return Kernel(self.method.linear_form)._a_stable(witness)
-        if not self.exact:
-            raise ExactnessError(
-                "published decimals: A-stability is decided for exact methods only"
-            )
-        m = self.method
-        if bounded(m.V) is False:
-            return Known(False, True, "V = M(0) is not power-bounded")
-        P = stability_polynomial(m)
-        leading, unbounded = leading_part(P)
-        if unbounded:
-            return Known(
-                False, True, "an eigenvalue of M(z) grows without bound as z goes to infinity"
-            )
-        if not in_closed_disc(leading):
-            return Known(False, True, escape(leading, "as z goes to infinity"))
-        if m.is_diagonally_implicit and m.r == 1:
-            for a in (m.A[i - 1][i - 1] for i in m.implicit_stages):
-                reversed_ = [tuple(reversed(p)) for p in P]
-                if a.real.sign() < 0 and any(
-                    poly.evaluate(p, a).is_zero() is False for p in reversed_
-                ):
-                    return Known(False, True, f"M(z) has the pole z = {1 / float(a.real):.6g}")
-        axis = on_imaginary_axis(P)
-        for y in SAMPLES:
-            p = poly.trim([poly.evaluate(c, y) for c in axis])
-            if p and len(p) > m.r and not in_closed_disc(p):
-                return Known(False, True, escape(p, f"at z = {y} i"))
-        poles = self._poles(m, P)
-        if not in_right_half(poles):
-            return Known(
-                False, True, "M(z) has a pole in the left half-plane or on the imaginary axis"
-            )
-        if m.r == 1:
-            P = without_content(m, P)
-        elif len(poles) < len(poly.trim(P[-1])):
-            P = tuple(poly.divide(p, poly.divide(poly.trim(P[-1]), poles)[0])[0] for p in P)
-        failure, strict = leaves_disc(on_imaginary_axis(P))
-        if failure is not None:
-            return Known(False, True, failure)
-        if m.r == 1:
-            return Known(True)
-        fixed = fixed_part(P)
-        if strict and not unimodular_roots(fixed):
-            return Known(bounded(m.V))
-        axis = on_imaginary_axis(P)
-        if len(poly.trim(fixed)) <= 1 and not multiple_on_axis(axis):
-            return Known(True)
-        for y in SAMPLES:
-            if bounded(stability_matrix(m, Exact(-1).sqrt() * y)) is False:
-                return Known(False, True, f"M(z) is not power-bounded at z = {y} i")
-        return Known(None, True, "M(z) has eigenvalues of modulus 1 that may be multiple")
-
-    @staticmethod
-    def _poles(m: GLM, P: Sequence[Any]) -> Any:
-        """Polynomial whose zeros are the poles of the matrix M(z): what no entry divides out."""
-        if m.r == 1:
-            return without_content(m, tuple(P))[-1]
-        determinant = poly.trim(P[-1])
-        if len(determinant) == 1 or in_right_half(determinant):
-            return determinant
-        points, values, candidate = [], [], 0
-        while len(points) <= m.s:
-            factor = poly.evaluate(determinant, candidate)
-            if factor.is_zero() is False:
-                points.append(candidate)
-                M = stability_matrix(m, candidate)
-                values.append([factor * x for row in M for x in row])
-            candidate = -candidate if candidate > 0 else 1 - candidate
-        shared = determinant
-        for k in range(m.r * m.r):
-            entry = poly.trim(poly.interpolate(points, [v[k] for v in values]))
-            if entry:
-                shared = poly.gcd(shared, entry)
-        return poly.divide(determinant, shared)[0]
-
-    def _l_stable(self, witness: Mapping[str, Any]) -> Known:
-        """A-stable, and every eigenvalue of M(z) tends to 0 as z goes to infinity (Ehle 1969)."""
-        if self.method.rosenbrock:
-            return Kernel(self.method.linear_form)._l_stable(witness)
-        if not self.exact:
-            raise ExactnessError(
-                "published decimals: L-stability is decided for exact methods only"
-            )
-        if not only_zeros(*leading_part(stability_polynomial(self.method))):
-            return Known(
-                False, True, "the eigenvalues of M(z) do not all tend to 0 as z goes to infinity"
-            )
-        return self._a_stable(witness)
-
-
-def _compared(
-    found: Sequence[Scalar], declared: Sequence[Scalar], *, exact: bool, offset: int = 0
-) -> Known:
-    """Entry by entry: the first difference that is not zero decides, or else one that is open."""
-    differences = [x - y for x, y in zip(found, declared, strict=True)]
-    answers = [d.is_zero() for d in differences]
-    truth = all_of(answers)
-    if truth is True:
-        return Known(True, exact)
-    at = answers.index(truth)
-    size = max(d.magnitude() for d, a in zip(differences, answers, strict=True) if a is not True)
-    exact = exact and all(isinstance(d, Exact) for d in differences)
-    return Known(truth, exact, shown_number(found[at]), size, offset + at)
-
 
 def _as_balls(matrix: Matrix) -> Matrix:
     """The matrix with every entry but exact zeros as a ball."""
@@ -1708,10 +1426,6 @@ def _is_power(x: Scalar, c: Scalar, n: int) -> bool:
     for _ in range(n):
         power = power * c
     return (x - power / factorial(n)).is_zero() is True
-
-
-def _is_glm_exact(m: GLM) -> bool:
-    return is_exact(m.A, m.U, m.B, m.V)
 
 
 # -- schemes of coloured stages -------------------------------------------------------------------

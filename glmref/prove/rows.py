@@ -52,6 +52,7 @@ class RowRules:
         method: Any
         is_pair: bool
         exact: bool
+        implied: Any
         _made: Any
 
     @property
@@ -60,7 +61,8 @@ class RowRules:
         kind: Any = type(self)
         b = self.method.weights
         for row in self.method.embedded:
-            yield row.name, kind(self.method.weighted(row.solution(b)))
+            implied = self.implied and self.implied.of_row(row.name)
+            yield row.name, kind(self.method.weighted(row.solution(b)), implied)
 
     @property
     def row_claim(self) -> str:
@@ -70,7 +72,7 @@ class RowRules:
     def _embedded_order(self, declared: Mapping[str, int], proposal: Proposal) -> Judgement:
         """Judge the order of every embedded row; the first that is not as declared decides."""
         kernels, made = dict(self.row_kernels), self._made
-        if declared.keys() != kernels.keys():
+        if not kernels or declared.keys() != kernels.keys():
             reason = f"the rows of `embedded` are {', '.join(kernels) or 'none'}"
             return made(False, exact=True, value=None, residual=0.0, reason=reason)
         found = {

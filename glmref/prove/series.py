@@ -52,6 +52,7 @@ from .forest import Forest
 
 __all__ = [
     "Component",
+    "NoOrderOne",
     "NotPreconsistent",
     "StartingSeries",
     "apply_rows",
@@ -66,6 +67,10 @@ _Rows = tuple[tuple[tuple[int, Any], ...], ...]
 
 class NotPreconsistent(Exception):
     """There is no u with V u = u and U u = 1, or none with the condition of order 1."""
+
+
+class NoOrderOne(NotPreconsistent):
+    """1 is a multiple eigenvalue of V, and the u that order 1 asks for has not U u = 1."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,10 +182,11 @@ def component(
         if x.is_zero() is False and not measured:
             size = complex(x + 1)
             shown = f"{size.real:.6g}" if size.imag == 0 else f"{size:.6g}"
+            if len(N) > 1:
+                text = "no eigenvector u of V to the eigenvalue 1 has U u = 1 and order 1"
+                raise NoOrderOne(text)
             raise NotPreconsistent(
                 f"row {i + 1} of U u is {shown} instead of 1, u the eigenvector of V to 1"
-                if len(N) == 1
-                else "no eigenvector u of V to the eigenvalue 1 has U u = 1 and order 1"
             )
     w = first_functional(u) if output is None else output
     if output is not None and (linalg.dot(w, u) - 1).is_zero() is not True:

@@ -11,7 +11,7 @@ from typing import Any
 
 from ..exact import Ball, Exact, Jet, sum_of_products
 
-__all__ = ["Coefficient", "is_zero", "plus", "pointwise", "times", "weighted"]
+__all__ = ["Coefficient", "is_zero", "plus", "times", "weighted"]
 
 #: An int, a Fraction, a Scalar, or a tuple of them.
 Coefficient = Any
@@ -45,13 +45,6 @@ def times(factor: Any, a: Coefficient) -> Coefficient:
     if type(a) in _WHOLE and (a == 0 or a == 1):
         return factor if a == 1 else 0
     return factor * a
-
-
-def pointwise(a: Coefficient, b: Coefficient) -> Coefficient:
-    """Product of two coefficients of one kind, vectors component by component."""
-    if isinstance(a, tuple):
-        return tuple(times(x, y) for x, y in zip(a, b, strict=True))
-    return times(a, b)
 
 
 #: Numbers whose sums of products are computed as a whole.

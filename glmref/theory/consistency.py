@@ -10,7 +10,6 @@ Public names::
     preconsistency_residual(m, u) -> Matrix            (r + s, 1)
     consistency_residual(m, u, v) -> Matrix            (r, 1)
     consistency(m) -> Consistency                      u, v, c and what failed
-    is_preconsistent(m), is_consistent(m) -> bool | None
     zero_stability(m) -> Boundedness                   is_zero_stable(m) -> bool | None
 """
 
@@ -35,8 +34,6 @@ __all__ = [
     "abscissae",
     "consistency",
     "consistency_residual",
-    "is_consistent",
-    "is_preconsistent",
     "is_zero_stable",
     "preconsistency_residual",
     "preconsistency_vector",
@@ -139,16 +136,6 @@ def _row_off(m: Block, u: Vector) -> str:
     v = linalg.solve_affine(tuple(rows), tuple(right)).point if rows else (_ZERO,) * len(u)
     off = value - linalg.dot(row, v)
     return f"row {k + 1} is off by {complex(off).real:.6g} where the others hold"
-
-
-def is_preconsistent(m: Block) -> bool | None:
-    """Whether constants are reproduced; ``None`` where balls leave it open."""
-    return consistency(m).preconsistent
-
-
-def is_consistent(m: Block) -> bool | None:
-    """Whether y' = 1 is solved exactly; ``None`` where balls leave it open."""
-    return consistency(m).consistent
 
 
 def zero_stability(m: Block) -> Boundedness:

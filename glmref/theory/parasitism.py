@@ -13,8 +13,6 @@ too.
 Public names::
 
     growth(m) -> Parasitism                    growth_parameters(m) -> tuple[Scalar, ...]
-    growth_parameter(m, zeta, w, v) -> Scalar  is_parasitism_free(m) -> bool | None
-    real_block_residual(m, k) -> (sum, difference)
 """
 
 from __future__ import annotations
@@ -36,10 +34,7 @@ __all__ = [
     "Growth",
     "Parasitism",
     "growth",
-    "growth_parameter",
     "growth_parameters",
-    "is_parasitism_free",
-    "real_block_residual",
 ]
 
 
@@ -104,25 +99,6 @@ class Parasitism:
     growths: tuple[Growth, ...] = ()
     residual: float = 0.0
     witness: str = ""
-
-
-def growth_parameter(m: GLM, zeta: Scalar, w: Vector, v: Vector) -> Scalar:
-    """Growth parameter ``mu = zeta^-1 w B U v / (w v)`` at a simple eigenvalue.
-
-    Parameters
-    ----------
-    m : GLM
-        A method.
-    zeta : Scalar
-        The eigenvalue.
-    w : Vector
-        (r,) left, v: (r,) right eigenvector of V.
-
-    References: Butcher, Habib, Hill and Norton, SIAM J. Numer. Anal. 52 (2014) 2440; Khan (2018),
-    equation (3.4), for V_22 = -1.
-    """
-    weight = linalg.dot(linalg.vecmat(w, m.B), linalg.matvec(m.U, v))
-    return weight / (zeta * linalg.dot(w, v))
 
 
 def _growth_matrix(
@@ -278,31 +254,3 @@ def growth_parameters(m: GLM) -> tuple[Scalar, ...]:
                 f"growth matrix, not a growth parameter"
             )
     return tuple(g.mu for g in found.growths if g.mu is not None)
-
-
-def is_parasitism_free(m: Method) -> bool | None:
-    """Whether all growth parameters are zero; ``None`` where balls leave it open."""
-    return growth(m).free
-
-
-def real_block_residual(m: GLM, k: int) -> tuple[Scalar, Scalar]:
-    """The growth test on a rotation block of V in real form: both numbers zero means mu = 0.
-
-    The block of B U itself need not vanish: with the block in rows and columns k, k + 1 the growth
-    parameters of the conjugate pair are ``(sum +- i difference) / (2 zeta)`` up to sign.
-
-    Parameters
-    ----------
-    m : GLM
-        A real method.
-    k : int
-        Position, from 0, of the first of the two values.
-
-    Returns
-    -------
-    tuple[Scalar, Scalar]
-        ``(BU)_kk + (BU)_(k+1)(k+1)`` and ``(BU)_k(k+1) - (BU)_(k+1)k``.
-    """
-    columns = [[row[j] for row in m.U] for j in (k, k + 1)]
-    block = [[linalg.dot(m.B[i], column) for column in columns] for i in (k, k + 1)]
-    return block[0][0] + block[1][1], block[0][1] - block[1][0]

@@ -13,12 +13,12 @@ Public names::
     parasitic_curvature(pair) -> Scalar                 how its eigenvalues near -1 move
 
 The periodicity interval is in :mod:`glmref.theory.periodicity`, A- and L-stability in
-:mod:`glmref.theory.a_stability`.
+:mod:`glmref.prove.kernel`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import cast
@@ -295,6 +295,34 @@ def is_mirror_image(q: Bivariate) -> bool:
         not poly.sub(poly.mul(p, _conjugate(low)), poly.mul(_conjugate(other), high))
         for p, other in zip(q, reversed(q), strict=True)
     )
+
+
+def schur_cohn(q: Bivariate) -> Iterator[Polynomial | None]:
+    """Differences ``|q_n|^2 - |q_0|^2`` of the recursion of Schur and Cohn, polynomials in y.
+
+    All roots w of q(w, y) lie in the closed disc where none of them is negative. Where one vanishes
+    identically it is empty, and the derivative of q by w takes the place of q, which must be its
+    own mirror image (Cohn); ``None`` says that it is not, so that roots leave the disc.
+
+    References: Marden, "Geometry of Polynomials" (1966), sections 42 and 45.
+    """
+    q, previous = tuple(q), (_ONE,)
+    while len(q) > 1:
+        low, high = q[0], q[-1]
+        if not poly.trim(low):
+            q = q[1:]
+            continue
+        difference = poly.trim(tuple(x.real for x in size_difference(high, low)))
+        if not difference and not is_mirror_image(q):
+            yield None
+            return
+        if not difference and len(q) == 2:
+            return
+        yield difference
+        if difference:
+            q, previous = divided(schur_transform(q), previous), high
+        else:
+            q, previous = tuple(poly.scale(k, p) for k, p in enumerate(q))[1:], (_ONE,)
 
 
 def schur_transform(q: Bivariate) -> Bivariate:

@@ -30,18 +30,14 @@ from .polynomials import Polynomial
 from .root_location import first_root, in_closed_disc
 from .stability import (
     Bivariate,
-    divided,
-    is_mirror_image,
     on_imaginary_axis,
-    schur_transform,
-    size_difference,
+    schur_cohn,
     stability_polynomial,
     without_content,
 )
 
 __all__ = ["Interval", "imaginary_interval", "real_interval"]
 
-_ONE = Exact(1)
 #: Width to which the end of an interval is enclosed.
 WIDTH = Fraction(1, 10**16)
 #: Largest r s for which polynomials with irrational coefficients are reduced: minutes beyond.
@@ -102,30 +98,14 @@ def _end(q: Bivariate) -> Interval:
     if not in_closed_disc(at_zero):
         return Interval(0.0, "V has an eigenvalue outside the unit circle")
     ends: list[Fraction] = []
-    previous: Polynomial = (_ONE,)
-    while len(q) > 1:
-        low, high = q[0], q[-1]
-        if not low:
-            q = q[1:]
-            continue
-        difference = size_difference(high, low)
-        difference = tuple(x.real for x in difference)
-        if not difference:
-            if not is_mirror_image(q):
-                ends.append(Fraction(0))
-                break
-            if len(q) == 2:
-                break
-            q = tuple(poly.scale(k, p) for k, p in enumerate(q))[1:]
-            previous = (_ONE,)
-            continue
-        end = _turns_negative(difference)
+    for difference in schur_cohn(q):
+        end = Fraction(0) if difference is None else None
+        if difference:
+            end = _turns_negative(difference)
         if end is not None:
             ends.append(end)
         if end == 0:
             break
-        reduced = schur_transform(q)
-        q, previous = divided(reduced, previous), high
     if not ends:
         return Interval(float("inf"), "no eigenvalue leaves the closed unit disc")
     return Interval(float(min(ends)), "an eigenvalue leaves the closed unit disc")

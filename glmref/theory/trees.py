@@ -11,7 +11,6 @@ Public names::
     parse_tree("[o[oo]]")                 -> Tree
     single(colour="o")                    -> Tree of one node
     pruned(tree)                          -> {kept: number of ways, counted with the growth order}
-    coproduct(tree)                       -> ((kept, removed, multiplicity), ...)
 
 The text form writes ``o`` for a single node and ``[...]`` for a root with the trees inside the
 brackets as its subtrees: ``[o[oo]]``. Two-coloured trees write the colour of every vertex, ``f`` or
@@ -44,7 +43,6 @@ __all__ = [
     "SEPARABLE",
     "Palette",
     "Tree",
-    "coproduct",
     "parse_tree",
     "pruned",
     "single",
@@ -360,32 +358,3 @@ def _insert(rest: Tree, child: Tree) -> Tree:
     if not rest.children or rest.children[-1] is child:
         return _graft(rest, child)
     return tree((*rest.children, child), rest.colour)
-
-
-@cache
-def coproduct(t: Tree) -> tuple[tuple[Tree, tuple[Tree, ...], int], ...]:
-    """Cut ``t`` in all ways that keep its root.
-
-    Returns
-    -------
-    tuple[tuple[Tree, tuple[Tree, ...], int], ...]
-        Triples (kept, removed, multiplicity): a subtree with the root of ``t``, the sorted tuple of
-        the trees cut off, and how often this happens. The first is ``(t, (), 1)``. The term in
-        which nothing is kept is not among them.
-
-    References
-    ----------
-    Hairer, Lubich, Wanner (2006), section III.1.4; Butcher (2016), section 383.
-    """
-    if not t.children:
-        return ((t, (), 1),)
-    last = t.children[-1]
-    rest = _MADE[t.colour][t.children[:-1]]
-    found: dict[tuple[Tree, tuple[Tree, ...]], int] = {}
-    for kept_rest, removed_rest, times in coproduct(rest):
-        for kept_last, removed_last, more in ((None, (last,), 1), *coproduct(last)):
-            kept = _insert(kept_rest, kept_last) if kept_last else kept_rest
-            removed = tuple(sorted((*removed_rest, *removed_last), key=_key))
-            found[kept, removed] = found.get((kept, removed), 0) + times * more
-    ranked = sorted(found.items(), key=lambda item: (-item[0][0].order, item[0][0].key))
-    return tuple((kept, removed, times) for (kept, removed), times in ranked)
