@@ -3,8 +3,9 @@
 Objects have one key a line, in the order of :data:`KEY_ORDER` and then of the alphabet; a list of
 plain values stands on one line, so that a matrix shows one row a line; sentences (:data:`PROSE`)
 have a line each; a file ends with a newline. Constants keep their order (:data:`IN_ORDER`), because
-a constant may use those above it. Only the standard library is used, so that any script can format
-data without this package's dependencies.
+a constant may use those above it, and so do rows of weights, the first of which steppers use. Only
+the standard library is used, so that any script can format data without this package's
+dependencies.
 
 Public names::
 
@@ -70,7 +71,7 @@ KEY_ORDER: tuple[str, ...] = (
     *("source", "citation", "doi", "where", "status", "errata", "bibtex"),
 )
 #: Objects whose keys keep the order they are given in.
-IN_ORDER = frozenset(["constants", "unknowns"])
+IN_ORDER = frozenset(["constants", "unknowns", "embedded", "error"])
 #: Lists of sentences.
 PROSE = frozenset(["errata", "notes"])
 _RANK: Mapping[str, int] = {key: rank for rank, key in enumerate(KEY_ORDER)}

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from functools import cache
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ __all__ = ["data_root", "document", "is_broken", "names", "path_of"]
 FOLDERS = ("methods", "broken")
 
 
+@cache
 def data_root() -> Path:
     """Folder that holds methods/, broken/, schema/ ...: beside the package or inside a wheel.
 
@@ -24,7 +25,7 @@ def data_root() -> Path:
     DataError
         When neither is there, that is, when the installation is incomplete.
     """
-    package = Path(str(files("glmref")))
+    package = Path(__file__).parents[1]
     for candidate in (package / "data", package.parent / "data"):
         if (candidate / "methods").is_dir():
             return candidate
@@ -32,11 +33,17 @@ def data_root() -> Path:
 
 
 @cache
-def _index(root: Path) -> Mapping[str, Path]:
-    found: dict[str, Path] = {}
+def _index(root: Path) -> Mapping[str, tuple[str, str]]:
+    """Name -> its folder of :data:`FOLDERS` and its path.
+
+    Text, since this goes before the first answer of every process.
+    """
+    found: dict[str, tuple[str, str]] = {}
     for folder in FOLDERS:
-        for path in sorted((root / folder).rglob("*.json")):
-            found[path.stem] = path
+        for place, _, inside in sorted(os.walk(root / folder)):
+            for file in sorted(inside):
+                if file.endswith(".json"):
+                    found[file[:-5]] = folder, os.path.join(place, file)
     return found
 
 
@@ -59,19 +66,12 @@ def names(folder: str = "methods") -> list[str]:
             f"`folder` must be 'methods', 'broken' or 'all', got {shown(folder)}"
             f"{did_you_mean(folder, (*FOLDERS, 'all'), ', ', '')}"
         )
-    root = data_root()
-    return sorted(
-        name
-        for name, path in _index(root).items()
-        if folder in ("all", path.relative_to(root).parts[0])
-    )
+    return sorted(k for k, (where, _) in _index(data_root()).items() if folder in ("all", where))
 
 
 def is_broken(name: str | Path) -> bool:
     """Whether this is the name of a shipped file that is wrong on purpose."""
-    root = data_root()
-    path = _index(root).get(str(name))
-    return path is not None and path.relative_to(root).parts[0] == "broken"
+    return _index(data_root()).get(str(name), ("",))[0] == "broken"
 
 
 def path_of(name: str | Path) -> Path:
@@ -85,7 +85,7 @@ def path_of(name: str | Path) -> Path:
     text = str(name)
     known = _index(data_root())
     if text in known:
-        return known[text]
+        return Path(known[text][1])
     path = Path(text)
     try:
         kind = _kind(path) if text else "no file"

@@ -112,7 +112,7 @@ def completed(doc: Mapping[str, Any], where: str) -> dict[str, Any]:
         still missing where the keys do not tell it.
     """
     stem = re.sub(r"[^a-z0-9.-]+", "-", where.removesuffix(".json").lower()).lstrip(".-")
-    form = FORMATS[bool(doc.keys() & SECOND or doc.get("class") in SECOND)]
+    form = FORMATS[bool(doc.keys() & SECOND or str(doc.get("class")) in SECOND)]
     given = {"format": form, "name": stem[:100] or "unnamed", "claims": {}, "source": {}}
     kind = class_of_keys(doc)
     if kind:
@@ -142,7 +142,7 @@ def needed_keys(kind: str) -> frozenset[str]:
 
 def of_second(doc: Mapping[str, Any]) -> str:
     """Return what only the second format has and a document uses; ``""`` where it uses none."""
-    kind = doc.get("class")
+    kind = str(doc.get("class"))  # not yet known to be a text
     if kind in SECOND:
         return f"the class {kind!r}"
     new = () if kind == "pair-sweep" else sorted(doc.keys() & SECOND)

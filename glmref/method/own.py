@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+import warnings
 from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -30,6 +32,9 @@ def as_list(values: Any) -> Any:
 def of_float(value: float | complex, where: str) -> Scalar:
     """Read a floating point number as the shortest decimal that stands for it: 0.1 is 1/10.
 
+    One that is a small fraction, rounded, is taken as it is too, and a warning says so: conditions
+    of order hold to rounding only then.
+
     Raises
     ------
     DataError
@@ -39,7 +44,27 @@ def of_float(value: float | complex, where: str) -> Scalar:
         return of_float(value.real, where) + Exact(-1).sqrt() * of_float(value.imag, where)
     if value - value != 0:
         raise DataError(f"{where} must be finite, got {value!r}")
-    return exact(Fraction(repr(value)))
+    given = Fraction(repr(float(value)))
+    near = given.limit_denominator(_SMALL)
+    if given != near and float(near) == value:
+        warnings.warn(
+            f"{where} is taken as the decimal {float(value)!r}, with which conditions of order "
+            f"hold to rounding only; where {near} is meant, give the string '{near}'",
+            stacklevel=_depth(),
+        )
+    return exact(given)
+
+
+_SMALL = 10_000  # denominators of fractions that a rounded number may stand for
+
+
+def _depth() -> int:
+    """How many calls up the first one is that is no code of this package, for a warning."""
+    package = __name__.partition(".")[0]
+    depth, frame = 1, sys._getframe(1)
+    while frame.f_back is not None and frame.f_globals["__name__"].partition(".")[0] == package:
+        depth, frame = depth + 1, frame.f_back
+    return depth
 
 
 class Own(Shown):
