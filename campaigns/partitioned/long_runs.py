@@ -29,17 +29,17 @@ import json
 import math
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from campaigns.driver import arguments, carried_out, complete
 from campaigns.order6.compare import METHODS
 from campaigns.order6.long_runs import parasitic_part
 from glmref.catalogue.lookup import document, load, names
-from glmref.catalogue.strict_json import write_json
 from glmref.engine.outcome import Solution
 from glmref.engine.reference import stepper
 from glmref.engine.solve import solve
@@ -234,9 +234,9 @@ def follow_method(name: str, case: Case, steps: int = STEPS, *, restart: int = 0
     return _followed(name, case, step_size(name, case), steps, restart=restart)
 
 
-def follow_at(name: str, case: Case, h: float, steps: int = STEPS) -> Long:
+def follow_at(name: str, case: Case, h: float, steps: int = STEPS, *, restart: int = 0) -> Long:
     """Run a method from its default start at a given step size: :func:`follow_method` else."""
-    return _followed(name, case, h, steps)
+    return _followed(name, case, h, steps, restart=restart)
 
 
 def _followed(
@@ -281,6 +281,24 @@ def _beyond(method: Method, target: Problem, part: Solution, h: float) -> np.nda
     return sizes
 
 
+def pair_row(task: Mapping[str, Any]) -> dict[str, Any]:
+    """Carry out :func:`follow_pair` for a task in JSON."""
+    return follow_pair(task["method"], case_of(task), task["steps"], start=task["start"]).as_json()
+
+
+def method_row(task: Mapping[str, Any]) -> dict[str, Any]:
+    """Carry out :func:`follow_method` for a task in JSON."""
+    return follow_method(
+        task["method"], case_of(task), task["steps"], restart=task["restart"]
+    ).as_json()
+
+
+def case_of(task: Mapping[str, Any]) -> Case:
+    """Return the case of a task: the fields of :class:`Case` among others."""
+    parameters = tuple((str(name), str(value)) for name, value in task["parameters"])
+    return Case(task["problem"], task["per_evaluation"], parameters)
+
+
 NOTE = (
     "Largest relative energy error and largest entry of q_2 and p_2 up to each mark, sampled every "
     f"{EVERY} steps; start from zero values; h = (force evaluations a step)/64; bounded: neither "
@@ -290,7 +308,12 @@ NOTE = (
 
 def main(path: Path, cases: Sequence[Case] = CASES, steps: int = STEPS) -> None:
     """Measure all pairs on all cases and write the file."""
-    runs = [follow_pair(name, case, steps).as_json() for name in pair_names() for case in cases]
+    tasks = (
+        {"method": name, "steps": steps, "start": "zero", **asdict(case)}
+        for name in pair_names()
+        for case in cases
+    )
+    runs = carried_out(pair_row, tasks, beside=path)
     record = {
         "format": "glmref-measurement-1",
         "name": "pairs-long",
@@ -300,7 +323,7 @@ def main(path: Path, cases: Sequence[Case] = CASES, steps: int = STEPS) -> None:
         "circumstances": circumstances(),
         "runs": runs,
     }
-    write_json(path, record)
+    complete(path, record)
 
 
 def add(path: Path, name: str, cases: Sequence[Case] = CASES, steps: int = STEPS) -> None:
@@ -316,9 +339,10 @@ def add(path: Path, name: str, cases: Sequence[Case] = CASES, steps: int = STEPS
         raise UsageError(f"the pair must be one of {', '.join(order)}, got {name!r}")
     record = json.loads(path.read_text(encoding="utf-8"))
     runs = [x for x in record["runs"] if x["method"] != name]
-    runs += [follow_pair(name, case, steps).as_json() for case in cases]
+    tasks = ({"method": name, "steps": steps, "start": "zero", **asdict(x)} for x in cases)
+    runs += carried_out(pair_row, tasks, beside=path)
     record["runs"] = sorted(runs, key=lambda x: order.index(x["method"]))
-    write_json(path, record)
+    complete(path, record)
 
 
 KEPLER_NOTE = (
@@ -339,7 +363,7 @@ def kepler_methods() -> list[str]:
 
 
 def kepler(path: Path, cases: Sequence[Case] = KEPLER, steps: int = STEPS) -> None:
-    """Run what the file lacks of Kepler's problem, and write it after each run."""
+    """Run what the file lacks of Kepler's problem, and write it."""
     old = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
     record: dict[str, Any] = {
         "format": "glmref-measurement-1",
@@ -355,6 +379,7 @@ def kepler(path: Path, cases: Sequence[Case] = KEPLER, steps: int = STEPS) -> No
     plan = [("runs", name, 0, steps) for name in kepler_methods()]
     plan += [("restarted", name, RESTART, steps) for name in RESTARTED]
     plan += [("further", name, 0, 10 * steps) for name in FURTHER]
+    tasks: list[dict[str, Any]] = []
     for key, name, restart, length in plan:
         for case in cases:
             mine = {
@@ -363,11 +388,13 @@ def kepler(path: Path, cases: Sequence[Case] = KEPLER, steps: int = STEPS) -> No
                 "h": step_size(name, case),
             }
             kept = [x for x in old.get(key, []) if {**x, **mine} == x and x["marks"][-1] == length]
+            record[key].append(kept[0] if kept else mine)
             if not kept:
-                found = follow_method(name, case, length, restart=restart)
-                kept = [{**mine, **found.as_json()}]
-            record[key].append(kept[0])
-        write_json(path, record)
+                tasks.append({"method": name, "steps": length, "restart": restart, **asdict(case)})
+    found = iter(carried_out(method_row, tasks, beside=path))
+    for key in ("runs", "restarted", "further"):
+        record[key] = [x if "marks" in x else {**x, **next(found)} for x in record[key]]
+    complete(path, record)
 
 
 def grown(runs: Sequence[Mapping[str, Any]]) -> dict[str, str]:
@@ -432,9 +459,10 @@ def _shown(x: float | None) -> str:
 
 
 if __name__ == "__main__":
-    if sys.argv[1] == "kepler":
-        kepler(Path(sys.argv[2]))
-    elif len(sys.argv) > 2:
-        add(Path(sys.argv[1]), sys.argv[2])
+    words = arguments(sys.argv[1:])
+    if words[0] == "kepler":
+        kepler(Path(words[1]))
+    elif len(words) > 1:
+        add(Path(words[0]), words[1])
     else:
-        main(Path(sys.argv[1]))
+        main(Path(words[0]))

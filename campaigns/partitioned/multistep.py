@@ -1,42 +1,47 @@
 """Multistep methods in one-step form against pairs and splittings: evaluations, long runs, holes.
 
     python -m campaigns.partitioned.multistep data/measurements/multistep.json
+    python -m campaigns.partitioned.multistep times data/measurements/multistep.json
     python -m campaigns.partitioned.multistep long data/measurements/multistep-long.json
     python -m campaigns.partitioned.multistep resonances data/measurements/multistep-resonances.json
 
 The first counts force evaluations as :mod:`.work` does, each multistep method from its own start;
-the second follows 10^7 steps as :mod:`.long_runs` does; the third runs 4,000 step sizes up to the
-end of the periodicity interval.
+the second adds the times at these counts; the third follows 10^7 steps as :mod:`.long_runs` does;
+the fourth runs 4,000 step sizes up to the end of the periodicity interval.
 
 Public names::
 
-    ROWS, evaluations(path), table(document, tolerance) -> str
+    ROWS, evaluations(path), times(path), table(document, tolerance) -> str
     LONG, long_runs(path), long_table(document) -> str
     scan(name, case, sizes, steps) -> Scan, resonances(path), scan_table(document) -> str
 """
 
 from __future__ import annotations
 
+import json
 import math
 import sys
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from campaigns.partitioned.long_runs import EVERY, Case, three_digits
+from campaigns.driver import TIMED, arguments, carried_out, complete
+from campaigns.partitioned import work
+from campaigns.partitioned.long_runs import EVERY, RESTART, Case, case_of, three_digits
 from campaigns.partitioned.long_runs import follow_at as follow
-from campaigns.partitioned.work import CASES, needs
+from campaigns.partitioned.work import CASES, TOLERANCES, need_of, need_row, per_step, task_of
 from glmref.catalogue.lookup import load, names
-from glmref.catalogue.strict_json import write_json
+from glmref.compute import Limits
 from glmref.derive.recipes.multistep import SHIPPED
 from glmref.engine.solve import solve
 from glmref.measure.longtime import along
 from glmref.measure.timing import circumstances
 from glmref.method import Method
 from glmref.problems import problem
+from glmref.problems.model import Problem
 from glmref.theory.periodicity import periodicity
 
 __all__ = [
@@ -46,10 +51,13 @@ __all__ = [
     "evaluations",
     "long_runs",
     "long_table",
+    "mean_table",
     "resonances",
     "scan",
     "scan_table",
+    "seconds_per_step",
     "table",
+    "times",
 ]
 
 #: What is compared, by group: the columns of the table are the best of each group.
@@ -67,6 +75,7 @@ ROWS: Mapping[str, Sequence[str]] = {
 
 #: Cases of :mod:`.work` that are not measured: one does not discriminate, three take an hour.
 LEFT_OUT = ("n-body", "fput-stiff", "outer-solar-system-long", "pendulum-long")
+COUNTED = tuple(x for x in CASES if x.name not in LEFT_OUT)
 
 
 def rows() -> dict[str, list[str]]:
@@ -93,10 +102,14 @@ NOTE = (
     "interpolated between step sizes a third of an octave apart; start_evaluations come on top. "
     "Multistep methods start from the starting method of their file, pairs from zero values."
 )
+TIME_NOTE = (
+    "The time of a step is that of 4,000 steps, the start not counted, the least of five runs of "
+    "the compiled engine."
+)
 
 
-def evaluations(path: Path) -> None:
-    """Count for all cases and methods, and write the file after each case."""
+def evaluations(path: Path, cases: Sequence[work.Case] = COUNTED) -> None:
+    """Count for all cases and methods, and write the file."""
     record = _record(
         "multistep",
         "Force evaluations that multistep methods, pairs and splittings need",
@@ -104,9 +117,13 @@ def evaluations(path: Path) -> None:
         [NOTE],
     )
     record["groups"] = rows()
+    methods = [x for group in rows().values() for x in group]
+    counted = iter(
+        carried_out(need_row, (task_of(x, name) for x in cases for name in methods), beside=path)
+    )
     record["cases"] = []
-    for case in (x for x in CASES if x.name not in LEFT_OUT):
-        found = needs(case, [x for group in rows().values() for x in group])
+    for case in cases:
+        found = [need_of(x) for _ in methods for x in next(counted)]
         record["cases"].append(
             {
                 "case": case.name,
@@ -122,13 +139,61 @@ def evaluations(path: Path) -> None:
                 ],
             }
         )
-        write_json(path, record)
+    complete(path, record)
 
 
-def needed(entry: Mapping[str, Any], methods: Sequence[str], tolerance: str) -> tuple[str, float]:
-    """The method of some that needs fewest evaluations in a case, and how many; infinity: none."""
+def seconds_per_step(name: str, target: Problem, h: float, steps: int = 4_000) -> float | None:
+    """Time of a step, the least of five runs of so many; ``None`` where they are lost at once.
+
+    Short runs and the least of them: what else the machine does falls between them.
+    """
+    runs = [solve(target, load(name), h=h, steps=steps, every=steps) for _ in range(5)]
+    if min(run.steps for run in runs) < steps // 4:
+        return None
+    return min(run.seconds / run.steps for run in runs)
+
+
+def run_seconds(task: Mapping[str, Any]) -> float | None:
+    """Time of a run of a method on a case with so many steps, its start not counted."""
+    case, (name,), steps = work.case_of(task), task["methods"], task["steps"]
+    each = seconds_per_step(name, case.built(), case.t_end / steps)
+    return None if each is None else three_digits(steps * each)
+
+
+def times(path: Path) -> None:
+    """Add to a file of :func:`evaluations` the times of the steps at the counts for 1e-9.
+
+    Times that it has already are kept.
+    """
+    record = json.loads(path.read_text(encoding="utf-8"))
+    key, cases = f"{min(TOLERANCES):.0e}", {x.name: x for x in CASES}
+    lacking = [
+        (cases[entry["case"]], row)
+        for entry in record["cases"]
+        for row in entry["methods"]
+        if key in row["needed"] and "seconds" not in row
+    ]
+    tasks = (
+        {**task_of(case, x["method"]), "steps": x["needed"][key] / per_step(x["method"])}
+        for case, x in lacking
+    )
+    taken = carried_out(run_seconds, tasks, beside=path, limits=TIMED)
+    for (_, row), seconds in zip(lacking, taken, strict=True):
+        row["seconds"] = {} if seconds is None else {key: seconds}
+    record["notes"] = [NOTE, f"seconds: the steps needed times the time of one. {TIME_NOTE}"]
+    record["times taken in"] = circumstances()
+    complete(path, record)
+
+
+def needed(
+    entry: Mapping[str, Any], methods: Sequence[str], tolerance: str, what: str = "needed"
+) -> tuple[str, float]:
+    """The method of some that needs least in a case, and how much; infinity: none.
+
+    ``what``: ``"needed"`` evaluations, or ``"seconds"``.
+    """
     found = {
-        x["method"]: x["needed"].get(tolerance, math.inf)
+        x["method"]: x.get(what, {}).get(tolerance, math.inf)
         for x in entry["methods"]
         if x["method"] in methods
     }
@@ -136,8 +201,12 @@ def needed(entry: Mapping[str, Any], methods: Sequence[str], tolerance: str) -> 
     return best, found[best]
 
 
-def table(document: Mapping[str, Any], tolerance: str) -> str:
-    """The best of each group, case by case, in Markdown; the last line holds geometric means."""
+def table(document: Mapping[str, Any], tolerance: str, what: str = "needed") -> str:
+    """The best of each group, case by case, in Markdown; the last line holds geometric means.
+
+    ``what``: ``"needed"`` evaluations, or ``"seconds"``, shown in milliseconds, of the cases in
+    which they were taken.
+    """
     groups = document["groups"]
     rivals = [x for key, methods in groups.items() if not key.startswith("new") for x in methods]
     new = [x for key, methods in groups.items() if key.startswith("new") for x in methods]
@@ -145,17 +214,47 @@ def table(document: Mapping[str, Any], tolerance: str) -> str:
     lines = [f"| {' | '.join(head)} |", "|---" * len(head) + "|"]
     ratios: list[float] = []
     for entry in document["cases"]:
+        if not any(x.get(what) for x in entry["methods"]):
+            continue
         cells = [entry["case"]]
         for methods in groups.values():
-            name, count = needed(entry, methods, tolerance)
-            cells.append(f"{count:,.0f} ({name})" if math.isfinite(count) else "-")
-        mine, theirs = (needed(entry, x, tolerance)[1] for x in (new, rivals))
+            name, found = needed(entry, methods, tolerance, what)
+            shown = f"{found:,.0f}" if what == "needed" else f"{1e3 * found:.3g}"
+            cells.append(f"{shown} ({name})" if math.isfinite(found) else "-")
+        mine, theirs = (needed(entry, x, tolerance, what)[1] for x in (new, rivals))
         if math.isfinite(mine) and math.isfinite(theirs):
             ratios.append(mine / theirs)
         cells.append(f"{mine / theirs:.2f}" if math.isfinite(mine) else "-")
         lines.append(f"| {' | '.join(cells)} |")
     mean = math.exp(math.fsum(map(math.log, ratios)) / len(ratios))
     lines.append(f"| geometric mean |{' |' * len(groups)} {mean:.2f} |")
+    return "\n".join(lines) + "\n"
+
+
+#: Method in whose evaluations :func:`mean_table` counts.
+UNIT = "quinlan-tremaine-10"
+
+
+def mean_table(document: Mapping[str, Any]) -> str:
+    """Method against method: evaluations in units of :data:`UNIT`, in Markdown.
+
+    Geometric means over the second-order problems, and over those with a long horizon.
+    """
+    cases = [x for x in document["cases"] if x["case"] != "lotka-volterra"]
+    long = [x for x in cases if x["case"].endswith("-long")]
+    groups = ((cases, "cases"), (long, "long cases"))
+    columns = [(t, some, word) for t in ("1e-06", "1e-09") for some, word in groups]
+    heads = [f"$10^{{{int(t[2:])}}}$, {len(some)} {word}" for t, some, word in columns]
+    lines = [f"| method | {' | '.join(heads)} |", "|---" * (len(columns) + 1) + "|"]
+    for group in ("published multistep", "new, second-order"):
+        for name in document["groups"][group]:
+            cells = []
+            for tolerance, some, _ in columns:
+                shares = [
+                    needed(x, [name], tolerance)[1] / needed(x, [UNIT], tolerance)[1] for x in some
+                ]
+                cells.append(f"{math.exp(math.fsum(map(math.log, shares)) / len(shares)):.2f}")
+            lines.append(f"| `{name}` | {' | '.join(cells)} |")
     return "\n".join(lines) + "\n"
 
 
@@ -174,36 +273,108 @@ LONG = (
 LONG_NOTE = (
     f"Largest relative energy error up to each mark, sampled every {EVERY} steps, and largest "
     "entry of the values carried beyond the first; from the starting method of the file; bounded: "
-    "neither grows by more than a factor 10 in the last two decades."
+    "neither grows by more than a factor 10 in the last two decades. restarted, where it is there: "
+    f"the energy error of the same run started anew from the solution every {RESTART:,} steps. "
+    f"ns: nanoseconds a step. {TIME_NOTE}"
 )
+#: Published methods that are run and scanned beside the new ones.
+PUBLISHED = tuple(f"quinlan-tremaine-{order}" for order in (8, 10, 12, 14))
+
+
+def long_row(task: Mapping[str, Any]) -> dict[str, Any]:
+    """Follow a method on a case in JSON."""
+    case, restart = case_of(task), task["restart"]
+    return follow(
+        task["method"], case, case.per_evaluation, task["steps"], restart=restart
+    ).as_json()
+
+
+def nanoseconds(task: Mapping[str, Any]) -> float | None:
+    """Time of a step of a method on a case in JSON."""
+    case = case_of(task)
+    target = problem(case.problem, **dict(case.parameters))
+    each = seconds_per_step(task["method"], target, case.per_evaluation)
+    return None if each is None else three_digits(1e9 * each)
 
 
 def long_runs(path: Path, steps: int = 10_000_000, cases: Sequence[Case] = LONG) -> None:
-    """Follow every new method on every case, and write the file after each run."""
+    """Follow every new and published method on every case, and write the file.
+
+    Runs that the file has already are kept. New methods whose error grows are run again with new
+    starts; the starts of published ones take too long for that.
+    """
+    known = json.loads(path.read_text(encoding="utf-8"))["runs"] if path.exists() else []
     record = _record(
         "multistep-long",
         "Multistep methods in one-step form over ten million steps",
         "python -m campaigns.partitioned.multistep long FILE",
         [LONG_NOTE],
     )
-    record["runs"] = []
-    for name in SHIPPED:
+    tasks: list[dict[str, Any]] = []
+    rows: list[dict[str, Any]] = []
+    for name in (*SHIPPED, *PUBLISHED):
         for case in cases:
-            run = follow(name, case, case.per_evaluation, steps).as_json()
-            record["runs"].append({**run, "parameters": dict(case.parameters)})
-            write_json(path, record)
+            same = (name, case.problem, case.per_evaluation, dict(case.parameters))
+            mine: dict[str, Any] = dict(zip(SAME, same, strict=True))
+            rows.append(next((x for x in known if {**x, **mine} == x), mine))
+            tasks.append({"method": name, "steps": steps, "restart": 0, **asdict(case)})
+
+    def lacking(
+        function: Callable[[Mapping[str, Any]], Any],
+        wanted: Callable[[Mapping[str, Any]], bool],
+        limits: Limits | None = None,
+        **change: int,
+    ) -> Iterator[tuple[dict[str, Any], Any]]:
+        todo = [(row, task | change) for row, task in zip(rows, tasks, strict=True) if wanted(row)]
+        found = carried_out(function, (task for _, task in todo), beside=path, limits=limits)
+        return zip((row for row, _ in todo), found, strict=True)
+
+    for row, found in lacking(long_row, lambda x: "bounded" not in x):
+        row |= found
+    for row, ns in lacking(nanoseconds, lambda x: "ns" not in x, TIMED):
+        row["ns"] = ns
+
+    def grows(row: Mapping[str, Any]) -> bool:
+        return not row["bounded"] and "restarted" not in row and row["method"] in SHIPPED
+
+    for row, found in lacking(long_row, grows, restart=RESTART):
+        row["restarted"] = found["energy"]
+    record["runs"] = rows
+    complete(path, record)
+
+
+#: What tells one long run from another.
+SAME = ("method", "problem", "h", "parameters")
+
+
+def _cause(run: Mapping[str, Any]) -> str:
+    """Whether a run is bounded; else from when on it is not, and what starting anew changes."""
+    if run["bounded"]:
+        return "yes"
+    marks, energy = run["marks"], [math.inf if x is None else x for x in run["energy"]]
+    first = energy[-3]
+    grown = next((n for n, e in zip(marks, energy, strict=True) if e > 10 * first), None)
+    if grown is None:
+        return "no: the carried values grow"
+    text = f"no: grown tenfold within {grown * run['h']:.3g} time units"
+    if "restarted" not in run:
+        return text
+    new = run["restarted"][-1]
+    cured = new is not None and new <= 10 * run["restarted"][-3]
+    return f"{text}; started anew every {RESTART:,} steps " + (
+        f"{new:.1e}" if cured else "it grows too: the step is too long"
+    )
 
 
 def long_table(document: Mapping[str, Any]) -> str:
-    """Energy errors after 10^5, 10^6 and 10^7 steps, in Markdown."""
-    lines = ["| method | problem | h | $10^5$ | $10^6$ | $10^7$ | bounded |", "|---" * 7 + "|"]
+    """Energy errors after 10^5, 10^6 and 10^7 steps and the time of a step, in Markdown."""
+    head = "| method | problem | h | $10^5$ | $10^6$ | $10^7$ | ns a step | bounded |"
+    lines = [head, "|---" * 8 + "|"]
     for run in document["runs"]:
         what = ", ".join([run["problem"], *(f"{k} = {v}" for k, v in run["parameters"].items())])
         cells = ["not finite" if x is None else f"{x:.1e}" for x in run["energy"][-3:]]
-        verdict = "yes" if run["bounded"] else "no"
-        lines.append(
-            f"| `{run['method']}` | {what} | {run['h']:g} | {' | '.join(cells)} | {verdict} |"
-        )
+        cells += ["-" if run["ns"] is None else f"{run['ns']:.0f}", _cause(run)]
+        lines.append(f"| `{run['method']}` | {what} | {run['h']:g} | {' | '.join(cells)} |")
     return "\n".join(lines) + "\n"
 
 
@@ -219,11 +390,9 @@ class Scan:
     sizes : tuple[float, ...]
         Step sizes.
     errors : tuple[float, ...]
-        Largest relative energy error of each run. floor: the running minimum of the errors at
-        larger step sizes, what the order leaves to expect.
+        Largest relative energy error of each run.
     holes : tuple[float, ...]
-        Step sizes whose error exceeds a hundred times the largest of the next smaller ones that is
-        not a hole itself, or whose run is lost.
+        Step sizes whose error exceeds a hundred times the median of the twenty regular ones below.
     """
 
     sizes: tuple[float, ...]
@@ -258,37 +427,46 @@ def scan(method: Method, case: Case, sizes: Sequence[float], steps: int) -> Scan
 
 
 def resonances(path: Path, count: int = 4000, steps: int = 5000) -> None:
-    """Scan every new method on three orbits, up to the end of its periodicity interval."""
+    """Scan the new methods for separable systems on two orbits, up to the end of the interval.
+
+    The others, and published ones, are scanned by :mod:`.stages_search`.
+    """
     record = _record(
         "multistep-resonances",
         f"{count:,} step sizes of multistep methods in one-step form",
         "python -m campaigns.partitioned.multistep resonances FILE",
         [f"{steps:,} steps each; {' '.join((scan.__doc__ or '').split())}"],
     )
-    record["scans"] = []
     orbits = (
         (Case("pendulum", 1.0, (("q0", "5/2"),)), 1.0),
         (Case("kepler", 1.0, (("eccentricity", "1/5"),)), 0.8**-1.5),
     )
-    for name in SHIPPED:
-        method = load(name)
-        end = periodicity(method).value or 0.0
-        for case, frequency in orbits:
-            sizes = np.arange(1, count + 1) * (end / frequency / count)
-            sizes = sizes[sizes > 0.05 * sizes[-1]]
-            found = scan(method, case, sizes.tolist(), steps)
-            good = [h for h, e in zip(found.sizes, found.errors, strict=True) if e < 1e-2]
-            record["scans"].append(
-                {
-                    "method": name,
-                    "problem": case.problem,
-                    "end": three_digits(end),
-                    "sizes": len(sizes),
-                    "largest": three_digits(max(good, default=0.0) * frequency),
-                    "holes": [three_digits(h * frequency) for h in found.holes],
-                }
-            )
-            write_json(path, record)
+    size = {"count": count, "steps": steps}
+    tasks = (
+        {"method": name, "frequency": frequency, **size, **asdict(case)}
+        for name in ROWS["new, separable"]
+        for case, frequency in orbits
+    )
+    record["scans"] = carried_out(scan_row, tasks, beside=path)
+    complete(path, record)
+
+
+def scan_row(task: Mapping[str, Any]) -> dict[str, Any]:
+    """Scan a method on an orbit of a frequency, up to the end of its periodicity interval."""
+    method, case, frequency = load(task["method"]), case_of(task), task["frequency"]
+    end = periodicity(method).value or 0.0
+    sizes = np.arange(1, task["count"] + 1) * (end / frequency / task["count"])
+    sizes = sizes[sizes > 0.05 * sizes[-1]]
+    found = scan(method, case, sizes.tolist(), task["steps"])
+    good = [h for h, e in zip(found.sizes, found.errors, strict=True) if e < 1e-2]
+    return {
+        "method": task["method"],
+        "problem": case.problem,
+        "end": three_digits(end),
+        "sizes": len(sizes),
+        "largest": three_digits(max(good, default=0.0) * frequency),
+        "holes": [three_digits(h * frequency) for h in found.holes],
+    }
 
 
 def scan_table(document: Mapping[str, Any]) -> str:
@@ -307,8 +485,6 @@ def scan_table(document: Mapping[str, Any]) -> str:
 
 
 if __name__ == "__main__":
-    kinds = {"long": long_runs, "resonances": resonances}
-    if sys.argv[1] in kinds:
-        kinds[sys.argv[1]](Path(sys.argv[2]))
-    else:
-        evaluations(Path(sys.argv[1]))
+    kinds = {"times": times, "long": long_runs, "resonances": resonances}
+    words = arguments(sys.argv[1:])
+    kinds.get(words[0], evaluations)(Path(words[-1]))

@@ -1,12 +1,13 @@
 """Search for roots of explicit symmetric multistep methods: few evaluations, and no growth.
 
-    python -m campaigns.partitioned.multistep_search rkn 4 --seed 1 --tries 160
+    python -m campaigns.partitioned.multistep_search rkn 4 --seed 1 2 3 --tries 160 --on local
 
 The unknowns are the angles of the pairs of roots, whose cosines are rounded to 1/256; everything
 else follows (:mod:`glmref.derive.multistep`). Minimized is the mean logarithm of the evaluations
-needed at 1e-9 (weight 0.6) and 1e-6 (0.4) on the training problems :data:`CASES`, plus
-:data:`PENALTY` for each factor ten by which the roughness of the velocities grows at six step sizes
-near those needed. A random descent from evenly spread or given angles, the same for a seed.
+needed at 1e-9 (weight 0.6) and 1e-6 (0.4) on the training problems :data:`CASES`, plus a penalty,
+:data:`PENALTY` unless another is asked for, for each factor ten by which the roughness of the
+velocities grows at six step sizes near those needed. A random descent from evenly spread or given
+angles, the same for a seed.
 
 Public names::
 
@@ -22,8 +23,8 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
@@ -31,6 +32,7 @@ from typing import Any
 
 import numpy as np
 
+from campaigns.driver import arguments, carried_out
 from glmref.derive.multistep import Half
 from glmref.problems import problem
 
@@ -161,21 +163,21 @@ def coefficients(q: Sequence[Fraction], p: Sequence[Fraction]) -> tuple[np.ndarr
     return np.ascontiguousarray(a), np.ascontiguousarray(b)
 
 
-def _needed(case: Training, a: np.ndarray, b: np.ndarray) -> list[float]:
-    """Evaluations from which the error stays below each tolerance."""
+def needed_by(error: Callable[[int], float], least: int) -> list[float]:
+    """Evaluations from which an error, a function of their number, stays below each tolerance."""
     curve: list[tuple[int, float]] = []
     for k in range(200):
-        steps = math.ceil(case.least * 2 ** (k / DENSITY))
-        if steps > MOST * case.least:
+        steps = math.ceil(least * 2 ** (k / DENSITY))
+        if steps > MOST * least:
             break
-        curve.append((steps, case.error(a, b, steps)))
+        curve.append((steps, error(steps)))
         if len(curve) >= DENSITY and all(e < TOLERANCES[-1] / 2 for _, e in curve[-DENSITY:]):
             break
     found = []
     for tolerance in TOLERANCES:
         last = max((k for k, (_, e) in enumerate(curve) if not e < tolerance), default=-1)
         if last == len(curve) - 1:
-            found.append(float(MOST * case.least))
+            found.append(float(MOST * least))
         elif last < 0:
             found.append(float(curve[0][0]))
         else:
@@ -184,6 +186,11 @@ def _needed(case: Training, a: np.ndarray, b: np.ndarray) -> list[float]:
             part = math.log(e / tolerance) / math.log(e / d) if regular else 1.0
             found.append(n * (m / n) ** part)
     return found
+
+
+def _needed(case: Training, a: np.ndarray, b: np.ndarray) -> list[float]:
+    """Evaluations that a case needs for each tolerance."""
+    return needed_by(lambda steps: case.error(a, b, steps), case.least)
 
 
 def _growth(a: np.ndarray, b: np.ndarray, counts: np.ndarray, steps: int) -> float:
@@ -198,17 +205,22 @@ def _growth(a: np.ndarray, b: np.ndarray, counts: np.ndarray, steps: int) -> flo
     return total
 
 
-def objective(q: Sequence[Fraction], p: Sequence[Fraction], bound: float = math.inf) -> float:
+def objective(
+    q: Sequence[Fraction],
+    p: Sequence[Fraction],
+    bound: float = math.inf,
+    penalty: float = PENALTY,
+) -> float:
     """What is minimized; a lower bound of it where that exceeds ``bound``."""
     a, b = coefficients(q, p)
     counts = np.array([_needed(case, a, b) for case in CASES])
     value = float(np.log(counts).mean(axis=0) @ np.array(WEIGHTS))
     grown = 0.0
     for steps in STEPS:
-        if value + PENALTY * grown > bound:
+        if value + penalty * grown > bound:
             break
         grown = _growth(a, b, counts, steps)
-    return value + PENALTY * grown
+    return value + penalty * grown
 
 
 @dataclass
@@ -220,7 +232,15 @@ class Found:
     history: list[tuple[int, float]] = field(default_factory=list)
 
 
-def descend(kind: str, pairs: int, *, seed: int, tries: int, start: Sequence[float] = ()) -> Found:
+def descend(
+    kind: str,
+    pairs: int,
+    *,
+    seed: int,
+    tries: int,
+    start: Sequence[float] = (),
+    penalty: float = PENALTY,
+) -> Found:
     """Change some or all angles at random, and keep what is better.
 
     Parameters
@@ -231,6 +251,8 @@ def descend(kind: str, pairs: int, *, seed: int, tries: int, start: Sequence[flo
         Of roots.
     start : Sequence[float]
         Angles in degrees, those of q first; evenly spread ones by default.
+    penalty : float
+        For each factor ten of growth.
     """
     generator = np.random.default_rng(seed)
     count = 2 * pairs if kind == "separable" else pairs
@@ -251,7 +273,7 @@ def descend(kind: str, pairs: int, *, seed: int, tries: int, start: Sequence[flo
             return math.inf
         cosines = [Fraction(n, DENOMINATOR) for n in numerators(x)]
         split = pairs if kind == "separable" else 0
-        return objective(cosines[:split], cosines[split:], bound)
+        return objective(cosines[:split], cosines[split:], bound, penalty)
 
     best = value(angles, math.inf)
     found, width = Found(numerators(angles), best), 9.0
@@ -269,19 +291,29 @@ def descend(kind: str, pairs: int, *, seed: int, tries: int, start: Sequence[flo
     return found
 
 
-def main(arguments: Sequence[str]) -> None:
-    """Run one descent and print it."""
+def descent(task: Mapping[str, Any]) -> dict[str, Any]:
+    """Carry out :func:`descend` for a task in JSON."""
+    return asdict(descend(**task))
+
+
+def main(words: Sequence[str]) -> None:
+    """Run a descent for each seed, and print where it ended."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("kind", choices=("separable", "rkn"))
     parser.add_argument("pairs", type=int)
-    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--seed", type=int, nargs="+", default=[1])
     parser.add_argument("--tries", type=int, default=100)
     parser.add_argument("--angles", type=float, nargs="*", default=())
-    given = parser.parse_args(arguments)
-    found = descend(given.kind, given.pairs, seed=given.seed, tries=given.tries, start=given.angles)
-    shown = " ".join(map(str, [found.numerators, f"{found.value:.4f}", *found.history]))
-    sys.stdout.write(f"{given.kind} {given.pairs} {shown}\n")
+    parser.add_argument("--penalty", type=float, default=PENALTY)
+    given = parser.parse_args(words)
+    same = {
+        "kind": given.kind, "pairs": given.pairs, "tries": given.tries, "start": given.angles,
+        "penalty": given.penalty,
+    }  # fmt: skip
+    for found in carried_out(descent, ({**same, "seed": x} for x in given.seed)):
+        shown = [found["numerators"], f"{found['value']:.4f}", *map(tuple, found["history"])]
+        sys.stdout.write(f"{given.kind} {given.pairs} {' '.join(map(str, shown))}\n")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main(arguments(sys.argv[1:]))

@@ -20,23 +20,23 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from campaigns.driver import arguments, carried_out, complete
 from campaigns.partitioned.long_runs import (
     CASES,
     STEPS,
     Case,
-    follow_pair,
     pair_names,
+    pair_row,
     three_digits,
 )
 from glmref.catalogue.lookup import load
-from glmref.catalogue.strict_json import write_json
 from glmref.engine.reference import stepper
 from glmref.engine.start import zero_start
 from glmref.measure.timing import circumstances
@@ -136,6 +136,11 @@ def observed(name: str, of: str = "pendulum") -> dict[str, Any]:
     }
 
 
+def start_row(task: Mapping[str, Any]) -> dict[str, Any]:
+    """Carry out :func:`observed` for a task in JSON."""
+    return observed(task["method"])
+
+
 def started_pairs() -> list[str]:
     """Names of the explicit pairs whose files give a starting method."""
     return [x for x in pair_names() if load(x).starting is not None]
@@ -154,8 +159,17 @@ NOTE = (
 def main(path: Path, cases: Sequence[Case] = CASES, steps: int = STEPS) -> None:
     """Measure all pairs that have a starting method and write the file."""
     pairs = started_pairs()
-    runs = [follow_pair(name, case, steps, start=None) for name in pairs for case in cases]
-    known = {case.problem: case for case in cases}
+    tasks = [
+        {"method": name, "steps": steps, "start": None, **asdict(case)}
+        for name in pairs
+        for case in cases
+    ]
+    runs = carried_out(pair_row, tasks, beside=path)
+    further = [
+        {**task, "steps": FURTHER * steps}
+        for task, run in zip(tasks, runs, strict=True)
+        if run["bounded"]
+    ]
     record = {
         "format": "glmref-measurement-1",
         "name": "pairs-starts",
@@ -163,15 +177,11 @@ def main(path: Path, cases: Sequence[Case] = CASES, steps: int = STEPS) -> None:
         "how": "python -m campaigns.partitioned.starts FILE",
         "notes": [NOTE],
         "circumstances": circumstances(),
-        "starts": [observed(name) for name in pairs],
-        "runs": [run.as_json() for run in runs],
-        "further": [
-            follow_pair(run.pair, known[run.problem], FURTHER * steps, start=None).as_json()
-            for run in runs
-            if run.bounded
-        ],
+        "starts": carried_out(start_row, ({"method": name} for name in pairs), beside=path),
+        "runs": runs,
+        "further": carried_out(pair_row, further, beside=path),
     }
-    write_json(path, record)
+    complete(path, record)
 
 
 def starts_table(document: Mapping[str, Any]) -> str:
@@ -220,4 +230,4 @@ def _last(row: Mapping[str, Any], what: str) -> str:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main(Path(arguments(sys.argv[1:])[0]))

@@ -11,17 +11,30 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from campaigns import world
+from campaigns.partitioned import multistep
 from campaigns.partitioned.long_runs import Case
 from campaigns.partitioned.multistep import (
     LONG,
     follow,
     long_table,
+    mean_table,
     needed,
     scan,
     table,
 )
 from campaigns.partitioned.multistep_search import coefficients
+from campaigns.partitioned.stages_search import (
+    Stages,
+    doubled,
+    drifts,
+    front_table,
+    growth_table,
+    interval,
+    ranges,
+)
 from glmref.catalogue.lookup import data_root, load
+from glmref.compute.choosing import ENVIRONMENT
 from glmref.derive.recipes.multistep import SHIPPED
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -37,7 +50,12 @@ def filled(text):
     tables = {
         "multistep-1e-09": table(record("multistep"), "1e-09"),
         "multistep-1e-06": table(record("multistep"), "1e-06"),
+        "multistep-means": mean_table(record("multistep")),
+        "multistep-time": table(record("multistep"), "1e-09", "seconds"),
         "multistep-long": long_table(record("multistep-long")),
+        "multistep-growth": growth_table(record("multistep-growth")),
+        "multistep-front": front_table(record("multistep-front")),
+        "world": world.table(record("world")),
     }
     for name, lines in tables.items():
         pattern = rf"(<!-- table: {name} -->\n).*?(<!-- end of table -->)"
@@ -52,13 +70,42 @@ def test_the_tables_of_the_page_are_those_of_the_data():
 
 
 def test_every_shipped_method_is_measured():
-    assert {x["method"] for x in record("multistep-long")["runs"]} == set(SHIPPED)
+    assert set(SHIPPED) <= {x["method"] for x in record("multistep-long")["runs"]}
     for entry in record("multistep")["cases"]:
         assert set(SHIPPED) <= {x["method"] for x in entry["methods"]}
 
 
+@pytest.mark.slow
+def test_counts_and_long_runs_are_those_of_the_record_wherever_tasks_run(tmp_path, monkeypatch):
+    case = next(x for x in multistep.COUNTED if x.name == "henon-heiles")
+    few = {"new, second-order": ("multistep-rkn-8",), "splitting": ("blanes-moan-rkn-6-11",)}
+    monkeypatch.setattr(multistep, "ROWS", few)
+    monkeypatch.setattr(multistep, "SHIPPED", {"multistep-8": SHIPPED["multistep-8"]})
+    monkeypatch.setattr(multistep, "PUBLISHED", ())
+    (stored,) = (x for x in record("multistep")["cases"] if x["case"] == case.name)
+    known = {x["method"]: x["needed"] for x in stored["methods"]}
+    found = []
+    for on in ("here", "local:2"):
+        monkeypatch.setenv(ENVIRONMENT, on)
+        count, long = tmp_path / "count.json", tmp_path / f"{on[:4]}.json"
+        multistep.evaluations(count, [case])
+        multistep.times(count)
+        multistep.long_runs(long, steps=20_000, cases=LONG[1:2])
+        counted, runs = (json.loads(x.read_text(encoding="utf-8")) for x in (count, long))
+        for row in counted["cases"][0]["methods"]:
+            assert row["needed"] == known[row["method"]]
+            assert row.pop("seconds")["1e-09"] > 0
+        multistep.long_runs(long, steps=20_000, cases=LONG[1:2])  # what is there stays
+        assert json.loads(long.read_text(encoding="utf-8"))["runs"] == runs["runs"]
+        (run,) = runs["runs"]
+        assert run.pop("ns") > 0
+        found.append((counted["cases"], run))
+    assert found[0] == found[1]
+
+
 def test_files_say_where_they_grow():
     grown = {x["method"] for x in record("multistep-long")["runs"] if not x["bounded"]}
+    grown &= set(SHIPPED)
     assert {name for name, shipped in SHIPPED.items() if shipped.notes} == grown
 
 
@@ -87,11 +134,43 @@ def test_a_scan_calls_a_leap_of_the_error_a_hole():
     assert np.isfinite(found.errors).all()
 
 
+def test_the_fastest_of_a_case_stands_out_and_what_was_not_reached_is_named():
+    rows = [
+        {"method": "heyoka", "evaluations": None, "seconds": 2e-3},
+        {"method": "multistep-8", "evaluations": 1200, "seconds": 1e-3},
+        {"method": "cvode-adams", "evaluations": None, "seconds": None},
+    ]
+    document = {"cases": [{"case": "toy", "methods": rows}]}
+    assert world.winners(document) == {"multistep-8": 1}
+    line = world.table(document).splitlines()[-1]
+    assert "**1** (1,200)" in line and "| 2 |" in line and "not reached" in line
+
+
 def test_the_weights_of_the_search_are_those_of_stormer_and_of_the_leapfrog():
     # no free root: v_n = v_{n-1} + h k, q + h v; one pair: the method of order 4 by hand
     a, b = coefficients((), (Fraction(0),))
     assert a.tolist() == [1, -1, 1, -1]
     assert b.sum() == pytest.approx(2)
+
+
+def test_two_steps_of_one_kick_are_one_of_two():
+    """The drifts of both halves are those of the method with one kick, and so is the interval."""
+    angles = np.radians([67, 85, 122, 152])
+    alone = Stages(angles, np.zeros(1), np.ones((1, 4), dtype=complex))
+    (one,), _ = drifts(alone)
+    two, kicks = drifts(doubled(angles))
+    # in steps twice as long the kicks of the sum have weight 1/2, and those of the pairs still 1:
+    # the pairs are twice as large, and drifts of the same lengths have a fourth of the weights
+    assert two[:, 0] == pytest.approx(one[0] / 2, abs=1e-9)
+    for k in (1, 3, 5, 7):
+        size = np.hypot(*one[k : k + 2]) / 4
+        assert np.hypot(*two[0, k : k + 2]) == pytest.approx(size, rel=1e-8)
+    assert np.hypot(kicks[0, 1], kicks[0, 2]) == pytest.approx(1)
+    assert interval(doubled(angles), 50) == interval(alone, 50)
+
+
+def test_ranges_join_neighbours():
+    assert ranges([False, True, True, False, True], [1, 2, 3, 4, 5]) == [[2, 3], [5, 5]]
 
 
 if __name__ == "__main__":

@@ -50,6 +50,7 @@ def _other(found):
     return [_other(x) for x in found] if isinstance(found, list) else found
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize(
     ("page", "name"), [p for p in TABLES if p.id not in ("growth", "kepler-further")]
 )

@@ -20,10 +20,10 @@ from campaigns.partitioned.work import (
     TOLERANCES,
     Case,
     _crossing,
-    _per_step,
     _settled,
     add,
     needs,
+    per_step,
     timed,
     write,
 )
@@ -90,7 +90,7 @@ def test_the_evaluations_of_a_step_are_those_the_engine_counts(name):
 
     taken = solve("kepler", name, h=0.01, steps=100, start="zero")
     # one more where the first force of a run is not the last of a step before
-    assert taken.evaluations - 100 * _per_step(name) in (0, 1)
+    assert taken.evaluations - 100 * per_step(name) in (0, 1)
 
 
 def test_every_separable_problem_is_measured_or_left_out_with_a_reason():

@@ -26,16 +26,17 @@ import math
 import statistics
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from campaigns.driver import TIMED, arguments, carried_out, complete
 from campaigns.partitioned.long_runs import three_digits
 from glmref.catalogue.lookup import load
-from glmref.catalogue.strict_json import write_json
+from glmref.compute.records import finite
 from glmref.engine.outcome import Solution, StartFailed
 from glmref.engine.partitioned_forms import pair_form
 from glmref.engine.solve import solve
@@ -46,7 +47,19 @@ from glmref.method import PartitionedGLM
 from glmref.problems import problem
 from glmref.problems.model import Problem
 
-__all__ = ["CASES", "METHODS", "PAIRS", "Case", "Need", "add", "main", "needs", "timed", "write"]
+__all__ = [
+    "CASES",
+    "METHODS",
+    "PAIRS",
+    "Case",
+    "Need",
+    "add",
+    "main",
+    "needs",
+    "per_step",
+    "timed",
+    "write",
+]
 
 TOLERANCES = (1e-6, 1e-9)
 #: Grid points to an octave of step sizes.
@@ -199,7 +212,7 @@ def _error(case: Case) -> Callable[[Solution], float]:
     return lambda s: energy_error(target, s)
 
 
-def _per_step(method: str) -> int:
+def per_step(method: str) -> int:
     """Evaluations of a step; one less where the last of a step is the first of the next."""
     form = pair_form(_method(method))
     return max(1, form.Q.n - form.reuses_force)
@@ -220,10 +233,10 @@ def needs(case: Case, methods: Sequence[str] = METHODS) -> list[Need]:
 
 
 def _need(case: Case, method: str, start: str, error: Callable[[Solution], float]) -> Need:
-    per_step, curve, cost = _per_step(method), [], 0
+    each, curve, cost = per_step(method), [], 0
     for k in range(200):
-        steps = math.ceil(case.least * 2 ** (k / DENSITY) / per_step)
-        if steps * per_step > MOST:
+        steps = math.ceil(case.least * 2 ** (k / DENSITY) / each)
+        if steps * each > MOST:
             break
         try:
             solution = _run(case, method, steps, start)
@@ -274,7 +287,7 @@ def timed(case: Case, found: Sequence[Need], rounds: int = ROUNDS) -> list[Need]
     for _ in range(rounds):
         for k, need in enumerate(found):
             if tolerance in need.needed:
-                steps = max(1, round(need.needed[tolerance] / _per_step(need.method)))
+                steps = max(1, round(need.needed[tolerance] / per_step(need.method)))
                 solution = _run(replace(case, measure="state"), need.method, steps, need.start)
                 samples.setdefault(k, []).append(solution.seconds)
     return [
@@ -314,8 +327,51 @@ NOTE = (
 
 def main(path: Path, cases: Sequence[Case] = CASES, methods: Sequence[str] = METHODS) -> None:
     """Measure all cases, then the times of those that ask for it, and write the file."""
-    found = {case: needs(case, methods) for case in cases}
-    write(path, {case: timed(case, x) if case.timed else x for case, x in found.items()})
+    pairs = [(case, method) for case in cases for method in methods]
+    rows = carried_out(need_row, (task_of(case, x) for case, x in pairs), beside=path)
+    found: dict[Case, list[Need]] = {case: [] for case in cases}
+    for (case, _), row in zip(pairs, rows, strict=True):
+        found[case] += map(need_of, row)
+    tasks = [
+        {**task_of(case), "needs": [_as_row(x) for x in found[case]]}
+        for case in cases
+        if case.timed
+    ]
+    times = carried_out(time_row, tasks, beside=path, limits=TIMED)
+    timed_cases = (case for case in cases if case.timed)
+    found |= {case: [*map(need_of, x)] for case, x in zip(timed_cases, times, strict=True)}
+    write(path, found)
+
+
+def task_of(case: Case, *methods: str) -> dict[str, Any]:
+    """A case and methods in JSON."""
+    return {"case": asdict(case), "methods": list(methods)}
+
+
+def case_of(task: Mapping[str, Any]) -> Case:
+    """The case of a task."""
+    return Case(**{**task["case"], "parameters": tuple(map(tuple, task["case"]["parameters"]))})
+
+
+def need_of(row: Mapping[str, Any]) -> Need:
+    """Return what is needed from its form in JSON, where keys are texts and tuples lists."""
+    numbers = {key: {float(t): x for t, x in row[key].items()} for key in ("needed", "seconds")}
+    curve = tuple((n, math.nan if e is None else e) for n, e in row["curve"])
+    return Need(**{**row, **numbers, "curve": curve})
+
+
+def _as_row(need: Need) -> dict[str, Any]:
+    return {**asdict(need), "curve": [(n, finite(e)) for n, e in need.curve]}
+
+
+def need_row(task: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Carry out :func:`needs` for a task in JSON."""
+    return [_as_row(x) for x in needs(case_of(task), task["methods"])]
+
+
+def time_row(task: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Carry out :func:`timed` for a task in JSON."""
+    return [_as_row(x) for x in timed(case_of(task), [need_of(x) for x in task["needs"]])]
 
 
 def write(path: Path, found: Mapping[Case, Sequence[Need]]) -> None:
@@ -329,7 +385,7 @@ def write(path: Path, found: Mapping[Case, Sequence[Need]]) -> None:
         "circumstances": circumstances(),
         "cases": [_as_json(case, rows) for case, rows in found.items()],
     }
-    write_json(path, document)
+    complete(path, document)
 
 
 def add(path: Path, method: str, cases: Sequence[Case] = CASES) -> None:
@@ -348,16 +404,18 @@ def add(path: Path, method: str, cases: Sequence[Case] = CASES) -> None:
     named = {case.name: case for case in cases}
     for entry in document["cases"]:
         case = named[entry["case"]]
-        new = _as_json(case, needs(case, [method]))["methods"]
+        (found,) = carried_out(need_row, [task_of(case, method)], beside=path)
+        new = _as_json(case, [need_of(x) for x in found])["methods"]
         rows = [x for x in entry["methods"] if x["method"] != method] + new
         entry["methods"] = sorted(rows, key=lambda x: METHODS.index(x["method"]))
     note = f"{method} was counted in a later run, without times."
     document["notes"] = [x for x in document["notes"] if x != note] + [note]
-    write_json(path, document)
+    complete(path, document)
 
 
 if __name__ == "__main__":
-    if len(sys.argv) > 2:
-        add(Path(sys.argv[1]), sys.argv[2])
+    words = arguments(sys.argv[1:])
+    if len(words) > 1:
+        add(Path(words[0]), words[1])
     else:
-        main(Path(sys.argv[1]))
+        main(Path(words[0]))

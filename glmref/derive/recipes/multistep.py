@@ -56,6 +56,9 @@ SHIPPED: Mapping[str, Shipped] = {
     "multistep-rkn-10": Shipped(
         (), (-227, -135, 23, 102), notes=(_GROWS.format("toda and outer-solar-system"),)
     ),
+    "multistep-rkn-12": Shipped(
+        (), (102, 146, 53, -96, -232), notes=(_GROWS.format("toda and kepler at 1/10"),)
+    ),
 }
 
 
