@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks import compare_c
+from benchmarks import compare_c, compare_textbook
+from glmref import solve
 from glmref.catalogue.lookup import load
 from glmref.engine.codegen import ARGUMENTS, Options, kernel_source
 from glmref.engine.ensemble import solve_ensemble
@@ -136,3 +137,41 @@ class AgainstC:
         return float(self.row.reference_over_engine)
 
     track_c_over_engine.unit = track_reference_over_engine.unit = "ratio"
+
+
+class AgainstTextbook:
+    """Plain C from the formulas, by someone who had not read the engine; both compensate."""
+
+    params = [list(compare_textbook.METHODS), list(compare_textbook.STEPS)]
+    param_names = ["method", "problem"]
+    timeout = 120
+
+    def setup(self, method, name):
+        if compare_c.compiler() is None:
+            raise NotImplementedError
+        with tempfile.TemporaryDirectory() as folder:
+            self.row = compare_textbook.measured(method, name, Path(folder), repeats=3)
+
+    def track_c_over_engine(self, method, name):
+        return self.row.ratio
+
+    def track_fused_c_over_fused_engine(self, method, name):
+        return self.row.fused_ratio
+
+    track_c_over_engine.unit = track_fused_c_over_fused_engine.unit = "ratio"
+
+
+class Quick:
+    """Evaluations of ``arithmetic="quick"`` over those of ``"strict"``."""
+
+    params = [["gauss-3", "g6245"], list(PROBLEMS)]
+    param_names = ["method", "problem"]
+
+    def track_evaluations(self, method, name):
+        counts = []
+        for arithmetic in ("strict", "quick"):
+            options = {"h": PROBLEMS[name], "steps": 1000, "solver": "fixed-point"}
+            counts.append(solve(name, method, arithmetic=arithmetic, **options).evaluations)
+        return counts[1] / counts[0]
+
+    track_evaluations.unit = "ratio"

@@ -1,13 +1,11 @@
-"""Trees: listing, growth counts, cuts. Each timing starts from nothing remembered."""
+"""Trees: listing, growth counts. Each timing starts from nothing remembered."""
 
 from glmref.theory import trees as module
-from glmref.theory.series import compose, flow
-from glmref.theory.trees import GENERAL, coproduct, pruned, trees_up_to
+from glmref.theory.trees import GENERAL, pruned, trees_up_to
 
 
 def forget():
     pruned.cache_clear()
-    coproduct.cache_clear()
     module._LISTINGS.clear()
     for made in module._MADE.values():
         for children in [key for key in made if key]:
@@ -50,19 +48,3 @@ class Cuts:
     def time_growth_counts(self, order):
         for t in self.trees:
             pruned(t)
-
-    def time_coproduct(self, order):
-        for t in self.trees:
-            coproduct(t)
-
-
-class Composition:
-    params = [6, 8]
-    param_names = ["order"]
-
-    def setup(self, order):
-        self.flow = flow(order)
-        compose(self.flow, self.flow)
-
-    def time_flow_twice(self, order):
-        compose(self.flow, self.flow)

@@ -1,36 +1,48 @@
-"""The compiled engine beside plain C from the textbook: ``python -m benchmarks.compare_textbook``.
+"""The engine beside plain C: ``python -m benchmarks.compare_textbook [--write] [NAME ...]``.
 
-``benchmarks/c/textbook.c`` states each method as a textbook does, in an order of operations of its
-own, so that bits differ. Four kinds of it are compiled, with and without compensated sums and with
-and without fused operations, each at ``-O3`` and at ``-O2``, of which the faster one counts. The
-engine stands beside them with ``arithmetic="strict"`` and
-``"fused"``, which both compensate. Processor time of one thread, least of interleaved repetitions.
+``benchmarks/c/textbook.c`` states each method by its formulas, in an order of operations of its
+own, so that bits differ; its author had not read the engine. Names are of methods and problems;
+``--write`` puts the table of all of them into docs/engine.md. Four kinds of it are compiled, with
+and without compensated sums and with and without fused operations, each at ``-O3`` and at ``-O2``,
+of which the faster one counts. The engine stands beside them with ``arithmetic="strict"`` and
+``"fused"``, which both compensate. Processor time of one thread, least of interleaved repetitions,
+of the loop over steps alone: the runs are so long that the call itself, some ten microseconds on
+the side of the engine, is below a hundredth.
 """
 
 from __future__ import annotations
 
 import sys
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from benchmarks.compare_c import CONTRACTED, PROBLEMS, Loop, built
+from benchmarks.engine_tables import filled
 from benchmarks.timing import interleaved
 from glmref import load, problem
-from glmref.engine.kernel import Kernel, prepare
+from glmref.engine.kernel import Kernel, State, prepare
 from glmref.engine.reference import stepper
-from glmref.engine.start import zero_start
+from glmref.engine.start import starting_values
 from glmref.method import PartitionedGLM
 from glmref.method.component import SEPARABLE
 
 __all__ = ["METHODS", "Row", "measured"]
 
 #: Method -> macro of its C source.
-METHODS = {"stormer-verlet": "VERLET", "rk4": "RK4", "gauss-3": "GAUSS", "pair-rkn-6-8b": "PAIR"}
+METHODS = {
+    "stormer-verlet": "VERLET",
+    "rk4": "RK4",
+    "gauss-3": "GAUSS",
+    "pair-rkn-6-8b": "PAIR",
+    "multistep-rkn-8": "MULTISTEP",
+    "multistep-rkn-10": "MULTISTEP",
+}
 #: Steps of one run.
-STEPS = {"kepler": 200_000, "henon-heiles": 200_000, "outer-solar-system": 20_000}
+STEPS = {"kepler": 500_000, "henon-heiles": 500_000, "outer-solar-system": 50_000}
 #: Steps after which C and engine are compared.
 _CHECKED = 200
 #: What is compiled: name -> options beside the optimisation level.
@@ -41,6 +53,7 @@ KINDS = {
     "plain, fused": (CONTRACTED,),
 }
 _NEAR = 1e-9
+PAGE = Path(__file__).resolve().parents[1] / "docs" / "engine.md"
 
 
 @dataclass(frozen=True)
@@ -82,6 +95,20 @@ def table(pair: PartitionedGLM) -> str:
     )  # fmt: skip
 
 
+def multistep_table(method: PartitionedGLM) -> str:
+    """The file ``table.h``: numbers of a multistep method of :mod:`glmref.derive.multistep`."""
+    places = range(1, method.r_hat, 2)
+    numbers = {
+        "TWICE": [float(method.V_hat[j][j]) for j in places],
+        "ALPHA": [float(method.U_hat[0][j]) for j in places],
+    }
+    rows = (
+        f"static const double {key}[PAIRS] = {{{', '.join(x.hex() for x in found)}}};\n"
+        for key, found in numbers.items()
+    )
+    return f"enum {{ PAIRS = {len(places)} }};\n{''.join(rows)}"
+
+
 def measured(name: str, of: str, folder: Path, *, repeats: int = 11) -> Row:
     """Time one method on one problem.
 
@@ -94,20 +121,27 @@ def measured(name: str, of: str, folder: Path, *, repeats: int = 11) -> Row:
     subject, method, steps = problem(of, **parameters), load(name), STEPS[of]
     own = folder / f"{name}-{of}"
     own.mkdir()
-    if isinstance(method, PartitionedGLM) and name.startswith("pair"):
-        (own / "table.h").write_text(table(method), encoding="utf-8")
+    if isinstance(method, PartitionedGLM) and METHODS[name] in ("PAIR", "MULTISTEP"):
+        written = table if METHODS[name] == "PAIR" else multistep_table
+        (own / "table.h").write_text(written(method), encoding="utf-8")
     engines = {
         arithmetic: prepare(method, subject, h=h, arithmetic=arithmetic, solver="fixed-point")
         for arithmetic in ("strict", "fused")
     }
-    start = zero_start(stepper(method, subject), subject.y0)
+    start = starting_values(
+        stepper(method, subject),
+        "zero" if name.startswith("pair") else None,
+        t=0.0,
+        y0=np.asarray(subject.y0),
+        h=h,
+    ).values
     slope, out = np.asarray(subject.f(0.0, start[0])), np.zeros(1)
 
-    def by_engine(kernel: Kernel, steps: int = steps) -> np.ndarray:
+    def by_engine(kernel: Kernel, steps: int = steps) -> State:
         state = kernel.state(start, slope, h)
         numbers = (0.0, h, 0, steps, -1, 0)
         kernel.built.kernel(state.work, kernel.shape.par, *numbers, out, 0, state.tally)
-        return kernel.values(state)
+        return state
 
     def by_c(loop: Loop, steps: int = steps) -> np.ndarray:
         y, par = start.copy(), engines["strict"].shape.values
@@ -122,7 +156,8 @@ def measured(name: str, of: str, folder: Path, *, repeats: int = 11) -> Row:
     }
     runs = {key: (lambda loop=loop: by_c(loop)) for key, loop in loops.items()}
     runs |= {key: (lambda kernel=kernel: by_engine(kernel)) for key, kernel in engines.items()}
-    expected = by_engine(engines["strict"], _CHECKED)[0]
+    strict = engines["strict"]
+    expected = strict.values(by_engine(strict, _CHECKED))[0]
     for loop in loops.values() if name != "stormer-verlet" else ():  # drifts first there
         if np.abs(by_c(loop, _CHECKED)[0] - expected).max() > _NEAR * np.abs(expected).max():
             raise ArithmeticError(f"C and engine do not agree: {name} on {of}")
@@ -131,23 +166,37 @@ def measured(name: str, of: str, folder: Path, *, repeats: int = 11) -> Row:
     return Row(name, of, c, {key: spent[key] for key in engines})  # type: ignore[index]
 
 
-def main() -> None:
+HEADS = (
+    "problem", "method", "C, comp.", "C, comp., fma", "C", "C, fma", "engine", "engine, fused",
+    "C / engine", "both fused",
+)  # fmt: skip
+
+
+def line(row: Row) -> str:
+    """A row of the table."""
+    numbers = [f"{x:.4g}" for x in (*row.c.values(), *row.engine.values())]
+    cells = [row.problem, row.method, *numbers, f"**{row.ratio:.2f}**", f"{row.fused_ratio:.2f}"]
+    return f"| {' | '.join(cells)} |"
+
+
+def main(wanted: Sequence[str] = (), *, write: bool = False) -> None:
     """Print a row for each method and problem, or for those named."""
-    wanted = sys.argv[1:]
-    heads = ["problem", "method", *KINDS, "engine", "engine, fused", "C / engine", "fused"]
-    sys.stdout.write("| " + " | ".join(heads) + " |\n|" + " --- |" * len(heads) + "\n")
+    lines = [f"| {' | '.join(HEADS)} |", f"|{' --- |' * len(HEADS)}"]
+    sys.stdout.write("\n".join(lines) + "\n")
     with tempfile.TemporaryDirectory() as folder:
         for of in STEPS:
             for name in METHODS:
                 if wanted and not {name, of} & set(wanted):
                     continue
-                row = measured(name, of, Path(folder))
-                numbers = [*row.c.values(), *row.engine.values()]
-                cells = [of, name, *(f"{x:.4g}" for x in numbers)]
-                cells += [f"**{row.ratio:.2f}**", f"{row.fused_ratio:.2f}"]
-                sys.stdout.write("| " + " | ".join(cells) + " |\n")
+                lines.append(line(measured(name, of, Path(folder))))
+                sys.stdout.write(lines[-1] + "\n")
                 sys.stdout.flush()
+    if write:
+        page = PAGE.read_text(encoding="utf-8")
+        tables = {"textbook": lambda _: "\n".join(lines)}
+        PAGE.write_text(filled(page, [], tables), encoding="utf-8")
 
 
 if __name__ == "__main__":
-    main()
+    names = [name for name in sys.argv[1:] if name != "--write"]
+    main(names, write="--write" in sys.argv and not names)

@@ -4,7 +4,9 @@ Four comparisons: ``c`` and ``sweep`` of :mod:`benchmarks.compare_c`, ``lanes`` 
 :mod:`benchmarks.compare_lanes` and ``kepler`` of :mod:`benchmarks.compare_kepler`; where some are
 named, only these are measured, and the rows of the others are those of the record. Prints the
 tables; with ``--write`` stores what was measured in data/measurements/engine.json and the tables in
-docs/engine.md and campaigns/partitioned/README.md. Needs a C compiler, heyoka, scipy.
+docs/engine.md and campaigns/partitioned/README.md; without names also the table of
+:mod:`benchmarks.compare_textbook`, so that one command renews the page. Needs a C compiler, heyoka,
+scipy.
 """
 
 from __future__ import annotations
@@ -18,7 +20,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from benchmarks import compare_c, compare_kepler, compare_lanes
+from benchmarks import compare_c, compare_kepler, compare_lanes, compare_textbook
 from benchmarks.engine_tables import PAIR_TABLES, TABLES, filled
 from glmref.catalogue.strict_json import write_json
 from glmref.measure.timing import circumstances
@@ -126,6 +128,8 @@ def main() -> None:
         for page, tables in ((PAGE, TABLES), (PAIR_PAGE, PAIR_TABLES)):
             text = filled(page.read_text(encoding="utf-8"), document["rows"], tables)
             page.write_text(text, encoding="utf-8")
+        if len(wanted) == len(COMPARISONS):
+            compare_textbook.main(write=True)
 
 
 if __name__ == "__main__":

@@ -1,223 +1,268 @@
-/* Four methods for q'' = g(q), each as a textbook states it, in an order of operations of its own.
+/* Five methods for q'' = g(q) from their formulas, written before the author had read the engine.
 
-   -DVERLET: kick and drift in turn, the half drifts of neighbouring steps as one.
-   -DRK4: the classical Runge-Kutta method with slopes k1..k4 of y = (q, p).
-   -DGAUSS: Gauss with three stages; all slopes of p from those before until they stand still, the
-     first ones from the polynomial through the last step's.
-   -DPAIR: table.h holds PASSES and STAGES; the values are q1, p1, q2, p2 and the stages come in
-     turn, as in an explicit partitioned general linear method.
-
-   With -DCOMPENSATED sums over steps are compensated (Kahan). */
+   y holds the values of the method one after the other, (q, p) in each; run() makes `steps` steps
+   and returns the evaluations, or -1. With -DCOMPENSATED, q and p (and with several values all that
+   do not oscillate) are summed after Kahan. Whether products and sums are fused is an option of the
+   compiler. HNW: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I; HLW: Hairer,
+   Lubich, Wanner, Geometric Numerical Integration. */
 #include "problems.h"
 
+#define EACH for (int c = 0; c < M; c++)
+
 #ifdef COMPENSATED
-#define ADD(x, e, dx) do { double u_ = (dx) + (e), s_ = (x) + u_; (e) = u_ - (s_ - (x)); (x) = s_; } while (0)
+#define LOST(x) double x[M] = {0}
+#define ADD(x, lost, term) do { \
+    double term_ = (term) + (lost), sum_ = (x) + term_; \
+    (lost) = term_ - (sum_ - (x)); \
+    (x) = sum_; \
+} while (0)
 #else
-#define ADD(x, e, dx) ((x) += (dx))
+#define LOST(x) enum { x = 0 }
+#define ADD(x, lost, term) ((x) += (term))
+#endif
+#ifdef COMPENSATED
+#define OF(lost) lost[c]
+#else
+#define OF(lost) lost
 #endif
 
-static int finite_sum(const double *q, const double *p)
+static long finished(const double *restrict y, int n, long evaluations)
 {
-    double sum = 0;
-    for (int c = 0; c < M; c++)
-        sum += q[c] + p[c];
-    return fabs(sum) < 1e300;
+    for (int c = 0; c < n; c++)
+        if (!isfinite(y[c]))
+            return -1;
+    return evaluations;
 }
 
 #if defined VERLET
+/* Leapfrog, HLW I (1.17): velocities between the points, here times h. */
 long run(double *restrict y, const double *restrict par, double h, long steps)
 {
-    double q[M], p[M], eq[M] = {0}, ep[M] = {0}, g[M];
-    for (int c = 0; c < M; c++) {
-        p[c] = y[M + c];
-        q[c] = y[c] + 0.5 * h * p[c];
-    }
+    double q[M], u[M], g[M];
+    LOST(lost_q);
+    LOST(lost_u);
+    EACH q[c] = y[c];
+    force(q, par, g);
+    EACH u[c] = h * y[M + c] + h * h / 2 * g[c];
     for (long n = 0; n < steps; n++) {
+        EACH ADD(q[c], OF(lost_q), u[c]);
         force(q, par, g);
-        for (int c = 0; c < M; c++) {
-            ADD(p[c], ep[c], h * g[c]);
-            ADD(q[c], eq[c], h * p[c]);
-        }
-        if (!finite_sum(q, p))
-            return -1;
+        EACH ADD(u[c], OF(lost_u), h * h * g[c]);
     }
-    for (int c = 0; c < M; c++) {
-        y[c] = q[c] - 0.5 * h * p[c];
-        y[M + c] = p[c];
+    EACH {
+        y[c] = q[c];
+        y[M + c] = (u[c] - h * h / 2 * g[c]) / h;
     }
-    return steps;
+    return finished(y, D, steps);
 }
+
 #elif defined RK4
+/* The classical method for q'' = g(q): HNW II.14, the stages of the velocity inserted. */
 long run(double *restrict y, const double *restrict par, double h, long steps)
 {
-    double q[M], p[M], eq[M] = {0}, ep[M] = {0};
-    double Q[M], k1[M], k2[M], k3[M], k4[M], p2[M], p3[M], p4[M];
-    for (int c = 0; c < M; c++) {
+    double q[M], p[M], Q[M], a[M], b[M], k1[M], k2[M], k3[M], k4[M];
+    LOST(lost_q);
+    LOST(lost_p);
+    EACH {
         q[c] = y[c];
         p[c] = y[M + c];
     }
     for (long n = 0; n < steps; n++) {
         force(q, par, k1);
-        for (int c = 0; c < M; c++) {
-            Q[c] = q[c] + h / 2 * p[c];
-            p2[c] = p[c] + h / 2 * k1[c];
-        }
+        EACH Q[c] = a[c] = q[c] + h / 2 * p[c];
         force(Q, par, k2);
-        for (int c = 0; c < M; c++) {
-            Q[c] = q[c] + h / 2 * p2[c];
-            p3[c] = p[c] + h / 2 * k2[c];
-        }
+        EACH Q[c] = a[c] + h * h / 4 * k1[c];
         force(Q, par, k3);
-        for (int c = 0; c < M; c++) {
-            Q[c] = q[c] + h * p3[c];
-            p4[c] = p[c] + h * k3[c];
-        }
+        EACH b[c] = q[c] + h * p[c];
+        EACH Q[c] = b[c] + h * h / 2 * k2[c];
         force(Q, par, k4);
-        for (int c = 0; c < M; c++) {
-            ADD(q[c], eq[c], h / 6 * (p[c] + 2 * (p2[c] + p3[c]) + p4[c]));
-            ADD(p[c], ep[c], h / 6 * (k1[c] + 2 * (k2[c] + k3[c]) + k4[c]));
+        EACH {
+            double middle = k2[c] + k3[c];
+            ADD(q[c], OF(lost_q), h * p[c] + h * h / 6 * (k1[c] + middle));
+            ADD(p[c], OF(lost_p), h / 6 * (k1[c] + k4[c] + 2 * middle));
         }
-        if (!finite_sum(q, p))
-            return -1;
     }
-    for (int c = 0; c < M; c++) {
+    EACH {
         y[c] = q[c];
         y[M + c] = p[c];
     }
-    return 4 * steps;
+    return finished(y, D, 4 * steps);
 }
+
 #elif defined GAUSS
+/* Gauss, three stages, HLW II (1.20), as Nystrom's method: Q_i = q + h c_i p + h^2 sum (A A)_ij g_j
+   by fixed point, HLW VIII.6, from the parabola through the three forces of the step before, until
+   the positions do not change any more or no longer come closer. */
+enum { S = 3 };
+
 long run(double *restrict y, const double *restrict par, double h, long steps)
 {
-    const double r = sqrt(15.0);
-    const double a[3][3] = {
-        {5.0 / 36, 2.0 / 9 - r / 15, 5.0 / 36 - r / 30},
-        {5.0 / 36 + r / 24, 2.0 / 9, 5.0 / 36 - r / 24},
-        {5.0 / 36 + r / 30, 2.0 / 9 + r / 15, 5.0 / 36}};
-    const double b[3] = {5.0 / 18, 4.0 / 9, 5.0 / 18}, c3[3] = {0.5 - r / 10, 0.5, 0.5 + r / 10};
-    double q[M], p[M], eq[M] = {0}, ep[M] = {0}, k[3][M], old[3][M], Q[3][M], last[3][M], w[3][3];
-    double aa[3][3], ba[3];
-    long evaluations = 0;
-    for (int i = 0; i < 3; i++) {
-        ba[i] = 0;
-        for (int j = 0; j < 3; j++) {
-            aa[i][j] = 0;
-            for (int l = 0; l < 3; l++)
-                aa[i][j] += a[i][l] * a[l][j];
-            w[i][j] = 1; /* the polynomial through the old slopes at 1 + c_i */
-            for (int l = 0; l < 3; l++)
-                if (l != j)
-                    w[i][j] *= (1 + c3[i] - c3[l]) / (c3[j] - c3[l]);
+    const double r = sqrt(15);
+    const double node[S] = {(5 - r) / 10, 0.5, (5 + r) / 10}, b[S] = {5. / 18, 4. / 9, 5. / 18};
+    const double a[S][S] = {
+        {5. / 36, 2. / 9 - r / 15, 5. / 36 - r / 30},
+        {5. / 36 + r / 24, 2. / 9, 5. / 36 - r / 24},
+        {5. / 36 + r / 30, 2. / 9 + r / 15, 5. / 36}};
+    double aa[S][S], hb[S], qb[S], next[S][S];
+    for (int i = 0; i < S; i++) {
+        hb[i] = h * b[i];
+        qb[i] = h * h * b[i] * (1 - node[i]);
+        for (int j = 0; j < S; j++) {
+            double sum = 0, product = 1;
+            for (int k = 0; k < S; k++) {
+                sum += a[i][k] * a[k][j];
+                if (k != j)
+                    product *= (1 + node[i] - node[k]) / (node[j] - node[k]);
+            }
+            aa[i][j] = h * h * sum;
+            next[i][j] = product; /* Lagrange polynomials of the last step in this one */
         }
-        for (int l = 0; l < 3; l++)
-            ba[i] += b[l] * a[l][i];
     }
-    for (int c = 0; c < M; c++) {
+    double q[M], p[M], g[S][M], Q[S][M], base[S][M];
+    long evaluations = 0;
+    LOST(lost_q);
+    LOST(lost_p);
+    EACH {
         q[c] = y[c];
         p[c] = y[M + c];
     }
-    force(q, par, old[0]);
-    for (int c = 0; c < M; c++)
-        old[1][c] = old[2][c] = old[0][c];
+    force(q, par, g[0]);
+    EACH g[1][c] = g[2][c] = g[0][c];
     for (long n = 0; n < steps; n++) {
-        double before = 1e300;
-        for (int i = 0; i < 3; i++)
-            for (int c = 0; c < M; c++)
-                k[i][c] = w[i][0] * old[0][c] + w[i][1] * old[1][c] + w[i][2] * old[2][c];
+        double size = 0, last = INFINITY;
+        EACH {
+            double first = g[0][c], second = g[1][c], third = g[2][c];
+            for (int i = 0; i < S; i++) {
+                g[i][c] = next[i][0] * first + next[i][1] * second + next[i][2] * third;
+                base[i][c] = q[c] + h * node[i] * p[c];
+                Q[i][c] = INFINITY;
+            }
+            size = fmax(size, fabs(q[c]));
+        }
         for (int round = 0;; round++) {
-            double change = 0, size = 0;
-            for (int i = 0; i < 3; i++)
-                for (int c = 0; c < M; c++) {
-                    Q[i][c] = q[c] + (h * c3[i] * p[c]
-                        + h * h * (aa[i][0] * k[0][c] + aa[i][1] * k[1][c] + aa[i][2] * k[2][c]));
-                    if (round)
-                        change += fabs(Q[i][c] - last[i][c]);
-                    size += fabs(Q[i][c]);
-                    last[i][c] = Q[i][c];
+            double change = 0;
+            for (int i = 0; i < S; i++)
+                EACH {
+                    double to = base[i][c] + (aa[i][0] * g[0][c] + aa[i][1] * g[1][c] + aa[i][2] * g[2][c]);
+                    double by = fabs(to - Q[i][c]);
+                    change = by > change ? by : change;
+                    Q[i][c] = to;
                 }
-            if (round && (change == 0 || (change >= before && change <= 1e-14 * size)))
+            if (change == 0 || (change >= last && change < 1e-14 * size))
                 break;
-            if (round)
-                before = change;
-            if (round > 100)
+            if (round == 100 || change != change)
                 return -1;
-            for (int i = 0; i < 3; i++)
-                force(Q[i], par, k[i]);
-            evaluations += 3;
+            last = change;
+            for (int i = 0; i < S; i++)
+                force(Q[i], par, g[i]);
+            evaluations += S;
         }
-        for (int c = 0; c < M; c++) {
-            ADD(q[c], eq[c], h * p[c] + h * h * (ba[0] * k[0][c] + ba[1] * k[1][c] + ba[2] * k[2][c]));
-            ADD(p[c], ep[c], h * (b[0] * k[0][c] + b[1] * k[1][c] + b[2] * k[2][c]));
-            for (int i = 0; i < 3; i++)
-                old[i][c] = k[i][c];
+        EACH {
+            ADD(q[c], OF(lost_q), h * p[c] + (qb[0] * g[0][c] + qb[1] * g[1][c] + qb[2] * g[2][c]));
+            ADD(p[c], OF(lost_p), hb[0] * g[0][c] + hb[1] * g[1][c] + hb[2] * g[2][c]);
         }
-        if (!finite_sum(q, p))
-            return -1;
     }
-    for (int c = 0; c < M; c++) {
+    EACH {
         y[c] = q[c];
         y[M + c] = p[c];
     }
-    return evaluations;
+    return finished(y, D, evaluations);
 }
+
 #elif defined PAIR
-/* table.h: STAGES lists Q(i) and P(i) in order, PQ, PP, PA, ... the numbers of the method:
-   Q_i = U[i][0] q1 + U[i][1] q2 + h sum A[i][j] P_j and so on, V = diag(1, -1). */
+/* An explicit pair of general linear methods with V = diag(1, -1) for q' = p, p' = g(q):
+   Q_i = q_1 + u_i q_2 + h sum a_ij P_j, P_i = p_1 + u_i' p_2 + h sum a_ij' g(Q_j), and after them
+   q_k = +-q_k + h sum b_kj P_j, p_k = +-p_k + h sum b_kj' g(Q_j). table.h has the weights and the
+   stages in their order; what is not known yet has the weight 0, and such terms stand in no program. */
 #include "table.h"
+
+#define SUM(weight, n, F) ({ \
+    double sum_ = 0; \
+    _Pragma("GCC unroll 32") for (int j_ = 0; j_ < n; j_++) if (weight[j_] != 0) sum_ += weight[j_] * F[j_][c]; \
+    sum_; \
+})
+
 long run(double *restrict y, const double *restrict par, double h, long steps)
 {
-    double q[2][M], p[2][M], eq[2][M] = {{0}}, ep[2][M] = {{0}}, Pv[NP][M], F[NQ][M], Q[M];
-    double haq[NQ][NP], hap[NP][NQ], hbq[2][NP], hbp[2][NQ];
+    double q[2][M], p[2][M], P[NP][M], G[NQ][M], Q[M];
+    LOST(lost_q1);
+    LOST(lost_q2);
+    LOST(lost_p1);
+    LOST(lost_p2);
     for (int k = 0; k < 2; k++)
-        for (int c = 0; c < M; c++) {
+        EACH {
             q[k][c] = y[k * D + c];
             p[k][c] = y[k * D + M + c];
         }
-    for (int i = 0; i < NQ; i++)
-        for (int j = 0; j < NP; j++) {
-            haq[i][j] = h * AQ[i][j];
-            hap[j][i] = h * AP[j][i];
-        }
-    for (int k = 0; k < 2; k++) {
-        for (int j = 0; j < NP; j++)
-            hbq[k][j] = h * BQ[k][j];
-        for (int i = 0; i < NQ; i++)
-            hbp[k][i] = h * BP[k][i];
-    }
     for (long n = 0; n < steps; n++) {
 #define QSTAGE(i) \
-    for (int c = 0; c < M; c++) { \
-        double s = 0; \
-        for (int j = 0; j < NP; j++) if (AQ[i][j] != 0) s += haq[i][j] * Pv[j][c]; \
-        Q[c] = UQ[i][0] * q[0][c] + (UQ[i][1] * q[1][c] + s); \
-    } \
-    force(Q, par, F[i]);
+    EACH Q[c] = q[0][c] + UQ[i][1] * q[1][c] + h * SUM(AQ[i], NP, P); \
+    force(Q, par, G[i]);
 #define PSTAGE(i) \
-    for (int c = 0; c < M; c++) { \
-        double s = 0; \
-        for (int j = 0; j < NQ; j++) if (AP[i][j] != 0) s += hap[i][j] * F[j][c]; \
-        Pv[i][c] = UP[i][0] * p[0][c] + (UP[i][1] * p[1][c] + s); \
-    }
+    EACH P[i][c] = p[0][c] + UP[i][1] * p[1][c] + h * SUM(AP[i], NQ, G);
         STAGES
-        for (int c = 0; c < M; c++) {
-            double dq = 0, dp = 0, dq2 = 0, dp2 = 0;
-            for (int j = 0; j < NP; j++) { dq += hbq[0][j] * Pv[j][c]; dq2 += hbq[1][j] * Pv[j][c]; }
-            for (int j = 0; j < NQ; j++) { dp += hbp[0][j] * F[j][c]; dp2 += hbp[1][j] * F[j][c]; }
-            q[1][c] = -q[1][c]; eq[1][c] = -eq[1][c];
-            p[1][c] = -p[1][c]; ep[1][c] = -ep[1][c];
-            ADD(q[0][c], eq[0][c], dq);
-            ADD(p[0][c], ep[0][c], dp);
-            ADD(q[1][c], eq[1][c], dq2);
-            ADD(p[1][c], ep[1][c], dp2);
+        EACH {
+            q[1][c] = -q[1][c];
+            p[1][c] = -p[1][c];
+#ifdef COMPENSATED
+            lost_q2[c] = -lost_q2[c];
+            lost_p2[c] = -lost_p2[c];
+#endif
+            ADD(q[0][c], OF(lost_q1), h * SUM(BQ[0], NP, P));
+            ADD(q[1][c], OF(lost_q2), h * SUM(BQ[1], NP, P));
+            ADD(p[0][c], OF(lost_p1), h * SUM(BP[0], NQ, G));
+            ADD(p[1][c], OF(lost_p2), h * SUM(BP[1], NQ, G));
         }
-        if (!finite_sum(q[0], p[0]))
-            return -1;
     }
     for (int k = 0; k < 2; k++)
-        for (int c = 0; c < M; c++) {
+        EACH {
             y[k * D + c] = q[k][c];
             y[k * D + M + c] = p[k][c];
         }
-    return NQ * steps;
+    return finished(y, 2 * D, NQ * steps);
+}
+
+#elif defined MULTISTEP
+/* A symmetric multistep method in partial fractions: q moves by h v, v = s + sum alpha_k (x_k - z_k);
+   the force is added to s and to x_k' = 2 cos(theta_k) x_k - z_k, z_k' = x_k. Between the points s
+   and x hold the whole kick of the last force, at the points half of it. */
+#include "table.h"
+
+long run(double *restrict y, const double *restrict par, double h, long steps)
+{
+    double q[M], s[M], x[PAIRS][M], z[PAIRS][M], g[M];
+    LOST(lost_q);
+    LOST(lost_s);
+    EACH q[c] = y[c];
+    force(q, par, g);
+    EACH s[c] = y[M + c] + h / 2 * g[c];
+    for (int k = 0; k < PAIRS; k++)
+        EACH {
+            x[k][c] = y[(2 * k + 1) * D + M + c] + h / 2 * g[c];
+            z[k][c] = y[(2 * k + 2) * D + M + c];
+        }
+    for (long n = 0; n < steps; n++) {
+        EACH {
+            double v = s[c];
+            for (int k = 0; k < PAIRS; k++)
+                v += ALPHA[k] * (x[k][c] - z[k][c]);
+            ADD(q[c], OF(lost_q), h * v);
+        }
+        force(q, par, g);
+        EACH {
+            double kick = h * g[c];
+            ADD(s[c], OF(lost_s), kick);
+            for (int k = 0; k < PAIRS; k++) {
+                double to = (TWICE[k] * x[k][c] - z[k][c]) + kick;
+                z[k][c] = x[k][c];
+                x[k][c] = to;
+            }
+        }
+    }
+    EACH {
+        y[c] = q[c];
+        y[M + c] = s[c] - h / 2 * g[c];
+    }
+    return finished(y, D, steps);
 }
 #endif

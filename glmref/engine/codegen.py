@@ -59,6 +59,8 @@ class Options:
         raising.
     fused : bool
         Whether the compiler may fuse products and sums.
+    quick : bool
+        Whether rounds of the fixed point end where the next change would be below rounding.
     """
 
     compensated: bool = True
@@ -67,11 +69,15 @@ class Options:
     history: bool = False
     interpreted: bool = False
     fused: bool = False
+    quick: bool = False
 
     @classmethod
     def of(cls, arithmetic: str, **others: Any) -> Options:
         """Options that an ``arithmetic`` of :func:`.kernel.prepare` stands for."""
-        return cls(compensated=arithmetic != "naive", fused=arithmetic == "fused", **others)
+        return cls(
+            compensated=arithmetic != "naive", fused=arithmetic == "fused",
+            quick=arithmetic == "quick", **others,
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -321,6 +327,8 @@ class Builder(ExplicitWriter):
             self._direct_coefficients()
         for i, weight in enumerate(self.form.weights if not self.direct else ()):
             self.w(f"hw{i} = h" if weight == 1.0 else f"hw{i} = h*{weight!r}")
+        if self.positions is not None:
+            self.positions.coefficients(self._guesses())
         if self.shape.uses_time:
             for i, c in enumerate(self.form.c):
                 if c:
@@ -372,6 +380,11 @@ class Builder(ExplicitWriter):
         """New values, their rounding errors, and the check that they are numbers."""
         if self.direct:
             self._direct_values()
+        elif self.positions is not None:
+            half, values = self.shape.half, self.values
+            values.shift()
+            self.positions.commit()
+            self.t.vec(values.finishing([f"@L{i}" for i in range(self.form.s)]), (half, 2 * half))
         else:
             self.values.finish([f"@L{i}" for i in range(self.form.s)])
         self.values.check("check")

@@ -13,6 +13,7 @@ import hashlib
 import importlib.util
 import platform
 import sys
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -106,8 +107,8 @@ def build(
     arguments : Mapping[str, str]
         Names and kinds of its arguments (:data:`.native.KINDS`).
     functions : Mapping[str, Callable[..., Any]] or None
-        Python callables the source calls by name; with any, nothing is cached on disk because their
-        code is not part of the source.
+        Python callables the source calls by name; cached on disk where it is known what they read
+        (:func:`~glmref.problems.tracing.fingerprint`).
     tuning : Tuning
         What the compiler may do; of it numba knows ``fuse`` only.
     """
@@ -147,28 +148,50 @@ def _native(source: str, arguments: tuple[tuple[str, str], ...], tuning: Tuning)
 @lru_cache(maxsize=256)
 def _load(source: str, signature: str, fuse: bool) -> ModuleType:
     """Write the module once, import it, and let numba find or fill its cache."""
+    path = _module_file(_numba_head(signature, cache=True, fuse=fuse) + source)
+    return _imported(path, {})
+
+
+def _module_file(text: str, about: str = "") -> Path:
+    """File of a generated module, named after all that its machine code depends on.
+
+    Parameters
+    ----------
+    text : str
+        The module.
+    about : str
+        What the functions are that it calls and does not define.
+
+    Raises
+    ------
+    OSError
+        Where no file can be kept.
+    """
     import numba
     from llvmlite import binding
 
-    text = _numba_head(signature, cache=True, fuse=fuse) + source
-    key = "\n".join(
-        (text, numba.__version__, binding.get_host_cpu_name(), platform.machine(), sys.version)
-    )
-    name = f"glmref_kernel_{hashlib.sha256(key.encode()).hexdigest()[:24]}"
+    versions = (numba.__version__, np.__version__, sys.version, platform.machine())
+    key = "\n".join((text, about, *versions, binding.get_host_cpu_name()))
     folder = cache_folder()
     if folder is None:
         raise OSError("no folder for compiled kernels can be written")
-    path = folder / f"{name}.py"
+    path = folder / f"glmref_kernel_{hashlib.sha256(key.encode()).hexdigest()[:24]}.py"
     if not path.exists():
         native.write_whole(path, text.encode())
-    spec = importlib.util.spec_from_file_location(name, path)
+    return path
+
+
+def _imported(path: Path, given: Mapping[str, Any]) -> ModuleType:
+    """Run a generated module, which may use the names given; numba finds or fills its cache."""
+    spec = importlib.util.spec_from_file_location(path.stem, path)
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
+    vars(module).update(given)
+    sys.modules[path.stem] = module
     try:
         spec.loader.exec_module(module)
     except BaseException:
-        del sys.modules[name]
+        del sys.modules[path.stem]
         raise
     return module
 
@@ -178,14 +201,14 @@ def _build_around(
 ) -> Built:
     """Compile with a user's functions among the callees; kept for functions that read the same."""
     marks = [fingerprint(plain(function)) for function in functions.values()]
-    key = (source, signature, fuse, tuple(functions), tuple(marks))
-    known = None if None in marks else _around.get(key)
+    if None in marks:
+        return _compiled_around(source, signature, functions, fuse, None)
+    key = repr((source, signature, fuse, tuple(functions), marks))
+    known = _around.get(key)
     if known is not None:
         return known
-    names = ", ".join(getattr(f, "__name__", "a function") for f in functions.values())
-    with saying(f"compiling {names or 'a kernel'} ..."):
-        built = _compiled_around(source, signature, functions, fuse)
-    if None not in marks and built.engine == "numba":
+    built = _compiled_around(source, signature, functions, fuse, key)
+    if built.engine == "numba":
         if len(_around) >= _MOST_AROUND:
             _around.clear()
         _around[key] = built
@@ -193,42 +216,78 @@ def _build_around(
 
 
 #: Kernels compiled around a user's functions, by source and by what the functions are and read.
-_around: dict[Any, Built] = {}
+_around: dict[str, Built] = {}
 _MOST_AROUND = 128
 
 
 def _compiled_around(
-    source: str, signature: str, functions: Mapping[str, Callable[..., Any]], fuse: bool
+    source: str,
+    signature: str,
+    functions: Mapping[str, Callable[..., Any]],
+    fuse: bool,
+    key: str | None,
 ) -> Built:
     try:
         import numba
-        from numba.core.errors import NumbaError, UnsupportedBytecodeError
     except ImportError as error:
         return interpret(source, functions, f"numba cannot be imported ({error})")
-    namespace: dict[str, Any] = {}
+    names = ", ".join(getattr(f, "__name__", "a function") for f in functions.values())
+    own: dict[str, Any] = {}
+    called = "".join(_CALLED[name] for name in functions)
     try:
         for name, function in functions.items():
             given = plain(function)
             jitted = hasattr(given, "py_func")
-            namespace[name] = given if jitted else numba.njit(error_model="numpy")(given)
-        text = _numba_head(signature, cache=False, fuse=fuse) + source
-        exec(compile(text, "<glmref kernel>", "exec"), namespace)
-    except (
-        *(NumbaError, UnsupportedBytecodeError, AssertionError),  # numba's own, of three kinds
-        *(TypeError, AttributeError, NotImplementedError),
-    ) as error:
-        reason = next(
-            (line for line in str(error).splitlines() if line.strip()), type(error).__name__
-        )
-        called = ", ".join(getattr(f, "__name__", repr(f)) for f in functions.values())
+            own[f"own_{name}"] = given if jitted else numba.njit(error_model="numpy")(given)
+        with saying(f"compiling {names or 'a kernel'} ..."):
+            kept = None if key is None else _kept_around(signature, called + source, fuse, own, key)
+            if kept is not None:
+                return Built(kept["kernel"], "numba", functions={k: kept[k] for k in functions})
+            namespace = dict(own)
+            text = _numba_head(signature, cache=False, fuse=fuse) + called + source
+            exec(compile(text, "<glmref kernel>", "exec"), namespace)
+    except Exception as error:  # numba has errors of its own, and passes on those of its parts
+        # numba's first line names its pipeline, the next one what it cannot do
+        lines = [x for x in str(error).splitlines() if x.strip() and not x.startswith("Failed in")]
+        reason = lines[0] if lines else type(error).__name__
         return interpret(
             source,
             functions,
-            f"numba cannot compile {called} ({reason.strip()}); the kernel is interpreted, "
-            f"about 30 times slower",
+            f"numba cannot compile {names or 'the kernel'} ({reason.strip()}); the kernel is "
+            f"interpreted, about 30 times slower",
         )
-    called = {name: namespace[name] for name in functions}
-    return Built(namespace["kernel"], "numba", functions=called)
+    return Built(namespace["kernel"], "numba", functions={k: namespace[k] for k in functions})
+
+
+#: A user's functions by the names that the source calls: of the generated module, so that their
+#: code is kept with it.
+_CALLED = {
+    "full": "@compiled\ndef full(time, v):\n    return own_full(time, v)\n\n\n",
+    "velocity": "@compiled\ndef velocity(v):\n    return own_velocity(v)\n\n\n",
+    "force": "@compiled\ndef force(v):\n    return own_force(v)\n\n\n",
+}
+
+
+def _kept_around(
+    signature: str, source: str, fuse: bool, own: Mapping[str, Any], key: str
+) -> Mapping[str, Any] | None:
+    """The module from the cache on disk, or compiled into it; ``None`` where that cannot be.
+
+    Numba itself looks at the text of a module alone, so the fingerprints of the functions it calls
+    are in the name of the file.
+    """
+    from numba.core.errors import NumbaError, NumbaWarning
+
+    with warnings.catch_warnings():
+        # code around addresses of this process is not kept, and is compiled all the same
+        warnings.filterwarnings("ignore", "Cannot cache", NumbaWarning)
+        try:
+            path = _module_file(_numba_head(signature, cache=True, fuse=fuse) + source, key)
+            return vars(_imported(path, own))
+        except NumbaError:
+            raise
+        except Exception:  # no folder, a full disk, a damaged entry
+            return None
 
 
 def interpret(source: str, functions: Mapping[str, Callable[..., Any]], notice: str = "") -> Built:

@@ -330,7 +330,7 @@ class ArrayTarget(Target):
         self.w(f"{c} = {low}")
         with self.w.block(f"while {c} < {whole}:"):
             for k, x in enumerate(sums):
-                term = _REFERENCE.sub(lambda m: f"x[{self.offset(m[1]) + k} + {c}]", template)  # noqa: B023
+                term = _REFERENCE.sub(lambda m: f"x[{self.place(m[1], low) + k} + {c}]", template)  # noqa: B023
                 self.w(f"{x} += {term}")
             self.w(f"{c} += 4")
         rest = [self.substitute(template, c) for c in range(whole, high)]
@@ -345,7 +345,8 @@ class ArrayTarget(Target):
             # nothing to compute: what reads the result reads the argument
             self.elsewhere[out] = (part.start, part.stop, start + part.source)
             return
-        time = "time, " if part.timed else ""
+        # `time` is set where something depends on it
+        time = ("time, " if self.shape.uses_time else "t0, ") if part.timed else ""
         if part.function is not None:
             # a copy: the function may compute in place
             self.w(f"found = {part.role}({time}{where}.copy())", *length_check(part))

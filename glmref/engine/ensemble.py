@@ -66,6 +66,8 @@ def solve_ensemble(
         )
     if width is not None and width not in (1, *WIDTHS):
         raise UsageError(f"`width` must be 1 or one of {WIDTHS}, got {width!r}")
+    if arithmetic == "quick":
+        raise UsageError('`arithmetic="quick"` is for single runs; an ensemble takes "fused"')
     h = step_size(h)
     plan = plan_of(problem, h, t_end, steps, every, None, None)
     workers = threads if threads is not None else (os.cpu_count() or 1)

@@ -17,17 +17,11 @@ from collections.abc import Sequence
 from fractions import Fraction
 
 from .forms import StepForm
+from .positions import SPLITTER, halves
 from .stages import StageWriter
 from .values import linear
 
 __all__ = ["ExplicitWriter"]
-
-_SPLITTER = 2.0**27 + 1  # Veltkamp's: halves of a double
-
-
-def _halves(x: float) -> tuple[float, float]:
-    high = _SPLITTER * x - (_SPLITTER * x - x)
-    return high, x - high
 
 
 class ExplicitWriter(StageWriter):
@@ -87,11 +81,11 @@ class ExplicitWriter(StageWriter):
     def _lost(self, k: int) -> None:
         """lo{k}: the sum of exact minus rounded h b_j of a row (Dekker's product)."""
         w = self.w
-        w(f"held = {_SPLITTER!r}*h", "high = held - (held - h)", "low = h - high", f"lo{k} = 0.0")
+        w(f"held = {SPLITTER!r}*h", "high = held - (held - h)", "low = h - high", f"lo{k} = 0.0")
         rows = zip(self.form.R[k], self.form.R_residue[k], strict=True)
         for j, (x, rest) in enumerate(rows):
             if x:
-                a, b = _halves(x)
+                a, b = halves(x)
                 w(
                     f"lo{k} = lo{k} + (((high*{a!r} - hb{k}_{j}) + high*{b!r} + low*{a!r})"
                     f" + low*{b!r} + h*{rest!r})"

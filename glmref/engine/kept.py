@@ -12,11 +12,12 @@ import hashlib
 import json
 import sys
 from collections import OrderedDict
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import asdict, replace
 from functools import cache, lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -28,14 +29,16 @@ from ..problems.formula import Formula
 from ..problems.model import Problem
 from ..problems.tracing import Recorded, recorded, traced
 from ..problems.user import NoValue, UserFunction
+from . import native
 from .compiled import cache_folder
 from .forms import StepForm
-from .native import write_whole
 from .partitioned_forms import Half, PairForm, pair_form
 from .reference import Stepper, stepper
 from .sweep import step_form
 
-__all__ = ["expressed", "form_of_method", "method_of", "problem_of", "stepper_of"]
+__all__ = ["expressed", "form_of_method", "method_of", "problem_of", "recalled", "stepper_of"]
+
+T = TypeVar("T")
 
 _MOST = 256  # objects of each kind
 _MOST_FUNCTIONS = 64
@@ -84,35 +87,59 @@ def form_of_method(method: Method, form: str) -> StepForm | PairForm:
     """
     compute = pair_form if method.parts == 2 else step_form
     known, digest = _origins.get(id(method), (None, ""))
-    folder = cache_folder() if known is method else None
-    if folder is None:
+    if known is not method:
         return compute(method, form)  # type: ignore[arg-type]
-    name = hashlib.sha256(f"{digest} {form} {_code()}".encode()).hexdigest()[:24]
-    path = folder / f"glmref_form_{name}.json"
-    found = _kept_form(path)
-    if found is None:
-        found = compute(method, form)  # type: ignore[arg-type]
-        text = json.dumps({"class": type(found).__name__, **asdict(found)}).encode()
-        with suppress(OSError, TypeError, ValueError):
-            write_whole(path, hashlib.sha256(text).hexdigest().encode() + b"\n" + text)
+    return recalled("form", f"{digest} {form}", lambda: compute(method, form), _form_read, _fields)  # type: ignore[arg-type]
+
+
+def recalled(
+    kind: str,
+    key: str,
+    compute: Callable[[], T],
+    read: Callable[[Any], T],
+    write: Callable[[T], Any],
+) -> T:
+    """Return what was computed, by this process or by one before it.
+
+    Parameters
+    ----------
+    kind : str
+        What it is, as part of the name of its file in the cache.
+    key : str
+        Everything it depends on, besides the modules of :func:`_code`.
+    compute : Callable[[], T]
+        Computes it.
+    read, write : Callable
+        From and to what JSON holds.
+    """
+    folder = cache_folder()
+    if folder is None:
+        return compute()
+    name = hashlib.sha256(f"{key} {_code()}".encode()).hexdigest()[:24]
+    path = folder / f"glmref_{kind}_{name}.json"
+    with suppress(OSError, ValueError, KeyError, TypeError):  # none, or a damaged one
+        digest, _, text = path.read_bytes().partition(b"\n")
+        if hashlib.sha256(text).hexdigest().encode() == digest:
+            return read(json.loads(text))
+    found = compute()
+    with suppress(OSError, TypeError, ValueError):
+        text = json.dumps(write(found)).encode()
+        native.write_whole(path, hashlib.sha256(text).hexdigest().encode() + b"\n" + text)
     return found
 
 
-def _kept_form(path: Path) -> StepForm | PairForm | None:
-    """A form as it was written; ``None`` where there is none, or a damaged one."""
-    try:
-        digest, _, text = path.read_bytes().partition(b"\n")
-        if hashlib.sha256(text).hexdigest().encode() != digest:
-            return None
-        fields = json.loads(text)
-        kind = {"StepForm": StepForm, "PairForm": PairForm}[fields.pop("class")]
-        fields["blocks"] = [StageBlock(tuple(x["stages"]), x["implicit"]) for x in fields["blocks"]]
-        for half in ("Q", "P"):
-            if half in fields:
-                fields[half] = Half(**{k: _tuples(v) for k, v in fields[half].items()})
-        return kind(**{k: _tuples(v) for k, v in fields.items()})
-    except (OSError, ValueError, KeyError, TypeError):
-        return None
+def _fields(found: StepForm | PairForm) -> dict[str, Any]:
+    return {"class": type(found).__name__, **asdict(found)}
+
+
+def _form_read(fields: dict[str, Any]) -> StepForm | PairForm:
+    """A form as :func:`_fields` gave it."""
+    kind = {"StepForm": StepForm, "PairForm": PairForm}[fields.pop("class")]
+    fields["blocks"] = [StageBlock(tuple(x["stages"]), x["implicit"]) for x in fields["blocks"]]
+    for half in ("Q", "P"):
+        if half in fields:
+            fields[half] = Half(**{k: _tuples(v) for k, v in fields[half].items()})
+    return kind(**{k: _tuples(v) for k, v in fields.items()})
 
 
 def _tuples(value: Any) -> Any:
@@ -121,14 +148,13 @@ def _tuples(value: Any) -> Any:
 
 @cache
 def _code() -> str:
-    """Checksum of the modules that the forms come from, and the versions that they compute with."""
+    """Checksum of the modules that what is recalled comes from, and of what they compute with."""
     # exact numbers are computed by a library that only glmref.exact imports
     flint = getattr(sys.modules.get("flint"), "__version__", "")
     package = Path(__file__).parents[1]
-    files = sorted(path for room in ("exact", "method") for path in (package / room).glob("*.py"))
-    here = ("forms", "sweep", "partitioned_forms", "tableau", "kept")
-    files += [package / "engine" / f"{name}.py" for name in here]
-    seen = hashlib.sha256(f"{flint} {np.__version__}".encode())
+    rooms = ("exact", "method", "problems", "engine")
+    files = sorted(path for room in rooms for path in (package / room).glob("*.py"))
+    seen = hashlib.sha256(f"{flint} {np.__version__} {sys.version}".encode())
     for path in files:
         seen.update(path.read_bytes())
     return seen.hexdigest()

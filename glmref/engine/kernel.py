@@ -13,7 +13,7 @@ import ast
 import math
 import time
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from functools import lru_cache
 from typing import Any
 
@@ -21,13 +21,14 @@ import numpy as np
 
 from ..errors import UsageError
 from ..method import Method
+from ..problems.derivative import Jacobian
 from ..problems.formula import Formula
 from ..problems.model import Problem
 from ..problems.user import FunctionFailed, NoValue, UserFunction, raised
 from . import compiled, native
 from .codegen import ARGUMENTS, KernelSource, Options, kernel_source
 from .forms import StepForm
-from .kept import form_of_method
+from .kept import form_of_method, recalled
 from .memory import NEWTON_BYTES, gibibytes
 from .newton import INLINE_LIMIT, NewtonWriter
 from .outcome import KERNEL_OUTCOMES, Outcome
@@ -133,6 +134,8 @@ class Kernel:
         words.append("compensated" if self.options.compensated else "not compensated")
         if self.options.fused:
             words.append("fused")
+        if self.options.quick and self.form.implicit_stages:
+            words.append("quick")
         return ", ".join((*words, f"{self.source.target} target"))
 
     def state(self, values: np.ndarray, slope: np.ndarray, h: float) -> State:
@@ -162,15 +165,19 @@ class Kernel:
             p[:], lost = self.form.kicked(p, force, h)
             if self.options.compensated:
                 rest[:] = lost
+            if self.form.leaps and self.shape.parts[0].identity:
+                memory[0, : self.shape.half] = h * p[0]
         return state
 
     def _kept(self, state: State) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The p part of the first value, its rounding error (zero without one), and the force."""
-        half = slice(self.shape.half, self.shape.dimension)
-        rows = self.source.value_rows
-        errors = state.work[rows * self.shape.dimension :][half]
-        rest = errors if self.options.compensated else np.zeros_like(errors)
-        return state.y[0, half], rest, state.memory[0, half]
+        """The values of p, their rounding errors (zero without them), and the force."""
+        assert isinstance(self.form, PairForm)
+        half, rows = slice(self.shape.half, self.shape.dimension), self.form.r_hat
+        p = state.y[:rows, half]
+        if not self.options.compensated:
+            return p, np.zeros_like(p), state.memory[0, half]
+        errors = state.work[state.y.size :][: state.y.size].reshape(state.y.shape)
+        return p, errors[:rows, half], state.memory[0, half]
 
     def resumed(self, other: State) -> State:
         """State of another kernel of the same form, to go on from: same values, same counts."""
@@ -188,7 +195,8 @@ class Kernel:
         """(r, d) values in the method's basis."""
         values = self.form.back(state.y)
         if isinstance(self.form, PairForm) and self.form.kick:
-            values[0, self.shape.half :] = self.form.unkicked(*self._kept(state), state.h)
+            rows = slice(0, self.form.r_hat)
+            values[rows, self.shape.half :] = self.form.unkicked(*self._kept(state), state.h)
         return values
 
     def advance(
@@ -291,7 +299,10 @@ def prepare(
     arithmetic : str
         ``"strict"``: structurally exact coefficients (sweep or mu-form) where the method has them,
         increments first, compensated; ``"fused"``: the same, but products and sums may be fused,
-        which is faster and has the bits of the processor, not of the source; ``"compensated"``: A,
+        which is faster and has the bits of the processor, not of the source; ``"quick"``: rounds
+        of the fixed point end where the next change, as the last two predict it, would be below
+        rounding, which saves a quarter of the evaluations and lets invariants drift
+        (docs/engine.md); ``"compensated"``: A,
         U, B, V with compensated summation and the tableau's rounding residue; ``"naive"``: neither.
     solver : str
         One of :data:`SOLVERS`.
@@ -372,7 +383,7 @@ def _computes_otherwise(kernel: Kernel, problem: Problem) -> str:
 
 def form_of(arithmetic: str) -> str:
     """Return the form an arithmetic stands for: exact where the method has it, or A, U, B, V."""
-    return "auto" if arithmetic in ("strict", "fused") else "standard"
+    return "auto" if arithmetic in ("strict", "fused", "quick") else "standard"
 
 
 def choose_form(method: Any, problem: Problem, form: str) -> tuple[StepForm | PairForm, Shape]:
@@ -414,7 +425,17 @@ def _source_of(form: StepForm | PairForm, shape: Shape, options: Options) -> Ker
     if known is not None and known[0] is form and known[1] is shape:
         return known[2]
     write = pair_source if isinstance(form, PairForm) else kernel_source
-    source: KernelSource = write(form, shape, options)  # type: ignore[arg-type]
+    if shape.opaque:
+        source: KernelSource = write(form, shape, options)  # type: ignore[arg-type]
+    else:
+        about = repr((form, replace(shape, values=shape.values.tolist()), options))
+        source = recalled(
+            "source",
+            about,
+            lambda: write(form, shape, options),  # type: ignore[arg-type]
+            lambda fields: KernelSource(**fields),
+            asdict,
+        )
     if len(_sources) >= _MOST_SOURCES:
         _sources.clear()
     _sources[key] = form, shape, source
@@ -478,14 +499,27 @@ def contraction(form: StepForm, shape: Shape, problem: Problem, h: float) -> flo
     if shape.dimension > _DENSE_UP_TO and problem.jacobian is not None:
         norm = _norm_estimate(shape, problem)
         return size * size * norm if shape.halved else size * norm
-    matrix = _jacobian(problem)
-    if matrix is None:
-        return math.nan
-    if shape.halved:
-        m = shape.half
-        # a product, not a power: beyond the range it is infinite and raises nothing
-        return float(size * size * np.linalg.norm(matrix[m:, :m] @ matrix[:m, m:], ord=np.inf))
-    return float(size * np.linalg.norm(matrix, ord=np.inf))
+    norm = _norm(shape, problem)
+    return size * size * norm if shape.halved else size * norm
+
+
+def _norm(shape: Shape, problem: Problem) -> float:
+    """Row-sum norm of J at the initial value, of K J_f where the shape is halved; or ``nan``."""
+
+    def computed() -> float:
+        matrix, m = _jacobian(problem), shape.half
+        if matrix is None:
+            return math.nan
+        if shape.halved:
+            matrix = matrix[m:, :m] @ matrix[:m, m:]
+        return float(np.linalg.norm(matrix, ord=np.inf))
+
+    formulas = (problem.f, *([problem.jacobian] if problem.jacobian is not None else []))
+    if not all(isinstance(x, Formula | Jacobian) for x in formulas):
+        return computed()
+    y0 = np.array(problem.y0, dtype=float).tolist()
+    about = repr((formulas, shape.halved, float(problem.t_span[0]), y0))
+    return recalled("norm", about, computed, float, float)
 
 
 def _jacobian(problem: Problem) -> np.ndarray | None:
@@ -584,9 +618,10 @@ def choose_solver(
         shape = with_band(shape)
         fits = newton_bytes(form, shape) <= NEWTON_BYTES
         return "newton" if fits and _newton_pays(form, shape, rho) else "fixed-point"
-    once = _ROUND_LATENCY + sum(_latency(p.formula) for p in shape.parts if p.formula)
+    about = repr(replace(shape, values=[]))
+    once, jacobian = recalled("latency", about, lambda: _latencies(shape), tuple, list)
     rounds = 1 + 10 / -math.log10(rho)
-    newton = _NEWTON_ROUNDS * once + _jacobian_latency(shape) + _INLINE_SOLVE[unknowns]
+    newton = _NEWTON_ROUNDS * once + jacobian + _INLINE_SOLVE[unknowns]
     return "newton" if newton < rounds * once else "fixed-point"
 
 
@@ -620,14 +655,16 @@ _NEWTON_ROUNDS_LARGE = 4
 _STEPS_PER_FACTOR = 10
 
 
-def _jacobian_latency(shape: Shape) -> int:
+def _latencies(shape: Shape) -> tuple[int, int]:
+    """Operations of a round of the fixed point, and of the Jacobian, weighted by their latency."""
     d, m = shape.dimension, shape.half
+    once = _ROUND_LATENCY + sum(_latency(p.formula) for p in shape.parts if p.formula)
     if not shape.halved:
-        return _latency(jacobian_block(shape, range(d), range(d)))
+        return once, _latency(jacobian_block(shape, range(d), range(d)))
     total = _latency(jacobian_block(shape, range(m, d), range(m)))
     if not shape.parts[0].identity:
         total += _latency(jacobian_block(shape, range(m), range(m, d)))
-    return total
+    return once, total
 
 
 def _latency(formula: Formula) -> int:

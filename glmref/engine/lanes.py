@@ -225,15 +225,14 @@ class _LaneBuilder(_LaneKernel):
 
     def _round_before(self, stages: Sequence[int], bases: dict, name: str) -> None:
         """The parts before the counted one, and the counted one's stage values in ``name``."""
+        if self.positions is not None:
+            self.positions.stage_values(name, "b" if name == "Y" else "v")
+            return
         for part in self.shape.parts:
-            here = (part.source, part.source_stop)
             if part is self.shape.counted:
-                self._stage_values(stages, bases, here, name)
+                self._stage_values(stages, bases, (part.source, part.source_stop), name)
             else:
-                self._stage_values(stages, bases, here)
-                self._evaluate(part, stages)
-                outer = (part.start, part.stop)
-                self.t.vec([f"@L{i} = hw{i}*@F{i}" for i in stages], outer)
+                self._velocities(part, stages, bases)
 
     def _explicit(self, i: int, base: tuple[str, str]) -> None:
         self.t.local[f"Y{i}"] = range(*self.all)
@@ -245,6 +244,8 @@ class _LaneBuilder(_LaneKernel):
             # P is used at once; Q is compared in the next round
             self.t.local |= {f"Y{i}": range(*self.inner) for i in stages}
         newton = self.options.solver == "newton"
+        if self.positions is not None:
+            self.positions.bases()
         self._sizes(stages, [bases[i][0] for i in stages])
         self._start_rounds()
         self._round_before(stages, bases, "Y")
@@ -270,15 +271,22 @@ class _LaneBuilder(_LaneKernel):
                 self._evaluate(self.shape.counted, stages)
                 self._update_lanes(stages, masked=True)
         self._open()
+        if self.positions is not None:
+            self.positions.increments()
 
     def _update_lanes(self, stages: Sequence[int], *, masked: bool) -> None:
         if self.options.solver == "newton":
             text = "new if go else known" if masked else "new"
             self._newton_increments(stages[0], [text] * self.unknowns)
-        elif masked:
-            self._choose([(f"@L{i}", f"hw{i}*@F{i}") for i in stages], "go", self.inner)
+            return
+        if self.positions is not None:
+            pairs = [(f"@H{i}", f"@F{i}") for i in stages]
         else:
-            self.t.vec([f"@L{i} = hw{i}*@F{i}" for i in stages], self.inner)
+            pairs = [(f"@L{i}", f"hw{i}*@F{i}") for i in stages]
+        if masked:
+            self._choose(pairs, "go", self.inner)
+        else:
+            self.t.vec([f"{old} = {new}" for old, new in pairs], self.inner)
 
 
 class _LanePairBuilder(_LaneKernel, PairBuilder):
@@ -298,3 +306,11 @@ class _LanePairBuilder(_LaneKernel, PairBuilder):
         if self.form.implicit_stages:
             raise UsageError("lanes need a pair whose stages are explicit")
         PairBuilder._begin(self)
+
+    def _leap(self) -> None:
+        self.t.local["Y0"] = range(*self.all)
+        super()._leap()
+
+    def _take(self, pairs: list[tuple[str, str]], before: list[str], part: tuple[int, int]) -> None:
+        self.t.vec(before, part)
+        self._choose(pairs, "good", part)

@@ -15,6 +15,7 @@ import os
 import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -203,6 +204,14 @@ def _resolve_symbols(source: str) -> None:
 
     for name in LIBRARY:
         if f"{name}(" in source and binding.address_of_symbol(name) is None:
-            library = ctypes.CDLL(ctypes.util.find_library("m") or "msvcrt")
+            library = _mathematics()
             address = ctypes.cast(getattr(library, name), ctypes.c_void_p).value
             binding.add_symbol(name, address)
+
+
+@cache
+def _mathematics() -> ctypes.CDLL:
+    """The mathematical part of the C library."""
+    with contextlib.suppress(OSError):
+        return ctypes.CDLL("libm.so.6")  # to search for it takes two processes
+    return ctypes.CDLL(ctypes.util.find_library("m") or "msvcrt")

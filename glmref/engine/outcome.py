@@ -1,19 +1,19 @@
-"""How a run ended, and what it left: named outcomes and the solution record."""
+"""How a run ended, and what it left: where a NaN or an exception becomes a named outcome."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING
+
+import numpy as np
 
 from ..errors import UsageError
+from ..problems.user import FunctionFailed, NoValue
 from ..system.shown import Drawing, Shown, above
 
-if TYPE_CHECKING:
-    import numpy as np
-
-__all__ = ["Outcome", "Solution", "StartFailed"]
+__all__ = ["Outcome", "Solution", "StartFailed", "all_finite", "outcome_of"]
 
 
 class StartFailed(UsageError):
@@ -38,6 +38,22 @@ KERNEL_OUTCOMES = (
     Outcome.NOT_FINITE,
     Outcome.FUNCTION_FAILED,
 )
+
+
+def all_finite(values: np.ndarray) -> bool:
+    """Whether no value is a NaN or infinite, in double precision or of mpmath."""
+    if values.dtype == object:
+        return all(x == x and abs(x) != math.inf for x in values.ravel())
+    return bool(np.isfinite(values).all())
+
+
+def outcome_of(error: Exception) -> tuple[Outcome, str]:
+    """How a run ends in which ``error`` was raised, and what there is to say of it."""
+    if isinstance(error, StartFailed):
+        return Outcome.STAGE_SOLVE_FAILED, ""
+    if isinstance(error, FunctionFailed) and not isinstance(error, NoValue):
+        return Outcome.FUNCTION_FAILED, f": {error}"
+    return Outcome.NOT_FINITE, f": {error}"
 
 
 @dataclass(frozen=True, eq=False, repr=False)

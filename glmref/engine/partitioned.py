@@ -1,7 +1,7 @@
 """Kernels for partitioned pairs on separable problems: q' = dq(p), p' = dp(q).
 
 Stages Q (where dp is evaluated) and P (where dq is) come one after another; each function is called
-only where its stage is due. The coefficients are those of :mod:`.pair_forms`.
+only where its stage is due. The coefficients are those of :mod:`.partitioned_forms`.
 """
 
 from __future__ import annotations
@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from .codegen import Builder, KernelSource, Options, choose_kind, header
-from .emit import ArrayTarget, ScalarTarget, Target, Writer
+from .emit import ArrayTarget, LaneTarget, ScalarTarget, Target, Writer
 from .partitioned_forms import Half, PairForm
 from .shape import Shape
-from .values import Values, linear
+from .values import Values, differences, linear
 
 __all__ = ["PairBuilder", "pair_source"]
 
@@ -41,19 +41,35 @@ class PairBuilder(Builder):
     def __init__(self, form: PairForm, shape: Shape, options: Options, target: Target) -> None:
         super().__init__(form, shape, options, target)  # type: ignore[arg-type]
         m, d = shape.half, shape.dimension
-        kinds = {"running": form.running, "compensated": options.compensated, "ahead": True}
+        kinds = {"running": form.running, "ahead": True}
+        kept_hat = form.kept_hat if options.compensated else False
         P, Q = form.P, form.Q
         self.in_place = False
+        #: Multistep methods with arrays: whether all values of p are made in one pass.
+        self.one_pass = False
+        if isinstance(target, ArrayTarget) and len(form.kick) > 1 and (Q.n, P.n) == (1, 1):
+            self.one_pass = True
+            target.passing |= {"L0", *(f"{x}{k}" for x in "xunr" for k in range(form.r_hat))}
         if isinstance(target, ArrayTarget) and form.running:
             self.in_place = True
             # what a stage sees and its increment serve the values at once, and nothing later; new
             # values are written where the old ones were
             target.passing |= {f"{x}{i}" for x in "aL" for i in range(Q.n + P.n)}
             target.passing |= {f"{x}{k}" for x in "nr" for k in range(self._rows())}
+        #: Whether the method is Störmer and Verlet's, and the system q'' = g(q).
+        self.leaps = form.leaps and shape.parts[0].identity
+        if self.leaps and isinstance(target, ArrayTarget):
+            target.passing = {"u0", "n0", "r0"}
         self.sides = (
-            Values(target, form.V, P.R, P.R_residue, form.large, (0, m), **kinds),
-            Values(target, form.V_hat, Q.R, Q.R_residue, form.large_hat, (m, d), **kinds),
-        )
+            Values(
+                target, form.V, P.R, P.R_residue, form.large, (0, m),
+                compensated=options.compensated, **kinds,
+            ),
+            Values(
+                target, form.V_hat, Q.R, Q.R_residue, form.large_hat, (m, d),
+                compensated=kept_hat, **kinds,
+            ),
+        )  # fmt: skip
 
     def _rows(self) -> int:
         return max(self.form.r, self.form.r_hat)
@@ -74,24 +90,62 @@ class PairBuilder(Builder):
         for half, shift in ((self.form.Q, 0), (self.form.P, self.form.Q.n)):
             for i, weight in enumerate(half.weights):
                 self.w(f"hw{i + shift} = h" if weight == 1.0 else f"hw{i + shift} = h*{weight!r}")
-        if self.form.kick:
-            self.w(f"hk = {self.form.kick!r}*h")
+        self.w(*(f"hk{k} = {kick!r}*h" for k, kick in enumerate(self.form.kick) if kick))
 
     def _record(self) -> None:
         for part, basis in zip((0, 1), self.form.from_form, strict=True):
             low, high = ((0, self.shape.half), (self.shape.half, self.shape.dimension))[part]
             for k in range(len(basis)) if self.options.history else range(1):
                 text = linear([(x, f"@y{j}") for j, x in enumerate(basis[k])])
-                if part and self.form.kick:
-                    rest = "@e0 - hk*@G" if self.options.compensated else "-hk*@G"
-                    text = f"@y0 + ({rest})"
+                if part and self.form.kick and self.form.kick[k]:
+                    kept = self.options.compensated and self.form.kept_hat[k]
+                    text = f"@y{k} + ({f'@e{k} - ' if kept else '-'}hk{k}*@G)"
                 self._output(k, text, (low, high))
 
     def _begin(self) -> None:
-        for values in self.sides:
+        for values in self.sides if not self.leaps else ():
             values.begin()
 
+    def _leap(self) -> None:
+        """A step of Störmer and Verlet's method on q'' = g(q).
+
+        In the left half of G is what q moves by, formed at the end of the step before as
+        (e + h p) + h (h g): from a force to the next position there are two products and two sums,
+        where the new p as an intermediate result would take a product and four sums. The product
+        with a rounded h^2 would move q to one side at every step, a drift of the momentum.
+        """
+        q = self.sides[0].part
+        if isinstance(self.t, LaneTarget):
+            self.t.local |= {"S": range(*q), "T": range(*q)}
+        self.t.call(self.shape.parts[0], "y0", "S", "")
+        lost = "(@G - (@Y0 - @y0)) + " if self.options.compensated else ""
+        self.t.vec(["@Y0 = @y0 + @G", f"@a0 = {lost}hw1*@S"], q)
+        self.t.call(self.shape.parts[1], "Y0", "F0", "s0")
+        self._evaluations_of_explicit_stages()
+
+    def _landed(self) -> None:
+        """The values after :meth:`_leap`, if they are numbers."""
+        (q, p), kept = (values.part for values in self.sides), self.options.compensated
+        self.t.call(self.shape.parts[0], "F0", "T", "")
+        # the velocity that q has been moved by is in Y0
+        self.t.total("check", "(@Y0 + @T)", q)
+        self._finite("check")
+        self._take([("@y0", "@Y0"), ("@G", "@a0 + hw1*(hw0*@T)")], [], q)
+        new = [f"@u0 = {'@e0 + ' if kept else ''}hw0*@F0", "@n0 = @y0 + @u0"]
+        pairs = [("@y0", "@n0"), ("@G", "@F0")]
+        if kept:
+            new += ["@r0 = @u0 - (@n0 - @y0)"]
+            pairs += [("@e0", "@r0")]
+        self._take(pairs, new, p)
+
+    def _take(self, pairs: list[tuple[str, str]], before: list[str], part: tuple[int, int]) -> None:
+        """The step is good: old becomes new, after the statements that make what is new."""
+        self.t.vec(before + [f"{old} = {new}" for old, new in pairs], part)
+
     def _blocks(self) -> None:
+        if self.leaps:
+            self._leap()
+            return
         done: list[int] = []
         for block in self.form.blocks:
             if block.implicit:
@@ -118,6 +172,8 @@ class PairBuilder(Builder):
             n = self.form.Q.n
             others = [j for j in done if (j < n) != (node < n)]
             small += [(half.M[i][j if j < n else j - n], f"@L{j}") for j in others]
+        if len(self.form.kick) > 1:
+            small = differences(small)
         return self._named(node, big, small, self.sides[side].part)
 
     def _node(self, node: int, done: Sequence[int]) -> None:
@@ -142,7 +198,8 @@ class PairBuilder(Builder):
         lines = [f"@L{node} = hw{node}*@{slope}"]
         if self.form.running:
             lines += self.sides[1 - side].adding(i, f"@L{node}")
-        self.t.vec(lines, self.sides[1 - side].part)
+        if not (self.one_pass and side == 0):
+            self.t.vec(lines, self.sides[1 - side].part)
 
     def _call(self, node: int) -> None:
         """L of a stage from its value Y."""
@@ -188,10 +245,16 @@ class PairBuilder(Builder):
             w("break")
 
     def _commit(self) -> None:
+        if self.leaps:
+            self._landed()
+            return
         n = self.form.Q.n
         names = ([f"@L{n + i}" for i in range(self.form.P.n)], [f"@L{j}" for j in range(n)])
         if self.in_place:
             self._commit_in_place(names)
+            return
+        if self.one_pass:
+            self._commit_in_one_pass(names)
             return
         for values, increments, check in zip(
             self.sides, names, ("check_q", "check_p"), strict=True
@@ -210,5 +273,22 @@ class PairBuilder(Builder):
                 self.t.total(check, f"({values.coming()})", self.all if whole else values.part)
         self._finite("check_q" if whole else "check_q + check_p")
         for values, increments in zip(self.sides, names, strict=True):
+            accepted = [f"{old} = {new}" for old, new in values.pairs()]
+            self.t.vec(values.finishing(increments) + accepted, values.part)
+
+    def _commit_in_one_pass(self, names: tuple[list[str], list[str]]) -> None:
+        """Check the new position and the force, which all new values are made of; then the same."""
+        q, p = self.sides
+        if self.shape.parts[0].identity:  # one pass: the force, read as positions
+            self.t.call(self.shape.parts[0], "G", "T", "")
+            self.t.total("check", "(@Y0 + @T)", q.part)
+            self._finite("check")
+        else:
+            self.t.total("check_q", "@Y0", q.part)
+            self.t.total("check_p", "@G", p.part)
+            self._finite("check_q + check_p")
+        self.t.vec(["@L0 = hw0*@G"], p.part)
+        for values, increments in zip((p, q), names[::-1], strict=True):
+            values.shift()
             accepted = [f"{old} = {new}" for old, new in values.pairs()]
             self.t.vec(values.finishing(increments) + accepted, values.part)

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -77,8 +78,9 @@ class PairForm:
         (r, r) and (r^, r^).
     blocks : tuple[StageBlock, ...]
         Nodes in the order of computation, Q stages 0..n_Q-1, then P stages.
-    kick : float
-        What is carried in place of p is p + kick h dp(q), see :func:`merged`.
+    kick : Row
+        What is carried in place of value k of p is p_k + kick_k h dp(q), see :func:`merged` and
+        :func:`_merged_multistep`; empty where values are carried as they are.
     """
 
     kind: str
@@ -94,7 +96,7 @@ class PairForm:
     large_hat: tuple[bool, ...]
     to_form: tuple[tuple[Row, ...], tuple[Row, ...]]
     from_form: tuple[tuple[Row, ...], tuple[Row, ...]]
-    kick: float = 0.0
+    kick: Row = ()
 
     @property
     def implicit_stages(self) -> int:
@@ -127,7 +129,21 @@ class PairForm:
     @property
     def keeps_force(self) -> bool:
         """Whether the last force of a step is kept: for the next step, or to read p from it."""
-        return self.kick != 0.0 or self.reuses_force
+        return bool(self.kick) or self.reuses_force
+
+    @property
+    def leaps(self) -> bool:
+        """Whether a step is q+ = q + h p, p+ = p + h dp(q+) in the values carried.
+
+        Then, with q' = p, what q moves by in the coming step is kept in the left half of the row
+        of the force, see :meth:`.partitioned.PairBuilder`.
+        """
+        ones = ((1.0,),)
+        return (
+            len(self.kick) == 1
+            and self.V == self.V_hat == ones
+            and all((half.n, half.U, half.R) == (1, ones, ones) for half in (self.Q, self.P))
+        )
 
     @property
     def forces(self) -> int:
@@ -135,18 +151,45 @@ class PairForm:
         single = [b.stages[0] for b in self.blocks if not b.implicit]
         return sum(1 for node in single if node < self.Q.n) - self.reuses_force
 
+    @cached_property
+    def kept_hat(self) -> tuple[bool, ...]:
+        """Which values of p are kept together with their rounding errors.
+
+        All but those that oscillate in a multistep method with merged kicks. Their sums V y have
+        factors like 2 cos(theta), whose products are rounded and not put back, so that the error
+        of the last addition alone is not worth its operations; no multiple of the solution is
+        among them, and their errors do not add up.
+        """
+        kept = [True] * self.r_hat
+        for k, row in enumerate(self.V_hat) if len(self.kick) > 1 else ():
+            before = [j for j, x in enumerate(row) if x]
+            kept[k] = all(abs(row[j]) == 1.0 and (j == k or kept[j]) for j in before)
+        return tuple(kept)
+
     def kicked(self, p: np.ndarray, force: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
-        """p + kick h force and what its rounding lost (Knuth's TwoSum)."""
-        more = self.kick * h * force
+        """p + kick h force and what its rounding lost (Knuth's TwoSum).
+
+        Parameters
+        ----------
+        p : np.ndarray
+            (..., r^, m) values of p.
+        force : np.ndarray
+            (..., m).
+        """
+        more = self._kicks(force, h)
         total = p + more
         share = total - p
-        return total, (p - (total - share)) + (more - share)
+        lost = (p - (total - share)) + (more - share)
+        return total, np.where(np.array(self.kept_hat)[:, None], lost, 0.0)
 
     def unkicked(
         self, p: np.ndarray, rest: np.ndarray | float, force: np.ndarray, h: float
     ) -> np.ndarray:
         """Take :meth:`kicked` back."""
-        return p + (rest - self.kick * h * force)
+        return p + (rest - self._kicks(force, h))
+
+    def _kicks(self, force: np.ndarray, h: float) -> np.ndarray:
+        return h * np.array(self.kick)[:, None] * force[..., None, :]
 
     @property
     def memory(self) -> tuple[tuple[str, float | None], ...]:
@@ -290,15 +333,45 @@ def merged(form: PairForm) -> PairForm:
     if form.Q.weights[last] != kick or first != 0 or set(form.Q.R[0]) != {1.0}:
         return form
     weights = tuple(w + kick if j == last else w for j, w in enumerate(form.Q.weights))
-    n = form.Q.n - 1
+    Q = replace(form.Q, weights=weights)
+    return _without_first(replace(form, Q=Q), (kick,))
+
+
+def _without_first(form: PairForm, kick: Row) -> PairForm:
+    """The form without its first stage Q, whose force is in the values that are carried."""
     Q = replace(
-        form.Q, n=n, U=form.Q.U[1:], M=form.Q.M[1:], weights=weights[1:],
+        form.Q, n=form.Q.n - 1, U=form.Q.U[1:], M=form.Q.M[1:], weights=form.Q.weights[1:],
         R=tuple(row[1:] for row in form.Q.R),
         R_residue=tuple(row[1:] for row in form.Q.R_residue),
     )  # fmt: skip
     P = replace(form.P, M=tuple(row[1:] for row in form.P.M))
     blocks = tuple(replace(b, stages=tuple(j - 1 for j in b.stages)) for b in form.blocks[1:])
     return replace(form, Q=Q, P=P, blocks=blocks, kick=kick)
+
+
+def _merged_multistep(form: PairForm, pair: PartitionedGLM) -> PairForm:
+    """:func:`merged` for one value of q and several of p, as a symmetric multistep method has them.
+
+    Let k be what the last force adds to the values of p. Where the first one adds V^ k to them, and
+    U^ k to every stage P, the values p + k h dp(q) are carried by V^ and 2 k h dp(q) alone, and
+    the stages P are read from them as they stand: a step is a rotation and a kick.
+    """
+    if form.running or form.r_hat == 1 or not form.reuses_force:
+        return form
+    first, last = form.blocks[0].stages[0], form.blocks[-1].stages[0]
+    A, U, B, V = map(as_balls, pair.components[1].matrices)
+    k = tuple((row[last],) for row in B)
+    begins = linalg.sub(linalg.matmul(V, k), tuple((row[first],) for row in B))
+    read = linalg.sub(linalg.matmul(U, k), tuple((row[first],) for row in A))
+    kick = tuple(row[last] for row in form.Q.R)
+    exactly = not any(row[last] for row in form.Q.R_residue)
+    if first != 0 or not exactly or not all_vanish(begins) or not all_vanish(read):
+        return form
+
+    def twice(rows: tuple[Row, ...]) -> tuple[Row, ...]:
+        return tuple((*row[:last], 2 * row[last], *row[last + 1 :]) for row in rows)
+
+    return _without_first(replace(form, Q=replace(form.Q, R=twice(form.Q.R))), kick)
 
 
 def _standard(pair: PartitionedGLM, blocks: tuple[StageBlock, ...]) -> PairForm:
@@ -311,7 +384,7 @@ def _standard(pair: PartitionedGLM, blocks: tuple[StageBlock, ...]) -> PairForm:
 
     u, u_ = map(preconsistency_vector, pair.components)
     ones = (float_rows(linalg.identity(pair.r)), float_rows(linalg.identity(pair.r_hat)))
-    return PairForm(
+    form = PairForm(
         kind="standard", running=False, r=pair.r, r_hat=pair.r_hat,
         Q=half("Q", pair.U, pair.A, pair.B_hat), P=half("P", pair.U_hat, pair.A_hat, pair.B),
         V=float_rows(pair.V), V_hat=float_rows(pair.V_hat), blocks=blocks,
@@ -319,3 +392,4 @@ def _standard(pair: PartitionedGLM, blocks: tuple[StageBlock, ...]) -> PairForm:
         large_hat=large(u_, pair.r_hat),
         to_form=ones, from_form=ones,
     )  # fmt: skip
+    return _merged_multistep(form, pair)

@@ -28,7 +28,7 @@ __all__ = [
     "step_size",
 ]
 
-ARITHMETIC = ("strict", "fused", "compensated", "naive")
+ARITHMETIC = ("strict", "fused", "quick", "compensated", "naive")
 
 #: Numbers of steps that a double holds exactly, as t0 + n h needs them.
 MOST_STEPS = 2**53

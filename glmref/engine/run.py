@@ -12,13 +12,13 @@ import numpy as np
 from ..errors import UsageError
 from ..method import Method
 from ..problems.model import Problem
-from ..problems.user import FunctionFailed, NoValue
+from ..problems.user import FunctionFailed
 from .forms import StepForm
 from .kept import expressed
 from .kernel import Kernel, State, newton_bytes, prepare, with_band, with_newton
 from .maps import Map, map_of
 from .memory import NEWTON_BYTES, gibibytes, memory
-from .outcome import Outcome, Solution, StartFailed
+from .outcome import Outcome, Solution, StartFailed, all_finite, outcome_of
 from .plan import Plan
 from .reference import Stepper, apply_finish
 from .start import Start, starting_values
@@ -39,14 +39,6 @@ class RenewalFailed(Exception):
     def __init__(self, why: Exception) -> None:
         super().__init__(str(why))
         self.why = why
-
-
-def outcome_of(error: Exception) -> tuple[Outcome, str]:
-    """How a run ends whose start or finish raised ``error``, and what there is to say of it."""
-    if isinstance(error, StartFailed):
-        return Outcome.STAGE_SOLVE_FAILED, ""
-    failed = isinstance(error, FunctionFailed) and not isinstance(error, NoValue)
-    return Outcome.FUNCTION_FAILED if failed else Outcome.NOT_FINITE, f": {error}"
 
 
 class Run:
@@ -104,7 +96,7 @@ class Run:
                 y, cost = apply_finish(finishing, self.reference, t, y, h)
                 self.finish_evaluations += cost
             again = starting_values(self.reference, self.again, t=t, y0=y, h=h)
-            if not self._numbers(again.values):
+            if not all_finite(again.values):
                 raise ArithmeticError("the values are not finite")
         except (StartFailed, FunctionFailed, ArithmeticError, ValueError) as error:
             raise RenewalFailed(error) from error
@@ -168,7 +160,7 @@ class Run:
                 self.counts[0] += taken.evaluations
                 self.counts[1] += taken.velocity_evaluations
                 self.counts[2] += taken.iterations
-                if not self._numbers(taken.values):
+                if not all_finite(taken.values):
                     self.outcome = Outcome.NOT_FINITE
                     break
                 if not taken.converged:
@@ -192,11 +184,6 @@ class Run:
         except RenewalFailed as error:
             self._not_renewed(error)
         self.seconds = time.perf_counter() - begin
-
-    def _numbers(self, values: np.ndarray) -> bool:
-        if values.dtype == object:
-            return all(x == x and abs(x) != math.inf for x in values.ravel())
-        return bool(np.isfinite(values).all())
 
     def _room(self) -> np.ndarray:
         """Space for every row asked for, which the system hands out as it is written.
@@ -265,20 +252,20 @@ class Run:
         self.counts = [int(x) for x in state.tally[:4]]
         every, written = self.plan.every, int(state.tally[5])
         self.kept += written
-        self._within_range(kernel, t0)
+        self._back_to_finite_values(kernel, t0)
         if every and self.done == self.plan.steps and self.done % every:
             self._keep(self.done, self.values)
         if state.trouble is not None:
             failed = self.outcome is Outcome.FUNCTION_FAILED
             self.detail = f": {state.trouble}" if failed else f" ({state.trouble})"
 
-    def _within_range(self, kernel: Kernel, t0: float) -> None:
+    def _back_to_finite_values(self, kernel: Kernel, t0: float) -> None:
         """Give up steps whose values are finite in the basis of the kernel only.
 
         Near the end of the range the change of basis overflows; so may values at the start, where
         the given ones are what is left.
         """
-        last = self.done if np.isfinite(self.values).all() else self.done - 1
+        last = self.done if all_finite(self.values) else self.done - 1
         if not _picks(kernel.form.from_form):
             written = self.rows[: self.kept]
             wrong = ~np.isfinite(written).all(axis=(1, 2))
@@ -296,7 +283,7 @@ class Run:
             state.tally[4] = first
             kernel.advance(state, last, t0=t0, h=self.h, every=0, out=self.rows[:0])
             self.values = kernel.values(state)
-            if state.step == last and np.isfinite(self.values).all():
+            if state.step == last and all_finite(self.values):
                 break
             last, back = last - back, 2 * back
         if last <= first:
@@ -409,7 +396,7 @@ class Run:
                 y[row], cost = apply_finish(finishing, self.reference, t[row], y[row], h)
             except (StartFailed, FunctionFailed, ArithmeticError, ValueError) as error:
                 return self._unfinished(*outcome_of(error), t, y, row)
-            if not self._numbers(y[row]):
+            if not all_finite(y[row]):
                 return self._unfinished(Outcome.NOT_FINITE, "", t, y, row)
             self.finish_evaluations += cost
         return y

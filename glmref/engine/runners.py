@@ -246,12 +246,13 @@ class Lanes(Runner):
         for name, weight in self.form.memory:
             self._put(name, remembered(slopes, weight, self.h))
         if isinstance(self.form, PairForm) and self.form.kick:
-            m = self.shape.half
-            for name, moved in zip(
-                "ye", self.form.kicked(inner[:, 0, m:], slopes[:, m:], self.h), strict=True
-            ):
-                if name == "y" or self.options.compensated:
-                    self._put(f"{name}0", moved, m)
+            m, rows = self.shape.half, self.form.r_hat
+            found = self.form.kicked(inner[:, :rows, m:], slopes[:, m:], self.h)
+            for name, moved in zip("ye"[: 1 + self.options.compensated], found, strict=False):
+                for k in range(rows):
+                    self._put(f"{name}{k}", moved[:, k], m)
+            if self.form.leaps and self.shape.parts[0].identity:
+                self._put("G", self.h * found[0][:, 0])
         self.head_size = head
         self.initial_evaluations = n if self.form.memory else 0
 
@@ -293,10 +294,13 @@ class Lanes(Runner):
         inner = np.stack([self._get(f"y{k}", d) for k in range(rows)], axis=1)
         values = self.form.back(inner)
         if isinstance(self.form, PairForm) and self.form.kick:
-            m = self.shape.half
-            rest = self._get("e0", d)[:, m:] if self.options.compensated else 0.0
+            m, p = self.shape.half, slice(0, self.form.r_hat)
+            rest: Any = 0.0
+            if self.options.compensated:
+                errors = [self._get(f"e{k}", d)[:, m:] for k in range(self.form.r_hat)]
+                rest = np.stack(errors, axis=1)
             force = self._get("G", d)[:, m:]
-            values[:, 0, m:] = self.form.unkicked(inner[:, 0, m:], rest, force, self.h)
+            values[:, p, m:] = self.form.unkicked(inner[:, p, m:], rest, force, self.h)
         status, steps = self._get("status", 1)[:, 0], self._get("done", 1)[:, 0]
         explicit, per_round = self._costs()
         rounds = float(self._get("rounds", 1).sum())

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import UsageError
+from ..problems.canonical import timed
 from ..problems.derivative import Jacobian
 from ..problems.formula import Formula, subscripts
 from ..problems.loops import Loops, PhaseSpace
@@ -29,7 +30,10 @@ __all__ = ["Part", "Shape", "banded", "inlined", "jacobian_block", "shape_of"]
 
 _STRAIGHT_UP_TO = 500  # statements of a loop body without its loops
 _STRAIGHT_SIZE = 40  # components up to which it is tried
-_EXPAND_UP_TO = 8  # integer powers up to this become products: the same bits in C, numba and Python
+#: Powers with whole exponents up to this, of either sign, become products, and those with a half
+#: besides products and a square root: the same bits in C, numba and Python, where those of ``pow``
+#: are the C library's.
+_EXPAND_UP_TO = 8
 
 
 @dataclass(frozen=True)
@@ -82,9 +86,7 @@ class Part:
             return False
         if self.formula is None:
             return True
-        common, outputs = self.formula.trees
-        trees = [*(tree for _, tree in common), *outputs]
-        return any(isinstance(n, ast.Name) and n.id == "t" for x in trees for n in ast.walk(x))
+        return timed(self.formula)
 
 
 @dataclass(frozen=True)
@@ -308,7 +310,7 @@ def _source(body: Callable[..., Any]) -> str:
 
 
 class _Inline(ast.NodeTransformer):
-    """Rewrites one expression: components, names of common subexpressions, integer powers."""
+    """Rewrites one expression: components, names of common subexpressions, powers."""
 
     def __init__(self, component: Callable[[int], str], names: dict[str, str], prefix: str) -> None:
         self.component, self.names, self.prefix = component, names, prefix
@@ -324,22 +326,40 @@ class _Inline(ast.NodeTransformer):
 
     def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
         self.generic_visit(node)
-        exponent = node.right
-        if not isinstance(node.op, ast.Pow) or not isinstance(exponent, ast.Constant):
+        twice = _twice(node.right) if isinstance(node.op, ast.Pow) else None
+        if twice is None or twice in (0, 2):
             return node
-        n = exponent.value
-        if not isinstance(n, int) or not 2 <= n <= _EXPAND_UP_TO:
-            return node
+        n, half = divmod(abs(twice), 2)
         base = node.left
         if not isinstance(base, ast.Name):
             name = f"{self.prefix}power_{self.count}"
             self.count += 1
             self.hoisted.append((name, ast.unparse(base)))
             base = ast.Name(name, ast.Load())
-        product: ast.expr = base
-        for _ in range(n - 1):
-            product = ast.BinOp(product, ast.Mult(), base)
-        return product
+        factors: list[ast.expr] = [base] * n
+        if half:  # x**1.5 is x*sqrt(x), to an ulp and a half
+            factors.append(ast.Call(ast.Name("sqrt", ast.Load()), [base], []))
+        product = factors[0]
+        for factor in factors[1:]:
+            product = ast.BinOp(product, ast.Mult(), factor)
+        return product if twice > 0 else ast.BinOp(ast.Constant(1), ast.Div(), product)
+
+
+def _twice(exponent: ast.expr) -> int | None:
+    """Twice an exponent that is written out, where that is whole and small; else ``None``."""
+    sign = 1
+    while isinstance(exponent, ast.UnaryOp) and isinstance(exponent.op, ast.USub):
+        sign, exponent = -sign, exponent.operand
+    if isinstance(exponent, ast.BinOp) and isinstance(exponent.op, ast.Div):
+        above, below = _twice(exponent.left), _twice(exponent.right)
+        if above is None or not below or 2 * above % below:
+            return None
+        twice: float = 2 * above // below
+    elif isinstance(exponent, ast.Constant) and isinstance(exponent.value, int | float):
+        twice = 2 * exponent.value
+    else:
+        return None
+    return sign * int(twice) if twice == int(twice) and abs(twice) <= 2 * _EXPAND_UP_TO else None
 
 
 def inlined(
@@ -412,6 +432,8 @@ def parameter_names(shape: Shape) -> dict[str, str]:
 def used_parameters(shape: Shape) -> Sequence[int]:
     """Indices of the parameters that some expression of the right-hand side uses."""
     used: set[str] = set()
+    if not shape.parameters:
+        return []
     formulas = [part.formula for part in shape.parts] + [shape.jacobian]
     for formula in formulas:
         if formula is not None:

@@ -16,13 +16,26 @@ from .inspection import inspected
 from .kept import stepper_of
 from .outcome import Outcome, Solution, StartFailed
 from .plan import check_arithmetic, notices_of, plan_of, resolved, step_size
-from .reference import stepper
+from .reference import Stepper, stepper
 from .run import Run
 from .start import problem_start, starting_values
 
 __all__ = ["Outcome", "Solution", "solve"]
 
 ENGINES = ("compiled", "reference", "interpreted")
+
+
+def _growth(reference: Stepper) -> list[str]:
+    """Say of a method that is not zero-stable how fast its values grow, whatever the problem."""
+    radii = [np.abs(np.linalg.eigvals(c.V)).max() for c in reference.components if len(c.V) > 1]
+    if not radii or max(radii) < 1 + _GROWS:
+        return []
+    size = f"V has an eigenvalue of size {max(radii):.4g}, by which errors grow in every step"
+    return [f"the method is not zero-stable: {size}; glmref.analyze says more"]
+
+
+#: Beyond 1; multiple eigenvalues of size 1 are computed to a root of round-off.
+_GROWS = 1e-3
 
 
 def solve(
@@ -65,7 +78,8 @@ def solve(
         ``"compiled"``; ``"reference"``, the step as in a paper; ``"interpreted"``, the compiled
         engine's source run by the interpreter. Additive methods take the reference engine always.
     arithmetic : str
-        ``"strict"``, ``"fused"``, ``"compensated"`` or ``"naive"``, see :func:`.kernel.prepare`.
+        ``"strict"``, ``"fused"``, ``"quick"``, ``"compensated"`` or ``"naive"``, see
+        :func:`.kernel.prepare`.
     form, solver : str
         Override what is chosen, see :func:`.kernel.prepare`.
     history : bool
@@ -124,6 +138,8 @@ def solve(
         run = Run(problem, chosen, h, plan, reference, given, history, cancel, progress)
         run.renewed_by(int(renew), start)
         run.notices += notices_of(chosen)
+        if digits is None:
+            run.notices += _growth(reference)
         if chosen.additive and engine != "reference":  # kernels are not generated for sums
             run.notices.append("an additive method runs in the reference engine, step by step")
         if engine == "reference" or chosen.additive:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 from .emit import Target
 from .forms import StepForm
 from .newton import REFRESH_ROUNDS, NewtonWriter
+from .positions import PositionRounds
 from .shape import Part, Shape
 from .tableau import lagrange_weights
 from .values import Term, Values, balanced, linear
@@ -29,6 +30,7 @@ NOTHING = 2.0**-64  # change of a stage, relative to the state, that cannot matt
 ROUND_OFF = 2.0**-47  # change of a stage, relative to the state, that can be rounding
 NOISE = 2.0**-30  # the same after STALLS rounds without decrease: a right-hand side that cancels
 STALLS = 8
+QUICK = 2.0**-50  # change of a stage, relative to the state, that quick rounds leave undone
 ROUNDS = 200
 
 PREDICTOR_NODES = 3  # slopes a single stage is extrapolated from
@@ -54,6 +56,10 @@ class StageWriter(NewtonWriter):
                 target, form.V, form.R, form.R_residue, form.large, self.all,
                 running=form.running, compensated=options.compensated,
             )  # fmt: skip
+        #: Rounds on positions alone, where the stages allow it.
+        self.positions: PositionRounds | None = None
+        if PositionRounds.fits(form, shape, options):
+            self.positions = PositionRounds(form, shape, options, target)
 
     # --- what a stage starts from ---------------------------------------------------------------
 
@@ -165,7 +171,7 @@ class StageWriter(NewtonWriter):
         flat = [j for block in self.form.blocks for j in block.stages]
         needed = set()
         for block in self.form.blocks:
-            if block.implicit:
+            if block.implicit and self.positions is None:
                 for i in block.stages:
                     old = [j for j, now, _ in self._prediction(i, block.stages) if not now]
                     late = [
@@ -174,7 +180,15 @@ class StageWriter(NewtonWriter):
                     needed.update(late)
         return sorted(needed)
 
+    def _guesses(self) -> list[list[tuple[int, bool, float]]]:
+        """:meth:`_prediction` of all stages, where they are one block."""
+        stages = range(self.form.s)
+        return [self._prediction(i, stages) for i in stages]
+
     def _predict(self, stages: tuple[int, ...]) -> None:
+        if self.positions is not None:
+            self.positions.predict(self._guesses())
+            return
         copied = self._remembered()
         lines = []
         for i in stages:
@@ -211,13 +225,18 @@ class StageWriter(NewtonWriter):
         give the same f again, so the last, confirming, evaluation is never made.
         """
         w = self.w
+        if self.positions is not None:
+            self.positions.bases()
         self._sizes(stages, [bases[i][0] for i in stages])
         w("last_change = 1e300", "stalls = 0", "rounds = 0")
         with w.block("while True:"):
             for part in self.shape.parts:
                 here = (part.source, part.source_stop)
                 if part is self.shape.counted:
-                    self._stage_values(stages, bases, here, "N")
+                    if self.positions is not None:
+                        self.positions.stage_values("N", "b")
+                    else:
+                        self._stage_values(stages, bases, here, "N")
                     self._compare(stages)
                     if self.options.solver == "newton":
                         with w.block("if rounds == 1:"):
@@ -225,13 +244,19 @@ class StageWriter(NewtonWriter):
                     self._evaluate(part, stages)
                     if self.options.solver == "newton":
                         self._newton_update(stages)
+                    elif self.positions is not None:
+                        self.t.vec([f"@H{i} = @F{i}" for i in stages], self.inner)
                     else:
                         self.t.vec([f"@L{i} = hw{i}*@F{i}" for i in stages], self.inner)
-                else:
-                    self._stage_values(stages, bases, here)
-                    self._evaluate(part, stages)
-                    outer = (part.start, part.stop)
-                    self.t.vec([f"@L{i} = hw{i}*@F{i}" for i in stages], outer)
+                    if self.quick:
+                        with w.block("if settled:"):
+                            w("break")
+                elif self.positions is None:
+                    self._velocities(part, stages, bases)
+            if self.positions is not None:
+                self.positions.after_first()
+        if self.positions is not None:
+            self.positions.increments()
         w("iterations += rounds")
         self._count(len(stages), "rounds", len(stages))
         with w.block("if outcome != 0:"):
@@ -240,21 +265,36 @@ class StageWriter(NewtonWriter):
             with w.block(f"if rounds > {REFRESH_ROUNDS}:"):
                 w("slow = True")
 
+    def _velocities(self, part: Part, stages: Sequence[int], bases: Bases) -> None:
+        """Of a separable problem: P, the velocities there, and what they add to q."""
+        self._stage_values(stages, bases, (part.source, part.source_stop))
+        self._evaluate(part, stages)
+        self.t.vec([f"@L{i} = hw{i}*@F{i}" for i in stages], (part.start, part.stop))
+
     def _sizes(self, stages: Sequence[int], z: Sequence[str]) -> None:
         """What counts as rounding (``tight``, ``loose``) and as no change at all (``nothing``).
 
         A change of components near zero that the others do not notice counts as none.
         """
-        names = [x for x in dict.fromkeys(z) if x != "0.0"] + [f"@L{i}" for i in stages]
+        names = [x for x in dict.fromkeys(z) if x != "0.0"]
+        names += ["h*@S"] if self.positions is not None else [f"@L{i}" for i in stages]
         sizes = " + ".join(f"abs({x})" for x in names)
         self.t.total("size", sizes if len(names) == 1 else f"({sizes})", self.watched)
         self.w(f"nothing = {NOTHING!r}*size")
+
+    @property
+    def quick(self) -> bool:
+        """Whether a round ends the stages that leaves a change below rounding to the next one."""
+        return self.options.quick and self.options.solver == "fixed-point"
 
     def _compare(self, stages: Sequence[int]) -> None:
         """Leave the loop where Y is settled; else go on from the new Y."""
         w = self.w
         template = " + ".join(f"abs(@N{i} - @Y{i})" for i in stages)
         self.t.total("change", template if len(stages) == 1 else f"({template})", self.watched)
+        if self.quick:
+            # what is left is the change times its contraction, as the last two changes show it
+            w(f"settled = rounds > 1 and change*change < {QUICK!r}*size*last_change")
         # in the first round there is no Y to compare with
         with w.block("if rounds > 0 and not (nothing < change < last_change):"):
             with w.block(f"if change <= {ROUND_OFF!r}*size:"):

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ..catalogue.claims import ORDER
+from ..catalogue.claims import G_SYMPLECTIC, ORDER, SYMMETRIC
 from ..errors import UsageError
 from ..method import Component, Method
 from ..method.solution_value import preconsistency_vector
@@ -24,11 +24,13 @@ from ..problems.model import Problem
 from .outcome import StartFailed
 from .reference import Reader, Stepper, apply_start
 
-__all__ = ["Start", "enhanced_start", "starting_values", "zero_start"]
+__all__ = ["RENEWAL", "Start", "enhanced_start", "renewal_of", "starting_values", "zero_start"]
 
 #: Passes of the enhanced start where the method's file claims no order.
 DEFAULT_PASSES = 4
 MOST_PASSES = 8
+#: Steps between renewals that long runs are recommended to take, see docs/choose.md.
+RENEWAL = 10_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,6 +98,16 @@ def starting_values(
             f"`start` must be enhanced, zero, a starting method or values, got {start!r}"
         )
     return Start(_checked(start, engine), 0, "given")
+
+
+def renewal_of(method: Method) -> int:
+    """Steps after which a long run should make the values anew, 0 for never.
+
+    Parasitic parts neither grow nor decay to first order in h where a method with several values is
+    G-symplectic or symmetric; a strictly stable method damps them by itself.
+    """
+    kept = any(method.claims.get(claim.key) is True for claim in (G_SYMPLECTIC, SYMMETRIC))
+    return RENEWAL if method.carried > 1 and kept else 0
 
 
 def default_passes(method: Method) -> int:

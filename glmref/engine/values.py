@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from .emit import Target
 from .forms import Row
 
-__all__ = ["Values", "balanced", "linear"]
+__all__ = ["Values", "balanced", "differences", "linear"]
 
 Term = tuple[float, str]
 
@@ -45,6 +45,17 @@ def balanced(terms: Sequence[Term]) -> str:
     return f"({balanced(first)}) {'-' if sign < 0 else '+'} ({other})"
 
 
+def differences(terms: Sequence[Term]) -> list[Term]:
+    """Terms with neighbours of opposite factors put together: a x - a y is a (x - y)."""
+    out: list[Term] = []
+    for factor, name in terms:
+        if out and factor and out[-1][0] == -factor and not out[-1][1].startswith("("):
+            out[-1] = (out[-1][0], f"({out[-1][1]} - {name})")
+        else:
+            out.append((factor, name))
+    return out
+
+
 class Values:
     """The values of one side of a method within the step that is being written.
 
@@ -64,8 +75,8 @@ class Values:
         Components of the state that these values are.
     running : bool
         Whether increments are added as they come, to V y.
-    compensated : bool
-        Whether rounding errors are kept.
+    compensated : bool or Sequence[bool]
+        Whether rounding errors are kept, of all values or of each.
     ahead : bool
         Whether small values are also kept together with the increments so far, so that a stage
         waits for one sum less; an operation more for each increment.
@@ -73,12 +84,13 @@ class Values:
 
     def __init__(
         self, target: Target, V: tuple[Row, ...], R: tuple[Row, ...], residue: tuple[Row, ...],
-        large: Sequence[bool], part: tuple[int, int], *, running: bool, compensated: bool,
-        ahead: bool = False,
+        large: Sequence[bool], part: tuple[int, int], *, running: bool,
+        compensated: bool | Sequence[bool], ahead: bool = False,
     ) -> None:  # fmt: skip
         self.t, self.V, self.R, self.residue = target, V, R, residue
         self.large, self.part = large, part
-        self.running, self.compensated, self.ahead = running, compensated, ahead
+        self.running, self.ahead = running, ahead
+        self.kept = (compensated,) * len(V) if isinstance(compensated, bool) else compensated
         self.x: list[Term] = []
         self.u: list[Term | None] = []
         self.grown: set[int] = set()
@@ -95,7 +107,7 @@ class Values:
             self.shift()
             return
         self.x = [(1.0, f"@y{k}") for k in range(self.r)]
-        self.u = [(1.0, f"@e{k}") if self.compensated else None for k in range(self.r)]
+        self.u = [(1.0, f"@e{k}") if kept else None for k, kept in enumerate(self.kept)]
 
     def shift(self) -> None:
         """x = V y and u = V e."""
@@ -105,15 +117,15 @@ class Values:
             errors = [(factor, f"@e{j}") for j, factor in enumerate(row) if factor]
             if len(terms) == 1 and abs(terms[0][0]) == 1.0:
                 self.x.append(terms[0])
-                self.u.append(errors[0] if self.compensated else None)
+                self.u.append(errors[0] if self.kept[k] else None)
                 continue
             self.x.append((1.0, f"@x{k}"))
-            self.u.append((1.0, f"@u{k}") if self.compensated else None)
-            if self.compensated and all(abs(factor) == 1.0 for factor, _ in terms) and terms:
+            self.u.append((1.0, f"@u{k}") if self.kept[k] else None)
+            if self.kept[k] and all(abs(factor) == 1.0 for factor, _ in terms) and terms:
                 lines += _two_sums(f"@x{k}", f"@u{k}", terms, linear(errors))
                 continue
             lines.append(f"@x{k} = {linear(terms)}")
-            if self.compensated:
+            if self.kept[k]:
                 lines.append(f"@u{k} = {linear(errors)}")
         if lines:
             self.t.vec(lines, self.part)
@@ -182,7 +194,7 @@ class Values:
             rest = self.u[k]
             if not self.running:
                 terms = list(zip(row, names, strict=True))
-                if self.compensated:
+                if self.kept[k]:
                     terms = list(zip(self.residue[k], names, strict=True)) + terms
                 increments = linear(terms)
                 if increments != "0.0":
@@ -194,7 +206,7 @@ class Values:
                 lines.append(f"@n{k} = {linear([self.x[k]])}")
                 continue
             lines.append(f"@n{k} = {linear([self.x[k], rest])}")
-            if self.compensated:
+            if self.kept[k]:
                 # Fast2Sum: where |u| > |x| the error kept is itself rounded, which is below the
                 # round-off of one step; TwoSum would lengthen the chain from step to step
                 lines.append(
@@ -208,7 +220,7 @@ class Values:
         kept = "" if rest is None else linear([rest])
         total = " + ".join(x for x in (kept, increments) if x) or "0.0"
         lines = [f"@u{k} = {total}", f"@n{k} = {linear([self.x[k]])} + @u{k}"]
-        if self.compensated:
+        if self.kept[k]:
             lines.append(f"@r{k} = @u{k} - ({linear([(1.0, f'@n{k}'), (-sign, value)])})")
         return lines
 
@@ -219,15 +231,17 @@ class Values:
 
     def check(self, name: str) -> None:
         """Assign to ``name`` a sum that is a number only if every new value is."""
-        total = " + ".join(f"@n{k}" for k in range(self.r))
-        self.t.total(name, f"({total})" if self.r > 1 else total, self.part)
+        # what another value was without its error, and nothing is added to, has been checked then
+        moved = [not self.kept[k] and not any(row) for k, row in enumerate(self.R)]
+        names = [f"@n{k}" for k in range(self.r) if not (moved[k] and self.x[k][1] != f"@x{k}")]
+        names = names or [f"@n{k}" for k in range(self.r)]
+        total = " + ".join(names)
+        self.t.total(name, f"({total})" if len(names) > 1 else total, self.part)
 
     def pairs(self) -> list[tuple[str, str]]:
         """What becomes what when the step is good."""
         pairs = [(f"@y{k}", f"@n{k}") for k in range(self.r)]
-        if self.compensated:
-            pairs += [(f"@e{k}", f"@r{k}") for k in range(self.r)]
-        return pairs
+        return pairs + [(f"@e{k}", f"@r{k}") for k in range(self.r) if self.kept[k]]
 
 
 def _two_sums(value: str, rest: str, terms: list[Term], error: str) -> list[str]:

@@ -17,7 +17,7 @@ from typing import Any
 from .derivative import differentiated
 from .formula import Formula
 
-__all__ = ["constant_matrix", "equations", "shared"]
+__all__ = ["constant_matrix", "equations", "shared", "timed"]
 
 
 def equations(H: Formula, half: int) -> dict[str, Formula]:
@@ -26,7 +26,7 @@ def equations(H: Formula, half: int) -> dict[str, Formula]:
     Parameters
     ----------
     H : Formula
-        The Hamiltonian, of shape () in ``y`` = (q, p).
+        The Hamiltonian, of shape () in ``t`` and ``y`` = (q, p), or in ``y`` alone.
     half : int
         Number m of coordinates q, and of momenta p.
 
@@ -34,12 +34,16 @@ def equations(H: Formula, half: int) -> dict[str, Formula]:
     -------
     dict of str to Formula
         ``force`` where H = p^T p / 2 + V(q), else ``dq`` and ``dp`` where H = T(p) + V(q), else
-        ``f``.
+        ``f``; always ``f`` where H depends on t.
     """
     slope = shared(differentiated(shared(H), 2 * half))
     by_p, by_q = slope.outputs[half:], tuple(_minus(text) for text in slope.outputs[:half])
     velocity, force = _taken(slope, by_p), _taken(slope, by_q)
-    if all(i >= half for i in velocity.indices) and all(i < half for i in force.indices):
+    if (
+        not timed(H)
+        and all(i >= half for i in velocity.indices)
+        and all(i < half for i in force.indices)
+    ):
         dp = force.substituted("y", "q", 0)
         matrix = constant_matrix(velocity, half, half)
         if matrix == [[Fraction(i == j) for j in range(half)] for i in range(half)]:
@@ -47,6 +51,13 @@ def equations(H: Formula, half: int) -> dict[str, Formula]:
         dq = velocity.substituted("y", "p", -half)
         return {"dq": replace(dq, variables=("p",)), "dp": replace(dp, variables=("q",))}
     return {"f": replace(_taken(slope, by_p + by_q), variables=("t", "y"))}
+
+
+def timed(formula: Formula) -> bool:
+    """Whether t occurs in a formula."""
+    common, outputs = formula.trees
+    trees = (*(tree for _, tree in common), *outputs)
+    return any(isinstance(n, ast.Name) and n.id == "t" for x in trees for n in ast.walk(x))
 
 
 def _minus(text: str) -> str:
@@ -74,11 +85,7 @@ def constant_matrix(
     """
     d = first + columns
     jacobian = shared(differentiated(formula, d))
-    if jacobian.indices or any(
-        isinstance(node, ast.Name) and node.id == "t"
-        for tree in (*(tree for _, tree in jacobian.trees[0]), *jacobian.trees[1])
-        for node in ast.walk(tree)
-    ):
+    if jacobian.indices or timed(jacobian):
         return None
     values: dict[str, Fraction | None] = {k: Fraction(v) for k, v in jacobian.parameters.items()}
     for name, tree in jacobian.trees[0]:

@@ -93,7 +93,7 @@ def differentiated(formula: Formula, dimension: int) -> Formula:
 
 def _used(common: list[tuple[str, str]], outputs: list[str]) -> list[tuple[str, str]]:
     """Drop the common subexpressions that no output needs."""
-    needed = {node.id for text in outputs for node in _names(text)}
+    needed = {node.id for text in {*outputs} for node in _names(text)}
     kept = []
     for name, text in reversed(common):
         if name in needed:

@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import UsageError
+from ..errors import UsageError, did_you_mean
 
 __all__ = [
     "FUNCTIONS",
@@ -229,7 +229,9 @@ class Formula:
         literals = _Literals(self.context)
         lines = [f"{name} = {literals.text(tree)}" for name, tree in common]
         if self.shape:
-            lines += [f"out[{i}] = {literals.text(tree)}" for i, tree in enumerate(outputs)]
+            # equal outputs are one tree: most entries of a large Jacobian are zero
+            texts = {id(tree): literals.text(tree) for tree in {id(x): x for x in outputs}.values()}
+            lines += [f"out[{i}] = {texts[id(tree)]}" for i, tree in enumerate(outputs)]
         else:
             lines.append(f"return {literals.text(outputs[0])}")
         arguments = ", ".join((*self.variables, "out") if self.shape else self.variables)
@@ -328,8 +330,11 @@ def _checked(text: str, names: frozenset[str], vectors: tuple[str, ...]) -> ast.
         if isinstance(node, ast.Call):
             called = ast.unparse(node.func)
             if called not in FUNCTIONS or node.keywords:
+                near = "; write sqrt(x**2)" if called == "abs" else ""
+                near = near or did_you_mean(called, FUNCTIONS, "; ")
                 raise UsageError(
-                    f"the expression {shown} calls {called[:40]}; known are {', '.join(FUNCTIONS)}"
+                    f"the expression {shown} calls {called[:40]}; known are "
+                    f"{', '.join(FUNCTIONS)}{near}"
                 )
             arity = 2 if called == "atan2" else 1
             if len(node.args) != arity:

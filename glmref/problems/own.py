@@ -14,12 +14,13 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from keyword import iskeyword
 from typing import Any
 
-from ..errors import UsageError
-from .canonical import equations, shared
+from ..errors import UsageError, did_you_mean
+from .canonical import equations, shared, timed
 from .formula import FUNCTIONS, Formula, Number, exact_number
 from .sums import hamiltonian_parts
 
@@ -45,7 +46,8 @@ def hamiltonian_entries(
     Parameters
     ----------
     H : str
-        The Hamiltonian, such as ``"p**2/2 - cos(q)"``.
+        The Hamiltonian, such as ``"p**2/2 - cos(q)"``; it may depend on ``t``, and then nothing
+        is separable and nothing is conserved.
     y0 : mapping or sequence
         Initial value: coordinate -> number or expression, or all of them in order, q before p.
     coordinates, momenta : sequence of str, optional
@@ -72,6 +74,8 @@ def hamiltonian_entries(
     UsageError
         One sentence on what does not fit.
     """
+    for what, given in (("y0", y0), ("coordinates", coordinates), ("momenta", momenta)):
+        _several(given, what, "numbers" if what == "y0" else "names")
     values = _parameters(parameters)
     names = _Names.of(y0, coordinates, momenta, values)
     entries: dict[str, Any]
@@ -80,9 +84,11 @@ def hamiltonian_entries(
         scalars = {k: v for k, v in values.items() if not isinstance(v, tuple)}
     else:
         scalars = names.scalars(values)
-        whole = names.scalar("H", H, scalars)
+        whole = names.scalar("H", H, scalars, ("t", "y"))
         try:
-            entries = {**equations(whole, names.half), "hamiltonian": whole}
+            entries = dict(equations(whole, names.half))
+            if not timed(whole):  # else H is not conserved
+                entries["hamiltonian"] = replace(whole, variables=("y",))
         except RecursionError:
             raise UsageError("`H` is nested too deep; write sums over i in range(n)") from None
     return {
@@ -119,6 +125,9 @@ def equation_entries(
     """
     if coordinates is not None or momenta is not None:
         raise UsageError("`coordinates` and `momenta` go with `H`; the keys of `f` name components")
+    _several(y0, "y0", "numbers")
+    if not isinstance(f, str):
+        _several(f, "f", "expressions")
     values = _parameters(parameters)
     if isinstance(f, Mapping):
         names = _Names(tuple(map(str, f)), 0, ())
@@ -152,12 +161,30 @@ def _text(value: Any, what: str) -> str:
     return " ".join(value.split())
 
 
+def _several(given: Any, what: str, kind: str) -> None:
+    """Refuse what is neither a list nor a table; what is not given is no matter."""
+    listed = not isinstance(given, str) and hasattr(given, "__iter__") and hasattr(given, "__len__")
+    if given is not None and not listed:
+        raise UsageError(f"`{what}` must be a list or a table of {kind}, got {given!r:.80}")
+
+
 def _is_free(name: str) -> bool:
     """Whether a user may give this name; those that end in _ are given to subexpressions."""
     taken = (*FUNCTIONS, "pi", "t", "sum", "range")
     return (
         name.isidentifier() and not iskeyword(name) and not name.endswith("_") and name not in taken
     )
+
+
+def _why_not(name: str) -> str:
+    """Why a name cannot be used, and what to do."""
+    if not name.isidentifier() or name.endswith("_"):
+        return (
+            "which is no name; take letters, digits and _, such as k_N_per_m, and no _ at the end"
+        )
+    if iskeyword(name):
+        return "which is a word of Python; take another name"
+    return "which stands for something else in expressions; take another name"
 
 
 def _parameters(given: Mapping[str, Any] | None) -> dict[str, Number | tuple[Number, ...]]:
@@ -167,7 +194,7 @@ def _parameters(given: Mapping[str, Any] | None) -> dict[str, Number | tuple[Num
     for key, value in (given or {}).items():
         name = str(key)
         if not _is_free(name) or name == "y":
-            raise UsageError(f"`parameters` has {name[:40]!r}, which is no name of its own")
+            raise UsageError(f"`parameters` has {name[:40]!r}, {_why_not(name)}")
         if isinstance(value, list | tuple):
             found[name] = tuple(exact_number(x, f"{name}[{k}]") for k, x in enumerate(value))
         else:
@@ -280,7 +307,7 @@ class _Names:
         seen: set[str] = set()
         for name in self.of_y:
             if not _is_free(name):
-                raise UsageError(f"`y0` has {name[:40]!r}, which is no name of its own")
+                raise UsageError(f"`y0` has {name[:40]!r}, {_why_not(name)}")
             if name in seen or name in parameters:
                 raise UsageError(f"the name {name!r} stands for two things; rename one")
             seen.add(name)
@@ -303,10 +330,13 @@ class _Names:
         except (SyntaxError, ValueError, MemoryError, RecursionError):
             raise UsageError(f"`{what}` cannot be read: {text[:200]!r}") from None
 
-    def scalar(self, what: str, text: Any, parameters: Mapping[str, Number]) -> Formula:
+    def scalar(
+        self, what: str, text: Any, parameters: Mapping[str, Number],
+        variables: tuple[str, ...] = ("y",),
+    ) -> Formula:  # fmt: skip
         """One expression in the components as a formula."""
         formula = Formula(
-            (self.renamed(text, what),), variables=("y",), parameters=parameters, shape=()
+            (self.renamed(text, what),), variables=variables, parameters=parameters, shape=()
         )
         self.check_formula(formula, what)
         return formula
@@ -316,17 +346,19 @@ class _Names:
         try:
             beyond = [k for k in formula.indices if not 0 <= k < (2 * self.half or k + 1)]
         except UsageError as error:
-            raise UsageError(self._said(str(error), what)) from None
+            raise UsageError(self._said(str(error), what, formula.parameters)) from None
         if beyond:
             raise UsageError(f"`{what}` uses component {beyond[0]} of {2 * self.half}")
 
-    def _said(self, sentence: str, what: str) -> str:
+    def _said(self, sentence: str, what: str, parameters: Iterable[str]) -> str:
         """A complaint of the whitelist in the user's names."""
         for k in range(len(self.of_y) - 1, -1, -1):
             sentence = sentence.replace(f"y[{k}]", self.of_y[k])
         known = re.sub(r"known are [^;]*$", "", sentence).rstrip("; ")
         if known != sentence and "unknown name" in sentence:
-            return f"`{what}`: {known}; give it in `y0` or in `parameters`"
+            name = re.search(r"unknown name '([^']*)'", sentence)
+            near = did_you_mean(name[1], {*self.of_y, *parameters}, "; ") if name else ""
+            return f"`{what}`: {known}; give it in `y0` or in `parameters`{near}"
         return f"`{what}`: {sentence}"
 
     def start(self, y0: Start) -> tuple[Any, ...]:

@@ -283,14 +283,19 @@ def _codes(code: CodeType) -> Iterator[CodeType]:
             yield from _codes(constant)
 
 
+#: Modules whose values do not change; what a function reads from any other is not seen.
+_MODULES_KNOWN = frozenset({"cmath", "math", "numba", "numpy"})
+
+
 def fingerprint(function: Any) -> Any:
     """Return what a function is and reads, hashable; ``None`` where that cannot be said.
 
     Two functions of one fingerprint compile to the same code: their byte code, defaults, globals
-    and closure values are equal.
+    and closure values are equal, and the options of a function that numba has compiled. It is the
+    same in every process.
     """
     try:
-        return _mark(getattr(function, "py_func", function), 0)
+        return _mark(function, 0)
     except (Untraceable, KeyError, TypeError, RecursionError):
         return None
 
@@ -305,17 +310,35 @@ def _mark(value: Any, depth: int) -> Any:
     if isinstance(value, np.ndarray) and value.dtype.kind in "iufcb":
         return value.dtype.str, value.shape, value.tobytes()
     if isinstance(value, ModuleType):
+        if value.__name__.partition(".")[0] not in _MODULES_KNOWN:
+            raise Untraceable  # what is read from it is seen nowhere
         return "module", value.__name__
     if isinstance(value, FunctionType):
         reads = tuple((name, _mark(x, depth + 1)) for name, x in _references(value))
-        return value.__code__, _mark(value.__defaults__ or (), depth + 1), reads
+        return _code_mark(value.__code__), _mark(value.__defaults__ or (), depth + 1), reads
     module, name = getattr(value, "__module__", None), getattr(value, "__name__", None)
     if isinstance(value, BuiltinFunctionType | np.ufunc) and name:
         return "built in", module, name
     inner = getattr(value, "py_func", None)
     if inner is not None:
-        return "compiled", _mark(inner, depth + 1)
+        options = getattr(value, "targetoptions", {})
+        return "compiled", repr(sorted(options.items())), _mark(inner, depth + 1)
     raise Untraceable
+
+
+def _code_mark(code: CodeType) -> Any:
+    """What a code object computes, equal in every process: without places and names of files."""
+    constants = tuple(
+        _code_mark(x) if isinstance(x, CodeType) else (type(x).__name__, repr(x))
+        for x in code.co_consts
+        if not isinstance(x, frozenset)
+    )
+    sets = tuple(sorted(map(repr, x)) for x in code.co_consts if isinstance(x, frozenset))
+    return (
+        *(code.co_name, code.co_code, code.co_flags, code.co_argcount, code.co_kwonlyargcount),
+        *(code.co_posonlyargcount, code.co_names, code.co_varnames, code.co_freevars),
+        *(code.co_cellvars, constants, repr(sets), getattr(code, "co_exceptiontable", b"")),
+    )
 
 
 def _copied(function: Any, trace: _Trace, known: dict[int, Any]) -> FunctionType:

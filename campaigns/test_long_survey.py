@@ -1,0 +1,72 @@
+"""Long runs on eight problems: the record, its verdicts, and what the page says of it."""
+
+import json
+from collections import Counter
+
+import pytest
+
+from campaigns.long_survey import (
+    FILE,
+    PAGE,
+    PROBLEMS,
+    RENEW,
+    TABLES,
+    followed,
+    step_sizes,
+    surveyed,
+    verdict,
+)
+from campaigns.pages import filled
+from campaigns.partitioned.long_runs import ONE_VALUE
+from glmref.catalogue.lookup import load
+
+ROWS = json.loads(FILE.read_text(encoding="utf-8"))["rows"]
+
+
+def test_the_record_holds_what_it_says():
+    assert {x["method"] for x in ROWS} <= set(surveyed())
+    assert {x["method"] for x in ROWS} >= set(ONE_VALUE)
+    assert set(Counter(x["method"] for x in ROWS).values()) == {len(PROBLEMS)}
+    for row in ROWS:
+        never = [run["h"] for run in row["runs"] if not run["renew"]]
+        assert tuple(never) == step_sizes(row["method"], row["problem"])
+        again = [run["h"] for run in row["runs"] if run["renew"] == RENEW]
+        grown = [run["h"] for run in row["runs"] if run["verdict"] in ("grows", "lost")]
+        assert set(again) <= set(never)
+        if load(row["method"]).carried > 1:
+            assert {h for h in grown if h not in again} == set()
+        assert all(run["verdict"] == verdict(run) for run in row["runs"])
+
+
+def test_recommended_methods_stay_on_every_problem_at_every_step_size():
+    kept = [run["verdict"] for x in ROWS if x["method"] in ONE_VALUE for run in x["runs"]]
+    assert set(kept) == {"bounded"} and len(kept) == 3 * len(PROBLEMS) * len(ONE_VALUE)
+
+
+def test_a_run_repeats_its_first_hundred_thousand_steps():
+    row = next(x for x in ROWS if x["method"] == "pair-6-7" and x["problem"] == "lattice")
+    run = row["runs"][0]
+    found = followed("pair-6-7", "lattice", run["h"], 100_000, 0)
+    assert found["energy"] == pytest.approx(run["energy"][:2], rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("energy", "outcome", "said"),
+    [
+        ([1e-9, 2e-9, 3e-9], "completed", "bounded"),
+        ([1e-9, 9e-7, 3e-6], "completed", "bounded"),  # four samples at first
+        ([1e-9, 2e-9, 9e-8], "completed", "grows"),
+        ([1e-9, 2e-6, 2e-6], "completed", "grows"),
+        ([1e-9, 2e-9, 0.5], "completed", "lost"),
+        ([1e-9, None, None], "completed", "lost"),
+        ([1e-9], "not finite", "lost"),
+        ([0.1, 0.2, 0.3], "completed", "too coarse"),
+    ],
+)
+def test_verdicts(energy, outcome, said):
+    assert verdict({"outcome": outcome, "energy": energy}) == said
+
+
+def test_the_table_of_the_page_is_that_of_the_record():
+    text = PAGE.read_text(encoding="utf-8")
+    assert filled(text, TABLES) == text

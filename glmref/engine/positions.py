@@ -1,0 +1,202 @@
+"""Generated source for Gauss methods on q'' = g(q): rounds on the positions alone.
+
+In the mu-form a round waits for the velocities P_k = p + sum mu_kj L_j and for the positions
+Q_i = q + sum mu_ik h b_k P_k. Here the two sums are one,
+
+    Q_i = q + (h c_i p + h^2 sum_j d_ij b_j F_j),    d_ij = sum_k mu_ik b_k mu_kj,
+
+with one product from force to position, and the new position is a sum of the same kind. Rounded
+h^2 d_ij b_j, h c_i and h b_k would move Q_i by less than its last bit, but to one side at every
+step, which is a drift of what the mu-form conserves. What they lost is put back: a correction,
+formed once a step from the predicted forces while the first one is evaluated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from .emit import LaneTarget, ScalarTarget, Target
+from .forms import StepForm
+from .values import balanced, linear
+
+if TYPE_CHECKING:
+    from .codegen import Options
+    from .shape import Shape
+
+__all__ = ["SPLITTER", "PositionRounds", "halves"]
+
+SPLITTER = 2.0**27 + 1  # Veltkamp's: halves of a double
+
+
+def halves(x: float) -> tuple[float, float]:
+    """A double as the sum of two with half as many digits, whose products are exact."""
+    high = SPLITTER * x - (SPLITTER * x - x)
+    return high, x - high
+
+
+def split(name: str) -> list[str]:
+    """Source of the halves ``high`` and ``low`` of a number."""
+    whole = f"held - (held - {name})"
+    return [f"held = {SPLITTER!r}*{name}", f"high = {whole}", f"low = {name} - high"]
+
+
+def exact_product(product: str, lost: str, a: str, b: str) -> list[str]:
+    """Source of a product and of what its rounding lost (Dekker)."""
+    rest = f"(((upper*high - {product}) + upper*low + lower*high) + lower*low)"
+    return [
+        *split(a), "upper = high", "lower = low", *split(b), f"{product} = {a}*{b}",
+        f"{lost} = {rest}",
+    ]  # fmt: skip
+
+
+def _split(x: Fraction) -> tuple[float, float]:
+    return float(x), float(x - Fraction(float(x)))
+
+
+class PositionRounds:
+    """Writes what a kernel with rounds on the positions needs besides other kernels.
+
+    Vectors: H{j} is the force of stage j, as its last round left it; S and E are the velocity and
+    its rounding error and T{j} the force H{j}, all three read as positions; b{i} is what Q_i has
+    besides q and the sum, as the first round takes it, v{i}
+    the same with what rounding lost, and g what the new position has besides q and its sum.
+    """
+
+    def __init__(self, form: StepForm, shape: Shape, options: Options, target: Target) -> None:
+        self.form, self.shape, self.options, self.t = form, shape, options, target
+        weights, s = [Fraction(x) for x in form.weights], range(form.s)
+        mu = [[Fraction(x) for x in row] for row in form.M]
+        #: Coefficients of the h b_k P_k in each Q_i, and in the new position.
+        self.rows = [*mu, [Fraction(1)] * form.s]
+        zero = Fraction(0)
+        self.c = [_split(sum((row[k] * weights[k] for k in s), zero)) for row in self.rows]
+        self.d = [
+            [_split(sum((row[k] * weights[k] * mu[k][j] for k in s), zero)) for j in s]
+            for row in self.rows
+        ]
+
+    @staticmethod
+    def fits(form: object, shape: Shape, options: Options) -> bool:
+        """Whether the form is a Gauss method's, and the system q'' = g(q)."""
+        return (
+            isinstance(form, StepForm)
+            and form.kind == "mu"
+            and form.U == ((1.0,),) * form.s
+            and (form.R, form.V) == (((1.0,) * form.s,), ((1.0,),))
+            and options.solver == "fixed-point"
+            and shape.halved
+            and shape.parts[0].identity
+            and [block.implicit for block in form.blocks] == [True]
+        )
+
+    def predict(self, guesses: Sequence[Sequence[tuple[int, bool, float]]]) -> None:
+        """H from the increments of the step before; see :meth:`.StageWriter._prediction`."""
+        half = self.shape.half
+        rows = [[f"hp{i}_{j}*@L{j}" for j, *_ in row] for i, row in enumerate(guesses)]
+        lines = [f"@H{i} = {' + '.join(row)}" for i, row in enumerate(rows)]
+        self.t.vec(lines, (half, 2 * half))
+
+    def coefficients(self, guesses: Sequence[Sequence[tuple[int, bool, float]]]) -> None:
+        """Once a call: products with h, and what rounding took from them and from c and d.
+
+        The form is exact for the weights hw as they are rounded, so these are what hd stands for:
+        hd_ij F_j is sum_k mu_ik hw_k mu_kj L_j up to m_ij F_j.
+        """
+        w, n = self.t.w, self.form.s
+
+        def lost(product: str, x: float) -> str:
+            a, b = halves(x)
+            return f"(((high*{a!r} - {product}) + high*{b!r} + low*{a!r}) + low*{b!r})"
+
+        for i, row in enumerate(guesses):
+            w(*(f"hp{i}_{j} = {x!r}/hw{i}" for j, _, x in row))
+        w(*split("h"))
+        w(*(f"r{k} = -{lost(f'hw{k}', weight)}" for k, weight in enumerate(self.form.weights)))
+        for i, row in enumerate(self.rows):
+            c, rest = self.c[i]
+            mend = " + ".join(f"{float(x)!r}*r{k}" for k, x in enumerate(row) if x)
+            w(f"hc{i} = h*{c!r}", f"m{i} = ({lost(f'hc{i}', c)} + h*{rest!r}) + ({mend})")
+        for j in range(n):
+            w(*exact_product(f"hh{j}", f"lost{j}", "h", f"hw{j}"), *split(f"hh{j}"))
+            for i, row in enumerate(self.rows):
+                d, rest = self.d[i][j]
+                terms = [(float(x * self.rows[k][j]), f"r{k}") for k, x in enumerate(row)]
+                w(f"hd{i}_{j} = hh{j}*{d!r}")
+                w(
+                    f"m{i}_{j} = ({lost(f'hd{i}_{j}', d)} + lost{j}*{d!r})"
+                    f" + hw{j}*(h*{rest!r} + ({linear(terms)}))"
+                )
+
+    def _views(self, names: Sequence[tuple[str, str]]) -> None:
+        """Read velocity parts of vectors as positions: pairs (vector, its name here)."""
+        for source, name in names:
+            self._local(name)
+            self.t.call(self.shape.parts[0], source, name, "")
+
+    def _local(self, name: str) -> None:
+        if isinstance(self.t, LaneTarget):
+            self.t.local[name] = range(self.shape.half)
+
+    def _slopes(self) -> None:
+        """T from H."""
+        self._views([(f"H{j}", f"T{j}") for j in range(self.form.s)])
+
+    def _sum(self, i: int, *others: str) -> str:
+        """The others and the forces that Q_i takes, by halves."""
+        terms = [f"hd{i}_{j}*@T{j}" for j in range(self.form.s)]
+        return balanced([(1.0, term) for term in [*terms, *others]])
+
+    def bases(self) -> None:
+        """b, v and g from the values and the predicted forces."""
+        kept, n = self.options.compensated, self.form.s
+        self._views([("y0", "S"), *([("e0", "E")] if kept else [])])
+        self._slopes()
+        lines = []
+        for i in range(n + 1):
+            terms = [f"m{i}*@S", *([f"hc{i}*@E"] if kept else [])]
+            # to e first, beside which it is not lost
+            lost = " + ".join([*terms, *(f"m{i}_{j}*@T{j}" for j in range(n))])
+            lost = f"@e0 + ({lost})" if kept else lost
+            if i == n:
+                lines.append(f"@g = {lost}")
+                continue
+            lines += [f"@b{i} = {'@e0 + ' if kept else ''}hc{i}*@S"]
+            lines += [f"@v{i} = ({lost}) + hc{i}*@S"]
+        self.t.vec(lines, (0, self.shape.half))
+
+    def stage_values(self, name: str, base: str) -> None:
+        """Q_i into the vectors of this name, from b or v."""
+        self._slopes()
+        lines = [f"@{name}{i} = @y0 + ({self._sum(i, f'@{base}{i}')})" for i in range(self.form.s)]
+        self.t.vec(lines, (0, self.shape.half))
+
+    def increments(self) -> None:
+        """L, once the rounds have ended."""
+        half = self.shape.half
+        self.t.vec([f"@L{j} = hw{j}*@H{j}" for j in range(self.form.s)], (half, 2 * half))
+
+    def after_first(self) -> None:
+        """Later rounds take v; b is theirs in the source."""
+        lines = [f"@b{i} = @v{i}" for i in range(self.form.s)]
+        if isinstance(self.t, ScalarTarget):
+            self.t.vec(lines, (0, self.shape.half))
+            return
+        with self.t.w.block("if rounds == 1:"):
+            self.t.vec(lines, (0, self.shape.half))
+
+    def commit(self) -> None:
+        """New positions n0 and their rounding errors r0.
+
+        The corrections are smaller than the last bit of the sum u0 that they enter: what u0 does
+        not hold of them goes to the error, and so into the next step.
+        """
+        self._views([("y0", "S")])
+        self._slopes()
+        n = self.form.s
+        lines = [f"@A = hc{n}*@S + ({self._sum(n)})", "@u0 = @g + @A", "@n0 = @y0 + @u0"]
+        if self.options.compensated:
+            lines.append("@r0 = (@u0 - (@n0 - @y0)) + (@g - (@u0 - @A))")
+        self._local("A")
+        self.t.vec(lines, (0, self.shape.half))
