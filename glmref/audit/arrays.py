@@ -7,19 +7,13 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 
 from ..exact import Exact
-from .code import rewritten
+from .code import bare, rewritten
 from .table import Rows, Table, vector
 from .values import Number, Scope, Sparse, Unread, assign, evaluate
 
 __all__ = ["gsl", "odeint"]
 
 _ZERO = Number(Exact(0))
-_COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
-
-
-def _bare(text: str) -> str:
-    """The text without comments, its lines kept."""
-    return _COMMENT.sub(lambda m: re.sub(r"[^\n]", " ", m[0]), text)
 
 
 def _value(text: str, scope: Scope) -> list[Number]:
@@ -68,7 +62,7 @@ def gsl(text: str) -> Iterator[Table]:
     Table
         Unread where the coefficients stand in the arithmetic of the step.
     """
-    text = _bare(text)
+    text = bare(text)
     made = re.search(r"^(\w+)_order\s*\([^)]*\)\s*\{.*?return\s+(\d+)\s*;", text, re.DOTALL | re.M)
     stepper = made or re.search(r"^(\w+)_order\s*\(", text, re.M)
     if stepper is None:
@@ -126,7 +120,7 @@ def odeint(text: str) -> Iterator[Table]:
     Table
         Nothing for a header that defines no coefficients.
     """
-    text = re.sub(r"\bstatic_cast\s*<\s*\w+\s*>", "", _bare(text))
+    text = re.sub(r"\bstatic_cast\s*<\s*\w+\s*>", "", bare(text))
     text = re.sub(r"(?<=\d)LL\b", "", text).replace("(*this)", "this")
     made = re.search(r"^class\s+(\w+)(?!\s*[,=>\w])", text, re.M)  # no parameter of a template
     if made is None:

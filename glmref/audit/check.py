@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from ..errors import DataError, GlmrefError
@@ -14,9 +14,11 @@ from ..prove.kernel import Judgement, reaches, vanishing
 from .numbers import Reader
 from .orders import (
     LARGEST,
+    Reach,
     Scheme,
     additive,
     dense_output,
+    further,
     merged,
     nystrom,
     reach,
@@ -32,6 +34,12 @@ KEYS = {
     *("A", "b", "c", "order", "embedded", "error", "digits", "name", "parts"),
     *("b_prime", "A_prime", "alpha", "gamma", "w_order", "dense", "dense_order"),
 }
+
+
+#: A residual of trees through order 8 that says that c is A 1 but for rounding.
+_ROUNDING = 1e-9
+#: Through which order decimals are looked at as they are written; rounded ones fail before.
+_LITERAL = 6
 
 
 class CheckFailed(GlmrefError, AssertionError):
@@ -177,7 +185,25 @@ def examine(document: Mapping[str, Any]) -> tuple[Finding, ...]:
     name = str(document.get("name", ""))
     remark = reader.remark()
     findings = [_judged(row, name, remark, reader.digits) for row in rows]
+    if reader.digits is not None and any(x.verdict is Verdict.OPEN for x in findings):
+        literal, _ = _rows(document, Reader())
+        findings = [
+            replace(x, witness=f"{x.witness}; {_as_written(row)}")
+            if x.verdict is Verdict.OPEN
+            else x
+            for x, row in zip(findings, literal, strict=True)
+        ]
     return (*findings, *(make(name) for make in more))
+
+
+def _as_written(row: _Row) -> str:
+    """The order of decimals that are taken for the numbers themselves, with the tree that fails."""
+    found = merged([reach(x, min(row.declared, _LITERAL), stop=0.0) for x in row.schemes])
+    if found.refuted is None:
+        return f"the decimals as written have order {found.proved} or more"
+    n = found.refuted
+    tree, size = found.first[n - 1], found.sizes[n - 1]
+    return f"the decimals as written have order {n - 1} (tree {tree} has residual {size:.2g})"
 
 
 def _whole(document: Mapping[str, Any], key: str, least: int, most: int) -> int | None:
@@ -250,7 +276,10 @@ def _embedded(
         where = f"embedded[{k}]"
         if isinstance(x, Mapping):
             if ("b" in x) == ("error" in x):
-                raise DataError(f"`{where}` needs either b or error, and an order")
+                raise DataError(
+                    f"`{where}` needs either b or error, and an order, as "
+                    f'{{"b": [1, 0], "order": 1}}; it has {", ".join(map(str, x)) or "no key"}'
+                )
             low = _order(x)
             weights = reader.vector(x.get("b", x.get("error")), where, len(b))
             if "error" in x:
@@ -362,15 +391,54 @@ def _abscissae(A: Matrix, c: Vector) -> str:
     worst = max(range(len(gaps)), key=gaps.__getitem__)
     if gaps[worst] == 0:
         return ""
+    if gaps[worst] < _ROUNDING:
+        return f"row {worst + 1} of A sums to c[{worst + 1}] to {gaps[worst]:.2g}"
     return (
         f"row {worst + 1} of A sums to {complex(sums[worst]).real:.12g} and c[{worst + 1}] is "
         f"{complex(c[worst]).real:.12g}: the order is that on y' = f(t, y)"
     )
 
 
+def _looked(scheme: Scheme, declared: int) -> Reach:
+    """What the conditions of a scheme say through the order declared, and a little beyond.
+
+    Trees with leaves for t are looked at through order 8. Where c is A 1 but for rounding, those
+    of ``y' = f(y)`` follow beyond: nothing is proved by them, a condition that fails does refute.
+    """
+    found = _reached(scheme, declared)
+    plain, n = scheme.autonomous, len(found.sizes)
+    if plain is None or declared <= n or n < LARGEST[2] or found.size(n) > _ROUNDING:
+        return found
+    beyond = _reached(plain, declared)
+    return Reach(
+        found.proved,
+        found.sizes + beyond.sizes[n:],
+        found.trees + beyond.trees[n:],
+        beyond.refuted if found.refuted is None else found.refuted,
+        found.exact,
+        found.first + beyond.first[n:],
+    )
+
+
+def _reached(scheme: Scheme, declared: int) -> Reach:
+    """Exact numbers until the first condition that fails, balls from there on: only sizes count."""
+    exact = scheme.is_exact
+    found = reach(scheme, declared + 2, stop=0.0 if exact else 1.0)
+    if not exact or found.refuted is None:
+        return further(found, scheme, declared)
+    n, scheme = len(found.sizes), scheme.in_balls()
+    beyond = further(reach(scheme, declared + 2, stop=1.0), scheme, declared)
+    return replace(
+        found,
+        sizes=found.sizes + beyond.sizes[n:],
+        trees=found.trees + beyond.trees[n:],
+        first=found.first + beyond.first[n:],
+    )
+
+
 def _judged(row: _Row, name: str, remark: str, digits: int | None) -> Finding:
     """The verdict on an order that is said to be reached."""
-    found = merged([reach(x, row.declared + 2, stop=1.0) for x in row.schemes])
+    found = merged([_looked(x, row.declared) for x in row.schemes])
     looked = len(found.sizes)
     parts: list[str] = []
     if found.proved >= row.declared:
@@ -388,6 +456,7 @@ def _judged(row: _Row, name: str, remark: str, digits: int | None) -> Finding:
         parts = [f"trees of order {looked} or less were looked at, and no condition fails"]
     else:
         size = found.size(row.declared)
-        parts = [f"no condition fails within the {digits} digits (largest residual {size:.2g})"]
+        within = f"no condition fails within the {digits} digits"
+        parts = [f"order {row.declared} to {size:.2g}: {within}", row.remark]
     reason = "; ".join(x for x in parts if x)
     return _finding(name, row.claim, row.declared, reaches(found, row.declared, reason))

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from ..errors import DataError
 
-__all__ = ["LANGUAGES", "Statement", "rewritten", "statements"]
+__all__ = ["LANGUAGES", "Statement", "bare", "rewritten", "statements"]
 
 LANGUAGES = ("c", "julia", "fortran", "python")
 _COMMENTS = {
@@ -61,8 +61,7 @@ def statements(text: str, language: str) -> Iterator[Statement]:
     if language == "python":
         yield from _python(text)
         return
-    blank = re.compile(_COMMENTS[language], re.DOTALL)
-    text = blank.sub(_blanked, text)
+    text = bare(text, language)
     if language == "fortran":
         text = re.sub(r"&[ \t]*\n[ \t]*&?", lambda m: " \n", text)  # joined below
         yield from _fortran(text)
@@ -70,6 +69,11 @@ def statements(text: str, language: str) -> Iterator[Statement]:
         yield from _c(text)
     else:
         yield from _julia(text)
+
+
+def bare(text: str, language: str = "c") -> str:
+    """The text with blanks for its comments, its lines kept."""
+    return re.sub(_COMMENTS[language], _blanked, text, flags=re.DOTALL)
 
 
 def _blanked(m: re.Match[str]) -> str:
@@ -85,7 +89,7 @@ def _blanked(m: re.Match[str]) -> str:
 
 def _quoted(text: str) -> str:
     """Numbers with a point as strings, so that no digit is lost."""
-    text = re.sub(r"(?<=\d)_(?=\d)", "", text)
+    text = re.sub(r"(?<!\w)\d[\d_]*\.?[\d_]*", lambda m: m[0].replace("_", ""), text)
     return _FLOAT.sub(lambda m: "'" + re.sub("[dD]", "e", m[1]) + "'", text)
 
 
@@ -116,10 +120,26 @@ def _python(text: str) -> Iterator[Statement]:
             elif isinstance(node, ast.If | ast.With | ast.Try):
                 yield from walk(node.body)
                 yield from walk(getattr(node, "orelse", []))
+            elif isinstance(node, ast.For):  # what a loop assigns is not known
+                steps = [x for x in ast.walk(node) if isinstance(x, ast.Assign | ast.AugAssign)]
+                targets = [
+                    y for x in steps for y in getattr(x, "targets", [getattr(x, "target", x)])
+                ]
+                for name in sorted({ast.unparse(y).partition("[")[0] for y in targets}):
+                    yield Statement(f"{name} = for", node.lineno)
             elif isinstance(node, ast.AnnAssign) and node.value is not None:
                 target = ast.unparse(node.target)
                 value = source(node).partition("=")[2].strip()
                 yield Statement(_quoted(f"{target} = ({value})"), node.lineno)
+            elif isinstance(node, ast.AugAssign):  # ``x -= y`` as ``x = x - (y)``
+                yield Statement(
+                    _quoted(
+                        re.sub(
+                            r"^(.*?)\s*([-+*/])=(.*)$", r"\1 = \1 \2 (\3)", _joined(source(node))
+                        )
+                    ),
+                    node.lineno,
+                )
             elif isinstance(node, ast.Assign | ast.Expr | ast.Return):
                 yield Statement(_quoted(_joined(source(node))), node.lineno)
 

@@ -18,9 +18,9 @@ from ..exact.linalg import Matrix, Vector
 from ..system.budget import limited
 from . import orders
 from .nearest import Library
-from .orders import LARGEST, Reach, Scheme, reach
+from .orders import LARGEST, Reach, Scheme, further, reach
 from .table import Table
-from .values import Number
+from .values import SHORT, Number
 
 __all__ = ["judge"]
 
@@ -29,10 +29,15 @@ __all__ = ["judge"]
 FINE, COARSE, EXACT = 2e-14, 1e-8, 1e-10
 #: Seconds of processor time for one table, and for the search of its wrong entry.
 SECONDS, SEARCH = 120.0, 20.0
-#: Seconds for the orders beyond 12.
-HIGH = 90.0
 
 _Numbers = Sequence[Sequence[Number]]
+
+
+def _is_rounded(x: Number) -> bool:
+    """Whether a number is a decimal of eight digits or more after the point."""
+    q = x.value.as_fraction()
+    short = q is not None and q.denominator >= 10**7 and 10**SHORT % q.denominator == 0
+    return x.places is not None or short
 
 
 def _ball(x: Number) -> Ball:
@@ -72,7 +77,7 @@ class _Method:
         entries = [x for M in (*self.A, self.b) for row in M for x in row]
         self.scale = max([1.0, *(abs(complex(x)) for x in entries)])
         printed = [x for M in (*table.A, table.b) for row in M for x in row]
-        rounded = any(x.places is not None for x in printed)
+        rounded = any(_is_rounded(x) for x in printed)
         self.quadratic = False
         self.kick_first = False  # codes differ in which of a_1 and b_1 is the first step
         if table.kind == "splitting":
@@ -167,7 +172,14 @@ def judge(table: Table, library: Library | None = None, *, search: bool = True) 
             _judge(table, record, library, search)
     except BudgetError as error:
         record |= {"status": "unread", "remarks": [f"not decided: {error}"]}
-    except (GlmrefError, ValueError, IndexError, KeyError, ZeroDivisionError) as error:
+    except (IndexError, ValueError) as error:
+        rows = [row for A in table.A for row in (A, *A)]
+        sizes = {len(x) for x in (*rows, *table.b, *filter(None, table.c))}
+        said = f"{type(error).__name__}: {error}"
+        if len(sizes) > 1:
+            said = f"rows and columns of A, b and c have the sizes {sorted(sizes)}"
+        record |= {"status": "unread", "remarks": [said]}
+    except (GlmrefError, KeyError, ZeroDivisionError) as error:
         record |= {"status": "unread", "remarks": [f"{type(error).__name__}: {error}"]}
     return record
 
@@ -178,12 +190,8 @@ def _judge(table: Table, record: dict[str, Any], library: Library | None, search
     declared = table.order
     most = (declared or (5 if len(table.b[0]) < 8 else 8)) + 1
     found = reach(method.scheme(), most, stop=0.5 * method.scale)
-    if declared is not None and found.to(method.coarse) == LARGEST[1] < declared:
-        try:
-            with limited(HIGH):
-                found = reach(method.scheme(), declared, high=True)
-        except BudgetError:
-            pass  # what was looked at is said below
+    if declared is not None and found.to(method.coarse) == LARGEST[1]:
+        found = further(found, method.scheme(), declared)
     fine, coarse = method.fine, method.coarse
     record |= {"declared": declared, "found": found.to(coarse)}
     if declared is None:
@@ -227,6 +235,13 @@ def _judge(table: Table, record: dict[str, Any], library: Library | None, search
         if near:
             record["nearest"] = near
     remarks += _empty_rows(table)
+    if status == "right" and method.gap > coarse and _enters_nothing(method, method.gap_row):
+        k = method.gap_row
+        remarks.append(f"stage {k + 1} has no weight: the next step or an estimate sees it alone")
+        differing = _beside_weights(method, k)
+        if differing:
+            record["correction"] = differing
+        status = "wrong" if differing or record.get("nearest", {}).get("entries") else "question"
     exchanged = any("exchanged" in x or "embedded weights" in x for x in remarks)
     unlabelled = exchanged and not any("declared" in x or "error" in x for x in remarks)
     if status == "wrong" and unlabelled and not record.get("nearest", {}).get("entries"):
@@ -263,6 +278,22 @@ def _empty_rows(table: Table) -> list[str]:
         if complex(x.value) != 0 and all(complex(y.value) == 0 for y in row)
     ]
     return [f"the rows {bad[0]} to {bad[-1]} of A are zero"] if len(bad) > 2 else []
+
+
+def _enters_nothing(method: _Method, k: int) -> bool:
+    """Whether a stage has no weight and no other stage needs it, as the last one of FSAL pairs."""
+    column = [row[k] for i, row in enumerate(method.A[0]) if i != k]
+    return method.kind == "rk" and all(complex(x) == 0 for x in (method.b[0][k], *column))
+
+
+def _beside_weights(method: _Method, k: int) -> list[dict[str, str]]:
+    """The entry in which a row differs from b, where all others agree: the row is b then."""
+    pairs = list(enumerate(zip(method.A[0][k], method.b[0], strict=True)))
+    unlike = [(j, x, y) for j, (x, y) in pairs if abs(complex(x - y)) > 1e-9]
+    if len(unlike) != 1 or len(pairs) < 3:
+        return []
+    ((j, x, y),) = unlike
+    return [{"entry": f"a[{k + 1}][{j + 1}]", "is": _short(x), "should be": _short(y)}]
 
 
 def _exchanged(method: _Method, error: Sequence[Scalar], declared: int) -> list[str]:

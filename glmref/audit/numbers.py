@@ -157,8 +157,9 @@ class Reader:
             raise DataError(f"`{where}`: {error}") from None
 
     def _rounded(self, x: Fraction) -> str:
-        places = (self.digits or 0) + 2
-        return f"{x:.{places}f}"
+        places = (self.digits or 0) + 2  # Python 3.11 does not format fractions
+        text = f"{round(x * 10**places):0{places + 1}d}"
+        return f"{text[:-places]}.{text[-places:]}"
 
     def _float(self, x: float, where: str) -> Scalar:
         if not isfinite(x):

@@ -32,12 +32,13 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
+from ..errors import BudgetError
 from ..exact import Exact, Scalar
 from ..exact.linalg import Matrix, Vector, row_sums
 from ..prove import kernel
 from ..prove.forest import Forest, forest
 from ..prove.kernel import Reach
-from ..system.budget import spend
+from ..system.budget import limited, spend
 from ..theory.coefficients import is_zero
 
 __all__ = [
@@ -46,6 +47,7 @@ __all__ = [
     "Scheme",
     "additive",
     "dense_output",
+    "further",
     "general_linear",
     "nystrom",
     "reach",
@@ -58,6 +60,8 @@ __all__ = [
 _ZERO, _ONE = Exact(0), Exact(1)
 #: Largest order that is looked at, by the number of colours.
 LARGEST = {1: 12, 2: 8, 3: 6, 4: 5}
+#: Seconds of processor time for the orders beyond 12.
+HIGH = 90.0
 
 
 @dataclass(frozen=True)
@@ -76,6 +80,8 @@ class Scheme:
         Which trees the systems have, or ``None`` for all.
     written : tuple[tuple[str, str], ...]
         Pattern and replacement that write a tree for a reader.
+    autonomous : Scheme or None
+        The scheme on ``y' = f(y)``, where time is a colour of its own.
     """
 
     palette: tuple[tuple[str, str], ...]
@@ -83,6 +89,24 @@ class Scheme:
     roots: str
     counts: Callable[[Forest], Callable[[int], bool]] | None = None
     written: tuple[tuple[str, str], ...] = ()
+    autonomous: Scheme | None = None
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether all numbers are exact."""
+        return all(
+            isinstance(x, Exact) for A, b in self.blocks.values() for row in (*A, b) for x in row
+        )
+
+    def in_balls(self) -> Scheme:
+        """The same with its numbers in balls, where only the size of a residual is asked for."""
+
+        def balls(row: Vector) -> Vector:
+            return tuple(x.ball() if isinstance(x, Exact) else x for x in row)
+
+        blocks = {k: (tuple(map(balls, A)), balls(b)) for k, (A, b) in self.blocks.items()}
+        plain = self.autonomous and self.autonomous.in_balls()
+        return replace(self, blocks=blocks, autonomous=plain)
 
     def text(self, tree: str) -> str:
         """Write a tree in the notation of the documentation."""
@@ -137,6 +161,17 @@ def reach(scheme: Scheme, most: int, *, stop: float = float("inf"), high: bool =
     )
 
 
+def further(found: Reach, scheme: Scheme, declared: int) -> Reach:
+    """Look beyond order 12 where a method of one colour declares more, if :data:`HIGH` suffices."""
+    if len(scheme.palette) != 1 or not len(found.sizes) == LARGEST[1] < declared:
+        return found
+    try:
+        with limited(HIGH):
+            return reach(scheme, declared, high=True)
+    except BudgetError:
+        return found  # what was looked at is said
+
+
 # --- schemes ------------------------------------------------------------------------------------
 
 
@@ -157,12 +192,14 @@ def runge_kutta(
     A: Matrix, b: Vector, c: Sequence[Scalar] | None = None, *, apart: bool = False
 ) -> Scheme:
     """Scheme of A (s, s), b (s,), and c (s,) where it differs from A 1, or stands ``apart``."""
+    plain = Scheme((("o", "o"),), {"o": (A, b)}, "o")
     if c is None or (not apart and _sums_to(A, c)):
-        return Scheme((("o", "o"),), {"o": (A, b)}, "o")
+        return plain
     return Scheme(
         (("f", "ft"), ("t", "")),
         {"f": (A, b), "t": (_with_sums(c), _first(len(c)))},
         "f",
+        autonomous=plain,
     )
 
 

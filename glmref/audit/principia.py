@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from ..exact import Exact
-from .code import rewritten
+from .code import bare, rewritten
 from .table import Rows, Table, vector
 from .values import Number, Scope, Unread, evaluate
 
@@ -37,7 +37,7 @@ def structs(text: str) -> Iterator[Table]:
     Table
         One for each struct; of an embedded Nystrom method a second one for the lower order.
     """
-    text = re.sub(r"//[^\n]*", "", text)
+    text = bare(text)
     text = re.sub(r"(?<=\d)'(?=\d)", "", text)
     for found in _STRUCT.finditer(text):
         name, base, body = found.groups()

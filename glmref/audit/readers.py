@@ -15,6 +15,7 @@ from typing import Any
 from ..exact import Exact
 from .arrays import gsl, odeint
 from .code import Statement, statements
+from .named import constants, java, rust
 from .plain import from_csv, from_json
 from .principia import structs
 from .stepper import procedures
@@ -376,6 +377,11 @@ def declared_orders(text: str) -> dict[str, int]:
     )
     if places:
         return {name: int(n) for name, n in places}
+    places = re.findall(
+        r"^class (\w+)(?:(?!^class ).)*?IntegratorOrder\(\) const(?: override)? *\{ *return (\d+)",
+        text, re.DOTALL | re.MULTILINE)  # fmt: skip
+    if places:
+        return {name: int(n) for name, n in places}
     documented = {}
     for doc, name in re.findall(
         r'"""((?:(?!""").)*)"""\s*(?:Base\.@kwdef )?struct (\w+)', text, re.DOTALL
@@ -403,14 +409,13 @@ def _julia(text: str, declared: Mapping[str, int] | None = None) -> Iterator[Tab
             "DIRKButcher",
             "IMEXButcher", "SymplecticTableau", "RosenbrockButcher", "RodasTableau",
             "RosenbrockTableau", "ESDIRKIMEXTableau")  # fmt: skip
+    top = ("TableauRKExplicit",)
     for _, node in run.steps():
         name = run.header.removeprefix("function ").strip()
         short = re.sub(r"(?:ESDIRKIMEX|IMEX)?(?:ConstantCache|Tableau)$", "", name)
         order = declared.get(short)
-        for call in _calls(node, made):
+        for call in _calls(node, top if run.depth == 0 else made):
             kind = ast.unparse(call.func).rpartition(".")[2]
-            if run.depth == 0:
-                continue
             try:
                 table = _of_julia(run, kind, call, name, order)
             except Unread as error:
@@ -442,6 +447,19 @@ def _of_julia(run: _Run, kind: str, call: ast.Call, name: str, order: int | None
             low = run.value(words[key])
             least = words.get("adaptiveorder")
             table.rows = [("αEEst", vector(low), _whole(run.value(least)))]
+        return table
+    if kind == "TableauRKExplicit":
+        if len(call.args) != 6 or not isinstance(call.args[0], ast.Constant):
+            return None
+        title = _words(call.args[0])
+        orders, A, weights, c = (run.value(call.args[k]) for k in (1, 3, 4, 5))
+        times = vector(c)
+        s = len(times)
+        flat = vector(weights)
+        rows = [flat[k : k + s] for k in range(0, len(flat), s)]
+        known = [_whole(x) for x in orders]
+        table = Table(title, line, A=[_square(A, s)], b=[rows[0]], c=[times], order=known[0])
+        table.rows = [("second row", x, n) for x, n in zip(rows[1:], known[1:], strict=True)]
         return table
     if kind == "Tableau":
         if len(call.args) < 5:
@@ -567,7 +585,8 @@ def _python(text: str) -> Iterator[Table]:
     for step, node in run.steps():
         if step.kind == "open" and step.text.startswith("class "):
             last_class = step.text.removeprefix("class ")
-            for key in ("A", "B", "C", "E", "order", "tableau_intermediate", "tableau_final"):
+            for key in ("A", "B", "C", "E", "order", "tableau_intermediate", "tableau_final",
+                        "Ap", "Bp", "b", "c", "b2"):  # fmt: skip
                 run.scope.pop(key, None)
                 run.globals.pop(key, None)
             first = {"class": step.line}
@@ -637,11 +656,24 @@ def _of_lists(run: _Run, name: str, line: int, A: Any, b: Any, c: Any) -> Table:
 def _of_call(run: _Run, call: ast.Call, target: str, line: int) -> Iterator[Table]:
     made = ast.unparse(call.func).rpartition(".")[2]
     words = _keywords(call)
-    if made in ("_ButcherTableau", "ButcherTableau"):
+    if ast.unparse(call.func) == "ButcherTableau.from_lists":
+        yield from _guarded(_of_torchode, run, target, line, words)
+    elif made in ("_ButcherTableau", "ButcherTableau"):
         yield from _guarded(_of_butcher, run, target, line, words)
     elif made in ("ExplicitRungeKuttaMethod", "RungeKuttaMethod", "ExplicitRungeKuttaPair",
                   "DIRKPair", "RungeKuttaPair"):  # fmt: skip
         yield from _guarded(_of_nodepy, run, target, line, call)
+
+
+def _of_torchode(run: _Run, name: str, line: int, words: Mapping[str, ast.expr]) -> Table:
+    A, b, c = (run.value(words.get(x)) for x in "abc")
+    table = _of_lists(run, name, line, A, b, c)
+    if "b_low_order" in words:
+        table.rows = [("b_low_order", vector(run.value(words["b_low_order"])), None)]
+    block = run.text.split("\n", line)[-1]
+    said = re.search(r"def convergence_order\(self\)[^:]*:\s*return (\d+)", block)
+    table.order = int(said[1]) if said else None
+    return table
 
 
 def _of_butcher(run: _Run, name: str, line: int, words: Mapping[str, ast.expr]) -> Table:
@@ -720,7 +752,24 @@ def _of_class(run: _Run, name: str, line: int) -> Iterator[Table]:
     if "tableau_intermediate" in scope:
         yield from _guarded(_of_desolver, run, name, line)
     elif {"A", "B", "C"} <= scope.keys():
-        yield from _guarded(_of_scipy, run, name, line)
+        if scope["A"] is not None and not (scope["B"] is None or scope["C"] is None):
+            yield from _guarded(_of_scipy, run, name, line)
+    elif {"A", "b", "c"} <= scope.keys() and scope["A"] is not None:
+        yield from _guarded(_of_qmat, run, name, line)
+
+
+def _of_qmat(run: _Run, name: str, line: int) -> Table:
+    scope = run.scope
+    b = vector(_need(scope["b"]))
+    s = len(b)
+    table = Table(name, line, A=[_square(_need(scope["A"]), s)], b=[b], c=[vector(scope["c"])])
+    block = run.text.splitlines()[line - 1 :]
+    end = next((k for k, x in enumerate(block[1:], 1) if x.startswith("class ")), len(block))
+    said = re.search(r"def order\(self\)[^:]*: *return (\d+)", "\n".join(block[:end]))
+    table.order = int(said[1]) if said else None
+    if scope.get("b2") is not None:
+        table.rows = [("b2", vector(_need(scope["b2"])), None)]
+    return table
 
 
 def _of_scipy(run: _Run, name: str, line: int) -> Table:
@@ -731,6 +780,11 @@ def _of_scipy(run: _Run, name: str, line: int) -> Table:
     table = Table(name, line, A=[_square(A, s)], b=[b], c=[vector(_need(scope["C"]))[:s]])
     orders = re.search(rf"class {name}\b.*?\n    order = (\d+)", run.text, re.DOTALL)
     table.order = int(orders[1]) if orders else None
+    if "Bp" in scope:  # q'' = g(q) or g(q, q')
+        table.kind = "nystrom"
+        table.A += [_square(_need(scope["Ap"]), s)] if "Ap" in scope else []
+        table.b.append(vector(_need(scope["Bp"])))
+        return table
     if "E" in scope and not isinstance(scope["E"], Unread):
         table.errors = [vector(scope["E"])]
     return table
@@ -792,14 +846,48 @@ def _kpp(text: str) -> Iterator[Table]:
     Wanner 1996, IV.7, (7.25)); entries are stored by rows below the diagonal.
     """
     run = _Run(text, "fortran")
+    name, line = "", 1
     for step, _ in run.steps():
-        if step.kind == "close" and "ros_A" in run.scope and run.depth == 1:
-            name = run.header.removeprefix("procedure ")
-            yield from _guarded(_of_kpp, run, name, run.line)
+        if step.kind == "open":
+            name, line = step.text.removeprefix("procedure "), step.line
+        elif step.kind == "close":
+            if "ros_A" in run.scope:
+                yield from _guarded(_of_kpp, run, name, line)
+            elif {"rkA", "rkB"} <= run.scope.keys():
+                yield from _guarded(_of_rk, run, name, line)
+            for key in [x for x in run.scope if x.startswith(("rk", "ros"))]:
+                run.scope.pop(key)  # a procedure within another one has its own
+
+
+def _matlode(text: str) -> Iterator[Table]:
+    """The methods of MATLODE, written as those of KPP."""
+    text = re.sub(r"%[^\n]*", "", text)
+    text = re.sub(r"^\s*function\b[^\n=]*=?\s*(\w+)", r"subroutine \1", text, flags=re.MULTILINE)
+    yield from _kpp(f"{text}\nend subroutine\n")
+
+
+def _of_rk(run: _Run, name: str, line: int) -> Table:
+    """Entries ``rkA(i, j)``, ``rkB(i)``, ``rkC(i)``, and weights of the estimate ``rkE``."""
+    A, b, c, error = (_need(run.scope.get(x)) for x in ("rkA", "rkB", "rkC", "rkE"))
+    if not isinstance(A, Sparse) or not isinstance(b, Sparse | list):
+        raise Unread("the entries of rkA and rkB do not stand one by one")
+    s = max(k for key in A.entries for k in key)
+
+    def row(x: Sparse | list[Any]) -> list[Number]:  # as a column or as a row
+        if isinstance(x, list):
+            return vector(x, s)
+        return [x.entries.get((k,), x.entries.get((1, k), ZERO)) for k in range(1, s + 1)]
+
+    table = Table(name, line, A=[_square(A, s, base=1)], b=[row(b)])
+    table.c = [row(c) if isinstance(c, Sparse) else None]
+    explicit = all(j < i for i, j in A.entries if complex(A.entries[i, j].value) != 0)
+    if isinstance(error, Sparse) and explicit:  # of implicit methods in terms of Z
+        table.errors = [row(error)]
+    return table
 
 
 def _of_kpp(run: _Run, name: str, line: int) -> Table:
-    s = _whole(run.scope.get("ros_S")) or 0
+    s = _whole(run.scope.get("ros_S", run.scope.get("rosS"))) or 0
 
     def low(key: str) -> Rows:
         held = _need(run.scope.get(key))
@@ -865,6 +953,10 @@ FORMATS: Mapping[str, Callable[..., Iterator[Table]]] = {
     "eigen": _tudat,
     "rklib": _rklib,
     "kpp": _kpp,
+    "matlode": _matlode,
+    "constants": constants,
+    "java": java,
+    "rust": rust,
     "principia": structs,
     "gsl": gsl,
     "odeint": odeint,
@@ -880,6 +972,10 @@ SUFFIXES: Mapping[str, tuple[str, ...]] = {
     "eigen": (".cpp",),
     "rklib": (".f90",),
     "kpp": (".f90",),
+    "matlode": (".m",),
+    "constants": (".cc", ".C", ".cpp", ".hh"),
+    "java": (".java",),
+    "rust": (".rs",),
     "principia": (".hpp",),
     "gsl": (".c",),
     "odeint": (".hpp",),
@@ -888,7 +984,7 @@ SUFFIXES: Mapping[str, tuple[str, ...]] = {
 
 def read(text: str, form: str, declared: Mapping[str, int] | None = None) -> Iterator[Table]:
     """Tables of one file in the order in which they stand there."""
-    if form in ("julia", "rklib"):
+    if form in ("julia", "rklib", "constants"):
         yield from FORMATS[form](text, declared)
     else:
         yield from FORMATS[form](text)

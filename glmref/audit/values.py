@@ -72,6 +72,10 @@ Scope = dict[str, Any]
 
 _ACCIDENTS = (ZeroDivisionError, RecursionError, IndexError, ValueError, TypeError, AttributeError)
 
+_METHODS: Mapping[str, Any] = {
+    "add": ast.Add, "subtract": ast.Sub, "multiply": ast.Mult, "divide": ast.Div,
+    "negate": None, "newInstance": None,
+}  # fmt: skip
 _FIRST = {
     *("array", "tensor", "asarray", "SUN_RCONST", "RCONST", "RC", "PetscRealConstant", "PetscReal"),
     *("big", "BigFloat", "float", "Float64", "T", "T2", "S", "float64", "tuple", "list", "Rat"),
@@ -241,10 +245,22 @@ class _Evaluator:
         if last in ("PetscSqr", "sqr"):
             return self._power(self.of(node.args[0]), Number(Exact(2)))
         if "sqrt" in last.lower():
+            if not node.args and isinstance(node.func, ast.Attribute):  # x.sqrt()
+                return _each(lambda n: n.of(_root(n)), self.of(node.func.value))
             x = self.of(node.args[0])
             return _each(lambda n: n.of(_root(n)), x)
         if last == "cbrt":
             return self._power(self.of(node.args[0]), Number(Exact(Fraction(1, 3))))
+        if last in _METHODS and isinstance(node.func, ast.Attribute):  # x.add(y) of Java
+            x, *more = (self.of(y) for y in (node.func.value, *node.args))
+            if last == "newInstance":
+                return more[0]
+            if last == "negate":
+                return _each(lambda n: n.of(-n.value), x)
+            return _pairwise(_RULES[_METHODS[last]], x, more[0])
+        if last == "sum" and isinstance(node.func, ast.Attribute):
+            rows = self.of(node.func.value)
+            return [x[0].of(sum((y.value for y in x), Exact(0)), x[0]) for x in rows]
         if last in ("item", "to", "copy", "reshape", "astype", "numpy", "double") and isinstance(
             node.func, ast.Attribute
         ):
@@ -378,6 +394,10 @@ def assign(target: ast.expr, value: Any, scope: Scope) -> None:
         held.entries[tuple(evaluator.of(x).whole() for x in indices)] = value
         return
     at = evaluator._index(ast.Tuple(indices, ast.Load()), 0)
+    if len(at) == 2 and isinstance(at[0], slice) and isinstance(at[1], int):  # a column
+        for row, x in zip(held[at[0]], value, strict=True):
+            row[at[1]] = x
+        return
     for k in at[:-1]:
         if isinstance(k, slice):
             raise Unread("an assignment to a block is not read")
