@@ -45,12 +45,12 @@ def executor(text: str | None = None) -> Iterator[Executor]:
     if kind == "dask":
         with cluster(rest) as found:
             yield found
-    elif kind == "local" and (not rest or (rest.isdecimal() and int(rest))):
+    elif kind == "local" and (not rest or (rest.isdecimal() and len(rest) < 5 and int(rest))):
         yield Local(int(rest) if rest else None)
     elif asked == "here":
         yield Here()
     else:
         raise UsageError(
-            f"there is no executor {asked!r}; write here, local, local:N, dask, dask:N, "
+            f"there is no executor {asked[:100]!r}; write here, local, local:N, dask, dask:N, "
             f"dask:tcp://HOST:PORT or dask:FILE with the file of a scheduler"
         )

@@ -10,8 +10,9 @@ from __future__ import annotations
 
 import logging
 import os
+from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from importlib import import_module
 from itertools import count, islice
 from pathlib import Path
@@ -29,11 +30,24 @@ from .identity import difference, identity
 
 __all__ = ["Dask", "cluster"]
 
-#: Seconds of work that tasks which travel together may hold, and how many they may be.
-TOGETHER, MOST = 0.1, 64
+#: Seconds of work that tasks which travel together may hold, and how many they may be. A parcel
+#: costs client, scheduler and worker some 10 ms of processor time, whatever it holds.
+TOGETHER, MOST = 0.5, 256
 #: Seconds after which the scheduler is asked how many threads its workers have.
 LOOK = 5.0
-#: Seconds to wait for a scheduler that does not answer.
+#: What Dask notes for its developers in a cluster that is started here. By default a scheduler has
+#: the profile of each of the last 1,000 s and 7,200 samples of the load of its machine, so that its
+#: memory grows for an hour, whatever it does; and scheduler, nannies and workers each measure fifty
+#: times a second how fast they answer, which takes a tenth of a core from the tasks.
+QUIET = {
+    "distributed.admin.tick.interval": "1s",
+    "distributed.admin.system-monitor.interval": "2s",
+    "distributed.admin.log-length": 1_000,
+    "distributed.admin.low-level-log-length": 100,
+    "distributed.admin.system-monitor.log-length": 100,
+    "distributed.worker.profile.enabled": False,
+}
+#: Seconds to wait for a scheduler that does not answer, and for a worker where all have died.
 PATIENCE = 30.0
 
 
@@ -55,7 +69,9 @@ def carry_out(
     Returns
     -------
     list of Done, or str
-        The sentence that refuses them, where this worker is not what the client is.
+        What became of the first tasks: the others are left, for any worker, where these took much
+        longer than was expected. Or the sentence that refuses them all, where this worker is not
+        what the client is.
     """
     if wrong := difference(identity(), expected):
         return wrong
@@ -67,7 +83,11 @@ def carry_out(
         children = _idle.setdefault(wanted, [])
         child = children.pop() if children else Child(limits, folder)
     try:
-        return [child.carry_out(function, task) for task in tasks]
+        until = monotonic() + 2 * TOGETHER
+        done = [child.carry_out(function, tasks[0])]
+        while len(done) < len(tasks) and monotonic() < until:
+            done.append(child.carry_out(function, tasks[len(done)]))
+        return done
     finally:
         with _lock:
             children.append(child)
@@ -88,7 +108,7 @@ class Dask:
     """
 
     def __init__(self, client: Any, name: str) -> None:
-        self.client, self.name = client, name
+        self.client, self.name, self.threads = client, name, 1
         self.dashboard: str = client.dashboard_link if _has_dashboard() else ""
 
     def run(
@@ -98,29 +118,27 @@ class Dask:
         limits: Limits = UNLIMITED,
     ) -> Iterator[Results]:
         """Carry out tasks; see :class:`~.executors.Executor`."""
-        return _Run(self.client, function, limits).results(iter(tasks))
+        return _Run(self, function, limits).results(iter(tasks))
 
 
 class _Run:
     """One call of :meth:`Dask.run`."""
 
-    def __init__(self, client: Any, function: Function, limits: Limits) -> None:
-        self.client, self.function, self.limits = client, function, limits
+    def __init__(self, dask: Dask, function: Function, limits: Limits) -> None:
+        self.dask, self.client, self.function, self.limits = dask, dask.client, function, limits
         self.ended: SimpleQueue[Any] = SimpleQueue()
         self.sent: dict[tuple[str, int], tuple[Any, list[Task], int]] = {}
         self.prefix, self.numbers = f"glmref-{uuid4().hex}", count()
+        self.ahead: deque[Task] = deque()
         self.mean: float | None = None
-        self.threads, self.looked = 1, -LOOK
+        self.looked, self.seen = -LOOK, monotonic()
 
     def results(self, waiting: Iterator[Task]) -> Iterator[Results]:
         """Keep every thread busy, with one parcel of tasks more behind the one that it has."""
         try:
             while True:
                 self._look()
-                while len(self.sent) < 2 * self.threads:
-                    parcel = list(islice(waiting, self._together()))
-                    if not parcel:
-                        break
+                while len(self.sent) < 2 * self.dask.threads and (parcel := self._parcel(waiting)):
                     self._send(parcel, 1)
                 if not self.sent:
                     return
@@ -136,13 +154,28 @@ class _Run:
                 known = self.client.nthreads()
             except Exception:
                 raise self._lost() from None
-            self.threads, self.looked = max(1, sum(known.values())), monotonic()
+            self.dask.threads, self.looked = max(1, sum(known.values())), monotonic()
+            self.seen = self.looked if known else self.seen
+            # a scheduler of the user's own may wait for workers as long as it wants
+            if self.client.cluster is not None and self.looked - self.seen > PATIENCE:
+                raise UsageError(
+                    "all workers of the Dask cluster died, and none was started again; what had "
+                    "ended is kept, so run the same command again"
+                )
+            # Dask keeps the last 100,000 keys in it, half a kilobyte each
+            getattr(import_module("dask.utils").key_split, "cache_clear", bool)()
 
-    def _together(self) -> int:
-        """How many tasks travel together: as many as take :data:`TOGETHER` seconds."""
-        if self.mean is None or self.limits.pinned:
-            return 1
-        return max(1, min(MOST, int(TOGETHER / max(self.mean, 1e-6))))
+    def _parcel(self, waiting: Iterator[Task]) -> list[Task]:
+        """Tasks that travel together: as many as take :data:`TOGETHER` seconds, fewer at the end.
+
+        What is left is divided among the threads, so that none has work long after the others.
+        """
+        most, parts = 1, 2 * self.dask.threads
+        if self.mean is not None and not self.limits.pinned:
+            most = max(1, min(MOST, int(TOGETHER / max(self.mean, 1e-6))))
+        self.ahead.extend(islice(waiting, max(0, most * parts - len(self.ahead))))
+        size = min(most, -(-len(self.ahead) // parts))
+        return [self.ahead.popleft() for _ in range(size)]
 
     def _send(self, parcel: list[Task], number: int) -> None:
         # one group of tasks for the whole run: the scheduler remembers each group for ever
@@ -189,7 +222,8 @@ class _Run:
             raise UsageError(f"a worker of {self.client.scheduler.address} {value}")
         for done in value:
             self.mean = done.seconds if self.mean is None else 0.9 * self.mean + 0.1 * done.seconds
-        return list(zip(parcel, value, strict=True))
+        self.ahead.extendleft(reversed(parcel[len(value) :]))
+        return list(zip(parcel, value, strict=False))
 
     def _failed(self, future: Any, parcel: list[Task], number: int) -> Results:
         """Try a parcel whose workers died again, task by task; after the retries say so."""
@@ -245,22 +279,30 @@ def cluster(where: str) -> Iterator[Dask]:
             "--on dask needs Dask, which is not installed; install it with "
             "`pip install 'glmref[cluster]'`"
         ) from None
-    logging.getLogger("distributed").setLevel(
-        logging.DEBUG if os.environ.get("GLMREF_DEBUG") else logging.CRITICAL
-    )
+    level = logging.DEBUG if os.environ.get("GLMREF_DEBUG") else logging.CRITICAL
+    logging.getLogger("distributed").setLevel(level)
     if not where or where.isdecimal():
-        number = int(where) if where else len(cores())
-        if not number:
-            raise UsageError("a cluster needs one worker or more; write dask:1")
-        made = distributed.LocalCluster(
-            n_workers=number,
-            threads_per_worker=1,
-            processes=True,
-            memory_limit=0,  # the tasks have processes of their own, with the limits asked for
-            dashboard_address=":0",  # any free port: another cluster may have the usual one
-        )
-        with made, distributed.Client(made) as client:
-            yield Dask(client, f"dask:{number}")
+        number = int(where[:5]) if where else len(cores())
+        if not 0 < number < 10_000:
+            raise UsageError("a cluster needs one worker or more, and has 9999 at the most")
+        with import_module("dask").config.set(QUIET), ExitStack() as opened:
+            try:
+                made = opened.enter_context(
+                    distributed.LocalCluster(
+                        n_workers=number,
+                        threads_per_worker=1,
+                        processes=True,
+                        silence_logs=level,  # of its workers
+                        memory_limit=0,  # tasks have processes of their own, with their limits
+                        dashboard_address=":0",  # any free port: another may have the usual one
+                    )
+                )
+            except RuntimeError as error:
+                raise UsageError(
+                    f"no Dask cluster can be started here ({error}); a script that asks for one "
+                    f"needs `if __name__ == '__main__':` before what it does"
+                ) from None
+            yield Dask(opened.enter_context(distributed.Client(made)), f"dask:{number}")
         return
     is_file = "://" not in where and not where.rpartition(":")[2].isdecimal()
     if is_file and not Path(where).is_file():

@@ -40,10 +40,13 @@ class Executor(Protocol):
         As it is chosen.
     dashboard : str
         The address of a page that shows what happens, or ``""``.
+    threads : int
+        How many tasks can run at the same time.
     """
 
     name: str
     dashboard: str
+    threads: int
 
     def run(
         self, function: Function, tasks: Iterable[Task], limits: Limits = UNLIMITED
@@ -75,7 +78,7 @@ class Executor(Protocol):
 class Here:
     """Tasks one after another in this process. A limit of time or memory cannot be held here."""
 
-    name, dashboard = "here", ""
+    name, dashboard, threads = "here", "", 1
 
     def run(
         self,
@@ -101,6 +104,7 @@ class Local:
 
     def __init__(self, processes: int | None = None) -> None:
         self.processes = processes
+        self.threads = processes or len(cores())
         self.name = "local" if processes is None else f"local:{processes}"
 
     def run(

@@ -122,6 +122,7 @@ def follow(
     h: float,
     steps: int,
     start: Any = None,
+    renew: int = 0,
     engine: str = "compiled",
     cancel: Callable[[], bool] | None = None,
     lost: Callable[[Solution], bool] | None = None,
@@ -129,7 +130,8 @@ def follow(
     """Run for long, with samples that thin out as time goes: memory grows with log(steps) only.
 
     The run is taken in stretches, each as long as all before it; :data:`ROWS` samples are kept of
-    each, so that the time of an event is known to a thousandth of itself.
+    each, so that the time of an event is known to a thousandth of itself. With ``renew`` a stretch
+    is a multiple of so many steps, and starts from the solution, as every renewal does.
 
     Parameters
     ----------
@@ -137,7 +139,7 @@ def follow(
         Autonomous, because each stretch restarts the clock.
     h, steps
         Step size and number of steps.
-    start, engine, cancel
+    start, renew, engine, cancel
         As in :func:`glmref.solve`.
     lost : Callable[[Solution], bool] or None
         Called with each finished stretch; true ends the run there.
@@ -147,25 +149,29 @@ def follow(
     Solution
         A solution with history; its counts and seconds are those of the whole run.
     """
-    done, length = 0, min(steps, ROWS)
+    renew = renew if method.carried > 1 else 0
+    done, length = 0, min(steps, renew or ROWS)
     rows: list[Solution] = []
     while True:
         every = max(1, length // ROWS)
         part = solve(
-            problem, method, h=h, steps=length, every=every, start=start, engine=engine,
-            history=True, cancel=cancel,
+            problem, method, h=h, steps=length, every=every, start=start, renew=renew,
+            engine=engine, history=True, cancel=cancel,
         )  # fmt: skip
         rows.append(replace(part, t=np.asarray(part.t, dtype=float) + done * h))
         done += part.steps
         if not part.completed or done >= steps or (lost is not None and lost(rows[-1])):
             break
-        values = part.values
-        start = lambda _problem, _h, values=values: values  # noqa: E731
+        if renew:
+            problem = replace(problem, y0=tuple(part.y[-1].tolist()))
+        else:
+            values = part.values
+            start = lambda _problem, _h, values=values: values  # noqa: E731
         length = min(done, steps - done)
-    return _joined(rows, done)
+    return _joined(rows, done, renewed=renew > 0)
 
 
-def _joined(rows: list[Solution], steps: int) -> Solution:
+def _joined(rows: list[Solution], steps: int, *, renewed: bool) -> Solution:
     """Put stretches together; the first row of each but the first repeats the one before."""
     keep = [part if k == 0 else replace(part, t=part.t[1:]) for k, part in enumerate(rows)]
     counted = ("evaluations", "velocity_evaluations", "iterations", "factorisations", "seconds")
@@ -175,7 +181,8 @@ def _joined(rows: list[Solution], steps: int) -> Solution:
         y=np.concatenate([p.y if k == 0 else p.y[1:] for k, p in enumerate(rows)]),
         history=np.concatenate([np.asarray(p.history)[min(k, 1) :] for k, p in enumerate(rows)]),
         steps=steps,
-        start_evaluations=rows[0].start_evaluations,
+        start_evaluations=sum(part.start_evaluations for part in (rows if renewed else rows[:1])),
+        renewals=sum(part.renewals for part in rows) + renewed * (len(rows) - 1),
         build_seconds=rows[0].build_seconds,
         notices=tuple(dict.fromkeys(n for part in rows for n in part.notices)),
         **{key: sum(getattr(part, key) for part in rows) for key in counted},

@@ -101,6 +101,7 @@ def orbit(
     h: float,
     steps: int,
     start: Any = None,
+    renew: int = 0,
     points: int = POINTS,
 ) -> Orbit:
     """Take the steps and keep points of the path.
@@ -111,7 +112,7 @@ def orbit(
         What to solve, and with what.
     h, steps
         Step size and number of steps.
-    start : Any
+    start, renew
         As in :func:`glmref.solve`.
     points : int
         Of all bodies together.
@@ -124,7 +125,9 @@ def orbit(
     axes, pairs = plane_of(problem)
     t0 = float(problem.t_span[0])
     kept = marks(steps, max(points // len(pairs), 2))
-    solution = solve(problem, method, h=h, times=[t0 + n * h for n in kept], start=start)
+    solution = solve(
+        problem, method, h=h, times=[t0 + n * h for n in kept], start=start, renew=renew
+    )
     t = np.asarray(solution.t, dtype=float)
     y = np.real(np.asarray(solution.y)).astype(float).reshape(len(t), -1)
     good, why = _good(problem, y)

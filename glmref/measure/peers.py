@@ -1,7 +1,7 @@
 """Other people's integrators, one small adapter each, imported only when asked for.
 
-A peer gets the same right-hand side (numpy for scipy and nodepy, symbols for heyoka, traced arrays
-for diffrax, bodies for rebound), a relative tolerance, and times at which it reports states.
+A peer gets the same right-hand side (numpy for scipy, nodepy and CVODE, symbols for heyoka, traced
+arrays for diffrax, bodies for rebound), a relative tolerance, and times at which it reports states.
 Compilation and import are not timed; every run is timed as a whole, from the initial state on.
 
 The extra ``peers`` installs scipy; the others are installed by name.
@@ -85,6 +85,28 @@ def _names_of(module: Any, **renamed: str) -> SimpleNamespace:
     """Return a module's functions as the context a problem's functions are evaluated in."""
     found = {name: getattr(module, renamed.get(name, name)) for name in FUNCTIONS}
     return SimpleNamespace(mpf=float, pi=math.pi, **found)
+
+
+def _sundae(problem: Problem, tolerance: float, times: np.ndarray, method: str) -> Runner:
+    cvode = import_module("sksundae.cvode")
+
+    def slope(t: float, y: np.ndarray, out: np.ndarray) -> None:
+        out[:] = problem.f(t, y)
+
+    solver = cvode.CVODE(
+        slope, method=method, rtol=tolerance, atol=tolerance * _floor(problem),
+        max_num_steps=MOST_STEPS,
+    )  # fmt: skip
+    # two times are asked of it as the ends of a span, at whose own steps it then reports
+    inner = times if len(times) > 1 else np.array([(problem.t_span[0] + times[0]) / 2, times[0]])
+    asked = np.concatenate([[float(problem.t_span[0])], inner])
+
+    def run() -> Run:
+        solved = solver.solve(asked, np.array(problem.y0, dtype=float))
+        rows = np.asarray(solved.y)[1:][-len(times) :]
+        return Run(rows, int(solved.nfev), None, "" if solved.success else str(solved.message))
+
+    return run
 
 
 def _heyoka(problem: Problem, tolerance: float, times: np.ndarray, method: str) -> Runner:
@@ -223,6 +245,8 @@ _ADAPTERS: dict[str, tuple[str, Adapter, str]] = {
     "scipy-radau": ("scipy", _scipy, "Radau"),
     "scipy-rk45": ("scipy", _scipy, "RK45"),
     "heyoka": ("heyoka", _heyoka, "heyoka"),
+    "cvode-adams": ("sksundae", _sundae, "Adams"),
+    "cvode-bdf": ("sksundae", _sundae, "BDF"),
     "diffrax-dopri5": ("diffrax", _diffrax, "Dopri5"),
     "diffrax-dopri8": ("diffrax", _diffrax, "Dopri8"),
     "rebound-ias15": ("rebound", _rebound, "ias15"),
@@ -230,6 +254,8 @@ _ADAPTERS: dict[str, tuple[str, Adapter, str]] = {
     "nodepy-dp5": ("nodepy", _nodepy, "DP5"),
 }
 NAMES = tuple(sorted(_ADAPTERS))
+#: Names under which packages are installed, where it is not the one they are imported by.
+_INSTALLED = {"sksundae": "scikit-sundae"}
 
 
 def package_of(name: str) -> str:
@@ -258,7 +284,8 @@ def runner(name: str, problem: Problem, *, tolerance: float, times: np.ndarray) 
     try:
         return adapter(problem, float(tolerance), np.asarray(times, dtype=float), method)
     except ImportError:
-        raise UsageError(f"{package} is not installed; pip install {package}") from None
+        wanted = _INSTALLED.get(package, package)
+        raise UsageError(f"{wanted} is not installed; pip install {wanted}") from None
 
 
 def measure_peer(

@@ -21,23 +21,17 @@ Public names::
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
 
-from ..engine.outcome import Solution
-from ..errors import UsageError
-from ..method import GLM, Method
-from ..problems.model import Problem
-from .attempt import attempt
+from ..method import GLM
 
 __all__ = [
     "Locus",
     "Region",
-    "Threshold",
     "amplification",
     "bounded",
     "interval",
@@ -45,7 +39,6 @@ __all__ = [
     "paths",
     "radius",
     "region",
-    "threshold",
 ]
 
 #: Modulus of an eigenvalue, less one, that counts as growth. Where two eigenvalues meet, rounding
@@ -295,86 +288,3 @@ def _matched(before: np.ndarray, after: np.ndarray) -> np.ndarray:
         result[i] = after[j]
         distance[i, :], distance[:, j] = np.inf, np.inf
     return result
-
-
-@dataclass(frozen=True)
-class Threshold:
-    """Where a run stops being good as h grows.
-
-    Attributes
-    ----------
-    h : float
-        Largest step size seen to be good.
-    above : float
-        Smallest seen to fail.
-    reason : str
-        How the run at ``above`` failed.
-    runs : int
-        How many runs it took.
-    """
-
-    h: float
-    above: float
-    reason: str
-    runs: int
-
-
-def threshold(
-    problem: Problem,
-    method: Method,
-    *,
-    low: float,
-    high: float,
-    steps: int,
-    good: Callable[[Solution], bool] | None = None,
-    width: float = 1e-6,
-    **options: Any,
-) -> Threshold:
-    """Bisect for the largest step size at which a run of so many steps is good.
-
-    Parameters
-    ----------
-    low, high : float
-        Step sizes between which good turns into bad.
-    steps : int
-        Steps of each run.
-    good : Callable[[Solution], bool] or None
-        Judges a completed run; by default its values stay below three times their start.
-    width : float
-        Relative width at which to stop.
-    **options : Any
-        Further arguments of :func:`glmref.solve`.
-
-    Raises
-    ------
-    UsageError
-        When the run at ``low`` fails or the one at ``high`` does not.
-    """
-    judge = good or _stays_near
-    every = max(1, steps // 256)
-
-    def fault(h: float) -> str:
-        found = attempt(problem, method, h=h, steps=steps, every=every, **options)
-        if found.solution is None or not found.solution.completed:
-            return found.outcome
-        return "" if judge(found.solution) else "lost"
-
-    if said := fault(low):
-        raise UsageError(f"`low` must be a step size at which the run is good, got {low}: {said}")
-    reason, runs = fault(high), 2
-    if not reason:
-        raise UsageError(f"`high` must be a step size at which the run fails, got {high}")
-    while high - low > width * low:
-        middle = (low + high) / 2
-        said = fault(middle)
-        runs += 1
-        if said:
-            high, reason = middle, said
-        else:
-            low = middle
-    return Threshold(low, high, reason, runs)
-
-
-def _stays_near(solution: Solution) -> bool:
-    sizes = np.linalg.norm(np.asarray(solution.y), axis=1)
-    return bool(np.max(sizes) < 3 * (sizes[0] or 1.0))

@@ -149,6 +149,7 @@ def measure(
     budget: float = 10.0,
     engine: str = "compiled",
     start: Any = None,
+    renew: int = 0,
 ) -> Work:
     """Run a method, time it, and measure its errors.
 
@@ -166,8 +167,8 @@ def measure(
         Runs to time at the most.
     budget : float
         Seconds after which a run is cancelled, and after which none is repeated.
-    engine, start
-        As in :func:`glmref.solve`.
+    engine, start, renew
+        As in :func:`glmref.solve`; renewals are timed.
 
     Raises
     ------
@@ -177,6 +178,8 @@ def measure(
     _check_questions(problem, ask)
     begin = _started(problem, method, h, start)
     options: dict[str, Any] = {"h": h, "engine": engine, "start": lambda *_: begin.values}
+    if renew:  # each renewal needs the start itself
+        options |= {"start": start, "renew": renew}
     options |= {"t_end": t_end} if steps is None else {"steps": steps}
     if "energy" in ask:
         end = float(problem.t_span[1] if t_end is None else t_end)

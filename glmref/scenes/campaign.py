@@ -143,9 +143,20 @@ class Campaign:
     def spread(self, number: int) -> list[dict[str, Any]]:
         """A few of the tasks, spread over the campaign."""
         whole = len(self)
-        wanted = {(2 * k + 1) * whole // (2 * number) for k in range(number)}
-        last = max(wanted) + 1
-        return [x for k, x in enumerate(islice(self.tasks(), last)) if k in wanted]
+        return [
+            self._at(k)
+            for k in sorted({(2 * k + 1) * whole // (2 * number) for k in range(number)})
+        ]
+
+    def _at(self, place: int) -> dict[str, Any]:
+        """The task at a place, without those before it."""
+        point, rest = divmod(place, self.kind.each(self.fixed))
+        point, drawn = divmod(point, self.count)
+        values = {**self.fixed, **next(islice(self._drawn(), drawn, None))}
+        for key, axis in reversed(list(self.grid.items())):
+            point, k = divmod(point, len(axis))
+            values[key] = axis[k]
+        return next(islice(self.kind.tasks(values, self.seed), rest, None))
 
     def _drawn(self) -> Iterator[dict[str, float]]:
         """Points of the sample; a single one without axes where there is none."""
@@ -278,10 +289,11 @@ class _CampaignReader(Reader):
         try:
             first = campaign.spread(1)
         except (DataError, UsageError) as error:
-            raise self.fail(("fixed",), str(error)) from None
+            raise self.fail(("fixed",), str(error)[:500]) from None
         except (TypeError, ValueError, KeyError, AttributeError) as error:
             raise self.fail(
-                ("fixed",), f"no task can be made of these values ({type(error).__name__}: {error})"
+                ("fixed",),
+                f"no task can be made of these values ({type(error).__name__}: {error!s:.300})",
             ) from None
         if not first:
             raise self.fail(("grid",), "the axes give no task")

@@ -72,11 +72,11 @@ def _run_tasks(values: Values, seed: int) -> Iterator[dict[str, Any]]:
     """A run of a method on a problem with its own parameters; nothing in it is random."""
     steps = values["steps"]
     if not isinstance(steps, int) or isinstance(steps, bool) or steps < 1:
-        raise UsageError(f"`steps` must be a whole number from 1 on, got {steps!r}")
+        raise UsageError(f"`steps` must be a whole number from 1 on, got {steps!r:.80}")
     scene = _scene(
         values["problem"], values.get("t_end"), tuple(values.get("ask", ("state", "energy"))),
         bool(values.get("timed", False)), int(values.get("repeats", 5)),
-        float(values.get("run_budget", 10.0)),
+        float(values.get("run_budget", 10.0)), int(values.get("renew", 0)),
     )  # fmt: skip
     name = values["method"]
     title, fingerprint = _method(name)
@@ -85,13 +85,19 @@ def _run_tasks(values: Values, seed: int) -> Iterator[dict[str, Any]]:
 
 @lru_cache(maxsize=64)
 def _scene(
-    name: str, t_end: float | None, ask: tuple[str, ...], timed: bool, repeats: int, budget: float
+    name: str,
+    t_end: float | None,
+    ask: tuple[str, ...],
+    timed: bool,
+    repeats: int,
+    budget: float,
+    renew: int,
 ) -> Scene:
     first, last = (float(t) for t in problem(name).t_span)
     return Scene(
         name="campaign", title="", question="", problem=name, methods=(), ask=ask,
         t_end=last - first if t_end is None else float(t_end), budget=budget, repeats=repeats,
-        answer=Answer("fastest" if timed else "ended"),
+        answer=Answer("fastest" if timed else "ended"), renew=renew,
     )  # fmt: skip
 
 
@@ -153,6 +159,7 @@ def _resonance_tasks(values: Values, seed: int) -> Iterator[dict[str, Any]]:
         "frequency": float(values["frequency"]),
         "coupling": float(values.get("coupling", 0.1)),
         "steps": int(values["steps"]),
+        **({"renew": int(values["renew"])} if values.get("renew") else {}),
     }
 
 
@@ -187,7 +194,7 @@ def resonance(task: Task) -> dict[str, Any]:
     method = load(task["file"] or task["method"])
     subject = two_frequencies(task["frequency"], task["coupling"])
     run = follow(
-        subject, method, h=task["h"], steps=task["steps"],
+        subject, method, h=task["h"], steps=task["steps"], renew=task.get("renew", 0),
         lost=lambda part: not bool(np.abs(part.y).max() < 100),
     )  # fmt: skip
     y = np.real(np.asarray(run.y)).astype(float)
@@ -220,7 +227,7 @@ CAMPAIGN_KINDS: Mapping[str, CampaignKind] = {
         CampaignKind(
             "run",
             ("method", "problem", "steps"),
-            ("t_end", "ask", "timed", "repeats", "run_budget"),
+            ("t_end", "ask", "timed", "repeats", "run_budget", "renew"),
             _run_tasks,
             perform,
             timed=lambda fixed: bool(fixed.get("timed", False)),
@@ -238,7 +245,7 @@ CAMPAIGN_KINDS: Mapping[str, CampaignKind] = {
         CampaignKind(
             "resonance",
             ("method", "h", "frequency", "steps"),
-            ("coupling",),
+            ("coupling", "renew"),
             _resonance_tasks,
             resonance,
         ),

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..catalogue.claims import NYSTROM_ORDER, ORDER, SYMPLECTIC
 from ..catalogue.lookup import document, is_broken, load, names
+from ..engine.start import renewal_of
 from ..errors import GlmrefError, UsageError
 from ..measure.work_precision import measure, reference_state
 from ..method import Method
@@ -89,6 +90,8 @@ class Candidate:
         Why there is none.
     works : tuple of Work
         All runs, coarsest first.
+    renew : int
+        Steps after which these runs made the values anew, 0 for never: see :func:`glmref.solve`.
     """
 
     method: str
@@ -102,6 +105,7 @@ class Candidate:
     evaluations: int | None = None
     message: str = ""
     works: tuple[Work, ...] = ()
+    renew: int = 0
 
     @property
     def reached(self) -> bool:
@@ -344,6 +348,7 @@ class _Search:
     ) -> None:  # fmt: skip
         self.subject, self.method, self.error, self.tolerance = subject, method, error, tolerance
         self.length, self.deadline = end - float(subject.t_span[0]), deadline
+        self.renew = renewal_of(method)
         self.works: list[Work] = []
         self.failed = 0
         self.message = ""
@@ -372,13 +377,18 @@ class _Search:
             least = min((_error(w, self.error) or 0.0 for w in good), default=None)
             missed = "" if least is None else f"not below {least:.1e} within the time given"
             return Candidate(
-                self.method.name, order, label, message=self.message or missed, works=tuple(good)
+                self.method.name,
+                order,
+                label,
+                message=self.message or missed,
+                works=tuple(good),
+                renew=self.renew,
             )
         best = min(reached, key=lambda work: work.evaluations)
         seconds = seconds_at(records, self.error, self.tolerance)
         return Candidate(
             self.method.name, order, label, best.h, best.steps, _error(best, self.error),
-            best.energy_error, seconds, best.evaluations, works=tuple(good),
+            best.energy_error, seconds, best.evaluations, works=tuple(good), renew=self.renew,
         )  # fmt: skip
 
     def _runs(self, order: int) -> None:
@@ -417,7 +427,7 @@ class _Search:
         left = max(0.2, self.deadline - perf_counter())
         work = measure(
             self.subject, self.method, h=self.length / steps, steps=steps, ask=ask, repeats=5,
-            budget=min(left, 10.0),
+            budget=min(left, 10.0), renew=self.renew,
         )  # fmt: skip
         self.works.append(work)
         return work
@@ -457,6 +467,8 @@ def _recommended(
         f"{best.evaluations:,} evaluations at h = {best.h:.4g}"
     )
     sentences = [first]
+    if best.renew:
+        sentences.append(f"long runs need `renew={best.renew}`, see docs/choose.md")
     others = [one for one in choice[1:] if one.seconds is not None]
     if others:
         ratio = (others[0].seconds or 0.0) / best.seconds
@@ -473,5 +485,7 @@ def _recommended(
         why = "its file records that long runs grow or are lost"
         if one.fit_for_long_runs:
             why = f"its long runs: {one.long_runs}"
+        elif one.renew:
+            why += f" without `renew={one.renew}`"
         sentences.append(f"{one.method} takes {part:.2f} times its time, but {why}")
     return best.method, "; ".join(sentences)

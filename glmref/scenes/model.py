@@ -131,6 +131,8 @@ class Scene:
         Seconds after which a run is cancelled.
     start : str or None
         ``"zero"``, ``"enhanced"`` or ``None`` for the method's own.
+    renew : int
+        Steps after which methods with several values make them anew, 0 for never.
     peers : tuple[str, ...]
         Other integrators.
     tolerances : tuple[float, ...]
@@ -153,6 +155,7 @@ class Scene:
     repeats: int = 3
     budget: float = 10.0
     start: str | None = None
+    renew: int = 0
     peers: tuple[str, ...] = ()
     tolerances: tuple[float, ...] = ()
     file: str = ""

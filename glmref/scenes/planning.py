@@ -208,6 +208,7 @@ def task_of(
         "h": h,
         "steps": steps,
         "start": scene.start,
+        **({"renew": scene.renew} if scene.renew else {}),
     }
 
 

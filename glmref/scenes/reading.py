@@ -32,7 +32,7 @@ _TEXTS = ("format", "name", "title", "question")
 _KEYS = (
     *_TEXTS,
     *("problem", "methods", "classes", "h", "steps", "t_end", "ask", "answer", "repeats", "budget"),
-    *("start", "peers", "tolerances", "quick"),
+    *("start", "renew", "peers", "tolerances", "quick"),
 )
 _QUICK = (
     "title",
@@ -52,6 +52,7 @@ _EXPRESSION = re.compile(r"[0-9eE+\-*/(). pisqrt]+")
 MAX_BYTES = 200_000
 #: Characters of a title or a question, and of a name, which becomes that of a file.
 MAX_TEXT, MAX_NAME = 2_000, 100
+MOST_LISTED = 40  # words in a sentence on what is none of them
 #: Entries of a list, and runs of a scene: the largest shipped one has some hundred.
 MOST_ENTRIES, MOST_TASKS = 1_000, 100_000
 MOST_STEPS = 10**9
@@ -208,7 +209,8 @@ class Reader:
         if not isinstance(value, str) or value not in allowed:
             near = get_close_matches(str(value)[:80], list(allowed), n=1)
             hint = f"; did you mean {near[0]!r}?" if near else ""
-            listed = ", ".join(map(repr, allowed))
+            some = list(map(repr, allowed))[:MOST_LISTED]
+            listed = ", ".join(some) + (", ..." if len(allowed) > MOST_LISTED else "")
             raise self.fail(
                 where, f"`{'.'.join(where)}` must be one of {listed}, got {shown(value)}{hint}"
             )
@@ -302,7 +304,10 @@ class Reader:
         problem, parameters, definition = self._problem(given)
         ask = tuple(self.choice(at("ask"), x, ASK) for x in self._list(at("ask"), given, "ask"))
         answer = self._answer(given, ask)
-        t_end = self.number(at("t_end"), given.get("t_end"))
+        end = given.get("t_end")
+        if end is None and "t_end" in given["problem"]:
+            end = problem.t_span[1] - problem.t_span[0]
+        t_end = self.number(at("t_end"), end)
         h, steps = self._grid(given, t_end, at)
         self._answerable(problem, ask, at("ask"))
         tolerances = tuple(
@@ -326,6 +331,7 @@ class Reader:
             repeats=self.whole(at("repeats"), given.get("repeats", 3), 1000),
             budget=self.number(at("budget"), given.get("budget", 10)),
             start=None if start is None else self.choice(at("start"), start, STARTS),
+            renew=self.whole(("renew",), given["renew"], MOST_STEPS) if "renew" in given else 0,
             peers=self._peers(given, tolerances, at),
             tolerances=tolerances,
             file=str(self.path),

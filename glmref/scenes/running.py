@@ -218,7 +218,14 @@ def _orbit(
     """Take the steps once more, as many as there were, for the path: it is never timed."""
     if not record["steps"]:
         return {}
-    path = orbit(subject, method, h=task["h"], steps=record["steps"], start=task["start"])
+    path = orbit(
+        subject,
+        method,
+        h=task["h"],
+        steps=record["steps"],
+        start=task["start"],
+        renew=task.get("renew", 0),
+    )
     block = path.as_json()
     if block["ended"] is None and record["outcome"] != "completed":
         block["ended"] = f"{record['outcome']} after t = {record['t_end']:.6g}"
@@ -236,6 +243,7 @@ def _short(task: Mapping[str, Any], method: Any, subject: Any) -> dict[str, Any]
         repeats=task["repeats"],
         budget=task["budget"],
         start=task["start"],
+        renew=task.get("renew", 0),
     )
     return _spent(work.as_json(), task)
 
@@ -289,7 +297,7 @@ def _sampled(
         deadline = Deadline(task["budget"])
         solution = follow(
             subject, method, h=task["h"], steps=task["steps"], start=task["start"],
-            cancel=deadline, lost=stop,
+            renew=task.get("renew", 0), cancel=deadline, lost=stop,
         )  # fmt: skip
         check_interruption(solution, deadline)
         seconds.append(solution.seconds)
@@ -354,7 +362,7 @@ def _parasitic(
         {"zeta": [m.zeta.real, m.zeta.imag], "mu": [m.mu.real, m.mu.imag]} for m in growing
     ]
     period = period_of(subject) if any(abs(m.mu) > 1e-9 for m in growing) else None
-    if period is not None:
+    if period is not None and not task.get("renew"):
         record["predicted"] = predicted_loss(
             method, subject, h=task["h"], t_end=task["t_end"], period=period, start=task["start"]
         )
