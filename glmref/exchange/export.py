@@ -62,14 +62,18 @@ def export(
         raise UsageError(f"there is no export to {to!r}; {hint}")
     check_digits(digits)
     method = method_of(method)
+    if to in ("json", "csv"):
+        return table(method, to, digits)
     if method.rosenbrock:
-        raise UsageError(f"{method.name} is a Rosenbrock method, which no target holds yet")
+        raise UsageError(
+            f"{method.name} is a Rosenbrock method: json and csv hold it, and {to} does not"
+        )
     if isinstance(method, AdditiveGLM):
         if to in ("petsc", "sundials"):
             return table(method, to, digits)
         raise UsageError(
-            f"{method.name} is additive: petsc and sundials hold its tableaux, and {to} single "
-            f"methods and pairs; export its parts, glmref.export(method.part(1), to={to!r})"
+            f"{method.name} is additive: petsc, sundials, json and csv hold its tableaux, and {to} "
+            f"single methods and pairs; export its parts, glmref.export(method.part(1), to={to!r})"
         )
     if to in _LANGUAGES:
         return stepper(method, to, digits)

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from decimal import Context, Decimal
 from fractions import Fraction
 
 from ..errors import UsageError
-from ..exact import Exact, Scalar
+from ..exact import Exact, Scalar, rounded_decimal
 from .scheme import CLOSE
 
 __all__ = ["MOST_DIGITS", "check_digits", "decimal_of", "lost", "rounded", "worst"]
@@ -54,12 +53,7 @@ def decimal_of(x: Scalar, digits: int) -> str:
     fraction = x.as_fraction() if isinstance(x, Exact) else None
     if fraction is not None and fraction.denominator == 1 and len(str(abs(fraction))) <= digits:
         return str(fraction)
-    if fraction is not None:
-        value = Context(prec=digits).divide(
-            Decimal(fraction.numerator), Decimal(fraction.denominator)
-        )
-    else:
-        value = Decimal(x.ball().decimal_text(digits))
+    value = rounded_decimal(x, digits)
     if not -6 <= value.adjusted() <= 20:
         return f"{value:e}"
     return f"{value:f}"

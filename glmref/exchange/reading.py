@@ -16,10 +16,12 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from itertools import product
 from typing import Any
 
 from ..catalogue.claims import ABSCISSAE, EMBEDDED_ORDER, EXPLICIT, ORDER, PRECONSISTENT
 from ..catalogue.keys import FORMATS as FORMATS_OF_METHODS
+from ..catalogue.keys import of_second
 from ..catalogue.reader import load_document
 from ..errors import DataError, ExactnessError
 from ..exact import Scalar
@@ -82,7 +84,7 @@ def read_table(
     Returns
     -------
     dict[str, Any]
-        A method document in the format ``glmref-method-1``. It claims the order and the abscissae
+        A method document. It claims the order and the abscissae
         that the table states, so that ``glmref verify`` checks them, and else whether the method is
         explicit.
 
@@ -161,6 +163,9 @@ def _fixed(value: Fraction, places: int) -> str:
     return f"{digits[:-places]}.{digits[-places:]}"
 
 
+_EMBEDDED = re.compile(r"(embedded|error)\.")
+
+
 class _Writer:
     """Turns what was found into a method document."""
 
@@ -174,16 +179,26 @@ class _Writer:
         entries = self._entries()
         exact = found.about.pop("exact", {})
         self._take_exact(entries, exact)
-        names = () if self.form in ("json", "csv") else ("d", "dt")
-        weights = [entries.pop(x)[0] for x in names if x in entries]
-        form = FORMATS_OF_METHODS[bool(weights)]
-        document: dict[str, Any] = {"format": form, "name": self._name()}
+        texts = [x for rows in entries.values() for row in rows for x in row]
+        ours = self.form in ("json", "csv")
+        weights = [entries.pop(x)[0] for x in ("d", "dt") if not ours and x in entries]
+        embedded = {x: entries.pop(x) for x in list(entries) if ours and _EMBEDDED.match(x)}
+        document: dict[str, Any] = {"format": "", "name": self._name()}
         document["class"] = shapes
         for key in ("title", "field", "separable"):
             if key in found.about:
                 document[key] = found.about[key]
-        c = entries.pop("c", None)
-        if shapes == "additive":
+        c = None if shapes == "nystrom" else entries.pop("c", None)
+        if "part1.A" in entries:
+            count = sum(x.endswith(".A") for x in entries)
+            for n, letter in product(range(1, count + 1), "Ab"):
+                if f"part{n}.{letter}" not in entries:
+                    raise DataError(f"the block part{n}.{letter} of an additive method is missing")
+            document["parts"] = [
+                {"A": entries[f"part{n + 1}.A"], "b": entries[f"part{n + 1}.b"][0]}
+                for n in range(count)
+            ]
+        elif shapes == "additive":
             self._check_sums(entries, c, entries.pop("ct", None))
             c = None
             document["parts"] = [
@@ -195,18 +210,20 @@ class _Writer:
             for block, rows in entries.items():
                 *outer, letter = block.split(".")
                 inside = document.setdefault(outer[0], {}) if outer else document
-                inside[letter] = rows[0] if letter in ("b", "u", "u_hat") else rows
+                name = "c" if letter == "abscissae" else letter
+                inside[name] = rows[0] if name in ("b", "b_prime", "c", "u", "u_hat") else rows
         for key in ("q", "p", "starting", "finishing"):
             if isinstance(document.get(key), dict) and not document[key]:
                 del document[key]
-        texts = [x for rows in entries.values() for row in rows for x in row]
-        texts += [x for row in c or () for x in row]
         if any("." in x for x in texts) and self.digits is not None:
             document["digits"] = self.digits
         if weights:
             document["embedded"] = [
                 {"name": "embedded", "b": weights if shapes == "additive" else weights[0]}
             ]
+        if embedded:
+            document["embedded"] = [self._row(x, rows, shapes) for x, rows in embedded.items()]
+        document["format"] = FORMATS_OF_METHODS[bool(of_second(document))]
         document["claims"] = self._claims(entries, c)
         if weights and found.lower:
             document["claims"][EMBEDDED_ORDER.key] = {"embedded": found.lower}
@@ -219,6 +236,17 @@ class _Writer:
         }
         return document
 
+    @staticmethod
+    def _row(block: str, rows: list[list[str]], shapes: str) -> dict[str, Any]:
+        """A row of ``embedded`` from its block, which has a row for each component."""
+        what, _, name = block.partition(".")
+        if shapes == "nystrom":
+            if len(rows) != 2:
+                raise DataError(f"`{block}` must have two rows, b and b', got {len(rows)}")
+            return {"name": name, "b": rows[0], "b_prime": rows[1]}
+        key = "b" if what == "embedded" else "error"
+        return {"name": name, key: rows if shapes == "additive" else rows[0]}
+
     def _name(self) -> str:
         text = str(self.found.about.get("name", "")) or self.name
         word = re.sub(r"[^a-z0-9.-]+", "-", text.lower()).strip("-.")[:100]
@@ -226,8 +254,12 @@ class _Writer:
 
     def _kind(self) -> str:
         blocks = self.found.blocks
-        if {"A", "b", "At", "bt"} <= blocks.keys():
+        if {"A", "b", "At", "bt"} <= blocks.keys() or "part1.A" in blocks:
             return "additive"
+        if {"alpha", "gamma", "b"} <= blocks.keys():
+            return "rosenbrock"
+        if {"A", "b", "b_prime", "c"} <= blocks.keys():
+            return "nystrom"
         if {"a", "ahat"} <= blocks.keys():
             return "splitting"
         if {"A", "b"} <= blocks.keys():

@@ -11,7 +11,9 @@ f, and
 
     A = [0 A; A^ 0]   U = [U 0; 0 U^]   B = [0 B; B^ 0]   V = [V 0; 0 V^].
 
-So one routine of some twenty lines serves every method. Stages are numbered in the order in which
+So one routine of some twenty lines serves every method. Where the solution is a combination of
+several values (the velocity of a multistep method, say) the tableau is that of the equivalent
+method that carries the solution in place of one of them. Stages are numbered in the order in which
 they can be computed; stages that nothing reads are left out.
 """
 
@@ -22,6 +24,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..catalogue.claims import ORDER
+from ..engine.start import renewal_of
 from ..engine.tableau import as_balls
 from ..errors import UsageError
 from ..exact import Scalar, exact, linalg
@@ -107,6 +110,8 @@ class Scheme:
         (r, r), the matrix K^-1 of the enhanced start, see :mod:`glmref.engine.start`.
     passes : int
         Passes of the enhanced start; 0 where ``zero`` is all there is.
+    renew : int
+        Steps after which a long run makes the values anew from the solution, 0 for never.
     """
 
     pair: bool
@@ -117,6 +122,7 @@ class Scheme:
     zero: Matrix
     correct: Matrix
     passes: int
+    renew: int
 
     @property
     def r(self) -> int:
@@ -247,6 +253,8 @@ def scheme_of(method: GLM | PartitionedGLM) -> Scheme:
     UsageError
         For a complex method, and for one that no start is known for.
     """
+    if None in map(unit_place, outputs(method)):
+        method = method.transform(*map(_basis, outputs(method)))
     if isinstance(method, PartitionedGLM):
         return _scheme_of_pair(method)
     if not method.is_real:
@@ -258,7 +266,7 @@ def scheme_of(method: GLM | PartitionedGLM) -> Scheme:
     several = method.r > 1 and method.starting is None
     return Scheme(
         pair=False,
-        heads=(_place(outputs(method)[0], method.name),),
+        heads=(_place(outputs(method)[0]),),
         step=_table(method.A, method.U, method.B, method.V, c),
         start=_start_of(method.starting) if method.starting is not None else None,
         finish=_finish_of(method.finishing) if method.finishing is not None else None,
@@ -267,24 +275,24 @@ def scheme_of(method: GLM | PartitionedGLM) -> Scheme:
         if several
         else _zeros(method.r),
         passes=_passes(method) if several else 0,
+        renew=renewal_of(method),
     )
 
 
-def _place(output: Vector, name: str) -> int:
-    """Which value is the solution.
+def _basis(output: Vector) -> Matrix:
+    """T for which the solution is one of the values ``T y``: the identity, one row the output.
 
-    Raises
-    ------
-    UsageError
-        Where the solution is a combination of several.
+    That row stands where the output first has an entry, so that T is nonsingular.
     """
-    place = unit_place(output)
-    if place is None:
-        raise UsageError(
-            f"the output of {name or 'the method'} combines several values, and exported steppers "
-            f"carry the solution as one of them; export the method in another basis (`transform`)"
-        )
-    return place
+    place = next(k for k, x in enumerate(output) if x.is_zero() is False)
+    return tuple(
+        tuple(output) if k == place else row for k, row in enumerate(linalg.identity(len(output)))
+    )
+
+
+def _place(output: Vector) -> int:
+    """Which value is the solution."""
+    return next(k for k, x in enumerate(output) if not _vanishes(x))
 
 
 def _scheme_of_pair(pair: PartitionedGLM) -> Scheme:
@@ -321,11 +329,12 @@ def _scheme_of_pair(pair: PartitionedGLM) -> Scheme:
     zero = [_zero_start(pair.U, pair.V), _zero_start(pair.U_hat, pair.V_hat)]
     return Scheme(
         pair=True,
-        heads=(_place(reads[0], pair.name), pair.r + _place(reads[1], pair.name)),
+        heads=(_place(reads[0]), pair.r + _place(reads[1])),
         step=step,
         start=start,
         finish=None,
         zero=_stacked(tuple((x,) for x in zero[0]), tuple((x,) for x in zero[1])),
         correct=correct,
         passes=_passes(pair) if several else 0,
+        renew=renewal_of(pair),
     )

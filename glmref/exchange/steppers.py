@@ -8,6 +8,7 @@ where the word holds:
     newton    implicit, and not a pair          started   the method has a starting method
     enhanced  it needs the enhanced start       plain     it starts from the solution
     finish    it has a finishing method         headed    values that are the solution are picked
+    renewed   long runs make the values anew
 """
 
 from __future__ import annotations
@@ -167,6 +168,7 @@ def stepper(method: GLM | PartitionedGLM, language: str, digits: int | None) -> 
         "heads": str(len(scheme.heads)),
         "heads_d": "2 d" if scheme.pair else "d",
         "passes": str(scheme.passes),
+        "renew": str(scheme.renew),
         **chosen.values(scheme, name),
     }
     return fill(source.read_text(encoding="utf-8"), _words(scheme), values)
@@ -180,6 +182,7 @@ def _words(scheme: Scheme) -> frozenset[str]:
         scheme.begins: True,
         "finish": scheme.finish is not None,
         "headed": scheme.finish is None or scheme.begins == "enhanced",
+        "renewed": scheme.renew > 0,
     }
     return frozenset(word for word, holds in held.items() if holds)
 
@@ -286,6 +289,7 @@ def _cpp_values(scheme: Scheme, name: str) -> dict[str, str]:
         "evaluate": "(T.half[i] ? dp : dq)(Y[i])" if scheme.pair else evaluate,
         "solution": "{q, p}" if scheme.pair else "{y}",
         "solution_given": "q, p" if scheme.pair else "y",
+        "again": "y[0], y[1]" if scheme.pair else "y",
         "solution_type": "const Vector &q, const Vector &p" if scheme.pair else "const Vector &y",
         "result": "std::vector<Vector>" if scheme.pair else "Vector",
         **_unnamed(
@@ -345,12 +349,13 @@ def _rust_values(scheme: Scheme, name: str) -> dict[str, str]:
         "pass": "dq, dp" if scheme.pair else "f",
         "use_newton": ", newton: bool" if newton else "",
         "ref_values": "&mut Values" if newton else "&Values",
-        "counter": "_" if scheme.pair else "n",
+        "counter": "_" if scheme.pair and not scheme.renew else "n",
         "no_newton": ", newton: false" if newton else "",
         "evaluate_slopes": call.format("slopes[i]"),
         "evaluate_g": call.format("g[k]"),
         "solution": "&[q.to_vec(), p.to_vec()]" if scheme.pair else "&[y.to_vec()]",
         "solution_given": "q, p" if scheme.pair else "y",
+        "again": "&y.0, &y.1" if scheme.pair else "&y",
         "solution_type": "q: &[f64], p: &[f64]" if scheme.pair else "y: &[f64]",
         "result": "(Vec<f64>, Vec<f64>)" if scheme.pair else "Vec<f64>",
         **_unnamed(
@@ -492,6 +497,7 @@ def _python_values(scheme: Scheme, name: str) -> dict[str, str]:
         "evaluate_i": '(dp if T["half"][i] else dq)(Y[i])' if scheme.pair else evaluate,
         "solution": "[q, p]" if scheme.pair else "[y]",
         "solution_given": "q, p" if scheme.pair else "y",
+        "again": "*y" if scheme.pair else "y",
         "head_list": str(list(scheme.heads)),
         **_timed(
             scheme, now="t, ", next="t + h, ", at_n="t + n * h, ", at_end="t + steps * h, ",
@@ -538,6 +544,7 @@ def _julia_values(scheme: Scheme, name: str) -> dict[str, str]:
         "use_newton": found["use_newton"],
         "evaluate_i": "(T.half[i] == 1 ? dp : dq)(Y[:, i])" if scheme.pair else evaluate,
         "solution": "hcat(q, p)" if scheme.pair else "reshape(collect(Float64, y), :, 1)",
+        "again": "y..." if scheme.pair else "y",
         "head_list": str([x + 1 for x in scheme.heads]),
     }
 

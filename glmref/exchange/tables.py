@@ -23,9 +23,9 @@ from ..catalogue.keys import completed
 from ..catalogue.writer import decimal
 from ..errors import ExactnessError, UsageError
 from ..exact import Ball, Exact, Scalar
-from ..exact.expression import to_text
+from ..exact.expression import parse, to_text
 from ..exact.linalg import Matrix, Vector
-from ..method import GLM, AdditiveGLM, PartitionedGLM
+from ..method import GLM, AdditiveGLM, Method, PartitionedGLM
 from ..method.families import splitting
 from ..method.solution_value import stage_times
 from ..verification.analysis import analyze
@@ -500,7 +500,7 @@ def _rungekutta(method: GLM | PartitionedGLM, digits: int) -> str:
 Rows = list[list[str]]
 
 
-def _all_blocks(method: GLM | PartitionedGLM | AdditiveGLM) -> Iterator[tuple[str, Matrix]]:
+def _all_blocks(method: Method) -> Iterator[tuple[str, Matrix]]:
     """The blocks of a method by name, vectors as one row."""
     if method.additive:
         for n, c in enumerate(method.components):
@@ -578,9 +578,7 @@ def method_document(
     blocks, places = blocks_of(method, digits, forms)
     document: dict[str, Any] = {}
     if method.additive:
-        ones = [x for row in (*method.components[0].U, *method.components[0].V) for x in row]
-        if method.carried != 1 or not all(map(_is_one, ones)):
-            raise UsageError("an additive method is written with one value, U = 1 and V = 1, only")
+        _check_one_value(method)
         document["parts"] = [{} for _ in method.components]
     for place, rows in blocks.items():
         *outer, letter = place.split(".")
@@ -657,7 +655,12 @@ def blocks_of(
     UsageError
         For decimals of complex numbers.
     """
-    blocks = {**dict(_all_blocks(method)), **(more or {})}
+    return _as_texts(method, {**dict(_all_blocks(method)), **(more or {})}, digits)
+
+
+def _as_texts(
+    method: Method, blocks: Mapping[str, Matrix], digits: int | None
+) -> tuple[dict[str, Rows], int | None]:
     numbers = [x for matrix in blocks.values() for row in matrix for x in row]
     texts = {id(x): None if digits is not None else _expression(x) for x in numbers}
     rough = [x for x in numbers if texts[id(x)] is None and not _is_whole(x)]
@@ -682,7 +685,7 @@ def _is_whole(x: Scalar) -> bool:
     return fraction is not None and fraction.denominator == 1
 
 
-def _about(method: GLM | PartitionedGLM) -> dict[str, Any]:
+def _about(method: Method) -> dict[str, Any]:
     """Name, title, claimed order and source, as far as they are known."""
     document = method.document or {}
     about: dict[str, Any] = {"name": method.name or "method"}
@@ -694,25 +697,80 @@ def _about(method: GLM | PartitionedGLM) -> dict[str, Any]:
         about["source"] = {
             key: method.source[key] for key in ("citation", "where", "doi") if key in method.source
         }
-    if method.parts == 2:
+    if document.get("class") == "nystrom":
+        pass  # its components belong to position and velocity
+    elif method.parts == 2:
         about["separable"] = not method.shared
-    elif not method.is_real:
+    elif not (method.additive or method.is_real):
         about["field"] = "complex"
     return {**about, "generated": f"glmref {__version__}"}
 
 
-def _json(method: GLM | PartitionedGLM, digits: int | None) -> str:
-    blocks, places = blocks_of(method, digits)
+def _held(method: Method) -> dict[str, Matrix]:
+    """The blocks of a method in JSON and CSV: all that determines it.
+
+    Further weights are a block ``embedded.NAME``, or ``error.NAME`` where they are those of an
+    estimate, with a row for each component; ``abscissae`` are those that are not A 1.
+
+    Raises
+    ------
+    UsageError
+        For what these formats cannot hold.
+    """
+    document, blocks = method.document or {}, dict[str, Matrix]()
+    rows = {row.name: (row.difference, row.weights) for row in method.embedded}
+    if method.rosenbrock:
+        alpha, gamma, b = (getattr(method, x) for x in ("alpha", "gamma", "b"))
+        blocks = {"alpha": alpha, "gamma": gamma, "b": (b,)}
+        rows = {name: (what, (x[: len(b)],)) for name, (what, (x, _)) in rows.items()}
+    elif method.additive:
+        _check_one_value(method)
+        for n, part in enumerate(method.components, 1):
+            blocks |= {f"part{n}.A": part.A, f"part{n}.b": part.B}
+    elif document.get("class") == "nystrom":
+
+        def matrix(given: Sequence[Sequence[str]]) -> Matrix:
+            return tuple(tuple(parse(x) for x in row) for row in given)
+
+        blocks = {x: matrix(document[x]) for x in ("A", "A_prime") if x in document}
+        blocks |= {x: matrix((document[x],)) for x in ("b", "b_prime", "c")}
+        rows = {
+            x["name"]: (False, matrix((x["b"], x["b_prime"]))) for x in document.get("embedded", ())
+        }
+    else:
+        blocks = dict(_all_blocks(method))
+        if rows and method.parts == 2:
+            raise UsageError(f"{method.name} is a pair, and its embedded rows have no block here")
+    c, dense = (getattr(method, x, None) for x in ("abscissae_given", "dense"))
+    blocks |= {} if c is None else {"abscissae": (c,)}
+    blocks |= {} if dense is None else {"dense": dense}
+    weights = {f"{('embedded', 'error')[what]}.{name}": x for name, (what, x) in rows.items()}
+    return {**blocks, **weights}
+
+
+def _check_one_value(method: Method) -> None:
+    ones = [x for row in (*method.components[0].U, *method.components[0].V) for x in row]
+    if method.carried != 1 or not all(map(_is_one, ones)):
+        raise UsageError("an additive method is written with one value, U = 1 and V = 1, only")
+
+
+#: Blocks of JSON that are a vector, not rows.
+_VECTORS = ("b", "b_prime", "c", "u", "u_hat", "abscissae")
+
+
+def _json(method: Method, digits: int | None) -> str:
+    blocks, places = _as_texts(method, _held(method), digits)
     document = {**_about(method), **({"digits": places} if places is not None else {})}
     for name, rows in blocks.items():
-        *outer, letter = name.split(".")
-        inside = document.setdefault(outer[0], {}) if outer else document
-        inside[letter] = rows[0] if letter in ("b", "u", "u_hat") else rows
+        outer, _, letter = name.partition(".") if "." in name else ("", "", name)
+        inside = document.setdefault(outer, {}) if outer else document
+        vector = letter in _VECTORS or (outer in ("embedded", "error") and len(rows) == 1)
+        inside[letter] = rows[0] if vector else rows
     return canonical(document)
 
 
-def _csv(method: GLM | PartitionedGLM, digits: int | None) -> str:
-    blocks, places = blocks_of(method, digits)
+def _csv(method: Method, digits: int | None) -> str:
+    blocks, places = _as_texts(method, _held(method), digits)
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(["block", "row", "column", "value"])
