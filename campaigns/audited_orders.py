@@ -22,15 +22,15 @@ from typing import Any
 
 import numpy as np
 
+from campaigns.driver import arguments, carried_out, complete
 from campaigns.pages import write
-from glmref.catalogue.strict_json import write_json
 from glmref.conformance.vectors import problems
 from glmref.engine.solve import solve
 from glmref.measure.timing import circumstances
 from glmref.problems.model import Problem
 from tests.suite.real_defects import DEFECTS, mended, published
 
-__all__ = ["PACKAGES", "PLACE", "TABLES", "observed", "rows", "table"]
+__all__ = ["PACKAGES", "PLACE", "TABLES", "observed", "row", "table"]
 
 ROOT = Path(__file__).parents[1]
 PLACE = ROOT / "data" / "measurements" / "audit-orders.json"
@@ -73,21 +73,19 @@ def errors_of(integrator: Any, name: str, problem: Problem) -> list[float]:
     return found
 
 
-def rows() -> list[dict[str, Any]]:
-    """Errors of every table on the problem that shows most: one with time where it can."""
-    found = []
-    for name, entry in DEFECTS.items():
-        shipped = published(name)
-        on = shipped.problems[-1]
-        row: dict[str, Any] = {
-            "table": name, "where": entry["where"], "commit": entry["commit"], "problem": on,
-            "declared": entry["declared"],
-            "shipped": errors_of(shipped, name, problems()[on].problem),
-        }  # fmt: skip
-        right = entry["right"] or {}
-        if set(right) - {"order"}:
-            row["corrected"] = errors_of(mended(name), name, problems()[on].problem)
-        found.append(row)
+def row(task: Mapping[str, Any]) -> dict[str, Any]:
+    """Errors of a table on the problem that shows most: one with time where it can."""
+    name = task["table"]
+    entry, shipped = DEFECTS[name], published(name)
+    on = shipped.problems[-1]
+    found: dict[str, Any] = {
+        "table": name, "where": entry["where"], "commit": entry["commit"], "problem": on,
+        "declared": entry["declared"],
+        "shipped": errors_of(shipped, name, problems()[on].problem),
+    }  # fmt: skip
+    right = entry["right"] or {}
+    if set(right) - {"order"}:
+        found["corrected"] = errors_of(mended(name), name, problems()[on].problem)
     return found
 
 
@@ -184,9 +182,10 @@ def main(arguments: Sequence[str]) -> None:
     here = packages()
     # what another environment has measured of a package stays
     others = [x for x in known.get("packages", ()) if x["table"] not in {y["table"] for y in here}]
-    measured = {"rows": rows(), "packages": others + here}
-    write_json(path, {**HEAD, **measured, **circumstances()})
+    rows = carried_out(row, ({"table": name} for name in DEFECTS), beside=path)
+    measured = {"rows": rows, "packages": others + here}
+    complete(path, {**HEAD, **measured, **circumstances()})
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main(arguments(sys.argv[1:]))

@@ -1,28 +1,38 @@
-"""Rows about many cases, carried out where ``GLMREF_EXECUTOR`` says; what a file has is kept.
+"""Rows about many cases, carried out where ``--on`` says, or ``GLMREF_EXECUTOR``.
 
-A row belongs to a case (a method, or a method and a claim), which is a mapping in JSON, and carries
-the fingerprint of what it depends on; where that has changed, the row is measured again.
+A case is a mapping in JSON: a method, or a method and a claim. What a run has measured is kept
+beside the file that it writes until that is complete, so that the same command goes on where it was
+stopped. Where a file keeps rows, each carries the fingerprint of what it depends on; where that has
+changed, the row is measured again.
 """
 
 from __future__ import annotations
 
+import hashlib
 import json
+import os
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cache
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from glmref.catalogue.lookup import document
 from glmref.catalogue.strict_json import write_json
-from glmref.compute import executor, in_order
+from glmref.compute import Done, Limits, RecordFile, executor, measure
+from glmref.compute.choosing import ENVIRONMENT
+from glmref.compute.identity import identity
 from glmref.compute.records import key_of
 from glmref.errors import UsageError
 from glmref.measure.timing import circumstances
 
-__all__ = ["ORDERS", "carried_out", "fingerprint", "renew"]
+__all__ = ["ORDERS", "TIMED", "arguments", "carried_out", "complete", "fingerprint", "renew"]
 
 #: Claims of order, on which the runs and the numbers depend.
 ORDERS = ("order", "order-identity", "effective-order")
+#: What is timed has a core of its own, but for ``here``.
+TIMED = Limits(pinned=True)
 #: Keys of a method file that nothing depends on; orders are seen in runs that start by iteration.
 _WORDS = frozenset(
     {"$schema", "format", "name", "title", "claims", "source", "notes", "enclosure"}
@@ -31,22 +41,97 @@ _WORDS = frozenset(
 Case = Mapping[str, Any]
 
 
-def carried_out(function: Callable[[Case], Any], cases: Iterable[Case]) -> Iterator[Any]:
-    """Yield what a function of a module gives for each case, in order.
+def arguments(given: Sequence[str]) -> list[str]:
+    """Take ``--on WHERE`` out of the arguments of a campaign, and have it hold for this process.
+
+    Alone, ``--help`` shows what the campaign says of itself.
+    """
+    rest = list(given)
+    if rest in (["-h"], ["--help"]):
+        sys.stdout.write(f"{(sys.modules['__main__'].__doc__ or '').strip()}\n")
+        raise SystemExit(0)
+    if "--on" in rest:
+        at = rest.index("--on")
+        if at + 1 == len(rest):
+            raise UsageError("--on needs a word: here, local:N, dask:N or a scheduler")
+        os.environ[ENVIRONMENT] = rest[at + 1]
+        del rest[at : at + 2]
+    return rest
+
+
+def carried_out(
+    function: Callable[[Case], Any],
+    cases: Iterable[Case],
+    *,
+    beside: Path | None = None,
+    limits: Limits | None = None,
+) -> list[Any]:
+    """Return what a function gives for each case, in order.
+
+    Parameters
+    ----------
+    function : callable
+        Of a module; its result is what JSON can hold.
+    cases : iterable of mapping
+        No two with the same content.
+    beside : Path, optional
+        The file that will hold the results. Beside it they are kept as they end, until
+        all are there; what other sources or versions have measured is measured again.
+    limits : Limits, optional
+        What each may take; :data:`TIMED` for what is timed.
 
     Raises
     ------
     UsageError
-        Where it fails on one of them.
+        Where it fails on one of them; what had ended is kept.
     """
-    tasks = list(cases)
+    module = function.__module__
+    if module == "__main__":  # other processes know it by the name under which it was started
+        module = sys.modules[module].__spec__.name  # type: ignore[union-attr]
+    what = {"function": f"{module}:{function.__qualname__}", "with": _sources()}
+    tasks = [{**what, "case": dict(case)} for case in cases]
+    store = RecordFile(None if beside is None else _kept(beside, function.__name__))
+    number = sum(1 for _ in store.missing(tasks))
+
+    def record(task: Mapping[str, Any], done: Done) -> dict[str, Any]:
+        if done.failure:
+            sys.stderr.write(done.trace)
+            raise UsageError(f"{task['case']}: {done.failure}: {done.message}")
+        return {"value": done.value}
+
+    def advance(task: Mapping[str, Any], _: object) -> None:
+        nonlocal number
+        number -= 1
+        sys.stderr.write(f"{len(tasks) - number} of {len(tasks)}: {task['case']}\n")
+
     with executor() as where:
-        for number, (task, done) in enumerate(in_order(where.run(function, tasks), tasks), 1):
-            if done.failure:
-                sys.stderr.write(done.trace)
-                raise UsageError(f"{dict(task)}: {done.failure}: {done.message}")
-            sys.stderr.write(f"{number} of {len(tasks)}: {dict(task)}\n")
-            yield done.value
+        measure(_one, tasks, store, where, limits or Limits(), record=record, advance=advance)
+    return [one["value"] for one in map(store.find, tasks) if one is not None]
+
+
+def complete(path: Path, document: Mapping[str, Any]) -> None:
+    """Write the file of a campaign, and let go what was kept beside it."""
+    write_json(path, document)
+    for kept in path.parent.glob(_kept(path, "*").name):
+        kept.unlink()
+
+
+def _kept(path: Path, what: str) -> Path:
+    return path.with_name(f".{path.stem}.{what}.jsonl")
+
+
+def _one(task: Mapping[str, Any]) -> Any:
+    module, _, name = task["function"].partition(":")
+    return getattr(import_module(module), name)(task["case"])
+
+
+@cache
+def _sources() -> str:
+    """Hash of what a row depends on besides its case: this package, what it uses, campaigns."""
+    digest = hashlib.sha256(json.dumps(identity(), sort_keys=True).encode())
+    for path in sorted(Path(__file__).parent.rglob("*.py")):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:12]
 
 
 def fingerprint(name: str) -> str:
@@ -94,8 +179,8 @@ def renew(
         for case in cases
     ]
     missing = [case for case, found in known if found is None]
-    new = carried_out(row, missing)
+    new = iter(carried_out(row, missing, beside=path))
     rows = [found if found is not None else {**case, **next(new)} for case, found in known]
     where = circumstances() if missing else file.get("where")
-    write_json(path, {**head, "where": where, field: rows})
+    complete(path, {**head, "where": where, field: rows})
     return len(missing)

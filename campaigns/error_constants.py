@@ -15,7 +15,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from campaigns.driver import fingerprint, renew
+from campaigns.driver import arguments, fingerprint, renew
 from glmref.catalogue.lookup import load, names
 from glmref.prove.facts import facts_of
 from glmref.theory.error_constants import error_norm
@@ -89,4 +89,4 @@ def main(path: Path) -> int:
 
 
 if __name__ == "__main__":
-    sys.stdout.write(f"computed {main(Path(sys.argv[1]))}\n")
+    sys.stdout.write(f"computed {main(Path(arguments(sys.argv[1:])[0]))}\n")

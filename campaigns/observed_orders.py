@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from campaigns.driver import ORDERS, fingerprint, renew
+from campaigns.driver import ORDERS, arguments, fingerprint, renew
 from glmref.catalogue.lookup import document, load, names
 from glmref.measure.convergence import ConvergenceRecord, effective_order, isochronous, method_order
 from glmref.method import Method, PartitionedGLM
@@ -119,4 +119,4 @@ def main(path: Path) -> int:
 
 
 if __name__ == "__main__":
-    sys.stdout.write(f"measured {main(Path(sys.argv[1]))}\n")
+    sys.stdout.write(f"measured {main(Path(arguments(sys.argv[1:])[0]))}\n")

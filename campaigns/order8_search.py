@@ -15,8 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import carried_out
-from glmref.catalogue.strict_json import write_json
+from campaigns.driver import arguments, carried_out, complete
 from glmref.derive.ansatz import Ansatz, Value
 from glmref.derive.search import search
 from glmref.prove.system import SweepSystem
@@ -89,7 +88,8 @@ def attempt_case(case: Mapping[str, Any]) -> dict[str, Any]:
 
 def main(path: Path) -> None:
     """Search every ansatz and write the file."""
-    found = list(carried_out(attempt_case, ({"ansatz": k} for k in range(len(ANSATZES)))))
+    cases = ({"ansatz": k} for k in range(len(ANSATZES)))
+    found = carried_out(attempt_case, cases, beside=path)
     document = {
         "format": "glmref-measurement-1",
         "name": path.stem,
@@ -100,8 +100,8 @@ def main(path: Path) -> None:
         "solved_below": SOLVED,
         "ansatzes": found,
     }
-    write_json(path, document)
+    complete(path, document)
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main(Path(arguments(sys.argv[1:])[0]))

@@ -19,14 +19,15 @@ from __future__ import annotations
 import math
 import resource
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
 
+from campaigns.driver import TIMED, arguments, carried_out, complete
 from glmref.catalogue.lookup import load
-from glmref.catalogue.strict_json import write_json
 from glmref.measure.law import fit_law, samples_of
 from glmref.measure.longtime import ROWS, follow
 from glmref.measure.parasitic import parasitic_size, solution_direction
@@ -127,9 +128,16 @@ def _doublings(t: np.ndarray, deviation: np.ndarray, rest: np.ndarray) -> list[d
     return rows[::-1]
 
 
+def row(task: Mapping[str, Any]) -> dict[str, Any]:
+    """Carry out :func:`long_run` for a task in JSON."""
+    return long_run(task["method"], steps=task["steps"], h=task["h"])
+
+
 def main(path: str) -> None:
     """Measure and write the file."""
-    runs = [long_run(name, steps=STEPS, h=h) for name, h in RUNS]
+    file = Path(path)
+    tasks = ({"method": name, "h": h, "steps": STEPS} for name, h in RUNS)
+    runs = carried_out(row, tasks, beside=file, limits=TIMED)
     document = {
         "format": "glmref-measurement-1",
         "what": f"pendulum from {ANGLE} radians, {STEPS:,} steps: energy, time, memory",
@@ -138,7 +146,7 @@ def main(path: str) -> None:
         "where": circumstances(),
         "runs": runs,
     }
-    write_json(Path(path), document)
+    complete(file, document)
     for run in runs:
         exponent = run["law"]["exponent"]
         said = "-" if exponent is None or math.isnan(exponent) else f"{exponent:.2f}"
@@ -146,4 +154,4 @@ def main(path: str) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    main(arguments(sys.argv[1:])[0])

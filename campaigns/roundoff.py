@@ -19,15 +19,15 @@ from __future__ import annotations
 import json
 import math
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from campaigns.driver import arguments, carried_out, complete
 from glmref.catalogue.lookup import load
-from glmref.catalogue.strict_json import write_json
 from glmref.engine.solve import solve
 from glmref.errors import UsageError
 from glmref.measure.law import samples_of
@@ -195,9 +195,13 @@ def options_of(method: GLM, variant: str) -> dict[str, Any]:
 
 
 def rows(
-    *, methods: Sequence[str] = METHODS, steps: int = STEPS, known: Sequence[Row] = ()
-) -> Iterator[Row]:
-    """Measure every variant of some methods, one row in JSON's types after another.
+    *,
+    methods: Sequence[str] = METHODS,
+    steps: int = STEPS,
+    known: Sequence[Row] = (),
+    beside: Path | None = None,
+) -> list[Row]:
+    """Measure every variant of some methods, one row in JSON's types for each.
 
     The exact form, compensated, is measured on eight bodies, because the exponent of a random walk
     takes many of them; the others, which drift or are far larger, on three.
@@ -210,19 +214,25 @@ def rows(
         Number of steps.
     known : Sequence[Row]
         Rows that exist; they are passed on as they are.
+    beside : Path, optional
+        See :func:`.driver.carried_out`.
     """
     done = {(row["method"], row["variant"], row["steps"][-1]): row for row in known}
-    for name in methods:
-        method = load(name)
-        if not isinstance(method, GLM):
-            raise UsageError(f"{name} is a pair of methods; give methods of one kind of value")
-        for variant in VARIANTS:
-            if (name, variant, steps) in done:
-                yield done[name, variant, steps]
-                continue
-            subjects = bodies(8 if VARIANTS[variant]["arithmetic"] == "strict" else 3)
-            found = round_off(method, subjects, h=SIZE, steps=steps, **options_of(method, variant))
-            yield {"variant": variant, **found.as_json()}
+    wanted = [(name, variant, steps) for name in methods for variant in VARIANTS]
+    missing = [{"method": x[0], "variant": x[1], "steps": x[2]} for x in wanted if x not in done]
+    found = iter(carried_out(row, missing, beside=beside))
+    return [done[x] if x in done else next(found) for x in wanted]
+
+
+def row(task: Mapping[str, Any]) -> Row:
+    """Measure a variant of a method."""
+    method, variant = load(task["method"]), task["variant"]
+    if not isinstance(method, GLM):
+        raise UsageError(f"{method.name} is a pair of methods; give methods of one kind of value")
+    subjects = bodies(8 if VARIANTS[variant]["arithmetic"] == "strict" else 3)
+    options = options_of(method, variant)
+    found = round_off(method, subjects, h=SIZE, steps=task["steps"], **options)
+    return {"variant": variant, **found.as_json()}
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -233,16 +243,14 @@ def main(arguments: Sequence[str]) -> int:
     path, methods = Path(arguments[0]), arguments[1:] or METHODS
     known = json.loads(path.read_text(encoding="utf-8"))["rows"] if path.exists() else []
     document: dict[str, Any] = {**HEAD, "where": circumstances(), "rows": []}
-    found: list[Row] = []
-    for row in rows(methods=methods, known=known):
-        found.append(row)
-        # what was known and has not been passed on yet must survive a kill
-        document["rows"] = found + [row for row in known if row not in found]
-        write_json(path, document)
-        exponent = math.nan if row["exponent"] is None else row["exponent"]
-        sys.stderr.write(f"{row['method']}, {row['variant']}: exponent {exponent:.3f}\n")
+    found = rows(methods=methods, known=known, beside=path)
+    document["rows"] = found + [x for x in known if x not in found]
+    complete(path, document)
+    for one in found:
+        exponent = math.nan if one["exponent"] is None else one["exponent"]
+        sys.stderr.write(f"{one['method']}, {one['variant']}: exponent {exponent:.3f}\n")
     return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(main(arguments(sys.argv[1:])))

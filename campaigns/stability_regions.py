@@ -20,9 +20,8 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import carried_out, fingerprint
+from campaigns.driver import arguments, carried_out, complete, fingerprint
 from glmref.catalogue.lookup import document, load, names
-from glmref.catalogue.strict_json import write_json
 from glmref.measure.stability import amplification, bounded, interval, locus, radius
 from glmref.measure.timing import circumstances
 from glmref.method import GLM, PartitionedGLM
@@ -271,7 +270,8 @@ def main(path: Path) -> int:
     stored = file.get("methods", {})
     marks = {name: fingerprint(name) for name in names_with_region()}
     missing = [x for x, mark in marks.items() if stored.get(x, {}).get("fingerprint") != mark]
-    new = dict(zip(missing, carried_out(row_of, ({"method": x} for x in missing)), strict=True))
+    found = carried_out(row_of, ({"method": x} for x in missing), beside=path)
+    new = dict(zip(missing, found, strict=True))
     rows = {
         name: {"fingerprint": mark, **new[name]} if name in new else stored[name]
         for name, mark in marks.items()
@@ -288,9 +288,9 @@ def main(path: Path) -> int:
         "where": circumstances() if measured else file.get("where"),
         "methods": rows,
     }
-    write_json(path, document)
+    complete(path, document)
     return measured
 
 
 if __name__ == "__main__":
-    sys.stdout.write(f"measured {main(Path(sys.argv[1]))}\n")
+    sys.stdout.write(f"measured {main(Path(arguments(sys.argv[1:])[0]))}\n")

@@ -11,6 +11,7 @@ here is a fixed step against an adaptive one, and says so.
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -18,8 +19,8 @@ from typing import Any
 
 import numpy as np
 
+from campaigns.driver import arguments, carried_out, complete
 from glmref.catalogue.lookup import load
-from glmref.catalogue.strict_json import write_json
 from glmref.compute.records import finite
 from glmref.engine.kernel import Kernel, prepare
 from glmref.errors import UsageError
@@ -202,16 +203,25 @@ def peer_cost(problem: Problem, solver: str, *, tolerance: float, t_end: float) 
     )
 
 
+def row(task: Mapping[str, Any]) -> dict[str, Any]:
+    """Cost of a method at a fixed step, or of a solver with a tolerance."""
+    subject, t_end = problem(task["problem"], **task["parameters"]), task["t_end"]
+    if "solver" in task:
+        solver, tolerance = task["solver"], task["tolerance"]
+        return peer_cost(subject, solver, tolerance=tolerance, t_end=t_end).as_json()
+    method, steps = load(task["method"]), task["steps"]
+    assert isinstance(method, GLM)
+    return stiff_cost(subject, method, h=t_end / steps, steps=steps).as_json()
+
+
 def main(path: str) -> None:
     """Measure every case and write the file."""
-    rows = []
+    tasks: list[dict[str, Any]] = []
     for name, parameters, t_end, counts in CASES:
-        subject = problem(name, **parameters)
-        for method in map(load, METHODS):
-            assert isinstance(method, GLM)
-            rows += [stiff_cost(subject, method, h=t_end / n, steps=n) for n in counts]
-        for solver, tolerance in PEERS:
-            rows.append(peer_cost(subject, solver, tolerance=tolerance, t_end=t_end))
+        case = {"problem": name, "parameters": parameters, "t_end": t_end}
+        tasks += [{**case, "method": x, "steps": n} for x in METHODS for n in counts]
+        tasks += [{**case, "solver": x, "tolerance": tolerance} for x, tolerance in PEERS]
+    file = Path(path)
     document = {
         "format": "glmref-measurement-1",
         "what": "counts on stiff problems: Newton at a fixed step beside scipy's Radau and BDF",
@@ -219,10 +229,10 @@ def main(path: str) -> None:
         "factored, each of `size` rows; up to three unknowns they are written out and inverted "
         "afresh at every implicit stage",
         "where": circumstances(),
-        "rows": [row.as_json() for row in rows],
+        "rows": carried_out(row, tasks, beside=file),
     }
-    write_json(Path(path), document)
+    complete(file, document)
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    main(arguments(sys.argv[1:])[0])

@@ -45,6 +45,7 @@ def test_the_region_of_euler_is_a_disc():
     assert (found["imaginary"], found["real"]) == (0.0, 2.0)
 
 
+@pytest.mark.slow
 def test_ends_of_the_stable_axes_are_the_known_ones():
     rk4 = row(load("rk4"))
     assert (rk4["imaginary"], rk4["real"]) == (2.828, 2.785)  # 2 sqrt 2, and the root of R = 1

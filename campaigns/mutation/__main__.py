@@ -6,101 +6,76 @@ import argparse
 import json
 import os
 import random
-import resource
 import shutil
 import subprocess
 import sys
 import tempfile
-import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from .inprocess import ROOT, SILENT, Bench, collected
 from .mutants import Mutant, mutants
 
-ROOT = Path(__file__).resolve().parents[2]
-#: Room -> its modules (of a folder, or some files of one), and the tests that should notice.
-ROOMS: dict[str, tuple[str, str]] = {
-    "exact": (
-        "glmref/exact/*.py",
-        "unit/test_exact unit/test_expression unit/test_linalg unit/test_polynomials",
-    ),
-    "readers": (
-        "glmref/catalogue/reader.py glmref/catalogue/strict_json.py glmref/catalogue/entries.py",
-        "unit/test_reader unit/test_strict_json unit/test_bare_tableau",
-    ),
-    "prove": ("glmref/prove/*.py", "adversary unit/test_certify unit/test_derive_enclosure"),
-    "theory": (
-        "glmref/theory/*.py",
-        (
-            "unit/test_order unit/test_symmetry unit/test_symplectic unit/test_stability "
-            "unit/test_spectrum unit/test_parasitism unit/test_starting unit/test_reduction"
-        ),
-    ),
-    "engine": ("glmref/engine/*.py", "unit/test_engine_solve unit/test_engine_agreement"),
+#: Room -> its modules: of a folder, or some files of one; ``-`` leaves one out.
+ROOMS: dict[str, str] = {
+    "exact": "exact/*",
+    "readers": "catalogue/reader catalogue/strict_json catalogue/entries catalogue/keys",
+    "prove": "prove/* -prove/kernel -prove/growth_rules -prove/stability_rules",
+    "kernel": "prove/kernel prove/growth_rules prove/stability_rules",
+    "theory": "theory/*",
+    "engine": "engine/*",
 }
-#: Module -> more tests of its own, which take longer.
-OWN: dict[str, str] = {
-    "ball": "unit/test_exact", "jet": "unit/test_series", "number": "laws/test_number_laws",
-    "relations": "unit/test_derive_recognise", "products": "laws/test_product_laws",
-}  # fmt: skip
-#: A mutant that loops is noticed: it takes this many times as long as the tests without it.
-PATIENCE, LEAST = 4.0, 20.0
+#: Quick tests that are collected, and beginnings of those that concern other rooms.
+TESTS = ("tests/unit", "tests/laws", "tests/adversary", "tests/literature", "tests/attack",
+         "tests/suite/test_bad_input.py")  # fmt: skip
+OTHERS = (
+    *("compute", "report", "cli", "scenes", "campaigns", "chart", "portrait", "plane", "measure"),
+    *("convergence", "asv", "typed", "bibtex", "labels", "work_precision", "audit", "peers"),
+)
 LEFT_OUT = (".git", "__pycache__", ".pytest_cache", ".ruff_cache", "docs/images", "site")
 
 
 def modules(room: str) -> list[Path]:
     """Modules of a room, as paths in the tree."""
-    found = [p for glob in ROOMS[room][0].split() for p in sorted(ROOT.glob(glob))]
-    return [p.relative_to(ROOT) for p in found if p.name != "__init__.py"]
-
-
-def tests_of(room: str, module: Path) -> list[str]:
-    """Tests that should notice a change of a module; the long ones come last."""
-    stems = [f"unit/test_{module.stem}", *ROOMS[room][1].split()]
-    stems += OWN.get(module.stem, "").split()
-    paths = [f"tests/{x}" if x == "adversary" else f"tests/{x}.py" for x in stems]
-    return [x for x in dict.fromkeys(paths) if (ROOT / x).exists()]
+    names = ROOMS[room].split()
+    without = {ROOT / "glmref" / f"{x[1:]}.py" for x in names if x[0] == "-"}
+    found = [p for x in names for p in sorted((ROOT / "glmref").glob(f"{x}.py"))]
+    return [p.relative_to(ROOT) for p in found if p.stem != "__init__" and p not in without]
 
 
 def drawn(rooms: Sequence[str], count: int, seed: int) -> Iterator[tuple[str, Path, Mutant]]:
-    """Draw mutants of the rooms; every mutant is as likely as any other."""
-    every = [
-        (room, module, mutant)
-        for room in rooms
-        for module in modules(room)
-        for mutant in mutants((ROOT / module).read_text(encoding="utf-8"))
-    ]
-    draw = random.Random(seed)
-    yield from draw.sample(every, min(count, len(every)))
+    """Draw mutants by turns of the rooms; within a room each is as likely as any other."""
+    by_turns = []
+    for room in rooms:
+        every = [
+            (room, module, mutant)
+            for module in modules(room)
+            for mutant in mutants((ROOT / module).read_text(encoding="utf-8"))
+        ]
+        most = min(-(-count // len(rooms)), len(every))
+        by_turns.append(random.Random(f"{seed} {room}").sample(every, most))
+    for turn in range(max(map(len, by_turns))):
+        yield from (x[turn] for x in by_turns if turn < len(x))
 
 
-def run(tree: Path, tests: Sequence[str], seconds: float) -> tuple[str, str, float]:
-    """Run tests in a copy of the tree; what came of them, the first that failed, seconds."""
-    started = time.monotonic()
-
-    def limits() -> None:
-        resource.setrlimit(resource.RLIMIT_CPU, (int(seconds), int(seconds) + 1))
-        resource.setrlimit(resource.RLIMIT_AS, (6 << 30, 6 << 30))
-
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-x", "-q", "--no-header", "-p", "no:cacheprovider",
-         "-p", "no:randomly", "--tb=no", *tests],
-        cwd=tree, env={**os.environ, "PYTHONPATH": str(tree), "CI": "1"}, capture_output=True,
-        text=True, check=False, preexec_fn=limits, timeout=60 * seconds,
-    )  # fmt: skip
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    spent = after.ru_utime + after.ru_stime - used.ru_utime - used.ru_stime
+def anew(tree: Path, module: Path, mutant: Mutant, tests: Sequence[str]) -> tuple[str, str]:
+    """Run tests in a copy of the tree, for what is computed when a module is imported."""
+    right = (tree / module).read_text(encoding="utf-8")
+    (tree / module).write_text(mutant.source, encoding="utf-8")
+    try:
+        done = subprocess.run(
+            [sys.executable, "-m", "pytest", "-x", "--no-header", "--tb=no", *SILENT[1:], *tests],
+            cwd=tree, env={**os.environ, "PYTHONPATH": str(tree)}, capture_output=True,
+            text=True, check=False, timeout=600,
+        )  # fmt: skip
+    except subprocess.TimeoutExpired:
+        return "time", ""
+    finally:
+        (tree / module).write_text(right, encoding="utf-8")
     failed = [x for x in done.stdout.splitlines() if x.startswith(("FAILED", "ERROR"))]
-    if done.returncode == 0:
-        outcome = "survived"
-    elif done.returncode < 0 or time.monotonic() - started > 60 * seconds:
-        outcome = "time"
-    else:
-        outcome = "killed"
     first = failed[0].split(" - ")[0].partition(" ")[2] if failed else ""
-    return outcome, first, round(spent, 2)
+    return "killed" if done.returncode else "survived", first
 
 
 def say(line: str) -> None:
@@ -109,49 +84,63 @@ def say(line: str) -> None:
     sys.stdout.flush()
 
 
+def run(bench: Bench, chosen: Sequence[tuple[str, Path, Mutant]], output: Path | None) -> None:
+    """Run mutants; those recorded in the output are not run again."""
+    counts: dict[str, Counter[str]] = {}
+    done = {}
+    if output is not None and output.exists():
+        rows = map(json.loads, output.read_text(encoding="utf-8").splitlines())
+        done = {(x["module"], x["line"], x["before"], x["after"]): x for x in rows}
+    with tempfile.TemporaryDirectory() as name:
+        tree = Path(name) / "glmref"
+        for room, module, mutant in chosen:
+            key = (str(module), mutant.line, mutant.before[:300], mutant.after[:300])
+            row = done.get(key)
+            if row is None:
+                outcome, first, seconds = bench.judged(module, mutant)
+                if outcome == "stale":
+                    if not tree.exists():
+                        shutil.copytree(ROOT, tree, ignore=shutil.ignore_patterns(*LEFT_OUT))
+                    tests = bench.tests(module, mutant.function)
+                    outcome, first = anew(tree, module, mutant, tests)
+                row = {"room": room, "kind": mutant.kind, "function": mutant.function,
+                       **dict(zip(("module", "line", "before", "after"), key, strict=True)),
+                       "outcome": outcome, "by": first, "seconds": round(seconds, 2)}  # fmt: skip
+                if output is not None:
+                    with output.open("a", encoding="utf-8") as stream:
+                        stream.write(json.dumps(row) + "\n")
+            counts.setdefault(room, Counter())[row["outcome"]] += 1
+            if row["outcome"] == "survived":
+                say(f"{module}:{mutant.line}: {mutant.before!r} -> {mutant.after!r}")
+    for room, found in counts.items():
+        noticed = found["killed"] + found["time"]
+        say(f"{room}: {noticed} of {found.total()} noticed, {noticed / found.total():.1%}")
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a campaign; the exit code is 1 where tests fail without any change."""
+    """Run a campaign; the exit code is that of pytest."""
     parser = argparse.ArgumentParser(prog="python -m campaigns.mutation", description=__doc__)
     parser.add_argument("--rooms", default="exact", help=f"some of {', '.join(ROOMS)}")
     parser.add_argument("--count", type=int, default=100, help="mutants to draw")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--output", type=Path, default=None, help="file of JSON Lines")
+    parser.add_argument("--calls", type=Path, default=None, help="file that keeps what tests call")
     given = parser.parse_args(arguments)
     rooms = given.rooms.split(",")
     unknown = [x for x in rooms if x not in ROOMS]
     if unknown:
         parser.error(f"there is no room {unknown[0]!r}; known are {', '.join(ROOMS)}")
-    counts: Counter[str] = Counter()
-    baseline: dict[tuple[str, ...], float] = {}
+    os.chdir(ROOT)
+    os.environ["CI"] = "1"  # the same examples for every mutant
+    chosen = list(drawn(rooms, given.count, given.seed))
+    watched = [x for room in ROOMS for x in modules(room)]
+    left = [f"--ignore-glob=*/test_{x}*" for x in OTHERS]
     with tempfile.TemporaryDirectory() as name:
-        tree = Path(name) / "glmref"
-        shutil.copytree(ROOT, tree, ignore=shutil.ignore_patterns(*LEFT_OUT))
-        for room, module, mutant in drawn(rooms, given.count, given.seed):
-            tests = tests_of(room, module)
-            if tuple(tests) not in baseline:
-                outcome, first, seconds = run(tree, tests, 3600.0)
-                if outcome != "survived":
-                    sys.stderr.write(f"{first or tests[0]} fails without any change\n")
-                    return 1
-                baseline[tuple(tests)] = max(LEAST, PATIENCE * seconds)
-            right = (tree / module).read_text(encoding="utf-8")
-            (tree / module).write_text(mutant.source, encoding="utf-8")
-            outcome, first, seconds = run(tree, tests, baseline[tuple(tests)])
-            (tree / module).write_text(right, encoding="utf-8")
-            counts[outcome] += 1
-            row = {
-                "module": str(module), "line": mutant.line, "kind": mutant.kind,
-                "before": mutant.before[:300], "after": mutant.after[:300],
-                "outcome": outcome, "by": first, "seconds": seconds,
-            }  # fmt: skip
-            if given.output is not None:
-                with given.output.open("a", encoding="utf-8") as stream:
-                    stream.write(json.dumps(row) + "\n")
-            if outcome == "survived":
-                say(f"{module}:{mutant.line}: {mutant.before!r} -> {mutant.after!r}")
-    noticed = counts["killed"] + counts["time"]
-    say(f"{noticed} of {counts.total()} mutants noticed, seed {given.seed}, {dict(counts)}")
-    return 0
+        os.environ.setdefault("GLMREF_CACHE", name)
+        return collected(
+            [*TESTS, *left],
+            lambda session: run(Bench(session, watched, given.calls), chosen, given.output),
+        )
 
 
 if __name__ == "__main__":

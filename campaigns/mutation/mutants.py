@@ -33,6 +33,8 @@ class Mutant:
         The text, and what stands in its place.
     source : str
         The module with the change.
+    function : str
+        Qualified name of the function that is changed, ``""`` for what is computed on import.
     """
 
     line: int
@@ -40,6 +42,7 @@ class Mutant:
     before: str
     after: str
     source: str
+    function: str
 
 
 def mutants(source: str) -> Iterator[Mutant]:
@@ -56,7 +59,7 @@ def mutants(source: str) -> Iterator[Mutant]:
         In the order of the syntax tree; docstrings, annotations and imports stay as they are.
     """
     tree = ast.parse(source)
-    still = _left_alone(tree)
+    still, functions = _left_alone(tree), _functions(tree)
     starts = [0]
     for line in source.encode().splitlines(keepends=True):
         starts.append(starts[-1] + len(line))
@@ -69,7 +72,25 @@ def mutants(source: str) -> Iterator[Mutant]:
         before = text[begin:end].decode()
         for kind, after in _changes(node):
             changed = text[:begin] + after.encode() + text[end:]
-            yield Mutant(node.lineno, kind, before, after, changed.decode())  # type: ignore[attr-defined]
+            place = functions.get(id(node), "")
+            yield Mutant(node.lineno, kind, before, after, changed.decode(), place)  # type: ignore[attr-defined]
+
+
+def _functions(tree: ast.Module) -> dict[int, str]:
+    """Qualified names of the outermost functions in whose bodies nodes are."""
+    found: dict[int, str] = {}
+
+    def look(node: ast.AST, prefix: str) -> None:
+        for inner in ast.iter_child_nodes(node):
+            if isinstance(inner, ast.FunctionDef):
+                for statement in inner.body:
+                    found.update((id(x), f"{prefix}{inner.name}") for x in ast.walk(statement))
+            else:
+                name = f"{prefix}{inner.name}." if isinstance(inner, ast.ClassDef) else prefix
+                look(inner, name)
+
+    look(tree, "")
+    return found
 
 
 def _left_alone(tree: ast.Module) -> set[int]:
@@ -84,7 +105,7 @@ def _left_alone(tree: ast.Module) -> set[int]:
         match node:
             case ast.Expr(value=ast.Constant()):
                 leave(node)
-            case ast.Import() | ast.ImportFrom() | ast.JoinedStr() | ast.Raise():
+            case ast.Import() | ast.ImportFrom() | ast.JoinedStr() | ast.Raise() | ast.Assert():
                 leave(node)
             case ast.AnnAssign() | ast.arg():
                 leave(node.annotation)
@@ -92,7 +113,9 @@ def _left_alone(tree: ast.Module) -> set[int]:
                 leave(node.returns)
                 for decorator in node.decorator_list:
                     leave(decorator)
-            case ast.Assign(targets=[ast.Name(id="__all__")]):
+            case ast.Assign(targets=[ast.Name(id="__all__" | "__slots__")]):
+                leave(node)
+            case ast.keyword(arg="strict"):  # a guard of lengths that are equal
                 leave(node)
             case ast.If(test=ast.Name(id="TYPE_CHECKING")):
                 leave(node)

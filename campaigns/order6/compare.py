@@ -22,8 +22,8 @@ from typing import Any
 
 import numpy as np
 
+from campaigns.driver import TIMED, arguments, carried_out, complete
 from glmref.catalogue.lookup import load
-from glmref.catalogue.strict_json import write_json
 from glmref.compute.records import finite
 from glmref.engine.kernel import Kernel, prepare
 from glmref.engine.outcome import Outcome
@@ -273,7 +273,7 @@ class Comparison:
         }
 
 
-def document(name: str, comparisons: Sequence[Comparison]) -> dict[str, Any]:
+def document(name: str, comparisons: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """The file's document."""
     return {
         "format": "glmref-measurement-1",
@@ -283,20 +283,24 @@ def document(name: str, comparisons: Sequence[Comparison]) -> dict[str, Any]:
         "seconds": "processor time, medians of interleaved rounds",
         "rounds": ROUNDS,
         "where": circumstances(),
-        "cases": [one.as_json() for one in comparisons],
+        "cases": list(comparisons),
     }
 
 
 def main(path: Path) -> None:
     """Measure all cases and write the file."""
     names = [name for group in METHODS.values() for name in group]
-    comparisons = []
-    for case in CASES:
-        sys.stderr.write(f"{case.name}\n")
-        comparisons.append(Comparison(case, case.methods or names))
-        comparisons[-1].time()
-    write_json(path, document(path.stem, comparisons))
+    cases = [{"case": case.name, "methods": list(case.methods or names)} for case in CASES]
+    complete(path, document(path.stem, carried_out(row, cases, beside=path, limits=TIMED)))
+
+
+def row(task: Mapping[str, Any]) -> dict[str, Any]:
+    """Compare and time the methods on a case of this name."""
+    (case,) = (case for case in CASES if case.name == task["case"])
+    found = Comparison(case, task["methods"])
+    found.time()
+    return found.as_json()
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main(Path(arguments(sys.argv[1:])[0]))

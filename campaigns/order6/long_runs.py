@@ -8,7 +8,7 @@ which is blind to nothing above O(h^(p+1)).
 A method with growth parameters 0 may still grow at second order in h: the parasitic component then
 grows as exp(c h^2 t) on some solutions. That rate is measured apart, on runs whose start is nudged
 by :data:`NUDGE`, so that the parasitic part stands out from the first step on. For one method it is
-scanned over h and the size of the nudge (:func:`rate_scan`).
+scanned over h and the size of the nudge (:func:`scan_rate`).
 """
 
 from __future__ import annotations
@@ -22,10 +22,9 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import carried_out
+from campaigns.driver import arguments, carried_out, complete
 from campaigns.order6.compare import METHODS, rounded
 from glmref.catalogue.lookup import load
-from glmref.catalogue.strict_json import write_json
 from glmref.engine.outcome import Solution
 from glmref.engine.reference import Stepper, apply_finish, apply_start, stepper
 from glmref.errors import GlmrefError
@@ -35,7 +34,7 @@ from glmref.method import GLM
 from glmref.problems import problem
 from glmref.problems.model import Problem
 
-__all__ = ["RUNS", "LongRun", "growth_rate", "long_run", "main", "parasitic_part", "rate_scan"]
+__all__ = ["RUNS", "LongRun", "growth_rate", "long_run", "main", "parasitic_part", "scan_rate"]
 
 STEPS = 10_000_000
 #: Samples of each stretch at which the parasitic part is formed.
@@ -199,20 +198,17 @@ def growth_rate(
     return math.log(sizes[1] / sizes[0]) / (0.5 * h * steps)
 
 
-def rate_scan() -> list[dict[str, Any]]:
-    """Rates of :data:`SCANNED` at each h and nudge of :data:`SCAN`.
+def scan_rate(case: Mapping[str, Any]) -> dict[str, Any]:
+    """Rate of :data:`SCANNED` at an h and a nudge of :data:`SCAN`.
 
     The number of steps goes with h^-3: with a rate proportional to h^2 every run then sees its
     parasitic part grow by the same factor, and each rate is known equally well.
     """
     name, run = SCANNED
-    found = []
-    for h, nudge in SCAN:
-        steps = round(NUDGED_STEPS * (0.1 / h) ** 3)
-        rate = rounded(growth_rate(name, run, h=h, steps=steps, nudge=nudge))
-        record = {"method": name, "run": run, "h": h, "steps": steps, "nudge": nudge}
-        found.append({**record, "rate": rate})
-    return found
+    h, nudge = case["h"], case["nudge"]
+    steps = round(NUDGED_STEPS * (0.1 / h) ** 3)
+    rate = rounded(growth_rate(name, run, h=h, steps=steps, nudge=nudge))
+    return {"method": name, "run": run, "h": h, "steps": steps, "nudge": nudge, "rate": rate}
 
 
 def _looks(rows: int) -> list[int]:
@@ -237,7 +233,9 @@ def main(path: Path) -> None:
     """Run everything and write the file."""
     groups = ("order 6, general linear", "order 8, general linear")
     names = [name for group in groups for name in METHODS[group]]
-    runs = list(carried_out(row, ({"run": run, "method": x} for run in RUNS for x in names)))
+    cases = ({"run": run, "method": x} for run in RUNS for x in names)
+    runs = carried_out(row, cases, beside=path)
+    scan = carried_out(scan_rate, ({"h": h, "nudge": nudge} for h, nudge in SCAN), beside=path)
     document = {
         "format": "glmref-measurement-1",
         "name": path.stem,
@@ -248,10 +246,10 @@ def main(path: Path) -> None:
         "nudged_steps": NUDGED_STEPS,
         "where": circumstances(),
         "runs": runs,
-        "scan": rate_scan(),
+        "scan": scan,
     }
-    write_json(path, document)
+    complete(path, document)
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main(Path(arguments(sys.argv[1:])[0]))

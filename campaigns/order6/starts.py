@@ -12,14 +12,15 @@ from __future__ import annotations
 
 import math
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from campaigns.driver import arguments, carried_out, complete
 from campaigns.order6.compare import rounded
 from glmref.catalogue.lookup import load
-from glmref.catalogue.strict_json import write_json
 from glmref.engine.reference import Stepper, apply_finish, stepper
 from glmref.engine.start import enhanced_start, starting_values
 from glmref.measure.longtime import follow
@@ -115,18 +116,31 @@ def loss_times(name: str, kind: str, *, h: float = 0.1, steps: int = 100_000) ->
     return None if time is None else rounded(time)
 
 
+def start_row(case: Mapping[str, Any]) -> dict[str, Any]:
+    """Errors and parasitic part of a method from a start."""
+    given = case["method"], case["start"]
+    return {**case, **final_errors(*given), **amplitudes(*given)}
+
+
+def loss_row(case: Mapping[str, Any]) -> dict[str, Any]:
+    """When a method is lost that began with a start."""
+    return {**case, "lost": loss_times(case["method"], case["start"])}
+
+
 def main(path: Path) -> None:
     """Measure everything and write the file."""
-    starts = [
-        {"method": name, "start": kind, **final_errors(name, kind), **amplitudes(name, kind)}
+    cases = (
+        {"method": name, "start": kind}
         for name in (*IDENTITY, *CONJUGATION)
         for kind in kinds(name)
-    ]
-    losses = [
-        {"method": name, "start": kind, "lost": loss_times(name, kind)}
+    )
+    starts = carried_out(start_row, cases, beside=path)
+    cases = (
+        {"method": name, "start": kind}
         for name in ("gsymplectic-p", "gsymplectic-n")
         for kind in ("zero", "explicit", "enhanced 2", "enhanced 4", "enhanced 8")
-    ]
+    )
+    losses = carried_out(loss_row, cases, beside=path)
     document = {
         "format": "glmref-measurement-1",
         "name": path.stem,
@@ -137,8 +151,8 @@ def main(path: Path) -> None:
         "starts": starts,
         "losses": {"problem": {"name": "pendulum", "q0": "23/10"}, "h": 0.1, "runs": losses},
     }
-    write_json(path, document)
+    complete(path, document)
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main(Path(arguments(sys.argv[1:])[0]))

@@ -28,9 +28,8 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import carried_out
+from campaigns.driver import arguments, carried_out, complete
 from glmref.catalogue.lookup import document, load, names
-from glmref.catalogue.strict_json import write_json
 from glmref.method import GLM
 from glmref.theory.error_constants import conjugate_error, error_norm
 from glmref.theory.order import order_of
@@ -131,7 +130,8 @@ def row(case: Mapping[str, Any]) -> dict[str, Any]:
 
 def main(path: Path) -> None:
     """Compute all records and write the file."""
-    records = list(carried_out(row, ({"method": x} for x in (*methods(), *NEIGHBOURS))))
+    cases = ({"method": x} for x in (*methods(), *NEIGHBOURS))
+    records = carried_out(row, cases, beside=path)
     out = {
         "format": "glmref-measurement-1",
         "name": path.stem,
@@ -139,8 +139,8 @@ def main(path: Path) -> None:
         "how": "python -m campaigns.order6.survey",
         "methods": records,
     }
-    write_json(path, out)
+    complete(path, out)
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main(Path(arguments(sys.argv[1:])[0]))
