@@ -10,12 +10,13 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
+from typing import Any
 
 import click
 
 from .. import __version__
 from ..errors import GlmrefError
-from ..system.process import guarded
+from ..system.process import guarded, within
 from .auditing import audit, check
 from .benching import bench
 from .browsing import cite, list_, show
@@ -34,14 +35,41 @@ from .running import run
 __all__ = ["group", "main"]
 
 
+#: Words that are no commands here, and what does what they ask for.
+_ELSEWHERE = {
+    "help": "`glmref --help` and `glmref COMMAND --help`",
+    "integrate": "`glmref.solve` in Python, `glmref compare PROBLEM` or `glmref run SCENE`",
+    "plot": "`glmref show NAME --plot FILE.svg`, or `glmref.plot` in Python",
+    "solve": "`glmref.solve` in Python, `glmref compare PROBLEM` or `glmref run SCENE`",
+}
+
+
+class _Group(click.Group):
+    """The commands, and an answer to words that one might take for a command."""
+
+    def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
+        """Find the command of a line."""
+        if args and args[0] in _ELSEWHERE:
+            raise click.UsageError(f"there is no command {args[0]!r}; take {_ELSEWHERE[args[0]]}")
+        return super().resolve_command(ctx, args)
+
+
 @click.group(
+    cls=_Group,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
     epilog="Exit codes: 0 holds, 1 a check failed, 2 usage, bad input or a "
     "refusal of the system, 3 open or internal. "
     "NO_COLOR is respected; GLMREF_DEBUG=1 shows the traceback of an internal error.",
 )
 @click.version_option(__version__, "--version", prog_name="glmref", message="%(prog)s %(version)s")
-def group() -> None:
+@click.option(
+    "--time-limit",
+    type=click.IntRange(1, 10**8),
+    metavar="SECONDS",
+    envvar="GLMREF_TIME_LIMIT",
+    help="End the command after this time, with exit code 2, whatever it does then.",
+)
+def group(time_limit: int | None) -> None:
     """General linear methods, checked exactly."""
 
 
@@ -77,7 +105,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if "_GLMREF_COMPLETE" in os.environ:  # the shell asks for completions
         return int(group.main(prog_name="glmref") or 0)
     arguments = sys.argv[1:] if arguments is None else arguments
-    return guarded("glmref", lambda: _run(list(arguments)), BAD_INPUT)
+
+    def program() -> int:
+        return guarded("glmref", lambda: _run(list(arguments)), BAD_INPUT)
+
+    seconds = _time_limit(list(arguments))
+    return program() if seconds is None else within("glmref", seconds, program)
+
+
+def _time_limit(arguments: list[str]) -> int | None:
+    """The time limit that is asked for; what is wrong in it is said later."""
+    first = arguments[0] if arguments else ""
+    if not first.startswith("--time-limit") and "GLMREF_TIME_LIMIT" not in os.environ:
+        return None
+    context = group.make_context("glmref", arguments, resilient_parsing=True)
+    return context.params["time_limit"]
 
 
 def _run(arguments: list[str]) -> int:

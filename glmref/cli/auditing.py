@@ -19,7 +19,8 @@ __all__ = ["audit", "check"]
 #: Repeated from :data:`glmref.audit.readers.FORMATS`, so that ``--help`` loads nothing.
 READ = (
     *("json", "csv", "sundials", "petsc", "julia", "python"),
-    *("openmodelica", "eigen", "rklib", "kpp", "principia", "gsl", "odeint"),
+    *("openmodelica", "eigen", "rklib", "kpp", "matlode", "constants", "java", "rust"),
+    *("principia", "gsl", "odeint"),
 )
 
 _MOST_TEXT = 20_000_000  # characters of a document

@@ -12,7 +12,7 @@ import click
 from ..catalogue.claims import ORDER
 from ..catalogue.keys import BLOCKS
 from ..errors import UsageError
-from ..system.files import write_text
+from ..system.shown import Drawing
 from ..views.tables import Style, columns, csv_text, json_text, one_line
 from .output import HOLDS, Word, complete_method, say
 
@@ -92,7 +92,7 @@ def show(name: str, decimal: int | None, plot: Path | None) -> int:
     if plot is not None:
         from ..views.portrait import portrait
 
-        write_text(plot, portrait(method))
+        Drawing(portrait(method)).save(plot)
         say(f"\nwrote {one_line(plot)}")
     return HOLDS
 

@@ -117,6 +117,7 @@ def _carry_out(
 
         def advance(task: Mapping[str, Any], one: Mapping[str, Any]) -> None:
             outcomes[str(one["outcome"])] += 1
+            progress.threads = where.threads
             progress.advance(failed=str(one["outcome"]) in _FAILURES)
 
         def stop() -> bool:
@@ -183,10 +184,11 @@ def _show_plan(wanted: Campaign, store: RecordFolder, form: str) -> None:
     grid = " x ".join(f"{len(x):,} {k}" for k, x in wanted.grid.items())
     drawn = f"{wanted.count:,} points of {', '.join(wanted.sample)} ({wanted.draw})"
     hours = seconds * left / 3600
+    each = len(wanted) // wanted.points
     lines = [
         ("question", one_line(wanted.question)),
         ("tasks", f"{len(wanted):,} of the kind {wanted.kind.name}, {left:,} of them left"),
-        ("grid", grid or "none"),
+        ("grid", (grid or "none") + (f", {each:,} tasks for each" if each > 1 else "")),
         ("sample", drawn if wanted.sample else "none"),
         ("timed", "yes: a core for each task" if wanted.limits.pinned else "no"),
         ("limits", f"{wanted.limits.seconds:g} s a task, {wanted.limits.retries} retries"),

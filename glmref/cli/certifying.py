@@ -10,6 +10,7 @@ import click
 
 from ..catalogue.canonical import one_line
 from ..errors import UsageError
+from ..system.files import make_folder, write_text
 from .output import BAD_INPUT, HOLDS, complain, complete_method, say
 
 __all__ = ["certify", "write_certificates"]
@@ -63,10 +64,10 @@ def _certificates(name: str) -> Iterator[tuple[str, dict[str, Any] | str]]:
 
 
 def _write(folder: Path, certificate: dict[str, Any]) -> None:
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     statement = certificate["statement"]
     path = folder / f"{statement['method']}.{statement['claim']}.json"
-    path.write_text(one_line(certificate) + "\n", encoding="utf-8")
+    write_text(path, one_line(certificate) + "\n")
 
 
 def write_certificates(names: list[str], folder: Path) -> tuple[int, list[str]]:

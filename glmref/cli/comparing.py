@@ -10,16 +10,17 @@ import click
 
 from ..errors import UsageError
 from ..system.files import make_folder, write_text
+from ..system.shown import Drawing
 from ..system.terminal import saying
 from ..views.tables import Style, columns, csv_text, json_text, one_line
 from .browsing import LISTS
-from .output import HOLDS, say
+from .output import HOLDS, complete_problem, say
 
 __all__ = ["compare", "problems"]
 
 
 @click.command(short_help="List the shipped problems, with formulas.")
-@click.argument("names", nargs=-1, metavar="[NAME|FILE]...")
+@click.argument("names", nargs=-1, metavar="[NAME|FILE]...", shell_complete=complete_problem)
 @click.option(
     "--format",
     "form",
@@ -66,7 +67,7 @@ def _found(name: str) -> tuple[Any, str]:
 
 
 @click.command(short_help="Measure methods on a problem, recommend one.")
-@click.argument("problem", metavar="PROBLEM|FILE")
+@click.argument("problem", metavar="PROBLEM|FILE", shell_complete=complete_problem)
 @click.option("--methods", metavar="NAME,NAME,...", help="These methods instead of the usual ones.")
 @click.option("--tolerance", type=float, default=1e-9, show_default=True, help="Relative error.")
 @click.option("--t-end", metavar="TIME", help="End of the runs, such as 50 or '20*pi'.")
@@ -102,13 +103,12 @@ def compare(
     if output is not None:
         make_folder(output)
         stem = output / found.problem.replace("/", "-")
-        for path, text in (
-            (stem.with_name(f"{stem.name}.svg"), found.svg()),
-            (stem.with_name(f"{stem.name}-evaluations.svg"), found.svg(against="evaluations")),
-            (stem.with_name(f"{stem.name}.json"), json_text(found.as_json()) + "\n"),
-        ):
-            write_text(path, text)
-            written.append(path.name)
+        for suffix, against in (("", "seconds"), ("-evaluations", "evaluations")):
+            path = stem.with_name(f"{stem.name}{suffix}.svg")
+            written.append(Drawing(found.svg(against=against)).save(path).name)
+        path = stem.with_name(f"{stem.name}.json")
+        write_text(path, json_text(found.as_json()) + "\n")
+        written.append(path.name)
     if form == "json":
         say(json_text(found.as_json()))
     elif form == "csv":

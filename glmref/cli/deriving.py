@@ -11,7 +11,7 @@ import click
 from ..errors import UsageError
 from ..system.files import make_folder, write_text
 from ..views.tables import json_text, one_line
-from .output import FAILED, HOLDS, say
+from .output import FAILED, HOLDS, complete_recipe, say
 
 if TYPE_CHECKING:
     from ..derive.recipes import Derivation
@@ -24,11 +24,13 @@ __all__ = ["derive"]
     context_settings={"ignore_unknown_options": True, "allow_extra_args": True},
     add_help_option=False,
 )
-@click.argument("recipe", metavar="[RECIPE|ANSATZ.toml]", required=False)
+@click.argument(
+    "recipe", metavar="[RECIPE|ANSATZ.toml]", required=False, shell_complete=complete_recipe
+)
 @click.option(
     "--output",
-    type=click.Path(file_okay=False, path_type=Path),
-    help="Folder for the method files; without it one file goes to stdout.",
+    type=click.Path(path_type=Path),
+    help="Folder for the method files, or a file FILE.json for one; without it one goes to stdout.",
 )
 @click.option(
     "--format",
@@ -60,7 +62,7 @@ def derive(
     if recipe.endswith(".toml"):
         options, recipe = {"ansatz": recipe, **options}, "search"
     if output is not None:
-        make_folder(output)
+        make_folder(output.parent if output.suffix == ".json" else output)
     try:
         with _Bar() as bar:
             found = recipes.run(recipe, options, bar.progress)
@@ -72,6 +74,8 @@ def derive(
         raise
     if form == "json":
         say(json_text(_record(found)))
+        if output is not None:
+            _write(found.documents, output, err=True)
     else:
         _report(found, output)
     return FAILED if found.refused else HOLDS
@@ -161,19 +165,24 @@ def _report(found: Derivation, output: Path | None) -> None:
     if to_stdout:
         click.echo(canonical(dict(found.documents[0])), nl=False)
         return
+    if output is not None:
+        _write(found.documents, output)
+        return
     for document in found.documents:
-        _write(document, output)
+        say(f"derived {document['name']}; give --output DIR to keep the file")
 
 
-def _write(document: Mapping[str, Any], output: Path | None) -> None:
+def _write(documents: Sequence[Mapping[str, Any]], output: Path, *, err: bool = False) -> None:
+    """One file where the name says so and there is one, else files in the folder of that name."""
     from ..catalogue.canonical import canonical
 
-    if output is None:
-        say(f"derived {document['name']}; give --output DIR to keep the file")
-        return
-    path = output / f"{document['name']}.json"
-    write_text(path, canonical(dict(document)))
-    say(f"wrote {one_line(path)}")
+    alone = output.suffix == ".json" and len(documents) == 1
+    if output.suffix == ".json" and not alone:
+        output = make_folder(output.with_suffix(""))
+    for document in documents:
+        path = output if alone else output / f"{document['name']}.json"
+        write_text(path, canonical(dict(document)))
+        click.echo(f"wrote {one_line(path)}", err=err)
 
 
 class _Bar:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import traceback
+from collections.abc import Iterable
 from typing import Any
 
 import click
@@ -25,6 +26,9 @@ __all__ = [
     "Word",
     "complain",
     "complete_method",
+    "complete_problem",
+    "complete_recipe",
+    "complete_scene",
     "confess",
     "internal_sentence",
     "on_option",
@@ -50,7 +54,38 @@ def complete_method(
     """Complete a method: the shipped names, never those wrong on purpose, and files."""
     from ..catalogue.files import names
 
-    found = [CompletionItem(name) for name in names("methods") if name.startswith(incomplete)]
+    return _completed(names("methods"), incomplete)
+
+
+def complete_problem(
+    context: click.Context, parameter: click.Parameter, incomplete: str
+) -> list[CompletionItem]:
+    """Complete a problem: the shipped names and files."""
+    from ..problems import names
+
+    return _completed(names(), incomplete)
+
+
+def complete_scene(
+    context: click.Context, parameter: click.Parameter, incomplete: str
+) -> list[CompletionItem]:
+    """Complete a scene: the shipped names and files."""
+    from ..scenes.reading import names
+
+    return _completed(names(), incomplete)
+
+
+def complete_recipe(
+    context: click.Context, parameter: click.Parameter, incomplete: str
+) -> list[CompletionItem]:
+    """Complete a recipe, or the file of an ansatz."""
+    from ..derive.recipes import names
+
+    return _completed(names(), incomplete)
+
+
+def _completed(names: Iterable[str], incomplete: str) -> list[CompletionItem]:
+    found = [CompletionItem(name) for name in names if name.startswith(incomplete)]
     return [*found, CompletionItem(incomplete, type="file")]
 
 
@@ -104,13 +139,15 @@ class Progress:
 
     Attributes
     ----------
-    out, done : int
-        How many were handed out, where that is known, and how many have ended.
+    out, done, threads : int
+        How many were handed out, where that is known, how many have ended, and how many can run at
+        the same time.
     """
 
     def __init__(self, total: int, name: str, unit: str) -> None:
         self.bar: Any = None
         self.out = self.done = self.failed = 0
+        self.threads = 1
         if sys.stderr.isatty() and total > 0:
             from tqdm import tqdm
 
@@ -125,7 +162,8 @@ class Progress:
         self.done += 1
         self.failed += failed
         if self.bar is not None:
-            running = [f"{self.out - self.done} running"] if self.out > self.done else []
+            count = min(self.out - self.done, self.threads)
+            running = [f"{count} running"] if count > 0 else []
             shown = [*running, *([f"{self.failed} failed"] if self.failed else []), text]
             self.bar.set_postfix_str(", ".join(filter(None, shown)), refresh=False)
             self.bar.update()

@@ -30,9 +30,9 @@ __all__ = ["conformance", "probe"]
 def conformance(adapter: str, known_failures: str | None, form: str, ids: bool) -> int:
     """Run the conformance suite on an integrator.
 
-    ADAPTER is package.module:Name, cmd:program, or a shipped adapter such as scipy. Exit codes are
-    those of pytest and of `python -m glmref.conformance`: 0 every check holds, 1 one fails, 4 the
-    adapter or an option is bad.
+    ADAPTER is package.module:Name, cmd:program, or a shipped adapter such as scipy. Exit codes: 0
+    every check holds, 1 one fails, 2 the adapter or an option is bad, as of `python -m
+    glmref.conformance`.
     """
     from argparse import Namespace
 

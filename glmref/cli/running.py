@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import UsageError
-from ..system.files import write_text
+from ..system.shown import Drawing
 from ..views.tables import Style, columns, csv_text, json_text, one_line
 from .browsing import LISTS
-from .output import BAD_INPUT, HOLDS, INTERNAL, Progress, complain, on_option, say
+from .output import BAD_INPUT, HOLDS, INTERNAL, Progress, complain, complete_scene, on_option, say
 
 if TYPE_CHECKING:
     from ..compute import Executor
@@ -33,7 +33,7 @@ SHORT = {"state error": "state", "energy error": "energy", "largest rest": "rest
 
 
 @click.command(short_help="Run scenes: error against run time.")
-@click.argument("names", nargs=-1, metavar="[SCENE|FILE]...")
+@click.argument("names", nargs=-1, metavar="[SCENE|FILE]...", shell_complete=complete_scene)
 @click.option("--quick", is_flag=True, help="Fewer or shorter runs, as the scene says.")
 @click.option("--plan", "planned", is_flag=True, help="Show what would be run, and run nothing.")
 @click.option("--all", "every", is_flag=True, help="All shipped scenes.")
@@ -215,7 +215,7 @@ def _draw(
         words = {"title": one.title, "x_label": one.x_label, "y_label": one.y_label}
         path = output / f"{stem}{suffix}.svg"
         try:
-            write_text(path, room.svg(data, **words))
+            Drawing(room.svg(data, **words)).save(path)
             names.append(path.name)
             notice = room.write_figures(path.with_suffix(".png"), data, **words)
         except UsageError as error:

@@ -1,7 +1,8 @@
 """``python -m glmref.conformance ADAPTER``, and ``glmref conformance``: the suite without pytest.
 
-Exit codes are pytest's: 0 every check holds, 1 one fails, 4 the adapter or an option is bad; and as
-shells count, 130 after Ctrl-C, 143 after SIGTERM, 141 where nobody reads on.
+Exit codes are those of every command of glmref: 0 every check holds, 1 one fails, 2 the adapter or
+an option is bad; and as shells count, 130 after Ctrl-C, 143 after SIGTERM, 141 where nobody reads
+on. Under pytest the codes are pytest's, which has 4 for the last.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from .adapter import load_adapter
 from .known import read_known_failures
 from .subject import Subject
 
-HOLDS, FAILED, BAD_ADAPTER = 0, 1, 4
+HOLDS, FAILED, BAD_ADAPTER = 0, 1, 2
 #: Beginning of the witness of a check that was not judged because of another one.
 RESTS = "not judged: it rests on"
 

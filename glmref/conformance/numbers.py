@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from decimal import Context
 from fractions import Fraction
 from typing import Any
 
-from ..exact import Exact
+from ..exact import Exact, rounded_decimal
 
 __all__ = ["decimal_text", "decimals", "exact_decimal", "fraction_of", "rounded_up"]
 
@@ -27,29 +28,10 @@ def decimal_text(x: Any, digits: int) -> str:
     >>> decimal_text(Fraction(-1, 3 * 10**8), 4)
     '-3.333e-9'
     """
-    value = fraction_of(x)
-    if value == 0:
-        return "0"
-    size = abs(value)
-    exponent = len(str(size.numerator)) - len(str(size.denominator))
-    while Fraction(10) ** exponent > size:
-        exponent -= 1
-    while Fraction(10) ** (exponent + 1) <= size:
-        exponent += 1
-    mantissa = round(size / Fraction(10) ** (exponent - digits + 1))
-    if mantissa == 10**digits:
-        mantissa, exponent = mantissa // 10, exponent + 1
-    figures = str(mantissa)
-    sign = "-" if value < 0 else ""
-    if -6 <= exponent < digits:
-        if exponent < 0:
-            whole, part = "0", "0" * (-exponent - 1) + figures
-        else:
-            whole, part = figures[: exponent + 1], figures[exponent + 1 :]
-        part = part.rstrip("0")
-        return f"{sign}{whole}.{part}" if part else f"{sign}{whole}"
-    part = figures[1:].rstrip("0")
-    return f"{sign}{figures[0]}{'.' + part if part else ''}e{exponent}"
+    value = rounded_decimal(fraction_of(x), digits).normalize(Context(prec=digits))
+    if -6 <= value.adjusted() < digits or not value:
+        return f"{value:f}"
+    return f"{value:e}".replace("e+", "e")
 
 
 def exact_decimal(x: Fraction) -> str:

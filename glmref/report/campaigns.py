@@ -5,6 +5,7 @@ Records are read once, one file in memory at a time; of each only the numbers of
 
 from __future__ import annotations
 
+import math
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from importlib import import_module
@@ -63,6 +64,8 @@ def campaign_page(campaign: Campaign, records: Iterable[Record], path: Path) -> 
             _take(picture, record, points)
     cells = [[x, str(n), messages.get(x, "")] for x, n in outcomes.most_common()]
     columns = [Column("outcome", "outcome"), Column("n", "tasks"), Column("why", "the first says")]
+    if not messages:
+        cells, columns = [row[:2] for row in cells], columns[:2]
     body = render(
         "campaign.html",
         campaign=campaign,
@@ -72,6 +75,7 @@ def campaign_page(campaign: Campaign, records: Iterable[Record], path: Path) -> 
         timed=campaign.limits.pinned,
         table=Table("outcomes", "What became of the tasks", columns, cells),
         pictures=[Markup(x) for x in islice(_pictures(picture, points), _PICTURES)],
+        asked=[x for x in (picture.across, picture.up, picture.value) if x] if picture else [],
     )
     page = Page(f"campaign-{campaign.name}", campaign.title, body, campaign.name)
     write_text(path, Site(single=True).document(campaign.title, [page], [page]))
@@ -91,6 +95,8 @@ def _value(record: Record, key: str) -> Any:
 def _take(picture: Picture, record: Record, points: Any) -> None:
     x, y = _value(record, picture.across), _value(record, picture.up)
     value = _value(record, picture.value) if picture.kind == "map" else y
+    if str(record["outcome"]) != "completed":
+        value = math.inf if picture.kind == "map" else None  # whatever its last number was
     if x is None or y is None or isinstance(value, str) or value is None:
         return
     group = (
@@ -114,7 +120,8 @@ def _pictures(picture: Picture | None, points: Any) -> Iterator[str]:
         # the methods that reach the front first, as long as there is room
         lines.sort(key=lambda line: -len(set(line.points) & set(best)))
         shown = [Series("front", tuple(best)), *lines[:_LINES]]
-        yield svg(shown, title=str(page or picture.up), x_label=picture.across, y_label=picture.up)
+        title, labels = _said(picture.page, page) or _last(picture.up), (picture.across, picture.up)
+        yield svg(shown, title=title, x_label=_last(labels[0]), y_label=_last(labels[1]))
 
 
 def _maps(picture: Picture, points: Any) -> Iterator[str]:
@@ -123,14 +130,25 @@ def _maps(picture: Picture, points: Any) -> Iterator[str]:
         group: {place: float(reduce(values)) for place, values in found.items()}
         for group, found in sorted(points.items(), key=str)
     }
-    values = [x for found in maps.values() for x in found.values()]
+    values = [x for found in maps.values() for x in found.values() if math.isfinite(x)]
     limits = (min(values), max(values)) if values else None
     for (page, each), found in maps.items():
-        title = ", ".join(str(x) for x in (page, each) if x) or picture.value
+        said = [_said(picture.page, page), _said(picture.each, each)]
         yield heat_map(
-            found, title=title, x_label=picture.across, y_label=picture.up,
-            value_label=picture.value, limits=limits,
+            found, title=", ".join(filter(None, said)) or picture.value, limits=limits,
+            x_label=_last(picture.across), y_label=_last(picture.up),
+            value_label=_last(picture.value),
         )  # fmt: skip
+
+
+def _said(key: str, value: Any) -> str:
+    """A text as it is, and of anything else its key as well."""
+    return value if isinstance(value, str) else f"{_last(key)} = {value}"
+
+
+def _last(key: str) -> str:
+    """The last part of a key of keys."""
+    return key.rpartition(".")[2]
 
 
 def _front(points: Iterable[tuple[float, float]]) -> list[tuple[float, float]]:

@@ -8,6 +8,7 @@ code that shells expect, and nothing that it started runs on.
 from __future__ import annotations
 
 import contextlib
+import faulthandler
 import io
 import os
 import signal
@@ -30,6 +31,7 @@ __all__ = [
     "remember_group",
     "signals",
     "silence",
+    "within",
 ]
 
 #: 128 and the number of SIGINT or SIGPIPE, as shells count.
@@ -37,6 +39,11 @@ INTERRUPTED, PIPE_CLOSED = 130, 141
 #: Seconds in which a command that is told to end may end by itself. Machine code that is compiled
 #: or runs hears nothing of a signal; records are on the disk, so that ending at once loses nothing.
 GRACE = 0.7
+
+#: What tells a program that its time is over; Windows has no such signal.
+TIME_OVER = getattr(signal, "SIGALRM", None)
+#: What is said then, and the exit code, which is that of a refusal.
+TOO_LONG, TOO_LONG_CODE = "the time limit is over; what was finished is printed or kept", 2
 
 #: Process groups of programs that were started, to be ended with this process.
 _groups: set[int] = set()
@@ -115,6 +122,8 @@ def open_streams() -> None:
         except OSError:
             with contextlib.suppress(OSError):
                 os.open(os.devnull, os.O_RDWR)  # gets the lowest number that is free
+    if sys.stdin is None:
+        sys.stdin = open(os.devnull)  # noqa: SIM115
     for name in ("stdout", "stderr"):
         stream = getattr(sys, name)
         if stream is None:
@@ -165,8 +174,9 @@ def signals(name: str) -> Iterator[None]:
         return
     wanted = [
         number
-        for number in (signal.SIGTERM, signal.SIGHUP)
-        if signal.getsignal(number) is signal.SIG_DFL  # nohup ignores SIGHUP, and is right
+        for number in (signal.SIGTERM, signal.SIGHUP, TIME_OVER)
+        if number
+        and signal.getsignal(number) is signal.SIG_DFL  # nohup ignores SIGHUP, and is right
     ]
     before = {number: signal.signal(number, _terminate) for number in wanted}
     reader, writer = socket.socketpair()
@@ -198,7 +208,7 @@ def _watch(reader: socket.socket, ended: threading.Event, name: str) -> None:
             return
         if not number or number == b"\0":
             return
-        if number[0] not in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        if number[0] not in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, TIME_OVER):
             continue
         if signal.getsignal(number[0]) in (signal.SIG_IGN, signal.SIG_DFL):
             continue
@@ -210,10 +220,16 @@ def _end_by_force(name: str, number: int) -> None:
     end_children()
     with contextlib.suppress(OSError):
         os.write(2, f"{name}: {_word(number)}\n".encode())
-    os._exit(128 + number)
+    os._exit(_code(number))
+
+
+def _code(number: int) -> int:
+    return TOO_LONG_CODE if number == TIME_OVER else 128 + number
 
 
 def _word(number: int) -> str:
+    if number == TIME_OVER:
+        return TOO_LONG
     return "interrupted" if number == signal.SIGINT else f"ended by {signal.Signals(number).name}"
 
 
@@ -254,10 +270,91 @@ def guarded(name: str, function: Callable[[], int], bad: int) -> int:
         code = bad
     if code == INTERRUPTED:
         end_children()
-        code = 128 + _received[-1] if _received else code
+        code = _code(_received[-1]) if _received else code
+        if code == TOO_LONG_CODE:  # also where an engine made an outcome of it
+            sentence = TOO_LONG
     end_groups()
     if sentence:
         with contextlib.suppress(OSError):
             print(f"{name}: {sentence}", file=sys.stderr, flush=True)  # noqa: T201
     silence()
     return code
+
+
+# --- a limit of time ------------------------------------------------------------------------------
+
+
+def within(name: str, seconds: float, program: Callable[[], int]) -> int:
+    """Run a program in a child that is ended when its time is over, whatever it does then.
+
+    A library that does not return holds the interpreter, and neither a signal nor a thread of its
+    process can end it in a sentence. This process only waits, and hands on the signals it gets.
+
+    Parameters
+    ----------
+    name : str
+        The program, as sentences on stderr begin.
+    seconds : float
+        Wall-clock time.
+    program : callable
+        What it does, through :func:`guarded`; returns the exit code.
+
+    Returns
+    -------
+    int
+        The exit code of the program; 2 where its time is over.
+    """
+    if not hasattr(os, "fork") or TIME_OVER is None:
+        print(f"{name}: this system has no time limits; leave it out", file=sys.stderr)  # noqa: T201
+        return TOO_LONG_CODE
+    open_streams()
+    child = os.fork()
+    if child == 0:
+        # this timer, which needs no interpreter, serves where the parent is gone
+        faulthandler.dump_traceback_later(2 * seconds + 1, exit=True, file=open(os.devnull, "w"))  # noqa: SIM115
+        os._exit(program())
+    killed = False
+
+    def over(number: int, frame: FrameType | None) -> None:
+        nonlocal killed
+        if signal.getitimer(signal.ITIMER_REAL)[1]:  # the second time: it has not heard the first
+            killed = True
+            signal.setitimer(signal.ITIMER_REAL, 0)
+        else:
+            signal.setitimer(signal.ITIMER_REAL, 2 * GRACE, 2 * GRACE)
+        os.kill(child, signal.SIGKILL if killed else number)
+
+    def hand_on(number: int, frame: FrameType | None) -> None:
+        if number != signal.SIGINT or not _in_foreground():  # Ctrl-C reaches the child by itself
+            os.kill(child, number)
+
+    handlers = {
+        TIME_OVER: over,
+        **dict.fromkeys((signal.SIGINT, signal.SIGTERM, signal.SIGHUP), hand_on),
+    }
+    before = {number: signal.signal(number, handler) for number, handler in handlers.items()
+              if signal.getsignal(number) is not signal.SIG_IGN}  # fmt: skip
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        _, status = os.waitpid(child, 0)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        for number, handler in before.items():
+            signal.signal(number, handler)
+    code = os.waitstatus_to_exitcode(status)
+    if killed or code == -TIME_OVER:  # the latter before it could hear
+        with contextlib.suppress(OSError):
+            os.write(2, f"{name}: {TOO_LONG}\n".encode())
+        return TOO_LONG_CODE
+    return 128 - code if code < 0 else code
+
+
+def _in_foreground() -> bool:
+    """Whether a terminal sends Ctrl-C to this process and its children."""
+    with contextlib.suppress(OSError):
+        terminal = os.open("/dev/tty", os.O_RDONLY | os.O_NOCTTY)
+        try:
+            return os.tcgetpgrp(terminal) == os.getpgrp()
+        finally:
+            os.close(terminal)
+    return False

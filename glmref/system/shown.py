@@ -20,7 +20,14 @@ from typing import Any
 from ..errors import UsageError
 from .files import write_text
 
-__all__ = ["ABOVE", "Drawing", "Shown", "above"]
+__all__ = ["ABOVE", "DARK", "Drawing", "Shown", "above"]
+
+#: Style of a picture in a file of its own: its colours are turned over on a dark desktop. Within a
+#: page nothing matches, since the picture is not the root of the document there.
+DARK = (
+    "<style>@media (prefers-color-scheme: dark) { svg:root { "
+    "filter: invert(.91) hue-rotate(180deg); background: #171717 } }</style>"
+)
 
 #: What records ask of the rooms above: module and function.
 ABOVE = (
@@ -57,7 +64,7 @@ class Drawing(str):
         return str(self)
 
     def save(self, path: str | Path) -> Path:
-        """Write the picture.
+        """Write the picture, which follows the dark mode of the desktop then.
 
         Raises
         ------
@@ -67,5 +74,6 @@ class Drawing(str):
         place = Path(path)
         if place.suffix != ".svg":
             raise UsageError(f"a picture is written as SVG; give a name such as {place.stem}.svg")
-        write_text(place, self)
+        head, bracket, rest = self.partition(">")
+        write_text(place, f"{head}{bracket}{DARK}{rest}")
         return place

@@ -13,6 +13,9 @@ __all__ = ["heat_map"]
 #: Colours from small to large, told apart by lightness alone (after the scale "cividis").
 _SCALE = ("#00224e", "#35456c", "#666970", "#948e77", "#c8b866", "#fee838")
 _MISSING = "#f4f4f4"
+#: What was not completed, and so has no number.
+_INFINITE = "#b3261e"
+_INCOMPLETE = "incomplete"
 _MOST_TEXTS = 8
 
 
@@ -33,7 +36,7 @@ def heat_map(
     ----------
     cells : mapping
         (x, y) -> value. Every x that occurs has a column and every y a row, in their order; a pair
-        without a value stays blank.
+        without a value stays blank, and infinity stands for what was not completed.
     title, x_label, y_label, value_label : str
         What is shown.
     limits : (float, float), optional
@@ -47,7 +50,8 @@ def heat_map(
     left, top, right, bottom = 74.0, 40.0, width - 110.0, height - 56.0
     if not cells:
         return document(title, width, height, [text(left, top + 20, "nothing to draw")])
-    scale = Scale(limits or (min(cells.values()), max(cells.values())))
+    finite = [x for x in cells.values() if math.isfinite(x)] or [0.0]
+    scale = Scale(limits or (min(finite), max(finite)))
     wide, high = (right - left) / len(xs), (bottom - top) / len(ys)
     frame = f'x="{left}" y="{top}" width="{right - left}" height="{bottom - top}"'
     parts = [f'<rect {frame} fill="{_MISSING}" stroke="#555"/>']
@@ -55,7 +59,8 @@ def heat_map(
     for (x, y), value in cells.items():
         u, v = left + columns[x] * wide, bottom - (rows[y] + 1) * high
         place = f'x="{u:.1f}" y="{v:.1f}" width="{wide + 0.3:.1f}" height="{high + 0.3:.1f}"'
-        said = f"<title>{escape(f'{_shown(x)}, {_shown(y)}: {value:.4g}')}</title>"
+        words = f"{value:.4g}" if math.isfinite(value) else _INCOMPLETE
+        said = f"<title>{escape(f'{_shown(x)}, {_shown(y)}: {words}')}</title>"
         parts.append(f'<rect {place} fill="{scale.color(value)}">{said}</rect>')
     for k in _thinned(len(xs)):
         parts.append(text(left + (k + 0.5) * wide, bottom + 16, _shown(xs[k]), "middle"))
@@ -66,7 +71,8 @@ def heat_map(
         f'<text transform="translate(20 {(top + bottom) / 2:.0f}) rotate(-90)" '
         f'text-anchor="middle" fill="#111">{escape(y_label)}</text>'
     )
-    return document(title, width, height, [*parts, *_legend(scale, right + 16, top, value_label)])
+    parts += _legend(scale, right + 16, top, value_label, lost=len(finite) < len(cells))
+    return document(title, width, height, parts)
 
 
 class Scale:
@@ -80,6 +86,8 @@ class Scale:
 
     def color(self, value: float) -> str:
         """The colour of a value; beyond the limits it is that of the limit."""
+        if not math.isfinite(value):
+            return _INFINITE
         low, high = self.ends
         at = math.log10(value) if self.log and value > 0 else (low if self.log else value)
         share = (at - low) / (high - low) if high > low else 0.0
@@ -92,8 +100,8 @@ class Scale:
         return [10**x for x in marks] if self.log else marks
 
 
-def _legend(scale: Scale, left: float, top: float, label: str) -> list[str]:
-    parts = [text(left, top - 6, label)]
+def _legend(scale: Scale, left: float, top: float, label: str, *, lost: bool) -> list[str]:
+    parts = [text(left, top - 14, label)]  # the uppermost number stands below it
     for k, mark in enumerate(scale.bounds()):
         v = top + (len(_SCALE) - k) * 22
         parts.append(text(left + 22, v + 4, f"{mark:.3g}"))
@@ -101,6 +109,12 @@ def _legend(scale: Scale, left: float, top: float, label: str) -> list[str]:
             parts.append(
                 f'<rect x="{left:.0f}" y="{v - 22:.0f}" width="16" height="22" fill="{_SCALE[k]}"/>'
             )
+    if lost:
+        v = top + (len(_SCALE) + 1) * 22
+        parts.append(
+            f'<rect x="{left:.0f}" y="{v:.0f}" width="16" height="16" fill="{_INFINITE}"/>'
+        )
+        parts.append(text(left + 22, v + 12, _INCOMPLETE))
     return parts
 
 

@@ -278,8 +278,8 @@ class _Page:
 
     def _nystrom(self) -> list[tuple[str, list[str]]]:
         """Draw c and A with b and b' below, and A' where there is one."""
-        pair, doc = self.method, self.document
-        assert isinstance(pair, PartitionedGLM)
+        pair: Any = self.method
+        doc = self.document
         s = len(doc["c"])
         b, b_prime = self._embedded_slices("nystrom")
         stages = pair.A[-s:]

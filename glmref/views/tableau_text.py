@@ -10,9 +10,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from decimal import Context, Decimal
 
-from ..exact import Exact, Scalar
+from ..exact import Ball, Scalar, rounded_decimal
 from .tables import Style
 
 __all__ = ["Cells", "decimal_text", "tableau"]
@@ -43,15 +42,9 @@ def decimal_text(x: Scalar, digits: int) -> str:
 
 
 def _real_text(x: Scalar, digits: int) -> str:
-    fraction = x.as_fraction() if isinstance(x, Exact) else None
-    if fraction is None and x.is_zero() is None:
+    if isinstance(x, Ball) and x.is_zero() is None:
         return "0"
-    if fraction is None:
-        value = Decimal(x.ball().decimal_text(digits))
-    else:
-        value = Context(prec=digits).divide(
-            Decimal(fraction.numerator), Decimal(fraction.denominator)
-        )
+    value = rounded_decimal(x, digits)
     if value and not -15 <= value.adjusted() <= 20:
         return f"{value:e}"
     return f"{value:f}"
@@ -69,7 +62,8 @@ def tableau(grid: Sequence[Sequence[Cells]], style: Style) -> list[str]:
         Decides the characters of the rules, and the width.
     """
     places = [(j, k) for j, block in enumerate(grid[0]) for k in range(len(block[0]))]
-    sizes = [max(len(cells[k]) for row in _on_the_point(grid) for cells in row[j])
+    aligned = _on_the_point(grid)
+    sizes = [max(len(cells[k]) for row in aligned for cells in row[j])
              for j, k in places]  # fmt: skip
     parts: list[list[tuple[int, int]]] = [[]]
     used = 0
