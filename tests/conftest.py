@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 from collections import defaultdict
 from zlib import crc32
@@ -12,7 +13,25 @@ from hypothesis import HealthCheck, settings
 from glmref.verification import kept
 
 #: Examples of a property in the quick run, of a hundred in the whole one; see `examples.py`.
-QUICK = 30
+QUICK = 20
+
+
+#: Processes that the whole suite runs on where the machine has as many cores.
+PROCESSES = 4
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_cmdline_main(config: pytest.Config) -> None:
+    """Run the whole suite on several processes; with paths, ``-n`` or ``--pdb`` as they say."""
+    option = config.option
+    if (
+        config.args_source is config.ArgsSource.TESTPATHS
+        and getattr(option, "numprocesses", 0) is None
+        and "PYTEST_XDIST_WORKER" not in os.environ  # these are asked here, too
+        and not (option.usepdb or option.collectonly)
+    ):
+        cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+        option.numprocesses = min(PROCESSES, cores or 1) if cores != 1 else None
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -23,6 +42,7 @@ def pytest_configure(config: pytest.Config) -> None:
     Machines are shared and slow at times: no example is failed for its duration. In CI the examples
     are the same in every run, so that a failure there can be repeated; elsewhere they are random.
     """
+    gc.disable()
     kept.private_folder = lambda name: None
     whole = "not slow" not in config.option.markexpr
     settings.register_profile(
@@ -36,22 +56,41 @@ def pytest_configure(config: pytest.Config) -> None:
     settings.load_profile("glmref")
 
 
+def pytest_collection_finish() -> None:
+    """Leave all that was made up to here, and stays, out of the search for cycles."""
+    gc.freeze()
+    gc.enable()
+
+
 @pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Mark as slow what goes beyond the sample of a test that is marked ``sampled(n)``.
 
     The sample is drawn by a hash of the names of the cases: it is the same in every run, and a case
     that is added moves no other one but the last. Cases with a name that contains one of ``besides``
-    take long and come last.
+    take long and are not quick before all others are. Of a family with ``whole=m`` only m cases are
+    run at all, the quick ones among them, unless ``GLMREF_LONG`` is set or cases are asked for by
+    name.
     """
     families: dict[str, list[pytest.Item]] = defaultdict(list)
     for item in items:
-        if item.get_closest_marker("sampled") and not item.get_closest_marker("slow"):
+        if item.get_closest_marker("sampled"):
             families[item.nodeid.partition("[")[0]].append(item)
+    by_name = config.option.keyword or any("::" in x for x in config.args)
+    everything = by_name or "GLMREF_LONG" in os.environ
+    left_out = set()
     for family in families.values():
         mark = family[0].get_closest_marker("sampled")
         assert mark is not None
+        family.sort(key=lambda item: crc32(item.name.encode()))
         long = mark.kwargs.get("besides", ())
-        family.sort(key=lambda item: (any(x in item.name for x in long), crc32(item.name.encode())))
-        for item in family[mark.args[0] :]:
+        quick = [item for item in family if not item.get_closest_marker("slow")]
+        quick.sort(key=lambda item: any(x in item.name for x in long))
+        for item in quick[mark.args[0] :]:
             item.add_marker(pytest.mark.slow)
+        if "whole" in mark.kwargs and not everything:
+            family.sort(key=lambda item: bool(item.get_closest_marker("slow")))
+            left_out.update(family[mark.kwargs["whole"] :])
+    if left_out:
+        config.hook.pytest_deselected(items=[item for item in items if item in left_out])
+        items[:] = [item for item in items if item not in left_out]

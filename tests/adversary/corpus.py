@@ -112,6 +112,7 @@ def documents() -> Iterator[tuple[str, dict[str, Any]]]:
                                        **balls)  # fmt: skip
     yield "decimal start", _decimal_start()
     yield "decimal finish", _decimal_finish()
+    yield from _undecided_at_order_1()
     # eigenvalues of M(iy) that meet on the circle for one irrational y, or for none
     for name, a, b in (("collision", "1/10", "-1/5"), ("no collision", "1/3", "-2/3")):
         A = [["1/4", "1/4-sqrt(3)/6", 0], ["1/4+sqrt(3)/6", "1/4", 0], [0, 0, a]]
@@ -149,7 +150,228 @@ def documents() -> Iterator[tuple[str, dict[str, Any]]]:
         "separable pair",
         doc("partitioned", {**claims, "nystrom-order": 1}, separable=True, **halves),
     )
+    yield from conditions()
     yield from _enclosures()
+
+
+def conditions() -> Iterator[tuple[str, dict[str, Any]]]:
+    """One file for each condition of a rule that no other file turns on."""
+    yield from _proofs_in_decimals()
+    yield from _pairs()
+    yield from _starts()
+    yield from _rows()
+
+
+def _proofs_in_decimals() -> Iterator[tuple[str, dict[str, Any]]]:
+    """What is decided where one part alone is in decimals, and starts along the flow."""
+    one = [["1"]]
+    middle = {"A": [["1/2"]], "U": one, "B": one, "V": one, "digits": 2}
+    step = {"A": [["1/2"]], "B": one, "u": ["1"], "order": 2}
+    claims = {"order": 2, "starting-order": 2, "finishing-order": 2}
+    back = {"A": [["-1/2"]], "b": ["-1"], "order": 2}
+    yield "start along the flow", doc("glm", claims, **middle, starting=step, finishing=back)
+    for name, method, start, b in (("method", "0.50", "1", "1"), ("start", "1/2", "1.00", "1"),
+                                   ("finish", "1/2", "1", "1.00")):  # fmt: skip
+        yield f"wrong finish, {name} in decimals", doc(
+            "glm", claims, **{**middle, "A": [[method]]},
+            starting={**step, "B": [[start]]}, finishing={**back, "b": [b]},
+        )  # fmt: skip
+    wrong = {"A": [["0"]], "B": [["0"], ["1"]], "u": ["1", "0"]}
+    yield "wrong start of a method in decimals", doc(
+        "glm", {"order": 2, "starting-order": 2}, digits=2, starting=wrong, A=[["0", "0"], ["0.50", "0"]],
+        U=[["1", "0"], ["1", "0"]], B=[["0", "1"], ["0", "0"]], V=[["1", "0"], ["0", "0"]],
+    )  # fmt: skip
+    yield "error constant in decimals", doc("lmm", {"error-constant": "1/6"}, digits=3,
+                                            alpha=["-1.000", "0", "1"], beta=["0", "2.000", "0"])  # fmt: skip
+    yield (
+        "error constant of another class",
+        doc("rk", {"error-constant": "1/6"}, A=[["0"]], b=["1"]),
+    )
+    yield "double one, wrong growth", _glm([[0, 0], [0, 0]], [[1, 0], [1, 1]], [[1, 0], [-1, 1]],
+                                           [[1, 0], [0, 1]], growth=["2"])  # fmt: skip
+    yield "order 1 open and order 2 right", doc("rk", {"order": 2}, b=["0.1-0.1", "1"], digits=1,
+                                                A=[["0", "0"], ["1/2", "0"]])  # fmt: skip
+    unit = [[1, 0], [0, 1]]
+    yield "backward Euler twice", _glm(unit, unit, unit, unit, a_stable=True)
+    yield "pole on the axis", doc("rk", {"a-stable": True}, A=[["i"]], b=["i"], field="complex")
+    yield "fixed eigenvalue -1", _glm([["1/2"]], [[1, 0]], [[1], [0]], [[1, 0], [0, -1]],
+                                      a_stable=True)  # fmt: skip
+    yield "idle pole beside the midpoint rule", _glm([["1/2", 0], [0, -1]], [[1, 0], [0, 1]],
+                                                     [[1, 0], [0, 0]], [[1, 0], [0, 0]],
+                                                     a_stable=True)  # fmt: skip
+    turn = [[0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 1, 1]]  # a pole at i, 4 z / (1 - z)^2
+    yield "pole at a sample", _glm(turn, [[1, 0], [1, 0], [0, 1], [0, 1]],
+                                   [["1/2", "1/2", 0, 0], [0, 0, 0, 4]], [[1, 0], [0, 0]],
+                                   a_stable=True)  # fmt: skip
+    yield "pole in the left half-plane", doc("rk", {"a-stable": True}, A=[["-1", "0"], ["1", "1"]],
+                                             b=["1/2", "1/2"])  # fmt: skip
+    yield (
+        "equal stages with a negative diagonal",
+        doc("rk", {"a-stable": True, "l-stable": True}, A=[["-1", "2"], ["-1", "2"]], b=["0", "1"]),
+    )
+    for value in ("2.0", "1.0"):  # in decimals, seen by no stage
+        yield f"idle value {value}", doc("glm", {"symmetric-reduced": True}, A=[["1/2"]], digits=1,
+                                         U=[["1", "0"]], B=[["1"], ["0"]], V=[["1", "0"], ["0", value]])  # fmt: skip
+    yield "too large a principal growth", _glm([[0]], [[1, 1]], [[1], [1]], [[1, 0], [0, 1]],
+                                               parasitism_free=True)  # fmt: skip
+    none = {"A": [["0.50"]], "U": one, "B": one, "V": [["1/2"]]}
+    double = {"A": [["0", "0"], ["1.00", "0"]], "U": [["1", "0"], ["0", "1"]],
+              "B": [["1/4", "3/4"], ["3/4", "1/4"]], "V": [["1", "0"], ["0", "1"]]}  # fmt: skip
+    for name, keys, c in (("no", none, ["1/2"]), ("a double", double, ["0", "1"])):
+        yield f"abscissae with {name} eigenvalue 1", doc("glm", {"abscissae": c}, digits=2, **keys)
+    # the second stage is used by nobody, and the second value is zero
+    yield "decimals without a use", doc(
+        "glm", {"consistent": True, "preconsistent": True, "g-symplectic": True}, digits=1,
+        A=[["1/2", "0"], ["0", "0"]], U=[["1", "0"], ["1", "0.5"]], B=[["1", "0"], ["0", "0"]],
+        V=[["1", "0"], ["0", "0"]],
+    )  # fmt: skip
+    yield "inconsistent, U in decimals", doc("glm", {"consistent": True}, digits=3, A=[["0"]],
+                                             U=[["1.000"]], B=[["1/2"]], V=one)  # fmt: skip
+
+
+def _pairs() -> Iterator[tuple[str, dict[str, Any]]]:
+    """Pairs of which one half decides, or leaves open."""
+    # U u = 1 at the first stage, and nearly so at the second, which is used by nobody
+    idle = {**_one_value([[1, 0], [0, 0]], [1, 0]), "U": [["1"], ["1.000"]]}
+    claims = {"order": 1, "nystrom-order": 1, "consistent": True, "stage-order": 1}
+    for separable in (False, True):
+        yield f"order of a pair in balls, separable {separable}", doc(
+            "partitioned", claims, digits=3, separable=separable, q=idle,
+            p=_one_value([[0, 0], [0, 0]], [1, 0]),
+        )  # fmt: skip
+    # V and V^ with different eigenvalues on the circle, and with decimals in one of them
+    turning = {"A": [["0"]], "U": texts([[1, 1, 0, 0]]), "B": texts([[1], [1], [0], [0]]),
+               "V": texts([[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, "3/5", "-4/5"],
+                           [0, 0, "4/5", "3/5"]])}  # fmt: skip
+    weak = {"A": [["0"]], "U": texts([[1, 1, 0]]), "B": texts([[1], [0], [0]])}
+    for name, last in (("exact", "1/2"), ("decimal", "0.5")):
+        for separable in (True, False):
+            V = [["1", "0", "0"], ["0", "-1", "0"], ["0", "0", last]]
+            yield f"eigenvalues of one half, {name}, separable {separable}", doc(
+                "partitioned", {"parasitism-free": True, "zero-stable": True}, digits=1,
+                separable=separable, q=turning, p={**weak, "V": V},
+            )  # fmt: skip
+    still = {"A": [["0"]], "U": [["1", "0"]], "B": [["1"], ["0"]], "V": [["1", "0"], ["0", "-1"]]}
+    leap = {**still, "U": [["1", "1"]], "B": [["1"], ["1"]]}
+    for name, part, numbers in (("none", still, ["1", "0"]), ("some", leap, ["0", "0"]),
+                                ("no number", still, ["0"])):  # fmt: skip
+        yield f"growth of a pair, {name}", doc("partitioned", {"growth": numbers}, separable=True,
+                                               q=part, p=part)  # fmt: skip
+    half = {"A": [["0"]], "U": texts([[1, 1, 0]]), "B": texts([[1], [1], [0]]),
+            "V": texts([[1, 0, 0], [0, -1, 0], [0, 0, -1]])}  # fmt: skip
+    yield (
+        "growth of a pair at a double eigenvalue",
+        doc("partitioned", {"growth": ["-1", "0", "0", "0"] * 2}, separable=True, q=half, p=half),
+    )
+    # q' = M^-1 p: a weight in decimals, and stages that are the solution on trees without branches
+    for name, q, p in (
+        ("a weight in decimals", ([["3/8"]], ["1.000"]), ([["1/2"]], ["1"])),
+        ("a stage off the solution", ([[0, 0], ["1/2", 0]], [0, 1]),
+         ([["1/3", 0], ["1/6", "1/3"]], [0, 1])),
+    ):  # fmt: skip
+        yield f"second order, {name}", doc("partitioned", {"order": 1, "nystrom-order": 1}, digits=3,
+            separable=True, q=_one_value(*q), p=_one_value(*p))  # fmt: skip
+    # one half of a pair: V that may be singular, V that no L turns round
+    midpoint = _one_value([["1/2"]], [1])
+    for name, V in (
+        ("that may be singular", ["0", "0.1-0.1"]),
+        ("that is not turned round", ["0", "2"]),
+    ):
+        two = {"A": [["1/2"]], "U": [["1", "0"]], "B": [["1"], ["1"]], "V": [["1", "0"], V]}
+        for separable in (True, False):
+            yield f"half with a V {name}, separable {separable}", doc(
+                "partitioned", {"symmetric": True}, digits=1, separable=separable, q=midpoint, p=two
+            )  # fmt: skip
+    nothing = {"A": [["0"]], "U": [["2"]], "B": [["0"]], "V": [["1/2"]]}
+    for name, keys in (("u alone", _one_value([[0]], [0])), ("nothing", nothing)):
+        yield f"{name} is reached", doc("partitioned", {"reducible": False}, q=keys, p=keys)
+    loose = {"A": [["0"]], "U": [["1", "-1"]], "B": [["-1"], ["0"]], "V": [["1", "0"], ["0", "1"]]}
+    yield "u of one half is not determined", doc("partitioned", {"g-symplectic": True}, q=loose,
+                                                 p=_one_value([[0]], [1]))  # fmt: skip
+    perhaps = _one_value([["0.1-0.1"]], [1])
+    yield "surely implicit in one half", doc("partitioned", {"explicit": True}, digits=1,
+                                             q=_one_value([[1]], [1]), p=perhaps)  # fmt: skip
+
+
+def _starts() -> Iterator[tuple[str, dict[str, Any]]]:
+    """Starts along the flow, off it, and where the series that they must agree with is not unique."""
+    one = [["1"]]
+    kutta = _one_value([[0, 0, 0], ["1/2", 0, 0], [-1, 2, 0]], ["1/6", "2/3", "1/6"])
+    bent = {"A": [["0", "0"], ["1", "0"]], "B": [["1", "-1"]], "u": ["1"], "order": 3}
+    yield "start with another principal part", doc("glm", {"order": 3, "starting-order": 3},
+                                                   **kutta, starting=bent)  # fmt: skip
+    # 1 is a double eigenvalue of both halves: what the second value starts with is free
+    double_one = {"A": [["0"]], "U": [["1", "0"]], "B": one * 2, "V": [["1", "0"], ["0", "1"]]}
+    for b, u in (("0", "1"), ("5", "1"), ("0", "0")):
+        start = {"A": [["0"]], "B": [["0"], [b]], "u": ["1", u], "order": 1}
+        start |= {f"{x}_hat": start[x] for x in "ABu"}
+        for separable in (False, True):
+            yield f"start of a pair with a double one, {b}, {u}", doc(
+                "partitioned", {"order": 1, "starting-order": 1, "nystrom-order": 1},
+                separable=separable, q=double_one, p=double_one, starting=start,
+            )  # fmt: skip
+    euler = _one_value([[0]], [1])
+    along = {"A": [["0"]], "B": [["1"]], "u": ["1"], "order": 1}
+    both = along | {f"{x}_hat": along[x] for x in "ABu"}
+    yield "start of a pair that goes ahead", doc("partitioned", {"order": 1, "starting-order": 1},
+                                                 separable=True, q=euler, p=euler, starting=both)  # fmt: skip
+    d = shipped("multistep-10")  # a stage of its start that nobody uses, of order 1
+    d["claims"] = {"starting-order": d["claims"]["starting-order"]}
+    for A, B in (("A", "B"), ("A_hat", "B_hat")):
+        rows = d["starting"][A]
+        d["starting"][A] = [*([*x, "0"] for x in rows), ["7", *["0"] * len(rows[0])]]
+        d["starting"][B] = [[*x, "0"] for x in d["starting"][B]]
+    yield "start with an idle stage", d
+    # Verlet's method that carries h k of the last stage Q, too; the start makes it of order 2, p - 1
+    slope = {"A": texts([[0], [1]]), "U": texts([[1, 0]] * 2), "B": texts([[1], [1]]),
+             "V": texts([[1, 0], [0, 0]])}  # fmt: skip
+    verlet = {**_one_value([["1/2", 0]], ["1/2", "1/2"]), "U": one}
+    for b in ("1", "2"):
+        start = {"A": [["-1/2"]], "B": [["0"]], "u": ["1"], "A_hat": [["0"]], "B_hat": [["0"], [b]],
+                 "u_hat": ["1", "0"], "order": 2}  # fmt: skip
+        yield f"start by one stage of order 1, {b}", doc(
+            "partitioned", {"order": 2, "nystrom-order": 2, "starting-order": 2,
+                            "nystrom-starting-order": 2},
+            separable=True, q=verlet, p=slope, starting=start)  # fmt: skip
+    yield "start of order 0", doc("glm", {"order": 1, "starting-order": 2}, A=[["0"]], U=one,
+                                  B=[["1/2"]], V=one, starting={**along, "order": 2})  # fmt: skip
+    for name in ("multistep-10", "quinlan-tremaine-14"):
+        d = shipped(name)
+        d.pop("starting", None)
+        d["claims"] = {"starting-order": 1, "stage-order": 2, "order": d["claims"]["order"]}
+        yield f"{name} without a start", d
+
+
+def _rows() -> Iterator[tuple[str, dict[str, Any]]]:
+    """What stands beside a tableau, right, wrong and in decimals."""
+    for name in ("bogacki-shampine-3-2", "ros2", "bettis-rkn-5-4"):
+        yield name, shipped(name)
+    for where, text in (
+        (("c", 1), "1/3"), (("c", 1), "0.500"), (("dense", 0, 1), "1"), (("dense", 0, 0), "1.000"),
+        (("dense", 0, 2), "14/9"), (("embedded", 0, "b", 0), "1/4"), (("b", 0), "0.222"),
+        (("embedded", 0, "b", 1), "0.250"), (("claims", "embedded-order"), {"embedded": 1}),
+        (("claims", "embedded-order"), {"embedded": 3}), (("claims", "embedded-order"), {"other": 2}),
+        (("claims", "dense-order"), 2), (("claims", "dense-order"), 4), (("claims", "order"), 2),
+    ):  # fmt: skip
+        d = shipped("bogacki-shampine-3-2")
+        d["digits"] = 3
+        place: Any = d
+        for key in where[:-1]:
+            place = place[key]
+        place[where[-1]] = text
+        yield f"row with {text} at {where}", d
+    d = shipped("bogacki-shampine-3-2")  # two rows, the second in decimals
+    d["digits"], d["claims"] = 3, {"embedded-order": {"embedded": 2, "first": 1}}
+    d["embedded"] = [*d["embedded"], {"name": "first", "b": ["1.000", "0", "0", "0"]}]
+    yield "two rows", d
+    for key in ("c", "dense", "embedded"):
+        d = shipped("bogacki-shampine-3-2")
+        del d[key]
+        yield f"row without {key}", d
+
+
+def _one_value(A: Any, b: Any) -> dict[str, Any]:
+    return {"A": texts(A), "U": texts([[1]] * len(A)), "B": texts([b]), "V": texts([[1]])}
 
 
 def _decimal_start() -> dict[str, Any]:
@@ -167,6 +389,23 @@ def _decimal_finish() -> dict[str, Any]:
     d["finishing"]["b"][0] = "0.14"
     d["claims"] = {"finishing-order": d["claims"]["finishing-order"], "order": d["claims"]["order"]}
     return d
+
+
+def _undecided_at_order_1() -> Iterator[tuple[str, dict[str, Any]]]:
+    """Starts and a finish that digits leave open at order 1, and that are right at order 2."""
+    claims = {"order": 2, "starting-order": 2}
+    middle = doc("glm", claims, A=texts([[0, 0], ["1/2", 0]]), U=texts([[1, 0], [1, 0]]),
+                 B=texts([[0, 1], [0, 0]]), V=texts([[1, 0], [0, 0]]), digits=2)  # fmt: skip
+    right = {"A": [["0"]], "B": [["0"], ["0"]], "u": ["1", "0"], "order": 2}
+    yield "start of order 2", {**middle, "starting": right}
+    for name, more in (("B", {"B": [["0"], ["0.01-0.01"]]}), ("u", {"u": ["1", "0.01-0.01"]})):
+        yield f"start open at order 1 by {name}", {**middle, "starting": {**right, **more}}
+    claims = {"order": 2, "finishing-order": 2}
+    finish = {"A": [["0"]], "b": ["0.01-0.01"], "order": 2}
+    yield (
+        "finish open at order 1",
+        {**middle, "claims": claims, "starting": right, "finishing": finish},
+    )
 
 
 def _enclosures() -> Iterator[tuple[str, dict[str, Any]]]:

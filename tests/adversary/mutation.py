@@ -1,6 +1,6 @@
 """Mutants of the kernel and of the table of implications: each must be noticed.
 
-``python -m tests.adversary.mutation [MODULE..]`` changes one comparison, one connective, one
+``python -m tests.adversary.mutation [MODULE..] [KNOWN.json]`` changes one comparison, one connective, one
 quantifier or one negation at a time, runs the cases of :func:`cases` in a child process, and names
 the mutants that nothing notices.
 """
@@ -9,22 +9,47 @@ from __future__ import annotations
 
 import ast
 import importlib
+import json
 import os
-import signal
+import resource
 import sys
 import zlib
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from types import ModuleType
 from typing import Any
 
-MODULES = ("kernel", "series", "algebra", "implications", "forest")
+#: The kernel with its parts, and the table of implications: a sample is drawn of these.
+RULES = ("kernel", "growth_rules", "stability_rules", "rows", "implications")
+MODULES = (*RULES, "series", "algebra", "forest")
 #: What holds on to names of a module, and is executed again after it.
 DEPENDENTS = {
-    "forest": ("series", "algebra", "kernel", "finders"),
+    "forest": ("series", "algebra", "growth_rules", "stability_rules", "kernel", "finders"),
     "series": ("kernel", "finders"),
-    "algebra": ("kernel", "finders"),
+    "algebra": ("growth_rules", "stability_rules", "kernel", "finders"),
+    "growth_rules": ("kernel", "finders"),
+    "stability_rules": ("kernel", "finders"),
+    "rows": ("kernel", "finders"),
     "implications": ("kernel", "finders"),
     "kernel": ("finders",),
 }
+#: What else notices a mutant of a module that the cases do not notice.
+TESTS = {
+    "forest": ("tests/unit/test_multistep_pairs.py",),
+    "series": ("tests/unit/test_kernel.py",),
+    "algebra": ("tests/unit/test_kernel.py",),
+    "implications": ("tests/unit/test_implications.py",),
+    "kernel": (
+        "tests/unit/test_kernel.py",
+        "tests/unit/test_multistep_pairs.py",
+        "tests/unit/test_staircase.py",
+    ),
+    "growth_rules": ("tests/unit/test_kernel.py",),
+    "stability_rules": ("tests/unit/test_kernel.py",),
+    "rows": ("tests/unit/test_kernel.py", "tests/unit/test_second_format.py"),
+}
+OPTIONS = ("-x", "-q", "--assert=plain", "-p", "no:cacheprovider")
 _COMPARE: dict[type, type] = {
     ast.Is: ast.IsNot, ast.IsNot: ast.Is, ast.Eq: ast.NotEq, ast.NotEq: ast.Eq, ast.Lt: ast.LtE,
     ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt, ast.In: ast.NotIn, ast.NotIn: ast.In,
@@ -51,7 +76,7 @@ def sample(share: int) -> Iterator[tuple[str, str, ast.Module]]:
 
     A mutant is drawn by its text, so that a change of the code elsewhere draws no others.
     """
-    for name in ("kernel", "implications"):
+    for name in RULES:
         module = importlib.import_module(f"glmref.prove.{name}")
         with open(module.__file__ or "", encoding="utf-8") as file:
             tree = ast.parse(file.read())
@@ -137,24 +162,66 @@ def _no_eigenvector() -> Any:
 EQUIVALENT = {
     "q == top and free  ->  True and free": "below the order a defect that is one number for all "
     "stages vanishes: without it the conditions of the next order would hold for another series",
-    "smaller is None or not self.exact or (not _is_glm_exact(smaller))  ->  "
-    "smaller is None or not self.exact or False": "a smaller method in decimals is never shown to "
-    "agree: the claim stays open",
     "x not in gone  ->  x in gone": "the walk shows a cycle to readers and to the certificate; the "
     "verdict is that of `acyclic`",
-    "known.lower > 0  ->  known.lower >= 0": "the bound is the smaller of this one and known.lower",
+    "n > (6 if self.is_pair else MAX_ORDER[0] - 2)  ->  "
+    "n >= (6 if self.is_pair else MAX_ORDER[0] - 2)": "one order earlier the tree with leaves alone "
+    "is asked for first: another tree of the order that fails may be named",
+    "not self.shared and is_exact(V, V_hat)  ->  not self.shared and True": "polynomials in balls "
+    "have no greatest common divisor, and no eigenvectors of balls are proposed: open either way",
+    "not nystrom and n <= MAX_ORDER[1]  ->  True and n <= MAX_ORDER[1]": "all trees decide as those "
+    "without branches do, by the theorem",
+    "n <= MAX_ORDER[1]  ->  n < MAX_ORDER[1]": "the same",
+    "found.value > MAX_ORDER[0] - 2  ->  found.value >= MAX_ORDER[0] - 2": "of order 10 the same "
+    "sizes are computed again",
+    "bush.magnitude() > ROUNDING  ->  bush.magnitude() >= ROUNDING": "the magnitude of a ball is an "
+    "upper bound of a float: no residual has the limit itself",
+    "largest > (SMALL if n + 1 <= MAX_ORDER[0] - 2 else ROUNDING)  ->  "
+    "largest >= (SMALL if n + 1 <= MAX_ORDER[0] - 2 else ROUNDING)": "the same",
 }
 
 
 def survivors(share: int) -> list[str]:
     """Mutants of a sample that nothing notices and that are not named above."""
-    docs = [d for _, d in cases()]
-    expected = [answers(d) for d in docs]
+    bench = Cases()
     return [
         f"{name} {label}"
         for name, label, tree in sample(share)
-        if _text(label) not in EQUIVALENT and not noticed(name, tree, expected, docs)
+        if _text(label) not in EQUIVALENT
+        and not bench.notices(name, tree)
+        and not noticed_by_tests(name, tree)
     ]
+
+
+class Cases:
+    """The cases with their answers; those that notice the most mutants are asked first."""
+
+    def __init__(self) -> None:
+        self.known = [(name, doc, answers(doc)) for name, doc in cases()]
+
+    def notices(self, name: str, tree: ast.Module | None) -> str:
+        """Run a mutant in a child: the first case whose answer differs, ``""`` if none does.
+
+        A child that does not come to an end has noticed it too. Without a tree the module is
+        executed again as it is, which nothing may notice.
+        """
+        reader, writer = os.pipe()
+
+        def run() -> bool:
+            for n, (_, doc, expected) in enumerate(self.known):
+                if answers(doc) != expected:
+                    os.write(writer, str(n).encode())
+                    return True
+            return False
+
+        failed = _fails(name, tree, run)
+        os.close(writer)
+        with os.fdopen(reader) as stream:
+            told = stream.read()
+        if not failed or not told:
+            return "the child" if failed else ""
+        self.known.insert(0, self.known.pop(int(told)))
+        return self.known[0][0]
 
 
 def answers(doc: Any) -> Any:
@@ -167,33 +234,55 @@ def answers(doc: Any) -> Any:
     try:
         method = load_document(doc)
         found = verify(method) if "broken" not in doc else [_refute(method, doc["broken"])]
-        return [(x.claim, str(x.verdict), str(x.proof), str(x.value)) for x in found]
+        return [
+            (x.claim, str(x.verdict), str(x.proof), str(x.value), x.residual, x.witness)
+            for x in found
+        ]
     except GlmrefError as error:
         return type(error).__name__
 
 
-def noticed(name: str, tree: ast.Module, expected: list[Any], docs: list[Any]) -> bool:
-    """Run a mutant in a child: whether any answer differs, or it does not come to an end."""
+def _execute(module: ModuleType, source: str | ast.Module) -> None:
+    """Execute a module again; who imported a name of it gets the new one."""
+    before = dict(vars(module))  # keeps the old objects: the number of a freed one is used again
+    names = {id(x): key for key, x in before.items()}
+    exec(compile(source, module.__file__ or "", "exec"), module.__dict__)
+    for room in [x for key, x in sys.modules.items() if key.startswith("glmref.")]:
+        for key, x in list(vars(room).items()):
+            if id(x) in names:
+                setattr(room, key, vars(module)[names[id(x)]])
+
+
+def noticed_by_tests(name: str, tree: ast.Module | None) -> bool:
+    """Run the tests of the module in a child with the mutant in its place."""
+
+    def run() -> bool:
+        import pytest
+
+        with open(os.devnull, "w", encoding="utf-8") as nothing:
+            os.dup2(nothing.fileno(), 1)
+            return bool(pytest.main([*OPTIONS, *TESTS[name]]))
+
+    return _fails(name, tree, run)
+
+
+def _fails(name: str, tree: ast.Module | None, run: Callable[[], bool]) -> bool:
     child = os.fork()
     if child == 0:
-        signal.alarm(90)
+        # processor time: a busy machine notices nothing
+        resource.setrlimit(resource.RLIMIT_CPU, (90, 91))
         code = 1
         try:
             module = importlib.import_module(f"glmref.prove.{name}")
             for other in DEPENDENTS[name]:
                 importlib.import_module(f"glmref.prove.{other}")
-            before = {id(x): key for key, x in vars(module).items()}
-            exec(compile(tree, module.__file__ or "", "exec"), module.__dict__)
-            # who imported a name of the module gets the new one
-            for room in [x for key, x in sys.modules.items() if key.startswith("glmref.")]:
-                for key, x in list(vars(room).items()):
-                    if id(x) in before:
-                        setattr(room, key, vars(module)[before[id(x)]])
+            with open(module.__file__ or "", encoding="utf-8") as file:
+                _execute(module, file.read() if tree is None else tree)
             for other in DEPENDENTS[name]:
                 follower = importlib.import_module(f"glmref.prove.{other}")
                 with open(follower.__file__ or "", encoding="utf-8") as file:
-                    exec(compile(file.read(), follower.__file__ or "", "exec"), follower.__dict__)
-            code = int(any(answers(d) != e for d, e in zip(docs, expected, strict=True)))
+                    _execute(follower, file.read())
+            code = int(run())
         except BaseException:
             code = 1
         os._exit(code)
@@ -201,27 +290,36 @@ def noticed(name: str, tree: ast.Module, expected: list[Any], docs: list[Any]) -
     return status != 0
 
 
-def main(names: tuple[str, ...] = MODULES) -> int:
-    """Report the mutants that survive; the number of them."""
-    import time
+def main(arguments: tuple[str, ...] = ()) -> int:
+    """Report the mutants that survive; the number of them.
 
-    docs = [d for _, d in cases()]
-    expected, times = [], []
-    for label, d in cases():
-        start = time.perf_counter()
-        expected.append(answers(d))
-        times.append((time.perf_counter() - start, label))
-    order = sorted(range(len(docs)), key=lambda i: times[i][0])
-    docs, expected = [docs[i] for i in order], [expected[i] for i in order]
-    print(f"{len(docs)} cases in {sum(t for t, _ in times):.1f} s")
+    A file among the arguments, ``NAME.json``, keeps what is known of each mutant by its text: a
+    next run tries only those that survived or are new.
+    """
+    kept = next((Path(x) for x in arguments if x.endswith(".json")), None)
+    names = tuple(x for x in arguments if not x.endswith(".json")) or MODULES
+    known = json.loads(kept.read_text()) if kept is not None and kept.exists() else {}
+    bench = Cases()
     total = survivors = 0
     for name in names:
+        if bench.notices(name, None) or noticed_by_tests(name, None):
+            raise SystemExit(f"{name} without a change gives other answers")
         module = importlib.import_module(f"glmref.prove.{name}")
         with open(module.__file__ or "", encoding="utf-8") as file:
             tree = ast.parse(file.read())
+        seen: Counter[str] = Counter()
         for where, mutant in mutants(tree):
             total += 1
-            if not noticed(name, mutant, expected, docs):
+            seen[_text(where)] += 1
+            key = f"{name} {_text(where)} #{seen[_text(where)]}"
+            if _text(where) in EQUIVALENT or known.get(key):
+                continue
+            known[key] = bench.notices(name, mutant) or (
+                "tests" if noticed_by_tests(name, mutant) else ""
+            )
+            if kept is not None:
+                kept.write_text(json.dumps(known, indent=0))
+            if not known[key]:
                 survivors += 1
                 print(f"{name} {where}", flush=True)
     print(f"{total} mutants, {survivors} survive")
@@ -229,4 +327,4 @@ def main(names: tuple[str, ...] = MODULES) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(bool(main(tuple(sys.argv[1:]) or MODULES)))
+    sys.exit(bool(main(tuple(sys.argv[1:]))))

@@ -93,6 +93,7 @@ def test_a6_the_order_of_a_start_is_exact(name: str, more: int) -> None:
     never_holds(d, "starting-order")
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", ["s3-w3", "t115-w3", "s4-w3"])
 def test_a7_a_proved_start_says_nothing_of_the_finish(name: str) -> None:
     d = shipped(name)

@@ -121,7 +121,8 @@ KEYS = (
     "A", "U", "B", "V", "G", "D", "b", "c", "alpha", "beta", "X", "q", "p", "a", "first", "gamma", "base",
     "A_hat", "b_hat", "w", "v", "V_hat", "stages", "starting", "finishing", "output", "separable",
     "constants", "unknowns", "digits", "enclosure", "broken", "claims", "source", "notes", "title", "field",
-    "$schema", "format", "class", "name", "D_P", "D_Q", "zzz", "__proto__", "\x1b[2J", "",
+    "$schema", "format", "class", "name", "D_P", "D_Q", "zzz", "__proto__", "\x1b[2J", "", "c", "embedded",
+    "dense", "parts", "b_prime", "order", "d",
 )  # fmt: skip
 CLAIMS = (
     "order", "order-identity", "effective-order", "nystrom-order", "stage-order", "starting-order",
@@ -131,7 +132,7 @@ CLAIMS = (
 )  # fmt: skip
 CLASSES = (
     "glm", "rk", "lmm", "one-leg", "sweep", "composition", "splitting", "partitioned-rk", "partitioned",
-    "pair-sweep", "rkn", "",
+    "pair-sweep", "rkn", "nystrom", "rosenbrock", "additive", "",
 )  # fmt: skip
 DECLARED: tuple[Any, ...] = (
     0, 1, 2, 3, 4, 5, 8, 11, 12, 10**9, -1, True, False, None, "2", "1/2", "sqrt(2)", [], ["0"], ["1", "0"],

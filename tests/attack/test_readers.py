@@ -13,7 +13,7 @@ from glmref.exact import Exact
 from glmref.exact.linalg import conjugate_transpose
 from glmref.system.budget import limited
 
-from . import certificates, problems, records, vectors
+from . import campaigns, certificates, problems, records, surroundings, tableaux, vectors
 
 
 @pytest.mark.parametrize(
@@ -21,6 +21,9 @@ from . import certificates, problems, records, vectors
     [
         (records, 60, ("4 of 4 records", "3 of 4 records")),
         (problems, 80, ("refused", "run completed")),
+        (campaigns, 60, ("refused", "planned", "problem")),
+        (tableaux, 60, ("refused", "unread", "holds")),
+        (surroundings, 30, ("damaged entry", "the same")),
         (vectors, 6, ("refused",)),
         pytest.param(vectors, 40, ("refused", "holds"), marks=pytest.mark.slow),
         (certificates, 12, ("no",)),

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+import glmref
 from tests.browser.chromium import visit
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
@@ -96,3 +97,19 @@ def test_the_checks_see_what_they_look_for(chromium: Any, tmp_path: Path) -> Non
     assert chromium.execute_script(BROKEN) == ["1.2e- 13"]
     assert chromium.execute_script(WIDE) == ["m" * 40]
     assert chromium.execute_script(CONTRAST) < 3
+
+
+@pytest.mark.parametrize("dark", [False, True])
+def test_a_picture_in_a_file_of_its_own_follows_the_desktop(
+    chromium: Any, tmp_path: Path, *, dark: bool
+) -> None:
+    path = glmref.plot("rk4").save(tmp_path / "rk4.svg")
+    visit(chromium, path, dark=dark, script=False)
+    style = "return getComputedStyle(document.documentElement).filter"
+    assert ("invert" in chromium.execute_script(style)) is dark
+    # within a page it is not the root, and the page has a style of its own
+    page = tmp_path / "page.html"
+    page.write_text(path.read_text(encoding="utf-8"), encoding="utf-8")
+    visit(chromium, page, dark=dark)
+    shown = "return getComputedStyle(document.querySelector('svg')).filter"
+    assert chromium.execute_script(shown) == "none"

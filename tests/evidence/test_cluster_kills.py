@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -15,7 +16,7 @@ import pytest
 from glmref.compute import RecordFile, RecordFolder, measure
 from tests.unit.faulty_tasks import behave
 
-pytest.importorskip("distributed")
+pytestmark = pytest.mark.skipif(find_spec("distributed") is None, reason="dask is not installed")
 
 ROOT = Path(__file__).parents[2]
 SCRIPT = """
@@ -41,11 +42,12 @@ if __name__ == "__main__":
 class Cluster:
     """A scheduler and two workers, each a process; who is killed is started again."""
 
-    def __init__(self, folder: Path) -> None:
-        self.file = folder / "scheduler.json"
+    def __init__(self, folder: Path, *, root: Path = ROOT, patience: str = "5 minutes") -> None:
+        self.file, self.root = folder / "scheduler.json", root
         self.environment = {
             **os.environ,
-            "PYTHONPATH": str(ROOT),
+            "PYTHONPATH": str(root),
+            "DASK_DISTRIBUTED__SCHEDULER__WORKER_TTL": patience,
             "DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT": "5s",
         }
         self.scheduler = self._start("scheduler", "--port", "0", "--no-show")
@@ -57,7 +59,9 @@ class Cluster:
     def _start(self, what: str, *words: str) -> subprocess.Popen[bytes]:
         command = [sys.executable, "-m", "dask", what, "--scheduler-file", str(self.file), *words]
         quiet = subprocess.DEVNULL
-        return subprocess.Popen(command, env=self.environment, stdout=quiet, stderr=quiet)
+        return subprocess.Popen(
+            command, cwd=self.root, env=self.environment, stdout=quiet, stderr=quiet
+        )
 
     def _worker(self) -> subprocess.Popen[bytes]:
         return self._start("worker", "--nthreads", "1", "--no-nanny", "--no-dashboard")
@@ -78,7 +82,7 @@ def known(folder: Path) -> int:
     return sum(path.read_bytes().count(b"\n") for path in folder.glob("*.jsonl"))
 
 
-#: A quarter of an hour and more on two cores: asked for by the environment variable GLMREF_LONG.
+#: Three minutes on two cores: asked for by the environment variable GLMREF_LONG.
 LONG = pytest.mark.skipif("GLMREF_LONG" not in os.environ, reason="GLMREF_LONG is not set")
 
 

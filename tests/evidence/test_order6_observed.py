@@ -19,6 +19,7 @@ from glmref.engine.start import zero_start
 from glmref.measure.convergence import ConvergenceRecord, observed_order
 from glmref.method import GLM
 from glmref.problems import problem
+from tests.shipped import shipped
 
 CLOSE = 0.1
 #: Errors at 48 steps of 1/384 are about 1e-23, and their differences are wanted to four digits.
@@ -31,10 +32,10 @@ PROBLEMS = {
 METHODS = [
     name
     for name in names("methods")
-    if document(name)["claims"].get("order") == 6
-    and document(name)["class"] in ("glm", "sweep")
-    and len(document(name)["V"]) > 1
-    and document(name).get("field") != "complex"
+    if shipped(name)["claims"].get("order") == 6
+    and shipped(name)["class"] in ("glm", "sweep")
+    and len(shipped(name)["V"]) > 1
+    and shipped(name).get("field") != "complex"
 ]
 QUICK = {("s5i1-w3", "kepler")}
 
@@ -92,6 +93,7 @@ def test_every_real_general_linear_method_of_order_6_has_a_start() -> None:
     assert all("starting" in document(name) for name in METHODS)
 
 
+@pytest.mark.sampled(1, whole=16)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "case"),

@@ -10,9 +10,10 @@ from dataclasses import replace
 
 import pytest
 
-from glmref.catalogue.lookup import document, load, names
+from glmref.catalogue.lookup import load, names
 from glmref.measure.convergence import method_order
 from glmref.problems import problem
+from tests.shipped import shipped
 
 CLOSE = 0.05
 QUICK = {"pair-4-4", "pair-6-7"}
@@ -32,7 +33,7 @@ LONG = (
 
 def cases():
     for name in names("methods"):
-        doc = document(name)
+        doc = shipped(name)
         claims = doc["claims"]
         if doc["class"] in ("pair-sweep", "splitting") or "nystrom-order" in claims:
             order = claims["nystrom-order"] if "nystrom-order" in claims else claims["order"]
@@ -41,7 +42,7 @@ def cases():
             yield pytest.param(name, order, id=name, marks=marks)
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(2, whole=90)
 @pytest.mark.parametrize("case", PROBLEMS)
 @pytest.mark.parametrize(("name", "order"), list(cases()))
 def test_the_observed_order_of_a_pair_is_the_proved_one(name, order, case):

@@ -9,7 +9,7 @@ import math
 import numpy as np
 import pytest
 
-from glmref.catalogue.lookup import document, load, names
+from glmref.catalogue.lookup import load, names
 from glmref.exact.expression import parse
 from glmref.measure.longtime import follow, watch
 from glmref.measure.parasitic import (
@@ -21,6 +21,7 @@ from glmref.measure.parasitic import (
     solution_direction,
 )
 from glmref.problems import problem
+from tests.shipped import shipped
 
 PENDULUM = problem("pendulum", q0="23/10")
 PERIOD = period_of(PENDULUM)
@@ -29,6 +30,7 @@ FREE = ("thesis-3-8", "s4-symmetric", "g6245", "g6245-w3")
 SPECIAL = {*FREE, "g6245-w3-complex", "s3i1-w3", "s5i1-i"}
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", ["gsymplectic-n", "gsymplectic-p"])
 def test_the_measured_growth_rate_is_that_of_mu_f_prime_within_two_percent(name):
     method = load(name)
@@ -89,9 +91,9 @@ def without_growth(least):
     return [
         name
         for name in names("methods")
-        if document(name)["class"] in ("glm", "sweep")
-        and document(name)["claims"].get("parasitism-free") is True
-        and document(name)["claims"]["order"] >= least
+        if shipped(name)["class"] in ("glm", "sweep")
+        and shipped(name)["claims"].get("parasitism-free") is True
+        and shipped(name)["claims"]["order"] >= least
     ]
 
 
@@ -127,6 +129,7 @@ def test_p_is_lost_at_about_14_and_n_at_about_1062(name, time, percent):
     assert told.time == pytest.approx(time, rel=percent / 100)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", ["gsymplectic-p", "gsymplectic-n"])
 def test_the_loss_is_predicted_from_mu_f_prime_and_the_starting_error(name):
     _, told = follow_pendulum(name, 20_000)
@@ -163,7 +166,7 @@ def test_parasitism_free_methods_stay_bounded_over_a_million_steps(name):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
-    [n for n in without_growth(6) if document(n)["claims"]["order"] == 6 and n not in SPECIAL],
+    [n for n in without_growth(6) if shipped(n)["claims"]["order"] == 6 and n not in SPECIAL],
 )
 def test_the_other_methods_of_order_six_stay_bounded_over_a_million_steps(name):
     found, told = follow_pendulum(name, 1_000_000)

@@ -77,11 +77,6 @@ def run_pairs(runs: Runs, count: int) -> int:
 
 
 @pytest.mark.slow
-def test_two_runs_at_once_measure_every_task_once(runs: Runs) -> None:
-    assert run_pairs(runs, 2) > 0
-
-
-@pytest.mark.slow
 def test_ten_pairs_of_runs_at_once(runs: Runs) -> None:
     assert run_pairs(runs, 10) > 5
 

@@ -61,7 +61,7 @@ REDUCED = (
 )  # fmt: skip
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", marked(REDUCED))
 def test_without_stiffness_the_same_methods_have_their_classical_order(name):
     method = load(name)

@@ -23,6 +23,7 @@ from glmref.engine.reference import stepper
 from glmref.engine.shape import shape_of
 from glmref.engine.start import zero_start
 from glmref.prove.facts import facts_of
+from tests.shipped import shipped
 
 EPS = 2.0**-52
 STEPS = 1000
@@ -40,9 +41,9 @@ def claiming(*keys):
     return [
         name
         for name in names("methods")
-        if any(document(name)["claims"].get(key) is True for key in keys)
-        and document(name)["class"] not in {*PAIRS, "additive", "rosenbrock"}
-        and document(name).get("field") != "complex"
+        if any(shipped(name)["claims"].get(key) is True for key in keys)
+        and shipped(name)["class"] not in {*PAIRS, "additive", "rosenbrock"}
+        and shipped(name).get("field") != "complex"
     ]
 
 
@@ -164,7 +165,7 @@ def marked(found):
     return [pytest.param(n, marks=() if n in QUICK else pytest.mark.slow) for n in found]
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(3, whole=25)
 @pytest.mark.parametrize("name", marked(KEEPING))
 @settings(max_examples=6, deadline=None)
 @given(seed=numbers, h=steps_of)
@@ -192,9 +193,9 @@ def refuted():
     return [
         name
         for name in names("broken")
-        if document(name)["broken"]["claim"] == "g-symplectic"
-        and document(name)["class"] not in {*PAIRS, "additive", "rosenbrock"}
-        and "G" in document(name)
+        if shipped(name)["broken"]["claim"] == "g-symplectic"
+        and shipped(name)["class"] not in {*PAIRS, "additive", "rosenbrock"}
+        and "G" in shipped(name)
         and name != "gsymplectic-n-d-scaled"
         and load_once(name).is_real
     ]
@@ -288,9 +289,10 @@ def way_back(name, L, seed, h):
 
 
 #: Of multistep methods theory judges a form with other values; the conformance suite tests those.
-SYMMETRIC = [n for n in claiming("symmetric") if document(n)["class"] not in ("lmm", "one-leg")]
+SYMMETRIC = [n for n in claiming("symmetric") if shipped(n)["class"] not in ("lmm", "one-leg")]
 
 
+@pytest.mark.sampled(3, whole=25)
 @pytest.mark.parametrize("name", marked(SYMMETRIC))
 @settings(max_examples=4, deadline=None)
 @given(seed=numbers, h=steps_of)

@@ -263,7 +263,7 @@ def with_idle_value(m: GLM, *, copy: bool) -> GLM:
     )  # fmt: skip
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", METHODS)
 def test_an_idle_stage_changes_nothing(name):
     m = glmref.load(name)
@@ -273,7 +273,7 @@ def test_an_idle_stage_changes_nothing(name):
     same_verdicts(analyze(bare), analyze(other), stages=False, symmetric=False)
 
 
-@pytest.mark.sampled(2, besides=("s4-symmetric",))
+@pytest.mark.sampled(2, besides=("s4-symmetric",), whole=15)
 @pytest.mark.parametrize("copy", [True, False])
 @pytest.mark.parametrize("name", METHODS)
 def test_an_idle_value_changes_nothing(name, copy):

@@ -111,6 +111,8 @@ def test_a_mutated_document_loads_or_gives_a_data_error(doc: Any) -> None:
 @FUZZ
 @given(values)
 @example({})
+@example({"class": []})
+@example({"format": "glmref-method-2", "class": {}, "name": "x", "claims": {}, "source": {}})
 @example({"format": "glmref-method-1", "class": "glm", "name": "x", "claims": {}, "source": {}})
 def test_random_json_gives_a_data_error(doc: Any) -> None:
     loads_or_says_why(doc)

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from glmref.method import GLM
 from glmref.theory.order import order_of
-from glmref.theory.series import Series, combine, compose, flow, identity, inverse, shift
 from glmref.theory.trees import GENERAL, ROOTED, SEPARABLE, trees_up_to
+from tests.bseries import Series, combine, compose, flow, identity, inverse, shift
 from tests.examples import examples
 
 ORDER = 4

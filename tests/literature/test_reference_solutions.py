@@ -316,6 +316,7 @@ def marked(cases, quick=()):
     ]
 
 
+@pytest.mark.sampled(len(QUICK), whole=18)
 @pytest.mark.parametrize(("name", "parameters", "t", "entry"), marked(ENTRIES, QUICK))
 def test_references_are_derived_again(name, parameters, t, entry):
     p = problem(name, **parameters)
@@ -334,6 +335,7 @@ TWO_WAYS = ("arenstorf", "double-pendulum", "lotka-volterra", "nonseparable-chai
 OTHERWISE = [case for case in ENTRIES if case[0] in TWO_WAYS]
 
 
+@pytest.mark.sampled(0, whole=4)
 @pytest.mark.parametrize(("name", "parameters", "t", "entry"), marked(OTHERWISE))
 def test_taylor_states_are_derived_again_by_collocation(name, parameters, t, entry):
     (end,) = collocation_states(problem(name, **parameters), [t], digits=13, stages=8)

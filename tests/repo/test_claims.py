@@ -1,6 +1,7 @@
 """One table of claims: what is written from it is up to date, and nothing spells a key again."""
 
 import ast
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,9 +19,9 @@ from glmref.prove.facts import facts_of
 from glmref.prove.finders import proposal_for
 from glmref.prove.kernel import Kernel
 from glmref.verification.verifier import verify
+from tests.sources import PACKAGE, SOURCES, nodes, text
 from tools.method_schema import CONTRACT, SCHEMA, SECOND, second_schema, with_claims, with_table
 
-PACKAGE = Path(glmref.__file__).parent
 RUN = "run `python -m tools.method_schema`"
 #: Derivations write method files, key by key as they stand in them; the reader refuses unknown keys.
 DOCUMENTS = "derive/"
@@ -32,6 +33,7 @@ SAME_WORDS = {
 }
 #: Keys that are no words of another vocabulary: these can be looked for in the source.
 OWN = frozenset(key for key in CLAIMS if "-" in key) | {"preconsistent"}
+SPELLED = re.compile(rf"[\"']({'|'.join(OWN)})[\"']")
 
 
 def test_the_schema_and_the_contract_are_those_of_the_table() -> None:
@@ -80,15 +82,14 @@ def test_a_claim_that_is_unknown_is_refused_by_name() -> None:
 
 def spelled(path: Path) -> set[str]:
     """Keys of claims that stand in a module as strings."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    return {x.value for x in ast.walk(tree) if isinstance(x, ast.Constant) and x.value in OWN}
+    if not SPELLED.search(text(path)):
+        return set()
+    return {x.value for x in nodes(path) if isinstance(x, ast.Constant) and x.value in OWN}
 
 
 def test_a_key_is_spelled_in_one_module() -> None:
     found = {
-        path.relative_to(PACKAGE).as_posix(): keys
-        for path in PACKAGE.rglob("*.py")
-        if (keys := spelled(path))
+        path.relative_to(PACKAGE).as_posix(): keys for path in SOURCES if (keys := spelled(path))
     }
     assert found.pop("catalogue/claims.py") == OWN
     assert {x for x in found if not x.startswith(DOCUMENTS)} == SAME_WORDS

@@ -134,9 +134,9 @@ def test_names_are_unique():
     assert sorted(set(stems)) == sorted(stems)
 
 
-def test_there_are_at_least_70_methods_and_a_third_of_the_files_is_broken():
+def test_there_are_at_least_70_methods_and_a_quarter_of_the_files_is_broken():
     assert len(METHODS) >= 70
-    assert 3 * len(BROKEN) >= len(FILES)
+    assert 4 * len(BROKEN) >= len(FILES)
 
 
 def test_a_broken_file_names_a_claim_of_its_own_and_only_broken_files_do():

@@ -10,11 +10,10 @@ from __future__ import annotations
 import ast
 import sys
 from functools import cache
-from pathlib import Path
 
-import glmref
+from tests.sources import PACKAGE, SOURCES, nodes, text
 
-ROOT = Path(glmref.__file__).parent.parent
+ROOT = PACKAGE.parent
 
 #: Rooms that import inside functions as a rule, and why.
 ON_DEMAND = {
@@ -23,13 +22,8 @@ ON_DEMAND = {
 
 FILES = {
     ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): path
-    for path in (ROOT / "glmref").rglob("*.py")
+    for path in SOURCES
 }
-
-
-@cache
-def parsed(module: str) -> ast.Module:
-    return ast.parse(FILES[module].read_text(encoding="utf-8"))
 
 
 def targets(module: str, node: ast.Import | ast.ImportFrom) -> set[str]:
@@ -48,7 +42,7 @@ def targets(module: str, node: ast.Import | ast.ImportFrom) -> set[str]:
 
 
 def statements(body: list[ast.stmt]) -> list[ast.Import | ast.ImportFrom]:
-    """Imports that run when a module is loaded."""
+    """Imports among statements and their branches, but not those of functions."""
     found: list[ast.Import | ast.ImportFrom] = []
     for node in body:
         if isinstance(node, ast.Import | ast.ImportFrom):
@@ -62,6 +56,14 @@ def statements(body: list[ast.stmt]) -> list[ast.Import | ast.ImportFrom]:
 
 
 @cache
+def imports_of(module: str) -> list[ast.Import | ast.ImportFrom]:
+    """Imports that run when a module is loaded."""
+    tree = nodes(FILES[module])[0]
+    assert isinstance(tree, ast.Module)
+    return statements(tree.body)
+
+
+@cache
 def loads(module: str) -> frozenset[str]:
     """Packages from outside that are in memory once a module is."""
     seen, waiting = set(), {module}
@@ -69,10 +71,7 @@ def loads(module: str) -> frozenset[str]:
         seen |= waiting
         inside = waiting & set(FILES)
         waiting = {
-            x
-            for name in inside
-            for node in statements(parsed(name).body)
-            for x in targets(name, node)
+            x for name in inside for node in imports_of(name) for x in targets(name, node)
         } - seen
     top = {name.partition(".")[0] for name in seen}
     return frozenset(top - set(sys.stdlib_module_names) - {"glmref", "__future__"})
@@ -80,8 +79,8 @@ def loads(module: str) -> frozenset[str]:
 
 def without_reason(module: str) -> list[str]:
     """Lines of a module at which a function imports, and nothing says why."""
-    lines = FILES[module].read_text(encoding="utf-8").splitlines()
-    functions = [x for x in ast.walk(parsed(module)) if isinstance(x, ast.FunctionDef)]
+    lines = text(FILES[module]).splitlines()
+    functions = [x for x in nodes(FILES[module]) if isinstance(x, ast.FunctionDef)]
     found: set[int] = set()
     for function in functions:
         for node in ast.walk(function):

@@ -18,6 +18,7 @@ from pathlib import Path
 
 import pytest
 
+import glmref
 from glmref.cli import main
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -25,7 +26,7 @@ PAGES = sorted(page.name for page in DOCS.glob("*.md"))
 FENCE = re.compile(r"^```(python|json|toml|console)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 #: Pages whose commands, or whose examples in Python, take more than a few seconds.
 SLOW = {"derive.md", "quickstart.md", "scenes.md"}
-SLOW_EXAMPLES = {"quickstart.md"}
+SLOW_EXAMPLES = {"choose.md", "quickstart.md"}
 MEASURED = DOCS.parent / "data" / "measurements"
 WORDS = {2: "two", 4: "four", 8: "eight", 16: "sixteen"}
 
@@ -160,3 +161,9 @@ def test_the_time_of_a_verification_is_that_of_the_record():
     told = " ".join(text("quickstart.md").split())
     assert f"takes some {record['wall']:.0f} seconds on {WORDS[record['cores']]} cores" in told
     assert record["wall"] == statistics.median(run["wall"] for run in record["runs"]) < 30
+
+
+def test_the_page_of_the_python_interface_has_every_public_name():
+    page = text("api.md")
+    missing = [x for x in glmref.__all__ if not re.search(rf"glmref\.(\w+\.)*{x}\b", page)]
+    assert missing == ["__version__"]

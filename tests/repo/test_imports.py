@@ -18,8 +18,7 @@ import pytest
 
 import glmref
 from glmref.verification.kept import ROOMS
-
-PACKAGE = Path(glmref.__file__).parent
+from tests.sources import PACKAGE, SOURCES, nodes, text
 
 LAYERS = [
     "errors findings system",
@@ -77,8 +76,7 @@ APART = [
 def nodes_of(path: Path) -> tuple[ast.AST, ...]:
     """The imports, conditions and calls of a module."""
     kinds = (ast.Import, ast.ImportFrom, ast.If, ast.Call)
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    return tuple(node for node in ast.walk(tree) if isinstance(node, kinds))
+    return tuple(node for node in nodes(path) if isinstance(node, kinds))
 
 
 def room_of(path: Path) -> str:
@@ -105,8 +103,8 @@ def uses() -> tuple[dict[str, set[str]], dict[str, set[str]]]:
     """Rooms each room imports, and rooms that import each outside package."""
     inside: dict[str, set[str]] = {}
     outside: dict[str, set[str]] = {}
-    rooms = {room_of(path) for path in PACKAGE.rglob("*.py")}
-    for path in PACKAGE.rglob("*.py"):
+    rooms = {room_of(path) for path in SOURCES}
+    for path in SOURCES:
         room = room_of(path)
         inside.setdefault(room, set())
         for module in imported(path):
@@ -157,11 +155,11 @@ def test_what_is_asked_of_rooms_above_by_name_stands_in_one_list() -> None:
 
     for module, function in shown.ABOVE:
         path = PACKAGE.joinpath(*module.split(".")).with_suffix(".py")
-        assert f"def {function}(" in path.read_text(encoding="utf-8")
+        assert f"def {function}(" in text(path)
     asking = {
         str(path.relative_to(PACKAGE))
-        for path in PACKAGE.rglob("*.py")
-        if 'import_module(f"glmref.' in path.read_text(encoding="utf-8")
+        for path in SOURCES
+        if 'import_module(f"glmref.' in text(path)
     }
     assert asking == {"system/shown.py"}
 
@@ -181,8 +179,7 @@ CYCLIC = [
 def module_graph() -> dict[str, set[str]]:
     """Modules and the modules they import anywhere, annotations apart."""
     paths = {
-        ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts): path
-        for path in PACKAGE.rglob("*.py")
+        ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts): path for path in SOURCES
     }
     graph: dict[str, set[str]] = {}
     for name, path in paths.items():
@@ -305,7 +302,7 @@ KINDS = {
 def test_code_seldom_asks_of_what_kind_a_method_is() -> None:
     asked = [
         f"{path.relative_to(PACKAGE)}:{node.lineno}"
-        for path in sorted(PACKAGE.rglob("*.py"))
+        for path in SOURCES
         for node in nodes_of(path)
         if isinstance(node, ast.Call)
         and ast.unparse(node.func) == "isinstance"

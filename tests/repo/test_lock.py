@@ -1,4 +1,4 @@
-"""uv.lock is what pyproject.toml asks for, and names public places only."""
+"""uv.lock and the conda recipe are what pyproject.toml asks for, and name public places only."""
 
 from __future__ import annotations
 
@@ -6,8 +6,11 @@ import re
 import shutil
 import subprocess
 import tomllib
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
+import jinja2
 import pytest
 
 ROOT = Path(__file__).parents[2]
@@ -64,3 +67,30 @@ def test_uv_finds_nothing_to_update(tmp_path: Path) -> None:
     if done.returncode and not stale and UNREACHABLE.search(done.stderr):
         pytest.skip(f"the package index cannot be asked: {done.stderr.splitlines()[0]}")
     assert done.returncode == 0, done.stderr
+
+
+def recipe() -> dict[str, Any]:
+    """The recipe as conda-build reads it: a template first, then YAML."""
+    yaml = pytest.importorskip("yaml")
+    text = (ROOT / "packaging" / "conda" / "meta.yaml").read_text(encoding="utf-8")
+    return yaml.safe_load(jinja2.Template(text).render(PYTHON="python"))
+
+
+def bounds(requirements: Iterable[str]) -> dict[str, frozenset[str]]:
+    """Name -> bounds."""
+    found = (re.fullmatch(r"([A-Za-z0-9._-]+)\s*(.*)", x) for x in requirements)
+    return {x[1]: frozenset(x[2].split(",")) for x in found if x is not None}
+
+
+def test_the_conda_recipe_asks_for_what_the_project_asks_for() -> None:
+    file = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    project, found = file["project"], recipe()
+    python = {"python": frozenset([project["requires-python"]])}
+    assert bounds(found["requirements"]["run"]) == bounds(project["dependencies"]) | python
+    host = bounds(file["build-system"]["requires"]) | python | {"pip": frozenset([""])}
+    assert bounds(found["requirements"]["host"]) == host
+    assert found["package"] == {"name": project["name"], "version": project["version"]}
+    ((name, target),) = project["scripts"].items()
+    assert found["build"]["entry_points"] == [f"{name} = {target}"]
+    assert found["about"]["license"] == project["license"]
+    assert (ROOT / found["about"]["license_file"]).is_file()

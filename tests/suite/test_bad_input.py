@@ -303,7 +303,7 @@ def test_at_least_45_kinds_of_bad_input_are_tried() -> None:
     assert len(FILES) + len(ARGUMENTS) >= 45
 
 
-@pytest.mark.sampled(150)
+@pytest.mark.sampled(100)
 @pytest.mark.parametrize("command", ["verify", "show"])
 @pytest.mark.parametrize("kind", FILES)
 def test_bad_file_gives_one_sentence_and_exit_2(
@@ -380,6 +380,7 @@ def test_a_bad_file_among_good_ones_costs_only_its_own_result(
     assert [line.partition(":")[0] for line in err.splitlines()] == ["glmref", "glmref"]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("kind", ["deep-nesting", "code", "squares-of-squares"])
 def test_the_program_itself_says_it_in_one_sentence_within_two_seconds(
     kind: str, tmp_path: Path

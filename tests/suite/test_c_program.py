@@ -70,7 +70,7 @@ def test_what_is_refused_is_what_the_page_says() -> None:
         assert REFUSED.get(name) == wanted, name
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("method", [x for x in file_names() if x not in REFUSED])
 def test_every_check_of_the_method_holds_for_the_program(program: Path, method: str) -> None:
     subject = adapter(program, method)
@@ -90,7 +90,7 @@ def test_a_method_that_is_not_served_is_refused_with_a_sentence(program: Path, m
         adapter(program, method)
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.sampled(1, besides=("300",))
 @pytest.mark.parametrize("steps", [1, 9, 300])
 def test_a_method_of_any_size_is_run(program: Path, tmp_path: Path, steps: int) -> None:
     """Euler's method, `steps` times over, as one method; its start has as many stages."""

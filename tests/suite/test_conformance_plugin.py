@@ -240,7 +240,7 @@ def test_the_face_without_pytest_gives_the_same_findings_as_json(here, monkeypat
 def test_the_face_without_pytest_says_a_bad_adapter_in_one_line(here, monkeypatch) -> None:
     monkeypatch.setenv("PYTHONPATH", str(PACKAGE.parent))
     done = module(here, "mine:Neither")
-    assert done.ret == 4 and len(done.errlines) == 1
+    assert done.ret == 2 and len(done.errlines) == 1
 
 
 @pytest.mark.slow

@@ -346,6 +346,7 @@ def test_an_unread_table_has_no_verdict() -> None:
     assert judge(Table("x", 3, unread="why"))["status"] == "unread"
 
 
+@pytest.mark.slow
 def test_the_command_goes_on_after_what_it_cannot_read(tmp_path: Path, capsys: Any) -> None:
     (tmp_path / "good.py").write_text(PYTHON)
     (tmp_path / "bad.py").write_text("class A(:\n  ButcherTableau = [")
@@ -398,6 +399,18 @@ def test_plain_json_holds_one_table_or_many() -> None:
     named = judged('{"Euler": {"A": [[0]], "b": [1], "order": 2}}', "json")
     assert one["table 1"]["status"] == "right" and named["Euler"]["found"] == 1
     assert judged("{", "json")[""]["status"] == "unread"
+
+
+def test_a_stage_that_only_estimates_see_is_judged_by_its_row() -> None:
+    """Bogacki-Shampine 3(2): the last row is b, and no condition of order 3 looks at it."""
+    text = """{"A": [[0, 0, 0, 0], ["1/2", 0, 0, 0], [0, "3/4", 0, 0], ["2/9", "1/3", "5/9", 0]],
+    "b": ["2/9", "1/3", "4/9", 0], "c": [0, "1/2", "3/4", 1], "order": 3}"""
+    (table,) = read(text, "json", {})
+    record = judge(table)
+    assert record["status"] == "wrong"
+    assert record["correction"] == [{"entry": "a[4][3]", "is": "5/9", "should be": "4/9"}]
+    (table,) = read(text.replace("5/9", "4/9"), "json", {})
+    assert judge(table)["status"] == "right"
 
 
 def test_plain_csv_has_a_table_in_each_row() -> None:
@@ -535,3 +548,229 @@ def test_orders_beyond_twelve_are_looked_at_within_a_budget() -> None:
     midpoint = runge_kutta(((Exact(1) / 2,),), (Exact(1),))
     with pytest.raises(BudgetError), limited(0.01):
         reach(midpoint, 14, high=True)
+
+
+NAMED = """
+/* a21 = 7; */
+const scalar
+    Heun::c2 = 1.0,
+    Heun::a21 = 1.0,
+    Heun::b1 = 0.5,
+    Heun::b2 = 1.0 - Heun::b1,
+    Heun::e1 = 1.0 - 0.5,
+    Heun::e2 = -0.5;
+}
+"""
+NAMED_B = """
+class Pair : public Stepper
+{
+  public:
+    G4int IntegratorOrder() const override { return 2; }
+};
+void Pair::Step()
+{
+    const double b21 = 1./2., b31 = 0., b32 = 3./4., b41 = 2./9., b42 = 1./3., b43 = 4./9.,
+                 dc1 = b41 - 7./24., dc2 = b42 - 1./4., dc3 = b43 - 1./3., dc4 = -1./8.;
+}
+void Pair::Interpolate()
+{
+    const double b1 = tau, c1 = 7.;
+}
+"""
+JAVA = """
+/** Field version: a[0][0] = 3 in a comment. */
+public class GillFieldIntegrator<T> extends Fixed<T> {
+    private static final double Q = FastMath.sqrt(2);
+    @Override
+    public T[] getC() {
+        final T[] c = MathArrays.buildArray(getField(), 3);
+        c[0] = fraction(1, 2);
+        c[1] = c[0];
+        c[2] = getField().getOne();
+        return c;
+    }
+    @Override
+    public T[][] getA() {
+        final T   two     = getField().getZero().add(2);
+        final T   sqrtTwo = two.sqrt();
+        final T[][] a = MathArrays.buildArray(getField(), 3, -1);
+        for (int i = 0; i < a.length; ++i) {
+            a[i] = MathArrays.buildArray(getField(), i + 1);
+        }
+        a[0][0] = fraction(1, 2);
+        a[ 1][ 0] = sqrtTwo.subtract(1).multiply(0.5);
+        a[1][1] = sqrtTwo.subtract(2).multiply(-0.5);
+        a[2][0] = getField().getZero();
+        a[2][1] = sqrtTwo.multiply(-0.5);
+        a[2][2] = sqrtTwo.multiply(0.5).add(1);
+        return a;
+    }
+    @Override
+    public T[] getB() {
+        final T[] b = MathArrays.buildArray(getField(), 4);
+        b[0] = fraction(1, 6);
+        b[1] = a(0);
+        return b;
+    }
+}
+"""
+JAVA_STATIC = """
+public class KuttaIntegrator {
+    static final double[] STATIC_E = { 1.0, -1.0, 0.5, 0.0 };
+    public double[] getC() {
+        return new double[] { 1.0/2.0, 1.0 };
+    }
+    public double[][] getA() {
+        return new double[][] { {1.0/2.0}, {-1.0, 2.0} };
+    }
+    public double[] getB() {
+        return new double[] { 1.0/6.0, 2.0/3.0, 1.0/6.0, 0.0 };
+    }
+    public int getOrder() { return 3; }
+}
+"""
+RUST = """
+const SQRT_3: f64 = 1.732050808;
+pub(crate) const HEUN_2_A: [[f64; 2]; 2] = [
+    [0.0, 0.0],
+    [1.0, 0.0],
+];
+pub(crate) const HEUN_2_B: [f64; 2] = [1.0 / 2.0, 1.0 / 2.0]; // a comment
+impl<T: Real> ButcherTableau<T, 2> {
+    /// - Primary order: 4
+    pub fn gauss() -> Self {
+        let mut c = [0.0; 2];
+        let mut a = [[0.0; 2]; 2];
+        let sqrt3_6 = SQRT_3 / 6.0;
+        c[0] = 0.5 - sqrt3_6;
+        c[1] = 0.5 + sqrt3_6;
+        a[0][0] = 0.25;
+        a[0][1] = 0.25 - sqrt3_6;
+        a[1][0] = 0.25 + sqrt3_6;
+        a[1][1] = 0.2_5;
+        let b = [0.5, 0.5];
+        let a = a.map(|row| row.map(|x| T::from_f64(x).unwrap()));
+        Self { c, a, b }
+    }
+    pub fn other() -> f64 {
+        let a = 1.0;
+        a
+    }
+}
+"""
+MATLODE = """function [ erkMethod erkS ] = Coefficients_Heun( RK2 )
+% rkA(2,1) = 7;
+    global rkA rkB rkC rkE
+    rkA(2,1) = 1.0d0;
+    rkB(1,1) = 1/2;
+    rkB(1,2) = 1/2;
+    rkC(2) = 1.0;
+    rkE(1) = 1.0;
+    rkE(2) = 0.0;
+return;
+"""
+
+
+def test_numbers_with_names_of_their_own() -> None:
+    heun = judged(NAMED, "constants")["Heun"]
+    assert (heun["found"], heun["stages"], heun["status"]) == (2, 2, "found")
+    spoilt = judged(NAMED.replace("e2 = -0.5", "e2 = 0.5"), "constants")["Heun"]
+    assert spoilt["status"] == "wrong" and "sum to 1" in spoilt["remarks"][0]
+    (table,) = read(NAMED_B, "constants", declared_orders(NAMED_B))
+    pair = judge(table)
+    assert (pair["declared"], pair["found"], pair["stages"]) == (2, 3, 4)
+    assert not pair["remarks"]  # the rows sum to c, the error weights to 0
+
+
+def test_java_methods_that_return_arrays() -> None:
+    kutta = judged(JAVA_STATIC, "java")["KuttaIntegrator"]
+    assert (kutta["declared"], kutta["found"], kutta["status"]) == (3, 3, "wrong")
+    assert "sum to 0.5" in kutta["remarks"][0]
+    assert judged(JAVA, "java")["GillFieldIntegrator"]["status"] == "unread"
+    rows = "b[1] = getField().getTwo();"
+    whole = JAVA.replace("b[1] = a(0);", (
+        "b[1] = sqrt2.subtract(2).divide(-6); b[2] = sqrt2.add(2).divide(6); b[3] = fraction(1, 6);"
+    )).replace("final T[] b =", "final T sqrt2 = getField().getOne().newInstance(2).sqrt();\n        final T[] b =")  # fmt: skip
+    gill = judged(whole, "java")["GillFieldIntegrator"]
+    assert gill["found"] == 4 and rows not in whole
+
+
+def test_rust_functions_and_constants() -> None:
+    found = judged(RUST, "rust")
+    assert found["HEUN_2"]["status"] == "right" and found["HEUN_2"]["declared"] == 2
+    gauss = found["gauss"]  # the root is given to ten digits
+    assert (gauss["declared"], gauss["status"], set(found)) == (4, "digits", {"HEUN_2", "gauss"})
+
+
+def test_an_array_of_a_wrong_size_is_unread_and_the_rest_is_read() -> None:
+    found = judged(RUST.replace("a[1][1] = 0.2_5", "a[1][2] = 0.2_5"), "rust")
+    assert (found["gauss"]["status"], found["HEUN_2"]["status"]) == ("unread", "right")
+    assert (
+        found["gauss"]["remarks"] == ["a[1][2] lies outside its array"] and found["gauss"]["line"]
+    )
+    (table,) = read(
+        '{"A": [[0, 0], [1, 0]], "b": ["1/2", "1/2"], "c": [0, 1], "order": 2}', "json", {}
+    )
+    table.c = [[*(table.c[0] or []), *table.b[0]]]
+    record = judge(table)
+    assert record["status"] == "unread" and "have the sizes [2, 4]" in record["remarks"][0]
+
+
+def test_methods_of_matlode() -> None:
+    heun = judged(MATLODE, "matlode")["Coefficients_Heun"]
+    assert (heun["found"], heun["status"]) == (2, "wrong")
+    assert "the weights of the error estimate sum to 1, not to 0" in heun["remarks"]
+
+
+def test_python_classes_that_change_their_arrays() -> None:
+    found = judged(
+        """
+class Three:
+    order = 3
+    C = np.array([0, 1/2, 1])
+    A = np.array([[0, 0, 0], [0, 0, 0], [0, 2, 0]])
+    A[:, 0] = C - A.sum(axis=1)
+    B = np.array([1/6, 2/3, 1/6])
+    E = np.array([0, 1, 0, 0])
+    E[:-1] -= B
+class Loop:
+    A = [[0, 0], [1, 0]]
+    for i in range(2):
+        A[i][i] = 1
+    b = [1/2, 1/2]
+    c = [0, 1]
+@register
+class Heun:
+    A = [[0, 0], [1, 0]]
+    b = [1/2, 1/2]
+    c = [0, 1]
+    b2 = [1, 0]
+    @property
+    def order(self)->int: return 2
+class Nystrom:
+    order = 4
+    C = np.array([0, 1/2, 1])
+    A = np.array([[0, 0, 0], [1/8, 0, 0], [0, 1/2, 0]])
+    B = np.array([1/6, 1/3, 0])
+    Bp = np.array([1/6, 2/3, 1/6])
+class Low:
+    TABLEAU = ButcherTableau.from_lists(c=[0, 1], a=[[], [1]], b=[1/2, 1/2], b_low_order=[1, 0])
+    def convergence_order(self):
+        return 2
+""",
+        "python",
+    )
+    assert found["Three"]["status"] == "right" and not found["Three"]["remarks"]
+    assert found["Loop"]["status"] == "unread"
+    assert found["Heun"]["status"] == "right" and found["Heun"]["declared"] == 2
+    assert (found["Nystrom"]["kind"], found["Nystrom"]["status"]) == ("nystrom", "right")
+    assert found["TABLEAU"]["status"] == "right" and found["TABLEAU"]["declared"] == 2
+
+
+def test_ode_jl_tables() -> None:
+    (pair,) = judged(
+        "const bt_rk21 = TableauRKExplicit(:heun_euler,(2,1), Rational{Int64},\n"
+        "   [0     0\n    1     0],\n   [1//2  1//2\n    1     0],\n   [0,    1])\n",
+        "julia",
+    ).values()
+    assert (pair["name"], pair["declared"], pair["status"]) == ("heun_euler", 2, "right")

@@ -11,6 +11,7 @@ import pytest
 import glmref
 from glmref.catalogue.keys import BLOCKS
 from glmref.catalogue.lookup import document
+from glmref.catalogue.reader import load_document
 from glmref.cli import main
 
 HEUN = {"A": [["0", "0"], ["1", "0"]], "b": ["1/2", "1/2"]}
@@ -109,3 +110,49 @@ def test_what_is_wrong_with_it_is_one_sentence(
     with pytest.raises(glmref.DataError) as refusal:
         glmref.load(write(tmp_path, content))
     assert words in str(refusal.value) and str(refusal.value).startswith("mine.json: ")
+
+
+def test_a_name_made_of_a_long_file_name_is_cut_at_a_hundred_characters(tmp_path: Path) -> None:
+    path = tmp_path / ("Long Name " + "x" * 150 + ".json")
+    path.write_text(json.dumps({"A": [["0"]], "b": ["1"]}))
+    assert glmref.load(path).name == "long-name-" + "x" * 90
+
+
+@pytest.mark.parametrize("digits", [True, "75", 7.5, [], 0, 151])
+def test_digits_are_a_whole_number(tmp_path: Path, digits: Any) -> None:
+    path = tmp_path / "x.json"
+    path.write_text(json.dumps({"A": [["0"]], "b": ["1"], "digits": digits}))
+    with pytest.raises(glmref.DataError, match=r"`digits` must|not exact|is no exact|exact string"):
+        glmref.load(path)
+
+
+def test_a_starting_method_may_have_one_stage(tmp_path: Path) -> None:
+    path = tmp_path / "x.json"
+    start = {"A": [["0"]], "B": [["0"], ["1"]], "u": ["1", "0"], "order": 1}
+    path.write_text(json.dumps({"A": [["0"]], "U": [["1", "0"]], "B": [["1"], ["1"]],
+                                "V": [["1", "0"], ["0", "0"]], "starting": start}))  # fmt: skip
+    assert len(glmref.load(path).starting.A) == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "says"),
+    [
+        ("rk4", {"class": None}, "the key `class` is missing; it is one of"),
+        ("rk4", {"name": "Bad Name!"}, "`name` must be a string matching"),
+        ("rk4", {"b": []}, "`b`"),
+        ("rk4", {"b": "1"}, "`b`"),
+        ("rk4", {"A": None}, "the key 'A' is missing; a file of class 'rk' needs it"),
+        ("rk4", {"notes": 3}, "`notes` must be a string, got 3"),
+        ("rk4", {"enclosure": []}, "`enclosure` must be an object, got []"),
+        ("rk4", {"b": ["sqrt(-1)", "1/3", "1/3", "1/6"]}, "`b[1]` is complex (0+1j)"),
+        ("rk4", {"A": [["sqrt(-2)"] * 4] * 4}, "`A[1][1]` is complex"),
+        ("g6245", {"A": None}, "the key 'A' is missing; a file of class"),
+    ],
+)
+def test_what_a_whole_document_lacks_is_said_by_its_key(
+    name: str, changes: dict[str, Any], says: str
+) -> None:
+    doc = {k: v for k, v in {**document(name), **changes}.items() if v is not None}
+    with pytest.raises(glmref.DataError) as caught:
+        load_document(doc)
+    assert says in str(caught.value)

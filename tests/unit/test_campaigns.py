@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from glmref.catalogue.files import data_root
 from glmref.cli import main
 from glmref.compute import RecordFolder
 from glmref.compute.child import attempt
@@ -63,6 +64,7 @@ def write(tmp_path: Path) -> Write:
     return written
 
 
+@pytest.mark.sampled(2, besides=("work",))
 @pytest.mark.parametrize("name", campaign_names())
 def test_a_shipped_campaign_is_read_and_its_tasks_differ(name: str) -> None:
     campaign = load_campaign(name)
@@ -70,6 +72,36 @@ def test_a_shipped_campaign_is_read_and_its_tasks_differ(name: str) -> None:
     keys = [key_of(task) for task in islice(campaign.tasks(), 200)]
     assert len(set(keys)) == 200 <= len(campaign)
     assert len(campaign.spread(3)) == 3
+    first = list(islice(campaign.tasks(), 66))  # a search has 64 tasks for each combination
+    assert [campaign._at(k) for k in (0, 63, 65)] == [first[k] for k in (0, 63, 65)]
+
+
+@pytest.mark.parametrize("name", campaign_names())
+def test_the_page_of_a_shipped_campaign_has_its_pictures(name: str, tmp_path: Path) -> None:
+    campaign = load_campaign(name)
+    found = {"largest": 1.0, "smallest": 1.0, "evaluations": 10, "state_error": 0.1}
+    rows = [{"outcome": "completed", "task": task, **found} for task in islice(campaign.tasks(), 3)]
+    campaign_page(campaign, rows, tmp_path / "p.html")
+    assert "<figure" in (tmp_path / "p.html").read_text(encoding="utf-8")
+    less = [{"outcome": "completed", "task": row["task"]} for row in rows]
+    campaign_page(campaign, less, tmp_path / "p.html")
+    page = (tmp_path / "p.html").read_text(encoding="utf-8")
+    assert "<figure" not in page and "no record has a number for each of" in page
+
+
+def test_what_was_lost_has_a_colour_of_its_own_and_no_part_in_the_scale(
+    write: Write, tmp_path: Path
+) -> None:
+    campaign = load_campaign(write())
+    rows = [
+        {"outcome": "completed", "largest": 0.1 * k, "task": task}
+        for k, task in enumerate(campaign.tasks(), 1)
+    ]
+    rows[-1] |= {"outcome": "lost", "largest": 1e152}
+    campaign_page(campaign, rows, tmp_path / "p.html")
+    page = (tmp_path / "p.html").read_text(encoding="utf-8")
+    assert "incomplete" in page and "#b3261e" in page and "e+152" not in page
+    assert ">0.5<" in page  # the upper end of the scale
 
 
 def test_the_shipped_campaigns_are_the_three_that_the_page_describes() -> None:
@@ -84,6 +116,7 @@ def test_the_tasks_are_the_grid_crossed_with_the_sample_the_same_each_time(write
     tasks = list(campaign.tasks())
     assert len(tasks) == len(campaign) == 6
     assert tasks == list(load_campaign(write()).tasks())
+    assert load_campaign(write()).spread(6) == tasks  # each by its place
     assert [task["h"] for task in tasks] == [0.1] * 3 + [0.2] * 3
     drawn = [task["frequency"] for task in tasks[:3]]
     assert drawn == [task["frequency"] for task in tasks[3:]]
@@ -125,8 +158,17 @@ def test_what_is_wrong_in_a_file_is_said_with_its_line(
 ) -> None:
     with pytest.raises(DataError) as caught:
         load_campaign(write(old, new))
-    assert said in str(caught.value)
+    assert said in str(caught.value) and len(str(caught.value)) < 900
     assert "small.toml: line " in str(caught.value)
+
+
+def test_a_long_value_is_cut_in_the_sentence_about_it(tmp_path: Path) -> None:
+    shipped = (data_root() / "campaigns" / "order8-partitioned.toml").read_text(encoding="utf-8")
+    path = tmp_path / "mine.toml"
+    path.write_text(shipped.replace("order = 8", f"order = {['0'] * 800}"), encoding="utf-8")
+    with pytest.raises(DataError, match="`order` must be 2, 4, 6 or 8") as caught:
+        load_campaign(str(path))
+    assert len(str(caught.value)) < 200  # it had 3650 characters
 
 
 def test_a_file_that_is_not_there_is_a_sentence(capsys: pytest.CaptureFixture[str]) -> None:
@@ -219,8 +261,17 @@ def test_a_resonance_task_sees_parasitic_values_grow() -> None:
     assert found["largest"] > calm["largest"] > 0
 
 
+def test_a_resonance_task_may_renew_the_values() -> None:
+    task = {"method": "gsymplectic-p", "file": None, "coupling": 0.1, "steps": 2000}
+    never = resonance({**task, "h": 0.1, "frequency": 2.0})
+    renewed = resonance({**task, "h": 0.1, "frequency": 2.0, "renew": 100})
+    assert renewed["largest"] != never["largest"]
+
+
 def test_a_map_has_a_cell_for_each_value_and_colours_by_size() -> None:
-    cells = {(x, y): 10.0 ** (x + y) for x in (1.0, 2.0) for y in (0.0, 3.0)}
+    cells: dict[tuple[float | str, float | str], float] = {
+        (x, y): 10.0 ** (x + y) for x in (1.0, 2.0) for y in (0.0, 3.0)
+    }
     drawn = heat_map(cells, title="t", x_label="x", y_label="y <", value_label="v")
     assert drawn.count("</rect>") == 4
     assert "y &lt;" in drawn

@@ -63,6 +63,27 @@ def test_stated_digits_decide_nothing_within_them() -> None:
         glmref.check([[0, 0], [0.6667, 0]], [0.25, 0.75], order=2, digits=15)
 
 
+def test_rounded_abscissae_do_not_hide_orders_beyond_eight() -> None:
+    """Trees with leaves for t are looked at through order 8; c that is rounded is not another c."""
+    gauss = glmref.load("gauss-5")
+    assert isinstance(gauss, glmref.GLM)
+
+    def decimals(row: Any) -> list[str]:
+        return [x.ball().decimal_text(50) for x in row]
+
+    table = {"A": list(map(decimals, gauss.A)), "b": decimals(gauss.B[0]), "order": 10}
+    table["c"] = decimals([sum(row, 0 * row[0]) for row in gauss.A])
+    with pytest.raises(glmref.CheckFailed, match=r"order 10 to \d.\d*e-5\d, order 1 exactly"):
+        glmref.check(table)
+    (found,) = glmref.check(table | {"digits": 48})
+    assert found.verdict is Verdict.OPEN
+    assert "order 10 to" in found.witness and "within the 48 digits" in found.witness
+    assert "the decimals as written have order 1" in found.witness
+    table["c"][2] = "0.6"  # another one: what is said of order 8 and below decides
+    with pytest.raises(glmref.CheckFailed, match="the order is that on y' = f"):
+        glmref.check(table)
+
+
 def test_embedded_rows_and_error_weights_have_their_orders() -> None:
     m = glmref.load("dormand-prince-5")
     low = glmref.load("dormand-prince-4")
@@ -204,3 +225,8 @@ def test_the_steps_of_the_workflow_pass(tmp_path: Any, monkeypatch: Any) -> None
     for step in steps[1:]:
         program, *arguments = shlex.split(step)
         assert program == "glmref" and main(arguments) == 0
+
+
+def test_decimals_in_strings_with_digits() -> None:
+    findings = glmref.check(A=[["0", "0"], ["1.00", "0"]], b=["0.500", "0.5"], order=2, digits=3)
+    assert "within the 3 digits" in str(findings[0].witness)

@@ -10,10 +10,11 @@ from typing import Any
 from xml.etree import ElementTree
 
 import pytest
+from click.shell_completion import ShellComplete
 
 from glmref import __version__
 from glmref.catalogue.lookup import document, names
-from glmref.cli import main
+from glmref.cli import group, main
 from glmref.findings import Finding, Verdict
 from glmref.verification import verifier as verification
 
@@ -248,3 +249,33 @@ def test_errata_by_id_by_text_and_by_verdict(run: Run) -> None:
     assert len(list(csv.DictReader(io.StringIO(out)))) > 1
     _, out, _ = run("errata", "--method", "thesis-3-8-printed")
     assert "a_21 = -11/72" in out
+
+
+@pytest.mark.parametrize(
+    ("words", "begun", "wanted"),
+    [
+        ("show", "gauss-", "gauss-2"),
+        ("verify rk4", "yoshida-4", "yoshida-4"),
+        ("problems", "kep", "kepler"),
+        ("compare", "dou", "double-pendulum"),
+        ("run", "start-", "start-zero"),
+        ("derive", "two", "two-stage"),
+    ],
+)
+def test_names_are_completed(words: str, begun: str, wanted: str) -> None:
+    """Each command completes what it takes, and nothing that is wrong on purpose."""
+    found = ShellComplete(group, {}, "glmref", "_GLMREF_COMPLETE").get_completions(
+        words.split(), begun
+    )
+    offered = {item.value for item in found if item.type == "plain"}
+    assert wanted in offered
+    assert all(name.startswith(begun) for name in offered)
+    assert not offered & set(names("broken"))
+
+
+def test_certify_says_which_folder_cannot_be_made(run: Run, tmp_path: Path) -> None:
+    """A file stands where the folder should be: the sentence names it."""
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    code, _, err = run("certify", "rk4", "--output", str(tmp_path / "file" / "out"))
+    assert code == 2
+    assert f"{str(tmp_path / 'file')!r} is a file; name another folder" in err

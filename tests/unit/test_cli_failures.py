@@ -7,7 +7,10 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Mapping
+import time
+from collections import deque
+from collections.abc import Callable, Mapping
+from itertools import repeat
 from pathlib import Path
 
 import pytest
@@ -15,6 +18,8 @@ import pytest
 from glmref.cli import main
 from glmref.cli.parallel import Checked, check, check_all
 from glmref.findings import Finding, Verdict
+from glmref.system import process
+from glmref.system.process import guarded, within
 from glmref.verification import verifier as verification
 
 COMMAND = [sys.executable, "-m", "glmref"]
@@ -99,6 +104,9 @@ def test_a_full_disk_is_one_sentence() -> None:
 @posix
 def test_closed_streams_do_no_harm() -> None:
     assert shell("glmref list >&-").returncode == 0
+    done = shell("glmref check - <&-")  # was an internal error
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert "`A` is missing" in done.stderr
     assert shell("glmref verify nothing 2>&-").returncode == 2
 
 
@@ -132,7 +140,7 @@ def test_interruption_keeps_what_was_found_and_leaves_with_130(
 @posix
 def test_ctrl_c_reaches_the_program_once_and_no_child_complains() -> None:
     process = subprocess.Popen(
-        [*COMMAND, "verify"],
+        [*COMMAND, "verify", "--no-cache"],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -147,6 +155,53 @@ def test_ctrl_c_reaches_the_program_once_and_no_child_complains() -> None:
     assert err.startswith("glmref: interrupted after ")
     assert err.count("\n") == 1
     assert "0 fail, 0 open" in out
+
+
+def endless() -> int:
+    print("found", flush=True)
+    deque(repeat(0), maxlen=0)  # hears no signal, and no other thread runs meanwhile
+    return 0
+
+
+def slow() -> int:
+    print("found", flush=True)
+    time.sleep(60)
+    return 0
+
+
+@posix
+@pytest.mark.filterwarnings("ignore:os.fork")  # of a library that another test loaded
+@pytest.mark.parametrize("program", [endless, slow])
+def test_a_time_limit_ends_what_cannot_be_stopped_in_one_sentence(
+    program: Callable[[], int], monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(process, "GRACE", 0.1)
+    begun = time.monotonic()
+    assert within("glmref", 4, lambda: guarded("glmref", program, 2)) == 2
+    assert time.monotonic() - begun < 30
+    assert capfd.readouterr() == (
+        "found\n", "glmref: the time limit is over; what was finished is printed or kept\n"
+    )  # fmt: skip
+
+
+@posix
+@pytest.mark.filterwarnings("ignore:os.fork")  # of a library that another test loaded
+def test_a_time_limit_changes_nothing_else(capfd: pytest.CaptureFixture[str]) -> None:
+    assert within("glmref", 60, lambda: guarded("glmref", lambda: 3, 2)) == 3
+
+    def ended() -> int:
+        print("found", flush=True)
+        os.kill(os.getppid(), signal.SIGTERM)  # the one that a shell knows
+        time.sleep(60)
+        return 0
+
+    assert within("glmref", 60, lambda: guarded("glmref", ended, 2)) == 143
+    assert capfd.readouterr() == ("found\n", "glmref: ended by SIGTERM\n")
+    assert main(["--time-limit", "60", "verify", "rk4", "--no-cache"]) == 0
+    assert "6 hold" in capfd.readouterr().out
+    for wrong in ("0", "x", "nan", "1e3"):
+        assert main(["--time-limit", wrong, "verify", "rk4"]) == 2
+    assert capfd.readouterr().err.count("'--time-limit'") == 4
 
 
 def test_no_progress_and_no_colour_off_a_terminal() -> None:
@@ -231,3 +286,13 @@ def test_a_file_that_kills_its_process_costs_only_its_own_result() -> None:
     assert [c.name for c in results] == names
     assert [c.internal for c in results] == [False, False, True, False]
     assert "internal error while checking rk4" in results[2].error
+
+
+@pytest.mark.parametrize(
+    ("word", "answer"), [("solve", "glmref compare PROBLEM"), ("plot", "--plot FILE.svg")]
+)
+def test_a_word_that_is_no_command_is_answered_with_what_does_it(
+    word: str, answer: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([word, "kepler", "rk4"]) == 2
+    assert answer in capsys.readouterr().err

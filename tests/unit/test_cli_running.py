@@ -44,6 +44,7 @@ def scene(tmp_path):
     return path
 
 
+@pytest.mark.slow
 def test_a_run_prints_table_picture_and_answer_and_leaves_records(scene, tmp_path, capsys):
     out = tmp_path / "out"
     assert main(["run", str(scene), "--output", str(out)]) == 0

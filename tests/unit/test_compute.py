@@ -11,6 +11,7 @@ import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -90,8 +91,59 @@ def test_the_scheduler_keeps_nothing_of_a_task_that_has_ended(
     before = kept()
     run(dask, SQUARES, Limits(retries=1))
     assert kept() <= before + 4  # a group for the run, and what it has not let go yet
+    from dask.utils import key_split
+
+    monkeypatch.setattr(cluster, "LOOK", 0.0)
+    run(dask, SQUARES)
+    assert key_split.cache_info().currsize < 40  # it would have a key for each task
 
 
+def test_short_tasks_travel_together_and_the_last_ones_are_spread() -> None:
+    from glmref.compute import cluster
+
+    where = cluster.Dask(SimpleNamespace(dashboard_link=""), "dask:2")
+    where.threads = 2
+    run = cluster._Run(where, behave, UNLIMITED)
+    run.mean = cluster.TOGETHER / 8
+    waiting, sizes = ({"n": k} for k in range(100)), list[int]()
+    while parcel := run._parcel(waiting):
+        sizes.append(len(parcel))
+    assert sum(sizes) == 100 and sizes == sorted(sizes, reverse=True)
+    assert sizes[:8] == [8] * 8 and sizes[-4:] == [1] * 4
+    pinned = cluster._Run(where, behave, Limits(pinned=True))
+    pinned.mean = 1e-3
+    assert len(pinned._parcel(iter(SQUARES))) == 1
+
+
+def test_a_cluster_whose_workers_all_died_ends_with_a_sentence(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from glmref.compute import cluster
+
+    client = SimpleNamespace(
+        dashboard_link="", cluster="own", nthreads=dict, cancel=lambda _: None, status="running",
+        submit=lambda *_, key, **__: SimpleNamespace(key=key, add_done_callback=lambda _: None),
+    )  # fmt: skip
+    monkeypatch.setattr(cluster, "LOOK", 0.0)
+    monkeypatch.setattr(cluster, "PATIENCE", 0.5)
+    with pytest.raises(UsageError, match="all workers of the Dask cluster died"):
+        next(cluster.Dask(client, "dask:2").run(behave, SQUARES))
+
+
+def test_a_parcel_that_takes_long_is_left_to_others(
+    dask: Executor, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Quick tasks come first, so that many slow ones travel together."""
+    from glmref.compute import cluster
+
+    monkeypatch.setattr(cluster, "TOGETHER", 0.02)
+    slow = [{"n": k, "how": "sleep", "seconds": 0.05} for k in range(40)]
+    assert len(cluster.carry_out(behave, slow, UNLIMITED, identity(), "")) == 1
+    done = run(dask, SQUARES + slow)
+    assert [x.value["square"] for x in done] == 2 * [k * k for k in range(40)]
+
+
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="limits of memory are Linux's")
 def test_every_fault_is_a_result_and_costs_no_other_task(dask: Executor, tmp_path: Path) -> None:
     faults: list[dict[str, Any]] = [
@@ -170,7 +222,11 @@ def test_a_worker_that_is_not_what_the_client_is_is_refused(
     assert difference({k: x for k, x in mine.items() if k != "numpy"}, mine).startswith("has none")
 
 
-@pytest.mark.parametrize("text", ["cloud", "local:0", "local:x", "local:-1", "here:2", "dask:0"])
+@pytest.mark.parametrize(
+    "text",
+    ["cloud", "local:0", "local:x", "local:-1", "here:2", "dask:0", "local:" + "9" * 5000,
+     "local:99999", "dask:99999"],
+)  # fmt: skip
 def test_what_chooses_nothing_is_refused_in_a_sentence(text: str) -> None:
     with pytest.raises(UsageError, match=r"executor|worker or more"), executor(text):
         pass
@@ -188,6 +244,33 @@ def test_without_dask_one_sentence_says_how_to_install_it(monkeypatch: pytest.Mo
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(UsageError, match=r"pip install 'glmref\[cluster\]'"), executor("dask"):
         pass
+
+
+def test_the_example_files_have_settings_and_options_that_dask_knows() -> None:
+    distributed, yaml = pytest.importorskip("distributed"), pytest.importorskip("yaml")
+    from click.testing import CliRunner
+    from distributed.cli import dask_scheduler, dask_worker
+
+    from glmref.compute.cluster import QUIET
+
+    folder = Path(__file__).parents[2] / "docs" / "campaigns"
+    slurm = yaml.safe_load((folder / "slurm.yaml").read_text(encoding="utf-8"))
+    known = Path(distributed.__file__).with_name("distributed.yaml").read_text(encoding="utf-8")
+
+    def leaves(tree: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
+        for key, value in tree.items():
+            name = f"{prefix}{key}"
+            yield from leaves(value, f"{name}.") if isinstance(value, dict) else [(name, value)]
+
+    given = dict(leaves({"distributed": slurm["distributed"]}))
+    assert set(given) <= set(dict(leaves(yaml.safe_load(known))))
+    assert {key: given[key] for key in QUIET} == QUIET
+    spec = yaml.safe_load((folder / "kubernetes.yaml").read_text(encoding="utf-8"))["spec"]
+    for what, command in (("worker", dask_worker.main), ("scheduler", dask_scheduler.main)):
+        program, word, *options = spec[what]["spec"]["containers"][0]["args"]
+        assert (program, word) == ("dask", what)
+        said = CliRunner().invoke(command, ["--help"]).output
+        assert all(x in said for x in options if x.startswith("--"))
 
 
 def test_nothing_of_dask_is_loaded_unless_it_is_asked_for() -> None:

@@ -9,8 +9,8 @@ from glmref.exact.linalg import rank
 from glmref.method import GLM
 from glmref.theory.blocks import make_block
 from glmref.theory.conditions import Conditions
-from glmref.theory.series import elementary_weights, flow
 from glmref.theory.trees import GENERAL, ROOTED, SEPARABLE, pruned, trees
+from tests.bseries import elementary_weights, flow
 
 
 def commutator(order, palette):

@@ -101,6 +101,7 @@ def test_the_record_is_plain_json():
     assert found["order"] is None and found["settled"] is False
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("build", [isochronous, isochronous_separable, isochronous_threefold])
 def test_every_solution_of_an_isochronous_problem_has_period_two_pi(build):
     from glmref.engine.solve import solve
@@ -156,6 +157,7 @@ def test_the_flow_of_the_isochronous_problem_solves_it():
         assert max(abs(slope - subject.f(t, subject.solution(t)))) < 1e-9
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("name", "order"), [("euler", 1), ("rk4", 4), ("gauss-2", 4), ("ab-2", 2), ("bdf-3", 3)]
 )
@@ -195,6 +197,7 @@ def own_start(engine, t, y0, h):
     return starting_values(engine, None, t=t, y0=y0, h=h).values
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("start", "order"), [(zero_start, 2), (own_start, 4)])
 def test_the_parasitic_part_of_n_falls_with_the_order_of_its_start(start, order):
     # y_2 starts at h^2 from zero; the explicit start is exact through h^3
@@ -203,6 +206,7 @@ def test_the_parasitic_part_of_n_falls_with_the_order_of_its_start(start, order)
     assert abs(found.order - order) < 0.1
 
 
+@pytest.mark.slow
 def test_the_starting_map_gains_an_order_with_every_pass():
     engine = stepper(load("gsymplectic-n"), problem("pendulum"), digits=40)
     underlying, context = Underlying(engine), engine.arithmetic.context

@@ -140,3 +140,16 @@ def test_progress_is_shown_on_a_terminal_and_nowhere_else() -> None:
     assert b'"yoshida-6-midpoint"' in run.stdout
     silent = subprocess.run(command("yoshida6"), capture_output=True, check=True)
     assert b"%" not in silent.stderr
+
+
+def test_a_name_of_a_file_is_that_file(tmp_path: Path) -> None:
+    path = tmp_path / "new" / "mine.json"
+    words = ["derive", "pairs", "--name", "pair-4-4", "--output", str(path)]
+    assert main(words) == 0
+    assert json.loads(path.read_text(encoding="utf-8"))["name"] == "pair-4-4"
+
+
+def test_several_methods_go_to_a_folder_whatever_its_name_ends_with(tmp_path: Path) -> None:
+    words = ["derive", "two-stage", "--format", "json", "--output", str(tmp_path / "two.json")]
+    assert main(words) == 0
+    assert len(list((tmp_path / "two").glob("*.json"))) > 1

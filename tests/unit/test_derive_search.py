@@ -13,6 +13,7 @@ from glmref.derive.parameters import RankError, fix_parameters, pivots
 from glmref.derive.search import evaluate, levenberg_marquardt, search
 from glmref.errors import DataError, UsageError
 from glmref.exact import Exact, Jet, ball, jets
+from glmref.exact.expression import parse
 from glmref.prove.newton import ConvergenceError, polish
 from glmref.prove.system import SweepSystem
 
@@ -171,3 +172,10 @@ def test_jets_follow_the_rules_of_differentiation() -> None:
     assert (x - x).is_zero() is True
     assert (x - 3).is_zero() is None
     assert x.is_zero() is False
+
+
+def test_the_conjugate_of_a_jet_conjugates_its_derivatives() -> None:
+    x, _ = jets([ball(Fraction(3)), ball(Fraction(4))])
+    turned = (x * ball(parse("2+i"))).conjugate()
+    assert complex(turned.value) == pytest.approx(6 - 3j)
+    assert complex(turned.gradient[0]) == pytest.approx(2 - 1j)

@@ -24,13 +24,14 @@ from glmref.prove.starting import (
     first_value,
     inverse_block,
     is_inverse,
+    needed_stages,
     prove_finishing,
     prove_starting,
     starting_system,
 )
 from glmref.prove.tableau_series import stage_order, weights
-from glmref.theory.series import elementary_weights
 from glmref.theory.trees import trees
+from tests.bseries import elementary_weights
 
 NAME = "t115-i"
 
@@ -163,6 +164,7 @@ def test_rational_tableaux_have_parity_and_their_stage_order(moments: int) -> No
             assert A[swap[i]][swap[j]] == -A[i][j]
 
 
+@pytest.mark.slow
 def test_the_inverse_finish_is_recognised_and_a_changed_one_is_not() -> None:
     doc = document("order8-s3-w3-i")
     opening, closing = doc["starting"], copy.deepcopy(doc["finishing"])
@@ -206,3 +208,10 @@ def test_a_finish_block_has_the_form_it_needs() -> None:
 def test_enclosure_records_name_the_start() -> None:
     record = prove(document(NAME))
     assert {"starting-order", "finishing-order"} <= set(record.started)
+
+
+def test_the_stages_that_a_row_needs_are_those_it_reads_and_those_they_read():
+    A = [["0", "0", "0", "0"], ["1", "0", "0", "0"], ["1", "1", "0", "0"], ["0", "1", "0", "0"]]
+    assert needed_stages(A, ["0", "0", "0", "1/2"]) == [0, 1, 3]
+    assert needed_stages(A, ["1", "0", "0", "0"]) == [0]
+    assert needed_stages(A, ["0"] * 4) == []

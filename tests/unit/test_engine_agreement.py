@@ -22,7 +22,6 @@ import numpy as np
 import pytest
 
 from glmref import Problem, load, names, problem
-from glmref.catalogue.lookup import document
 from glmref.engine.codegen import kernel_source
 from glmref.engine.compiled import interpret
 from glmref.engine.kernel import Kernel, prepare
@@ -30,6 +29,7 @@ from glmref.engine.partitioned import pair_source
 from glmref.engine.reference import stepper
 from glmref.engine.start import zero_start
 from glmref.method import PartitionedGLM
+from tests.shipped import shipped
 
 EPS = 2.0**-52
 STEPS, H = 4, 1 / 128
@@ -51,7 +51,7 @@ QUICK = (
 METHODS = [
     name
     for name in names("methods")
-    if name != "g6245-w3-complex" and document(name)["class"] not in ("additive", "rosenbrock")
+    if name != "g6245-w3-complex" and shipped(name)["class"] not in ("additive", "rosenbrock")
 ]
 
 method_of = lru_cache(maxsize=None)(load)
@@ -233,6 +233,7 @@ def marked(quick):
     return [pytest.param(name, marks=m) for name, m in zip(METHODS, marks, strict=True)]
 
 
+@pytest.mark.sampled(6, whole=150)
 @pytest.mark.parametrize("name", marked(QUICK))
 def test_kernels_of_every_method_agree_with_the_reference(name):
     for of in applicable(name):
@@ -322,6 +323,7 @@ def test_machine_code_and_interpreter_have_the_same_bits(name):
     same_bits(name, "pendulum")
 
 
+@pytest.mark.sampled(0, whole=100)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", METHODS)
 def test_machine_code_and_interpreter_have_the_same_bits_for_every_method(name):

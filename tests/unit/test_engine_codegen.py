@@ -5,7 +5,7 @@ from collections import Counter
 
 import pytest
 
-from glmref import GLM, Problem, load, problem
+from glmref import GLM, Problem, load, problem, solve
 from glmref.engine.codegen import Options, kernel_source
 from glmref.engine.kernel import prepare
 from glmref.engine.shape import shape_of
@@ -141,6 +141,33 @@ def test_integer_powers_are_products():
     cubic = Problem(f=("-(y[0] + 1)**3",), y0=(1.0,))
     text = kernel_source(step_form(load("rk4")), shape_of(cubic), Options()).text
     assert "**" not in text
+
+
+@pytest.mark.parametrize(
+    ("exponent", "product"),
+    [
+        ("1.5", "{0} * sqrt({0})"), ("3/2", "{0} * sqrt({0})"), ("0.5", "sqrt({0})"),
+        ("-1.5", "1 / ({0} * sqrt({0}))"), ("-(5/2)", "1 / ({0} * {0} * sqrt({0}))"),
+        ("-2", "1 / ({0} * {0})"), ("-1", "1 / {0}"),
+    ],
+)  # fmt: skip
+def test_powers_with_a_half_are_products_and_a_root(exponent, product):
+    power = Problem(f=(f"-(y[0] + 1)**({exponent})",), y0=(1.0,))
+    text = kernel_source(step_form(load("euler")), shape_of(power), Options()).text
+    assert "**" not in text
+    assert product.format("s0_power_0") in text
+    # the reference engine computes by pow
+    kernel, reference = (
+        solve(power, "rk4", h=0.01, steps=40, engine=engine).y[-1, 0]
+        for engine in ("compiled", "reference")
+    )
+    assert kernel == pytest.approx(reference, rel=1e-14)
+
+
+@pytest.mark.parametrize("exponent", ["1/3", "0.3", "9", "17/2"])
+def test_other_powers_are_those_of_the_library(exponent):
+    power = Problem(f=(f"-(y[0] + 1)**({exponent})/10",), y0=(-0.5,))
+    assert "**" in kernel_source(step_form(load("euler")), shape_of(power), Options()).text
 
 
 def test_generation_is_deterministic():

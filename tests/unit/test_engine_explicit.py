@@ -12,6 +12,7 @@ from glmref.engine.sweep import step_form
 from glmref.engine.unroll import unrolled
 
 
+@pytest.mark.sampled(6, besides=("outer",))
 @pytest.mark.parametrize("name", ["rk4", "dormand-prince-5", "ab-2", "heun-2", "merson-4"])
 @pytest.mark.parametrize("of", ["henon-heiles", "outer-solar-system", "lotka-volterra"])
 def test_explicit_steps_are_those_of_the_method(name, of):

@@ -74,7 +74,7 @@ def dq_spoils(p):
     return out
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(2, besides=("s4-", "gauss-3", "tr-bdf2"))
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("method", WHOLE)
 def test_a_function_that_means_well_is_stepped_right(method, engine):

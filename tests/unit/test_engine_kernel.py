@@ -107,3 +107,11 @@ def test_array_kernels_agree_with_the_reference(name):
         scale = np.abs(slow.values).max()
         assert np.abs(fast.values - slow.values).max() < 40 * 2.0**-52 * scale
         assert fast.kernel.startswith("native")
+
+
+def test_an_explicit_method_has_no_solver_to_choose():
+    of = problem("kepler")
+    form, shape = step_form(load("rk4")), shape_of(of)
+    assert choose_solver(form, shape, of, 0.1) == "fixed-point"
+    for solver in ("fixed-point", "newton"):
+        assert choose_solver(form, shape, of, 0.1, solver) == solver

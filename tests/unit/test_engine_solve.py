@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from glmref import GLM, Problem, UsageError, load, problem, solve
+from glmref.engine.ensemble import solve_ensemble
 from glmref.engine.inspection import CALLS
 from glmref.engine.kernel import prepare
 from glmref.engine.outcome import Outcome
@@ -157,6 +158,7 @@ def test_cancelling_keeps_what_was_done():
 def test_an_interrupt_ends_the_run_as_cancelled():
     import _thread
 
+    solve("kepler", "gauss-2", h=0.001, steps=10)  # compiled: an interrupt there ends the call
     timer = threading.Timer(0.3, _thread.interrupt_main)
     timer.start()
     run = solve("kepler", "gauss-2", h=0.001, steps=10**9)
@@ -359,3 +361,19 @@ def test_no_steps_give_the_start():
     run = solve("pendulum", "g6245", h=0.1, steps=0)
     np.testing.assert_array_equal(run.y[-1], problem("pendulum").y0)
     assert run.completed
+
+
+@pytest.mark.parametrize("name", ["gauss-3", "g6245-w3"])
+def test_quick_rounds_are_fewer_and_end_near(name):
+    strict, quick = (
+        solve("henon-heiles", name, h=0.1, steps=200, arithmetic=arithmetic, solver="fixed-point")
+        for arithmetic in ("strict", "quick")
+    )
+    assert quick.evaluations < 0.97 * strict.evaluations and "quick" in quick.kernel
+    assert 0 < np.abs(quick.y - strict.y).max() < 1e-10
+    assert "quick" not in solve("kepler", "rk4", h=0.1, steps=1, arithmetic="quick").kernel
+
+
+def test_an_ensemble_refuses_quick_rounds():
+    with pytest.raises(UsageError, match='takes "fused"'):
+        solve_ensemble("kepler", "gauss-2", [[1, 0, 0, 1]], h=0.1, steps=1, arithmetic="quick")

@@ -41,6 +41,7 @@ def test_the_method_s_own_starting_method_is_the_default():
     assert "enhanced" in started("g6245", None).kind or load("g6245").starting is not None
 
 
+@pytest.mark.sampled(1, besides=("s4", "g6245"))
 @pytest.mark.parametrize("name", ["gsymplectic-n", "s4-symmetric", "g6245"])
 def test_each_pass_of_the_enhanced_start_gains_an_order(name):
     # the defect of S is seen after one step: M S(y) - S((M S(y))_1), values 2..r

@@ -144,3 +144,37 @@ def test_a_finishing_method_that_cannot_be_solved_keeps_the_rows_before(engine):
     assert "finishing method at t = 0.6" in run.message
     assert len(run.t) == len(run.y) == 6
     assert np.isfinite(run.y).all()
+
+
+@pytest.mark.parametrize("method", ["rk4", "gauss-2"])
+def test_a_large_function_that_ignores_t_is_compiled_as_formulas(method):
+    """The function of a formula takes t, and nothing sets the time of a stage that none needs."""
+    n = 40
+
+    def ring(t, y):
+        q, p = y[:n], y[n:]
+        return np.concatenate((p, np.roll(q, 1) - 2 * q + np.roll(q, -1)))
+
+    problem = Problem(f=ring, y0=np.sin(np.arange(2.0 * n)))
+    found = solve(problem, method, h=0.05, steps=3)
+    wanted = solve(problem, method, h=0.05, steps=3, engine="reference")
+    assert not found.notices
+    assert np.abs(found.y[-1] - wanted.y[-1]).max() < 1e-14
+
+
+def given_as_a_list(t, y):
+    return np.concatenate([y[:1], -y[1:] if y[0] > 0 else y[1:]])
+
+
+def read_from_a_text(t, y):
+    return [float(str(0.5)) * y[0] if y[0] > 0 else -y[0], y[1]]
+
+
+@pytest.mark.parametrize(
+    ("f", "reason"), [(given_as_a_list, "concatenate"), (read_from_a_text, "convert string")]
+)
+def test_a_notice_says_what_numba_cannot_do(f, reason):
+    """Not its pipeline, with which its messages begin; and its errors are of many kinds."""
+    (notice,) = solve(Problem(f=f, y0=[1.0, 1.0]), "rk4", h=0.1, steps=2).notices
+    assert "numba cannot compile" in notice and reason in notice
+    assert "pipeline" not in notice

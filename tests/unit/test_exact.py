@@ -159,3 +159,9 @@ def test_a_number_that_turns_out_rational_gives_the_narrow_ball_of_a_rational() 
 def test_an_exact_number_made_of_an_exact_number_is_the_same() -> None:
     for x in (Exact(Fraction(2, 3)), Exact(2).sqrt()):
         assert Exact(x) == x and (Exact(x) - x).is_zero() is True
+
+
+def test_negative_powers_of_every_kind_of_number():
+    assert exact(2) ** -2 == exact(Fraction(1, 4))
+    assert exact(2).sqrt() ** -3 == exact(2).sqrt() / 4
+    assert (ball(2) ** -2 - exact(Fraction(1, 4))).is_zero() is not False

@@ -64,7 +64,9 @@ def test_what_a_format_cannot_hold_is_refused_in_one_sentence(
 
 
 def test_additive_methods_go_where_they_can_be_held() -> None:
-    with pytest.raises(UsageError, match="ars-4-4-3 is additive: petsc and sundials hold"):
+    with pytest.raises(
+        UsageError, match="ars-4-4-3 is additive: petsc, sundials, json and csv hold"
+    ):
         export("ars-4-4-3", to="julia")
     text = export("ars-4-4-3", to="petsc")
     assert 'TSARKIMEXRegister("ars-4-4-3", 3, 5, At, bt, ct, A, b, c,' in text
@@ -206,6 +208,17 @@ def test_stages_stand_in_the_order_of_computation_and_unread_ones_are_dropped() 
     assert scheme_of(method).step.blocks == (1, 1)
     idle = GLM(A=[["0", "0"], ["0", "0"]], U=[["1"], ["1"]], B=[["1", "0"]], V=[["1"]])
     assert scheme_of(idle).step.s == 1
+
+
+def test_a_solution_that_several_values_make_is_carried_as_one_of_them() -> None:
+    name, stepper = "multistep-rkn-8", {}
+    assert scheme_of(glmref.load(name)).heads == (0, 1)
+    exec(export(name, to="python"), stepper)
+    target = glmref.problem("harmonic-oscillator")
+    q, p = ([float(x)] for x in target.y0)
+    found = stepper["integrate"](lambda p: p, lambda q: [-q[0]], 0.1, 5, q, p)
+    expected = glmref.solve(target, name, h=0.1, steps=5).y[-1]
+    assert [x for z in found for x in z] == pytest.approx(list(map(float, expected)), abs=1e-13)
 
 
 def test_expressions_in_latex() -> None:

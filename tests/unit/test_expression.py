@@ -6,10 +6,13 @@ import pickle
 from fractions import Fraction
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from glmref.errors import DataError, ExactnessError
-from glmref.exact import Ball, exact, root_of_unity
+from glmref.exact import Ball, Exact, exact, root_of_unity
 from glmref.exact.expression import MAX_LENGTH, MAX_RADICALS, Text, parse, to_text, weigh
+from glmref.exact.relations import box
 
 
 @pytest.mark.parametrize(
@@ -184,3 +187,53 @@ def test_a_text_keeps_its_value_here_and_travels_as_plain_text() -> None:
     copy = pickle.loads(pickle.dumps(text))
     assert copy == "1/2"
     assert type(copy) is str
+
+
+@pytest.mark.parametrize(
+    "text", ["0.5", "-.25", "-0.0", "7.", "1.0625", "-0." + "3" * 75, "1.23456"]
+)
+@pytest.mark.parametrize("digits", [None, 2, 75])
+def test_a_single_decimal_is_read_as_any_expression(text: str, digits: int | None) -> None:
+    """Tables of decimals take a short way: number, size and refusal are those of the long one."""
+
+    def read(entry: str) -> str:
+        try:
+            return repr(parse(entry, digits=digits))
+        except DataError as error:
+            return str(error).partition(" in the entry ")[0]
+
+    assert read(text) == read(f" {text}")
+    assert weigh(text, {}) == weigh(f" {text}", {})
+
+
+FRACTIONS = st.fractions(-50, 50, max_denominator=60)
+RADICANDS = st.integers(0, 30)
+
+
+@given(FRACTIONS, FRACTIONS, FRACTIONS, RADICANDS, RADICANDS)
+def test_a_number_is_written_so_that_it_is_read_again(a, b, c, n, m) -> None:
+    text = f"{a}+({b})*sqrt({n})+({c})*sqrt({n})*sqrt({m})"
+    value = parse(text)
+    assert parse(to_text(value)) == value
+    assert weigh(text, {}).radicals == 3
+
+
+@given(FRACTIONS, FRACTIONS, st.integers(-30, 30))
+def test_a_box_encloses_both_parts_and_a_real_number_has_no_other(a, b, n) -> None:
+    value = parse(f"{a}+({b})*sqrt({n})")
+    assert isinstance(value, Exact)
+    real, imaginary = box(value)
+    for (low, high), part in ((real, value.real), (imaginary, value.imag)):
+        assert (part - low).sign() >= 0 and (exact(high) - part).sign() >= 0
+        assert high - low <= Fraction(3, 2**40)
+    assert (imaginary == [0, 0]) == value.is_real()
+
+
+@given(st.integers(0, 8), st.booleans())
+def test_zeros_of_any_length_are_exact(places, signed) -> None:
+    text = "0." + "0" * places
+    assert parse("-" * signed + text, digits=8) == 0
+
+
+def test_the_imaginary_unit_is_a_root_of_degree_2() -> None:
+    assert weigh("i", {}).roots == weigh("1+i*i", {}).roots == {("i", 2)}

@@ -159,3 +159,19 @@ def test_1_is_a_simple_eigenvalue_of_v():
     _check_regular(linalg.diagonal([Exact(1), Exact(-1)]), "V")
     with pytest.raises(DataError, match="multiple eigenvalue"):
         _check_regular(linalg.diagonal([Exact(1), Exact(1)]), "V")
+
+
+@pytest.mark.parametrize("name", ["yoshida-6-midpoint", "t115-i"])
+def test_one_method_without_a_start_has_no_order_of_a_start_or_of_second_order_systems(name):
+    doc = {k: v for k, v in document(name).items() if k not in ("starting", "finishing")}
+    implied = implied_by(doc, None)
+    assert implied is not None
+    orders = {"starting-order", "nystrom-starting-order", "nystrom-order"}
+    assert not orders & implied.at_least.keys()
+
+
+def test_the_sentence_about_the_first_row_names_no_component_of_one_method():
+    doc = {**document("yoshida-6-midpoint")}
+    doc["X"] = [["1+1/1" + "0" * 80, *doc["X"][0][1:]], *doc["X"][1:]]
+    with pytest.raises(DataError, match="the first row of `X` must be 1"):
+        implied_by(doc, None)

@@ -5,6 +5,7 @@ import math
 import os
 import shutil
 import time
+import types
 
 import numpy as np
 import pytest
@@ -177,6 +178,33 @@ def test_a_function_with_a_branch_is_compiled_once_for_what_it_reads():
     assert abs(other.y[-1, 0] - again.y[-1, 0]) > 0.1
 
 
+@pytest.mark.slow
+def test_a_compiled_function_is_kept_on_disk_by_what_it_reads(monkeypatch, tmp_path):
+    monkeypatch.setenv("GLMREF_CACHE", str(tmp_path))
+
+    def made(k):
+        return lambda t, y: np.array([y[1], -k * y[0]]) if y[0] < 5 else np.array([y[1], y[0]])
+
+    def kernel_of(k):  # as in another process, which has nothing in memory
+        compiled._around.clear()
+        source = "@compiled_with_signature\ndef kernel(x):\n    return int(full(0.0, x)[1])\n"
+        built = compiled.build(source, {"x": "d*"}, {"full": made(k)})
+        return built.kernel(np.array([1.0, 0.0])), sum(built.kernel.stats.cache_hits.values())
+
+    assert kernel_of(2.0) == (-2, 0)
+    assert kernel_of(2.0) == (-2, 1)
+    assert kernel_of(3.0) == (-3, 0)
+    for path in tmp_path.rglob("*.nbc"):
+        path.write_bytes(b"damaged")
+    assert kernel_of(2.0)[0] == -2
+
+
+def test_what_a_function_reads_from_another_module_is_not_known():
+    namespace = {"constants": types.ModuleType("constants")}
+    exec("def f(t, y):\n    return [constants.k * y[0]]", namespace)
+    assert fingerprint(namespace["f"]) is None
+
+
 def test_a_method_file_is_read_again_when_it_has_changed(tmp_path):
     path = tmp_path / "mine.json"
     shutil.copy(path_of("rk4"), path)
@@ -226,7 +254,10 @@ def test_coefficients_kept_on_disk_are_those_computed(name, monkeypatch, tmp_pat
     method = method_of(name)
     computed = kept.form_of_method.__wrapped__(method, "auto")
     (path,) = tmp_path.glob("glmref_form_*.json")
-    assert repr(kept._kept_form(path)) == repr(computed)
-    path.write_bytes(path.read_bytes().replace(b"0.5", b"0.6", 1)[:-1])
-    assert kept._kept_form(path) is None  # a damaged entry is computed again
+    monkeypatch.setattr(kept, "step_form", None)  # nothing is computed again ...
+    monkeypatch.setattr(kept, "pair_form", None)
+    assert repr(kept.form_of_method.__wrapped__(method, "auto")) == repr(computed)
+    monkeypatch.undo()
+    monkeypatch.setenv("GLMREF_CACHE", str(tmp_path))
+    path.write_bytes(path.read_bytes().replace(b"0.5", b"0.6", 1)[:-1])  # ... but for a damaged one
     assert repr(kept.form_of_method.__wrapped__(method, "auto")) == repr(computed)

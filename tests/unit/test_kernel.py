@@ -1,12 +1,13 @@
 """Rules of the kernel that no shipped method reaches: each condition of each is asked for."""
 
 from fractions import Fraction
+from typing import Any
 
 import pytest
 
 from glmref import load
 from glmref.catalogue.reader import load_document
-from glmref.exact import Ball, Exact
+from glmref.exact import Ball, Exact, ball
 from glmref.findings import Proof, Verdict
 from glmref.method import PartitionedGLM
 from glmref.prove.facts import facts_of
@@ -116,3 +117,345 @@ def test_a_step_of_the_staircase_is_a_rounding_and_far_below_the_next():
     assert staircase(1e-3) == "order 0 exactly"  # no rounding
     assert staircase(0.0, 0.0) == "order 0 exactly"  # balls around zero show no step
     assert staircase(0.0, 0.25, proved=1) == "order 1 exactly"
+
+
+def _scheme(A, b, *, most, stop=10.0, below=9):
+    """`reach` of a Runge-Kutta method, with the trees below an order."""
+    from glmref.prove.forest import forest
+    from glmref.prove.kernel import reach
+
+    palette = (("o", "o"),)
+    trees = forest(palette)
+    trees.level(most)
+    return reach(
+        palette, {"o": (A, b)}, roots="o", counts=lambda t: trees.order[t] < below, most=most,
+        stop=stop,
+    )  # fmt: skip
+
+
+def test_the_first_order_that_fails_is_kept_and_an_order_is_proved_after_the_one_below_it():
+    zero, one = Exact(0), Exact(1)
+    found = _scheme(((zero,),), (one,), most=4)  # Euler
+    assert (found.proved, found.refuted) == (1, 2)
+    assert len(found.sizes) == 4
+    # no tree of order 3 counts: its conditions hold, those of order 2 do not
+    assert _scheme(((zero,),), (one,), most=3, below=3).proved == 1
+    # a residual that is the limit itself is looked beyond
+    assert len(_scheme(((zero,),), (one,), most=3, stop=0.5).sizes) == 3
+    assert len(_scheme(((zero,),), (one,), most=3, stop=0.4).sizes) == 2
+    assert found.exact
+    third = ((zero, zero), (Exact(Fraction(2, 3)), zero))  # of order 3 the bush holds
+    found = _scheme(third, (Exact(Fraction(1, 4)), Exact(Fraction(3, 4))), most=3)
+    assert (found.first, found.refuted) == (("", "", "[[o]]"), 3)
+    assert not _scheme(((zero,),), (ball(1),), most=1).exact
+
+
+@pytest.mark.parametrize(
+    ("refuted", "order", "verdict", "value"),
+    [(3, 1, "holds", 2), (3, 2, "holds", 2), (3, 3, "fails", 2), (3, 4, "fails", 2),
+     (None, 2, "holds", 2), (None, 3, "open", 2), (4, 3, "open", 3)],
+)  # fmt: skip
+def test_an_order_is_reached_where_it_is_proved_and_not_where_one_below_is_refuted(
+    refuted, order, verdict, value
+):
+    from glmref.prove.kernel import Reach, reaches
+
+    found = reaches(Reach(2, (0.0, 0.0, 0.1, 0.2), ("", "", "t", "s"), refuted, True), order, "")
+    assert (str(found.verdict), found.value) == (verdict, value)
+    assert (found.residual > 0) == (verdict != "holds")
+
+
+def test_what_is_open_stays_open_where_a_failure_was_announced():
+    from glmref.prove.kernel import refuted
+
+    made = {x: Kernel._made(x, exact=True, value=1, residual=0.5, reason="why")
+            for x in (True, False, None)}  # fmt: skip
+    verdicts = [str(refuted(made[x], as_expected=y).verdict)
+                for x in (True, False, None) for y in (True, False)]  # fmt: skip
+    assert verdicts == ["fails", "fails", "holds", "fails", "open", "open"]
+    assert refuted(made[False]).reason == "why"
+    assert refuted(made[False], reason="because").reason == "because"
+
+
+def test_a_verdict_that_is_open_always_has_a_reason():
+    def reason(truth, exact, given):
+        return Kernel._made(truth, exact=exact, value=None, residual=0.0, reason=given).reason
+
+    assert reason(None, True, "") == "no rule decides it"
+    assert reason(None, False, "") == "the published digits do not decide it"
+    assert reason(None, True, "why") == "why"
+    assert reason(True, True, "") == ""
+    assert reason(False, True, "why") == "why"
+
+
+def test_numbers_are_compared_entry_by_entry_and_are_exact_where_both_are():
+    from glmref.prove.algebra import compared
+
+    one, two, about = Exact(1), Exact(2), ball(Fraction(3, 2))
+    same = compared([one, two], [one, two], exact=True)
+    assert (same.truth, same.exact, same.residual) == (True, True, 0.0)
+    other = compared([one, two], [one, one], exact=True)
+    assert (other.truth, other.exact, other.entry, other.residual) == (False, True, 1, 1.0)
+    apart = compared([one, about], [one, one], exact=True)
+    assert (apart.truth, apart.exact, apart.entry) == (False, False, 1)
+    assert not compared([one, two], [one, one], exact=False).exact
+
+
+def test_an_order_beyond_those_of_all_trees_is_decided_along_paths():
+    found = Kernel(load("multistep-10")).order_range(free=False)
+    assert (found.lower, found.upper, found.exact) == (10, 10, True)
+
+
+@pytest.mark.parametrize(("one", "exact"), [("1", True), ("1.000", False)])
+def test_dense_output_in_decimals_is_not_exact(one, exact):
+    method = load_document({
+        "format": "glmref-method-2", "name": "euler", "class": "rk", "A": [["0"]], "b": ["1"],
+        "digits": 3, "dense": [[one]], "claims": {"dense-order": 1},
+        "source": {"citation": "nobody", "where": "nowhere", "status": "derived"},
+    })  # fmt: skip
+    assert Kernel(method).range("dense-order").exact is exact
+
+
+def single(A, U, B, V):
+    """A method from its entries."""
+    from glmref.method import GLM
+
+    return GLM(A, U, B, V)
+
+
+def test_what_an_enclosure_implies_only_raises_a_lower_bound():
+    from glmref.errors import ExactnessError
+    from glmref.prove.implications import _SEAL, Implied
+    from glmref.prove.kernel import Range
+
+    kernel = Kernel(load("rk4"), Implied(at_least={"order": 3}, seal=_SEAL))
+    for found in (Range(3, 4), Range(4, 4)):
+        assert kernel._with_implied("order", found) is found
+    assert kernel._with_implied("order", Range(2, None)) == Range(3, None, exact=False)
+    assert kernel._with_implied("order", Range(2, 3)) == Range(3, 3, exact=False)
+    with pytest.raises(ExactnessError, match="order 3 and the digits at most 2"):
+        kernel._with_implied("order", Range(2, 2))
+    assert kernel._with_implied("order-identity", Range(2, 2)) == Range(2, 2)
+
+
+@pytest.mark.parametrize(
+    ("name", "most", "nystrom", "measured"),
+    [("rk4", 14, 14, 14), ("gsymplectic-n", 12, 12, 10), ("stormer-verlet", 9, 13, 6),
+     ("multistep-10", 9, 9, 6), ("lobatto-iiia-iiia-3", 8, 8, 6)],
+)  # fmt: skip
+def test_the_largest_order_that_is_looked_at_is_that_of_the_kind(name, most, nystrom, measured):
+    kernel = Kernel(load(name))
+    assert (kernel._most(), kernel._most(nystrom=True)) == (most, nystrom)
+    assert kernel._most_measured == measured
+
+
+def test_a_pair_of_shared_stages_has_no_tree_with_leaves_alone():
+    kernel, series = searched("lobatto-iiia-iiia-3")
+    assert kernel._bushes(series, 3) == {}
+
+
+def test_a_form_is_found_by_elimination_where_none_is_proposed():
+    i = Exact(-1).sqrt()
+    zero, one = Exact(0), Exact(1)
+    n: Any = load("gsymplectic-n")
+    turned = n.transform(((one, i), (zero, one)))
+    n = n.transform(((one, one), (zero, one)))
+    both = PartitionedGLM(n.A, n.U, n.B, n.V, n.A, n.U, n.B, n.V)
+    for method in (turned, n, both, load("stormer-verlet")):
+        assert Kernel(method)._g_symplectic({}).truth is True
+    kernel = Kernel(load("gauss-1"))
+    assert len(Kernel(n).form_system((one, one), (one, one))[0]) == 3 + 2
+    assert len(Kernel(turned).form_system((one, one), (one, one))[0]) == 4 + 2
+    values, equations, labels = kernel.form_system((one,), (one,))
+    assert len(values) == len(equations) == 2
+    assert [x[0] for x in labels] == ["V", "U", "A", "hermitian", "real"]
+    assert all(len(row) == len(labels) for row in equations)
+
+
+def test_an_exchange_that_is_no_permutation_proves_nothing():
+    one = Exact(1)
+    method = single([["1/4", "1/4"]] * 2, [["1"], ["1"]], [["1/2", "1/2"]], [["1"]])
+    kernel = Kernel(method)
+    for P, truth in (((0, 0), None), ((1, 0), True)):
+        known = kernel._symmetric({"involutions": ([((one,),)], {"o": P})})
+        assert known.truth is truth, P
+
+
+def test_the_order_of_explicit_stages_and_a_cycle_of_implicit_ones_are_named():
+    from glmref.errors import ExactnessError
+
+    U, B, V = [["1"]] * 4, [["1/4"] * 4], [["1"]]
+    backwards = Kernel(single([["0", "1", "0", "0"], ["0"] * 4, ["1", "0", "0", "0"],
+                               ["0", "0", "1", "0"]], U, B, V))  # fmt: skip
+    assert backwards.explicit_order() == [1, 0, 2, 3]
+    with pytest.raises(ExactnessError, match="no cycle"):
+        backwards.cycle()
+    # the first needs the last, which needs nothing, and the second; the second needs the first
+    cyclic = Kernel(single([["0", "1", "0", "1"], ["1", "0", "0", "0"], ["0", "1", "0", "0"],
+                            ["0"] * 4], U, B, V))  # fmt: skip
+    assert sorted(cyclic.cycle()) == [0, 1]
+    with pytest.raises(ExactnessError, match="no order"):
+        cyclic.explicit_order()
+
+
+def test_a_scheme_of_two_colours_is_exact_where_both_are():
+    from glmref.prove.kernel import reach
+
+    zero, one = Exact(0), Exact(1)
+    found = reach(
+        (("f", "fk"), ("k", "fk")), {"f": (((zero,),), (one,)), "k": (((ball(0),),), (one,))},
+        roots="fk", counts=lambda t: True, most=1, stop=1.0,
+    )  # fmt: skip
+    assert (found.proved, found.exact) == (1, False)
+    half = Exact(Fraction(1, 2))
+    found = reach(
+        (("f", "fk"), ("k", "fk")), {"f": (((zero,),), (one,)), "k": (((zero,),), (half,))},
+        roots="fk", counts=lambda t: True, most=1, stop=1.0,
+    )  # fmt: skip
+    assert (found.proved, found.refuted, found.sizes) == (0, 1, (0.5,))
+
+
+def test_an_error_constant_needs_a_multistep_method():
+    method = single([["0"]], [["1"]], [["1"]], [["1"]])
+    found = facts_of(method).judge("error-constant", "1/2")
+    assert (found.verdict, found.reason) == (
+        Verdict.OPEN, "an error constant is defined for multistep methods only"
+    )  # fmt: skip
+
+
+def test_paths_alone_do_not_tell_the_stage_order():
+    found = Kernel(load("multistep-10")).range("stage-order")
+    assert (found.lower, found.upper, found.value) == (1, None, 1)
+    assert "were not compared" in found.reason
+
+
+def off(name, size="1/1000000000000"):
+    """A Runge-Kutta method with its first weight off, in fractions."""
+    m = load(name)
+    (b,) = m.B
+    return single(m.A, m.U, [[b[0] + Exact(Fraction(size)), *b[1:]]], m.V)
+
+
+def test_what_is_nearly_zero_is_measured_order_by_order():
+    assert Kernel(single([["0"]], [["1"]], [["1"]], [["1"]])).nearly() == pytest.approx([0, 0.5])
+    found = Kernel(off("rk4")).nearly()
+    assert found[:4] == pytest.approx([1e-12] * 4)
+    assert found[4:] == pytest.approx([1 / 80])
+    assert len(Kernel(off("gauss-2", "1/100")).nearly()) == 1  # no rounding
+
+
+def test_what_is_nearly_zero_is_measured_to_the_largest_order(monkeypatch):
+    from glmref.prove import kernel
+
+    with monkeypatch.context() as patch:  # trees beyond order 2 are asked for their first one
+        patch.setattr(kernel, "MAX_ORDER", (4, 4, 4, 4, 4))
+        found = Kernel(off("rk4")).nearly()
+        assert found == pytest.approx([1e-12] * 4 + [1 / 120], rel=1e-3)
+        n = load("gsymplectic-n")
+        slight = single(
+            n.A, n.U, [[n.B[0][0] + Exact(Fraction("1e-12")), *n.B[0][1:]], n.B[1]], n.V
+        )
+        assert len(Kernel(slight).nearly()) == 2
+    monkeypatch.setattr(kernel, "HIGHEST", 4)
+    assert Kernel(off("rk4")).nearly()[4:] == pytest.approx([1 / 120])
+    found = Kernel(load("rk4")).order_range(free=False)
+    assert (found.lower, found.upper, found.tree) == (4, 4, "[oooo]")
+
+
+def test_beyond_order_10_a_residual_counts_as_rounding_to_9_digits_only():
+    m = load("gauss-5")
+    text = lambda x: f"{float(x):.6f}"  # noqa: E731
+    document = runge_kutta(
+        [[text(x) for x in row] for row in m.A], [text(x) for x in m.B[0]], digits=6
+    )
+    found = Kernel(document).nearly()
+    assert len(found) == 11 and 1e-9 < found[9] < 1e-3 < 1e3 * found[10]
+
+
+def test_an_order_with_a_size_is_the_last_that_is_no_larger():
+    found = Reach(0, (0.0, 0.5, 0.25), ("", "t", "s"), None, exact=True)
+    assert (found.to(0.5), found.to(0.4), found.to(0.0), found.size(1), found.size(3)) == (
+        3, 1, 1, 0.0, 0.5
+    )  # fmt: skip
+
+
+def test_of_second_order_systems_the_tree_with_leaves_alone_has_the_root_k():
+    kernel, series = searched("stormer-verlet")
+    assert set(kernel._bushes(series, 2, nystrom=True)) == {"f[k]", "k[f]"}
+    assert set(kernel._bushes(series, 3, nystrom=True)) == {"k[ff]"}
+    assert set(kernel._bushes(series, 3)) == {"f[kk]", "k[ff]"}
+
+
+def test_a_stage_is_the_solution_as_far_as_every_path_says_so():
+    # c = 6: the path of order 2 misses c^2 / 2, that of order 3 is c^3 / 6 again
+    found = Kernel._path_orders(((Exact(6),),), ((Exact(1),),), 3)
+    assert found == {"f": [1], "k": [1]}
+
+
+def test_an_order_that_needs_other_principal_parts_is_not_nearly_one_of_a_single_value():
+    assert len(Kernel(load("butcher-effective-5")).nearly()) == 5  # order 4, effectively 5
+
+
+def parts_of(*found, h=("1",)):
+    """A proposal: eigenvalues with rows of W and columns of N, and the polynomial of the rest."""
+    number = lambda x: Exact(Fraction(x))  # noqa: E731
+    parts = [(number(z), (tuple(map(number, W)),), (tuple(map(number, N)),)) for z, W, N in found]
+    return {"o": (parts, tuple(map(number, h)))}
+
+
+ONE, TWO = ("1", [1, 0], [1, 0]), ("-1", [0, 1], [0, 1])
+
+
+@pytest.mark.parametrize(
+    ("second", "proposed", "truth"),
+    [
+        ("-1", parts_of(ONE, TWO), True),
+        ("-1", parts_of(ONE, h=("1", "1")), None),  # the other one lies on the circle
+        ("2", parts_of(ONE, h=("-2", "1")), None),  # or outside
+        ("1/2", parts_of(ONE, h=("-1/2", "1")), True),
+        ("1/2", parts_of(ONE, h=("0", "1")), None),  # that is not its root
+        ("1/2", parts_of(ONE, ("1/2", [0, 1], [0, 1])), None),  # not on the circle
+        ("1", parts_of(ONE, ("1", [0, 1], [0, 1])), None),  # one eigenvalue twice
+        ("-1", parts_of(ONE, ("-1", [0, 1], [1, 1])), None),  # no column of V
+        ("-1", parts_of(ONE, ("-1", [1, 1], [0, 1])), None),  # no row of V
+        ("-1", parts_of(ONE, ("-1", [0, 2], [0, 1])), None),  # W N is 2
+        ("1/2", parts_of(ONE, ("-1", [0, 0], [0, 0]), h=("-1/2", "1")), None),  # no vectors
+        ("-1", {}, None),
+    ],
+)  # fmt: skip
+def test_eigenvalues_that_are_proposed_are_checked(second, proposed, truth):
+    from glmref.errors import ExactnessError
+
+    kernel = Kernel(single([["0"]], [["1", "0"]], [["1"], ["0"]], [["1", "0"], ["0", second]]))
+    try:
+        kernel._eigen("o", proposed)
+        found = True
+    except ExactnessError:
+        found = None
+    assert found is truth
+
+
+def test_growth_that_no_equation_gives_is_that_of_the_matrices():
+    from glmref.prove.finders import eigen_witness
+    from glmref.prove.implications import _SEAL, Implied
+
+    method = load("milne-simpson")
+    kernel = Kernel(method, Implied(seal=_SEAL))
+    (c,) = method.components
+    witness = {"o": eigen_witness(c.V)}
+    known = kernel._growth([Exact(Fraction(-1, 3))], witness)
+    assert (known.truth, known.exact) == (True, True)
+    assert Kernel(method, Implied(growth_zeros=1, seal=_SEAL))._growth([Exact(0)], {}).truth is True
+
+
+def test_dense_output_and_any_matrix_are_judged_for_the_methods_that_have_them():
+    from dataclasses import replace
+
+    from glmref.errors import ExactnessError
+
+    two: Any = load("gsymplectic-n")
+    two = replace(two, dense=((Exact(1),),) * two.s)
+    with pytest.raises(ExactnessError, match="one value is carried"):
+        Kernel(two).range("dense-order")
+    with pytest.raises(ExactnessError, match="a Rosenbrock method is needed"):
+        Kernel(load("rk4")).range("w-order")

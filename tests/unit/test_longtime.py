@@ -122,6 +122,16 @@ def test_following_carries_the_values_of_a_multivalue_method():
     assert np.max(np.abs(long.history[-1] - once.history[-1])) < 1e-11
 
 
+@pytest.mark.parametrize("name", ["gsymplectic-n", "g4123", "pair-rkn-6-8b", "rk4"])
+def test_following_renews_as_a_run_does(name):
+    subject, method = problem("pendulum", q0="6/5"), load(name)
+    options = {"h": 0.05, "steps": 250, "engine": "interpreted", "renew": 40}
+    long, once = follow(subject, method, **options), solve(subject, method, **options)
+    assert long.renewals == once.renewals == (0 if name == "rk4" else 6)
+    assert long.start_evaluations == once.start_evaluations
+    assert np.max(np.abs(long.y[-1] - once.y[-1])) < 1e-12
+
+
 def test_watch_names_what_a_problem_conserves():
     subject = problem("rigid-body")
     method = load("gsymplectic-n")

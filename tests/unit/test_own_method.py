@@ -14,6 +14,7 @@ from glmref.cli import main
 from glmref.errors import DataError, UsageError
 from glmref.exact import Exact
 from glmref.exact.expression import parse
+from glmref.system.shown import DARK
 from glmref.views.show import show
 from glmref.views.tables import Style
 
@@ -58,7 +59,9 @@ def test_what_is_no_number_is_refused_with_its_place(bad: object) -> None:
 
 def test_a_rounded_tableau_is_told_from_an_exact_one() -> None:
     third = 1 / 3
-    method = glmref.from_rk([[0, 0], [2 * third, 0]], [0.25, 0.75])
+    with pytest.warns(UserWarning, match="where 2/3 is meant, give the string '2/3'") as seen:
+        method = glmref.from_rk([[0, 0], [2 * third, 0]], [0.25, 0.75])
+    assert seen[0].filename == __file__
     facts = glmref.analyze(method)
     assert facts.order == 1 and "order 2 to" in facts.order_witness
     assert glmref.analyze(glmref.from_rk([["0", "0"], ["2/3", "0"]], ["1/4", "3/4"])).order == 2
@@ -177,7 +180,8 @@ def test_a_solution_is_drawn_and_saved(tmp_path: Path) -> None:
     drawn = solution.plot(components=[0, 3])
     assert drawn.count("<polyline") == 2 and ">y[3]<" in drawn
     path = drawn.save(tmp_path / "run.svg")
-    assert path.read_text(encoding="utf-8") == drawn
+    saved = path.read_text(encoding="utf-8")  # with a style for the dark mode of the desktop
+    assert saved.replace(DARK, "") == drawn and "prefers-color-scheme: dark" in saved
     with pytest.raises(UsageError, match=r"such as run\.svg"):
         drawn.save(tmp_path / "run.png")
     with pytest.raises(UsageError, match="numbers from 0 to 3"):
@@ -264,3 +268,15 @@ def test_an_additive_method_is_shown_saved_and_refused_in_one_sentence(tmp_path:
     with pytest.raises(UsageError, match="export its parts"):
         glmref.export(method, to="c")
     assert "step" in glmref.export(method.part(1), to="c")
+
+
+@pytest.mark.parametrize("entry", [0.1, 0.25, 2**0.5, 1e-20, 1e300])
+def test_a_number_that_is_meant_as_it_is_is_taken_without_a_word(entry: float) -> None:
+    glmref.from_rk(A=[[entry]], b=[1])
+
+
+def test_a_method_that_is_not_zero_stable_is_run_with_a_notice() -> None:
+    unstable = glmref.from_lmm(alpha=[-5, 4, 1], beta=[2, 4, 0], name="dahlquist")
+    (notice,) = glmref.solve("kepler", unstable, h=0.01, steps=10).notices
+    assert "not zero-stable" in notice and "size 5," in notice
+    assert glmref.solve("kepler", "ab-4", h=0.01, steps=10).notices == ()

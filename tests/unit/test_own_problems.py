@@ -185,6 +185,10 @@ def test_decimals_mean_decimals_at_every_precision():
           "parameters": {"m": [1]}}, "m has 1 entries"),
         ({"H": "p**2/2", "y0": {"q": [1], "p": [1, 2]}}, "two lists q and p of one length"),
         ({"H": 3, "y0": {"q": 1, "p": 0}}, "must be an expression"),
+        ({"H": "p**2/2", "y0": 3}, "`y0` must be a list or a table of numbers, got 3"),
+        ({"f": ["y[0]"], "y0": 0.5}, "`y0` must be a list or a table"),
+        ({"f": 7, "y0": [1]}, "`f` must be a list or a table of expressions, got 7"),
+        ({"H": "p**2/2", "y0": [1, 0], "coordinates": 1, "momenta": ["p"]}, "`coordinates` must"),
         ({"file": "nothing.py:make"}, "no Python file"),
         ({"file": "nothing.py"}, "must be like"),
     ],
@@ -282,3 +286,43 @@ def test_a_complaint_about_an_own_problem_names_its_line(tmp_path, text, line):
     path.write_text(SCENE.format(problem=text))
     with pytest.raises(DataError, match=f"line {line}: "):
         load_scene(path)
+
+
+def test_a_scene_ends_where_its_own_problem_does(tmp_path):
+    path = tmp_path / "mine.toml"
+    text = SCENE.replace("t_end = 5\n", "")
+    path.write_text(text.format(problem=PENDULUM + "\nt0 = 1\nt_end = 8.5"))
+    assert load_scene(path).t_end == 7.5  # counted from the beginning
+    path.write_text(text.format(problem=PENDULUM))
+    with pytest.raises(DataError, match="`t_end` must be a positive number"):
+        load_scene(path)
+
+
+def test_a_hamiltonian_of_t_is_integrated_and_nothing_of_it_is_conserved():
+    driven = Problem.from_hamiltonian(
+        "p**2/2 - cos(q)*(1 + a*sin(t))", {"q": 1, "p": 0}, parameters={"a": "1/10"}, t_end=5
+    )
+    assert driven.canonical and not driven.separable and driven.hamiltonian is None
+    by_hand = Problem(f=("y[1]", "-sin(y[0])*(1 + sin(t)/10)"), y0=(1, 0), t_span=(0, 5))
+    for method in ("rk4", "gauss-3"):
+        ours, theirs = (solve(one, method, h=0.05).y[-1] for one in (driven, by_hand))
+        np.testing.assert_allclose(ours, theirs, rtol=1e-14)
+    with pytest.raises(UsageError, match="for separable problems"):
+        solve(driven, "stormer-verlet", h=0.05)
+
+
+@pytest.mark.parametrize(
+    ("H", "parameters", "words"),
+    [
+        ("p**2/2 + Sin(q)", {}, "did you mean sin?"),
+        ("p**2/2 + abs(q)", {}, r"write sqrt\(x\*\*2\)"),
+        ("p**2/2 + strenth*q", {"strength": 1}, "did you mean strength?"),
+        ("p**2/2", {"lambda": 1}, "a word of Python"),
+        ("p**2/2", {"k [N/m]": 1}, "letters, digits and _"),
+        ("p**2/2", {"t": 1}, "stands for something else"),
+        ("p**2/2", {"sin": 1}, "stands for something else"),
+    ],
+)
+def test_a_wrong_name_is_answered_with_what_to_do(H, parameters, words):
+    with pytest.raises(UsageError, match=words):
+        Problem.from_hamiltonian(H, {"q": 1, "p": 0}, parameters=parameters)

@@ -14,18 +14,17 @@ from glmref.exact import Exact
 from glmref.exact.expression import parse
 from glmref.findings import Proof, Verdict
 from glmref.prove.enclosure import prove
+from glmref.prove.kernel import Kernel
 from glmref.prove.starting import Target, prove_starting, starting_system
 from glmref.prove.system import SweepSystem
 from glmref.prove.tableau_series import TableauSeries
-from glmref.theory.order import order_of
-from glmref.theory.starting import starting_order, starting_series
 from glmref.theory.trees import SEPARABLE, trees
 from glmref.verification.verifier import verify
+from tests.bseries import values_series
+from tests.shipped import shipped
 
 STARTED = [
-    x
-    for x in names("methods")
-    if document(x)["class"] == "pair-sweep" and "starting" in document(x)
+    x for x in names("methods") if shipped(x)["class"] == "pair-sweep" and "starting" in shipped(x)
 ]
 QUICK = ["pair-4-4", "pair-6-8", "pair-rkn-6-7b"]
 RATIONAL = {
@@ -50,7 +49,7 @@ def blocks(name, **changes):
 
 
 def test_every_pair_of_the_sweep_form_but_one_has_a_start():
-    pairs = {x for x in names("methods") if document(x)["class"] == "pair-sweep"}
+    pairs = {x for x in names("methods") if shipped(x)["class"] == "pair-sweep"}
     assert set(QUICK) < set(STARTED)
     # order 8 on all separable systems asks for more than its starts are worth: docs/pairs-theory.md
     assert pairs - set(STARTED) == {"pair-8-24"}
@@ -127,7 +126,7 @@ def test_the_series_of_one_stage_of_each_pair_is_that_of_all_stages():
     half = TableauSeries({"f": A, "k": A_hat}, parity=True)
     found = {t: half.outputs({"f": B, "k": B_hat}[t.colour], t) for t in wanted}
     doc = {**document("pair-4-4"), "starting": {**block, "order": 4}}
-    series = starting_series(load_document(doc).starting, 6)
+    series = values_series(load_document(doc).starting, 6)
     for t in wanted:
         assert all((x - y).is_zero() for x, y in zip(found[t], series[t], strict=True)), t
     # parity: nothing at odd trees, and something at even ones
@@ -208,34 +207,29 @@ def test_a_wrong_start_of_p_alone_is_seen():
     row = doc["starting"]["B_hat"][1]
     row[1], row[2] = row[2], row[1]
     method = load_document(doc)
-    known = order_of(method, principal="identity", max_order=5)
-    found = starting_order(method, method.starting, known=known)
-    assert (found.order, str(found.failing_tree)[0], found.component) == (1, "k", 2)
+    found = Kernel(method).range("starting-order")
+    assert found.upper == 1 and found.reason.startswith("tree k[")
+    assert found.reason.endswith("in value 2")
     with pytest.raises(ExactnessError, match="`starting`"):
         verify(method)
 
 
-def test_a_start_that_misses_the_solution_has_order_minus_one():
+def test_a_start_that_misses_the_solution_has_no_order():
     doc = copy.deepcopy(document("gsymplectic-n-pair"))
     doc["starting"]["u_hat"] = ["1", "1/2"]
-    method = load_document(doc)
-    known = order_of(method, principal="identity", max_order=5)
-    found = starting_order(method, method.starting, known=known)
-    assert (found.order, found.component) == (-1, 2)
-    assert found.proof is Proof.EXACT
-    assert found.witness == "the multiple of y differs by 0.5 in value 2"
+    found = Kernel(load_document(doc)).range("starting-order")
+    assert (found.lower, found.upper, found.exact) == (0, 0, True)
+    assert found.reason == "the multiple of y differs by 0.5 in value 2"
 
 
 def test_shared_stages_are_compared_on_all_two_coloured_trees():
     # one weight of q alone: on separable systems it would meet trees f[k..] only
     doc = copy.deepcopy(document("gsymplectic-n-pair"))
-    right = load_document(doc)
-    known = order_of(right, principal="identity", max_order=5)
-    assert starting_order(right, right.starting, known=known).order == 3
+    right = Kernel(load_document(doc)).range("starting-order")
+    assert (right.lower, right.upper) == (3, 3)
     doc["starting"]["A"][1][0] = "1/4"
-    wrong = load_document(doc)
-    found = starting_order(wrong, wrong.starting, known=known)
-    assert (found.order, str(found.failing_tree)) == (1, "f[f]")
+    wrong = Kernel(load_document(doc)).range("starting-order")
+    assert (wrong.lower, wrong.upper) == (1, 1) and wrong.reason.startswith("tree f[f] ")
 
 
 @pytest.mark.slow

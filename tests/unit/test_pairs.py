@@ -12,10 +12,11 @@ from glmref.errors import UsageError
 from glmref.exact import Ball, exact
 from glmref.findings import Proof
 from glmref.method import PartitionedGLM
+from glmref.prove.kernel import Kernel
 from glmref.theory.error_constants import conjugate_error, error_norm
 from glmref.theory.order import order_of, order_residuals
 from glmref.theory.stability import oscillator, parasitic_curvature
-from glmref.theory.starting import zero_start_order
+from tests.shipped import shipped
 
 
 def pair(A, b, A_hat, b_hat, *, separable=False):
@@ -197,7 +198,7 @@ def test_a_pair_that_is_not_preconsistent_says_why():
 
 # -- the oscillator near w = -1 ----------------------------------------------------------------------
 
-SWEEPS = [x for x in names("methods") if document(x)["class"] == "pair-sweep"]
+SWEEPS = [x for x in names("methods") if shipped(x)["class"] == "pair-sweep"]
 LABEL = re.compile(r"\|w\| - 1 = (\S+) \(h omega\)\^3")
 
 
@@ -250,14 +251,16 @@ def test_a_curvature_is_refused_where_it_has_no_meaning():
         parasitic_curvature(grown)
 
 
-@pytest.mark.parametrize(("name", "expected"), [("pair-4-4", 1), ("pair-6-7", 1), ("pair-6-8", 3)])
-def test_zero_starting_values_are_right_to_a_low_order(name, expected):
-    result = order_of(load(name), principal="identity", max_order=6)
-    order, witness = zero_start_order(result)
-    assert order == expected < document(name)["claims"]["starting-order"]
-    assert witness.endswith({1: "f[k]", 3: "f[kkk]"}[expected] if name != "pair-6-7" else "k[f]")
+@pytest.mark.parametrize(
+    ("name", "expected", "tree"),
+    [("pair-4-4", 1, "f[k]"), ("pair-6-7", 1, "k[f]"), ("pair-6-8", 3, "f[kkk]")],
+)
+def test_zero_starting_values_are_right_to_a_low_order(name, expected, tree):
+    found = Kernel(replace(load(name), starting=None)).range("starting-order")
+    assert found.upper == expected < document(name)["claims"]["starting-order"]
+    assert found.reason == f"a carried value starts with a term of {tree}"
 
 
 def test_a_splitting_method_starts_from_the_solution():
-    result = order_of(load("stormer-verlet"), principal="identity", max_order=3)
-    assert zero_start_order(result) == (2, "every carried value starts with zero")
+    found = Kernel(load("stormer-verlet")).range("starting-order")
+    assert (found.lower, found.reason) == (2, "every carried value starts with zero")

@@ -28,7 +28,7 @@ def test_asking_for_names_imports_no_peer():
 
 
 def test_an_unknown_peer_is_refused_with_the_known_ones():
-    with pytest.raises(UsageError, match="known are diffrax-dopri5"):
+    with pytest.raises(UsageError, match="known are cvode-adams"):
         package_of("matlab-ode45")
 
 

@@ -22,6 +22,7 @@ def test_milne_simpson_is_periodic_up_to_the_square_root_of_3():
     assert found.end.contains(exact(3).sqrt())
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("name", "expected"),
     # six digits of an independent search in double precision

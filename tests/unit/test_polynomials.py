@@ -7,6 +7,7 @@ import pytest
 from glmref.exact import Exact, exact, root_of_unity
 from glmref.theory import polynomials as poly
 from glmref.theory.root_location import (
+    first_root,
     in_closed_disc,
     is_nonnegative,
     is_schur,
@@ -104,3 +105,10 @@ def test_approximate_roots_are_close():
     p = poly.from_roots([exact(1), exact(-2), SQRT2])
     found = sorted(x.real for x in poly.approximate_roots(p))
     assert found == pytest.approx([-2, 1, 2**0.5])
+
+
+def test_a_first_root_that_is_a_short_fraction_is_found_itself():
+    third, half = exact(Fraction(1, 3)), exact(Fraction(1, 2))
+    p = poly.mul((-third, exact(1)), (-half, exact(1)))
+    assert first_root(p, Fraction(0), Fraction(1), Fraction(1, 10**6)) == Fraction(1, 3)
+    assert first_root(p, Fraction(1, 2), Fraction(1), Fraction(1, 10**6)) is None

@@ -84,6 +84,7 @@ def test_radau_nodes_of_two_stages_are_a_third_and_one():
     assert abs(radau_nodes(2, context)[0] - context.mpf(1) / 3) < 1e-15
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("name", "parameters", "t"),
     [("kaps", {}, 1), ("prothero-robinson", {}, 2), ("dahlquist", {"real": -1000}, "1/500")],

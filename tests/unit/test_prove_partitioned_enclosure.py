@@ -11,15 +11,16 @@ from glmref.findings import Proof, Verdict
 from glmref.prove.enclosure import WIDTH, prove
 from glmref.prove.implications import implied_by
 from glmref.verification.verifier import verify
+from tests.shipped import shipped
 
-ENCLOSED = [x for x in names("methods") if "enclosure" in document(x)]
-PAIRS = [x for x in ENCLOSED if document(x)["class"] in ("pair-sweep", "splitting")]
+ENCLOSED = [x for x in names("methods") if "enclosure" in shipped(x)]
+PAIRS = [x for x in ENCLOSED if shipped(x)["class"] in ("pair-sweep", "splitting")]
 QUICK = ["pair-4-4", "pair-6-7", "yoshida-verlet-6", "blanes-moan-rkn-6-11"]
 
 
 def test_every_pair_of_class_pair_sweep_is_enclosed():
     assert set(QUICK) <= set(PAIRS)
-    assert all(x in PAIRS for x in names("methods") if document(x)["class"] == "pair-sweep")
+    assert all(x in PAIRS for x in names("methods") if shipped(x)["class"] == "pair-sweep")
 
 
 @pytest.mark.parametrize("name", QUICK)

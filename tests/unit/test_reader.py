@@ -227,3 +227,31 @@ def test_a_pair_says_it_for_each_of_its_halves():
     assert (method.output, method.output_hat) == ((1, 0), (1, exact(Fraction(1, 2))))
     with pytest.raises(DataError, match="`output_hat` must have 2 entries"):
         load_document(found | {"p": dict(found["p"]) | {"output": ["1"]}})
+
+
+@pytest.mark.parametrize("wrong", [[], {}, "1", 1, None, True])
+def test_a_row_and_a_matrix_are_lists_that_are_not_empty(wrong) -> None:
+    doc = document("rk4")
+    for key, value in (("b", wrong), ("A", wrong), ("A", [wrong, *doc["A"][1:]])):
+        with pytest.raises(DataError, match="must be a list of"):
+            load_document({**doc, key: value})
+
+
+@pytest.mark.parametrize(("i", "j"), [(0, 0), (0, 1), (3, 2)])
+def test_a_complex_entry_is_named_by_row_and_column(i, j) -> None:
+    doc = document("rk4")
+    A = [list(row) for row in doc["A"]]
+    A[i][j] = "i"
+    with pytest.raises(DataError, match=rf"`A\[{i + 1}\]\[{j + 1}\]` is complex"):
+        load_document({**doc, "A": A})
+
+
+def test_every_key_that_a_class_needs_is_asked_for() -> None:
+    from glmref.catalogue.keys import OPTIONAL
+
+    for name in ("t115-i", "rk4", "yoshida-4"):
+        doc = document(name)
+        for key in sorted(BLOCKS[doc["class"]] - OPTIONAL):
+            if key in doc:
+                with pytest.raises(DataError, match=f"the key '{key}' is missing"):
+                    load_document({x: y for x, y in doc.items() if x != key})

@@ -14,6 +14,7 @@ from glmref.problems.model import Problem
 KEPLER = problem("kepler", eccentricity="3/10")
 
 
+@pytest.mark.sampled(3, besides=("g6245",))
 @pytest.mark.parametrize("engine", ["compiled", "reference"])
 @pytest.mark.parametrize("method", ["g6245-w3", "pair-rkn-6-8b", "ab-4"])
 def test_a_renewal_is_a_new_run_from_the_solution(method: str, engine: str) -> None:
@@ -54,6 +55,7 @@ def test_values_given_at_the_start_cannot_be_renewed() -> None:
             solve(KEPLER, "ab-4", h=0.05, steps=50, renew=10, start=start)
 
 
+@pytest.mark.sampled(1, besides=("compiled",))
 @pytest.mark.parametrize("engine", ["compiled", "reference"])
 def test_a_renewal_that_fails_ends_the_run_and_keeps_what_there_is(engine: str) -> None:
     def slope(t: float, y: np.ndarray) -> np.ndarray:

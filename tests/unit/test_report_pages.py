@@ -82,6 +82,7 @@ def pages(folder: Path, source: Path, **options: Any) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_every_number_of_a_run_is_that_of_its_record(tmp_path: Path, records) -> None:
     site = pages(tmp_path / "site", stored(tmp_path / "in", "oscillator-quick", records))
     rows = table(site / "run-oscillator-quick.html", "t-oscillator-quick")
@@ -533,6 +534,7 @@ def test_an_own_method_gets_a_page_with_its_tableau_findings_and_portrait(tmp_pa
     assert again.name == "my-heun"
 
 
+@pytest.mark.slow
 def test_the_first_page_answers_which_method_and_what_is_proved() -> None:
     from glmref.catalogue.lookup import data_root
     from glmref.report import read

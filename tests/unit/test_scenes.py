@@ -63,6 +63,21 @@ def test_every_shipped_scene_is_read_in_both_forms(name):
     assert quick == full or max(n for _, n in quick.grid) <= longest
 
 
+def test_a_scene_may_renew_the_values(tmp_path):
+    text = SMALL.replace('methods = ["rk4", "heun-2"]', 'methods = ["g4123", "rk4"]')
+    never = load_scene(write(tmp_path, text))
+    renewed = load_scene(write(tmp_path, "renew = 15\n" + text, "renewed.toml"))
+    assert (never.renew, renewed.renew) == (0, 15)
+    assert all("renew" not in task for task in plan(never).tasks)
+    found = {(x["method"], x["steps"]): x["start_evaluations"] for x in run(renewed)}
+    once = {(x["method"], x["steps"]): x["start_evaluations"] for x in run(never)}
+    assert found["rk4", 40] == once["rk4", 40] == 0
+    assert found["g4123", 20] > once["g4123", 20]  # at step 15
+    assert found["g4123", 40] > found["g4123", 20]  # at steps 15 and 30
+    with pytest.raises(DataError, match="line 1: `renew` must be a whole number from 1"):
+        load_scene(write(tmp_path, "renew = 0\n" + text))
+
+
 @pytest.mark.parametrize("name", names())
 def test_every_shipped_scene_keeps_the_schema(name):
     jsonschema = pytest.importorskip("jsonschema")
@@ -107,6 +122,7 @@ def test_a_quick_run_is_titled_with_its_own_horizon(name):
         assert int(number.replace(",", "")) == max(n for _, n in quick.grid)
 
 
+@pytest.mark.slow
 def test_the_quick_title_is_that_of_table_picture_and_report(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     text = SMALL.replace("A small scene", "100 periods").replace('"1"', '"2"')

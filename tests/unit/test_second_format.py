@@ -99,6 +99,7 @@ def test_every_claim_holds(doc: dict[str, Any]) -> None:
     assert {str(x.verdict) for x in found} == {"holds"}
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("doc", EVERY, ids=NAMES)
 def test_the_checker_accepts_the_certificate_of_every_claim(doc: dict[str, Any]) -> None:
     """Also of a claim that fails: the order that is one too high, and the truth turned round."""
@@ -133,6 +134,14 @@ def test_a_changed_digit_of_an_embedded_row_fails_its_claims() -> None:
     assert "row hat: tree o of order 1 has residual" in found["embedded-order"].witness
     assert str(found["embedded-difference"].verdict) == "fails"
     assert "the weights of the estimate hat sum to" in found["embedded-difference"].witness
+
+
+def test_orders_of_no_rows_are_no_claim_that_holds() -> None:
+    doc = _dormand_prince()
+    del doc["embedded"]
+    doc["claims"] = {"embedded-order": {}}
+    (found,) = verify(load_document(doc))
+    assert (str(found.verdict), found.witness) == ("fails", "the rows of `embedded` are none")
 
 
 def test_a_row_of_a_higher_order_than_claimed_fails() -> None:
@@ -248,6 +257,7 @@ def test_transformations_keep_the_rows() -> None:
     assert {str(x.verdict) for x in verify(moved)} == {"holds"}
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(
     ("name", "order"), [("dormand-prince-rkn-4-3", 4), ("fine-rkn-4-3", 4), ("nystrom-rkn-5", 5)]
 )

@@ -7,7 +7,8 @@ import pytest
 from glmref.errors import UsageError
 from glmref.exact import Ball, exact
 from glmref.exact.expression import parse
-from glmref.theory.series import (
+from glmref.theory.trees import GENERAL, SEPARABLE, parse_tree, single
+from tests.bseries import (
     Series,
     combine,
     compose,
@@ -19,7 +20,6 @@ from glmref.theory.series import (
     is_zero,
     shift,
 )
-from glmref.theory.trees import GENERAL, SEPARABLE, parse_tree, single
 
 RK4 = ([[0, 0, 0, 0], [F(1, 2), 0, 0, 0], [0, F(1, 2), 0, 0], [0, 0, 1, 0]],
        [F(1, 6), F(1, 3), F(1, 3), F(1, 6)])  # fmt: skip

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import time
 from dataclasses import replace
 from fractions import Fraction
 
@@ -192,6 +193,14 @@ def test_one_hundred_digits_are_right() -> None:
     digits = decimal_text(exact(2).sqrt(), 100)
     assert abs(Fraction(digits) ** 2 - 2) < Fraction(3, 10**99)
     assert len(digits) == 101
+
+
+def test_a_hundred_columns_are_drawn_in_parts_at_once() -> None:
+    block = [["0.25"] * 100] * 100
+    begun = time.thread_time()
+    lines = tableau([[block]], Style(width=80))
+    assert len(lines) > 600 and lines[0] == "  columns 1 to 13 of 100:"
+    assert time.thread_time() - begun < 2  # it took 16 s
 
 
 def test_blocks_of_strings_are_drawn_in_ascii_too() -> None:

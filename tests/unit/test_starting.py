@@ -1,23 +1,17 @@
 """Starting and finishing methods: through which order, and where they differ first."""
 
+from dataclasses import replace
 from fractions import Fraction as F
 
 import pytest
 
 from glmref.catalogue.lookup import load
-from glmref.errors import UsageError
+from glmref.errors import ExactnessError
 from glmref.exact import Ball
-from glmref.findings import Proof
 from glmref.method import GLM, FinishingMethod, StartingMethod, as_matrix, as_vector
-from glmref.theory.order import order_of
-from glmref.theory.starting import (
-    exact_start_series,
-    finishing_order,
-    finishing_series,
-    starting_order,
-    starting_series,
-)
+from glmref.prove.kernel import Kernel
 from glmref.theory.trees import parse_tree
+from tests.bseries import elementary_weights, values_series
 
 A_36 = "(3-sqrt(3))/6"
 W_36 = "(1+sqrt(3))/8"
@@ -45,67 +39,69 @@ def full_start_of_n():
     return start(rows, [["0"] * 7, second], [1, 0])
 
 
+def started(method, starting):
+    """What the kernel knows of a start."""
+    return Kernel(replace(method, starting=starting, finishing=None)).range("starting-order")
+
+
+def finished(method, starting, finishing):
+    """What the kernel knows of a finish after a start."""
+    both = replace(method, starting=starting, finishing=finishing)
+    return Kernel(both).range("finishing-order")
+
+
 @pytest.mark.parametrize("name", ["gsymplectic-n", "gsymplectic-p", "thesis-3-8", "s4-symmetric"])
-@pytest.mark.parametrize("principal", ["free", "identity"])
-def test_starters_of_the_thesis_methods_are_exact_through_order_3(name, principal):
+def test_starters_of_the_thesis_methods_are_exact_through_order_3(name):
     method = load(name)
-    result = starting_order(method, method.starting, principal=principal)
-    assert (result.order, str(result.failing_tree), result.component) == (3, "[ooo]", 2)
-    assert result.proof is Proof.EXACT
-    assert result.shift == 0
-    assert "[ooo]" in result.witness
+    found = started(method, method.starting)
+    assert (found.lower, found.upper, found.exact) == (3, 3, True)
+    assert found.reason.startswith("tree [ooo] ") and found.reason.endswith("in value 2")
 
 
 def test_printed_start_3_6_is_right_through_h_squared_only():
     n = load("gsymplectic-n")
-    printed = starting_order(n, thesis_3_6("-(3-sqrt(3))/3", A_36))
-    assert (printed.order, str(printed.failing_tree), printed.component) == (2, "[[o]]", 2)
-    corrected = starting_order(n, thesis_3_6("0", f"-{A_36}"))
-    assert (corrected.order, str(corrected.failing_tree)) == (3, "[ooo]")
+    printed = started(n, thesis_3_6("-(3-sqrt(3))/3", A_36))
+    assert (printed.lower, printed.upper) == (2, 2) and printed.reason.startswith("tree [[o]] ")
+    corrected = started(n, thesis_3_6("0", f"-{A_36}"))
+    assert (corrected.lower, corrected.upper) == (3, 3)
+    assert corrected.reason.startswith("tree [ooo] ")
 
 
 def test_the_seven_stage_start_of_n_has_order_4():
     n = load("gsymplectic-n")
-    result = starting_order(n, full_start_of_n())
-    assert (result.order, result.failing_tree, result.method_order) == (4, None, 4)
-    assert "agrees" in result.witness
-    assert starting_order(n, full_start_of_n(), known=order_of(n)).order == 4
+    found = started(n, full_start_of_n())
+    assert (found.lower, found.upper) == (4, 4) and "agrees" in found.reason
     # the sign of one weight wrong: only the trees of order 1 are left
     wrong = full_start_of_n()
     rows = [list(row) for row in wrong.B]
     rows[1][1] = -rows[1][1]
-    assert starting_order(n, start(wrong.A, rows, wrong.u)).order == 0
+    assert started(n, start(wrong.A, rows, wrong.u)).upper == 0
 
 
 def test_zero_starting_values_agree_as_far_as_the_series_is_zero():
     n, g = load("gsymplectic-n"), load("g6245-w3")
-    assert starting_order(n, start([[0]], [[0], [0]], [1, 0])).order == 1
-    result = starting_order(g, start([[0]], [[0]] * 4, [1, 0, 0, 0]))
-    assert (result.order, result.failing_tree.order) == (2, 3)
+    assert started(n, start([[0]], [[0], [0]], [1, 0])).upper == 1
+    found = started(g, start([[0]], [[0]] * 4, [1, 0, 0, 0]))
+    assert (found.lower, found.upper) == (2, 2)
 
 
 def test_a_start_with_the_wrong_multiples_of_y_agrees_nowhere():
-    result = starting_order(load("gsymplectic-n"), start([[0]], [[0], [0]], [1, 1]))
-    assert (result.order, result.failing_tree, result.component) == (-1, None, 2)
-    assert "multiple of y" in result.witness
-
-
-def test_a_start_for_another_number_of_values_is_refused():
-    with pytest.raises(UsageError, match="for 2 values"):
-        starting_order(load("gsymplectic-n"), start([[0]], [[0]], [1]))
+    found = started(load("gsymplectic-n"), start([[0]], [[0], [0]], [1, 1]))
+    assert (found.lower, found.upper) == (0, 0)
+    assert found.reason.startswith("the multiple of y differs") and "value 2" in found.reason
 
 
 def test_published_digits_of_3_9_are_enclosed():
-    # the printed eight decimals, one unit of the last in doubt
+    # the printed eight decimals, one unit of the last in doubt: nothing refutes order 3, and
+    # digits alone prove nothing
     method = load("thesis-3-8")
     exact_start = method.starting
     rounded = [
         [x if x == 0 else Ball.decimal(f"{float(x):.8f}", 8) for x in row] for row in exact_start.B
     ]
-    result = starting_order(method, start(exact_start.A, rounded, exact_start.u))
-    assert (result.order, result.proof) == (3, Proof.ENCLOSED)
-    # four weights, each rounded by at most half a unit and in doubt by one; abscissae at most 1
-    assert 0 < result.largest_residual <= 4 * 1.5e-8 * (1 + 1e-6)
+    found = started(method, start(exact_start.A, rounded, exact_start.u))
+    assert (found.value, found.upper, found.exact) == (3, 3, False)
+    assert found.lower < 3
 
 
 def conjugated_rk4():
@@ -122,20 +118,12 @@ def test_a_conjugated_method_is_started_and_finished_by_its_conjugation():
     method = conjugated_rk4()
     forwards = start([[0]], [["1/3"]], [1])
     backwards = FinishingMethod(A=as_matrix([["-1/3"]], "A"), b=as_vector(["-1/3"], "b"))
-    result = starting_order(method, forwards)
-    assert result.order == 4
-    assert result.shift == F(1, 3)  # Euler's step of h/3 runs ahead by h/3
-    assert finishing_order(method, backwards, starting=forwards).order == 4
-    assert finishing_order(method, backwards).order == 4
-    assert finishing_order(method, backwards).shift == F(1, 3)
+    assert started(method, forwards).lower == 4
+    assert finished(method, forwards, backwards).lower == 4
     # near misses: no conjugation at all, and half of it
-    nothing = start([[0]], [[0]], [1])
-    assert starting_order(method, nothing).order == 1
-    identity = starting_order(method, nothing, principal="identity")
-    assert (identity.order, identity.method_order) == (2, 2)
+    assert started(method, start([[0]], [[0]], [1])).upper == 1
     half = FinishingMethod(A=as_matrix([["-1/6"]], "A"), b=as_vector(["-1/6"], "b"))
-    assert finishing_order(method, half, starting=forwards).order == 0
-    assert finishing_order(method, half).order == 1
+    assert finished(method, forwards, half).upper == 0
 
 
 def test_finishing_begins_from_the_output_wherever_it_stands():
@@ -143,41 +131,16 @@ def test_finishing_begins_from_the_output_wherever_it_stands():
     method = load("g4123")
     turned = method.transform([[0, 1], [1, 0]])
     assert turned.starting is not None and turned.finishing is method.finishing
-    orders = [
-        finishing_order(m, m.finishing, starting=start).order
-        for m in (method, turned)
-        for start in (None, m.starting)
-    ]
-    assert orders == [4, 3, 4, 3]  # the file claims 3 for its own start and finish
+    for m in (method, turned):  # the file claims 3 for its own start and finish
+        assert finished(m, m.starting, m.finishing).upper == 3
     # near miss: the start of the values in their old order gives no multiple of y to finish
-    with pytest.raises(UsageError, match="w u = 1"):
-        finishing_order(turned, turned.finishing, starting=method.starting)
+    with pytest.raises(ExactnessError, match="starts from y itself"):
+        finished(turned, method.starting, method.finishing)
 
 
 def test_series_of_starting_and_finishing_methods():
-    s = starting_series(full_start_of_n(), 4)
+    s = values_series(full_start_of_n(), 4)
     assert s.empty() == (1, 0)
     assert s[parse_tree("o")][0] == 0
-    f = finishing_series(FinishingMethod(A=as_matrix([[0]], "A"), b=as_vector([1], "b")), 3)
+    f = elementary_weights(as_matrix([[0]], "A"), as_vector([1], "b"), 3)
     assert (f[parse_tree("o")], f[parse_tree("[o]")]) == (1, 0)
-
-
-def test_the_exact_series_goes_as_far_as_the_order():
-    n = load("gsymplectic-n")
-    assert exact_start_series(n, 4).order == 4
-    assert exact_start_series(n, 2) == exact_start_series(n, 4).truncate(2)
-    with pytest.raises(UsageError, match="order is 4"):
-        exact_start_series(n, 5)
-    with pytest.raises(UsageError, match="order is 2"):
-        exact_start_series(load("g4123"), 3, principal="identity")
-
-
-def test_an_order_that_is_known_is_taken_and_not_computed_again():
-    method = load("g4123")
-    blocks = method.finishing, method.starting
-    alone = finishing_order(method, blocks[0], starting=blocks[1])
-    known = finishing_order(method, blocks[0], starting=blocks[1], known=order_of(method))
-    assert (known.order, known.witness) == (alone.order, alone.witness)
-    less = order_of(method, max_order=2)
-    assert finishing_order(method, blocks[0], starting=blocks[1], known=less).order == 2
-    assert alone.order > 2

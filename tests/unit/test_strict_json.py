@@ -102,3 +102,11 @@ def test_what_json_has_not_is_not_written_and_the_old_file_stays(
     with pytest.raises(ValueError, match="not JSON compliant"):
         write_json(path, [value])
     assert path.read_text() == "old"
+
+
+def test_brackets_that_were_closed_do_not_count(reading) -> None:
+    many = ", ".join(["[[]]"] * 60)
+    deep = "[" * (MAX_NESTING + 5) + "]" * (MAX_NESTING + 5)
+    assert len(reading('{"x": [' + many + "]}")["x"]) == 60
+    with pytest.raises(DataError, match="nested"):
+        reading('{"x": [' + many + ", " + deep + "]}")

@@ -1,6 +1,7 @@
 """Time-reversal symmetry: L and P found, and never concluded from B = L B P alone."""
 
 import time
+from types import SimpleNamespace
 
 import pytest
 
@@ -24,6 +25,7 @@ from glmref.method.families import (
     splitting,
 )
 from glmref.theory.symmetry import (
+    _better,
     adjoint,
     check_symmetry,
     symmetry,
@@ -196,3 +198,17 @@ def test_lobatto_pairs_are_symmetric(s):
 def test_pair_of_n_has_identity_involutions():
     found = symmetry(glmref.load("gsymplectic-n-pair"))
     assert found.holds is True and found.L[1][1] == 1 and found.L_hat[1][1] == 1
+
+
+def test_a_matrix_that_is_no_involution_fails_and_leaves_nothing_open():
+    found = symmetry(glmref.load("thesis-3-8"))
+    assert found.holds is False
+    assert "the linear conditions allow one matrix L only" in found.witness
+
+
+def test_an_open_finding_is_preferred_to_one_that_fails_and_to_no_other():
+    fails, open_, holds = (SimpleNamespace(holds=x) for x in (False, None, True))
+    assert _better(None, fails) is fails
+    assert _better(fails, open_) is open_
+    for best, found in ((fails, holds), (fails, fails), (open_, open_), (holds, open_)):
+        assert _better(best, found) is best

@@ -13,7 +13,6 @@ from glmref.theory.trees import (
     ROOTED,
     SEPARABLE,
     Tree,
-    coproduct,
     parse_tree,
     pruned,
     single,
@@ -21,6 +20,7 @@ from glmref.theory.trees import (
     trees,
     trees_up_to,
 )
+from tests.bseries import coproduct
 
 PALETTES = [ROOTED, GENERAL, SEPARABLE]
 

@@ -1,0 +1,64 @@
+"""The mutants of ``campaigns.mutation``, and how they take the place of what is imported."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+
+import pytest
+
+from campaigns.mutation.inprocess import exchange
+from campaigns.mutation.mutants import mutants
+
+SOURCE = '''"""A module."""
+from functools import lru_cache
+
+LIMIT = 3
+
+
+def wrapped(function):
+    return lambda *given: function(*given)
+
+
+class Box:
+    @property
+    def size(self) -> int:
+        return 2 * LIMIT
+
+
+@wrapped
+def below(x: int, most: int = 7) -> bool:
+    """Say whether."""
+    return x < most and not x == 5
+'''
+
+
+@pytest.fixture
+def module(tmp_path, monkeypatch):
+    path = tmp_path / "mutated.py"
+    path.write_text(SOURCE)
+    spec = importlib.util.spec_from_file_location("mutated", path)
+    made = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(made)
+    monkeypatch.setitem(sys.modules, "mutated", made)
+    return made
+
+
+def test_each_mutant_changes_one_place_and_knows_its_function():
+    found = {(x.before, x.after): x for x in mutants(SOURCE)}
+    assert found["2 * LIMIT", "(2 + LIMIT)"].function == "Box.size"
+    assert found["x < most", "(x <= most)"].function == "below"
+    assert found["3", "(4)"].function == found["7", "(8)"].function == ""
+    assert not any("module" in before or "int" in before for before, _ in found)
+    assert all(x.source != SOURCE for x in found.values())
+
+
+def test_a_mutant_is_seen_wherever_its_function_is_bound(module):
+    kept, box = module.below, module.Box()
+    wrong = next(x for x in mutants(SOURCE) if x.after == "(x <= most)")
+    assert not any(kept(7) for _ in range(100))  # code that has run is specialized
+    assert exchange(module, wrong.source)
+    assert kept(7) and not kept(8)
+    wrong = next(x for x in mutants(SOURCE) if x.after == "(4)")
+    assert not exchange(module, wrong.source)
+    assert box.size == 8

@@ -1,0 +1,135 @@
+"""Enclosed Runge-Kutta and Rosenbrock methods: what D(1) gives, and digits that are not those of the solution."""
+
+from __future__ import annotations
+
+import copy
+from typing import Any
+
+import pytest
+
+from glmref.catalogue import lookup as catalogue
+from glmref.catalogue.lookup import load
+from glmref.catalogue.reader import load_document
+from glmref.errors import DataError, ExactnessError
+from glmref.exact import Exact, linalg
+from glmref.findings import Verdict
+from glmref.prove.implications import implied_by
+from glmref.prove.simplifying import RungeKuttaSystem, _column, _weights
+from glmref.theory.trees import single, tree, trees
+from glmref.verification.verifier import verify
+
+NAME = "tsitouras-5-4"
+
+
+def document(**changes: Any) -> dict[str, Any]:
+    return {**copy.deepcopy(catalogue.document(NAME)), **changes}
+
+
+def with_equations(equations: list[str]) -> dict[str, Any]:
+    doc = document()
+    doc["enclosure"]["equations"] = equations
+    return doc
+
+
+@pytest.mark.parametrize("name", ["rk4", "dormand-prince-5", "butcher-6"])
+def test_the_condition_of_a_root_with_one_child_follows_from_two_others(name: str) -> None:
+    """The theorem, on exact methods with D(1): defects obey the relation, zero or not."""
+    m: Any = load(name)
+    weight = _weights({"o": m.A})
+    b = m.B[0]
+    assert all(_column(m.A, b, j).is_zero() for j in range(m.s))
+
+    def defect(t: Any) -> Any:
+        return linalg.dot(b, weight(t)) - Exact(1) / t.density
+
+    for u in (u for n in range(1, 7) for u in trees(n)):
+        left = defect(tree([u])) - defect(u) + defect(tree([single(), *u.children]))
+        assert left.is_zero(), u
+
+
+def test_every_claim_of_the_pair_holds_and_every_other_order_fails() -> None:
+    assert {x.verdict for x in verify(load(NAME))} == {Verdict.HOLDS}
+    for claims in ({"order": 4}, {"order": 6}, {"order": 5, "embedded-order": {"embedded": 3}}):
+        found = verify(load_document(document(claims=claims)))
+        assert Verdict.FAILS in {x.verdict for x in found}, claims
+
+
+def test_a_rosenbrock_method_has_its_orders_from_equations_alone() -> None:
+    """ROS34PW2: eight equations; with any matrix in the place of J none of the seven may miss."""
+    doc = copy.deepcopy(catalogue.document("ros34pw2"))
+    system = RungeKuttaSystem(doc)
+    assert (system.order(), system.order(jacobian=False)) == (3, 3)
+    doc["enclosure"]["equations"].remove("order 1[2[1]]")  # alpha (alpha + gamma)
+    fewer = RungeKuttaSystem(doc)
+    assert (fewer.order(), fewer.order(jacobian=False)) == (3, 2)
+    (found,) = verify(load_document({**catalogue.document("ros34pw2"), "claims": {"order": 4}}))
+    assert (found.verdict, found.value) == (Verdict.FAILS, 3)
+
+
+@pytest.mark.parametrize(
+    ("text", "order"), [("order 1[1[2]]", True), ("order o", False), ("column 1", False)]
+)
+def test_the_colour_of_a_leaf_makes_no_difference(text: str, order: bool) -> None:
+    doc = copy.deepcopy(catalogue.document("ros34pw2"))
+    texts = doc["enclosure"]["equations"]
+    texts[texts.index("order 1[1[1]]")] = text
+    if order:
+        assert implied_by(doc, load_document(doc)) is not None
+        return
+    with pytest.raises(DataError):
+        RungeKuttaSystem(doc)
+
+
+def test_the_equations_that_are_given_are_few_and_all_are_needed() -> None:
+    system = RungeKuttaSystem(document())
+    assert len(system.equations) == len(system.unknowns) == 20
+    assert system.has_columns
+    assert (system.order(), system.order("embedded")) == (5, 4)
+    for e in system.equations:
+        rest = [x.text for x in system.equations if x is not e]
+        fewer = RungeKuttaSystem(with_equations(rest))
+        assert (fewer.order(), fewer.order("embedded")) < (5, 4), e.text
+    with pytest.raises(DataError, match="as many as the unknowns"):
+        implied_by(doc := with_equations(rest), load_document(doc))
+
+
+@pytest.mark.parametrize(
+    ("place", "wrong"),
+    [
+        (("unknowns", "a43"), lambda x: x[:-1] + str((int(x[-1]) + 1) % 10)),
+        (("unknowns", "e4"), lambda x: "2" + x[1:]),
+        (("constants", "a31"), lambda x: x.replace("327", "328")),
+        (("A", 1, 0), lambda _: "162/1000"),
+        (("b", 1), lambda _: "1/101"),
+        (("embedded", 0, "b", 6), lambda _: "1/67"),
+    ],
+)
+def test_a_number_beside_the_right_one_proves_nothing(place: Any, wrong: Any) -> None:
+    doc = document()
+    inner: Any = doc
+    for key in place[:-1]:
+        inner = inner[key]
+    inner[place[-1]] = wrong(inner[place[-1]])
+    with pytest.raises((DataError, ExactnessError)):
+        implied_by(doc, load_document(doc))
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"c": ["0"] * 7}, "`c` has no meaning beside"),
+        ({"claims": {"symmetric": False}}, "must claim an order"),
+    ],
+)
+def test_what_an_enclosure_cannot_mean_is_refused(changes: dict[str, Any], said: str) -> None:
+    doc = document(**changes)
+    with pytest.raises(DataError, match=said):
+        implied_by(doc, load(NAME))
+
+
+@pytest.mark.parametrize(
+    "text", ["column 8", "column 0", "embedded other [o]", "order", "defect 1", "embedded [o]"]
+)
+def test_equations_without_a_meaning_are_refused(text: str) -> None:
+    with pytest.raises(DataError):
+        RungeKuttaSystem(with_equations([text]))
