@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
-__all__ = ["Finding", "Proof", "Verdict", "summarize", "weakest"]
+__all__ = ["Finding", "Proof", "Verdict", "summarize"]
 
 
 class Verdict(StrEnum):
@@ -33,12 +33,6 @@ class Proof(StrEnum):
     EXACT = "exact"
     ENCLOSED = "enclosed"
     MEASURED = "measured"
-
-
-def weakest(*proofs: Proof) -> Proof:
-    """Return the weakest of the given proofs: a chain of reasoning is as strong as that."""
-    ranking = list(Proof)
-    return max(proofs, key=ranking.index, default=Proof.EXACT)
 
 
 @dataclass(frozen=True, slots=True)

@@ -37,11 +37,21 @@ def _row(*choices: dict[str, Any]) -> dict[str, Any]:
     return {"type": "array", "minItems": 1, "items": {"anyOf": kinds}}
 
 
+#: What a file has whose digits enclose a method.
+ENCLOSED = {
+    "unknowns": {"$ref": "#/$defs/named"},
+    "enclosure": {"$ref": "#/$defs/enclosure"},
+}
 #: Keys of the second format by class: those that are needed, and those that may be left out.
 NEW: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "rk": (
         {},
-        {"c": _VECTOR, "dense": _MATRIX, "embedded": _row({"b": _VECTOR}, {"error": _VECTOR})},
+        {
+            "c": _VECTOR,
+            "dense": _MATRIX,
+            **ENCLOSED,
+            "embedded": _row({"b": _VECTOR}, {"error": _VECTOR}),
+        },
     ),
     "additive": ({}, {"embedded": _row({"b": _MATRIX})}),
     "nystrom": (
@@ -50,7 +60,7 @@ NEW: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     ),
     "rosenbrock": (
         {"alpha": _MATRIX, "gamma": _MATRIX, "b": _VECTOR},
-        {"embedded": _row({"b": _VECTOR})},
+        {"embedded": _row({"b": _VECTOR}), **ENCLOSED},
     ),
 }
 
