@@ -72,6 +72,11 @@ def whole(value, low=0, high=20):
 # ---------------------------------------------------------------- linear algebra over any numbers
 
 
+def multiples(factor, values):
+    """Return factor x for every x; an exact zero stays one where the factor is an interval."""
+    return [x if is_nil(x) else factor * x for x in values]
+
+
 def total(values):
     """Return a sum that starts from an exact zero."""
     return sum(values, Fraction(0))
@@ -86,6 +91,21 @@ def dot(x, y):
     """Return sum x_i y_i; zeros cost nothing."""
     require(len(x) == len(y), "shapes do not fit")
     return total(a * b for a, b in zip(x, y, strict=True) if not (is_nil(a) or is_nil(b)))
+
+
+def less(x, y):
+    """Return x - y."""
+    return [a - b for a, b in zip(x, y, strict=True)]
+
+
+def placewise(n, vectors):
+    """Return the product of vectors place by place, n ones if there are none; zeros stay exact."""
+    found = None
+    for x in vectors:
+        found = x if found is None else [
+            Fraction(0) if is_nil(a) or is_nil(b) else a * b
+            for a, b in zip(found, x, strict=True)]  # fmt: skip
+    return ones(n) if found is None else found
 
 
 def transpose(M):
@@ -125,7 +145,7 @@ def minus(M, N):
 
 def scale(factor, M):
     """Return factor M."""
-    return [[factor * x for x in row] for row in M]
+    return [multiples(factor, row) for row in M]
 
 
 def diagonal(values):
@@ -160,21 +180,30 @@ def equal(x, y, why):
     require(vanishes(difference), f"{why} does not hold")
 
 
+def live(x):
+    """Tell whether a number is not the exact zero; an interval counts."""
+    return type(x) is Interval or bool(x)
+
+
 def echelon(M):
-    """Return the reduced rows and the pivot columns of M."""
+    """Return the reduced rows and the pivot columns of M; pivots are not 0 in any interval."""
     rows, pivots = [list(row) for row in M], []
     for column in range(len(rows[0]) if rows else 0):
         top = len(pivots)
-        found = next((i for i in range(top, len(rows)) if rows[i][column]), None)
+        below = [i for i in range(top, len(rows)) if live(rows[i][column])]
+        found = next((i for i in below if not may_vanish(rows[i][column])), None)
         if found is None:
+            require(not below, "an interval holds 0: nothing is decided")
             continue
         rows[top], rows[found] = rows[found], rows[top]
         factor = inverse(rows[top][column])
-        rows[top] = [factor * x if x else x for x in rows[top]]
+        rows[top] = [factor * x if live(x) else x for x in rows[top]]
         for i, row in enumerate(rows):
-            if i != top and row[column]:
+            if i != top and live(row[column]):
                 head = row[column]
-                rows[i] = [x - head * y if y else x for x, y in zip(row, rows[top], strict=True)]
+                rows[i] = [
+                    x - head * y if live(y) else x for x, y in zip(row, rows[top], strict=True)
+                ]
         pivots.append(column)
     return rows[: len(pivots)], pivots
 
@@ -237,7 +266,7 @@ def determinant(M):
 
 COMMON = "$schema format name title class field broken notes digits constants claims source"
 CLASSES = {  # needed keys, optional keys
-    "glm": ("A U B V", "G D output starting finishing"),
+    "glm": ("A U B V", "G D output starting finishing embedded"),
     "rk": ("A b", "starting finishing c embedded dense unknowns enclosure"),
     "composition": ("base gamma", "starting finishing"),
     "lmm": ("alpha beta", "starting finishing"),
@@ -354,12 +383,14 @@ class Method:
             rows = []
             for k, g in enumerate(gamma):
                 for row in base.A:
-                    left = [h * x for h in gamma[:k] for x in b]
+                    left = [x for h in gamma[:k] for x in multiples(h, b)]
                     right = [Fraction(0)] * (len(b) * (len(gamma) - k - 1))
-                    rows.append(left + [g * x for x in row] + right)
+                    rows.append(left + multiples(g, row) + right)
             return rows
 
-        weights = lambda: [g * x for g in self.list("gamma") for x in base.B[0]]  # noqa: E731
+        def weights():
+            return [x for g in self.list("gamma") for x in multiples(g, base.B[0])]
+
         return self.runge_kutta(matrix, weights)
 
     def multistep(self):
@@ -373,7 +404,7 @@ class Method:
         """Return the form with one stage and the values y and f that are needed."""
         alpha, beta = self.multistep()
         k, unit = len(alpha) - 1, inverse(alpha[-1])
-        a, b = [unit * x for x in alpha], [unit * x for x in beta]
+        a, b = multiples(unit, alpha), multiples(unit, beta)
         implicit = bool(b[k])
         low = next((m for m in range(k) if a[m]), k - 1)
         ys = list(range(k - 1, low - 1, -1))
@@ -393,9 +424,9 @@ class Method:
         """Return the one-leg form."""
         alpha, beta = self.multistep()
         unit, k = inverse(alpha[-1]), len(alpha) - 1
-        a, back = [unit * x for x in alpha], range(k - 1, -1, -1)
+        a, back = multiples(unit, alpha), range(k - 1, -1, -1)
         V = [[-a[m] for m in back], *identity(k)[: k - 1]]
-        U = [beta[m] - beta[k] * a[m] for m in back]
+        U = [beta[m] - x for m, x in zip(back, multiples(beta[k], a[-2::-1]), strict=True)]
         B = [[unit]] + [[Fraction(0)] for _ in range(k - 1)]
         return Component(A=lambda: [[unit * beta[k]]], U=lambda: [U], B=lambda: B, V=lambda: V)
 
@@ -492,7 +523,7 @@ class Method:
         """Return {name: (weights of the solution, of the estimate) by colour} of `embedded`."""
         given = self.document.get("embedded", [])
         require(isinstance(given, list) and len(given) <= 20, "embedded is a list")
-        own = {"rk": "b", "additive": "b", "nystrom": "b b_prime", "rosenbrock": "b"}
+        own = {"rk": "b", "additive": "b", "nystrom": "b b_prime", "rosenbrock": "b", "glm": "b v"}
         require(not given or self.kind in own, "no rows are embedded here")
         found = {}
         for row in given:
@@ -507,14 +538,17 @@ class Method:
                 weights = [b + none, none + b]
             else:
                 weights = [self.list("error" if error else "b", row)]
-            require(row["name"] not in found, "a name stands twice in embedded")
+            require(row["name"] not in ("b", *found), "a name stands twice in embedded")
+            if self.kind == "glm":
+                found[row["name"]] = {"o": (weights[0], self.list("v", row))}, {}
+                continue
             require(len(weights) == len(self.parts), "embedded has another number of rows")
             weights = dict(zip(self.parts, weights, strict=True))
             other = {}
             for c, w in weights.items():
                 b = self.part(c).B[0]
                 require(len(b) == len(w), "embedded has another length")
-                other[c] = [x - y for x, y in zip(b, w, strict=True)]
+                other[c] = less(b, w)
             found[row["name"]] = (other, weights) if error else (weights, other)
         return found
 
@@ -540,16 +574,33 @@ class Method:
         if self.kind != "rk" or "c" not in self.document or claim not in (*ORDERS, *SECOND):
             return self
         m, c = self.single(), self.list("c")
-        if c == apply(m.A, ones(len(m.A))):
-            return self
-        fine = len(c) == len(m.A) and claim in (*ORDERS, "stage-order")
-        require(fine, "a claim with c apart")
+        require(len(c) == len(m.A), "c has another length")
+        gaps = less(c, apply(m.A, ones(len(c))))
+        if all(type(x) is not Interval and not x for x in gaps):
+            return self  # what is not decided is a c of its own, which A 1 is too
+        require(claim in (*ORDERS, "stage-order"), "a claim with c apart")
         rest = [Fraction(0)] * (len(c) - 1)
         time = self.runge_kutta(lambda: [[x, *rest] for x in c], lambda: [Fraction(1), *rest])
         return self.with_parts({"f": m, "k": time}, "time")
 
     def with_row(self, weights):
-        """Return the method with other weights by colour."""
+        """Return the method with other weights by colour; of class glm with weights of the values.
+
+        There the values after a step are moved along u, so that their output is the row.
+        """
+        if self.kind == "glm":
+            m, (b, v), u = self.single(), weights["o"], self.u("o")
+            w = reading(self, "o", u)
+            require(len(b) == len(m.A) and len(v) == m.r, "embedded has another length")
+
+            def moved(M, own):
+                gap = [x - y for x, y in zip(own, apply(transpose(M), w), strict=True)]
+                return [[x + k * y for x, y in zip(r, gap, strict=True)]
+                        for k, r in zip(u, M, strict=True)]  # fmt: skip
+
+            parts = {"o": Component(A=lambda: m.A, U=lambda: m.U,
+                                    B=lambda: moved(m.B, b), V=lambda: moved(m.V, v))}  # fmt: skip
+            return self.with_parts(parts, self.system)
         parts = {c: self.runge_kutta(lambda m=m: m.A, lambda w=weights[c]: w)
                  for c, m in self.parts.items()}  # fmt: skip
         return self.with_parts(parts, self.system)
@@ -621,7 +672,25 @@ class Method:
 # ---------------------------------------------------------------------------- section 2: numbers
 
 
-class Element:
+class Ring:
+    """What follows from sums and products."""
+
+    __slots__ = ()
+
+    def __neg__(self):
+        return self * -1
+
+    def __sub__(self, other):
+        return self + -other
+
+    def __rsub__(self, other):
+        return -self + other
+
+    def __pow__(self, n):
+        return self if n == 1 else self * self ** (n - 1) if n else Fraction(1)
+
+
+class Element(Ring):
     """A polynomial in the generators of a tower, reduced; never a rational number."""
 
     __slots__ = ("terms", "tower")
@@ -650,26 +719,14 @@ class Element:
 
     __radd__, __rmul__ = __add__, __mul__
 
-    def __neg__(self):
-        return self * -1
-
-    def __sub__(self, other):
-        return self + other * -1
-
-    def __rsub__(self, other):
-        return self * -1 + other
-
     def __eq__(self, other):
         return vanishes(self - other)
 
     def __hash__(self):
         return hash(frozenset(self.terms.items()))
 
-    def __pow__(self, n):
-        return self if n == 1 else self * self ** (n - 1) if n else Fraction(1)
 
-
-class Box:
+class Box(Ring):
     """A closed rectangle with ends that are whole multiples of 2^-bits, rounded outward."""
 
     __slots__ = ("bits", "im", "re")
@@ -695,9 +752,6 @@ class Box:
 
     def __neg__(self):
         return Box((-self.re[1], -self.re[0]), (-self.im[1], -self.im[0]), self.bits)
-
-    def __sub__(self, other):
-        return self + -other
 
     def __mul__(self, other):
         def by(x, y):
@@ -983,6 +1037,8 @@ def conj(x):
 def inverse(x):
     """Return 1 / x."""
     require(x, "a division by 0")
+    if type(x) is Interval:
+        return Interval(4**PLACES // x.hi, -(-(4**PLACES) // x.lo))
     return x.tower.inverse(x) if isinstance(x, Element) else 1 / Fraction(x)
 
 
@@ -998,6 +1054,8 @@ def nonzero(x):
 
 def sign(x):
     """Return the sign of a number that is its own conjugate."""
+    if type(x) is Interval:
+        return 1 if x and x.lo > 0 else -1
     if not isinstance(x, Element):
         return (x > 0) - (x < 0)
     require(conj(x) == x, "a sign is asked of a number that is not real")
@@ -1182,11 +1240,18 @@ class Numbers:
     @staticmethod
     def check_root_of_unity(inner, x, wrong):
         """Refuse x unless x^n = 1 and x is nearer to the angle than other roots are."""
-        found = re.fullmatch(r"([-+]?)(?:([0-9]+)\*)?pi\*i(?:/([0-9]+))?", inner)
-        require(found, f"not covered: the angle {inner[:40]}")
-        signed, top, bottom = found.groups()
-        require(int(bottom or 1), wrong)
-        turns = Fraction(int(top or 1), 2 * int(bottom or 1)) * (-1 if signed == "-" else 1)
+        words = inner if "/(" in inner else inner.replace("(", "").replace(")", "")
+        fits = re.fullmatch(r"[-+]?(?:\d+|pi|i)(?:[*/](?:\d+|pi|i))*", words)
+        require(fits, f"not covered: the angle {inner[:40]}")
+        turns, at = Fraction(-1 if words[0] == "-" else 1, 2), {"*pi": 0, "*i": 0}
+        for word in re.findall(r"[*/]\w+", "*" + words.lstrip("+-")):
+            if word in at:
+                at[word] += 1
+            else:
+                number = Fraction(int(word[1:]) if word[1:].isdigit() else 0)
+                require(number or word[0] == "*", wrong)
+                turns = turns * number if word[0] == "*" else turns / number
+        require(not turns or set(at.values()) == {1}, wrong)
         n = turns.denominator
         require(n <= 100 and x**n == 1, wrong)
         angle, bits = enclose(turns - turns.__floor__(), 256), 256
@@ -1225,6 +1290,8 @@ class Numbers:
             return found and found[0]
 
         def decimal(number):
+            if not Fraction(number):
+                return Fraction(0)  # 0.000 of a table is 0
             require(self.decimal is not None, "a decimal is no exact number")
             return self.decimal(number)
 
@@ -1379,11 +1446,20 @@ def cuts(tree, weight=None):
     return {(tree[0], forest): w for forest, w in found.items()}
 
 
-class Series:
-    """A starting series eta and what follows from it; also the series of a start."""
+def less_cuts(values, tree, eta):
+    """Return values less N(t, s) / m! eta(s) for all that is left when t is cut, but t itself."""
+    for s, weight in cut(tree):
+        if s != tree:
+            values = [x if is_nil(y) else x - y * weight
+                      for x, y in zip(values, eta(s), strict=True)]  # fmt: skip
+    return values
 
-    def __init__(self, method, u, eta):
-        self.method, self.u, self.eta_of = method, u, eta
+
+class Series:
+    """A starting series eta and what follows from it; also, without U, the series of a start."""
+
+    def __init__(self, part, u, eta):
+        self.part, self.u, self.eta_of = part, u, eta
         self.known = {}
 
     @classmethod
@@ -1410,41 +1486,39 @@ class Series:
             fine = all(vanishes(dot(reads[t[0]], x)) for t, x in eta.items())
             require(fine, "eta is not 0 in what is read as the solution")
         if not method.system:
-            return cls(method, u, eta.__getitem__)
+            return cls(method.part, u, eta.__getitem__)
         # the trees are not closed under cuts; one value that is the solution has no series but 0
         fine = identity_mode and all(len(x) == 1 for x in zero.values())
         require(fine, "several values are carried, or the solution is not among them")
-        return cls(method, u, lambda t: eta.get(t, zero[t[0]]))
+        return cls(method.part, u, lambda t: eta.get(t, zero[t[0]]))
+
+    @classmethod
+    def of_tables(cls, tables, u=None):
+        """Return the series of a starting or finishing method, {colour: (A, B)}."""
+        parts = {c: Component(A=lambda A=A: A, U=lambda A=A: [[]] * len(A), B=lambda B=B: B)
+                 for c, (A, B) in tables.items()}  # fmt: skip
+        return cls(parts.__getitem__, u, lambda tree: [])
 
     def derivative(self, tree):
         """Return xiD(t), the product of the xi of the children."""
-        value = ones(len(self.method.part(tree[0]).B[0]))
-        for child in tree[1]:
-            value = [x * y if x and y else Fraction(0)
-                     for x, y in zip(value, self.stages(child), strict=True)]  # fmt: skip
-        return value
+        return placewise(len(self.part(tree[0]).B[0]), map(self.stages, tree[1]))
 
     def stages(self, tree):
         """Return xi(t) = A xiD(t) + U eta(t)."""
         if tree not in self.known:
-            m = self.method.part(tree[0])
+            m = self.part(tree[0])
             slopes, values = apply(m.A, self.derivative(tree)), apply(m.U, self.eta_of(tree))
             self.known[tree] = [x + y for x, y in zip(slopes, values, strict=True)]
         return self.known[tree]
 
-    def moved(self, tree):
-        """Return (E eta)(t) - eta(t)."""
-        value = [x * Fraction(1, gamma(tree)) for x in self.u[tree[0]]]
-        for s, weight in cut(tree):
-            if s != tree:
-                value = [x + weight * y if y else x
-                         for x, y in zip(value, self.eta_of(s), strict=True)]  # fmt: skip
-        return value
+    def value(self, tree):
+        """Return B xiD(t)."""
+        return apply(self.part(tree[0]).B, self.derivative(tree))
 
     def residual(self, tree):
         """Return R(t) = B xiD(t) - ((E eta)(t) - eta(t))."""
-        output = apply(self.method.part(tree[0]).B, self.derivative(tree))
-        return [x - y for x, y in zip(output, self.moved(tree), strict=True)]
+        flow = [x * Fraction(1, gamma(tree)) for x in self.u[tree[0]]]
+        return less_cuts(less(self.value(tree), flow), tree, self.eta_of)
 
 
 def first_place(u):
@@ -1514,7 +1588,7 @@ def check_series(method, series, order, nystrom):
     """Refuse unless (I - V) eta(t) = R(t) for every tree through the order."""
     for tree in (t for n in range(1, order + 1) for t in pool_of(method, n, nystrom)):
         m, eta = method.part(tree[0]), series.eta_of(tree)
-        left = [x - y for x, y in zip(eta, apply(m.V, eta), strict=True)]
+        left = less(eta, apply(m.V, eta))
         equal(left, series.residual(tree), f"the condition of tree {show(tree)}")
 
 
@@ -1544,8 +1618,9 @@ def path_orders(method, series, colour, most):
 
 def check_start_along_paths(method, start, p, nystrom):
     """Refuse unless the values of a start use stages that are the solution far enough (4)."""
-    require(isinstance(start, StartSeries), "paths do not decide about the start (y0, 0, ..)")
-    (A, B), (A_hat, B_hat) = start.tables["f"], start.tables["k"]
+    if isinstance(start, ZeroStart):
+        return  # its values are 0 on a tree where eta is: there and on the path of the same order
+    (A, B), (A_hat, B_hat) = ((start.part(c).A, start.part(c).B) for c in "fk")
     if nystrom:
         links = {"f": (times(A, A_hat), "f", 2)}
         used = [(B_hat, "f", p - 1), (times(B, A_hat), "f", p - 2)]
@@ -1572,12 +1647,21 @@ def show(tree):
 
 
 def order_at_least(proof, w):
-    """Rule order-at-least."""
-    keys(w, "order principal trees u eta")
+    """Rule order-at-least: of the last order values of eta, or only that there are some."""
+    keys(w, "order principal trees u eta", "last")
     identity_mode, nystrom = mode(w)
     order = whole(w["order"], 0, 20 if nystrom in PATHS else 14)
-    series = Series.read(proof.method, w, order, nystrom, identity_mode)
-    check_series(proof.method, series, order, nystrom)
+    solvable = "last" in w
+    series = Series.read(proof.method, w, order - solvable, nystrom, identity_mode)
+    check_series(proof.method, series, order - solvable, nystrom)
+    if solvable:
+        fine = w["last"] == "solvable" and nystrom not in PATHS and not proof.method.system
+        require(fine and order, "the last order")
+        left = {c: kernel(transpose(minus(m.V, identity(m.r))))
+                for c, m in proof.method.parts.items()}  # fmt: skip
+        for tree in pool_of(proof.method, order, nystrom):
+            found = vanishes(apply(left[tree[0]], series.residual(tree)))
+            require(found, f"the condition of tree {show(tree)}")
     if nystrom in PATHS:
         check_quadrature(proof.method, series, order, nystrom)
     proof.series, proof.low = series, (order, identity_mode, nystrom)
@@ -1608,7 +1692,7 @@ def order_at_most(proof, w):
     require(all(len(x) == d[t[0]] for t, x in n.items()), "a value of n has another length")
     first = total(dot(x, apply(W[t[0]], series.residual(t))) for t, x in n.items())
     require(nonzero(first), "the sum (a) is 0")
-    check_sum_b(method, p, nystrom, n, K, principal_parts(series, N, identity_mode))
+    check_sum_b(method, p, nystrom, n, K, principal_parts(method, series, N, identity_mode))
     simple = max(d.values()) == 1
     require(nystrom not in PATHS or (same and simple), "paths need a simple eigenvalue 1")
     proof.high, proof.simple = (p, identity_mode, nystrom), simple
@@ -1653,11 +1737,11 @@ def check_kernel(method, d, K):
     require(width - rank(rows) == 1, "principal parts at order 1 are not unique up to the flow")
 
 
-def principal_parts(series, N, identity_mode):
+def principal_parts(method, series, N, identity_mode):
     """Return a basis of F for each colour: all e, or those that are not read in N e."""
     if not identity_mode:
         return {c: identity(len(M[0])) for c, M in N.items()}
-    return {c: kernel(times([reading(series.method, c, series.u[c])], M)) for c, M in N.items()}
+    return {c: kernel(times([reading(method, c, series.u[c])], M)) for c, M in N.items()}
 
 
 def check_sum_b(method, p, nystrom, n, K, free):
@@ -1676,8 +1760,26 @@ def check_sum_b(method, p, nystrom, n, K, free):
 
 def contradiction(proof, w, preconsistency):
     """Rules no-order-1 and not-preconsistent."""
+    m = proof.method.part(w.get("colour"))
+    if "rows" in w:  # u is a multiple of the eigenvector, and two entries of U u differ
+        keys(w, "colour rows")
+        u = [apply(m.U, x) for x in kernel(minus(m.V, identity(m.r)))]
+        require(preconsistency and len(u) < 2, "1 is a multiple eigenvalue")
+        rows = w["rows"]
+        require(isinstance(rows, list) and len(rows) == 2, "rows are two")
+        i, j = (whole(x, 0, len(m.U) - 1) for x in rows)
+        require(not u or apart(u[0][i] - u[0][j]), "the two entries may agree")
+        return
+    if set(w) == {"colour"}:  # W u = W B 1 says what u is, and U u is not 1
+        require(not preconsistency, "x and y are missing")
+        shift, slopes = minus(m.V, identity(m.r)), apply(m.B, ones(len(m.B[0])))
+        right, left = kernel(shift), kernel(transpose(shift))
+        if right:
+            back = inverse_matrix(times(left, transpose(right)))
+            u = apply(transpose(right), apply(back, apply(left, slopes)))
+            require(any(apart(x - 1) for x in apply(m.U, u)), "U u may be 1")
+        return
     keys(w, "colour x y" + ("" if preconsistency else " z"))
-    m = proof.method.part(w["colour"])
     x, y, *z = (proof.method.numbers.vector(w[k]) for k in ("x", "y", "z") if k in w)
     shift = transpose(minus(m.V, identity(m.r)))
     right = z[0] if z else [Fraction(0)] * m.r
@@ -1697,9 +1799,15 @@ def preconsistent(proof, w):
 
 
 def consistent(proof, w):
-    """Rule consistent: also B 1 + V v = u + v; return u and v."""
-    keys(w, "u v")
+    """Rule consistent: also B 1 + V v = u + v; return u and v, v None where it only exists."""
+    keys(w, "u", "v")
     u = read_u(proof.method, w["u"])
+    if "v" not in w:
+        for c, m in proof.method.parts.items():
+            gap = less(apply(m.B, ones(len(m.B[0]))), u[c])
+            left = kernel(transpose(minus(m.V, identity(m.r))))
+            require(vanishes(apply(left, gap)), "(I - V) v = B 1 - u has no solution")
+        return u, None
     require(set(as_object(w["v"])) == set(u), "v is given by colours")
     v = {c: proof.method.numbers.vector(x) for c, x in w["v"].items()}
     for c in u:
@@ -1709,29 +1817,48 @@ def consistent(proof, w):
     return u, v
 
 
-def stage_defect(series, tree, ones_count):
-    """Return whether xi(t) = c^|t| / gamma(t), up to a multiple of ones where that counts."""
+def named_tree(proof, w, order, nystrom):
+    """Return the tree of a witness, which must be one of this order."""
+    tree = read_tree(w["tree"])
+    require(tree in pool_of(proof.method, order, nystrom), "the tree has another order")
+    return tree
+
+
+def stage_defect(series, tree, fixed):
+    """Return xi(t) - c^|t| / gamma(t), or what `fixed` gives of it by the colour."""
     c = series.stages((tree[0], ()))
-    want = [x ** size(tree) * Fraction(1, gamma(tree)) if x else x for x in c]
-    gap = [x - y for x, y in zip(series.stages(tree), want, strict=True)]
-    return [x - gap[0] for x in gap] if ones_count else gap
+    gap = less(series.stages(tree), [x ** size(tree) * Fraction(1, gamma(tree)) for x in c])
+    return apply(fixed[tree[0]], gap) if fixed else gap
 
 
-def exception(proof, order):
-    """Tell whether a multiple of ones may be added at this order."""
-    p, identity_mode, _ = proof.low
-    several = any(m.r > 1 for m in proof.method.parts.values())
-    return order == p and not identity_mode and several
+def fixed_rows(proof, order, p):
+    """Return by colour the rows z with z U n = 0 for all n = V n; None below p and for identity."""
+    parts, identity_mode = proof.method.parts, proof.mode()[0]
+    if order != p or identity_mode or all(m.r == 1 for m in parts.values()):
+        return None
+    rows = {}
+    for c, m in parts.items():
+        require(not any(type(x) is Interval for row in m.V for x in row), "V holds decimals")
+        N = kernel(minus(m.V, identity(m.r)))
+        moved = [apply(m.U, n) for n in N]
+        if len(N) == 1:  # U u = 1
+            moved = [[Fraction(1)] * len(m.U)]
+        balls = any(type(x) is Interval for row in moved for x in row)
+        require(not balls, "not covered: decimals in U where the eigenvalue 1 of V is multiple")
+        rows[c] = kernel(moved)
+    return rows
 
 
 def stage_order_at_least(proof, w):
-    """Rule stage-order-at-least."""
+    """Rule stage-order-at-least; c is what the stages are at the single vertices."""
     keys(w, "q")
     q = whole(w["q"])
     require(proof.low and q <= proof.low[0], "the stage order is above the order")
-    for n in range(1, q + 1):
+    require(proof.high or (proof.low[1] and proof.mode()[0]), "the order is not enclosed")
+    for n in range(2, q + 1):
+        fixed = fixed_rows(proof, n, proof.low[0])
         for tree in pool_of(proof.method, n, proof.low[2]):
-            gap = stage_defect(proof.series, tree, exception(proof, n))
+            gap = stage_defect(proof.series, tree, fixed)
             require(vanishes(gap), f"the stages are wrong at tree {show(tree)}")
     return q
 
@@ -1743,37 +1870,11 @@ def stage_order_at_most(proof, w):
     require(proof.high and proof.low and proof.high == proof.low, "the order is not enclosed")
     if q < proof.low[0]:
         require("tree" in w, "the tree is missing")
-        tree = read_tree(w["tree"])
-        require(tree in pool_of(proof.method, q + 1, proof.low[2]), "the tree has another order")
-        gap = stage_defect(proof.series, tree, exception(proof, q + 1))
+        tree = named_tree(proof, w, q + 1, proof.low[2])
+        gap = stage_defect(proof.series, tree, fixed_rows(proof, q + 1, proof.low[0]))
         require(any(nonzero(x) for x in gap), "the stages are right at the tree")
     require(q <= proof.low[0], "the stage order is above the order")
     return q
-
-
-class StartSeries(Series):
-    """The series of a starting or finishing method: xi = A xiD, value = B xiD."""
-
-    def __init__(self, method, tables, u):
-        super().__init__(method, u, None)
-        self.tables = tables  # colour: (A, B)
-
-    def derivative(self, tree):
-        """Return xiD(t)."""
-        value = ones(len(self.tables[tree[0]][0][0]))
-        for child in tree[1]:
-            value = [x * y for x, y in zip(value, self.stages(child), strict=True)]
-        return value
-
-    def stages(self, tree):
-        """Return A xiD(t)."""
-        if tree not in self.known:
-            self.known[tree] = apply(self.tables[tree[0]][0], self.derivative(tree))
-        return self.known[tree]
-
-    def value(self, tree):
-        """Return B xiD(t)."""
-        return apply(self.tables[tree[0]][1], self.derivative(tree))
 
 
 class ZeroStart:
@@ -1794,14 +1895,13 @@ def start_of(method):
         require(method.pair, "the file has no start")
         return ZeroStart(method)
     hats = {"o": ""} if not method.pair else {"f": "", "k": "_hat"}
-    needed = " ".join(f"A{h} B{h} u{h}" for h in hats.values()) + " order"
-    keys(table, needed, "name kind", "start")
+    keys(table, " ".join(f"A{h} B{h} u{h}" for h in hats.values()), "name kind order", "start")
     tables = {c: (method.matrix("A" + h, table), method.matrix("B" + h, table))
               for c, h in hats.items()}  # fmt: skip
     u = {c: method.list("u" + h, table) for c, h in hats.items()}
     for c, (_, B) in tables.items():
         require(len(B) == len(u[c]) == method.part(c).r, "the start has another number of values")
-    return StartSeries(method, tables, u)
+    return Series.of_tables(tables, u)
 
 
 def start_series(proof, w):
@@ -1824,18 +1924,22 @@ def start_at_least(proof, w):
     """Rule start-at-least."""
     keys(w, "q order u eta trees")
     q, _, series, start = start_series(proof, w)
-    for c, u in series.u.items():
+    for c, u in series.u.items() if q else ():
         equal(start.u[c], u, "u of the start")
     for tree in (t for n in range(1, q + 1) for t in pool_of(proof.method, n, proof.low[2])):
         equal(start.value(tree), series.eta_of(tree), f"the start at tree {show(tree)}")
     return q
 
 
+def off_line(gap, u):
+    """Tell whether a vector is shown to be no multiple of u."""
+    return any(apart(gap[i] * u[j] - gap[j] * u[i]) for i in range(len(u)) for j in range(i))
+
+
 def start_at_most(proof, w):
     """Rule start-at-most."""
     keys(w, "q order u eta tree", "value trees")
     q, order, series, start = start_series(proof, {"trees": "all", **w})
-    require(proof.simple, "the eigenvalue 1 is not simple")
     colour = next(iter(series.u))
     if w["tree"] == "" and q != order:
         different = any(nonzero(x - y) for c, u in series.u.items()
@@ -1847,16 +1951,18 @@ def start_at_most(proof, w):
     require(same, "eta does not agree with the start at the single vertex")
     if q == order:
         return q
-    tree, place = read_tree(w["tree"]), whole(w.get("value"), 1) - 1  # from 1
-    require(tree in pool_of(proof.method, q + 1, proof.low[2]), "the tree has another order")
-    gap = [x - y for x, y in zip(start.value(tree), series.eta_of(tree), strict=True)]
+    tree, place = named_tree(proof, w, q + 1, proof.low[2]), whole(w.get("value"), 1) - 1  # from 1
+    gap = less(start.value(tree), series.eta_of(tree))
     require(place < len(gap), "there is no such value")
     if q + 1 == order and not proof.low[1]:
-        u = series.u[tree[0]]
-        apart = any(nonzero(gap[i] * u[j] - gap[j] * u[i]) for i in range(len(u)) for j in range(i))
+        m = proof.method.part(tree[0])
+        still = kernel(kernel(minus(m.V, identity(m.r)))) if not proof.simple else []
+        wrong = any(map(nonzero, apply(still, gap))) or (
+            proof.simple and off_line(gap, series.u[tree[0]])
+        )
     else:
-        apart = nonzero(gap[place])
-    require(apart, "the start is right at the tree")
+        wrong = nonzero(gap[place])
+    require(wrong, "the start is right at the tree")
     return q
 
 
@@ -1869,7 +1975,7 @@ def finish_defect(proof, tree):
     require(start.u["o"][0] == 1, "the first value of the start is not y0")
     keys(table, "A b", "name kind order", "finish")
     A, b = method.matrix("A", table), [method.list("b", table)]
-    finish = StartSeries(method, {"o": (A, b)}, None)
+    finish = Series.of_tables({"o": (A, b)})
 
     def first(t):
         return start.value(t)[0]
@@ -1969,7 +2075,7 @@ def is_schur(p):
     p = trim(p)
     require(p, "a polynomial is 0")
     while len(p) > 1:
-        if not p[0]:
+        if type(p[0]) is not Interval and not p[0]:
             p = p[1:]
             continue
         if sign(squared(p[-1]) - squared(p[0])) <= 0:
@@ -1983,7 +2089,7 @@ def in_disc(p):
     p = trim(p)
     require(p, "a polynomial is 0")
     while len(p) > 1:
-        if not p[0]:
+        if type(p[0]) is not Interval and not p[0]:
             p = p[1:]
             continue
         margin = squared(p[-1]) - squared(p[0])
@@ -2032,10 +2138,32 @@ def square_free(p):
     return len(gcd(p, derivative(p))) == 1
 
 
+def is_exact(M):
+    """Tell whether no entry is an interval."""
+    return not any(type(x) is Interval for row in M for x in row)
+
+
+def blocks_of(V):
+    """Return the diagonal blocks of V: exact zeros say in which order it is block triangular."""
+    reach = [{j for j, x in enumerate(row) if not is_nil(x)} | {i} for i, row in enumerate(V)]
+    for _ in V:
+        reach = [set().union(*(reach[j] for j in x)) for x in reach]
+    groups = {tuple(j for j in sorted(x) if i in reach[j]) for i, x in enumerate(reach)}
+    return [[[V[i][j] for j in group] for i in group] for group in sorted(groups)]
+
+
 def bounded(proof, w):
-    """Rule bounded: the powers of V are bounded."""
+    """Rule bounded: the powers of V are bounded.
+
+    Where V holds decimals: of its diagonal blocks those with decimals have all eigenvalues inside
+    the circle, and so have the exact ones but at most one, which q and h are about.
+    """
     keys(w, "which q h")
     V = proof.method.part(w["which"]).V
+    if not is_exact(V):
+        others = [block for block in blocks_of(V) if not is_schur(characteristic(block))]
+        require(len(others) < 2, "several blocks have eigenvalues on the circle")
+        V = others[0] if others else [[Fraction(0)]]
     q, h = polynomial(proof, w["q"]), polynomial(proof, w["h"])
     require(vanishes(at_matrix(multiply(q, h), V)), "q(V) h(V) is not 0")
     require(in_disc(q), "q has a root outside the disc")
@@ -2044,10 +2172,21 @@ def bounded(proof, w):
     proof.stable.add(w["which"])
 
 
+def is_left(q, h, V):
+    """Tell whether rad(q)(V) h(V)^r is not 0: a root of q, which h shares none of, is defective."""
+    M, inner = at_matrix(divide(q, gcd(q, derivative(q)))[0], V), at_matrix(h, V)
+    for _ in V:
+        M = times(M, inner)
+    return any(nonzero(x) for row in M for x in row)
+
+
 def unbounded(proof, w):
-    """Rule unbounded: an eigenvalue outside, or a defective one on the circle."""
-    keys(w, "which value")
+    """Rule unbounded: an eigenvalue outside, or a defective one on the circle, or of a block."""
+    keys(w, "which value", "block")
     V, value, read = proof.method.part(w["which"]).V, as_object(w["value"]), proof.method.numbers
+    if "block" in w:
+        blocks = blocks_of(V)
+        V = blocks[whole(w["block"], 0, len(blocks) - 1)]
     if "lambda" in value:
         keys(value, "lambda x", "y")
         z, x = read.number(value["lambda"]), read.vector(value["x"])
@@ -2072,11 +2211,7 @@ def unbounded(proof, w):
     require(plus(multiply(q, h), p, -1) == [], "q h is not the characteristic polynomial")
     on_circle = in_disc(q) and not squared(q[-1]) - squared(q[0])
     require(is_schur(h) and on_circle, "q or h has roots elsewhere")
-    radical, _ = divide(q, gcd(q, derivative(q)))
-    M = at_matrix(radical, V)
-    for _ in V:
-        M = times(M, at_matrix(h, V))
-    require(any(nonzero(x) for row in M for x in row), "rad(q)(V) h(V)^r is 0")
+    require(is_left(q, h, V), "rad(q)(V) h(V)^r is 0")
 
 
 def eigen(proof, w):
@@ -2135,7 +2270,8 @@ def growth_groups(proof):
         spaces = {c: next((e for e in proof.eigen[c] if not nonzero(e[0] - z)), None) for c in m}
         if not nonzero(z - 1) or spaces["k"] is None:
             continue
-        require(all(len(e[1]) == 1 for e in spaces.values()), "a shared eigenvalue is not simple")
+        simple = all(len(e[1]) == 1 for e in spaces.values())
+        require(simple or proof.claim == "parasitism-free", "a shared eigenvalue is not simple")
         groups.append((z, [scale(conj(z), times(spaces[c][1], m[c].B, m[e].U, spaces[e][2]))
                            for c, others in children.items() for e in others]))  # fmt: skip
     return groups
@@ -2149,6 +2285,9 @@ def unshared(proof, w):
     require(gcd(*ends) == [-1, 1], "an eigenvalue other than 1 is shared, or none is")
     simple = all(nonzero(horner(derivative(p), Fraction(1))) for p in ends)
     require(simple, "the eigenvalue 1 is multiple")
+    if proof.claim == "growth":
+        none = not proof.claimed(proof.declared)
+        require(none == proof.holds, "there are no growth parameters")
 
 
 def from_roots(numbers):
@@ -2213,7 +2352,12 @@ def declared_groups(proof, sizes):
 def grows(proof, w):
     """Rule grows: the parameters of one part are other ones than declared."""
     keys(w, "part")
-    groups, free = growth_groups(proof), proof.claim == "parasitism-free"
+    free = proof.claim == "parasitism-free"
+    if w["part"] == -1 and not proof.method.pair:  # the eigenvalues alone say how many there are
+        count = sum(len(W) - int(not nonzero(z - 1)) for z, W, _ in proof.eigen["o"])
+        require(not free and len(proof.declared) != count, "the number of parameters is right")
+        return
+    groups = growth_groups(proof)
     sizes = [sum(len(M) - int(not nonzero(z - 1)) for M in Ms) for z, Ms in groups]
     if w["part"] == -1:
         require(not free and len(proof.declared) != sum(sizes), "the number of parameters is right")
@@ -2222,13 +2366,15 @@ def grows(proof, w):
     z, matrices = groups[k]
     if proof.method.pair:
         require(free or vanishes(declared_groups(proof, sizes)[k]), "not covered: pairs that grow")
-        different = [M[0][0] for M in matrices]
+        different = [x for M in matrices for row in M for x in row]
+    elif free and nonzero(z - 1):
+        different = [x for row in matrices[0] for x in row]
     else:
         mine = [Fraction(0)] * sizes[k] if free else declared_groups(proof, sizes)[k]
         different = growth_gap(z, matrices[0], mine)
-        if free and rank(matrices[0]) != int(not nonzero(z - 1)):
+        if free and is_exact(matrices[0]) and rank(matrices[0]) != 1:
             return
-    require(any(map(nonzero, different)), "the growth parameters are as declared")
+    require(any(map(apart, different)), "the growth parameters are as declared")
 
 
 # ------------------------------------------------ section 5: quadratic forms, symmetry, structure
@@ -2307,9 +2453,9 @@ def given_form_fails(proof, w):
             D = D, apply(star(m["k"].B), apply(star(G), method.u("f")))
     defects = form_defects(method, G, D)
     if method.pair and not method.separable:
-        defects["shared"] = [[x - y for x, y in zip(*D, strict=True)]]
+        defects["shared"] = [less(*D)]
     require(name in defects, f"no identity is called {name!r}")
-    require(nonzero(entry_of(defects[name], w.get("entry"))), f"the entry of {name} is 0")
+    require(apart(entry_of(defects[name], w.get("entry"))), f"the entry of {name} is 0")
 
 
 def no_form(proof, w):
@@ -2368,7 +2514,7 @@ def quadratic_defect(method, i, j):
     """Return b_i a^_ij + b^_j a_ji - b_i b^_j."""
     b, A, b_hat, A_hat = weights_of(method)
     i, j = whole(i, 0, len(b) - 1), whole(j, 0, len(b_hat) - 1)
-    return b[i] * A_hat[i][j] + b_hat[j] * A[j][i] - b[i] * b_hat[j]
+    return dot((b[i], b_hat[j], -b[i]), (A_hat[i][j], A[j][i], b_hat[j]))
 
 
 def quadratic(proof, w):
@@ -2559,13 +2705,9 @@ def needs(method, surely=False):
                     if any(counts(m.A[i][j]) for m in method.parts.values())}
                 for i in range(n)}  # fmt: skip
     q, p = method.parts["f"], method.parts["k"]
-    found = {
-        f"Q{i + 1}": {f"P{j + 1}" for j, x in enumerate(row) if counts(x)}
-        for i, row in enumerate(q.A)
-    }
-    found.update({f"P{i + 1}": {f"Q{j + 1}" for j, x in enumerate(row) if counts(x)}
-                  for i, row in enumerate(p.A)})  # fmt: skip
-    return found
+    both = (("Q", "P", q.A), ("P", "Q", p.A))
+    return {f"{x}{i}": {f"{y}{j}" for j, entry in enumerate(row, 1) if counts(entry)}
+            for x, y, A in both for i, row in enumerate(A, 1)}  # fmt: skip
 
 
 def stage_names(needed, names):
@@ -2614,14 +2756,20 @@ def abscissae(proof, w):
 
 def other_abscissae(proof, w):
     """Rule other-abscissae."""
-    keys(w, "u v", "stage")
-    m, c, given = proof.method.single(), abscissae_of(proof, w), proof.claimed(proof.declared)
+    keys(w, "", "u v stage")
+    m, given = proof.method.single(), proof.claimed(proof.declared)
+    if not w.get("u"):  # the c of a method in the intervals, where it has one
+        bounds = proof.bounds(True, False, 1)
+        bounds.fill()
+        c = bounds.stages(("o", ()))
+    else:
+        c = abscissae_of(proof, w)
     require(rank(minus(identity(m.r), m.V)) == m.r - 1, "the rank of I - V is not r - 1")
     if len(c) != len(given):
         require(w.get("stage") in (None, -1), "the lengths differ")
         return
     stage = whole(w.get("stage"), 0, len(c) - 1)
-    require(nonzero(c[stage] - given[stage]), "the abscissa is as declared")
+    require(apart(c[stage] - given[stage]), "the abscissa is as declared")
 
 
 def error_constant(proof, w, same=True):
@@ -2650,7 +2798,8 @@ def reducible(proof, w):
     require(any(map(nonzero, z)), f"{side} is 0")
     V, M = (transpose(m.V), transpose(m.B)) if side == "x" else (m.V, m.U)
     if side == "x":
-        require(vanishes(dot(z, proof.method.u(w["component"]))), "x u is not 0")
+        for u in proof.method.vectors_to_one(w["component"]):
+            require(vanishes(dot(z, u)), "x u is not 0")
     for _ in range(m.r):
         require(vanishes(apply(M, z)), "a power does not vanish")
         z = apply(V, z)
@@ -2883,6 +3032,36 @@ def a_stable(proof, w):
         not_covered("(5) by the discriminant")
 
 
+def at_imaginary(m, y):
+    """Return M(i y) of a real method as a real matrix of twice the size, i as [[0, -1], [1, 0]]."""
+
+    def twice(M, real_part):
+        require(all(conj(x) == x for row in M for x in row), "not covered: a complex method")
+        zero = [[Fraction(0)] * len(M[0]) for _ in M]
+        first, second = (M, zero) if real_part else (zero, scale(y, M))
+        above = [[*a, *(-x for x in b)] for a, b in zip(first, second, strict=True)]
+        return above + [[*b, *a] for a, b in zip(first, second, strict=True)]
+
+    A, B = twice(m.A, False), twice(m.B, False)
+    back = inverse_matrix(minus(identity(len(A)), A))
+    return combine(twice(m.V, True), times(B, back, twice(m.U, True)))
+
+
+def is_defective(M):
+    """Tell whether the powers of M are not bounded: a root outside, or a defective one."""
+    p = characteristic(M)
+    if not in_disc(p):
+        return True
+    h, q = p, [Fraction(1)]
+    while not h[0]:
+        h = h[1:]
+    inside = p[: len(p) - len(h)]  # the roots 0, which the mirror image has at infinity
+    while len(h) > 1 and len(shared := gcd(h, mirror(h))) > 1:
+        h, q = divide(h, shared)[0], multiply(q, shared)
+    require(is_schur(h), "a root on the circle is left")
+    return is_left(q, inside + h, M)
+
+
 def not_a_stable(proof, w):
     """Rule not-a-stable."""
     require(isinstance(w, dict) and len(w) == 1, "one reason is given")
@@ -2896,7 +3075,8 @@ def not_a_stable(proof, w):
         require(out, "P(w, i y) is in the disc")
         return
     if reason == "defect":
-        not_covered("a defective matrix M(i y)")
+        require(is_defective(at_imaginary(m, rational(value))), "M(i y) is power-bounded")
+        return
     require(reason in ("infinity", "pole", "axis", "start") and value is True, "no such reason")
     if reason == "infinity":
         last = at_infinity(stability_polynomial(m))
@@ -2927,7 +3107,7 @@ def l_limit(proof, w, wanted=True):
 PLACES = 448  # binary places of an interval
 
 
-class Interval:
+class Interval(Ring):
     """A closed interval of real numbers with ends that are whole multiples of 2^-PLACES.
 
     Its truth value says that it excludes 0; where that is not decided the answer is a refusal, so
@@ -2965,12 +3145,6 @@ class Interval:
     def __neg__(self):
         return Interval(-self.hi, -self.lo)
 
-    def __sub__(self, other):
-        return self + -other
-
-    def __rsub__(self, other):
-        return -self + other
-
     def __mul__(self, other):
         a, b = self.lo, self.hi
         if type(other) is not Interval:
@@ -2986,9 +3160,6 @@ class Interval:
         return Interval(min(ends) >> PLACES, -(-max(ends) >> PLACES))
 
     __rmul__ = __mul__
-
-    def __pow__(self, n):
-        return self if n == 1 else self * self ** (n - 1) if n else Fraction(1)
 
     def __eq__(self, other):
         raise Refused("intervals are not compared")
@@ -3010,12 +3181,7 @@ def apart(x):
     return not x.lo <= 0 <= x.hi if type(x) is Interval else nonzero(x)
 
 
-def by(x, y):
-    """Return x y; a factor 1 costs nothing."""
-    return x if type(y) is Fraction and y == 1 else x * y
-
-
-class Gradient:
+class Gradient(Ring):
     """An interval with its derivatives by the unknowns, exact zeros left out."""
 
     __slots__ = ("by", "value")
@@ -3041,20 +3207,8 @@ class Gradient:
 
     __radd__, __rmul__ = __add__, __mul__
 
-    def __neg__(self):
-        return self * -1
 
-    def __sub__(self, other):
-        return self + -other
-
-    def __rsub__(self, other):
-        return -self + other
-
-    def __pow__(self, n):
-        return self if n == 1 else self * self ** (n - 1) if n else Fraction(1)
-
-
-class Linear:
+class Linear(Ring):
     """An expression c_0 + sum c_k x_k in the unknowns, with exact coefficients; never a number."""
 
     __slots__ = ("terms",)
@@ -3079,15 +3233,6 @@ class Linear:
         return Linear.made({k: x * other for k, x in self.terms.items()})
 
     __radd__, __rmul__ = __add__, __mul__
-
-    def __neg__(self):
-        return self * -1
-
-    def __sub__(self, other):
-        return self + -other
-
-    def __rsub__(self, other):
-        return -self + other
 
     def __eq__(self, other):
         return is_nil(self - other)
@@ -3348,6 +3493,19 @@ def eigenvector(M, z):
     return basis[0]
 
 
+def parasitic_form(v, other, seen):
+    """Return H, Re(seen seen^*) / v^* other: a growth parameter is sum d_i x_i^T H x_i."""
+    norm = dot([conj(x) for x in v], other)
+    require(nonzero(norm) and conj(norm) == norm, "v^* G v is 0 or not real")
+    unit = inverse(norm)
+    return [[as_real(real(a * conj(b)) * unit) for b in seen] for a in seen]
+
+
+def parameter(H, weights, rows):
+    """Return the growth parameter of weights d_i and columns x_i of the rows."""
+    return total(d * dot(x, apply(H, x)) for d, x in zip(weights, transpose(rows), strict=True))
+
+
 def circle_is_named(V, named):
     """Return how many eigenvalues of modulus 1 but 1 are named, where these and 1 are all."""
     found = []
@@ -3469,11 +3627,7 @@ class Sweep(Enclosed):
         """Return (z, H): the growth parameter of z is sum d_i x_i^T H x_i."""
         z = self.number(text)
         v = eigenvector(self.V, z)
-        seen = apply(self.G, v)
-        norm = dot([conj(x) for x in v], seen)
-        require(nonzero(norm) and conj(norm) == norm, "v^* G v is 0")
-        unit = inverse(norm)
-        return z, [[as_real(real(a * conj(b)) * unit) for b in seen] for a in seen]
+        return z, parasitic_form(v, apply(self.G, v), apply(self.G, v))
 
     def find_signs(self):
         """Return the diagonal of E with X = E X P, after the checks of theorem 3, or None."""
@@ -3531,14 +3685,8 @@ class Sweep(Enclosed):
                 todo = [t for t in todo if inside or t in own]
             first = self.principal(n, zeta, given, G) if inside else {}
             for t in todo:
-                slopes = ones(self.s)
-                for child in t[1]:
-                    slopes = [by(x, y) for x, y in zip(known(child, xi), slopes, strict=True)]
-                right = [dot(row, slopes) for row in B]
-                for s, weight in cut(t):
-                    if s != t:
-                        right = [x if is_nil(y) else x - y * weight
-                                 for x, y in zip(right, known(s, zeta), strict=True)]  # fmt: skip
+                slopes = placewise(self.s, (known(child, xi) for child in t[1]))
+                right = less_cuts(apply(B, slopes), t, lambda s: known(s, zeta))
                 R[t] = right[0] - Fraction(1, gamma(t))
                 if inside:
                     zeta[t] = [first[t], *(dot(row, right[1:]) for row in self.resolvent)]
@@ -3567,10 +3715,7 @@ class Sweep(Enclosed):
                 below, factor = reduced(what, self.q)
                 found.append((R[below] if kind == "order" else zeta[below][0]) * factor)
             elif kind == "growth":
-                value = Fraction(0)
-                for d, x in zip(D, transpose(X), strict=True):
-                    value = value + d * dot(x, [dot(row, x) for row in what[1]])
-                found.append(value)
+                found.append(parameter(what[1], D, X))
             elif kind == "explicit":
                 found.append(A[i][i])
             elif kind == "start":
@@ -3616,20 +3761,15 @@ class Sweep(Enclosed):
         c = self.abscissae()
         if c is None:
             return False
-        value = Fraction(-1, power + 1)
-        for d, x in zip(self.D, c, strict=True):
-            value = value + d * x**power
-        return is_nil(value)
+        return is_nil(total(d * x**power for d, x in zip(self.D, c, strict=True))
+                      - Fraction(1, power + 1))  # fmt: skip
 
     def given_trees(self):
         """Return the trees whose conditions the file gives (6.3)."""
         given = {t for kind, _, t in self.equations if kind == "order"}
         third, fifth, bush, path = map(read_tree, ("[oo]", "[oooo]", "[oo[o]]", "[[o][o]]"))
         free = [versions(t) for t in given]
-        value = Fraction(-1)
-        for d in self.D:
-            value = value + d
-        if is_nil(value):
+        if is_nil(total(self.D) - 1):
             given.add(LEAF)
         if self.starts_at_two() and self.quadrature(2):
             given.add(third)
@@ -3725,21 +3865,12 @@ class RungeKutta(Enclosed):
 
     def column(self, A, b, j):
         """Return sum b_i a_ij - b_j (1 - c_j)."""
-        left = Fraction(1)
-        for x in A[j]:
-            left = left - x
-        value = -(left * b[j])
-        for x, row in zip(b, A, strict=True):
-            value = value + x * row[j]
-        return value
+        return total(x * row[j] for x, row in zip(b, A, strict=True)) - (1 - total(A[j])) * b[j]
 
     def vanishes(self, j):
         """Tell whether D(1) holds at a column for all values of the unknowns."""
         b, rows = self.rows[None], range(self.s)
-        left = Fraction(1)
-        for x in self.A[j]:
-            left = left - x
-        products = [(left, b[j]), *((b[i], self.A[i][j]) for i in rows)]
+        products = [(1 - total(self.A[j]), b[j]), *((b[i], self.A[i][j]) for i in rows)]
         if any(isinstance(x, Linear) and isinstance(y, Linear) for x, y in products):
             return False
         return is_nil(self.column(self.A, b, j))
@@ -3752,12 +3883,8 @@ class RungeKutta(Enclosed):
 
         def weights(t):
             if t not in known:
-                value = ones(self.s)
-                for child in t[1]:
-                    below = weights(child)
-                    value = [by(x, dot(a, below))
-                             for x, a in zip(value, matrices[t[0]], strict=True)]  # fmt: skip
-                known[t] = value
+                below = (apply(matrices[t[0]], weights(child)) for child in t[1])
+                known[t] = placewise(self.s, below)
             return known[t]
 
         return [self.column(A, rows[None], what) if row == "column"
@@ -3770,10 +3897,7 @@ class RungeKutta(Enclosed):
         if (row, t) in self.equations:
             return True
         if not t[1]:
-            value = Fraction(-1)
-            for x in self.rows[row]:
-                value = value + x
-            return is_nil(value)
+            return is_nil(total(self.rows[row]) - 1)
         if row is not None or len(t[1]) != 1 or not self.columns:
             return False
         below = t[1][0][1]
@@ -3876,12 +4000,8 @@ class Pair(Enclosed):
         if half:
             z = self.number(z)
             v, w = (eigenvector(self.V[c], z) for c in "fk")
-            norm = dot([conj(x) for x in v], apply(self.G, w))
-            require(nonzero(norm) and conj(norm) == norm, "v^* G v^ is 0 or not real")
             seen = apply(self.G, w) if half == "q" else apply(transpose(self.G), v)
-            unit = inverse(norm)
-            form = [[as_real(real(a * conj(b)) * unit) for b in seen] for a in seen]
-            return "growth", half, z, form
+            return "growth", half, z, parasitic_form(v, apply(self.G, w), seen)
         tree_ = read_tree(tree or start)
         require(tree_ in trees(ALTERNATING, size(tree_)), "an equation names another tree")
         require(not self.nystrom or second_order(tree_), "an equation names another tree")
@@ -3904,15 +4024,10 @@ class Pair(Enclosed):
                 level = [t for t in level if t in wanted]
             for t in level:
                 letter, weights, columns, readers = half[t[0]]
-                slopes = ones(len(weights))
-                for child in t[1]:
-                    slopes = [by(x, y) for x, y in zip(stages[child], slopes, strict=True)]
+                slopes = placewise(len(weights), (stages[child] for child in t[1]))
                 updates = [w * x for w, x in zip(weights, slopes, strict=True)]
-                right = [dot(updates, row) for row in transpose(columns)]
-                for s, weight in cut(t):
-                    if s != t:
-                        right = [x if is_nil(y) else x - y * weight
-                                 for x, y in zip(right, zeta[s], strict=True)]  # fmt: skip
+                right = apply(transpose(columns), updates)
+                right = less_cuts(right, t, zeta.__getitem__)
                 R[t] = right[0] - Fraction(1, gamma(t))
                 if last and not starts:
                     continue
@@ -3938,12 +4053,8 @@ class Pair(Enclosed):
             elif e[0] == "start":
                 found.append(zeta[e[1]][e[2]])
             else:
-                weights, X = (self.b, self.X) if e[1] == "q" else (self.c, self.Y)
-                value = Fraction(0)
-                columns = transpose(at_values(X, values))
-                for d, x in zip(at_values(weights, values), columns, strict=True):
-                    value = value + d * dot(x, [dot(row, x) for row in e[3]])
-                found.append(value)
+                own = (self.b, self.X) if e[1] == "q" else (self.c, self.Y)
+                found.append(parameter(e[3], *(at_values(x, values) for x in own)))
         return found
 
     def find_signs(self):
@@ -4002,10 +4113,7 @@ class Pair(Enclosed):
         given = {e[1] for e in self.equations if e[0] == "order"}
         if n == 1:
             for root, weights in (("f", self.b), ("k", self.c)):
-                value = Fraction(-1)
-                for x in weights:
-                    value = value + x
-                if is_nil(value):
+                if is_nil(total(weights) - 1):
                     given.add((root, ()))
         kind = self.flow()
         table = {versions(t) for t in listed(n, nystrom)}
@@ -4194,12 +4302,9 @@ def slopes_of(A, n, q, base=None):
     xi, found = {}, {}
     for m in range(1, n + 1):
         for t in classes(m, q):
-            value = ones(len(A))
-            for child in t[1]:
-                below, factor = reduced(child, q)
-                value = [by(x, y) if factor == 1 else x * factor * y
-                         for x, y in zip(xi[below], value, strict=True)]  # fmt: skip
-            found[t] = value
+            below = (reduced(child, q) for child in t[1])
+            value = found[t] = placewise(len(A), (multiples(x, xi[u]) if x != 1 else xi[u]
+                                                  for u, x in below))  # fmt: skip
             if m < n:
                 stages = []
                 for i in range(len(A)):
@@ -4252,7 +4357,7 @@ def start_with_parity(proof, numbers, document, series, L, order, q_most):
     """Return (block, root, rows) of the start; `series` gives zeta(t) for any tree (6.7)."""
     keys(proof, "radius centre inverse conditions", where="proof of the start")
     table, block, r = document["starting"], Block(numbers), len(L)
-    keys(table, "A B u order", "name kind", "start")
+    keys(table, "A B u", "name kind order", "start")
     first_is_solution(numbers, table["u"], r)
     A, B = block.matrix(table["A"]), block.matrix(table["B"])
     n = len(A)
@@ -4347,7 +4452,7 @@ def even_start(proof, pair, numbers, document):
             require(pair.identity_through(order - 1, kind), "a principal part is not shown to be 0")
             zeta.update(pair.series(pair.root, order, kind, starts=True)[0])
     table, block = document["starting"], Block(numbers)
-    keys(table, "A B u A_hat B_hat u_hat order", "name kind", "start")
+    keys(table, "A B u A_hat B_hat u_hat", "name kind order", "start")
     tables = {}
     for c, hat in (("f", ""), ("k", "_hat")):
         first_is_solution(numbers, table["u" + hat], len(pair.V[c]))
@@ -4366,27 +4471,8 @@ def even_start(proof, pair, numbers, document):
     require(len(labels) == len(wanted), "a condition is missing")
 
     def function(values):
-        here = {c: tuple(at_values(M, values) for M in Ms) for c, Ms in tables.items()}
-        stages = {}
-
-        def slopes(t):
-            value = ones(len(here[t[0]][1][0]))
-            for child in t[1]:
-                value = [by(x, y) for x, y in zip(stage(child), value, strict=True)]
-            return value
-
-        def stage(t):
-            if t not in stages:
-                below, found = slopes(t), []
-                for i, row in enumerate(here[t[0]][0]):
-                    if i and i % 2 == 0:
-                        found.append(found[-1] * (-1 if size(t) % 2 else 1))
-                    else:
-                        found.append(dot(row, below))
-                stages[t] = found
-            return stages[t]
-
-        return [dot(here[t[0]][1][k], slopes(t)) - zeta[t][k] for k, t in labels]
+        start = Series.of_tables({c: at_values(list(x), values) for c, x in tables.items()})
+        return [start.value(t)[k] - zeta[t][k] for k, t in labels]
 
     block.root(function, whole(document.get("digits", 75), 20, 400), proof)
     return most, max(most, nystrom)
@@ -4395,60 +4481,33 @@ def even_start(proof, pair, numbers, document):
 # ------------------------------------------------ section 6: upper bounds from intervals
 
 
-class Bounds:
+class Bounds(Series):
     """Intervals around the only starting series that a higher order would allow (6.6)."""
 
     def __init__(self, method, identity_mode, nystrom):
         self.method, self.free, self.nystrom = method, not identity_mode, nystrom
-        self.u, self.W, self.lift, self.eta, self.stage = {}, {}, {}, {}, {}
-        self.k = {}
+        self.W, self.lift, self.eta, self.k, parts = {}, {}, {}, {}, {}
+        super().__init__(parts.__getitem__, {}, self.cut_value)
         for c, m in method.parts.items():
             exact_ = all(not isinstance(x, Interval) for row in m.V for x in row)
             require(exact_, "V holds decimals")
             (u,) = kernel(minus(m.V, identity(m.r))) or [None]
             k = first_place(u)
             left = kernel(minus(transpose(m.V), identity(m.r)))
-            scale_ = next((x for x in apply(m.U, u) if apart(x)), None)
+            seen = sorted((x for x in apply(m.U, u) if apart(x)), key=lambda x: type(x) is Interval)
+            scale_ = next(iter(seen), None)  # of order 1 is only a method with U u = 1
             require(len(left) == 1 and scale_ is not None, "the eigenvalue 1 is not simple")
-            require(not isinstance(scale_, Interval), "U u = 1 is not shown")
             u = [inverse(scale_) * x for x in u]
-            require(all(is_nil(x - 1) for x in apply(m.U, u)), "U u = 1 is not shown")
             along = dot(left[0], u)
             require(nonzero(along), "the eigenvalue 1 is defective")
-            border = [[x * inverse(u[k]) if j == k else Fraction(0) for j in range(m.r)] for x in u]
+            w = reading(method, c, u)
+            border = [[x * y for y in w] for x in u]
             back = inverse_matrix(combine(minus(identity(m.r), m.V), border))
-            self.u[c], self.k[c] = [as_real(x) for x in u], k
+            self.u[c], self.k[c] = [as_real(x) for x in u], None if c in method.declared else k
             self.W[c] = [as_real(x * inverse(along)) for x in left[0]]
             self.lift[c] = as_matrix(back)
-        self.A, self.U, self.B = ({c: as_matrix(getattr(m, key)) for c, m in method.parts.items()}
-                                  for key in "AUB")  # fmt: skip
+            parts[c] = Component(**{x: lambda m=m, x=x: as_matrix(getattr(m, x)) for x in "AUB"})
         self.order = 0
-
-    def slopes(self, t):
-        """Return xiD(t)."""
-        value = ones(len(self.B[t[0]][0]))
-        for child in t[1]:
-            value = [by(x, y) for x, y in zip(self.stages(child), value, strict=True)]
-        return value
-
-    def stages(self, t):
-        """Return xi(t)."""
-        if t not in self.stage:
-            c, slopes = t[0], self.slopes(t)
-            self.stage[t] = [dot(a, slopes) + dot(u, self.eta[t])
-                             for a, u in zip(self.A[c], self.U[c], strict=True)]  # fmt: skip
-        return self.stage[t]
-
-    def right(self, t):
-        """Return R(t)."""
-        slopes, c = self.slopes(t), t[0]
-        value = [dot(row, slopes) - u * Fraction(1, gamma(t))
-                 for row, u in zip(self.B[c], self.u[c], strict=True)]  # fmt: skip
-        for s, weight in cut(t):
-            if s != t:
-                value = [x if is_nil(y) else x - y * weight
-                         for x, y in zip(value, self.cut_value(s), strict=True)]  # fmt: skip
-        return value
 
     def cut_value(self, s):
         """Return eta at what is left of a tree, 0 at one that does not count where r = 1."""
@@ -4466,14 +4525,14 @@ class Bounds:
         if n == 2:
             first, *others = trees(self.method.palette, 1)
             for s in others:
-                self.move(s, dot(self.W[s[0]], self.right((s[0], (first,)))))
+                self.move(s, dot(self.W[s[0]], self.residual((s[0], (first,)))))
             return
         found = {}
         leaf = {c: (children[0], ()) for c, children in palette.items()}
         level = pool_of(self.method, n - 1, self.nystrom)
         for s in sorted(level, key=lambda s: (-len(s[1]), -s[1].count(leaf[s[0]]))):
             t = (s[0], tuple(sorted((*s[1], leaf[s[0]]))))
-            value, ways = dot(self.W[t[0]], self.right(t)), 0
+            value, ways = dot(self.W[t[0]], self.residual(t)), 0
             for kept, weight in cut(t):
                 if kept == s:
                     ways = weight
@@ -4497,13 +4556,13 @@ class Bounds:
     def fill(self):
         """Find eta at the trees of the order that was reached, principal parts 0."""
         for t in pool_of(self.method, self.order, self.nystrom):
-            c, right = t[0], self.right(t)
+            c, right = t[0], self.residual(t)
             self.eta[t] = [Fraction(0) if j == self.k[c] else dot(row, right)
                            for j, row in enumerate(self.lift[c])]  # fmt: skip
 
     def condition(self, t):
         """Return W R(t)."""
-        return dot(self.W[t[0]], self.right(t))
+        return dot(self.W[t[0]], self.residual(t))
 
 
 # ------------------------------------------------ section 6: rules
@@ -4525,10 +4584,9 @@ def not_order(proof, w):
     """Rule not-order: order p + 1 is not reached by any method in the intervals."""
     keys(w, "order principal trees tree")
     identity_mode, nystrom = mode(w)
-    p, tree = whole(w["order"], 0, 11), read_tree(w["tree"])
+    p = whole(w["order"], 0, 11)
     require(nystrom not in PATHS, "paths decide for exact pairs")
-    require(tree in pool_of(proof.method, p + 1, nystrom), "the tree has another order")
-    bounds = proof.bounds(identity_mode, nystrom, p + 1)
+    tree, bounds = named_tree(proof, w, p + 1, nystrom), proof.bounds(identity_mode, nystrom, p + 1)
     require(apart(bounds.condition(tree)), "the condition of the tree may hold")
     proof.high, proof.simple = (p, identity_mode, nystrom), True
 
@@ -4547,18 +4605,16 @@ def implied_stage_order(proof, w):
 def not_stage_order(proof, w):
     """Rule not-stage-order."""
     keys(w, "q tree")
-    q, tree = whole(w["q"]), read_tree(w["tree"])
-    require(proof.high and proof.low and proof.high == proof.low, "the order is not enclosed")
-    p, identity_mode, nystrom = proof.low
-    require(q < p and tree in pool_of(proof.method, q + 1, nystrom), "the tree has another order")
-    bounds = proof.bounds(identity_mode, nystrom, max(p, q + 1))
-    if q + 1 == bounds.order:
+    q, (identity_mode, nystrom) = whole(w["q"]), proof.mode()
+    tree = named_tree(proof, w, q + 1, nystrom)
+    require(not proof.high or proof.low == proof.high, "the order is not enclosed")
+    # a method with order q + 1 at least; where that is all one knows a multiple of ones is free
+    p = proof.high[0] if proof.high else q + 1
+    require(q < p, "the order is not above it")
+    bounds = proof.bounds(identity_mode, nystrom, p)
+    if q + 1 == p:
         bounds.fill()
-    c = bounds.stages((tree[0], ()))
-    gap = [x - y ** (q + 1) * Fraction(1, gamma(tree))
-           for x, y in zip(bounds.stages(tree), c, strict=True)]  # fmt: skip
-    if exception(proof, q + 1):
-        gap = [x - gap[0] for x in gap]
+    gap = stage_defect(bounds, tree, fixed_rows(proof, q + 1, p))
     require(any(map(apart, gap)), "the stages may be right at the tree")
     return q
 
@@ -4589,10 +4645,22 @@ def not_start(proof, w):
     if "tree" not in w:
         require(proof.low and proof.low == proof.high and q == proof.low[0], "the order is open")
         return q
-    method, tree = proof.method, read_tree(w["tree"])
+    method = proof.method
     identity_mode, nystrom = proof.mode()
-    require(method.pair and identity_mode, "for pairs only")
-    require(tree in pool_of(method, q + 1, nystrom), "the tree has another order")
+    if not method.pair:  # the series may be moved along the flow: a multiple of u does not count
+        keys(w, "q tree")
+        require(q == 0, "the start of one method")
+        bounds, start = proof.bounds(True, False, 1), start_of(method)
+        bounds.fill()
+        u, node = bounds.u["o"], ("o", ())
+        if w["tree"] == "":
+            require(any(apart(x - y) for x, y in zip(start.u["o"], u, strict=True)), "u fits")
+            return q
+        gap = less(start.value(node), bounds.eta[node])
+        require(off_line(gap, u), "the start may be right at the tree")
+        return q
+    require(identity_mode, "for pairs only")
+    tree = named_tree(proof, w, q + 1, nystrom)
     bounds = proof.bounds(True, nystrom, q + 1)
     bounds.fill()
     start, k = start_of(method), whole(w["value"], 1) - 1
@@ -4627,7 +4695,8 @@ def implied(proof, w):
         require(count is not None, "an eigenvalue has no equation")
         if claim == "growth":
             declared = proof.claimed(proof.declared)
-            require(len(declared) == count and vanishes(declared), "the parameters are all 0")
+            same = len(declared) == count and vanishes(declared)
+            require(same == proof.holds, "the parameters are all 0")
     elif claim == "abscissae":
         require(isinstance(root, Sweep), "the abscissae of pairs")
         found = root.abscissae()
@@ -4644,8 +4713,12 @@ def row(proof, w):
     require(w["row"] in rows, "no row of embedded has the name")
     require(isinstance(w["parts"], list), "the parts of a row are a list")
     names = [part["rule"] for part in w["parts"]]
-    own = ["implied-order", "not-order"], ["order-at-least", "order-at-most"], ["no-order-1"]
-    require(names in (own[:1] if proof.record.root is not None else own[1:]), "the parts of a row")
+    pair, low, high = ["order-at-least", "order-at-most"], ["order-at-least"], ["not-order"]
+    implied_pair = ["implied-order", "not-order"]
+    own = [implied_pair] if proof.record.root is not None else [
+        pair, ["no-order-1"], ["order-at-least", "not-order"]]  # fmt: skip
+    own += [high] if proof.holds else [high, low]
+    require(names in own, "the parts of a row")
     nystrom = whole_method.kind == "nystrom"
     proof.series = proof.low = proof.high = None
     proof.method = whole_method.with_row(rows[w["row"]][0]).for_claim("order")
@@ -4654,24 +4727,33 @@ def row(proof, w):
         RULES[part["rule"]](proof, part["witness"])
     proof.method, proof.row = whole_method, None
     if names == ["no-order-1"]:
-        return w["row"], 0
-    fine = proof.low == proof.high and proof.low[1] is True
+        return w["row"], range(1)
     kinds = (True, "nystrom-paths") if nystrom else (False,)
-    require(fine and proof.low[2] in kinds, "the order is not enclosed")
-    return w["row"], proof.low[0]
+    fine = all(x is None or (x[1] is True and x[2] in kinds) for x in (proof.low, proof.high))
+    require(fine, "an order of another kind")
+    least = proof.low[0] if proof.low else 0
+    most = proof.high[0] if proof.high else 20  # the largest order that a claim may name
+    return w["row"], range(least, most + 1)
 
 
 def check_rows(proof, found):
-    """Refuse orders of rows that do not decide what is declared."""
-    orders = dict(found)
-    require(orders, "no rows are embedded")
-    require(len(orders) == len(found) and set(orders) == set(proof.method.rows()), "rows")
-    require((orders == as_object(proof.declared)) == proof.holds, f"the orders are {orders}")
+    """Refuse orders of rows that do not decide what is declared: of all rows, or of one."""
+    orders, declared = dict(found), as_object(proof.declared)
+    require(len(orders) == len(found) and set(declared) == set(proof.method.rows()), "rows")
+    for p in declared.values():
+        whole(p)
+    if proof.holds:
+        require(set(orders) == set(declared), "a row is missing")
+        fits = all(x == range(declared[name], declared[name] + 1) for name, x in found)
+        require(fits, "the order of a row is not shown to be this")
+    else:
+        require(any(declared[name] not in x for name, x in found), "the rows may have the orders")
 
 
 def differences_of(method):
     """Return the sum of the weights of each estimate; of a Nystrom method those of q' left out."""
     require(method.rows(), "no rows are embedded")
+    require(method.kind != "glm", "sums of weights decide of methods that carry one value")
     return [total(w[1:] if method.kind == "nystrom" and c == "f" else w)
             for _, estimate in method.rows().values() for c, w in estimate.items()]  # fmt: skip
 
@@ -4679,13 +4761,13 @@ def differences_of(method):
 def gaps_of_rows(method):
     """Return A 1 - c."""
     m = method.single()
-    return [x - y for x, y in zip(apply(m.A, ones(len(m.A))), method.list("c"), strict=True)]
+    return less(apply(m.A, ones(len(m.A))), method.list("c"))
 
 
 def gaps_of_end(method):
     """Return b(1) - b."""
     ends = [total(x) for x in method.matrix("dense")]
-    return [x - y for x, y in zip(ends, method.single().B[0], strict=True)]
+    return less(ends, method.single().B[0])
 
 
 def all_zero_or_not(gaps, wanted):
@@ -4697,40 +4779,212 @@ def all_zero_or_not(gaps, wanted):
         if wanted:
             require(vanishes(values), "a number is not 0")
         else:
-            require(any(nonzero(x) for x in values), "the numbers are 0")
+            require(any(apart(x) for x in values), "the numbers are 0")
 
     return rule
 
 
-def dense(proof, w):
-    """Rule dense: the order of b(theta), power by power of theta, and a tree that fails beyond."""
+def absent(proof, w):
+    """Rule absent: the file has nothing that the claim is about, which settles the claim."""
+    keys(w, "")
+    require(proof.claim in ABSENT, "the claim is about the method itself")
+    key, value = ABSENT[proof.claim]
+    if proof.claim == "embedded-order":
+        rows = set(proof.method.rows()) if proof.method.document.get(key) else set()
+        other = not rows or rows != set(as_object(proof.declared))
+        require(other and not proof.holds, "the rows are these")
+        return
+    require(not proof.method.document.get(key), f"the file has {key}")
+    require(key != "starting" or not proof.method.pair, "a pair without a start has (y0, 0, ..)")
+    same = type(proof.declared) is type(value) and proof.declared == value
+    require(same == proof.holds, "the value is another")
+
+
+def dense(proof, w, reached=True):
+    """Rules dense and not-dense: the order of b(theta), power by power of theta, or a bound."""
     keys(w, "order tree")
-    p, method, known = whole(w["order"]), proof.method, {}
+    p, method = whole(w["order"]), proof.method
     require(method.system == "" and not method.pair, "c is A 1")
     m, columns = method.single(), transpose(method.matrix("dense"))
     require(len(columns[0]) == len(m.A), "dense has another length")
 
-    def weights(tree):
-        if tree not in known:
-            value = ones(len(m.A))
-            for child in tree[1]:
-                value = [x * y for x, y in zip(value, apply(m.A, weights(child)), strict=True)]
-            known[tree] = value
-        return known[tree]
+    series = Series.of_tables({"o": (m.A, m.B)})
 
     def gaps(tree):
         n = size(tree)
-        found = [dot(x, weights(tree)) for x in columns]
+        found = apply(columns, series.derivative(tree))
         found += [Fraction(0)] * (n - len(found))
         found[n - 1] = found[n - 1] - Fraction(1, gamma(tree))
         return found
 
-    for tree in (t for n in range(1, p + 1) for t in trees(method.palette, n)):
+    for tree in (t for n in range(1, p + 1 if reached else 1) for t in trees(method.palette, n)):
         require(vanishes(gaps(tree)), f"the condition of tree {show(tree)}")
     tree = read_tree(w["tree"])
     require(size(tree) == p + 1 and tree in trees(method.palette, p + 1), "the tree")
-    require(any(nonzero(x) for x in gaps(tree)), "the next order is reached")
-    proof.low = proof.high = (p, True, False)
+    require(any(apart(x) for x in gaps(tree)), "the next order is reached")
+    proof.high = (p, True, False)
+    proof.low = proof.high if reached else None
+
+
+class Sizes:
+    """Conditions of a method that carries one value, in integers over 2^bits with their errors."""
+
+    def __init__(self, method, bits):
+        self.method, self.bits, self.known = method, bits, {}
+        for m in method.parts.values():
+            fine = all(x == 1 for row in (*m.U, *m.V) for x in row) and m.r == 1
+            require(fine, "the value carried is not the solution")
+        self.A = {c: [self.whole(row) for row in m.A] for c, m in method.parts.items()}
+        self.width = {c: len(rows[0]) for c, rows in self.A.items()}
+        self.norm = {c: max(sum(map(abs, x)) + len(x) for x in A) for c, A in self.A.items()}
+
+    def whole(self, row):
+        """Return the integers below 2^bits times rational numbers."""
+        require(all(isinstance(x, (int, Fraction)) for x in row), "the entries are not rational")
+        return [(Fraction(x) * 2**self.bits).__floor__() for x in row]
+
+    def phi(self, tree, keep=True):
+        """Return (values, error) of the product over the children of A Phi(child)."""
+        if tree not in self.known:
+            found = [1 << self.bits] * self.width[tree[0]], 0
+            for child in tree[1]:
+                found = self.product(found, self.below(child))
+            if not keep:
+                return found
+            self.known[tree] = found
+        return self.known[tree]
+
+    def product(self, left, right):
+        """Return the product place by place: |dx y + x dy + dx dy|, and 1 for the shift."""
+        (x, dx), (y, dy) = left, right
+        top = max(map(abs, x)) * dy + max(map(abs, y)) * dx + dx * dy
+        return [a * b >> self.bits for a, b in zip(x, y, strict=True)], (top >> self.bits) + 2
+
+    def below(self, tree):
+        """Return A Phi(tree), A that of the colour of the root."""
+        key = (tree, "below")
+        if key not in self.known:
+            x, dx = self.phi(tree)
+            error = self.norm[tree[0]] * dx + sum(map(abs, x)) + len(x) * dx
+            rows = [sum(a * b for a, b in zip(row, x, strict=True) if a) for row in self.A[tree[0]]]
+            self.known[key] = [y >> self.bits for y in rows], (error >> self.bits) + 2
+        return self.known[key]
+
+    def residual(self, tree, b, keep=True):
+        """Return bounds of |b Phi(tree) - 1 / gamma(tree)| for integers b."""
+        x, dx = self.phi(tree, keep)
+        error = sum(map(abs, b)) * dx + sum(map(abs, x)) + len(x) * dx
+        gap = sum(u * v for u, v in zip(b, x, strict=True)) >> self.bits
+        gap = abs(gap - (1 << self.bits) // gamma(tree))
+        error = (error >> self.bits) + 3
+        unit = Fraction(1, 1 << self.bits)
+        return (gap - error) * unit, (gap + error) * unit
+
+    def exactly(self, tree, b):
+        """Return |b Phi(tree) - 1 / gamma(tree)| itself."""
+        parts = {c: (m.A, m.B) for c, m in self.method.parts.items()}
+        slopes = Series.of_tables(parts).derivative(tree)
+        return abs(dot(b, slopes) - Fraction(1, gamma(tree)))
+
+
+def two_digits(text):
+    """Return the number of two digits and the one before it."""
+    require(
+        isinstance(text, str) and re.fullmatch(r"[1-9]\.[0-9]e-[1-9][0-9]{0,2}", text), "a size"
+    )
+    digits, _, power = text.partition("e")
+    top, unit = int(digits.replace(".", "")), Fraction(1, 10 ** (1 - int(power)))
+    return top * unit, (top - 1) * unit if top > 10 else Fraction(99, 10) * unit
+
+
+class ToDigits:
+    """The residuals of the rows of weights, and what is declared of them."""
+
+    def __init__(self, proof):
+        method, declared = proof.method, as_object(proof.declared)
+        rows, self.nystrom = method.rows(), method.kind == "nystrom"
+        require("b" not in rows, "a row has the name of the solution")
+        require(set(declared) == {"b", *rows}, "other weights are declared")
+        self.declared, exponent = {}, 0
+        for name, value in declared.items():
+            require(isinstance(value, list) and len(value) == 2, "an order and a size are declared")
+            self.declared[name] = whole(value[0], 1, 14), *two_digits(value[1])
+            exponent = max(exponent, int(value[1].partition("e-")[2]))
+        self.base = method.for_claim("order")
+        self.sizes, self.b, self.scaled = Sizes(self.base, 256 + 4 * exponent), {}, {}
+        for name in declared:
+            one = self.base if name == "b" else method.with_row(rows[name][0]).for_claim("order")
+            carried = all(x == 1 for m in one.parts.values() for row in m.V for x in row)
+            require(carried, "the row does not carry the solution")
+            self.b[name] = {c: m.B[0] for c, m in one.parts.items()}
+            self.scaled[name] = {c: self.sizes.whole(b) for c, b in self.b[name].items()}
+
+    def counted(self, tree):
+        """Tell whether the claim is about the condition of a tree."""
+        return stands(tree, self.base.system) and (is_nystrom(tree) or not self.nystrom)
+
+    def trees(self, order):
+        """Return the trees of an order whose conditions are meant."""
+        return filter(self.counted, trees(self.base.palette, order))
+
+    def read(self, text, low, high):
+        """Return a tree of a witness, whose order is one of these."""
+        tree = read_tree(text)
+        require(low <= size(tree) <= high and grows_in(self.base.palette, tree), "the tree")
+        require(self.counted(tree), "the condition of the tree is not meant")
+        return tree
+
+    def residual(self, name, tree, *limits, keep=True):
+        """Return bounds of a residual, itself where a limit is between them."""
+        low, high = self.sizes.residual(tree, self.scaled[name][tree[0]], keep)
+        if any(low <= x < high for x in limits):
+            low = high = self.sizes.exactly(tree, self.b[name][tree[0]])
+        return low, high
+
+
+def to_digits(proof, w):
+    """Rule to-digits: every residual through an order, the largest one, and one of the next."""
+    keys(w, "rows")
+    known, shown = ToDigits(proof), as_object(w["rows"])
+    require(set(shown) == set(known.declared), "other weights are shown")
+    for name, (order, most, least) in known.declared.items():
+        keys(shown[name], "largest beyond")
+        largest, seen = known.read(shown[name]["largest"], 1, order), False
+        for n in range(1, order + 1):
+            for tree in known.trees(n):
+                low, high = known.residual(name, tree, most, least, keep=n < order)
+                require(high <= most, f"the residual of tree {show(tree)}")
+                seen = seen or (tree == largest and low > least)
+        require(seen, "no residual is as large")
+        tree = known.read(shown[name]["beyond"], order + 1, order + 1)
+        low, _ = known.residual(name, tree, 1000 * most, keep=False)
+        require(low > 1000 * most, "the residual of the tree beyond")
+
+
+def not_to_digits(proof, w):
+    """Rule not-to-digits: one residual is too large, or all are too small, or all of the next."""
+    keys(w, "row", "tree order")
+    require(("tree" in w) is not ("order" in w), "a tree or an order")
+    known, name = ToDigits(proof), w["row"]
+    require(name in known.declared, "no row of this name")
+    order, most, least = known.declared[name]
+    if "tree" in w:
+        low, _ = known.residual(name, known.read(w["tree"], 1, order), most)
+        require(low > most, "the residual of the tree")
+        return
+    beyond = whole(w["order"], order, order + 1) > order
+    limit = 1000 * most if beyond else least
+    for n in range(order + 1 if beyond else 1, w["order"] + 1):
+        for tree in known.trees(n):
+            _, high = known.residual(name, tree, limit, keep=n < w["order"])
+            require(high <= limit, f"the residual of tree {show(tree)}")
+
+
+def grows_in(palette, tree):
+    """Tell whether the colours of a tree are those of a palette."""
+    children = dict(palette)
+    fine = tree[0] in children and all(x[0] in children[tree[0]] for x in tree[1])
+    return fine and all(grows_in(palette, x) for x in tree[1])
 
 
 # ------------------------------------------------ section 7: which parts prove which statement
@@ -4758,7 +5012,9 @@ RULES = {
     "implied": implied, "implied-order": implied_order, "not-order": not_order,
     "implied-stage-order": implied_stage_order, "not-stage-order": not_stage_order,
     "implied-start": implied_start, "not-start": not_start, "implied-finish": implied_finish,
-    "row": row, "dense": dense,
+    "row": row, "dense": dense, "absent": absent, "to-digits": to_digits,
+    "not-to-digits": not_to_digits,
+    "not-dense": lambda proof, w: dense(proof, w, False),
     "differences": all_zero_or_not(differences_of, True),
     "no-differences": all_zero_or_not(differences_of, False),
     "row-sums": all_zero_or_not(gaps_of_rows, True),
@@ -4779,8 +5035,8 @@ BOOLEAN = {  # claim: lists of rules that prove it, lists of rules that refute i
     "consistent": ([["consistent"]], [["no-order-1"]]),
     "symplectic": ([["quadratic"]], [["not-quadratic"]]),
     "g-symplectic": ([["preconsistent", "form"], ["form"]],
-                     [["given-form-fails"], ["preconsistent", "no-form"], ["no-form"],
-                      ["not-preconsistent"]]),
+                     [["given-form-fails"], ["preconsistent", "given-form-fails"], ["no-form"],
+                      ["preconsistent", "no-form"], ["not-preconsistent"]]),
     "symmetric": ([["symmetric"]], [["not-symmetric"]]),
     "symmetric-reduced": ([["equivalent", "irreducible", "symmetric"]],
                           [["equivalent", "irreducible", "not-symmetric"]]),
@@ -4793,6 +5049,11 @@ BOOLEAN = {  # claim: lists of rules that prove it, lists of rules that refute i
     "row-sums": ([["row-sums"]], [["no-row-sums"]]),
     "dense-end": ([["dense-end"]], [["no-dense-end"]]),
 }  # fmt: skip
+ABSENT = {  # claim: key of the document that it is about, the value where there is none
+    "embedded-order": ("embedded", {}), "embedded-difference": ("embedded", False),
+    "row-sums": ("c", True), "dense-end": ("dense", False), "dense-order": ("dense", 0),
+    "starting-order": ("starting", 0), "finishing-order": ("finishing", 0),
+}  # fmt: skip
 LISTS = {  # claim: rule where it holds, rule where it fails
     "abscissae": ("abscissae", "other-abscissae"),
     "error-constant": ("error-constant", "other-error-constant"),
@@ -4801,10 +5062,21 @@ LISTS = {  # claim: rule where it holds, rule where it fails
 
 ADDITIVE = {  # claims of methods for a sum of right-hand sides
     "order", "order-identity", "effective-order", "stage-order", "preconsistent", "consistent",
-    "zero-stable", "explicit", "embedded-order", "embedded-difference",
+    "zero-stable", "explicit", "embedded-order", "embedded-difference", "order-to-digits",
 }  # fmt: skip
-ROSENBROCK = {"order", "w-order", "a-stable", "l-stable", "embedded-order", "embedded-difference"}
-STRUCTURAL = {"bounded", "explicit"}  # rules that look at exact entries only
+ROSENBROCK = {"order", "w-order", "a-stable", "l-stable", "embedded-order", "embedded-difference",
+              "order-to-digits"}  # fmt: skip
+LOOKS_AT = {  # rules, and keys of witnesses, that look at exact zeros or at these matrices only
+    "explicit": "", "absent": "", "several-values": "", "bounded": "V", "unbounded": "V",
+    "singular": "V", "unshared": "V",
+    "preconsistent": "UV", "not-preconsistent": "UV", "consistent": "UBV",
+}  # fmt: skip
+#: Claims about decimals that the rules for exact numbers decide too, with intervals for numbers.
+AS_EXACT = {
+    "preconsistent", "consistent", "zero-stable", "symplectic", "g-symplectic", "symmetric",
+    "parasitism-free", "growth", "abscissae", "embedded-difference", "row-sums", "dense-end",
+    "dense-order", *ORDERS, *SECOND, "error-constant",
+}  # fmt: skip
 
 
 class Record:
@@ -4819,8 +5091,6 @@ class Record:
             digits = whole(document.get("digits"), 1, 400)
 
             def around_decimal(text):
-                if not Fraction(text):
-                    return Fraction(0)  # 0.000 of a table is 0
                 unit = Fraction(1, 10**digits)
                 return Interval.ends(Fraction(text) - unit, Fraction(text) + unit)
 
@@ -4906,20 +5176,36 @@ class Proof:
         require(same, "the document declares something else")
         numbers = numbers_of(certificate["field"])
         self.kind = certificate["field"]["kind"]
-        exact = self.kind in ("rational", "tower") or set(self.rules) <= STRUCTURAL
-        require(statement["proof"] == ("exact" if exact else "enclosed"), "the proof is another")
         self.blocks = as_object(certificate["field"].get("proofs", {}))
         self.record = Record.of(document, certificate["field"], numbers)
         self.method = Method(document, self.record.numbers, certificate.get("base"))
         self.method.check_shapes()
-        self.method = self.method.for_claim(self.claim)
+        if self.rules != ["absent"]:
+            self.method = self.method.for_claim(self.claim)
+        require(statement["proof"] in self.proofs(), "the proof is another")
         self.series = self.low = self.high = self.reversal = self.row = None
-        self.simple, self.stable, self.eigen, self.claim_text = (
-            False,
-            set(),
-            {},
-            f"{self.claim} = {self.declared}",
+        self.simple, self.stable, self.eigen = False, set(), {}
+        self.claim_text = f"{self.claim} = {self.declared}"
+
+    def proofs(self):
+        """Return what the proof may be called: exact where only exact entries are looked at."""
+        if self.kind in ("rational", "tower"):
+            return ["exact"]
+        looked = set(self.rules)
+        for part in self.parts:
+            witness = as_object(part["witness"])
+            looked |= {"several-values", "singular"} & set(witness)
+            if witness.get("part") == -1:  # a number of eigenvalues
+                looked = looked - {"eigen", "grows"} | {"bounded"}
+            if part["rule"] == "no-order-1":
+                looked = looked - {"no-order-1"} | {"consistent"}
+        looked -= {"not-quadratic", "not-symmetric"} if looked & set(LOOKS_AT) else set()
+        exact = looked <= set(LOOKS_AT) and all(
+            is_exact(getattr(m, x))
+            for m in self.method.parts.values()
+            for x in set("".join(LOOKS_AT[rule] for rule in looked))
         )
+        return ["exact", "enclosed"] if exact else ["enclosed"]
 
     def root(self):
         """Return the sweep or pair at the root of the equations."""
@@ -4981,6 +5267,8 @@ class Proof:
         """Check that the parts are those of the statement (7), and each of them."""
         self.check_rules()
         results = [RULES[part["rule"]](self, as_object(part["witness"])) for part in self.parts]
+        if self.rules == ["absent"]:
+            return
         if self.claim == "embedded-order":
             check_rows(self, results)
         elif self.claim in ORDERS or self.claim == "dense-order":
@@ -4988,8 +5276,10 @@ class Proof:
         elif self.claim in SECOND:
             low, high = ([value for rule, value in zip(self.rules, results, strict=True)
                           if rule in names] for names in self.both_ends())  # fmt: skip
+            if self.rules == ["not-order"]:  # none of these orders is above that of the method
+                high = self.high
             self.check_order(*(found[0] if found else None for found in (low, high)))
-        if self.claim in ("zero-stable", "parasitism-free") and "bounded" in self.rules:
+        if self.claim in ("zero-stable", "parasitism-free", "growth") and "bounded" in self.rules:
             require(self.stable == set(self.method.parts), "V of one component is missing")
         for shown in (self.low, self.high):
             if shown and (self.claim in ORDERS or self.claim in SECOND):
@@ -5010,7 +5300,7 @@ class Proof:
         if self.claim in ("order", "stage-order", "finishing-order"):
             return single, False
         if self.claim == "starting-order":
-            return single or self.method.pair, False
+            return self.method.pair, False
         return self.claim != "effective-order", nystrom
 
     def check_rules(self):
@@ -5025,14 +5315,23 @@ class Proof:
 
     def allowed(self):
         """Return the lists of rules that prove the statement."""
+        if self.rules == ["absent"]:
+            return [self.rules]
         if self.kind in ("balls", "enclosure"):
-            return self.allowed_in_intervals()
+            found = self.allowed_in_intervals()
+            return found + (self.allowed_exactly() if self.claim in AS_EXACT else [])
+        return self.allowed_exactly()
+
+    def allowed_exactly(self):
+        """Return the lists of rules that prove a statement about exact numbers."""
         pair = ["order-at-least", "order-at-most"]
         if self.claim == "embedded-order":
             return [["row"] * len(self.method.rows())]
         if self.claim == "dense-order":
             whole(self.declared)
-            return [["dense"]]
+            return [["dense"], ["not-dense"]]
+        if self.claim == "order-to-digits":
+            return [["to-digits" if self.holds else "not-to-digits"]]
         if self.claim in ORDERS:
             whole(self.declared)
             ends = [] if self.holds else [[x] for x in pair]
@@ -5048,11 +5347,11 @@ class Proof:
             return [[LISTS[self.claim][0 if self.holds else 1]], *inconsistent]
         eigen = ["eigen"] * len(self.method.parts)
         growth = [[*eigen, "growth"]], [[*eigen, "grows"], ["unbounded"]]
+        unshared = [*["bounded"] * len(self.method.parts), "unshared"]
         if self.claim == "growth":
-            return growth[0 if self.holds else 1]
+            return [*growth[0 if self.holds else 1], unshared]
         if self.claim == "parasitism-free":
-            stable = ["bounded"] * len(self.method.parts)
-            table = [*growth[0], [*stable, "unshared"]], growth[1]
+            table = [*growth[0], unshared], growth[1]
         elif self.claim == "zero-stable":
             table = [["bounded"] * len(self.method.parts)], [["unbounded"]]
         elif self.claim in BOOLEAN:
@@ -5068,18 +5367,33 @@ class Proof:
         pair = ["implied-order", "not-order"] if root else ["order-at-least", "order-at-most"]
         if self.claim in ORDERS:
             whole(self.declared)
-            return [pair] if self.holds else [["not-order"]]
+            low = [pair[:1]] if root and not self.holds else []
+            ends = [["order-at-least", "not-order"], ["not-order"], ["not-preconsistent"]]
+            return [pair, *ends, *low]
+        if self.claim == "dense-order":
+            whole(self.declared)
+            return [["not-dense"]]
+        if self.claim == "stage-order" and not self.holds:
+            whole(self.declared)
+            low = [["implied-order", "implied-stage-order"]] if root else []
+            return [["not-order"], ["not-stage-order"], ["no-order-1"], ["not-preconsistent"],
+                    ["order-at-least", "stage-order-at-least"], *low]  # fmt: skip
         if self.claim in SECOND:
             whole(self.declared)
             name = {"stage-order": "stage-order", "finishing-order": "finish"}
             name = name.get(self.claim, "start")
+            none = [["not-order"], ["no-order-1"], ["not-preconsistent"]]
             if not self.holds:
-                return [["not-start"]] if name == "start" else []
+                return [*none, ["not-start"]] if name == "start" else none
             top = "finish-at-most" if name == "finish" else "not-" + name
             between = [] if root else ["symmetric"]
-            return [[*pair, *between, "implied-" + name, top]]
+            chains = [[*pair, *between, "implied-" + name, top], *none]
+            if name == "stage-order":
+                chains += [["order-at-least", "stage-order-at-least", top]]
+            return chains
         if self.claim == "embedded-order":
-            return [["row"] * len(self.method.rows())] if root else []
+            rows = ["row"] * len(self.method.rows())
+            return [rows] if self.holds else [rows, ["row"]]
         parts = len(self.method.parts)
         if self.claim == "zero-stable" and self.declared is True and self.holds:
             return [["bounded"] * parts]
@@ -5092,14 +5406,17 @@ class Proof:
         if self.claim == "symplectic" and self.declared is not self.holds:
             require(type(self.declared) is bool, "the claim is true or false")
             return [["not-quadratic"]]
-        true = self.declared is True or self.claim in ("growth", "abscissae")
-        return [["implied"]] if self.holds and true else []
+        true = type(self.declared) is bool and self.declared == self.holds
+        listed = self.claim == "growth" or (self.claim == "abscissae" and self.holds)
+        return [["implied"]] if true or listed else []
 
     def check_order(self, low, high):
         """Refuse bounds that do not decide the declared order."""
-        if self.rules == ["no-order-1"]:
+        if self.rules in (["no-order-1"], ["not-preconsistent"]):
             low = high = 0
         p = self.declared
+        if low is None and high == 0:
+            low = 0
         if low is not None and high is not None:
             decided = low == high and (low == p) == self.holds
         elif low is not None:

@@ -31,7 +31,8 @@ METHODS = """
     euler gauss-1 midpoint-explicit heun-2 ralston-2 trapezoidal qin-zhang-2 sdirk-2 tr-bdf2
     kutta-3 heun-3 ralston-3 ssp-rk3 bogacki-shampine-3 sdirk-3 rk4 rk38 gill-4 ralston-4 merson-4
     rkf45-4 rkf45-5 cash-karp-5 dormand-prince-4 dormand-prince-5 nystrom-5 butcher-6 luther-6
-    rkf78-8 cooper-verner-8 gauss-2 gauss-3 gauss-4 gauss-5 radau-ia-3 radau-iia-2 radau-iia-3
+    rkf78-8 cooper-verner-8 dormand-prince-8-5-3 gauss-2 gauss-3 gauss-4 gauss-5 radau-ia-3
+    radau-iia-2 radau-iia-3
     lobatto-iiia-3 lobatto-iiia-4 lobatto-iiib-3 lobatto-iiib-4 lobatto-iiic-3 lobatto-iiic-4
     yoshida-4 suzuki-4 gsymplectic-n gsymplectic-p thesis-3-8 s4-symmetric g4123 g6245 g6245-w3
     c2-3-10-w3 ark-4 pseudo-rk-4 dimsim-2-type-2 abm-4-pece ab-4 am-4 bdf-6 milne-simpson hamming

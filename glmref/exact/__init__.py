@@ -12,12 +12,12 @@ Reading and writing the text form is the business of :mod:`glmref.exact.expressi
 """
 
 from .ball import Ball, ball
-from .decimals import rounded_decimal
 from .field import BALL_BITS, LIBRARY
 from .jet import Jet, jets, lift
 from .number import Exact, exact, root_of_unity
 from .products import BallMatrix, sum_of_products
 from .relations import box, cyclotomic, factorization, rational_combination
+from .to_decimals import rounded_decimal
 
 __all__ = [
     "BALL_BITS",

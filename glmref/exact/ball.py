@@ -13,8 +13,6 @@ from ..errors import ExactnessError
 from .field import BALL_BITS, Arithmetic, as_fmpq
 from .number import Exact, exact
 
-__all__ = ["Ball", "ball"]
-
 _NIL = flint.acb(0)
 _new = object.__new__
 

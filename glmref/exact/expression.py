@@ -21,31 +21,12 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from math import isfinite, prod
+from math import isfinite, isqrt, prod
 from typing import NamedTuple
 
 from ..errors import DataError, ExactnessError
 from ..system.budget import spend
 from . import Ball, Exact, Scalar, root_of_unity
-
-__all__ = [
-    "Exponential",
-    "Name",
-    "Negative",
-    "Node",
-    "Number",
-    "Product",
-    "Root",
-    "Sum",
-    "Text",
-    "Weight",
-    "parse",
-    "rational",
-    "shown_number",
-    "syntax_tree",
-    "to_text",
-    "weigh",
-]
 
 MAX_LENGTH = 4000  # characters of one entry, its constants written out; published ones have 200
 MAX_DEPTH = 40  # nested parentheses and signs
@@ -226,7 +207,7 @@ def _generator(kind: str, text: str) -> set[tuple[str, int]]:
     if kind in ("root", "exp"):
         numbers = re.findall("[0-9]+", text)
         last = numbers[-1] if numbers else "1"
-        degree = int(last) if len(last) < 4 else MAX_TURN_DENOMINATOR
+        degree = min(int(last[:4]), MAX_TURN_DENOMINATOR)  # larger ones are refused
         return {(f"exp/{last}" if kind == "exp" else text.strip(), max(1, degree))}
     return set()
 
@@ -502,7 +483,7 @@ class _Evaluator:
             )
         if not token.strip("0."):
             return Exact(0)  # a zero of a table is printed with as many digits as its neighbours
-        return Ball.decimal("0" + token if token[0] == "." else token, self.digits)
+        return Ball.decimal(token, self.digits)
 
     def _exponential(self, argument: Node) -> Scalar:
         """Exp of a rational multiple of pi*i: the angle is read with ``pi`` as the unit."""
@@ -518,11 +499,14 @@ class _Evaluator:
 
 
 _GENERATOR = re.compile(
-    r"(?P<name>[a-z]\d*) = [^\[]*\[(?:Sqrt\([^{]*\{(?P<radicand>[^}]*)\}\)"
-    r"|Pow\((?:[^{,]*\{)?(?P<base>[^},]*)\}?, [^{]*\{1/(?P<degree>\d+)\}\)"
+    r"(?P<name>[a-z]\d*) = (?P<size>[^\[]*)\[(?:Sqrt\([^{]*\{(?P<radicand>[^}]*)\}\)"
+    r"|Pow\((?:[^{,]*\{)?(?P<base>[^},]*)\}?, [^{]*\{(?P<part>-?\d+)/(?P<degree>\d+)\}\)"
     r"|(?P<minpoly>[^\]]*)=0)\]"
 )
-_QUADRATIC = re.compile(r"(?P<name>[a-z]\d*)\^2(?P<constant>[-+]\d+)$")
+_QUADRATIC = re.compile(
+    r"(?:(?P<a>\d+)\*)?(?P<name>[a-z]\d*)\^2"
+    r"(?:(?P<sign>[-+])(?:(?P<b>\d+)\*)?(?P=name))?(?P<c>[-+]\d+)$"
+)
 _POWER = re.compile(r"([a-z]\d*)\^(\d+)")
 
 
@@ -546,6 +530,9 @@ def to_text(value: Scalar) -> str:
         return str(fraction)
     description = value.description()
     body, _, where = description[description.index("{") + 1 : -1].partition(" where ")
+    complex_root = re.fullmatch(r"[^,\[]*\[[^\],]*\^2[-+](?:\d+\*)?[a-z]\+\d+=0\]", where)
+    if complex_root and (text := _rational_and_root(value)) is not None:
+        return text
     names: dict[str, str] = {}
     for match in reversed(list(_GENERATOR.finditer(where))):
         names[match["name"]] = _generator_text(match, names, value)
@@ -553,6 +540,23 @@ def to_text(value: Scalar) -> str:
     if not _stands_for(text, value):  # e.g. the other root of the generator's polynomial
         raise ExactnessError(f"no square-root form found for {value!r}")
     return text
+
+
+def _rational_and_root(value: Exact) -> str | None:
+    """Write ``p + sqrt(q)`` with rational p and negative q, where the number has that form.
+
+    It serves the reader only: without it :func:`to_text` finds a longer text of the same number.
+    """
+    real = value.real.as_fraction()
+    square = None if real is None else ((value - real) * (value - real)).as_fraction()
+    if square is None:
+        return None
+    below = square.denominator
+    whole = isqrt(below) ** 2 == below
+    root = f"sqrt({square.numerator if whole else square.numerator * below})"
+    root += f"/{isqrt(below) if whole else below}" if below > 1 else ""
+    sign = "-" if value.imag.sign() < 0 else "+" if real else ""
+    return f"{real or ''}{sign}{root}"
 
 
 def shown_number(x: Scalar) -> str:
@@ -594,14 +598,23 @@ def _generator_text(match: re.Match[str], names: Mapping[str, str], value: Exact
     if match["radicand"] is not None:
         return f"sqrt({_substitute(match['radicand'], names, value)})"
     if match["base"] is not None:
-        return f"root({_substitute(match['base'], names, value)},{match['degree']})"
+        base, part = _substitute(match["base"], names, value), match["part"]
+        if base == "-1":  # a root of unity
+            return f"exp({part}*pi*i/{match['degree']})".replace("(1*", "(")
+        power = "*".join([f"root({base},{match['degree']})"] * abs(int(part)))
+        return power if int(part) > 0 else f"(1/({power}))"
     quadratic = _QUADRATIC.match(match["minpoly"])
     if quadratic is None or quadratic["name"] != match["name"]:
         raise ExactnessError(f"no square-root form found for {value!r}")
-    radicand = -int(quadratic["constant"])
-    return (
-        "i" if radicand == -1 else f"sqrt({radicand})" if radicand > 0 else f"(i*sqrt({-radicand}))"
-    )
+    a, b = int(quadratic["a"] or 1), int(f"{quadratic['sign'] or '+'}{quadratic['b'] or 1}")
+    b, c = b if quadratic["sign"] else 0, int(quadratic["c"])
+    # which of the two roots: the sign before the square root, from the size that flint shows
+    size = complex(match["size"].replace(" ", "").replace("*I", "j").replace("I", "1j"))
+    minus = (size.imag if b * b < 4 * a * c else size.real + b / (2 * a)) < 0
+    if b == 0 and a == 1:
+        root = "i" if c == 1 else f"sqrt({-c})" if c < 0 else f"(i*sqrt({c}))"
+        return f"(-{root})" if minus else root
+    return f"(({-b}{'-' if minus else '+'}sqrt({b * b - 4 * a * c}))/{2 * a})"
 
 
 def _substitute(body: str, names: Mapping[str, str], value: Exact) -> str:

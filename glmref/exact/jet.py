@@ -20,8 +20,6 @@ import flint
 from .ball import Ball
 from .number import Exact
 
-__all__ = ["Jet", "jets", "lift"]
-
 #: Derivatives by the number of the unknown; never changed once a jet holds them.
 _Row = dict[int, flint.fmpq | flint.acb]
 
@@ -33,22 +31,20 @@ _ZERO, _UNIT = Exact(0), Exact(1)
 class Jet:
     """A value and its partial derivatives with respect to n unknowns.
 
-    Parameters
+    Made by :func:`jets` and :func:`lift`.
+
+    Attributes
     ----------
     value : Exact or Ball
         The number.
-    gradient : Sequence[Exact or Ball]
-        (n,) derivatives.
+    size : int
+        n.
     """
 
     __slots__ = ("_row", "size", "value")
     value: Exact | Ball
     size: int
     _row: _Row
-
-    def __init__(self, value: Exact | Ball, gradient: Sequence[Exact | Ball]) -> None:
-        self.value, self.size = value, len(gradient)
-        self._row = {k: _raw(x) for k, x in enumerate(gradient) if not x.vanishes()}
 
     @classmethod
     def _make(cls, value: Exact | Ball, size: int, row: _Row) -> Jet:
@@ -74,9 +70,6 @@ class Jet:
 
     def __neg__(self) -> Jet:
         return Jet._make(-self.value, self.size, {k: -x for k, x in self._row.items()})
-
-    def __pos__(self) -> Jet:
-        return self
 
     def __sub__(self, other: object) -> Any:
         if isinstance(other, Jet | Exact | Ball | int | Fraction):
@@ -168,12 +161,6 @@ class Jet:
 
     def __repr__(self) -> str:
         return f"Jet({self.value!r}, n={self.size})"
-
-
-def _raw(x: Exact | Ball) -> flint.fmpq | flint.acb:
-    if type(x) is Exact and x._q is not None:
-        return x._q
-    return x.ball()._acb
 
 
 def _number(x: flint.fmpq | flint.acb) -> Exact | Ball:

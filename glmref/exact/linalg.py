@@ -2,7 +2,7 @@
 
 A matrix is a tuple of rows, each a tuple of :class:`~glmref.exact.Exact` or
 :class:`~glmref.exact.Ball`. Over balls the same code encloses; where a decision (a pivot, a rank)
-cannot be made because a ball contains zero, :class:`~glmref.claims.ExactnessError` says so.
+cannot be made because a ball contains zero, :class:`~glmref.errors.ExactnessError` says so.
 :func:`solve_affine` takes systems with any number of rows. Over balls a pivot is an entry that
 excludes zero; rows in which no such entry is left are not used, and whoever asks checks the
 residual of the point found, which encloses the solution if there is one.
@@ -16,34 +16,6 @@ from dataclasses import dataclass
 from ..errors import ExactnessError
 from ..system.budget import spend
 from . import Ball, Exact, Scalar, sum_of_products
-
-__all__ = [
-    "Affine",
-    "Matrix",
-    "Vector",
-    "add",
-    "block_diagonal",
-    "conjugate_transpose",
-    "diagonal",
-    "entries",
-    "identity",
-    "independent_rows",
-    "inverse",
-    "is_lower_triangular",
-    "largest",
-    "matmul",
-    "matvec",
-    "nullspace",
-    "rank",
-    "row_sums",
-    "scale",
-    "solve",
-    "solve_affine",
-    "sub",
-    "transpose",
-    "vecmat",
-    "zeros",
-]
 
 Vector = tuple[Scalar, ...]
 Matrix = tuple[Vector, ...]
@@ -140,7 +112,7 @@ def scale(factor: Scalar | int, a: Matrix) -> Matrix:
 
 def row_sums(a: Matrix) -> Vector:
     """``A 1``; zeros of no length for rows without entries."""
-    return tuple(sum(row, _ZERO) for row in a)
+    return tuple(sum((x for x in row if x.is_zero() is not True), _ZERO) for row in a)
 
 
 def entries(a: Matrix) -> list[tuple[int, int, Scalar]]:

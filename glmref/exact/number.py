@@ -27,8 +27,6 @@ from .field import (
 if TYPE_CHECKING:
     from .ball import Ball
 
-__all__ = ["Exact", "exact", "root_of_unity"]
-
 _new = object.__new__
 _RATIONAL = (int, Fraction)
 _FOREIGN = (Arithmetic, bool)  # numbers that take part by their own operators, or not at all

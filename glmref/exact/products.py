@@ -16,8 +16,6 @@ from .ball import Ball, ball
 from .jet import Jet
 from .number import Exact
 
-__all__ = ["BallMatrix", "sum_of_products"]
-
 _NIL = flint.fmpq(0)
 _ZERO = Exact(0)
 

@@ -10,8 +10,6 @@ import flint
 
 from .number import Exact
 
-__all__ = ["box", "cyclotomic", "factorization", "rational_combination"]
-
 _BITS = 1200  # of the numbers whose relation is looked for
 
 

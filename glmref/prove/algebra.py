@@ -257,6 +257,11 @@ def bounded_exactly(V: Matrix) -> bool:
 
 def diagonal_blocks(V: Matrix) -> list[Matrix]:
     """Diagonal blocks after sorting the values so that V is block triangular by exact zeros."""
+    return [tuple(tuple(V[a][b] for b in group) for a in group) for group in diagonal_values(V)]
+
+
+def diagonal_values(V: Matrix) -> list[list[int]]:
+    """The values that belong to each diagonal block."""
     r = len(V)
     reach = [{j for j in range(r) if V[i][j].is_zero() is not True} | {i} for i in range(r)]
     for _ in range(r):
@@ -266,7 +271,7 @@ def diagonal_blocks(V: Matrix) -> list[Matrix]:
         if i not in done:
             group = [j for j in range(r) if j in reach[i] and i in reach[j]]
             done |= set(group)
-            found.append(tuple(tuple(V[a][b] for b in group) for a in group))
+            found.append(group)
     return found
 
 

@@ -11,28 +11,30 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 from ..catalogue.claims import (
     A_STABLE,
+    ABSCISSAE,
     CLAIMS,
+    DENSE_END,
     DENSE_ORDER,
     EFFECTIVE_ORDER,
+    EMBEDDED_DIFFERENCE,
     EMBEDDED_ORDER,
-    EXPLICIT,
     FINISHING_ORDER,
+    GROWTH,
     L_STABLE,
     NYSTROM_ORDER,
     NYSTROM_STARTING_ORDER,
     ORDER,
     ORDER_IDENTITY,
     REDUCIBLE,
+    ROW_SUMS,
     STAGE_ORDER,
     STARTING_ORDER,
     SYMMETRIC,
-    SYMPLECTIC,
     W_ORDER,
-    ZERO_STABLE,
 )
 from ..catalogue.files import document as shipped_document
 from ..errors import ExactnessError
@@ -40,12 +42,14 @@ from ..exact import Exact, linalg
 from ..exact.expression import parse, to_text
 from ..exact.linalg import Matrix, Vector
 from ..findings import Proof, Verdict
+from ..method.embedded import EmbeddedRow
 from ..theory import polynomials as poly
 from ..theory.coefficients import is_zero, plus, times
-from ..theory.root_location import in_closed_disc
+from ..theory.root_location import in_closed_disc, is_schur
 from .algebra import (
     bounded,
     consistency_vectors,
+    diagonal_values,
     difference,
     involutions,
     is_exact,
@@ -57,12 +61,19 @@ from .field import Tower, radicals_of, written_out
 from .finders import proposal_for
 from .forest import Paths
 from .kernel import Judgement, Kernel
-from .series import StartingSeries, apply_rows, read
-
-__all__ = ["FORMAT", "certificates_of"]
+from .series import StartingSeries, apply_rows, component, read
 
 FORMAT = "glmref-certificate-1"
 Part = dict[str, Any]
+#: Claims about something that a file may lack: the key of the file.
+_ABOUT = {
+    EMBEDDED_DIFFERENCE.key: "embedded",
+    ROW_SUMS.key: "c",
+    DENSE_END.key: "dense",
+    DENSE_ORDER.key: "dense",
+    STARTING_ORDER.key: "starting",
+    FINISHING_ORDER.key: "finishing",
+}
 _PROSE = frozenset({"name", "title", "source", "notes", "broken", "claims", "enclosure", "stages"})
 
 
@@ -118,13 +129,15 @@ class _Proofs:
         """The tests of the start and of the finish."""
         return start_proofs(self.document, self.facts.method)
 
-    def field(self, claim: str) -> dict[str, Any]:
+    def field(self, claim: str, parts: list[Part]) -> dict[str, Any]:
         """The field of a statement about decimals; the same for all that need no start."""
         document = self.document
         plain = {k: v for k, v in document.items() if k not in ("unknowns", "claims")}
-        if not self.facts.method.is_exact:
+        if document.get("class") == "composition":
+            plain = {"x": [plain, shipped_document(document["base"])]}
+        elif not self.facts.method.is_exact:
             plain = {k: v for k, v in plain.items() if k not in ("starting", "finishing")}
-        found = _field(plain, [{"rule": "", "witness": equation_numbers(document)}], [])
+        found = _field(plain, [{"rule": "", "witness": equation_numbers(document)}, *parts], [])
         kept = {k: found.get(k, empty) for k, empty in (("generators", []), ("radicals", {}))}
         if self.facts.implied is None:
             return {"kind": "balls", **kept}
@@ -140,8 +153,6 @@ def _certificate(
     if judged.verdict is Verdict.OPEN:
         raise ExactnessError("the claim is open")
     enclosed = judged.proof is not Proof.EXACT or not facts.kernel.exact
-    if enclosed and any(w is not None for w in facts.kernel.outputs.values()):
-        raise ExactnessError("certificates of decimals with a declared output are not written yet")
     document = facts.method.document
     if document is None:
         raise ExactnessError("a method without a file has no certificate")
@@ -159,13 +170,14 @@ def _certificate(
             "proof": str(judged.proof),
         },
         "document": kept,
-        "field": proofs.field(claim) if enclosed else _field(kept, parts, declared),
+        "field": proofs.field(claim, parts) if enclosed else _field(kept, parts, declared),
         "parts": parts,
         "identities": writer.identities,
     }
     if document.get("class") == "composition":
         found["base"] = dict(shipped_document(document["base"]))
-        found["field"] = _field({"x": [kept, found["base"]]}, parts, declared)
+        if not enclosed:
+            found["field"] = _field({"x": [kept, found["base"]]}, parts, declared)
     return found
 
 
@@ -202,7 +214,10 @@ def _numbers(value: Any) -> Iterator[str]:
 
 
 def _vector(values: Vector) -> list[str]:
-    return [to_text(x) for x in scalars(values)]
+    found = scalars(values)
+    if not is_exact((found,)):
+        raise ExactnessError("a number that the proof needs is known to its decimals only")
+    return [to_text(x) for x in found]
 
 
 def _matrix(rows: Matrix) -> list[list[str]]:
@@ -226,6 +241,21 @@ class _Writer:
         self.holds = judged.verdict is Verdict.HOLDS
 
     def parts(self) -> list[Part]:
+        """The parts that prove the statement."""
+        return [{"rule": "absent", "witness": {}}] if self._absent() else self._parts()
+
+    def _absent(self) -> bool:
+        """Whether the file has nothing that the claim is about."""
+        document = self.facts.method.document or {}
+        if self.claim == EMBEDDED_ORDER.key:
+            rows = {x.name for x in self.facts.method.embedded}
+            return not rows or set(self.declared) != rows
+        key = _ABOUT.get(self.claim)
+        return key is not None and not document.get(key) and not (
+            key == "starting" and self.kernel.is_pair
+        )  # fmt: skip
+
+    def _parts(self) -> list[Part]:
         method = self.facts.method
         if method.rosenbrock and self.claim in (A_STABLE.key, L_STABLE.key):
             return self._of(method.linear_form, self.claim).parts()
@@ -244,14 +274,30 @@ class _Writer:
     # -- what stands beside a tableau
 
     def _embedded_order(self) -> list[Part]:
-        b, found = self.facts.method.weights, []
+        found = []
         for row in self.facts.method.embedded:
-            inner = self._of(self.facts.method.weighted(row.solution(b)), self.kernel.row_claim)
+            inner = self._of_row(row)
             found.append({"rule": "row", "witness": {"row": row.name, "parts": inner.parts()}})
             self.identities += inner.identities
-        if not found or set(self.declared) != {x["witness"]["row"] for x in found}:
-            raise ExactnessError("the rows that are declared are not those of the file")
         return found
+
+    def _of_row(self, row: EmbeddedRow) -> Self:
+        """The writer of the order of a row."""
+        facts = type(self.facts)(self.facts.method.with_row(row))
+        return type(self)(facts, self.kernel.row_claim, self.declared[row.name], self.judged)
+
+    def _order_to_digits(self) -> list[Part]:
+        found = self.kernel.to_digits(self.declared)
+        for name, x in found.items():
+            if not x.truth:
+                shown = {"tree": x.largest} if x.largest else {"order": x.order}
+                return [{"rule": "not-to-digits", "witness": {"row": name, **shown}}]
+        trees = {name: {"largest": x.largest, "beyond": x.beyond} for name, x in found.items()}
+        self.identities += [
+            f"residuals of {name} through order {p}: at most {e}"
+            for name, (p, e) in self.declared.items()
+        ]
+        return [{"rule": "to-digits", "witness": {"rows": trees}}]
 
     def _embedded_difference(self) -> list[Part]:
         return self._simple("differences", "no-differences")
@@ -353,12 +399,14 @@ class _Writer:
         # express the row of the failing tree in the rows of the determining trees
         rows = {t: row(t) for t in larger if t in series.determined} if p > 1 else {}
         target = row(trees.text.index(tree))
+        if not any(target.values()):
+            return {tree: ["1"]}
         if p == 1:
             system = [row(t) for t in larger]
             kept = tuple(tuple(Exact(x.get(s, Fraction(0))) for x in system) for s in smaller)
             residuals = [scalars([series.residual(t)[0]])[0] for t in larger]
             for n in linalg.nullspace(kept):
-                if not linalg.dot(n, residuals).is_zero():
+                if linalg.dot(n, residuals).is_zero() is False:
                     pairs = zip(larger, n, strict=True)
                     return {trees.text[t]: _vector((x,)) for t, x in pairs if not x.is_zero()}
             raise ExactnessError("no combination of the conditions refutes order 2")
@@ -393,7 +441,7 @@ class _Writer:
                 rows.append(tuple(row))
         residual = [x for t in larger for x in scalars(apply_rows(c.W, series._right(t)))]
         for n in linalg.nullspace(tuple(rows)) if rows else linalg.identity(len(residual)):
-            if not linalg.dot(n, residual).is_zero():
+            if linalg.dot(n, residual).is_zero() is False:
                 values = {t: _vector(n[place[t] : place[t] + d]) for t in larger}
                 return {trees.text[t]: x for t, x in values.items() if set(x) != {"0"}}
         raise ExactnessError("no combination of the conditions refutes the next order")
@@ -401,6 +449,11 @@ class _Writer:
     def _no_order(self) -> Part:
         """Left null vectors of the linear system of u and v, the right side not zero."""
         for c, (_, U, B, V) in self.kernel.blocks.items():
+            if not is_exact(U, B, V):
+                if is_exact(V) and self._other_u(U, B, V):
+                    return {"rule": "no-order-1", "witness": {"colour": c}}
+                if not is_exact(U, V):
+                    continue
             r = len(V)
             D = linalg.sub(V, linalg.identity(r))
             total = linalg.matvec(B, (Exact(1),) * len(B[0]))
@@ -411,7 +464,7 @@ class _Writer:
                 rows.append((*(Exact(-int(i == j)) for j in range(r)), *row))
                 right.append(-total[i])
             for x in linalg.nullspace(linalg.transpose(tuple(rows))):
-                if not linalg.dot(x, right).is_zero():
+                if linalg.dot(x, right).is_zero() is False:
                     s = len(U)
                     self.identities.append("u and v of consistency do not exist")
                     return {
@@ -422,6 +475,21 @@ class _Writer:
                         },
                     }  # fmt: skip
         raise ExactnessError("order 1 is not excluded by consistency")
+
+    @staticmethod
+    def _other_u(U: Matrix, B: Matrix, V: Matrix) -> bool:
+        """Whether U u is not 1 for the u with W u = W B 1."""
+        D = linalg.sub(V, linalg.identity(len(V)))
+        right, left = linalg.nullspace(D), linalg.nullspace(linalg.transpose(D))
+        if not right:
+            return True
+        pairing = linalg.matmul(tuple(left), linalg.transpose(tuple(right)))
+        if linalg.rank(pairing) < len(right):
+            return False
+        slopes = linalg.matvec(tuple(left), linalg.matvec(B, (Exact(1),) * len(B[0])))
+        parts = linalg.matvec(linalg.inverse(pairing), slopes)
+        u = linalg.matvec(linalg.transpose(tuple(right)), parts)
+        return any((x - 1).is_zero() is False for x in linalg.matvec(U, u))
 
     def _stage_order(self) -> list[Part]:
         found = self.kernel.range(STAGE_ORDER.key)
@@ -452,7 +520,7 @@ class _Writer:
             power = times(Fraction(1, trees.density[t]), series.power(c[trees.colour[t]], q + 1))
             defect = plus(series.stage(t, series.eta.get(t, none(t, series))), times(-1, power))
             if witness["principal"] == "free" and q + 1 == witness["order"]:
-                defect = tuple(plus(x, times(-1, defect[0])) for x in defect[1:])
+                defect = series.fixed_stages(trees.colour[t], defect)
             if is_zero(defect) is False:
                 return trees.text[t]
         raise ExactnessError("no stage was found that is not the solution")
@@ -479,12 +547,11 @@ class _Writer:
             for t in (t for t in trees.level(n) if series.counts(t)):
                 own = eta.get(t, Kernel._none(t, series))
                 gap = scalars([plus(x, times(-1, y)) for x, y in zip(given[t], own, strict=True)])
-                c = series.components[trees.colour[t]]
                 if n == p and free:
-                    along = read(c, gap)
+                    fixed = kernel._without_principal(series, t, gap)
                     if n <= q:
-                        eta[t] = plus(own, times(along, c.u))
-                    gap = tuple(x - along * y for x, y in zip(gap, c.u, strict=True))
+                        eta[t] = plus(own, tuple(difference(gap, fixed)))
+                    gap = fixed
                 bad = next((i for i, x in enumerate(gap) if not x.is_zero()), None)
                 if bad is not None and not tree:
                     tree, value = trees.text[t], bad + 1
@@ -545,7 +612,18 @@ class _Writer:
     def _vectors(self, *, v: bool) -> Part:
         u: dict[str, Any] = {}
         w: dict[str, Any] = {}
-        for c, (_, U, B, V) in self.kernel.blocks.items():
+        for c, (A, U, B, V) in self.kernel.blocks.items():
+            if not v and not is_exact(U, V):  # U u = 1 all the same
+                one = component(A, U, B, V).u
+                if not is_exact((one,)):
+                    raise ExactnessError("u is not exact")
+                u[c] = _vector(one)
+                continue
+            if not is_exact(U, B, V) and v:
+                return {
+                    "rule": "consistent",
+                    "witness": {"u": self._vectors(v=False)["witness"]["u"]},
+                }
             both = consistency_vectors(U, B, V) if v else None
             one = both[0] if both else preconsistency(U, V)
             assert one is not None
@@ -562,25 +640,55 @@ class _Writer:
         return [self._vectors(v=False) if self._truth() else self._no_vector()]
 
     def _no_vector(self) -> Part:
-        """A combination of V u = u, U u = 1 that contradicts itself."""
+        """A combination of V u = u, U u = 1 that contradicts itself, or two entries of U u."""
         for c, (_, U, _, V) in self.kernel.blocks.items():
             r = len(V)
+            if not is_exact(U):
+                differing = self._differing_stages(U, V)
+                if differing is not None:
+                    witness = {"colour": c, "rows": differing}
+                    return {"rule": "not-preconsistent", "witness": witness}
+                continue
             rows = (*linalg.sub(V, linalg.identity(r)), *U)
             right = [Exact(0)] * r + [Exact(1)] * len(U)
             for x in linalg.nullspace(linalg.transpose(rows)):
-                if not linalg.dot(x, right).is_zero():
+                if linalg.dot(x, right).is_zero() is False:
                     witness = {"colour": c, "x": _vector(x[:r]), "y": _vector(x[r:])}
                     return {"rule": "not-preconsistent", "witness": witness}
         raise ExactnessError("no vector refutes preconsistency")
 
+    @staticmethod
+    def _differing_stages(U: Matrix, V: Matrix) -> list[int] | None:
+        """Two stages where U u differs for the one u = V u; 0 twice where V has no such u."""
+        if not is_exact(V):
+            return None
+        fixed = linalg.nullspace(linalg.sub(V, linalg.identity(len(V))))
+        if len(fixed) != 1:
+            return None if fixed else [0, 0]
+        x = linalg.matvec(U, fixed[0])
+        pairs = ([i, j] for i in range(len(U)) for j in range(i))
+        return next((p for p in pairs if (x[p[0]] - x[p[1]]).is_zero() is False), None)
+
     def _bounded(self, c: str) -> Part:
-        q, h = self._circle(c)
+        V = self.kernel.blocks[c][3]
+        if not is_exact(V):  # the block with eigenvalues on the circle
+            exact = (x for x in self._blocks(V) if is_exact(x))
+            on_circle = (x for x in exact if not is_schur(poly.characteristic_polynomial(x)))
+            V = next(on_circle, ((Exact(0),),))
+        q, h = self._circle(V)
         q = poly.squarefree(q) if len(q) > 1 else q
         return {"rule": "bounded", "witness": {"which": c, "q": _vector(q), "h": _vector(h)}}
 
-    def _circle(self, c: str) -> tuple[Any, Any]:
+    @staticmethod
+    def _blocks(V: Matrix) -> list[Matrix]:
+        """Diagonal blocks of V in the order of the page: by the values in them."""
+        groups = sorted(diagonal_values(V))
+        return [tuple(tuple(V[i][j] for j in group) for i in group) for group in groups]
+
+    @staticmethod
+    def _circle(V: Matrix) -> tuple[Any, Any]:
         """Factors of the characteristic polynomial of V: what it shares with its mirror image."""
-        h = poly.characteristic_polynomial(self.kernel.blocks[c][3])
+        h = poly.characteristic_polynomial(V)
         q: Any = (Exact(1),)
         low = 0
         while h[low].is_zero():
@@ -597,11 +705,16 @@ class _Writer:
         """A root outside the circle, or a defective one on it, of the first V that has one."""
         c = next(c for c, b in self.kernel.blocks.items() if bounded(b[3]) is False)
         value: dict[str, Any] = {"charpoly": True}
-        if is_exact(self.kernel.blocks[c][3]):
-            q, h = self._circle(c)
+        V, where = self.kernel.blocks[c][3], {}
+        if not is_exact(V):
+            blocks = self._blocks(V)
+            where["block"] = next(i for i, x in enumerate(blocks) if bounded(x) is False)
+            V = blocks[where["block"]]
+        if is_exact(V):
+            q, h = self._circle(V)
             if in_closed_disc(poly.mul(q, h)):
                 value["chain"] = {"q": _vector(q), "h": _vector(h)}
-        return {"rule": "unbounded", "witness": {"which": c, "value": value}}
+        return {"rule": "unbounded", "witness": {"which": c, "value": value, **where}}
 
     def _zero_stable(self) -> list[Part]:
         if self._truth():
@@ -626,7 +739,9 @@ class _Writer:
                 if value.is_zero() is False:
                     return [{"rule": "not-quadratic", "witness": {"entry": [i, j]}}]
         gaps = [x - y for x, y in zip(b, b_hat, strict=True)]
-        at = next(i for i, x in enumerate(gaps) if x.is_zero() is False)
+        at = next((i for i, x in enumerate(gaps) if x.is_zero() is False), None)
+        if at is None:
+            raise ExactnessError("no entry refutes the identity")
         return [{"rule": "not-quadratic", "witness": {"weight": at}}]
 
     def _g_symplectic(self) -> list[Part]:
@@ -645,7 +760,7 @@ class _Writer:
             residuals = self.kernel._form_residuals(G, diagonals)
             for name, matrix in zip(names, residuals, strict=False):
                 for i, j, x in linalg.entries(matrix):
-                    if not x.is_zero():
+                    if x.is_zero() is False:
                         where = {"identity": name, "entry": [i, j]}
                         return [{"rule": "given-form-fails", "witness": where}]
             where = {"identity": "solution", "entry": [0, 0]}
@@ -682,7 +797,7 @@ class _Writer:
         chosen = [
             {"identity": name, "entry": [i, j], "part": part, "factor": to_text(x * sign(name))}
             for (name, i, j, part), x in zip(labels, factors, strict=True)
-            if not x.is_zero()
+            if not x.is_zero() and name != "shared"  # the page has D_P = D_Q in every unit
         ]
         return [self._vectors(v=False), {"rule": "no-form", "witness": {"lambda": chosen}}]
 
@@ -724,6 +839,14 @@ class _Writer:
 
     def _abscissae(self) -> list[Part]:
         _, U, B, V = self.kernel.blocks["o"]
+        shown = self.judged.reason.split()
+        at = int(shown[1]) - 1 if shown[:1] == ["number"] else -1
+        if not is_exact(U, B, V):
+            if "no abscissae" in self.judged.reason:
+                return [self._no_order()]
+            if self.holds:
+                raise ExactnessError("the abscissae of decimals are enclosed, not proved")
+            return [{"rule": "other-abscissae", "witness": {"stage": at}}]
         both = consistency_vectors(U, B, V)
         if both is None:
             return [self._no_order()]
@@ -733,8 +856,6 @@ class _Writer:
         witness: dict[str, Any] = {"u": {"o": _vector(u)}, "v": {"o": _vector(v)}}
         if self.holds:
             return [{"rule": "abscissae", "witness": witness}]
-        shown = self.judged.reason.split()
-        at = int(shown[1]) - 1 if shown[:1] == ["number"] else -1
         return [{"rule": "other-abscissae", "witness": {**witness, "stage": at}}]
 
     def _error_constant(self) -> list[Part]:
@@ -755,8 +876,8 @@ class _Writer:
             return [{"rule": "irreducible", "witness": {}}]
         for c in self.kernel.blocks:
             reached, seen = self.kernel.reached_and_seen(c)
-            for name, rows in (("x", reached), ("y", seen)):
-                null = linalg.nullspace(rows)
+            for name, rows in (("y", seen), ("x", reached)):
+                null = linalg.nullspace(rows) if is_exact(rows) else ()
                 if null:
                     return [
                         {"rule": "reducible", "witness": {"component": c, name: _vector(null[0])}}
@@ -817,12 +938,31 @@ class _Writer:
             })  # fmt: skip
         return parts, dict(proposed)
 
+    def _real_growth(self, proposed: Mapping[str, Any]) -> None:
+        """Refuse decimals at an eigenvalue that is not real: the intervals of a checker are."""
+        decimals = not all(is_exact(U, B) for _, U, B, _ in self.kernel.blocks.values())
+        if decimals and not all(z.is_real() for parts, _ in proposed.values() for z, *_ in parts):
+            raise ExactnessError("growth of decimals at an eigenvalue that is not real")
+
+    def _unshared(self) -> list[Part]:
+        """Of a separable pair without a shared eigenvalue but 1; empty where that is not so."""
+        values = [b[3] for b in self.kernel.blocks.values()]
+        if not self.kernel.is_pair or self.kernel.shared or not is_exact(*values):
+            return []
+        if not poly.share_only_one(*map(poly.characteristic_polynomial, values)):
+            return []
+        bounded = [self._bounded(c) for c in self.kernel.blocks]
+        return [*bounded, {"rule": "unshared", "witness": {}}]
+
     def _growth(self) -> list[Part]:
         if self.kernel._unstable():
             return [self._unbounded()]
+        if unshared := self._unshared():
+            return unshared
         parts, proposed = self._eigen()
         declared = self.declared if isinstance(self.declared, list) else []
         if self.holds:
+            self._real_growth(proposed)
             sizes = [len(W) - int((z - 1).is_zero()) for z, W, _ in proposed.get("o", ([], ()))[0]]
             lists, at = [], 0
             for size in sizes:
@@ -840,11 +980,12 @@ class _Writer:
         ]
         if sum(sizes) != len(declared):
             return -1
+        self._real_growth(self._witness())
         numbers = [parse(str(x)) for x in declared]
         for k, (one, (_, found)) in enumerate(zip(first, groups, strict=True)):
             mine, numbers = numbers[: sizes[k]], numbers[sizes[k] :]
             if self.kernel.is_pair:
-                if any(not x.is_zero() for m in found for row in m for x in row):
+                if any(x.is_zero() is False for m in found for row in m for x in row):
                     return k
             elif len(found[0]) > one or mine:
                 wanted = [Exact(1), *mine] if one else mine
@@ -855,12 +996,10 @@ class _Writer:
     def _parasitism_free(self) -> list[Part]:
         if self.kernel._unstable():
             return self._growth()
-        if self._truth() and self.kernel.is_pair and not self.kernel.shared:
-            ends = [poly.characteristic_polynomial(b[3]) for b in self.kernel.blocks.values()]
-            if poly.share_only_one(*ends):
-                bounded = [self._bounded(c) for c in self.kernel.blocks]
-                return [*bounded, {"rule": "unshared", "witness": {}}]
-        parts, _ = self._eigen()
+        if self._truth() and (unshared := self._unshared()):
+            return unshared
+        parts, proposed = self._eigen()
+        self._real_growth(proposed)
         if self._truth():
             return [*parts, {"rule": "growth", "witness": {"list": "zero"}}]
         matrices = self.kernel._growth_matrices(self._witness())
@@ -869,7 +1008,7 @@ class _Writer:
                 if self.kernel._only_principal(found[0]) is False:
                     return [*parts, {"rule": "grows", "witness": {"part": k}}]
                 continue
-            if any(not x.is_zero() for m in found for row in m for x in row):
+            if any(x.is_zero() is False for m in found for row in m for x in row):
                 return [*parts, {"rule": "grows", "witness": {"part": k}}]
         raise ExactnessError("growth at the eigenvalue 1 is not written out")
 
@@ -877,49 +1016,148 @@ class _Writer:
 class _EnclosedWriter(_Writer):
     """The parts of a statement about decimals: the one exact method in them, or all of them."""
 
-    def parts(self) -> list[Part]:
+    def _parts(self) -> list[Part]:
         claim, kernel = self.claim, self.kernel
         if CLAIMS[claim].type is int:
             return self._range()
-        if claim == ZERO_STABLE.key and self._truth():
-            return [self._bounded(c) for c in kernel.blocks]
-        if claim == EXPLICIT.key:
-            return self._explicit()
-        if claim == EMBEDDED_ORDER.key and kernel.implied is not None:
-            return [self._row(name, x) for name, x in kernel.row_kernels]
+        if claim == EMBEDDED_ORDER.key:
+            return self._rows()
         if claim == REDUCIBLE.key and not self._truth():
             return [{"rule": "irreducible", "witness": {}}]
         if claim == SYMMETRIC.key and not self._truth():
+            for c, (_, _, _, V) in kernel.blocks.items():
+                null = linalg.nullspace(V) if is_exact(V) else ()
+                if null:
+                    where: dict[str, Any] = {"which": c} if kernel.is_pair else {}
+                    where["singular"] = _vector(null[0])
+                    return [{"rule": "not-symmetric", "witness": where}]
             return [{"rule": "not-symmetric", "witness": {"stages": True}}]
-        if claim == SYMPLECTIC.key and not self._truth() and not kernel.is_pair:
-            return self._symplectic()
-        if self.holds and kernel.implied is not None:
-            self.identities.append("holds at the one root of the equations of the file")
+        if claim == ABSCISSAE.key and kernel.implied is None:
+            return self._abscissae()
+        implied = kernel.implied
+        growing = claim == GROWTH.key and implied and implied.growth_zeros is not None
+        listed = claim == ABSCISSAE.key and self.holds
+        follows = implied and (listed or (claim in implied.true and self._truth()))
+        if growing or follows:
+            self.identities.append("decided at the one root of the equations of the file")
             return [{"rule": "implied", "witness": {}}]
-        raise ExactnessError(f"certificates of {claim!r} over decimals are not written")
+        return super()._parts()
+
+    def _rows(self) -> list[Part]:
+        """Every row; of a claim that fails, without equations, one whose order is another."""
+        kernel = self.kernel
+        if kernel.implied is not None:
+            return [self._row(name, x) for name, x in kernel.row_kernels]
+        if self.holds:
+            return super()._embedded_order()
+        nystrom = kernel.row_claim == NYSTROM_ORDER.key
+        for row, (name, x) in zip(self.facts.method.embedded, kernel.row_kernels, strict=True):
+            found = x.order_range(free=False, nystrom=nystrom)
+            if found.upper is not None and found.upper < self.declared[name]:
+                parts = self._bounds(free=False, nystrom=nystrom, kernel=x)[1:]
+            elif found.lower > self.declared[name]:
+                inner = self._of_row(row)
+                parts = inner._exact_order(free=False, nystrom=nystrom)[:1]
+            else:
+                continue
+            return [{"rule": "row", "witness": {"row": name, "parts": parts}}]
+        raise ExactnessError("no row has another order within the digits")
 
     def _range(self) -> list[Part]:
         claim = self.claim
+        if claim == DENSE_ORDER.key:
+            found = self.kernel.range(claim)
+            rule = "dense" if self.holds else "not-dense"
+            return [{"rule": rule, "witness": {"order": found.upper, "tree": found.tree}}]
         if claim == FINISHING_ORDER.key or "starting-order" in claim:
-            return self._of_start()
+            try:
+                return super()._parts() if self.kernel.implied is None else self._of_start()
+            except ExactnessError:
+                return self._of_start()
         free = claim == EFFECTIVE_ORDER.key
         if claim in (ORDER.key, STAGE_ORDER.key):
             free = not self.kernel.one_step
         nystrom = claim == NYSTROM_ORDER.key
-        kernel = self.kernel.any_matrix if claim == W_ORDER.key else None
+        kernel = self.kernel.any_matrix if claim == W_ORDER.key else self.kernel
+        found = kernel.order_range(free=free, nystrom=nystrom)
+        if found.upper == 0 and not found.tree and not self.holds:
+            try:
+                return [self._no_order()]
+            except ExactnessError:
+                return [self._no_vector()]
+        if claim == STAGE_ORDER.key and self.kernel.implied is None:
+            return self._stages(free=free)
+        if (self.holds and self.kernel.implied is None) or found.lower > self.declared:
+            return self._exact_order(free=free, nystrom=nystrom)
         parts = self._bounds(free=free, nystrom=nystrom, kernel=kernel)
         if claim != STAGE_ORDER.key:
+            if not self.holds and parts[0]["witness"]["order"] > self.declared:
+                parts[0]["witness"] = parts[0]["witness"] | {"order": self.declared + 1}
+                return parts[:1]
             return parts if self.holds else parts[1:]
-        found, p = self.kernel.range(claim), parts[0]["witness"]["order"]
-        q = found.upper
-        if q is None or q >= p or found.lower != q:
+        stages, p = self.kernel.range(claim), parts[0]["witness"]["order"]
+        q = stages.upper
+        if q is None or (q >= p and self.holds) or (stages.lower != q and self.holds):
             raise ExactnessError("the stage order is not settled")
+        if not self.holds and q > self.declared:
+            more = {"rule": "implied-stage-order", "witness": {"q": self.declared + 1}}
+            return [parts[0], more]
+        if q >= p:
+            return parts[1:]
         tree = self._failing_stage(parts[0]["witness"], q)
+        above = {"rule": "not-stage-order", "witness": {"q": q, "tree": tree}}
+        if not self.holds:
+            return [above]
+        return [*parts, {"rule": "implied-stage-order", "witness": {"q": q}}, above]
+
+    def _exact_order(self, *, free: bool, nystrom: bool) -> list[Part]:
+        """An order that no entry in decimals touches; of the last trees no eta is written."""
+        try:
+            return super()._parts()
+        except ExactnessError:
+            kernel = self.kernel.timed
+            series, p = kernel.series[free, nystrom], kernel.order_range(free=free, nystrom=nystrom)
+            if free and kernel.method.system:
+                raise
+            if p.upper == 0:
+                return self._bounds(free=free, nystrom=nystrom)[1:]
+            given = p.lower - (free or not kernel.one_step)
+            if not series.simple or isinstance(series.trees, Paths) or not p.lower:
+                raise
+        names = {"principal": "free" if free else "identity", "trees": _trees(series, nystrom)}
+        first = {"order": p.lower, **names, **self._series(series, given)}
+        if given < p.lower:
+            first["last"] = "solvable"
+        last = {"order": p.lower, **names, "tree": p.tree}
         return [
-            *parts,
-            {"rule": "implied-stage-order", "witness": {"q": q}},
-            {"rule": "not-stage-order", "witness": {"q": q, "tree": tree}},
+            {"rule": "order-at-least", "witness": first},
+            *([{"rule": "not-order", "witness": last}] if self.holds else []),
         ]
+
+    def _stages(self, *, free: bool) -> list[Part]:
+        """The stage order of decimals: with the order where that is settled, else without it."""
+        stages, parts = self.kernel.range(STAGE_ORDER.key), []
+        if self.holds or stages.lower > self.declared:
+            try:
+                return super()._parts()
+            except ExactnessError:
+                if free:  # the series is unique where the order is known
+                    raise
+            order = {"order": max(stages.lower, 1), "principal": "identity", "trees": "all"}
+            series = self._series(self.kernel.timed.series[False, False], order["order"])
+            parts = [
+                {"rule": "order-at-least", "witness": {**order, **series}},
+                {"rule": "stage-order-at-least", "witness": {"q": stages.lower}},
+            ]
+            if not self.holds:
+                return parts
+        elif stages.upper == self.kernel.order_range(free=free).upper:
+            return self._bounds(free=free, nystrom=False)[1:]
+        assert stages.upper is not None, "the verdict rests on it"
+        beyond = {"principal": "free" if free else "identity", "order": stages.upper + 1}
+        tree = self._failing_stage(beyond, stages.upper)
+        witness = {"q": stages.upper, "tree": tree}
+        return [*parts, {"rule": "not-stage-order", "witness": witness}]
 
     def _row(self, name: str, kernel: Kernel) -> Part:
         parts = self._bounds(free=False, nystrom=False, kernel=kernel)
@@ -948,8 +1186,19 @@ class _EnclosedWriter(_Writer):
         free = not kernel.one_step and not kernel.is_pair
         found = kernel.range(claim)
         q = found.upper
+        own = kernel.order_range(free=not kernel.is_pair, nystrom=nystrom)
+        if own.upper == 0:
+            if not own.tree:
+                return [self._no_order()]
+            return self._bounds(free=not kernel.is_pair, nystrom=nystrom)[1:]
         if not self.holds:
-            return [{"rule": "not-start", "witness": {"q": q, **self._failing_start(nystrom)}}]
+            free = not kernel.is_pair
+            if q is not None and q == own.upper:
+                return self._bounds(free=free, nystrom=nystrom)[1:]
+            more = self._failing_start(nystrom) if kernel.is_pair else {
+                "tree": "" if "multiple of y" in found.reason else "o"
+            }  # fmt: skip
+            return [{"rule": "not-start", "witness": {"q": q, **more}}]
         if kernel.exact:
             parts = [*self._order_parts(free=True), *self._symmetric_part()]
         else:

@@ -34,8 +34,6 @@ from .starting import (
 )
 from .system import SweepSystem
 
-__all__ = ["equation_numbers", "method_proof", "start_proofs"]
-
 Block = dict[str, Any]
 
 #: Significant digits of a centre and of an approximate inverse.

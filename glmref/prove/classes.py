@@ -41,23 +41,9 @@ from math import factorial
 from ..errors import DataError
 from ..exact import Exact, linalg
 from ..exact.linalg import Matrix
+from ..method.component import ROOTED, SEPARABLE, Palette
 from ..theory.nystrom import is_nystrom
-from ..theory.trees import ROOTED, SEPARABLE, Palette, Tree, parse_tree, pruned, single, tree, trees
-
-__all__ = [
-    "Family",
-    "Plan",
-    "attach",
-    "classes",
-    "follows",
-    "free_tree",
-    "moves",
-    "pairs",
-    "plan",
-    "reduce_tree",
-    "representatives",
-    "second_order",
-]
+from ..theory.trees import Tree, parse_tree, pruned, single, tree, trees
 
 Pair = tuple[Tree, Tree]
 

@@ -1,11 +1,5 @@
 """Machine-checked proofs: a method's claims as theorems for the Coq proof assistant.
 
-Public names::
-
-    to_coq(method_or_name) -> str     text of a Coq file: definitions, witnesses, theorems
-
-    python -m glmref.prove.coq NAME... [--output FOLDER]
-
 The file needs the library in ``checker/coq``. This module is trusted for nothing: it writes down
 the method and witnesses (starting series, form, involution), and Coq computes every identity again.
 What is written, by claim:
@@ -32,18 +26,15 @@ from typing import Any
 from ..catalogue import lookup as catalogue
 from ..errors import GlmrefError, UsageError
 from ..exact import Exact, linalg
-from ..exact.linalg import Matrix, Vector
+from ..exact.linalg import Matrix, Vector, solve_affine
 from ..method import GLM, Method, PartitionedGLM
-from ..theory.affine import solve_affine
+from ..method.solution_value import preconsistency_vector
 from ..theory.coefficients import is_zero
-from ..theory.consistency import preconsistency_vector
 from ..theory.order import OrderResult, order_of
 from ..theory.symmetry import symmetry
 from ..theory.symplectic import g_symplectic
 from ..theory.trees import Tree
 from .radicals import Element, Tower
-
-__all__ = ["to_coq"]
 
 #: Largest order that is looked at: 719 trees have order 10.
 MAX_ORDER = 10
@@ -72,7 +63,8 @@ def to_coq(method: Method | str) -> str:
     Raises
     ------
     UsageError
-        For a method with decimals: only exact coefficients have identities to prove.
+        For a method with decimals, where no identity is exact, and for additive and Rosenbrock
+        methods, which the library in Coq does not know.
     """
     if isinstance(method, str):
         method = catalogue.load(method)
@@ -81,9 +73,14 @@ def to_coq(method: Method | str) -> str:
             f"the method {method.name!r} has decimal coefficients; "
             f"proofs for Coq are written for exact ones"
         )
-    if len(method.components) > 1:
-        return _Pair(method).text()
-    return _One(method).text()
+    writer = _WRITERS.get(type(method))
+    if writer is None:
+        kind = "a Rosenbrock method" if method.rosenbrock else "an additive method"
+        raise UsageError(
+            f"the method {method.name!r} is {kind}; proofs for Coq are written for general linear "
+            f"methods and pairs of them"
+        )
+    return writer(method).text()
 
 
 #: The last step of a proof: the check is computed, and comes out true.
@@ -441,6 +438,9 @@ class _Pair(_Writer):
             f"  {self.matrix(G)}\n  {self.vector(D_P)}\n  {self.vector(D_Q)}\n"
             f"  {self.vector(u)} {self.vector(v)} ({self.number(size)})); {_COMPUTE}",
         )
+
+
+_WRITERS = {GLM: _One, PartitionedGLM: _Pair}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -47,8 +47,6 @@ from .order_conditions import covered
 from .starting import Target, prove_blocks
 from .system import SweepSystem
 
-__all__ = ["Enclosure", "obstruction", "prove", "radius_of", "root_of", "shift_matrix"]
-
 #: Redundant identities are enclosed in balls around zero no wider than this.
 WIDTH = 1e-50
 _RADIUS = re.compile(r"\d{1,99}(\.\d{1,99})?(e-\d{1,3})?")

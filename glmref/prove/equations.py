@@ -82,8 +82,6 @@ from ..method.component import Component
 from ..theory.trees import Tree, pruned
 from .classes import Family, classes, plan, reduce_tree
 
-__all__ = ["Series", "starting_series"]
-
 
 @dataclass(frozen=True, eq=False)
 class Series:

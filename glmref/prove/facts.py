@@ -36,8 +36,6 @@ if TYPE_CHECKING:
     from ..theory.symplectic import GSymplecticity
     from .implications import Implied
 
-__all__ = ["Facts", "facts_of"]
-
 
 class Facts:
     """Facts of one method.

@@ -19,8 +19,6 @@ from ..errors import ExactnessError
 from ..exact import Exact, box, cyclotomic, factorization, rational_combination
 from ..exact.expression import parse
 
-__all__ = ["Tower", "radicals_of", "written_out"]
-
 _NAME = re.compile(r"(?<![A-Za-z_0-9])([A-Za-z_][A-Za-z_0-9]*)")
 _FUNCTIONS = ("sqrt", "root", "exp")
 _LARGEST = 64  # degree of a field
@@ -93,7 +91,7 @@ class Tower:
 
     def as_json(self) -> dict[str, Any]:
         """The key ``field`` of a certificate."""
-        if not self.generators:
+        if not self.radicals:  # sqrt(4) needs no generator
             return {"kind": "rational"}
         return {"kind": "tower", "generators": self.generators, "radicals": self.radicals}
 

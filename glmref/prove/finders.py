@@ -33,8 +33,6 @@ from ..theory.spectrum import eigenvectors, unimodular_eigenvalues
 from ..theory.symmetry import symmetry
 from .kernel import Proposal
 
-__all__ = ["eigen_witness", "proposal_for"]
-
 #: :class:`glmref.prove.facts.Facts`, which imports the kernel.
 Facts = Any
 

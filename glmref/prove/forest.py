@@ -15,8 +15,6 @@ from __future__ import annotations
 from functools import cache
 from math import comb, factorial
 
-__all__ = ["Forest", "Paths", "forest", "paths"]
-
 #: Colours with the colours their children may have.
 Palette = tuple[tuple[str, str], ...]
 

@@ -14,8 +14,6 @@ from ..theory.root_location import is_schur
 from .algebra import all_of, bounded, compared, is_exact, vanishes
 from .ranges import Known
 
-__all__ = ["GrowthRules"]
-
 _ZERO, _ONE = Exact(0), Exact(1)
 
 
@@ -33,8 +31,11 @@ class GrowthRules:
     def _zero_stable(self, witness: Mapping[str, Any]) -> Known:
         """The powers of V are bounded."""
         found = [bounded(b[3]) for b in self.blocks.values()]
-        exact = all(is_exact(b[3]) for b in self.blocks.values())
-        return Known(all_of(found), exact)
+        return Known(all_of(found), self._exact_values())
+
+    def _exact_values(self) -> bool:
+        """Whether every V is exact."""
+        return all(is_exact(b[3]) for b in self.blocks.values())
 
     def _eigen(self, colour: str, witness: Mapping[str, Any]) -> list[tuple[Any, Matrix, Matrix]]:
         """Check the eigenvalues of modulus 1 that were proposed: all of them, semisimple.
@@ -139,7 +140,8 @@ class GrowthRules:
     def _parasitism_free(self, witness: Mapping[str, Any]) -> Known:
         """V is power-bounded and every growth matrix is 0 (at zeta = 1: but for the principal)."""
         if self._unstable():
-            return Known(False, True, "V is not power-bounded: parasitic components grow anyway")
+            exact = self._exact_values()
+            return Known(False, exact, "V is not power-bounded: parasitic components grow anyway")
         answers: list[bool | None] = []
         for zeta, matrices in self._growth_matrices(witness):
             if (zeta - 1).is_zero():  # of one method: pairs have others only
@@ -168,7 +170,8 @@ class GrowthRules:
         zero or not whatever the eigenvectors are; other values are not defined.
         """
         if self._unstable():
-            return Known(False, True, "V is not power-bounded: growth parameters are not defined")
+            exact = self._exact_values()
+            return Known(False, exact, "V is not power-bounded: growth parameters are not defined")
         if self.implied is not None and self.implied.growth_zeros is not None:
             count = self.implied.growth_zeros
             if len(declared) != count:

@@ -70,8 +70,6 @@ from .simplifying import prove_runge_kutta
 from .starting import prove_blocks, target_of
 from .system import Affine, SweepSystem
 
-__all__ = ["ENCLOSED", "Implied", "implied_by"]
-
 #: Classes whose equations have a meaning.
 ENCLOSED = frozenset({"sweep", "pair-sweep", "splitting", "rk", "rosenbrock"})
 _SEAL = object()

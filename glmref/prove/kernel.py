@@ -39,7 +39,7 @@ from ..errors import ExactnessError
 from ..exact import Exact, Scalar, ball, linalg
 from ..exact.expression import Text, parse
 from ..exact.linalg import Matrix, Vector
-from ..findings import Proof, Verdict
+from ..findings import Finding, Proof, Verdict
 from ..method import Method
 from ..method.solution_value import first_functional, output, outputs
 from ..system.budget import fits
@@ -63,7 +63,8 @@ from .algebra import (
     system_filter,
     vanishes,
 )
-from .forest import Paths, forest, paths
+from .digits import DigitRules, rounded_up
+from .forest import Forest, Paths, forest, paths
 from .growth_rules import GrowthRules
 from .implications import Implied
 from .ranges import MAX_ORDER, Known, Range
@@ -73,23 +74,12 @@ from .series import (
     NoOrderOne,
     NotPreconsistent,
     StartingSeries,
+    apply_rows,
     component,
     read,
     tableau_series,
 )
 from .stability_rules import StabilityRules
-
-__all__ = [
-    "Judgement",
-    "Kernel",
-    "Proposal",
-    "Range",
-    "Reach",
-    "reach",
-    "reaches",
-    "refuted",
-    "vanishing",
-]
 
 _ZERO, _ONE = Exact(0), Exact(1)
 _SEAL = object()
@@ -154,6 +144,13 @@ class Judgement:
     def __setattr__(self, name: str, value: object) -> NoReturn:
         raise AttributeError(f"a judgement cannot be changed: `{name}`")
 
+    def finding(self, method: str, claim: str, declared: object) -> Finding:
+        """Return this verdict as the finding about one claim of a method."""
+        return Finding(
+            method=method, claim=claim, declared=declared, verdict=self.verdict, value=self.value,
+            proof=self.proof, residual=self.residual, witness=self.reason,
+        )  # fmt: skip
+
 
 def refuted(judgement: Judgement, *, reason: str = "", as_expected: bool = True) -> Judgement:
     """The judgement of "this claim fails": what was ``fails`` holds, and the other way.
@@ -200,7 +197,7 @@ def _number(text: object) -> Scalar:
     return text.value if isinstance(text, Text) else parse(str(text))
 
 
-class Kernel(RowRules, GrowthRules, StabilityRules):
+class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules):
     """The rules, for one method.
 
     Parameters
@@ -372,6 +369,8 @@ class Kernel(RowRules, GrowthRules, StabilityRules):
         """Bounds by the trees: all residuals exactly zero below, one that excludes zero above."""
         if self.timed is not self:
             return self.timed.order_range(free=free, nystrom=nystrom)
+        if free and self.method.system:  # principal parts are determined by trees that do not count
+            raise ExactnessError("effective orders are judged where all trees count, c = A 1")
         key = (free, nystrom)
         if key not in self._ranges:
             self._ranges[key] = self._search(free=free, nystrom=nystrom)
@@ -386,17 +385,23 @@ class Kernel(RowRules, GrowthRules, StabilityRules):
         """The series of the searches made, for the claims that are about a start."""
         return {}
 
+    def _counts(self, trees: Forest, *, nystrom: bool) -> Callable[[int], bool]:
+        """Which trees count: those of second-order systems, or of the systems of the method."""
+        return nystrom_filter(trees) if nystrom else system_filter(self.method.system, trees)
+
     def _search(self, *, free: bool, nystrom: bool) -> Range:
         trees = forest(self.palette)
         try:
             components = self._components
         except NotPreconsistent as reason:
             return Range(0, 0, exact=self.exact, reason=f"not preconsistent: {reason}")
+        except ExactnessError as reason:
+            return Range(0, None, exact=self.exact, reason=str(reason))
         if not self.shared:
             found = self._along_paths(components, free=free, nystrom=nystrom)
             if found is not None:
                 return found
-        counts = nystrom_filter(trees) if nystrom else system_filter(self.method.system, trees)
+        counts = self._counts(trees, nystrom=nystrom)
         series = StartingSeries(components, trees, free=free, counts=counts)
         self.series[free, nystrom] = series
         found = None if free else self._above_implied(series, nystrom)
@@ -523,7 +528,13 @@ class Kernel(RowRules, GrowthRules, StabilityRules):
         beyond order 10 with the first whose residual is no rounding to 9 digits.
         """
         if self.timed is not self:
-            return self.timed.nearly()
+            A, c = self.blocks["o"][0], self.method.abscissae_given
+            rows = [sum(row, _ZERO) - x for row, x in zip(A, c, strict=True)]
+            gap = max(x.magnitude() for x in rows)
+            if gap > ROUNDING:
+                return self.timed.nearly()
+            plain = Kernel(replace(self.method, abscissae_given=None))  # c is A 1, but for digits
+            return [max(x, gap) for x in plain.nearly()]
         found = self.order_range(free=not self.one_step)
         if found.value > MAX_ORDER[0] - 2:  # what was computed once is not computed again
             return [*found.sizes, found.residual]
@@ -538,7 +549,7 @@ class Kernel(RowRules, GrowthRules, StabilityRules):
             trees = forest(self.palette)
             series = StartingSeries(
                 components, trees, free=not self.one_step,
-                counts=system_filter(self.method.system, trees),
+                counts=self._counts(trees, nystrom=False),
             )  # fmt: skip
             sizes = [
                 max(
@@ -604,18 +615,33 @@ class Kernel(RowRules, GrowthRules, StabilityRules):
     def _bushes(self, series: StartingSeries, n: int, nystrom: bool = False) -> dict[str, Scalar]:
         """``b c^(n-1) - 1/n`` of a method that carries one value: conditions of order n.
 
-        Of a separable pair one for each colour of the root, c at the stages of the other.
+        Of a separable pair one for each colour of the root, c at the stages of the other. A free
+        principal part changes them. The term of degree n in R(z) less that of exp(z), the residual
+        of the tree without branches, it does not change: on y' = z y it is a number, which commutes
+        with R(z). A pair in that case has none here.
         """
-        if (self.shared and self.is_pair) or not self.one_step:
+        if (self.shared and self.is_pair) or not self.one_step or (series.free and self.is_pair):
             return {}
+        if series.free:
+            c = series.components["o"]
+            power = (1,) * c.slopes
+            for _ in range(n - 1):
+                power = apply_rows(c.A, power)
+            value = plus(self._seen(c, power), Fraction(-1, factorial(n)))
+            return {"[" * (n - 1) + "o" + "]" * (n - 1): scalars([value])[0]}
         found = {}
         for leaf in reversed(series.trees.level(1)):  # the root is of the other colour: f first
             root = next(c for c, below in self.palette if series.trees.colour[leaf] in below)
             text = series.trees.text[leaf] * (n - 1)
             power = series.power(series.stage(leaf, self._none(leaf, series)), n - 1)
-            value = plus(weighted(series.components[root].B[0], power), Fraction(-1, n))
+            value = plus(self._seen(series.components[root], power), Fraction(-1, n))
             (found[f"{root.replace('o', '')}[{text}]"],) = scalars([value])
         return {t: x for t, x in found.items() if not (nystrom and t[0] == "f" and n > 2)}
+
+    @staticmethod
+    def _seen(c: Component, slopes: tuple[Any, ...]) -> Any:
+        """W B times slopes, of a method that carries one value."""
+        return apply_rows(c.W, apply_rows(c.B, slopes))[0]
 
     def _bush(self, series: StartingSeries, n: int) -> Scalar | None:
         """The condition of order n of one method that carries one value."""
@@ -626,7 +652,14 @@ class Kernel(RowRules, GrowthRules, StabilityRules):
         """Stages that are the solution at their abscissae: xi(t) = c^|t| / gamma(t).
 
         With the series of the order, which is unique up to a shift (that moves c and xi alike) and
-        to the principal parts of the last order: these add one number to all stages at a tree.
+        to the principal parts N beta of the last order: these add U N beta to the stages at a tree,
+        which is beta for all stages alike where 1 is a simple eigenvalue.
+
+        Where trees of order p were the last to be compared, the principal parts of order p stay 0.
+        If the stages are the solution then, they are so with those that order p + 1 asks for: xi,
+        eta and W R are multiples |t|! / gamma(t) of numbers that depend on |t| and the colour, and
+        so is beta, which L determines from trees with several branches, ``beta = W R``. Trees with
+        one branch ask for ``K beta = 0``, and K = 1 where 1 is a simple eigenvalue.
         """
         free = not self.one_step
         order = self.order_range(free=free)
@@ -637,6 +670,8 @@ class Kernel(RowRules, GrowthRules, StabilityRules):
             reason = "trees with branches, which stage order asks for, were not compared"
             return Range(1, None, exact=exact, value=1, reason=reason)
         series = self.timed.series[free, False].through(top)
+        if order.upper is None and not series.simple:  # others may have a higher order
+            return Range(1 if order.lower else 0, None, exact=exact, value=1, reason=order.reason)
         trees, nodes = series.trees, series.trees.level(1)
         c = {
             trees.colour[t]: series.stage(t, series.eta.get(t, self._none(t, series)))
@@ -644,19 +679,22 @@ class Kernel(RowRules, GrowthRules, StabilityRules):
         }
         lower = top if order.lower else 0
         for q in range(1, top + 1):
-            answers = []
+            answers, refuted = [], False
             for t in filter(series.counts, trees.level(q)):
                 value = series.eta.get(t, self._none(t, series))
                 power = times(Fraction(1, trees.density[t]), series.power(c[trees.colour[t]], q))
                 defect = plus(series.stage(t, value), times(-1, power))
-                if q == top and free:
-                    defect = tuple(plus(x, times(-1, defect[0])) for x in defect[1:])
-                answers.append(is_zero(defect))
-            if False in answers:
+                fixed = defect
+                if free and q >= order.lower:
+                    fixed = series.fixed_stages(trees.colour[t], defect)
+                refuted = refuted or is_zero(fixed) is False
+                # the principal part is free only where the order is known to end here
+                answers.append(is_zero(fixed if q == order.upper else defect))
+            if refuted:
                 lower = min(lower, q - 1)
                 return Range(lower, q - 1, exact=exact, value=q - 1, reason=f"found {q - 1}")
             # of order 1 the condition says what the abscissae are
-            if None in answers and q > 1:
+            if not all(answers) and q > 1:
                 lower = min(lower, q - 1)
         upper = order.upper
         return Range(min(lower, order.lower), upper, exact=exact, value=top, reason=f"found {top}")
@@ -685,6 +723,8 @@ class Kernel(RowRules, GrowthRules, StabilityRules):
         free = not self.is_pair
         if start is None and not self.is_pair:
             return Range(0, 0, exact=True, reason="the file gives no starting method")
+        if self.timed is not self:
+            raise ExactnessError("the order of a start is judged where c = A 1")
         known = self.order_range(free=free, nystrom=nystrom)
         base = NYSTROM_ORDER if nystrom else ORDER_IDENTITY if self.is_pair else ORDER
         known = self._with_implied(base.key, known)
@@ -696,7 +736,9 @@ class Kernel(RowRules, GrowthRules, StabilityRules):
         given = self._start_series(series, p)
         eta = self._shifted(series, given, p) if free else series.eta
         trees, none = series.trees, self._none
-        proved = self._start_fits(series, p, nystrom=nystrom)
+        # where 1 is a multiple eigenvalue another series may have a higher order
+        known_series = series.simple or known.upper is not None
+        proved = known_series and self._start_fits(series, p, nystrom=nystrom)
         for c, x in series.components.items():
             gap = difference(given[c], x.u)
             bad = next((i for i, y in enumerate(gap) if y.is_zero() is False), None)
@@ -712,7 +754,8 @@ class Kernel(RowRules, GrowthRules, StabilityRules):
             answers = []
             for t in (t for t in trees.level(q) if series.counts(t)):
                 gap = difference(given[t], eta.get(t, none(t, series)))
-                if q == p and free:
+                strict = gap
+                if q >= known.lower and free:
                     gap = self._without_principal(series, t, gap)
                 bad = next((i for i, y in enumerate(gap) if y.is_zero() is False), None)
                 if bad is not None:
@@ -723,8 +766,11 @@ class Kernel(RowRules, GrowthRules, StabilityRules):
                         f"value {bad + 1}" if start is not None else
                         f"a carried value starts with a term of {trees.text[t]}",
                     )  # fmt: skip
-                answers += [y.is_zero() for y in gap]
-            proved = proved and None not in answers
+                # the principal part is free only where the order is known to end here
+                answers += [y.is_zero() for y in (gap if q == known.upper else strict)]
+            if free and q == p and known.upper is None:
+                break  # order p + 1, which was not asked for, may determine them
+            proved = proved and all(answers)
             lower = q if proved else lower
         compared = "all trees of second-order systems" if nystrom else "all trees"
         reason = (
@@ -844,9 +890,11 @@ class Kernel(RowRules, GrowthRules, StabilityRules):
         return moved
 
     def _without_principal(self, series: StartingSeries, t: int, gap: Vector) -> Vector:
+        """What no principal part N beta changes of a difference: W is 0 at it."""
         c = series.components[series.trees.colour[t]]
-        along = read(c, gap)
-        return tuple(x - along * y for x, y in zip(gap, c.u, strict=True))
+        for along, column in zip(apply_rows(c.W, gap), c.N, strict=True):
+            gap = difference(gap, times(along, column))
+        return gap
 
     @cached_property
     def _finishing_order(self) -> Range:
@@ -860,6 +908,8 @@ class Kernel(RowRules, GrowthRules, StabilityRules):
             return Range(0, 0, reason="the file gives no finishing method")
         if start is None:
             raise ExactnessError("a finish is compared with the start of its file, which has none")
+        if self.timed is not self:
+            raise ExactnessError("the order of a finish is judged where c = A 1")
         known = self.order_range(free=True)
         p, trees = known.value, forest(self.palette)
         everything = lambda t: True  # noqa: E731
@@ -937,14 +987,15 @@ class Kernel(RowRules, GrowthRules, StabilityRules):
     def _abscissae(self, declared: list[Scalar], witness: Mapping[str, Any]) -> Known:
         """c = A 1 + U v, w v = 0 for the output w; unique where 1 is a simple eigenvalue.
 
-        Over balls every pair (u, v) of a method in them lies in the (u, v) used here.
+        Over balls every pair (u, v) of a method in them lies in the (u, v) used here; that there is
+        one, order 1 says.
         """
         if self.implied is not None and self.implied.abscissae is not None:
             found: Sequence[Scalar] = [Exact(x) for x in self.implied.abscissae]
-            exact, unique = False, True
+            exact, unique, consistent = False, True, True
         else:
             A, U, B, V = self.blocks["o"]
-            exact = is_exact(A, U, B, V)
+            exact = consistent = is_exact(A, U, B, V)
             if exact:
                 both = consistency_vectors(U, B, V)
                 if both is None:
@@ -959,7 +1010,10 @@ class Kernel(RowRules, GrowthRules, StabilityRules):
                 found = [x + y for x, y in zip(c, linalg.matvec(U, v), strict=True)]
                 unique = linalg.rank(linalg.sub(V, linalg.identity(len(V)))) == len(V) - 1
             else:
-                self.order_range(free=False)
+                order = self.order_range(free=False)
+                if order.upper == 0:
+                    return Known(False, False, "the method has no abscissae")
+                consistent = order.lower > 0
                 series = self.series.get((False, False))
                 if series is None or not series.simple:
                     raise ExactnessError("the abscissae are not decided within the digits")
@@ -969,6 +1023,8 @@ class Kernel(RowRules, GrowthRules, StabilityRules):
         if len(found) != len(declared):
             return Known(False, exact, f"{len(found)} abscissae found, {len(declared)} declared")
         known = compared(found, declared, exact=exact)
+        if known.truth and not consistent:
+            return Known(None, exact, "within the digits the method may not be consistent")
         return known if known.truth is not False or unique else Known(None, exact, known.reason)
 
     def _error_constant(self, declared: list[Scalar], witness: Mapping[str, Any]) -> Known:
@@ -1477,7 +1533,7 @@ class Reach:
         for n in range(len(worst), self.proved, -1):
             beyond = worst[n] if n < len(worst) else float("inf")
             if 0 < worst[n - 1] < 1e-3 and beyond > 100 * worst[n - 1]:
-                steps.append(f"order {n} to {worst[n - 1]:.2g}")
+                steps.append(f"order {n} to {rounded_up(Fraction(repr(worst[n - 1])))}")
         return ", ".join([*steps, f"order {self.proved} exactly"])
 
 

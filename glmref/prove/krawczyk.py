@@ -20,8 +20,6 @@ from typing import Any
 from ..errors import DataError, ExactnessError
 from ..exact import Ball, BallMatrix, ball, jets, lift, linalg
 
-__all__ = ["Krawczyk", "Outcome", "is_rounding", "krawczyk"]
-
 
 class Outcome(StrEnum):
     """What an interval test found in a box."""

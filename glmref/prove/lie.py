@@ -24,8 +24,6 @@ from ..exact import Exact, linalg
 from ..theory.trees import Tree
 from .classes import Family, classes, free_tree
 
-__all__ = ["SPLITTING", "VERLET_F", "VERLET_K", "lie_basis", "spans", "words"]
-
 #: Words in the letters f and k with their coefficients: an element of the free algebra.
 Element = Mapping[str, Fraction]
 

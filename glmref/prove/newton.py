@@ -14,8 +14,6 @@ from typing import Any
 from ..errors import ExactnessError, GlmrefError
 from ..exact import Ball, Exact, ball, jets, lift, linalg
 
-__all__ = ["ConvergenceError", "midpoints", "polish"]
-
 #: A function of n unknowns with m values, over jets.
 Function = Callable[[Sequence[Any]], Sequence[Any]]
 

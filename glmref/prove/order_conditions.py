@@ -38,8 +38,6 @@ from .classes import Family, follows, free_tree
 from .lie import spans
 from .system import Affine, SweepSystem
 
-__all__ = ["abscissae", "covered", "given_trees"]
-
 _THIRD, _STAR = parse_tree("[oo]"), parse_tree("[oooo]")
 _BUSH, _PATH = parse_tree("[oo[o]]"), parse_tree("[[o][o]]")
 

@@ -1,12 +1,5 @@
 """Numbers in a tower of roots: rational polynomials in radicals, reduced by ``root^n = radicand``.
 
-Public names::
-
-    Tower()                        grows a level for every root that its numbers need
-        .number(value) -> Element  from an Exact, an int or a Fraction
-        .levels                    ((n, radicand), ...), the first root adjoined first
-    Element                        {exponents: Fraction}; + - * /, is_zero()
-
 A tower is a field where no root lies in the field below it; here square roots of rational numbers
 are kept multiplicatively independent, and other roots are assumed to be new. Where they are not,
 identities that hold may fail to be found; no false one is. That is enough for a certificate, whose
@@ -32,8 +25,6 @@ from ..exact.expression import (
     syntax_tree,
     to_text,
 )
-
-__all__ = ["Element", "Tower"]
 
 #: Exponents of the roots, the first root adjoined first, without zeros at the end.
 _Power = tuple[int, ...]

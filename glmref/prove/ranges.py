@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["MAX_ORDER", "Known", "Range"]
-
 #: Largest order to which trees are compared: of one method, a separable pair, another pair, three
 #: right-hand sides, and more.
 MAX_ORDER = (12, 9, 8, 6, 5)
@@ -59,7 +57,8 @@ class Range:
     def sentence(self) -> str:
         """What decides the upper bound, or why there is none."""
         if self.upper is None or not self.tree:
-            bound = f"no tree of order {self.value} or less fails" if self.upper is None else ""
+            open_ = self.upper is None and self.value
+            bound = f"no tree of order {self.value} or less fails" if open_ else ""
             return "; ".join(x for x in (bound, self.reason) if x)
         order = self.upper + 1
         fails = f"tree {self.tree} of order {order} has residual {self.residual:.6g}"

@@ -5,20 +5,33 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ..catalogue.claims import NYSTROM_ORDER, ORDER
+from ..catalogue.claims import NYSTROM_ORDER, ORDER, ORDER_IDENTITY
 from ..errors import ExactnessError
 from ..exact import Exact, Scalar, linalg
 from ..exact.linalg import Vector
-from .algebra import is_exact
+from .algebra import all_of, is_exact
 from .forest import Forest, forest
 from .ranges import MAX_ORDER, Known, Range
 
 if TYPE_CHECKING:
     from .kernel import Judgement, Kernel, Proposal
 
-__all__ = ["RowRules", "stage_weights"]
-
 _ZERO, _ONE = Exact(0), Exact(1)
+
+
+def _all_zero(gaps: Sequence[tuple[Scalar, str]], *, exact: bool) -> Known:
+    """Whether numbers are zero: the first that is not decides, else the first that is open.
+
+    A method is exact whatever stands beside it: then the numbers say whether the answer is.
+    """
+    answers = [gap.is_zero() for gap, _ in gaps]
+    exact = exact and all(isinstance(gap, Exact) for gap, _ in gaps)
+    truth = all_of(answers)
+    if truth:
+        return Known(True, exact)
+    gap, text = gaps[answers.index(truth)]
+    shown = f"{complex(gap):.6g}".replace("+0j", "")
+    return Known(truth, exact, f"{text} {shown}", gap.magnitude())
 
 
 def stage_weights(A: Sequence[Vector], trees: Forest, known: dict[int, Vector], t: int) -> Vector:
@@ -59,15 +72,16 @@ class RowRules:
     def row_kernels(self) -> Iterator[tuple[str, Kernel]]:
         """The kernel of the method with each embedded row as its weights, by name."""
         kind: Any = type(self)
-        b = self.method.weights
         for row in self.method.embedded:
             implied = self.implied and self.implied.of_row(row.name)
-            yield row.name, kind(self.method.weighted(row.solution(b)), implied)
+            yield row.name, kind(self.method.with_row(row), implied)
 
     @property
     def row_claim(self) -> str:
         """The order that the rows are asked for: of a pair that on second-order systems."""
-        return NYSTROM_ORDER.key if self.is_pair and not self.method.additive else ORDER.key
+        if self.is_pair and not self.method.additive:
+            return NYSTROM_ORDER.key
+        return ORDER.key if self.method.is_one_step else ORDER_IDENTITY.key
 
     def _embedded_order(self, declared: Mapping[str, int], proposal: Proposal) -> Judgement:
         """Judge the order of every embedded row; the first that is not as declared decides."""
@@ -85,7 +99,7 @@ class RowRules:
         )  # fmt: skip
         return made(
             truth,
-            exact=all(str(x.proof) == "exact" for x in found.values()),
+            exact=self.exact and all(str(x.proof) == "exact" for x in found.values()),
             value={key: x.value for key, x in found.items()},
             residual=decides.residual,
             reason=f"row {name}: {decides.reason}" if name else "",
@@ -95,42 +109,38 @@ class RowRules:
         """The weights of each estimate sum to zero; of q the weight of q' itself is left out."""
         if not self.method.embedded:
             return Known(False, True, "the file gives no embedded rows")
-        b = self.method.weights
+        if any(row.values is not None for row in self.method.embedded):
+            raise ExactnessError("sums of weights decide of methods that carry one value")
+        b, gaps = self.method.weights, []
         for row in self.method.embedded:
             for n, (weights,) in enumerate(row.estimate(b)):
                 slopes = weights[1:] if self.row_claim == NYSTROM_ORDER.key and n == 0 else weights
                 total: Scalar = sum(slopes, _ZERO)
-                if total.is_zero() is not True:
-                    reason = f"the weights of the estimate {row.name} sum to {complex(total):.6g}"
-                    reason = reason.replace("+0j", "")
-                    return Known(
-                        total.is_zero() if total.is_zero() is None else False,
-                        isinstance(total, Exact), reason, total.magnitude(),
-                    )  # fmt: skip
-        return Known(True, self.exact)
+                gaps.append((total, f"the weights of the estimate {row.name} sum to"))
+        return _all_zero(gaps, exact=self.exact)
 
     def _row_sums(self, witness: Mapping[str, Any]) -> Known:
         """C = A 1; it is where no c is given."""
         c = self.method.abscissae_given
         if c is None:
             return Known(True)
-        for i, (row, x) in enumerate(zip(self.method.A, c, strict=True)):
-            gap = sum(row, _ZERO) - x
-            if gap.is_zero() is not True:
-                reason = f"row {i + 1} of A sums to c[{i + 1}] + {complex(gap).real:.6g}"
-                return Known(gap.is_zero(), isinstance(gap, Exact), reason, gap.magnitude())
-        return Known(True, self.exact)
+        gaps = [
+            (sum(row, _ZERO) - x, f"row {i} of A sums to c[{i}] +")
+            for i, (row, x) in enumerate(zip(self.method.A, c, strict=True), 1)
+        ]
+        return _all_zero(gaps, exact=self.exact)
 
     def _dense_end(self, witness: Mapping[str, Any]) -> Known:
         """b(1) = b."""
         if self.method.dense is None:
             return Known(False, True, "the file gives no dense output")
-        for i, (row, x) in enumerate(zip(self.method.dense, self.method.weights[0], strict=True)):
-            gap = sum(row, _ZERO) - x
-            if gap.is_zero() is not True:
-                reason = f"b[{i + 1}](1) differs from b[{i + 1}] by {complex(gap).real:.6g}"
-                return Known(gap.is_zero(), isinstance(gap, Exact), reason, gap.magnitude())
-        return Known(True, self.exact)
+        gaps = [
+            (sum(row, _ZERO) - x, f"b[{i}](1) differs from b[{i}] by")
+            for i, (row, x) in enumerate(
+                zip(self.method.dense, self.method.weights[0], strict=True), 1
+            )
+        ]
+        return _all_zero(gaps, exact=self.exact)
 
     @property
     def _dense_order(self) -> Range:

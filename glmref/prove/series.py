@@ -48,18 +48,8 @@ from ..exact.linalg import Matrix, Vector
 from ..method.solution_value import first_functional
 from ..system.budget import spend
 from ..theory.coefficients import is_zero, plus, times, weighted
+from .algebra import scalars
 from .forest import Forest
-
-__all__ = [
-    "Component",
-    "NoOrderOne",
-    "NotPreconsistent",
-    "StartingSeries",
-    "apply_rows",
-    "component",
-    "read",
-    "tableau_series",
-]
 
 _ZERO, _ONE = Exact(0), Exact(1)
 _Rows = tuple[tuple[tuple[int, Any], ...], ...]
@@ -122,10 +112,6 @@ def apply_rows(rows: _Rows, x: Sequence[Any]) -> tuple[Any, ...]:
 def read(c: Component, values: Sequence[Any]) -> Any:
     """The solution that a vector of values holds: what the output functional sees of it."""
     return apply_rows(c.output, values)[0]
-
-
-def _scalars(vector: Sequence[Any]) -> Vector:
-    return tuple(Exact(x) if isinstance(x, int | Fraction) else x for x in vector)
 
 
 def component(
@@ -393,6 +379,22 @@ class StartingSeries:
             result = tuple(map(times, result, c))
         return result
 
+    def fixed_stages(self, colour: str, value: Sequence[Any]) -> tuple[Any, ...]:
+        """What principal parts N beta leave of a value at the stages: they add U N beta to it.
+
+        Raises
+        ------
+        ExactnessError
+            Where 1 is a multiple eigenvalue of V and U holds balls.
+        """
+        c = self.components[colour]
+        if len(c.N) == 1:  # U u = 1
+            return tuple(plus(x, times(-1, value[0])) for x in value[1:])
+        moved = tuple(scalars(apply_rows(c.U, x)) for x in c.N)
+        if not all(isinstance(x, Exact) for row in moved for x in row):
+            raise ExactnessError("what principal parts add to the stages is not known exactly")
+        return tuple(weighted(list(enumerate(z)), value) for z in linalg.nullspace(moved))
+
     # -- conditions
 
     def _right(self, t: int) -> tuple[Any, ...]:
@@ -487,11 +489,11 @@ class StartingSeries:
         c = self.components[self.trees.colour[node]]
         before = self.eta.get(node, (0,) * len(c.u))
         right = plus(apply_rows(c.B, self.stage(node, before)), times(-1, before))
-        residual = _scalars(apply_rows(c.W, plus(right, times(Fraction(-1, 2), c.u))))
-        columns = [_scalars(apply_rows(c.W, apply_rows(c.B, apply_rows(c.U, x)))) for x in c.N]
+        residual = scalars(apply_rows(c.W, plus(right, times(Fraction(-1, 2), c.u))))
+        columns = [scalars(apply_rows(c.W, apply_rows(c.B, apply_rows(c.U, x)))) for x in c.N]
         K = linalg.transpose(tuple(columns))
         square = linalg.sub(K, linalg.identity(len(K)))
-        along = _scalars(_apply_u(c))
+        along = scalars(_apply_u(c))
         beta = _bordered(square, residual, along)
         self.complete = beta is not None
         if beta is not None:

@@ -33,12 +33,11 @@ from typing import Any
 from ..errors import DataError, ExactnessError
 from ..exact import Exact, ball, linalg
 from ..exact.expression import parse
-from ..theory.trees import MAX_ORDER, ROOTED, Palette, Tree, parse_tree, single, tree, trees
+from ..method.component import ROOTED, Palette
+from ..theory.trees import MAX_ORDER, Tree, parse_tree, single, tree, trees
 from .algebra import stands
 from .enclosure import WIDTH, root_of
 from .system import Affine
-
-__all__ = ["RungeKuttaSystem", "prove_runge_kutta"]
 
 _FORMS = {
     "order": r"(?P<tree>\S+)",
@@ -64,7 +63,7 @@ class _Equation:
         kind, _, rest = text.partition(" ")
         match = re.fullmatch(_FORMS.get(kind, r"(?!)"), rest)
         if match is None:
-            raise DataError(f"the equation {text!r} is unknown; write {_EXAMPLES}")
+            raise DataError(f"the equation {text[:60]!r} is unknown; write {_EXAMPLES}")
         found = match.groupdict()
         if kind == "column":
             return cls(text, number=int(found["number"]) - 1)

@@ -44,28 +44,6 @@ from .krawczyk import Krawczyk, Outcome, is_rounding, krawczyk
 from .system import Affine, SweepSystem
 from .tableau_series import TableauSeries, stage_order
 
-__all__ = [
-    "StartingSystem",
-    "Target",
-    "enclosed_block",
-    "even_trees",
-    "finishing_function",
-    "finishing_system",
-    "first_value",
-    "functionals",
-    "inverse_block",
-    "is_inverse",
-    "known_stage_order",
-    "prove_blocks",
-    "prove_finishing",
-    "prove_starting",
-    "start_orders",
-    "starting_function",
-    "starting_system",
-    "swap",
-    "target_of",
-]
-
 Conditions = Callable[[Sequence[Any]], list[Any]]
 
 #: Decimals of a start that are unknowns: entries with fewer places are exact.

@@ -40,8 +40,6 @@ from .classes import Family, classes, reduce_tree
 from .equations import Series, starting_series
 from .lie import SPLITTING, VERLET_F, VERLET_K
 
-__all__ = ["Affine", "Equation", "SweepSystem"]
-
 #: The names of the weights in a file, by its class: one component or two.
 _WEIGHTS = {"sweep": ("D",), "pair-sweep": ("b", "c"), "splitting": ("a", "b")}
 
@@ -181,14 +179,14 @@ class Equation:
         kind, _, rest = text.partition(" ")
         match = re.fullmatch(_FORMS[components].get(kind, r"(?!)"), rest)
         if match is None:
-            raise DataError(f"the equation {text!r} is unknown; write {_EXAMPLES[components]}")
+            raise DataError(f"the equation {text[:60]!r} is unknown; write {_EXAMPLES[components]}")
         found = match.groupdict()
         name = found.get("tree") or {"start": "o", "defect": "[o]"}.get(kind)
         t = parse_tree(name) if name else None
         family = Family.ROOTED if components == 1 else Family.SEPARABLE
         if t is not None and t not in family:
             raise DataError(
-                f"{text!r} must name a tree of "
+                f"{text[:60]!r} must name a tree of "
                 f"{'one colour' if components == 1 else 'which the colours f and k alternate'}"
             )
         colour = {"q": "f", "p": "k"}.get(found.get("half") or "", "o")

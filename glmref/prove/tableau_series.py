@@ -11,8 +11,6 @@ from ..exact.linalg import Matrix
 from ..theory.trees import Tree
 from .classes import classes, reduce_tree
 
-__all__ = ["TableauSeries", "stage_order", "weights"]
-
 #: The entries of a row that are not exact zeros, with their columns.
 _Row = list[tuple[int, Any]]
 

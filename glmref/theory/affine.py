@@ -1,21 +1,13 @@
 """What a matrix of residuals says: all zero, some entry not zero, or open.
 
 The linear systems the residuals belong to are solved by :func:`glmref.exact.linalg.solve_affine`.
-
-Public names::
-
-    solve_affine(rows, right) -> Affine(point, directions, failed, undecided)
-    independent_rows(rows, enough) -> list[int]
-    verdict_of(residual) -> Residual(holds, residual, entry)
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..exact.linalg import Affine, Matrix, independent_rows, solve_affine
-
-__all__ = ["Affine", "Residual", "independent_rows", "solve_affine", "verdict_of"]
+from ..exact.linalg import Matrix
 
 
 @dataclass(frozen=True)

@@ -18,23 +18,6 @@ from ..method import Component
 from ..method.solution_value import first_functional, preconsistency
 from .coefficients import is_zero, plus, times, weighted
 
-__all__ = [
-    "Block",
-    "NotPreconsistent",
-    "Rows",
-    "apply",
-    "as_scalar",
-    "block_of",
-    "equal",
-    "kernel",
-    "make_block",
-    "present",
-    "principal_vectors",
-    "seen",
-    "sparse",
-    "tidy",
-]
-
 #: A matrix by rows: (column, entry) for every entry that is not certainly zero.
 Rows = tuple[tuple[tuple[int, Scalar], ...], ...]
 

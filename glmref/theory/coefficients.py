@@ -11,8 +11,6 @@ from typing import Any
 
 from ..exact import Ball, Exact, Jet, sum_of_products
 
-__all__ = ["Coefficient", "is_zero", "plus", "times", "weighted"]
-
 #: An int, a Fraction, a Scalar, or a tuple of them.
 Coefficient = Any
 

@@ -2,11 +2,6 @@
 
 With ``gamma = [[1/2, i/2], [1/2, -i/2]]`` on each pair, (A, U, B, V) becomes
 (A, U gamma, gamma^-1 B, gamma^-1 V gamma) and G becomes gamma^* G gamma.
-
-Public names::
-
-    complex_pairs(m) -> list[int]                 to_real(m, pairs=None) -> GLM
-    rotation_pairs(m) -> list[int]                to_complex(m, pairs=None) -> GLM
 """
 
 from __future__ import annotations
@@ -17,8 +12,6 @@ from fractions import Fraction
 from ..exact import Exact, linalg
 from ..exact.linalg import Matrix
 from ..method import GLM
-
-__all__ = ["complex_pairs", "rotation_pairs", "to_complex", "to_real"]
 
 _ONE = Exact(1)
 

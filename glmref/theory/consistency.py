@@ -4,13 +4,6 @@
 ``B 1 + V v = u + v`` (consistency) the solution of y' = 1. Then ``c = A 1 + U v`` are the
 abscissae. The vectors themselves come from :mod:`glmref.method.solution_value`; here it is decided
 whether they satisfy the conditions.
-
-Public names::
-
-    preconsistency_residual(m, u) -> Matrix            (r + s, 1)
-    consistency_residual(m, u, v) -> Matrix            (r, 1)
-    consistency(m) -> Consistency                      u, v, c and what failed
-    zero_stability(m) -> Boundedness                   is_zero_stable(m) -> bool | None
 """
 
 from __future__ import annotations
@@ -24,21 +17,9 @@ from ..method.solution_value import (
     abscissae,
     consistency_vector,
     preconsistency_of,
-    preconsistency_vector,
 )
 from .affine import verdict_of
 from .spectrum import Boundedness, power_bounded
-
-__all__ = [
-    "Consistency",
-    "abscissae",
-    "consistency",
-    "consistency_residual",
-    "is_zero_stable",
-    "preconsistency_residual",
-    "preconsistency_vector",
-    "zero_stability",
-]
 
 _ZERO, _ONE = Exact(0), Exact(1)
 _NO_V = "no vector v has B 1 + V v = u + v: the weights along the eigenvalue 1 of V do not sum to 1"
@@ -135,7 +116,8 @@ def _row_off(m: Block, u: Vector) -> str:
     row, value = rows.pop(k), right.pop(k)
     v = linalg.solve_affine(tuple(rows), tuple(right)).point if rows else (_ZERO,) * len(u)
     off = value - linalg.dot(row, v)
-    return f"row {k + 1} is off by {complex(off).real:.6g} where the others hold"
+    where = " where the others hold" if rows else ""
+    return f"row {k + 1} is off by {complex(off).real:.6g}{where}"
 
 
 def zero_stability(m: Block) -> Boundedness:

@@ -1,17 +1,6 @@
 """When two tableaux are the same method: change of values, order of stages, superfluous parts.
 
-Public names::
-
-    equivalence(m1, m2) -> Equivalence | None     T and the order of the stages
-    equivalent(m1, m2) -> Matrix | None           T alone
-    reduce(m) -> GLM                              is_reduced(m) -> bool
-    unobservable_values(m) -> list[Vector]        reachable_values(m) -> list[Vector]
-    merge_equal_stages(m) -> GLM                  drop_idle_stages(m) -> GLM
-
-and from :mod:`glmref.theory.complex_form`::
-
-    complex_pairs(m) -> list[int]                 to_real(m, pairs=None) -> GLM
-    rotation_pairs(m) -> list[int]                to_complex(m, pairs=None) -> GLM
+The real and the complex form of a method are in :mod:`glmref.theory.complex_form`.
 """
 
 from __future__ import annotations
@@ -22,29 +11,11 @@ from itertools import islice, product
 
 from ..errors import UsageError
 from ..exact import Exact, Scalar, linalg
-from ..exact.linalg import Matrix, Vector
+from ..exact.linalg import Matrix, Vector, independent_rows, solve_affine
 from ..method import GLM
 from ..method.stage_order import reached
-from .affine import independent_rows, solve_affine
-from .complex_form import complex_pairs, rotation_pairs, to_complex, to_real
 from .involutions import matchings
 from .reduction import observed_rows, reached_rows
-
-__all__ = [
-    "Equivalence",
-    "complex_pairs",
-    "drop_idle_stages",
-    "equivalence",
-    "equivalent",
-    "is_reduced",
-    "merge_equal_stages",
-    "reachable_values",
-    "reduce",
-    "rotation_pairs",
-    "to_complex",
-    "to_real",
-    "unobservable_values",
-]
 
 _ZERO, _ONE = Exact(0), Exact(1)
 MAX_MATCHINGS = 50

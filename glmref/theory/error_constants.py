@@ -1,13 +1,4 @@
-"""Error constants: the residuals one order beyond, as one number, and what no conjugation removes.
-
-Public names::
-
-    error_max(result) -> float               largest residual at order p + 1
-    error_norm(result) -> float              Euclidean norm of residual / sigma at order p + 1
-    conjugate_error(result) -> dict[Tree, Scalar]    the same residuals, least squares over the
-                                             principal parts: what no conjugation can remove
-    commutator_row(t, place) -> dict         how principal parts enter the condition of a tree
-"""
+"""Error constants: residuals one order beyond as one number, and what no conjugation removes."""
 
 from __future__ import annotations
 
@@ -18,12 +9,11 @@ from typing import Any
 
 from ..errors import UsageError
 from ..exact import Scalar
+from ..method.component import ROOTED
 from .blocks import as_scalar
 from .coefficients import plus, times
 from .order import OrderResult
-from .trees import ROOTED, Tree, pruned, trees
-
-__all__ = ["commutator_row", "conjugate_error", "error_max", "error_norm"]
+from .trees import Tree, pruned, trees
 
 
 def error_max(result: OrderResult) -> float:

@@ -16,8 +16,6 @@ from ..exact import Exact, Scalar, linalg
 from ..exact.linalg import Matrix, Vector
 from ..system.budget import fits, spend
 
-__all__ = ["Form", "FormSpace", "choose_form", "combine", "cut_down", "invariant_matrices"]
-
 _ZERO, _ONE = Exact(0), Exact(1)
 
 

@@ -1,11 +1,4 @@
-"""Permutations of stages that respect given matrices, found by backtracking.
-
-Public names::
-
-    Relation(A, target, row_offset, column_offset)
-    involutions(relations, kinds) -> iterator of permutations, the reversal tried first
-    matchings(pairs, size) -> iterator of permutations that carry one set of matrices to another
-"""
+"""Permutations of stages that respect given matrices, found by backtracking."""
 
 from __future__ import annotations
 
@@ -14,8 +7,6 @@ from dataclasses import dataclass
 
 from ..exact import Ball, Scalar
 from ..exact.linalg import Matrix
-
-__all__ = ["Relation", "involutions", "matchings"]
 
 
 @dataclass(frozen=True, eq=False)

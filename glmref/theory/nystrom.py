@@ -8,11 +8,6 @@ solution itself has order p on such systems when the residuals of these trees va
 
 Symplectic Runge-Kutta-Nyström methods in the form of splittings of p^2/2 + V(q) are the case r = 1.
 
-Public names::
-
-    is_nystrom(tree) -> bool                  nystrom_trees(order) -> tuple of trees
-    nystrom_order_of(pair, *, max_order=9) -> OrderResult
-
 References
 ----------
     Hairer, Lubich, Wanner, "Geometric Numerical Integration" (2006), sections II.2.3 and III.2.3;
@@ -24,10 +19,9 @@ from __future__ import annotations
 from functools import cache
 
 from ..method import Method
+from ..method.component import SEPARABLE
 from .order import OrderResult, order_of
-from .trees import SEPARABLE, Tree, trees
-
-__all__ = ["is_nystrom", "nystrom_order_of", "nystrom_trees"]
+from .trees import Tree, trees
 
 
 @cache

@@ -1,14 +1,5 @@
 """Order of a general linear method: the existence of a starting series, decided exactly.
 
-Public names::
-
-    order_of(method, *, max_order=None, principal="free") -> OrderResult
-    order_residuals(method, order, *, principal="identity") -> dict[Tree, Scalar]
-    highest_order(palette) -> int            how far trees are compared by default
-    residuals_of(blocks, palette, order, principal) -> dict[Tree, Scalar]    the same from blocks
-                                             of any number type, see theory.blocks.make_block
-    OrderResult                              frozen record, see its attributes
-
 A method has order p when there is a starting series eta with ``M S = S E + O(h^(p+1))``. With
 ``principal="free"`` any series will do (for r = 1 this is Butcher's effective order); with
 ``principal="identity"`` the output must be the solution itself, ``w eta(t) = 0`` for every tree
@@ -37,22 +28,14 @@ from ..exact import Scalar
 from ..exact.linalg import Vector
 from ..findings import Proof
 from ..method import Method
+from ..method.component import Palette
 from ..method.stage_order import is_shared
 from .blocks import Block, NotPreconsistent, as_scalar, block_of
 from .coefficients import is_zero, plus, times
 from .conditions import Conditions
 from .series import Series
 from .systems import counted
-from .trees import MAX_ORDER, Palette, Tree, trees
-
-__all__ = [
-    "OrderResult",
-    "Principal",
-    "highest_order",
-    "order_of",
-    "order_residuals",
-    "residuals_of",
-]
+from .trees import MAX_ORDER, Tree, trees
 
 Principal = Literal["free", "identity"]
 

@@ -9,10 +9,6 @@ For a pair ``q' = f(p), p' = k(q)`` the components at a common eigenvalue are co
 ``mu_p = zeta^-1 w^ B^ U v``; both are asked to be zero. Where the stages are shared, f and k may
 depend on both variables, and ``mu_qq = zeta^-1 w B U v``, ``mu_pp = zeta^-1 w^ B^ U^ v^`` count
 too.
-
-Public names::
-
-    growth(m) -> Parasitism                    growth_parameters(m) -> tuple[Scalar, ...]
 """
 
 from __future__ import annotations
@@ -29,13 +25,6 @@ from ..method.solution_value import preconsistency_vector
 from . import polynomials as poly
 from .affine import verdict_of
 from .spectrum import Eigenvalue, eigenvectors, unimodular_eigenvalues
-
-__all__ = [
-    "Growth",
-    "Parasitism",
-    "growth",
-    "growth_parameters",
-]
 
 
 @dataclass(frozen=True, eq=False)

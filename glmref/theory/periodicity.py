@@ -12,10 +12,6 @@ the circle for every y (G-symplectic and symmetric methods), which is decided ex
   root is off it.
 
 A method that is G-symplectic with a definite G needs none of this: its M(iy) is unitary in G.
-
-Public names::
-
-    periodicity(m) -> Periodicity                for a GLM, and for a pair on q' = p, p' = -q
 """
 
 from __future__ import annotations
@@ -33,8 +29,6 @@ from . import polynomials as poly
 from .polynomials import Polynomial
 from .stability import axis_polynomial
 from .symplectic import g_symplectic
-
-__all__ = ["Periodicity", "periodicity"]
 
 FINEST = Fraction(1, 2**44)  # step below which a collision of eigenvalues is taken to be near
 FARTHEST = 64  # beyond this y the interval is reported as proven so far

@@ -3,18 +3,6 @@
 A polynomial is a tuple of scalars, constant term first. Over balls the ring operations enclose; a
 decision that a ball leaves open raises :class:`~glmref.errors.ExactnessError`.
 
-Public names::
-
-    Polynomial = tuple[Scalar, ...]
-    trim(p) -> Polynomial                      add(p, q), sub(p, q), mul(p, q), scale(c, p)
-    divide(p, q) -> (quotient, remainder)      gcd(p, q) -> monic      squarefree(p)
-    derivative(p)       monic(p)               evaluate(p, x)          evaluate_matrix(p, M)
-    power(p, n)                                compose_moebius(p, a, b, c, d)
-    from_roots(roots)                          interpolate(points, values)
-    characteristic_polynomial(M) -> Polynomial faddeev_leverrier(M) -> (Polynomial, adjugate terms)
-    reciprocal(p) -> Polynomial                is_self_reciprocal(p) -> bool
-    approximate_roots(p) -> list[complex]
-
 Where the roots lie is decided in :mod:`glmref.theory.root_location`.
 """
 
@@ -27,31 +15,6 @@ from ..errors import ExactnessError
 from ..exact import Exact, Scalar, exact, linalg
 from ..exact.linalg import Matrix
 from ..system.budget import spend
-
-__all__ = [
-    "Polynomial",
-    "add",
-    "approximate_roots",
-    "characteristic_polynomial",
-    "compose_moebius",
-    "derivative",
-    "divide",
-    "evaluate",
-    "evaluate_matrix",
-    "faddeev_leverrier",
-    "from_roots",
-    "gcd",
-    "interpolate",
-    "is_self_reciprocal",
-    "monic",
-    "mul",
-    "power",
-    "reciprocal",
-    "scale",
-    "squarefree",
-    "sub",
-    "trim",
-]
 
 Polynomial = tuple[Scalar, ...]
 
@@ -95,14 +58,6 @@ def mul(p: Polynomial, q: Polynomial) -> Polynomial:
             if b.is_zero() is not True:
                 result[i + j] = result[i + j] + a * b
     return trim(result)
-
-
-def power(p: Polynomial, exponent: int) -> Polynomial:
-    """Power with a non-negative exponent."""
-    result: Polynomial = (_ONE,)
-    for _ in range(exponent):
-        result = mul(result, p)
-    return result
 
 
 def divide(p: Polynomial, q: Polynomial) -> tuple[Polynomial, Polynomial]:

@@ -9,10 +9,6 @@ minimal machines with the same answers have equally many values (Kalman 1963). S
 every value is reached and seen is not a partitioned Runge-Kutta method in disguise, however many
 stages that may have; one that is carries one value of each component.
 
-Public names::
-
-    reduction(m) -> Reduction          is_reducible(m) -> bool | None
-
 References
 ----------
     Kalman, "Mathematical description of linear dynamical systems", J. SIAM Control 1 (1963),
@@ -28,8 +24,6 @@ from ..exact.linalg import Matrix
 from ..method import Method
 from ..method.solution_value import Block, preconsistency_vector
 from .blocks import kernel
-
-__all__ = ["Reduction", "is_reducible", "observed_rows", "reached_rows", "reduction"]
 
 
 @dataclass(frozen=True)

@@ -2,13 +2,6 @@
 
 Exact numbers only are decided; a ball whose sign is open raises
 :class:`~glmref.errors.ExactnessError`.
-
-Public names::
-
-    real_roots(p, low=None, high=None) -> int  is_nonnegative(p) -> bool
-    first_root(p, low, high, width) -> Fraction | None
-    is_schur(p) -> bool                        in_closed_disc(p) -> bool
-    unimodular_roots(p) -> int
 """
 
 from __future__ import annotations
@@ -17,6 +10,7 @@ from fractions import Fraction
 from itertools import pairwise
 
 from ..exact import Exact, Scalar, exact
+from ..system.budget import spend
 from .polynomials import (
     Polynomial,
     compose_moebius,
@@ -33,15 +27,6 @@ from .polynomials import (
     sub,
     trim,
 )
-
-__all__ = [
-    "first_root",
-    "in_closed_disc",
-    "is_nonnegative",
-    "is_schur",
-    "real_roots",
-    "unimodular_roots",
-]
 
 _ZERO, _ONE = Exact(0), Exact(1)
 
@@ -63,6 +48,7 @@ def _sign_changes(signs: list[int]) -> int:
 
 
 def _signs_at(chain: list[Polynomial], x: Scalar | None, infinity: int) -> list[int]:
+    spend()
     if x is not None:
         return [evaluate(q, x).sign() for q in chain]
     return [q[-1].sign() * (infinity if len(q) % 2 == 0 else 1) for q in chain]

@@ -1,9 +1,5 @@
 """B-series and P-series as mappings from trees to coefficients.
 
-Public names::
-
-    Series(values, empty, order, palette=ROOTED)     mapping Tree -> Coefficient, truncated
-
 A series with coefficients a stands for ``a(empty) y + sum of a(t) h^|t| / sigma(t) F(t)(y)``. A
 coefficient is a number (int, Fraction or any Scalar) or a tuple of numbers: a vector-valued series
 describes r values at once. Over a two-coloured palette the trees with root ``f`` describe the
@@ -20,10 +16,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 
 from ..errors import UsageError
+from ..method.component import ROOTED, Palette
 from .coefficients import Coefficient, is_zero, plus, times
-from .trees import ROOTED, Palette, Tree, trees_up_to
-
-__all__ = ["Coefficient", "Series"]
+from .trees import Tree, trees_up_to
 
 
 class Series(Mapping[Tree, Coefficient]):

@@ -1,12 +1,4 @@
-"""Eigenvalues of modulus one and power-boundedness of a matrix, decided exactly.
-
-Public names::
-
-    unimodular_eigenvalues(V) -> tuple[Eigenvalue, ...]    in order of increasing argument, 1 first
-    eigenvectors(V, zeta) -> (left rows, right columns)
-    power_bounded(V) -> Boundedness
-    argument_key                                           sorts unimodular numbers by argument
-"""
+"""Eigenvalues of modulus one and power-boundedness of a matrix, decided exactly."""
 
 from __future__ import annotations
 
@@ -21,15 +13,6 @@ from ..exact.linalg import Matrix, Vector
 from . import polynomials as poly
 from .polynomials import Polynomial
 from .root_location import is_schur, unimodular_roots
-
-__all__ = [
-    "Boundedness",
-    "Eigenvalue",
-    "argument_key",
-    "eigenvectors",
-    "power_bounded",
-    "unimodular_eigenvalues",
-]
 
 #: Roots of unity of these orders are tried whatever the field; the others follow from the degree.
 USUAL_ORDERS = (1, 2, 3, 4, 5, 6, 8, 10, 12)

@@ -3,15 +3,6 @@
 For y' = lambda y, z = h lambda, one step is ``M(z) = V + z B (I - z A)^-1 U``. Its eigenvalues w
 are the roots of ``P(w, z) = det(w I - M(z)) det(I - z A)``, a polynomial in both.
 
-Public names::
-
-    stability_polynomial(m) -> tuple[Polynomial, ...]   coefficient of w^k as a polynomial in z
-    stability_matrix(m, z) -> Matrix                    M(z)
-    stability_function(m) -> (N, D)                     R = N/D of a one-step method
-    at_infinity(m) -> AtInfinity                        eigenvalues of M(z) as z grows
-    oscillator(pair) -> GLM                             a pair on q' = p, p' = -q
-    parasitic_curvature(pair) -> Scalar                 how its eigenvalues near -1 move
-
 The periodicity interval is in :mod:`glmref.theory.periodicity`, A- and L-stability in
 :mod:`glmref.prove.kernel`.
 """
@@ -29,18 +20,6 @@ from ..exact.linalg import Matrix
 from ..method import GLM, Method
 from . import polynomials as poly
 from .polynomials import Polynomial
-
-__all__ = [
-    "AtInfinity",
-    "at_infinity",
-    "axis_polynomial",
-    "on_imaginary_axis",
-    "oscillator",
-    "parasitic_curvature",
-    "stability_function",
-    "stability_matrix",
-    "stability_polynomial",
-]
 
 _ZERO, _ONE = Exact(0), Exact(1)
 _I = Exact(-1).sqrt()
@@ -268,6 +247,7 @@ def leading_part(P: Bivariate) -> tuple[Polynomial, int]:
 
 
 def only_zeros(leading: Polynomial, unbounded: int) -> bool:
+    """Whether all limits of the eigenvalues at infinity are zero."""
     return unbounded == 0 and all(x.is_zero() is True for x in leading[:-1])
 
 

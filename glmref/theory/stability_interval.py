@@ -6,11 +6,6 @@ real polynomials in x; all roots lie in the closed unit disc as long as none of 
 negative. The interval ends at the first x at which one of them turns negative, which Sturm's
 theorem isolates.
 
-Public names::
-
-    real_interval(m) -> Interval                 on the negative real axis
-    imaginary_interval(m) -> Interval            on the imaginary axis
-
 References
 ----------
     Marden, "Geometry of Polynomials" (1966), sections 42 and 45; Hairer and Wanner, "Solving
@@ -35,8 +30,6 @@ from .stability import (
     stability_polynomial,
     without_content,
 )
-
-__all__ = ["Interval", "imaginary_interval", "real_interval"]
 
 #: Width to which the end of an interval is enclosed.
 WIDTH = Fraction(1, 10**16)

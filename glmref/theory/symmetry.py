@@ -13,12 +13,6 @@ far as the stages see the values. L^2 = I is checked, never assumed.
 A method of several components has an involution of the values for each, the conditions with its own
 blocks, and the stages of each are exchanged among themselves: of a partitioned method on separable
 systems, forward and backward sweep change places. Shared stages are exchanged alike.
-
-Public names::
-
-    adjoint(m) -> GLM
-    symmetry_residual(m, L, P) -> list of (name, Matrix)
-    check_symmetry(m, L, P) -> Symmetry        symmetry(m) -> Symmetry
 """
 
 from __future__ import annotations
@@ -30,21 +24,12 @@ from typing import cast
 
 from ..errors import ExactnessError
 from ..exact import Exact, exact, linalg
-from ..exact.linalg import Matrix
+from ..exact.linalg import Matrix, independent_rows, solve_affine
 from ..method import GLM, Component, Method
 from ..method.stage_order import offsets
-from .affine import independent_rows, solve_affine
 from .equivalence import reduce
 from .involutions import Relation, involutions
 from .symplectic import judge_identities
-
-__all__ = [
-    "Symmetry",
-    "adjoint",
-    "check_symmetry",
-    "symmetry",
-    "symmetry_residual",
-]
 
 #: At most so many stage permutations are tried; only methods with many equal stages have more.
 MAX_PERMUTATIONS = 200

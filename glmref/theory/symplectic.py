@@ -25,13 +25,6 @@ kernel of G and suppose d_i = 0: V maps K into K and is an isometry of the quoti
 stages with d_i = 0 and the values in K feed nothing back, and what is left is a method with
 nonsingular G and D that carries the principal solution. ``nondegenerate`` says whether that is the
 whole method. A method without u (not pre-consistent) is held to nonsingular G and D instead.
-
-Public names::
-
-    g_symplectic_residual(m, G, *diagonals) -> list of (name, Matrix)
-    find_forms(m) -> FormSpace                  check_g_symplectic(m, G, *diagonals)
-    g_symplectic(m) -> GSymplecticity           is_g_symplectic(m) -> bool | None
-    symplectic_residual(m) -> Matrix            is_symplectic(m) -> bool | None   (one-step methods)
 """
 
 from __future__ import annotations
@@ -46,17 +39,6 @@ from ..method import GLM, Component, Method
 from ..method.solution_value import preconsistency_vector
 from .affine import verdict_of
 from .forms import Form, FormSpace, choose_form, cut_down, invariant_matrices, is_nondegenerate
-
-__all__ = [
-    "GSymplecticity",
-    "check_g_symplectic",
-    "find_forms",
-    "g_symplectic",
-    "g_symplectic_residual",
-    "is_g_symplectic",
-    "is_symplectic",
-    "symplectic_residual",
-]
 
 _ZERO, _ONE = Exact(0), Exact(1)
 
@@ -154,6 +136,7 @@ def g_symplectic_residual(
 
 
 def rows_scaled(D: Sequence[Scalar], a: Matrix) -> Matrix:
+    """The product of the diagonal matrix D and a matrix."""
     return tuple(
         tuple(x if x.is_zero() is True else d * x for x in row) for d, row in zip(D, a, strict=True)
     )

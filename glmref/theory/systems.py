@@ -17,8 +17,6 @@ from functools import cache
 
 from .trees import Tree
 
-__all__ = ["counted"]
-
 _GOOD: dict[str, Callable[[Tree], bool]] = {
     "": lambda t: True,
     "time": lambda t: t.colour != "k" or not t.children,

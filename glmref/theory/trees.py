@@ -1,17 +1,5 @@
 """Rooted trees in any number of colours.
 
-Public names::
-
-    Tree                                  interned, immutable, hashable
-        .colour .children .order .density .symmetry .labellings .extensions, str(tree)
-    ROOTED, GENERAL, SEPARABLE            palettes: which colours a child may have
-    trees(order, palette=ROOTED)          -> tuple of all trees of that order
-    trees_up_to(order, palette=ROOTED)    -> tuple of all trees of order 1..order
-    tree(children, colour="o")            -> Tree, children in any order
-    parse_tree("[o[oo]]")                 -> Tree
-    single(colour="o")                    -> Tree of one node
-    pruned(tree)                          -> {kept: number of ways, counted with the growth order}
-
 The text form writes ``o`` for a single node and ``[...]`` for a root with the trees inside the
 brackets as its subtrees: ``[o[oo]]``. Two-coloured trees write the colour of every vertex, ``f`` or
 ``k``, before its bracket: ``f[kk[f]]``. For ``q' = f(q, p)``, ``p' = k(q, p)`` a vertex ``f``
@@ -34,22 +22,7 @@ from types import MappingProxyType
 from typing import Any, NoReturn
 
 from ..errors import UsageError
-from ..method.component import GENERAL, ROOTED, SEPARABLE, Palette
-
-__all__ = [
-    "GENERAL",
-    "MAX_ORDER",
-    "ROOTED",
-    "SEPARABLE",
-    "Palette",
-    "Tree",
-    "parse_tree",
-    "pruned",
-    "single",
-    "tree",
-    "trees",
-    "trees_up_to",
-]
+from ..method.component import ROOTED, Palette
 
 #: Largest order for which all trees are listed (12486 one-coloured trees have order 13).
 MAX_ORDER = 13
@@ -152,7 +125,6 @@ def _make_single(colour: str) -> Tree:
     _set_order(new, 1)
     _set_density(new, 1)
     _set_symmetry(new, 1)
-    _set_repeat(new, 0)
     _MADE[colour][()] = new
     return new
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -31,8 +32,10 @@ from ..exact.expression import shown_number
 from ..exact.linalg import Matrix, Vector
 from ..findings import Proof
 from ..method import Method
+from ..prove.digits import rounded_up
 from ..prove.facts import Facts
-from ..prove.kernel import SMALL, Range
+from ..prove.kernel import SMALL, Kernel
+from ..prove.ranges import Range
 from ..system.budget import limited
 from ..system.shown import Shown
 from ..theory.error_constants import error_norm
@@ -40,8 +43,6 @@ from ..theory.order import order_of
 from ..theory.periodicity import periodicity
 from ..theory.stability_interval import imaginary_interval, real_interval
 from .verifier import budget_of, facts_for
-
-__all__ = ["FORMAT", "Analysis", "analyze"]
 
 FORMAT = "glmref-analysis-1"
 
@@ -191,11 +192,20 @@ def _shared(facts: Facts) -> dict[str, Any]:
         "error_constants": {str(t): _real(x) for t, x in constants.items()},
         "parasitism_free": None if m.additive else facts.truth(PARASITISM_FREE.key),
         "proof": facts.proof,
-        "consistency_witness": "; ".join(x.witness for x in facts.consistencies if x.witness),
+        "consistency_witness": "; ".join(
+            dict.fromkeys(x.witness for x in facts.consistencies if x.witness)
+        ),
         "error_norm": error_norm(facts.classical_order),
-        "order_embedded": {name: x.range(kernel.row_claim).value for name, x in kernel.row_kernels}
-        or None,
+        "order_embedded": _row_orders(kernel),
     }
+
+
+def _row_orders(kernel: Kernel) -> dict[str, int] | None:
+    """Orders of the embedded rows by name; ``None`` without rows, or without the u they need."""
+    try:
+        return {name: x.range(kernel.row_claim).value for name, x in kernel.row_kernels} or None
+    except ExactnessError:
+        return None
 
 
 def _stability(facts: Facts) -> dict[str, Any]:
@@ -228,22 +238,39 @@ JUMP = 100.0
 
 
 def staircase(facts: Facts) -> str:
-    """How well a rounded tableau satisfies the conditions beyond its proved order: measured.
+    """How well a rounded tableau satisfies the conditions beyond its proved order.
+
+    Rational numbers of methods that carry one value are evaluated with a bound of all roundings,
+    each row of weights for itself and Nystrom methods on second-order systems; the sizes, rounded
+    up, are those that a claim ``order-to-digits`` states. Others are measured.
 
     Returns
     -------
     str
-        Such as "order 5 to 2e-12, order 3 to 3e-17, order 0 exactly"; ``""`` where no order beyond
-        the proved one is nearly reached.
+        Such as "order 5 to 2.1e-12, order 3 to 3.2e-17, order 0 exactly"; ``""`` where no order
+        beyond the proved one is nearly reached.
     """
     kernel = facts.kernel
-    proved = kernel.range(ORDER.key).lower
-    sizes = kernel.nearly()
+    proved = kernel.range(kernel.row_claim).lower
+    try:
+        sizes = kernel.sizes_to_digits() if facts.kernel.exact else {}
+    except ExactnessError:
+        sizes = {}
+    if not sizes:
+        return _steps([Fraction(0), *(Fraction(repr(x)) for x in kernel.nearly())], proved)
+    lower = {name: x.range(kernel.row_claim).lower for name, x in kernel.row_kernels}
+    said = {name: _steps(x, lower.get(name, proved)) for name, x in sizes.items()}
+    named = [f"row {name}: {x}" if len(said) > 1 else x for name, x in said.items() if x]
+    where = "on second-order systems " if kernel.row_claim == NYSTROM_ORDER.key and named else ""
+    return where + "; ".join(named)
+
+
+def _steps(sizes: Sequence[Fraction], proved: int) -> str:
+    """Orders beyond the proved one, each with the largest residual through it, rounded up."""
     steps: list[str] = []
-    for n in range(len(sizes) - 1, proved, -1):  # of the last one nothing beyond is known
-        beyond = sizes[n]
-        if 0 < sizes[n - 1] < SMALL and beyond > JUMP * sizes[n - 1]:
-            steps.append(f"order {n} to {sizes[n - 1]:.1e}")
+    for n in range(len(sizes) - 2, proved, -1):  # of the last one nothing beyond is known
+        if 0 < sizes[n] < SMALL and sizes[n + 1] > JUMP * sizes[n]:
+            steps.append(f"order {n} to {rounded_up(sizes[n])}")
     return ", ".join([*steps, f"order {proved} exactly"]) if steps else ""
 
 
@@ -253,9 +280,11 @@ def _analyzed_sum(facts: Facts) -> Analysis:
     nothing = {"holds": None}
     return Analysis(
         **_shared(facts),
-        stages=m.s,
+        stages=len(m.b) if m.rosenbrock else m.s,
         values=m.r,
-        implicit_stages=list(m.implicit_stages),
+        implicit_stages=[i for i, row in enumerate(m.gamma, 1) if row[i - 1].is_zero() is not True]
+        if m.rosenbrock
+        else list(m.implicit_stages),
         g_symplectic={**nothing, "G": None, "D": None},
         symmetric={**nothing, "L": None, "P": None},
         growth=[],

@@ -26,8 +26,6 @@ from ..findings import Finding, Verdict
 from ..system.cache import private_folder
 from ..system.files import read_bytes, write_bytes
 
-__all__ = ["ROOMS", "Question", "keep_findings", "look_up", "question"]
-
 FORMAT = "glmref-kept-findings-1"
 #: What a verdict is computed by: rooms and modules of the package.
 ROOMS = (

@@ -23,8 +23,6 @@ from ..prove.implications import implied_by
 from ..prove.kernel import Judgement, refuted
 from ..system.budget import PROVING, limited
 
-__all__ = ["budget_of", "claims_of", "facts_for", "undecided", "verify", "verify_file"]
-
 
 def verify(
     method: Method | str | Path, *, only: Collection[str] = (), budget: float | None = None
@@ -174,21 +172,8 @@ def _judged(facts: Facts, claim: str, declared: object) -> Judgement:
     return facts.judge(claim, declared)
 
 
-def _finding(facts: Facts, claim: str, declared: object, judgement: Judgement) -> Finding:
-    return Finding(
-        method=facts.method.name,
-        claim=claim,
-        declared=declared,
-        verdict=judgement.verdict,
-        value=judgement.value,
-        proof=judgement.proof,
-        residual=judgement.residual,
-        witness=judgement.reason,
-    )
-
-
 def _check(facts: Facts, claim: str, declared: object) -> Finding:
-    return _finding(facts, claim, declared, _judged(facts, claim, declared))
+    return _judged(facts, claim, declared).finding(facts.method.name, claim, declared)
 
 
 def verify_file(
@@ -271,4 +256,4 @@ def _refute(method: Method, broken: Mapping[str, Any]) -> Finding:
     if inner.verdict is Verdict.FAILS and not expected:
         reason = f"it fails for another reason than `broken.found`: {inner.reason}"
     outcome = refuted(inner, reason=reason, as_expected=expected)
-    return _finding(facts, f"refutes {claim}", declared, outcome)
+    return outcome.finding(facts.method.name, f"refutes {claim}", declared)
