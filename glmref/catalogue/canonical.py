@@ -7,16 +7,6 @@ a constant may use those above it, and so do rows of weights, the first of which
 the standard library is used, so that any script can format data without this package's
 dependencies.
 
-Public names::
-
-    canonical(document) -> str          the text of one file
-    laid_out(document) -> str           the same with the keys in the order that is given
-    one_line(document) -> str           a document on one line
-    compact(document) -> bytes          the shortest form, for hashes and records
-    checksums(root) -> str              the text of SHA256SUMS for a data folder
-    datapackage(root, head) -> dict     the datapackage document with every file listed
-    refresh(root) -> list of paths      write method files anew and then the two lists
-
 After a change of the data run ``python -m glmref.catalogue.canonical data``.
 """
 
@@ -30,19 +20,6 @@ from pathlib import Path
 from typing import Any
 
 from .claims import CLAIMS
-
-__all__ = [
-    "IN_ORDER",
-    "KEY_ORDER",
-    "PROSE",
-    "canonical",
-    "checksums",
-    "compact",
-    "datapackage",
-    "laid_out",
-    "one_line",
-    "refresh",
-]
 
 #: Keys of method files in reading order: what it is, its coefficients, what is claimed, from where.
 KEY_ORDER: tuple[str, ...] = (

@@ -13,43 +13,13 @@ Only the standard library is used.
 from __future__ import annotations
 
 import builtins
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
-__all__ = [
-    "ABSCISSAE",
-    "A_STABLE",
-    "CLAIMS",
-    "CONSISTENT",
-    "DENSE_END",
-    "DENSE_ORDER",
-    "EFFECTIVE_ORDER",
-    "EMBEDDED_DIFFERENCE",
-    "EMBEDDED_ORDER",
-    "ERROR_CONSTANT",
-    "EXPLICIT",
-    "FINISHING_ORDER",
-    "GROWTH",
-    "G_SYMPLECTIC",
-    "L_STABLE",
-    "NYSTROM_ORDER",
-    "NYSTROM_STARTING_ORDER",
-    "ORDER",
-    "ORDER_IDENTITY",
-    "PARASITISM_FREE",
-    "PRECONSISTENT",
-    "REDUCIBLE",
-    "ROW_SUMS",
-    "STAGE_ORDER",
-    "STARTING_ORDER",
-    "SYMMETRIC",
-    "SYMMETRIC_REDUCED",
-    "SYMPLECTIC",
-    "W_ORDER",
-    "ZERO_STABLE",
-    "ClaimSpec",
-]
+#: The name of the weights of the solution among those of the rows.
+SOLUTION = "b"
 
 Kind = Literal["any", "single", "partitioned", "rosenbrock"]
 ANY: Kind = "any"
@@ -67,8 +37,8 @@ class ClaimSpec:
     key : str
         The key under ``claims`` of a method file.
     type : type
-        Of the value: ``int`` for an order, ``dict`` for orders by the names of embedded rows,
-        ``bool``, ``list`` of expressions, or ``str`` for one.
+        Of the value: ``int`` for an order, ``dict`` for orders by the names of embedded rows (or
+        for what :attr:`sized` says), ``bool``, ``list`` of expressions, or ``str`` for one.
     applies_to : {"any", "single", "partitioned", "rosenbrock"}
         The methods for which the claim has a meaning.
     rule : str
@@ -88,6 +58,11 @@ class ClaimSpec:
     sentence: str
 
     @property
+    def sized(self) -> bool:
+        """Whether the orders by name come with the size of a residual: ``[10, "2.7e-85"]``."""
+        return self.key == "order-to-digits"
+
+    @property
     def additive(self) -> bool:
         """Whether a method for a sum of right-hand sides can make this claim."""
         return self.key in _OF_SUMS
@@ -102,12 +77,29 @@ class ClaimSpec:
         return self.applies_to in (ANY, PARTITIONED if pair else SINGLE)
 
 
+#: The size of a residual in a claim.
+SIZE = re.compile("[1-9][.][0-9]e-[1-9][0-9]{0,2}", re.ASCII)
+
 _ORDER = {"$ref": "#/$defs/order"}
 _TRUTH = {"type": "boolean"}
 _ORDERS = {
     "type": "object",
     "minProperties": 1,
     "additionalProperties": {"$ref": "#/$defs/order"},
+}
+_SIZED_ORDERS = {
+    "type": "object",
+    "minProperties": 1,
+    "additionalProperties": {
+        "type": "array",
+        "minItems": 2,
+        "maxItems": 2,
+        "prefixItems": [
+            {"$ref": "#/$defs/order"},
+            {"type": "string", "pattern": f"^{SIZE.pattern}$"},
+        ],
+        "items": False,
+    },
 }
 _NUMBERS = {"type": "array", "maxItems": 200, "items": {"$ref": "#/$defs/expression"}}
 
@@ -372,7 +364,24 @@ EMBEDDED_ORDER = ClaimSpec(
     _ORDERS,
     (
         "`order`, of a Nystrom method `nystrom-order`, of the method with the weights of each row "
-        "of `embedded` in place of b, by the names of the rows"
+        "of `embedded` in place of b, by the names of the rows; of class `glm` `order-identity` "
+        "of the method with B + u (b - w B) and V + u (v - w V) in place of B and V, u of "
+        "`preconsistent` and w the `output`: the values after a step moved so that the row is the "
+        "solution"
+    ),
+)
+ORDER_TO_DIGITS = ClaimSpec(
+    "order-to-digits",
+    dict,
+    ANY,
+    "order_to_digits",
+    _SIZED_ORDERS,
+    (
+        "rounded coefficients, taken as the exact rational numbers that they are, of methods that "
+        'carry one value: for `b` and for each row of `embedded` `[p, "e"]`, e the largest '
+        "residual of the conditions through order p (of a Nystrom method those of "
+        "`nystrom-order`), rounded up to two digits, where a condition of order p + 1 has a "
+        "residual above 1000 e"
     ),
 )
 EMBEDDED_DIFFERENCE = ClaimSpec(
@@ -382,8 +391,8 @@ EMBEDDED_DIFFERENCE = ClaimSpec(
     "embedded_difference",
     _TRUTH,
     (
-        "the weights of every error estimate, b less the weights of a row of `embedded` or its "
-        "`error`, sum to zero"
+        "methods that carry one value: the weights of every error estimate, b less the weights of "
+        "a row of `embedded` or its `error`, sum to zero"
     ),
 )
 ROW_SUMS = ClaimSpec(
@@ -450,6 +459,7 @@ CLAIMS: Mapping[str, ClaimSpec] = {
         FINISHING_ORDER,
         SYMMETRIC_REDUCED,
         EMBEDDED_ORDER,
+        ORDER_TO_DIGITS,
         EMBEDDED_DIFFERENCE,
         ROW_SUMS,
         DENSE_ORDER,
@@ -463,10 +473,37 @@ _OF_SUMS = frozenset(
     x.key
     for x in (
         ORDER, ORDER_IDENTITY, EFFECTIVE_ORDER, STAGE_ORDER, PRECONSISTENT, CONSISTENT, ZERO_STABLE,
-        EXPLICIT, EMBEDDED_ORDER, EMBEDDED_DIFFERENCE,
+        EXPLICIT, EMBEDDED_ORDER, EMBEDDED_DIFFERENCE, ORDER_TO_DIGITS,
     )
 )  # fmt: skip
 #: Claims that a Rosenbrock method can make; A- and L-stability are those of its linear form.
 _OF_ROSENBROCK = frozenset(
-    x.key for x in (ORDER, W_ORDER, A_STABLE, L_STABLE, EMBEDDED_ORDER, EMBEDDED_DIFFERENCE)
-)
+    x.key
+    for x in (
+        ORDER, W_ORDER, A_STABLE, L_STABLE, EMBEDDED_ORDER, EMBEDDED_DIFFERENCE, ORDER_TO_DIGITS,
+    )
+)  # fmt: skip
+
+
+def meant_order(claims: Mapping[str, Any]) -> int | None:
+    """The order that a method is known by: on second-order systems where that is claimed."""
+    return claims.get(NYSTROM_ORDER.key, stated_orders(claims).get(SOLUTION))
+
+
+def stated_orders(claims: Mapping[str, Any]) -> dict[str, int]:
+    """Orders that a file states, exactly or of rounded coefficients, by the names of the weights.
+
+    Parameters
+    ----------
+    claims : Mapping
+        Claims of a file.
+
+    Returns
+    -------
+    dict[str, int]
+        ``b`` is the solution (:data:`SOLUTION`), the others are rows of ``embedded``, which have
+        other names; what is not stated is left out.
+    """
+    found = {name: order for name, (order, _) in claims.get(ORDER_TO_DIGITS.key, {}).items()}
+    found |= claims.get(EMBEDDED_ORDER.key, {})
+    return found if ORDER.key not in claims else {**found, SOLUTION: claims[ORDER.key]}

@@ -14,16 +14,13 @@ from ..system.budget import spend
 from .keys import MAX_SIZE, RESERVED
 from .strict_json import shown
 
-__all__ = ["Entries"]
-
-
 _NAME = re.compile("[A-Za-z_][A-Za-z_0-9]*")
 #: Keys whose strings are prose or name other things: a constant is not used there.
 _PROSE = frozenset({"name", "title", "source", "notes", "broken"})
 
 
 def _strings(value: object) -> Iterator[str]:
-    """Every string in the expressions of a document."""
+    """Every string in the expressions of a document; those of a list as one."""
     if isinstance(value, str):
         yield value
     elif isinstance(value, Mapping):
@@ -31,8 +28,10 @@ def _strings(value: object) -> Iterator[str]:
             if key not in _PROSE:
                 yield from _strings(inner)
     elif isinstance(value, list):
+        yield " ".join(x for x in value if isinstance(x, str))
         for inner in value:
-            yield from _strings(inner)
+            if not isinstance(inner, str):
+                yield from _strings(inner)
 
 
 class Entries:
@@ -51,6 +50,8 @@ class Entries:
         self.constants: dict[str, Scalar] = {}
         self.weights: dict[str, Weight] = {}
         self.digits: int | None = None
+        #: Numbers by their text, which stand for the same wherever they stand.
+        self.known: dict[str, Scalar] = {}
 
     def error(self, what: str) -> DataError:
         """Return an error that names the file."""
@@ -90,6 +91,8 @@ class Entries:
 
     def check_constants_used(self) -> None:
         """Refuse a constant that stands nowhere: the name where it should stand is wrong."""
+        if not self.constants:
+            return
         used = set(_NAME.findall(" ".join(_strings(self.doc))))
         for name in self.constants:
             if name not in used:
@@ -106,13 +109,17 @@ class Entries:
             )
         spend()
         number = rational(text)
+        if number is None:
+            number = self.known.get(text)
         if number is not None:
             return number
         try:
             weigh(text, self.weights)
-            return parse(text, constants=self.constants, digits=self.digits)
+            number = parse(text, constants=self.constants, digits=self.digits)
         except (DataError, ExactnessError) as error:
             raise self.error(f"`{where}`: {error}") from None
+        self.known[text] = number
+        return number
 
     def vector(self, values: object, where: str) -> Vector:
         """Read a list of entries."""
@@ -120,7 +127,13 @@ class Entries:
             raise self.error(f"`{where}` must be a list of strings, got {shown(values)}")
         if len(values) > MAX_SIZE:
             raise self.error(f"`{where}` has {len(values)} entries and at most {MAX_SIZE} are read")
-        return tuple(self.scalar(x, f"{where}[{i + 1}]") for i, x in enumerate(values))
+        # fractions first, without the name of their place: a start has up to 10,000 of them
+        spend()
+        known = [rational(x) if isinstance(x, str) else None for x in values]
+        return tuple(
+            self.scalar(x, f"{where}[{i + 1}]") if number is None else number
+            for i, (x, number) in enumerate(zip(values, known, strict=True))
+        )
 
     def matrix(self, rows: object, where: str) -> Matrix:
         """Read a list of rows of equal length."""

@@ -16,8 +16,6 @@ from ..errors import DataError, UsageError, did_you_mean
 from .files import data_root
 from .strict_json import read_json, shown
 
-__all__ = ["FORMAT", "PROOFS", "VERDICTS", "Erratum", "erratum", "find_errata", "load_errata"]
-
 FORMAT = "glmref-errata-1"
 
 #: ``right``: as printed. ``wrong``: a formula or number is not what it must be. ``misprint``: a

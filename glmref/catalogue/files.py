@@ -11,8 +11,6 @@ from typing import Any
 from ..errors import DataError, UsageError, did_you_mean
 from .strict_json import read_json, shown
 
-__all__ = ["data_root", "document", "is_broken", "names", "path_of"]
-
 FOLDERS = ("methods", "broken")
 
 

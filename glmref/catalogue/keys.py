@@ -9,29 +9,6 @@ from typing import Any
 from .claims import CLAIMS
 from .strict_json import shown
 
-__all__ = [
-    "BLOCKS",
-    "COMMON",
-    "FORMAT",
-    "FORMATS",
-    "MAX_ORDER",
-    "MAX_SIZE",
-    "OPTIONAL",
-    "PAIRS",
-    "RESERVED",
-    "SECOND",
-    "SOURCE",
-    "STATUS",
-    "TEXTS",
-    "bare",
-    "class_of_keys",
-    "completed",
-    "fault_of_texts",
-    "needed_keys",
-    "of_second",
-    "without_meaning",
-]
-
 FORMAT = "glmref-method-1"
 #: Formats that are read: the second has the keys and classes of :data:`SECOND` besides.
 FORMATS = (FORMAT, "glmref-method-2")
@@ -51,7 +28,7 @@ COMMON = frozenset(
 _START = frozenset(["starting", "finishing"])
 #: Keys of each class.
 BLOCKS: Mapping[str, frozenset[str]] = {
-    "glm": frozenset(["A", "U", "B", "V", "G", "D", "output"]) | _START,
+    "glm": frozenset(["A", "U", "B", "V", "G", "D", "output", "embedded"]) | _START,
     "rk": frozenset(["A", "b", "c", "embedded", "dense"]) | _START,
     "lmm": frozenset(["alpha", "beta"]) | _START,
     "one-leg": frozenset(["alpha", "beta", "G"]) | _START,
@@ -136,7 +113,7 @@ def class_of_keys(doc: Mapping[str, Any]) -> str:
 
 def needed_keys(kind: str) -> frozenset[str]:
     """Keys of its blocks that a file of a class cannot leave out."""
-    more = {"sweep": {"D", "G"}, "nystrom": {"c"}, "pair-sweep": {"c"}}
+    more = {"sweep": {"D", "G"}, "nystrom": {"c"}, "pair-sweep": {"c", "G"}}
     return BLOCKS[kind] - OPTIONAL | more.get(kind, set())
 
 

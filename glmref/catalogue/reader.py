@@ -9,11 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 from ..errors import DataError, ExactnessError, did_you_mean
 from ..exact.expression import Text
-from ..exact.linalg import Matrix, Vector, diagonal
+from ..exact.linalg import Vector, diagonal
 from ..method import (
     GLM,
     AdditiveGLM,
@@ -30,6 +30,7 @@ from ..method import (
 from ..method.additive import MAX_PARTS
 from ..method.embedded import EmbeddedRow
 from ..method.solution_value import output
+from .claims import SIZE, SOLUTION
 from .entries import Entries
 from .files import document, names
 from .keys import (
@@ -40,7 +41,6 @@ from .keys import (
     FORMATS,
     MAX_ORDER,
     MAX_SIZE,
-    OPTIONAL,
     PAIRS,
     bare,
     completed,
@@ -50,8 +50,6 @@ from .keys import (
     without_meaning,
 )
 from .strict_json import shown
-
-__all__ = ["CLAIMS", "FORMAT", "load_document"]
 
 
 def load_document(doc: Mapping[str, Any], *, where: str = "document") -> Method:
@@ -136,8 +134,7 @@ class _Reader(Entries):
                     f"the key {key!r} is unknown for class {kind!r}; allowed are "
                     f"{', '.join(sorted(allowed))}{did_you_mean(key, allowed, '; ')}"
                 )
-        needed = needed_keys(kind) if kind != "sweep" else BLOCKS[kind] - OPTIONAL
-        for key in ("name", "claims", "source", *sorted(needed)):
+        for key in ("name", "claims", "source", *sorted(needed_keys(kind))):
             if key not in self.doc:
                 raise self.error(f"the key {key!r} is missing; a file of class {kind!r} needs it")
 
@@ -173,7 +170,15 @@ class _Reader(Entries):
         blocks = self.square(self.doc, "AUBV")
         r = len(blocks["V"])
         declared = self._output(self.doc, "", "output")
-        return GLM(**blocks, **self._forms(r), **self._record(r), **declared)
+        embedded = tuple(
+            EmbeddedRow(
+                name,
+                (self.vector(row["b"], f"{where}.b"),),
+                values=self.vector(row["v"], f"{where}.v"),
+            )
+            for name, row, where in self._rows("b", "v", together=True)
+        )
+        return GLM(**blocks, **self._forms(r), **self._record(r), **declared, embedded=embedded)
 
     def _output(self, block: Mapping[str, Any], where: str, name: str) -> dict[str, Any]:
         """Read the optional functional that says where the solution is among the values."""
@@ -217,6 +222,11 @@ class _Reader(Entries):
                 word = " and " if together else " or "
                 wanted = word.join(f"`{x}`" for x in keys)
                 raise self.error(f"`{where}` must have `name` and {wanted}, and nothing else")
+            if row["name"] == SOLUTION:
+                raise self.error(
+                    f"`{where}` is called {shown(SOLUTION)}, as the weights of the solution are; "
+                    f"give the row another name"
+                )
             if row["name"] in names:
                 raise self.error(f"`embedded` has the name {shown(row['name'])} twice")
             names.add(row["name"])
@@ -255,7 +265,7 @@ class _Reader(Entries):
         )  # fmt: skip
 
     def _sweep(self) -> GLM:
-        D, blocks = self.vector(self.doc.get("D"), "D"), self.square(self.doc, "XVG")
+        D, blocks = self.vector(self.doc["D"], "D"), self.square(self.doc, "XVG")
         explicit = sweep.explicit_stages(self.doc.get("enclosure", {}), len(D))
         return self._one_step(sweep.build(D, **blocks, explicit=explicit))
 
@@ -267,15 +277,10 @@ class _Reader(Entries):
             self.vector(self.doc["c"], "c"),
             **rows,
             **blocks,
-            G=self._pair_form(),
+            G=self._forms(0)["G"],
             stages=self.text("stages", pattern=r"[PQ]+"),
         )
         return self._pair(built)
-
-    def _pair_form(self) -> Matrix:
-        if "G" not in self.doc:
-            raise self.error("`G` is missing; give the form or its diagonal")
-        return self._forms(0)["G"]
 
     def _lmm(self) -> GLM:
         coefficients = self._alpha_beta()
@@ -305,8 +310,7 @@ class _Reader(Entries):
         base = document(name)
         if base.get("class") != "rk":
             raise self.error(f"`base` must name a method of class 'rk', got {self.doc['base']!r}")
-        built = load_document(base, where=f"{self.doc['base']}.json")
-        assert isinstance(built, GLM)
+        built = cast("GLM", load_document(base, where=f"{name}.json"))  # it is of class 'rk'
         return self._one_step(families.composition(built, self.vector(self.doc["gamma"], "gamma")))
 
     def _splitting(self) -> PartitionedGLM:
@@ -449,7 +453,8 @@ class _Reader(Entries):
                 raise self.error(f"`{key}.{name}` is missing")
         if block.get("kind", "runge-kutta") != "runge-kutta":
             raise self.error(f"`{key}.kind` must be 'runge-kutta', got {shown(block['kind'])}")
-        self._whole_number(block.get("order", 0), f"`{key}.order`")
+        if "order" in block:
+            self._whole_number(block["order"], f"`{key}.order`")
         return block
 
     def _whole_number(self, value: object, what: str) -> None:
@@ -478,7 +483,25 @@ class _Reader(Entries):
                 self._whole_number(value, f"the claim {key!r}")
             elif wanted is dict and isinstance(value, dict):
                 for name, order in value.items():
-                    self._whole_number(order, f"the claim {key!r} of {shown(name)}")
+                    what = f"the claim {key!r} of {shown(name)}"
+                    if CLAIMS[key].sized:
+                        rows = self.doc.get("embedded", [])
+                        known = [SOLUTION, *(x["name"] for x in rows)]
+                        if name not in known:
+                            raise self.error(
+                                f"the claim {key!r} names {shown(name)}, and the weights are "
+                                f"{', '.join(known)}"
+                            )
+                        if not (isinstance(order, list) and len(order) == 2):
+                            wanted_as = '[10, "2.7e-85"], an order and the size of a residual'
+                            raise self.error(f"{what} must be {wanted_as}, got {shown(order)}")
+                        order, size = order
+                        if not isinstance(size, str) or not SIZE.fullmatch(size):
+                            raise self.error(
+                                f"{what} has the residual {shown(size)}; write two digits and a "
+                                f'power of ten, such as "2.7e-85"'
+                            )
+                    self._whole_number(order, what)
             elif not isinstance(value, wanted):
                 kinds = {bool: "true or false", list: "a list of strings", dict: "orders by name"}
                 kind = kinds.get(wanted, "a string")

@@ -16,8 +16,6 @@ from typing import Any
 from ..errors import DataError
 from ..system.files import make_folder, read_text, write_text
 
-__all__ = ["read_json", "shown", "write_json"]
-
 MAX_BYTES = 4_000_000  # a method file has some kilobytes; the largest vectors some hundred
 MAX_NESTING = 40
 

@@ -13,8 +13,6 @@ from typing import Any
 from ..exact import Ball
 from .canonical import canonical
 
-__all__ = ["DIGITS", "decimal", "fill", "write"]
-
 #: Digits after the point of every published decimal.
 DIGITS = 75
 

@@ -5,20 +5,10 @@ from __future__ import annotations
 from .additive import AdditiveGLM
 from .component import Component, Method
 from .embedded import EmbeddedRow
-from .glm import (
-    GLM,
-    Entries,
-    Entry,
-    FinishingMethod,
-    PairStartingMethod,
-    PartitionedGLM,
-    Rows,
-    StartingMethod,
-    as_matrix,
-    as_vector,
-)
+from .glm import GLM, Entries, Entry, PartitionedGLM, Rows, as_matrix, as_vector
 from .nystrom import nystrom
 from .rosenbrock import RosenbrockGLM
+from .starting import FinishingMethod, PairStartingMethod, StartingMethod
 
 __all__ = [
     "GLM",

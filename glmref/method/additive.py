@@ -16,8 +16,6 @@ from .glm import GLM, Entry, Rows, as_matrix, as_vector, check_embedded, check_s
 from .own import Own
 from .starting import StartingMethod
 
-__all__ = ["MAX_PARTS", "AdditiveGLM"]
-
 #: As many parts as there are digits to colour trees with.
 MAX_PARTS = 9
 

@@ -2,12 +2,6 @@
 
 Runge-Kutta families as (A, b), with nodes in closed form by square roots; Adams methods and
 backward differentiation as (alpha, beta), rational. Nothing is typed in but the nodes.
-
-Public names::
-
-    collocation(c), gauss(s), radau_iia(s), lobatto_iiia(s), lobatto_iiib(s), lobatto_iiic(s)
-        -> (A, b)
-    adams_bashforth(k), adams_moulton(k), bdf(k) -> (alpha, beta)
 """
 
 from __future__ import annotations
@@ -19,18 +13,6 @@ from ..errors import DataError, UsageError
 from ..exact import Exact, Scalar, exact
 from ..exact.linalg import Matrix, Vector
 from .glm import as_vector
-
-__all__ = [
-    "adams_bashforth",
-    "adams_moulton",
-    "bdf",
-    "collocation",
-    "gauss",
-    "lobatto_iiia",
-    "lobatto_iiib",
-    "lobatto_iiic",
-    "radau_iia",
-]
 
 Entry = str | int | Fraction | Scalar
 _ZERO, _ONE = Exact(0), Exact(1)

@@ -42,8 +42,6 @@ if TYPE_CHECKING:
     from .embedded import EmbeddedRow
     from .starting import FinishingMethod
 
-__all__ = ["GENERAL", "ROOTED", "SEPARABLE", "Component", "Method", "Palette", "additive_palette"]
-
 #: Colours with the colours that children of a vertex may have.
 Palette = Mapping[str, str]
 
@@ -137,6 +135,10 @@ class Method:
     def weighted(self, B: tuple[Matrix, ...]) -> Method:
         """The method with other weights, for one of its embedded rows."""
         raise NotImplementedError
+
+    def with_row(self, row: EmbeddedRow) -> Method:
+        """The method with an embedded row in the place of that of the solution."""
+        return self.weighted(row.solution(self.weights))
 
     @property
     def weights(self) -> tuple[Vector, ...]:

@@ -10,14 +10,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from ..exact import linalg
 from ..exact.linalg import Matrix, Vector
-
-__all__ = ["EmbeddedRow"]
 
 
 @dataclass(frozen=True)
 class EmbeddedRow:
-    """One embedded row of a method that carries one value.
+    """One embedded row.
 
     Attributes
     ----------
@@ -28,11 +27,15 @@ class EmbeddedRow:
     difference : bool
         Whether these are the weights of the error estimate itself, ``b`` less those of the embedded
         solution, instead of the latter.
+    values : Vector, optional
+        Of a method that carries several values one weight for each of them: the embedded solution
+        is ``h weights F + values y``.
     """
 
     name: str
     weights: tuple[Vector, ...]
     difference: bool = False
+    values: Vector | None = None
 
     def other(self, b: Sequence[Vector]) -> tuple[Matrix, ...]:
         """B less the weights: those of the estimate, or of the solution where these are given."""
@@ -54,4 +57,11 @@ class EmbeddedRow:
         moved = tuple(
             tuple(row[j] for j in order) for row, order in zip(self.weights, orders, strict=True)
         )
-        return EmbeddedRow(self.name, moved, self.difference)
+        return EmbeddedRow(self.name, moved, self.difference, self.values)
+
+    def transformed(self, back: Matrix) -> EmbeddedRow:
+        """Return the row for values ``T y``, ``back`` the inverse of T."""
+        if self.values is None:
+            return self
+        (values,) = linalg.matmul((self.values,), back)
+        return EmbeddedRow(self.name, self.weights, self.difference, values)

@@ -1,21 +1,7 @@
 """Families of methods as general linear methods; their classical members come derived exactly.
 
-Public names::
-
-    runge_kutta(A, b, name="") -> GLM
-    linear_multistep(alpha, beta, name="") -> GLM       one_leg(alpha, beta, name="") -> GLM
-    one_leg_twin(alpha, beta) -> (alpha, beta)          error_constant(alpha, beta) -> (order, C)
-    partitioned_runge_kutta(A, b, A_hat, b_hat, name="") -> PartitionedGLM
-    splitting(a, b, first="q", name="") -> PartitionedGLM
-    composition(base, gamma, name="") -> GLM
-
-and from :mod:`glmref.method.classical`::
-
-    adams_bashforth(k), adams_moulton(k), bdf(k) -> (alpha, beta)     for linear_multistep
-    collocation(c), gauss(s), radau_iia(s), lobatto_iiia(s), lobatto_iiib(s), lobatto_iiic(s)
-        -> (A, b)                                                     for runge_kutta
-
-So ``runge_kutta(*gauss(2))`` and ``linear_multistep(*bdf(3))`` are methods.
+Coefficients of known members are in :mod:`glmref.method.classical`: ``runge_kutta(*gauss(2))`` and
+``linear_multistep(*bdf(3))`` are methods.
 """
 
 from __future__ import annotations
@@ -25,38 +11,7 @@ from collections.abc import Sequence
 from ..errors import DataError
 from ..exact import Exact, exact
 from ..exact.linalg import Matrix, Vector, dot
-from .classical import (
-    adams_bashforth,
-    adams_moulton,
-    bdf,
-    collocation,
-    gauss,
-    lobatto_iiia,
-    lobatto_iiib,
-    lobatto_iiic,
-    radau_iia,
-)
 from .glm import GLM, Entries, PartitionedGLM, Rows, as_matrix, as_vector
-
-__all__ = [
-    "adams_bashforth",
-    "adams_moulton",
-    "bdf",
-    "collocation",
-    "composition",
-    "error_constant",
-    "gauss",
-    "linear_multistep",
-    "lobatto_iiia",
-    "lobatto_iiib",
-    "lobatto_iiic",
-    "one_leg",
-    "one_leg_twin",
-    "partitioned_runge_kutta",
-    "radau_iia",
-    "runge_kutta",
-    "splitting",
-]
 
 _ZERO, _ONE = Exact(0), Exact(1)
 

@@ -13,7 +13,7 @@ from fractions import Fraction
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
-from ..errors import DataError
+from ..errors import DataError, ExactnessError
 from ..exact import Ball, Exact, Scalar, exact, linalg
 from ..exact.expression import parse
 from ..exact.linalg import Matrix, Vector
@@ -27,18 +27,6 @@ from .starting import FinishingMethod, PairStartingMethod, StartingMethod
 if TYPE_CHECKING:
     from .rounding import FloatGLM, FloatPair
 
-__all__ = [
-    "GLM",
-    "Entries",
-    "Entry",
-    "FinishingMethod",
-    "PairStartingMethod",
-    "PartitionedGLM",
-    "Rows",
-    "StartingMethod",
-    "as_matrix",
-    "as_vector",
-]
 
 Entry = str | int | float | complex | Fraction | Scalar | Array
 #: What constructors take for a vector and for a matrix and turn into one.
@@ -108,7 +96,7 @@ def check_shape(name: str, value: Matrix, rows: int, columns: int, meaning: str)
 
 
 def check_embedded(method: Method) -> None:
-    """Refuse embedded rows that do not fit the stages, or of a method that carries several values.
+    """Refuse embedded rows that do not fit the stages and the values.
 
     Raises
     ------
@@ -117,9 +105,16 @@ def check_embedded(method: Method) -> None:
     """
     if not method.embedded:
         return
-    if not method.is_one_step:
-        raise DataError("`embedded` belongs to methods that carry one value")
     for row in method.embedded:
+        if row.values is None and not method.is_one_step:
+            raise DataError(
+                f"`embedded` {row.name!r} needs weights `v` of the {method.carried} values carried"
+            )
+        if row.values is not None and len(row.values) != method.carried:
+            raise DataError(
+                f"`embedded` {row.name!r} must have r = {method.carried} entries in `v`, got "
+                f"{len(row.values)}"
+            )
         for weights, component in zip(row.weights, method.components, strict=True):
             if len(weights) != len(component.B[0]):
                 raise DataError(
@@ -293,6 +288,36 @@ class GLM(Own, Method):
             B=B[0], U=one * self.s, V=one, output=None, abscissae_given=self.abscissae_given
         )
 
+    def with_row(self, row: EmbeddedRow) -> Method:
+        """The method with an embedded solution in the place of its own.
+
+        Where several values are carried, those after a step are moved along u, so that their
+        output is the embedded solution: ``B + u (b - w B)`` and ``V + u (v - w V)``.
+
+        Raises
+        ------
+        ExactnessError
+            Where there is no u with V u = u and U u = 1, or more than one.
+        """
+        if row.values is None:
+            return super().with_row(row)
+        found, w = solution_value.preconsistency_of(self), solution_value.output(self)
+        if (u := found.u) is None or not found.unique:
+            count = "more than one" if u else "none"
+            raise ExactnessError(
+                f"an embedded solution needs the u with V u = u and U u = 1: there is {count}"
+            )
+
+        def moved(M: Matrix, own: Vector) -> Matrix:
+            (read,) = linalg.matmul((w,), M)
+            gap = tuple(x - y for x, y in zip(own, read, strict=True))
+            return tuple(
+                tuple(x + k * y for x, y in zip(r, gap, strict=True))
+                for k, r in zip(u, M, strict=True)
+            )
+
+        return self.bare(B=moved(self.B, row.weights[0]), V=moved(self.V, row.values))
+
     @property
     def in_time(self) -> Method:
         """The method for y' = f(t, y): itself where c = A 1, else a pair of y and t.
@@ -380,7 +405,7 @@ class GLM(Own, Method):
             finishing=self.finishing,
             output=_moved_output(self, back),
             multistep=self.multistep,
-            embedded=self.embedded,
+            embedded=tuple(row.transformed(back) for row in self.embedded),
             abscissae_given=self.abscissae_given,
             dense=self.dense,
         )

@@ -24,8 +24,6 @@ from ..exact.linalg import Matrix, Vector, identity
 from .embedded import EmbeddedRow
 from .glm import PartitionedGLM, check_shape
 
-__all__ = ["nystrom", "nystrom_weights"]
-
 _ZERO, _ONE = Exact(0), Exact(1)
 
 

@@ -13,8 +13,6 @@ from ..errors import DataError
 from ..exact import Exact, Scalar, exact
 from ..system.shown import Shown, above
 
-__all__ = ["Array", "Own", "as_list", "of_float"]
-
 
 class Array(Protocol):
     """An array of numpy, or of whoever gives nested lists by ``tolist``."""

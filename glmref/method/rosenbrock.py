@@ -26,8 +26,6 @@ from .embedded import EmbeddedRow
 from .families import runge_kutta
 from .glm import GLM, check_shape
 
-__all__ = ["RosenbrockGLM"]
-
 _ZERO = Exact(0)
 
 

@@ -17,8 +17,6 @@ from ..exact.linalg import Matrix
 if TYPE_CHECKING:
     import numpy as np
 
-__all__ = ["FloatGLM", "FloatPair", "float_arrays", "rounded_blocks", "split_float"]
-
 
 def split_float(value: Scalar) -> tuple[float, float]:
     """Round to the nearest double and return it with the residue ``value - rounded``, rounded."""

@@ -18,15 +18,6 @@ above finds it, which is why :meth:`glmref.method.GLM.transform` writes the outp
 
 Theory works with these numbers as they are, exact or enclosed; an engine rounds them once.
 
-Public names::
-
-    preconsistency(U, V, B=None, output=None) -> Preconsistency
-    preconsistency_vector(m) -> Vector | None
-    output(m) -> Vector                                         outputs(method) -> tuple of them
-    unit_place(w) -> int | None                                 where w is a unit vector
-    consistency_vector(m) -> Vector | None
-    abscissae(m) -> Vector | None                               stage_times(m) -> Vector
-
 References
 ----------
 Butcher, "Numerical Methods for Ordinary Differential Equations" (2016), Definitions 510B and 510C.
@@ -45,21 +36,6 @@ from ..exact.linalg import Matrix, Vector
 
 if TYPE_CHECKING:  # a method of k components asks this module
     from .component import Method
-
-__all__ = [
-    "Block",
-    "Preconsistency",
-    "abscissae",
-    "consistency_vector",
-    "first_functional",
-    "output",
-    "outputs",
-    "preconsistency",
-    "preconsistency_of",
-    "preconsistency_vector",
-    "stage_times",
-    "unit_place",
-]
 
 _ZERO, _ONE = Exact(0), Exact(1)
 #: Methods whose vectors are kept: theory, engine and measurements ask for them again and again.

@@ -2,12 +2,6 @@
 
 Stage i needs stage j where its sum has a term ``h a_ij f(Y_j)``. Everything here follows from that
 relation between numbers: nothing depends on how the stages are numbered.
-
-Public names::
-
-    dependency_blocks(size, needs) -> tuple of StageBlock(stages, implicit), in a possible order
-    stage_blocks(components, palette)                     of the stages of a method
-    reached(first, needs) -> set of numbers               everything the first ones need
 """
 
 from __future__ import annotations
@@ -20,16 +14,6 @@ from ..exact import Scalar
 
 if TYPE_CHECKING:  # a method asks this module for its implicit stages
     from .component import Component
-
-__all__ = [
-    "StageBlock",
-    "dependency_blocks",
-    "is_shared",
-    "offsets",
-    "reached",
-    "read_stages",
-    "stage_blocks",
-]
 
 #: ``needs(i, j)``: whether number i is computed from number j.
 Needs = Callable[[int, int], bool]

@@ -12,8 +12,6 @@ from ..exact import Exact, linalg
 from ..exact.linalg import Matrix, Vector
 from .component import SEPARABLE, Component, Method, Palette
 
-__all__ = ["FinishingMethod", "PairStartingMethod", "StartingMethod"]
-
 
 class _Start(Method):
     """A method that makes r values of one: u and B, and stages that begin from that one."""

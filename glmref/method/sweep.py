@@ -70,8 +70,6 @@ from ..exact.linalg import Matrix, Vector
 from .component import Component
 from .glm import GLM, PartitionedGLM
 
-__all__ = ["SweepForm", "build", "build_partitioned", "columns", "explicit_stages", "stage_word"]
-
 _LONGEST_WORD = 400
 
 
