@@ -135,10 +135,10 @@ def main(path: Path, cases: Sequence[Case] = CASES) -> None:
         "title": "Methods of the catalogue and other people's integrators at an error of 1e-9",
         "how": "python -m campaigns.world FILE",
         "notes": [" ".join((__doc__ or "").split("\n\n")[1].split()), TIME_NOTE],
-        "circumstances": circumstances(),
+        "where": circumstances(),
         "cases": [],
     }
-    record["circumstances"]["versions"] |= {x: version(x) for x in PEERS.values()}
+    record["where"]["versions"] |= {x: version(x) for x in PEERS.values()}
     pairs = [(case, name) for case in cases for name in METHODS]
     needed = carried_out(need_row, (task_of(case, name) for case, name in pairs), beside=path)
     counts = [need_of(row[0]).needed.get(GOAL) for row in needed]

@@ -5,7 +5,7 @@
 
 The starts are *zero* (y0, 0, .., 0); *explicit*, the tableau of the method's file; *enhanced* with
 k passes (2^k - 1 steps); *iterated* with k passes along the trajectory (k (k + 1)/2 steps), see
-:mod:`.underlying`. The last two need a first value that is the solution itself.
+:mod:`glmref.measure.underlying`. The last two need a first value that is the solution itself.
 """
 
 from __future__ import annotations

@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+from campaigns.order6 import bound
 from campaigns.pages import write
 from campaigns.partitioned.long_runs import kepler_table
 from glmref.catalogue.lookup import data_root
@@ -206,6 +207,7 @@ TABLES: Mapping[str, Callable[[], str]] = {
         "newton", "nonseparable-chain-40", "fput-stiff-12", "fput-stiff-80"
     ),
     "any-solver": lambda: comparison("", "nonseparable-chain-40", "fput-stiff-12", "fput-stiff-80"),
+    "order8-bound": lambda: bound.table(measured("order8-bound")),
     "long-runs": long_runs,
     "rate-scan": rate_scan,
     "kepler-long": kepler,

@@ -320,7 +320,7 @@ def main(path: Path, cases: Sequence[Case] = CASES, steps: int = STEPS) -> None:
         "title": "Explicit pairs over ten million steps",
         "how": "python -m campaigns.partitioned.long_runs FILE",
         "notes": [NOTE],
-        "circumstances": circumstances(),
+        "where": circumstances(),
         "runs": runs,
     }
     complete(path, record)
@@ -371,7 +371,7 @@ def kepler(path: Path, cases: Sequence[Case] = KEPLER, steps: int = STEPS) -> No
         "title": "Kepler's problem over ten million steps",
         "how": "python -m campaigns.partitioned.long_runs kepler FILE",
         "notes": [KEPLER_NOTE],
-        "circumstances": circumstances(),
+        "where": circumstances(),
         "runs": [],
         "restarted": [],
         "further": [],

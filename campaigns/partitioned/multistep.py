@@ -1,17 +1,18 @@
 """Multistep methods in one-step form against pairs and splittings: evaluations, long runs, holes.
 
     python -m campaigns.partitioned.multistep data/measurements/multistep.json
-    python -m campaigns.partitioned.multistep times data/measurements/multistep.json
     python -m campaigns.partitioned.multistep long data/measurements/multistep-long.json
     python -m campaigns.partitioned.multistep resonances data/measurements/multistep-resonances.json
 
 The first counts force evaluations as :mod:`.work` does, each multistep method from its own start;
-the second adds the times at these counts; the third follows 10^7 steps as :mod:`.long_runs` does;
-the fourth runs 4,000 step sizes up to the end of the periodicity interval.
+the second follows 10^7 steps as :mod:`.long_runs` does; the third runs 4,000 step sizes up to the
+end of the periodicity interval. Times stand in the records of :mod:`.held_out` and of
+:mod:`campaigns.world`.
 
 Public names::
 
-    ROWS, evaluations(path), times(path), table(document, tolerance) -> str
+    ROWS, evaluations(path), table(document, tolerance) -> str
+    cosines(name), twin(name) -> Method
     LONG, long_runs(path), long_table(document) -> str
     scan(name, case, sizes, steps) -> Scan, resonances(path), scan_table(document) -> str
 """
@@ -23,6 +24,8 @@ import math
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from fractions import Fraction
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -32,14 +35,16 @@ from campaigns.driver import TIMED, arguments, carried_out, complete
 from campaigns.partitioned import work
 from campaigns.partitioned.long_runs import EVERY, RESTART, Case, case_of, three_digits
 from campaigns.partitioned.long_runs import follow_at as follow
-from campaigns.partitioned.work import CASES, TOLERANCES, need_of, need_row, per_step, task_of
+from campaigns.partitioned.work import CASES, mean, need_of, need_row, needed, task_of
 from glmref.catalogue.lookup import load, names
+from glmref.catalogue.reader import load_document
 from glmref.compute import Limits
+from glmref.derive.multistep import multistep_document
 from glmref.derive.recipes.multistep import SHIPPED
 from glmref.engine.solve import solve
 from glmref.measure.longtime import along
 from glmref.measure.timing import circumstances
-from glmref.method import Method
+from glmref.method import Method, PartitionedGLM
 from glmref.problems import problem
 from glmref.problems.model import Problem
 from glmref.theory.periodicity import periodicity
@@ -48,6 +53,7 @@ __all__ = [
     "LONG",
     "ROWS",
     "Scan",
+    "cosines",
     "evaluations",
     "long_runs",
     "long_table",
@@ -57,17 +63,19 @@ __all__ = [
     "scan_table",
     "seconds_per_step",
     "table",
-    "times",
+    "twin",
 ]
 
+#: Published symmetric multistep methods.
+SYMMETRIC = (
+    *("quinlan-tremaine-8", "quinlan-tremaine-10", "quinlan-tremaine-12"),
+    *("quinlan-tremaine-14", "quinlan-8a", "quinlan-8b"),
+)
 #: What is compared, by group: the columns of the table are the best of each group.
 ROWS: Mapping[str, Sequence[str]] = {
     "splitting": ("blanes-moan-rkn-6-11", "blanes-moan-rkn-6-14", "kahan-li-8"),
     "pair": ("pair-6-8", "pair-rkn-6-7b", "pair-rkn-6-8b"),
-    "published multistep": (
-        *("quinlan-tremaine-8", "quinlan-tremaine-10", "quinlan-tremaine-12"),
-        *("quinlan-tremaine-14", "quinlan-8a", "quinlan-8b"),
-    ),
+    "published multistep": SYMMETRIC,
     "new, separable": tuple(x for x in SHIPPED if "rkn" not in x),
     "new, second-order": tuple(x for x in SHIPPED if "rkn" in x),
 }
@@ -91,7 +99,7 @@ def _record(name: str, title: str, how: str, notes: Sequence[str]) -> dict[str, 
         "title": title,
         "how": how,
         "notes": list(notes),
-        "circumstances": circumstances(),
+        "where": circumstances(),
     }
 
 
@@ -104,7 +112,8 @@ NOTE = (
 )
 TIME_NOTE = (
     "The time of a step is that of 4,000 steps, the start not counted, the least of five runs of "
-    "the compiled engine."
+    "the compiled engine. Published symmetric multistep methods are timed in the one-step form of "
+    "the new ones, for which there is the shorter kernel."
 )
 
 
@@ -142,12 +151,35 @@ def evaluations(path: Path, cases: Sequence[work.Case] = COUNTED) -> None:
     complete(path, record)
 
 
+@cache
+def twin(name: str) -> Method:
+    """A published symmetric multistep method in the one-step form of the new ones.
+
+    The same formula for the positions, up to the rounding of the cosines of its roots: the engine
+    steps it by the same kernel, which a comparison of times has to do. Its file keeps the published
+    form. Other methods are returned as they are.
+    """
+    if name not in SYMMETRIC:
+        return load(name)
+    of_p = cosines(name)
+    return load_document(multistep_document(f"{name}-in-one-step-form", [], of_p, title=name))
+
+
+def cosines(name: str) -> list[Fraction]:
+    """Cosines of the pairs of roots of a symmetric multistep method, to nine digits."""
+    method = load(name)
+    assert isinstance(method, PartitionedGLM)
+    values = np.array([[float(x) for x in row] for row in method.V_hat], dtype=float)
+    found = sorted(x.real / abs(x) for x in np.linalg.eigvals(values) if x.imag > 1e-6)
+    return [Fraction(float(c)).limit_denominator(10**9) for c in found]
+
+
 def seconds_per_step(name: str, target: Problem, h: float, steps: int = 4_000) -> float | None:
     """Time of a step, the least of five runs of so many; ``None`` where they are lost at once.
 
     Short runs and the least of them: what else the machine does falls between them.
     """
-    runs = [solve(target, load(name), h=h, steps=steps, every=steps) for _ in range(5)]
+    runs = [solve(target, twin(name), h=h, steps=steps, every=steps) for _ in range(5)]
     if min(run.steps for run in runs) < steps // 4:
         return None
     return min(run.seconds / run.steps for run in runs)
@@ -160,53 +192,8 @@ def run_seconds(task: Mapping[str, Any]) -> float | None:
     return None if each is None else three_digits(steps * each)
 
 
-def times(path: Path) -> None:
-    """Add to a file of :func:`evaluations` the times of the steps at the counts for 1e-9.
-
-    Times that it has already are kept.
-    """
-    record = json.loads(path.read_text(encoding="utf-8"))
-    key, cases = f"{min(TOLERANCES):.0e}", {x.name: x for x in CASES}
-    lacking = [
-        (cases[entry["case"]], row)
-        for entry in record["cases"]
-        for row in entry["methods"]
-        if key in row["needed"] and "seconds" not in row
-    ]
-    tasks = (
-        {**task_of(case, x["method"]), "steps": x["needed"][key] / per_step(x["method"])}
-        for case, x in lacking
-    )
-    taken = carried_out(run_seconds, tasks, beside=path, limits=TIMED)
-    for (_, row), seconds in zip(lacking, taken, strict=True):
-        row["seconds"] = {} if seconds is None else {key: seconds}
-    record["notes"] = [NOTE, f"seconds: the steps needed times the time of one. {TIME_NOTE}"]
-    record["times taken in"] = circumstances()
-    complete(path, record)
-
-
-def needed(
-    entry: Mapping[str, Any], methods: Sequence[str], tolerance: str, what: str = "needed"
-) -> tuple[str, float]:
-    """The method of some that needs least in a case, and how much; infinity: none.
-
-    ``what``: ``"needed"`` evaluations, or ``"seconds"``.
-    """
-    found = {
-        x["method"]: x.get(what, {}).get(tolerance, math.inf)
-        for x in entry["methods"]
-        if x["method"] in methods
-    }
-    best = min(found, key=lambda x: found[x])
-    return best, found[best]
-
-
-def table(document: Mapping[str, Any], tolerance: str, what: str = "needed") -> str:
-    """The best of each group, case by case, in Markdown; the last line holds geometric means.
-
-    ``what``: ``"needed"`` evaluations, or ``"seconds"``, shown in milliseconds, of the cases in
-    which they were taken.
-    """
+def table(document: Mapping[str, Any], tolerance: str) -> str:
+    """The best of each group, case by case, in Markdown; the last line holds geometric means."""
     groups = document["groups"]
     rivals = [x for key, methods in groups.items() if not key.startswith("new") for x in methods]
     new = [x for key, methods in groups.items() if key.startswith("new") for x in methods]
@@ -214,20 +201,16 @@ def table(document: Mapping[str, Any], tolerance: str, what: str = "needed") -> 
     lines = [f"| {' | '.join(head)} |", "|---" * len(head) + "|"]
     ratios: list[float] = []
     for entry in document["cases"]:
-        if not any(x.get(what) for x in entry["methods"]):
-            continue
         cells = [entry["case"]]
         for methods in groups.values():
-            name, found = needed(entry, methods, tolerance, what)
-            shown = f"{found:,.0f}" if what == "needed" else f"{1e3 * found:.3g}"
-            cells.append(f"{shown} ({name})" if math.isfinite(found) else "-")
-        mine, theirs = (needed(entry, x, tolerance, what)[1] for x in (new, rivals))
+            name, found = needed(entry, methods, tolerance)
+            cells.append(f"{found:,.0f} ({name})" if math.isfinite(found) else "-")
+        mine, theirs = (needed(entry, x, tolerance)[1] for x in (new, rivals))
         if math.isfinite(mine) and math.isfinite(theirs):
             ratios.append(mine / theirs)
         cells.append(f"{mine / theirs:.2f}" if math.isfinite(mine) else "-")
         lines.append(f"| {' | '.join(cells)} |")
-    mean = math.exp(math.fsum(map(math.log, ratios)) / len(ratios))
-    lines.append(f"| geometric mean |{' |' * len(groups)} {mean:.2f} |")
+    lines.append(f"| geometric mean |{' |' * len(groups)} {mean(ratios):.2f} |")
     return "\n".join(lines) + "\n"
 
 
@@ -253,7 +236,7 @@ def mean_table(document: Mapping[str, Any]) -> str:
                 shares = [
                     needed(x, [name], tolerance)[1] / needed(x, [UNIT], tolerance)[1] for x in some
                 ]
-                cells.append(f"{math.exp(math.fsum(map(math.log, shares)) / len(shares)):.2f}")
+                cells.append(f"{mean(shares):.2f}")
             lines.append(f"| `{name}` | {' | '.join(cells)} |")
     return "\n".join(lines) + "\n"
 
@@ -485,6 +468,6 @@ def scan_table(document: Mapping[str, Any]) -> str:
 
 
 if __name__ == "__main__":
-    kinds = {"times": times, "long": long_runs, "resonances": resonances}
+    kinds = {"long": long_runs, "resonances": resonances}
     words = arguments(sys.argv[1:])
     kinds.get(words[0], evaluations)(Path(words[-1]))

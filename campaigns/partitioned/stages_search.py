@@ -1,6 +1,9 @@
 """Search for explicit symmetric multivalue methods for q'' = k(q) with several kicks a step.
 
     python -m campaigns.partitioned.stages_search 2 --angles 67 85 122 152 --seed 1 2 --tries 160
+    python -m campaigns.partitioned.stages_search counted 3 10 1 40 120
+    python -m campaigns.partitioned.stages_search counted 3 10 1 12 40 3
+    python -m campaigns.partitioned.stages_search further "two kicks, solved for order 10" 10 1 400
     python -m campaigns.partitioned.stages_search front data/measurements/multistep-front.json
     python -m campaigns.partitioned.stages_search resonances data/measurements/multistep-growth.json
 
@@ -11,8 +14,11 @@ is the same backwards. s = 1 is the multistep method of :mod:`.multistep_search`
 Unknown are the angles, the kicks, complex numbers for each pair in the basis of the turns at the
 middle of the step, and the abscissae. The drifts follow: all stages are the solution to order
 2 m + 2 if they match the powers x, x^3, .. of a drift that is its own mirror image, and all
-powers of another, where the forces are exp(x t / h). Minimized is the mean logarithm of the
-evaluations that are needed on :data:`CASES`, training problems, plus a penalty for growth.
+powers of another, where the forces are exp(x t / h). The second form (pairs, order, seed, starts,
+tries and, unless 2, kicks) solves for unknowns with which the drifts match further powers, and goes
+on among the solutions; the third (end, order, seed, tries) goes on from one of the ends. Minimized
+is the mean logarithm of the evaluations that are needed on :data:`CASES`, training problems, plus a
+penalty for growth.
 
 Public names::
 
@@ -35,9 +41,11 @@ from typing import Any
 
 import numpy as np
 from scipy.linalg import toeplitz
+from scipy.optimize import least_squares
 
 from campaigns.driver import arguments, carried_out, complete
 from campaigns.partitioned import multistep_search as one
+from campaigns.partitioned.held_out_problems import PROBLEMS, problem_of
 from campaigns.partitioned.multistep_search import Training
 from glmref.catalogue.lookup import load
 from glmref.measure.timing import circumstances
@@ -120,6 +128,12 @@ def _shifted(a: np.ndarray, places: int) -> np.ndarray:
 
 def drifts(stages: Stages) -> tuple[np.ndarray, np.ndarray]:
     """Weights of the drifts and of the kicks, each (s, 1 + 2 m), in real values."""
+    phi, b, _ = _series(stages)
+    return phi, b
+
+
+def _series(stages: Stages) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """:func:`drifts`, and what they leave of each power of x, (s, LENGTH), about their middles."""
     s, m, theta = stages.s, len(stages.angles), stages.angles
     forces = [_shifted(_exponential(c), 2) for c in stages.abscissae]  # x^2 exp(x c)
     step = _times(_exponential(1.0))
@@ -133,6 +147,7 @@ def drifts(stages: Stages) -> tuple[np.ndarray, np.ndarray]:
         kicked = sum(b * f for b, f in zip(stages.kicks[:, j], forces, strict=True))
         values.append(np.linalg.solve(step * np.exp(-1j * theta[j]) - np.eye(LENGTH), kicked))
     phi, b = np.zeros((s, 1 + 2 * m)), np.zeros((s, 1 + 2 * m))
+    left = np.zeros((s, LENGTH))
     for i, force in enumerate(forces):
         b[i] = [1 / s, *np.column_stack([stages.kicks[i].real, stages.kicks[i].imag]).ravel()]
         kicks = [1 / s, *stages.kicks[i]]
@@ -153,10 +168,74 @@ def drifts(stages: Stages) -> tuple[np.ndarray, np.ndarray]:
         columns += [] if mirrored else [v.imag for v in pairs]
         rows = slice(1, 2 * m + 2, 2 if mirrored else 1)
         found = np.linalg.solve(np.array(columns).T[rows], moved[rows])
+        left[i] = moved - np.array(columns).T @ found
         weight = found[1 : m + 1] + (0 if mirrored else 1j * found[m + 1 :])
         weight = weight.conj() * turn  # Re(weight y) moves q
         phi[i] = [found[0], *np.column_stack([weight.real, -weight.imag]).ravel()]
-    return phi, b
+    return phi, b, left
+
+
+def _of(x: np.ndarray, s: int = 2) -> Stages:
+    """The method with so many kicks, 2 to 4, of its unknowns.
+
+    Angles, phases of the first kick, whose numbers have length 1; with three kicks the numbers of
+    the second, which are real, with four their logarithms; the abscissae of the last kicks.
+    """
+    pairs = (len(x) - s // 2) // s
+    angles, phases, *more = np.split(x[: s * pairs], s)
+    kicks = [np.exp(1j * phases)]
+    middle = more if s == 3 else [np.exp(more[0] + 1j * more[1])] if s == 4 else []
+    kicks += middle
+    kicks += [x.conj() for x in reversed(kicks[: s // 2])]
+    places = x[s * pairs :]
+    abscissae = [*-places, *[0.0] * (s % 2), *places[::-1]]
+    return Stages(angles, np.array(abscissae), np.array(kicks, dtype=complex))
+
+
+def solved(x: np.ndarray, order: int, s: int = 2) -> np.ndarray | None:
+    """Solve for a method of an order beyond 2 m + 2, from near unknowns.
+
+    A drift that is its own mirror image has to match each further odd power of x, another one each
+    further power. With two kicks two orders more cost two conditions on 2 m + 1 unknowns.
+    Levenberg and Marquardt's method.
+
+    Returns
+    -------
+    np.ndarray or None
+        The unknowns, ``None`` where they are not found or :func:`allowed` refuses the method.
+    """
+    pairs = (len(x) - s // 2) // s
+    rows = [(i, k) for i in range(s // 2) for k in range(2 * pairs + 2, order)
+            if k % 2 or 2 * (i + 1) != s]  # fmt: skip
+    rows += [(s - 1, k) for k in range(2 * pairs + 3, order, 2)]
+    at = tuple(np.array(rows).T)
+    scale = np.array([float(math.factorial(k)) for k in at[1]])
+
+    def conditions(x: np.ndarray) -> np.ndarray:
+        found = np.zeros(max(len(x), len(rows)))  # as many as unknowns, for the solver
+        try:
+            found[: len(rows)] = _series(_of(x, s))[2][at] * scale
+        except np.linalg.LinAlgError:
+            return np.full(len(found), 1e6)
+        return np.nan_to_num(found, nan=1e6, posinf=1e6, neginf=-1e6).clip(-1e6, 1e6)
+
+    found = least_squares(conditions, x, method="lm", max_nfev=40 * len(x))
+    reached = np.abs(found.fun).max() < 1e-7 and allowed(_of(found.x, s))
+    return found.x if reached else None
+
+
+def counted(pairs: int, order: int, *, seed: int, starts: int, s: int = 2) -> list[np.ndarray]:
+    """Unknowns of :func:`solved` from random starts, those with a periodicity interval."""
+    generator, ends = np.random.default_rng(seed), []
+    for _ in range(starts):
+        angles = np.radians(generator.uniform(s * FROM_ONE, 176, size=pairs))
+        phases = generator.uniform(-math.pi, math.pi, size=pairs)
+        more = generator.uniform(-1, 1, size=(s - 2) * pairs)
+        if s == 4:
+            more[pairs:] *= math.pi
+        places = np.arange(s - 1, 0, -2) / (2 * s) + generator.uniform(-0.2, 0.2, size=s // 2) / s
+        ends.append(solved(np.concatenate([angles, phases, more, places]), order, s))
+    return [x for x in ends if x is not None and interval(_of(x, s)) > 0.05]
 
 
 def _on_oscillator(stages: Stages) -> Callable[[float], np.ndarray]:
@@ -358,7 +437,7 @@ def resonances(path: Path, count: int = 4000, steps: int = 5000) -> None:
         "title": f"Growth of symmetric multistep methods at {count:,} step sizes",
         "how": "python -m campaigns.partitioned.stages_search resonances FILE",
         "notes": [GROWTH_NOTE],
-        "circumstances": circumstances(),
+        "where": circumstances(),
     }
     size = {"count": count, "steps": steps}
     tasks = ({"method": name, "orbit": x, **size} for name in SCANNED for x, _, _ in ORBITS)
@@ -402,8 +481,9 @@ def growth_table(document: Mapping[str, Any]) -> str:
 
 #: Methods with two kicks that descents ended with, in degrees: angles, phases of the first kick,
 #: and the abscissa of the second kick. The first is the end of a descent that looked at the phase
-#: on the oscillator and the periodicity interval alone, the others went on from such ends on
-#: :data:`CASES`.
+#: on the oscillator and the periodicity interval alone, the next two went on from such ends on
+#: :data:`CASES`. The last two are ends of :func:`count`, 3 10 1 40 120 and 4 12 1 30 60, that were
+#: broken off; from the first of them :func:`further` went on with seed 1.
 FOUND: Mapping[str, tuple[Sequence[float], Sequence[float], float]] = {
     "two kicks, by the phase": (
         (85.1087, 111.5989, 166.3418, 133.5990),
@@ -420,11 +500,35 @@ FOUND: Mapping[str, tuple[Sequence[float], Sequence[float], float]] = {
         (13.681, -1.9625, 68.9425, 154.6199),
         0.204609,
     ),
+    "two kicks, solved for order 10": (
+        (150.2299, 142.7119, 108.5307),
+        (163.9768, -26.9085, 88.1089),
+        0.33587,
+    ),
+    "two kicks, solved for order 12": (
+        (123.6967, 150.0372, 113.9541, 103.6333),
+        (-25.0351, 134.6609, -130.2476, -53.4583),
+        0.35087,
+    ),
 }
 
 
+def held_out() -> dict[str, Training]:
+    """The problems of held_out_problems with a force that the C source has, short horizons."""
+    kinds = {"kepler": 0, "henon-heiles": 1, "toda ring": 3}
+    found = {}
+    for name, held in PROBLEMS.items():
+        kind = next((k for word, k in kinds.items() if name.startswith(word)), None)
+        if kind is not None:
+            y = [float(x) for x in problem_of(name).y0]
+            q0, p0 = y[: len(y) // 2], y[len(y) // 2 :]
+            found[name] = Training(kind, q0, p0, held.t_end, held.least, 60 * held.least)
+    return found
+
+
 FRONT_NOTE = (
-    "evaluations: geometric mean over the training problems. reach: largest h omega for one "
+    "evaluations: geometric mean over the training problems. held out: on the eight problems of "
+    "held_out_problems whose forces the search has, short horizons. reach: largest h omega for one "
     "evaluation up to which the error of the phase is below 1e-10. growth: decades, summed over "
     f"runs of {STEPS:,} evaluations."
 )
@@ -439,7 +543,7 @@ def found(name: str) -> Stages:
 
 def front(path: Path) -> None:
     """Measure :data:`FOUND`, new and published methods with one kick, and write a file."""
-    tasks = ({"method": name} for name in (*SCANNED, *FOUND))
+    tasks = ({"method": name} for name in (*SCANNED, "quinlan-8a", "quinlan-8b", *FOUND))
     rows = carried_out(front_row, tasks, beside=path)
     complete(
         path,
@@ -449,17 +553,21 @@ def front(path: Path) -> None:
             "title": "Symmetric multivalue methods with one and two kicks on training problems",
             "how": "python -m campaigns.partitioned.stages_search front FILE",
             "notes": [FRONT_NOTE],
-            "circumstances": circumstances(),
+            "where": circumstances(),
             "methods": rows,
         },
     )
+
+
+def _by_tolerance(counts: np.ndarray) -> dict[str, int]:
+    return {f"{t:.0e}": round(float(x)) for t, x in zip(one.TOLERANCES, counts, strict=True)}
 
 
 def front_row(task: Mapping[str, Any]) -> dict[str, Any]:
     """Measure a method on the training problems."""
     name = task["method"]
     stages = found(name) if name in FOUND else of_file(name)
-    counts = evaluations(stages)
+    counts, held = evaluations(stages), held_out()
     mean = np.exp(np.log(counts).mean(axis=0))
     return {
         "method": name,
@@ -467,25 +575,76 @@ def front_row(task: Mapping[str, Any]) -> dict[str, Any]:
         "pairs": len(stages.angles),
         "interval": interval(stages),
         "reach": round(reach(stages), 3),
-        "evaluations": {
-            f"{t:.0e}": round(float(x)) for t, x in zip(one.TOLERANCES, mean, strict=True)
+        "evaluations": _by_tolerance(mean),
+        "held out": {
+            name: _by_tolerance(row)
+            for name, row in zip(held, evaluations(stages, [*held.values()]), strict=True)
         },
         "growth": round(growth(stages, counts), 1),
     }
 
 
 def front_table(document: Mapping[str, Any]) -> str:
-    """The front in Markdown."""
-    heads = "method, kicks, pairs, interval, reach, at $10^{-6}$, at $10^{-9}$, growth"
-    head = f"| {' | '.join(heads.split(', '))} |"
-    lines = [head, "|---" * 8 + "|"]
+    """The front in Markdown; on held-out problems over the best published method of each."""
+    heads = (
+        "method, kicks, pairs, interval, reach, at $10^{-6}$, at $10^{-9}$, "
+        "held out: $10^{-6}$, $10^{-9}$, growth"
+    )
+    lines = [f"| {' | '.join(heads.split(', '))} |", "|---" * 10 + "|"]
+    published = [x["held out"] for x in document["methods"] if x["method"].startswith("quinlan")]
     for x in document["methods"]:
+        shares = [
+            math.exp(
+                math.fsum(
+                    math.log(row[key] / min(other[case][key] for other in published))
+                    for case, row in x["held out"].items()
+                )
+                / len(x["held out"])
+            )
+            for key in x["evaluations"]
+        ]
         counts = " | ".join(f"{n:,}" for n in x["evaluations"].values())
         lines.append(
             f"| {x['method']} | {x['kicks']} | {x['pairs']} | {x['interval']:.2f} "
-            f"| {x['reach']:.2f} | {counts} | {x['growth']:g} |"
+            f"| {x['reach']:.2f} | {counts} | {shares[0]:.2f} | {shares[1]:.2f} "
+            f"| {x['growth']:g} |"
         )
     return "\n".join(lines) + "\n"
+
+
+def count(pairs: int, order: int, seed: int, starts: int, tries: int, s: int = 2) -> None:
+    """Print where :func:`counted` ends, and a random descent among the solutions from the best."""
+    ends = counted(pairs, order, seed=seed, starts=starts, s=s)
+    sys.stdout.write(f"{pairs} pairs, order {order}: {len(ends)} of {starts} starts\n")
+    ranked = sorted(((objective(_of(x, s)), k) for k, x in enumerate(ends)), reverse=True)
+    for value, k in ranked:
+        sys.stdout.write(f"{_line(_of(ends[k], s), value)}\n")
+    if ranked:
+        among(ends[ranked[-1][1]], order, seed=seed, tries=tries, s=s)
+
+
+def among(x: np.ndarray, order: int, *, seed: int, tries: int, s: int = 2) -> None:
+    """Print the course of a random descent among the solutions of :func:`solved`."""
+    generator, width, best = np.random.default_rng(seed), 0.1, objective(_of(x, s))
+    for _ in range(tries):
+        step = generator.normal(size=len(x)) * ([1.0] * (len(x) - s // 2) + [0.1] * (s // 2))
+        new = solved(x + width * step, order, s)
+        value = math.inf if new is None else objective(_of(new, s), best)
+        if new is not None and value < best:
+            x, best, width = new, value, 1.5 * width
+            sys.stdout.write(f"{_line(_of(x, s), best)}\n")
+            sys.stdout.flush()
+        else:
+            width = max(0.005, 0.93 * width)
+
+
+def further(name: str, order: int, seed: int, tries: int) -> None:
+    """Go on from one of :data:`FOUND` among the methods of an order, by :func:`among`."""
+    angles, phases, place = FOUND[name]
+    begun = solved(np.array([*np.radians(angles), *np.radians(phases), place]), order)
+    if begun is None:
+        raise SystemExit(f"{name} is not near a method of order {order}")
+    among(begun, order, seed=seed, tries=tries)
 
 
 def descent(task: Mapping[str, Any]) -> str:
@@ -494,6 +653,10 @@ def descent(task: Mapping[str, Any]) -> str:
     alone = Stages(angles, np.zeros(1), np.ones((1, len(angles)), dtype=complex))
     begun = alone if task["stages"] == 1 else doubled(angles)
     found, value = descend(begun, seed=task["seed"], tries=task["tries"])
+    return _line(found, value)
+
+
+def _line(found: Stages, value: float) -> str:
     phases = np.degrees(np.angle(found.kicks[0])).round(4).tolist()
     return (
         f"{value:.4f} interval {interval(found):.3f} angles {np.degrees(found.angles).round(4)} "
@@ -505,6 +668,12 @@ def main(words: Sequence[str]) -> None:
     """Run a descent for each seed, or one of the measurements."""
     if words[:1] in (["resonances"], ["front"]):
         {"resonances": resonances, "front": front}[words[0]](Path(words[1]))
+        return
+    if words[:1] == ["counted"]:
+        count(*map(int, words[1:]))
+        return
+    if words[:1] == ["further"]:
+        further(words[1], *map(int, words[2:]))
         return
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("stages", type=int, choices=(1, 2))

@@ -7,7 +7,7 @@ solutions easy to find; the free coefficients are then fixed at short fractions 
 
 The starts of the shipped pairs began so and were thinned out afterwards: stages and coefficients
 were weighted more and more in a least-norm solution until they vanished. What is left is on record
-in ``recipes/pair_starts.json``.
+in ``recipes/partitioned_starts.json``.
 """
 
 from __future__ import annotations

@@ -2,10 +2,10 @@
 
 Two starts are compared: zero values, (y0, 0), and the starting method of the file. In 50 digits, on
 the pendulum: by how much the values carried differ from the exact starting values (computed by
-iteration, :mod:`.underlying`, no series), and by how much that makes the first values differ after
-a unit of time. Differences are even in h, as starts and pairs are; an observed order is log2 of the
-ratio between h = 1/32 and 1/64. In double precision: the runs of :mod:`.pair_long` again, from the
-starting method.
+iteration, :mod:`glmref.measure.underlying`, no series), and by how much that makes the first values
+differ after a unit of time. Differences are even in h, as starts and pairs are; an observed order
+is log2 of the ratio between h = 1/32 and 1/64. In double precision: the runs of :mod:`.long_runs`
+again, from the starting method.
 
     python -m campaigns.partitioned.starts data/measurements/pairs-starts.json
 
@@ -176,7 +176,7 @@ def main(path: Path, cases: Sequence[Case] = CASES, steps: int = STEPS) -> None:
         "title": "What the starting method of an explicit pair changes",
         "how": "python -m campaigns.partitioned.starts FILE",
         "notes": [NOTE],
-        "circumstances": circumstances(),
+        "where": circumstances(),
         "starts": carried_out(start_row, ({"method": name} for name in pairs), beside=path),
         "runs": runs,
         "further": carried_out(pair_row, further, beside=path),
@@ -209,7 +209,7 @@ def runs_table(document: Mapping[str, Any], zero: Mapping[str, Any]) -> str:
     document : Mapping[str, Any]
         Of :func:`main`.
     zero : Mapping[str, Any]
-        Of :mod:`.pair_long`.
+        Of :mod:`.long_runs`.
     """
     lines = [
         "| pair | problem | energy: zero | own | carried: zero | own | bounded: zero | own |",

@@ -12,20 +12,28 @@ import numpy as np
 import pytest
 
 from campaigns import world
-from campaigns.partitioned import multistep
+from campaigns.partitioned import held_out, multistep
+from campaigns.partitioned.held_out_problems import PROBLEMS
 from campaigns.partitioned.long_runs import Case
 from campaigns.partitioned.multistep import (
     LONG,
+    SYMMETRIC,
+    cosines,
     follow,
     long_table,
     mean_table,
     needed,
     scan,
     table,
+    twin,
 )
 from campaigns.partitioned.multistep_search import coefficients
+from campaigns.partitioned.stages_search import CASES as TRAINING
 from campaigns.partitioned.stages_search import (
     Stages,
+    _of,
+    compiled,
+    counted,
     doubled,
     drifts,
     front_table,
@@ -33,7 +41,7 @@ from campaigns.partitioned.stages_search import (
     interval,
     ranges,
 )
-from glmref.catalogue.lookup import data_root, load
+from glmref.catalogue.lookup import data_root, document, load
 from glmref.compute.choosing import ENVIRONMENT
 from glmref.derive.recipes.multistep import SHIPPED
 
@@ -51,11 +59,14 @@ def filled(text):
         "multistep-1e-09": table(record("multistep"), "1e-09"),
         "multistep-1e-06": table(record("multistep"), "1e-06"),
         "multistep-means": mean_table(record("multistep")),
-        "multistep-time": table(record("multistep"), "1e-09", "seconds"),
         "multistep-long": long_table(record("multistep-long")),
         "multistep-growth": growth_table(record("multistep-growth")),
         "multistep-front": front_table(record("multistep-front")),
         "world": world.table(record("world")),
+        "held-out-summary": held_out.summary(record("held-out")),
+        "held-out-singles": held_out.singles(record("held-out")),
+        "held-out-long": held_out.table(record("held-out"), "energy"),
+        "held-out-short": held_out.table(record("held-out"), "state"),
     }
     for name, lines in tables.items():
         pattern = rf"(<!-- table: {name} -->\n).*?(<!-- end of table -->)"
@@ -75,6 +86,68 @@ def test_every_shipped_method_is_measured():
         assert set(SHIPPED) <= {x["method"] for x in entry["methods"]}
 
 
+def test_every_held_out_problem_is_measured_with_every_method():
+    document = record("held-out")
+    found = {x["case"]: [m["method"] for m in x["methods"]] for x in document["cases"]}
+    missing = document["not measured"]
+    wanted = [x for name in PROBLEMS for x in (name, f"{name}, long") if x not in missing]
+    assert list(found) == wanted
+    page = PAGE.read_text(encoding="utf-8")
+    assert all(f"`{x.removesuffix(', long')}`" in page for x in missing)
+    assert all(found[case] == held_out.methods_for(case) for case in wanted)
+    assert len(PROBLEMS) == 40 and sum(x.quadratic for x in PROBLEMS.values()) == 31
+
+
+@pytest.mark.slow
+def test_counts_on_a_held_out_problem_are_those_of_the_record():
+    case = next(x for x in held_out.CASES if x.name == "double well")
+    few = ["multistep-rkn-8", "quinlan-tremaine-8"]
+    again = held_out.case_row(held_out.task_of(case, *few))
+    (stored,) = (x for x in record("held-out")["cases"] if x["case"] == case.name)
+    known = {x["method"]: x["needed"] for x in stored["methods"]}
+    for found in again["methods"]:
+        assert found["needed"] == known[found["method"]]
+        assert found["seconds"]["1e-09"] > 0
+
+
+@pytest.mark.slow
+def test_a_method_counted_later_is_put_in_its_place(tmp_path):
+    (stored,) = (x for x in record("held-out")["cases"] if x["case"] == "double well")
+    rows = [x for x in stored["methods"] if x["method"] != "dormand-prince-rkn-12-10"]
+    path = tmp_path / "few.json"
+    path.write_text(json.dumps({"notes": ["One."], "cases": [stored | {"methods": rows}]}))
+    held_out.add(path, "dormand-prince-rkn-12-10")
+    found = json.loads(path.read_text())
+    assert found["cases"] == [stored]
+    assert found["notes"][1:] == [
+        "dormand-prince-rkn-12-10 was counted in a later run, without times."
+    ]
+
+
+def test_what_counts_on_held_out_problems_is_the_best_of_each_group_in_each_case():
+    def entry(case, **needed):
+        rows = [{"method": k, "needed": {"1e-09": v}} for k, v in needed.items()]
+        return {"case": case, "measure": "state", "methods": rows}
+
+    first = entry("morse", **{"multistep-rkn-8": 90, "multistep-rkn-10": 80, "quinlan-8a": 100})
+    second = entry("kepler 0.1", **{"multistep-rkn-8": 125, "quinlan-8b": 100, "kahan-li-8": 250})
+    assert held_out.best(first, "new", "1e-09") == ("multistep-rkn-10", 80)
+    lines = held_out.summary({"cases": [first, second]}).splitlines()
+    assert (
+        "| quadratic | short | evaluations, $10^{-9}$ | 1.00 (1 of 2) | 0.50 (1 of 1) | - | - |"
+        in lines
+    )
+
+
+def test_a_published_method_in_one_step_form_has_its_own_coefficients():
+    _, b = coefficients((), cosines("quinlan-tremaine-8"))
+    published = np.array([17671, -23622, 61449, -50516, 61449, -23622, 17671]) / 12096
+    assert b == pytest.approx(published, rel=1e-6)
+    assert twin("multistep-rkn-8").name == "multistep-rkn-8"
+    for name in SYMMETRIC:
+        assert len(cosines(name)) == (int(name.rpartition("-")[2].strip("ab")) - 2) // 2
+
+
 @pytest.mark.slow
 def test_counts_and_long_runs_are_those_of_the_record_wherever_tasks_run(tmp_path, monkeypatch):
     case = next(x for x in multistep.COUNTED if x.name == "henon-heiles")
@@ -89,12 +162,10 @@ def test_counts_and_long_runs_are_those_of_the_record_wherever_tasks_run(tmp_pat
         monkeypatch.setenv(ENVIRONMENT, on)
         count, long = tmp_path / "count.json", tmp_path / f"{on[:4]}.json"
         multistep.evaluations(count, [case])
-        multistep.times(count)
         multistep.long_runs(long, steps=20_000, cases=LONG[1:2])
         counted, runs = (json.loads(x.read_text(encoding="utf-8")) for x in (count, long))
         for row in counted["cases"][0]["methods"]:
             assert row["needed"] == known[row["method"]]
-            assert row.pop("seconds")["1e-09"] > 0
         multistep.long_runs(long, steps=20_000, cases=LONG[1:2])  # what is there stays
         assert json.loads(long.read_text(encoding="utf-8"))["runs"] == runs["runs"]
         (run,) = runs["runs"]
@@ -105,8 +176,10 @@ def test_counts_and_long_runs_are_those_of_the_record_wherever_tasks_run(tmp_pat
 
 def test_files_say_where_they_grow():
     grown = {x["method"] for x in record("multistep-long")["runs"] if not x["bounded"]}
-    grown &= set(SHIPPED)
-    assert {name for name, shipped in SHIPPED.items() if shipped.notes} == grown
+    for name, shipped in SHIPPED.items():
+        (said,) = shipped.notes
+        assert ("grow on" if name in grown else "stays bounded") in said
+        assert document(name)["notes"] == list(shipped.notes)
 
 
 def test_the_best_of_some_is_found():
@@ -167,6 +240,24 @@ def test_two_steps_of_one_kick_are_one_of_two():
         assert np.hypot(*two[0, k : k + 2]) == pytest.approx(size, rel=1e-8)
     assert np.hypot(kicks[0, 1], kicks[0, 2]) == pytest.approx(1)
     assert interval(doubled(angles), 50) == interval(alone, 50)
+
+
+def test_two_kicks_of_a_higher_order_are_found_by_solving_for_it():
+    found = counted(3, 10, seed=1, starts=4)
+    assert found
+    for stages in map(_of, found):
+        assert stages.s == 2 and len(stages.angles) == 3
+        errors = [compiled(stages).error(TRAINING[0], n) for n in (1800, 2400)]
+        assert np.log(errors[0] / errors[1]) / np.log(4 / 3) > 9  # 7.6 without the conditions
+
+
+def test_three_kicks_of_a_higher_order_are_found_by_solving_for_it():
+    (x, *_) = counted(1, 6, seed=1, starts=6, s=3)
+    stages = _of(x, 3)
+    assert stages.kicks[2] == pytest.approx(stages.kicks[0].conj())
+    assert stages.kicks[1].imag == pytest.approx(0)
+    errors = [compiled(stages).error(TRAINING[0], n) for n in (1200, 2400)]
+    assert np.log2(errors[0] / errors[1]) > 5.5  # 4 without the conditions
 
 
 def test_ranges_join_neighbours():

@@ -131,7 +131,7 @@ def test_one_more_method_is_counted_and_the_rest_of_the_file_is_kept(tmp_path):
         *before["notes"],
         "mclachlan-4 was counted in a later run, without times.",
     ]
-    assert after["circumstances"] == before["circumstances"]
+    assert after["where"] == before["where"]
     with pytest.raises(UsageError, match="must be one of"):
         add(path, "rk4", [SHORT])
 

@@ -34,6 +34,7 @@ from typing import Any
 import numpy as np
 
 from campaigns.driver import TIMED, arguments, carried_out, complete
+from campaigns.partitioned.held_out_problems import PROBLEMS, problem_of
 from campaigns.partitioned.long_runs import three_digits
 from glmref.catalogue.lookup import load
 from glmref.compute.records import finite
@@ -55,6 +56,8 @@ __all__ = [
     "Need",
     "add",
     "main",
+    "mean",
+    "needed",
     "needs",
     "per_step",
     "timed",
@@ -64,8 +67,6 @@ __all__ = [
 TOLERANCES = (1e-6, 1e-9)
 #: Grid points to an octave of step sizes.
 DENSITY = 3
-#: No run takes more force evaluations than this.
-MOST = 2_000_000
 #: Rounds of the timing.
 ROUNDS = 9
 #: Samples of the energy where the energy is what is measured.
@@ -95,7 +96,7 @@ class Case:
     name : str
         One word.
     problem, parameters
-        Of the catalogue.
+        Of the catalogue, or a name of :data:`PROBLEMS`.
     t_end : float
         Time, from its beginning.
     least : int
@@ -105,6 +106,8 @@ class Case:
         over 64 samples, relative (where the motion is chaotic or the time long).
     timed : bool
         Whether times are taken too.
+    most : int
+        No run takes more force evaluations than this.
     """
 
     name: str
@@ -114,6 +117,7 @@ class Case:
     parameters: tuple[tuple[str, str], ...] = ()
     measure: str = "state"
     timed: bool = False
+    most: int = 2_000_000
 
     def built(self) -> Problem:
         """Return the problem."""
@@ -122,7 +126,7 @@ class Case:
 
 @cache
 def _problem(name: str, parameters: tuple[tuple[str, str], ...]) -> Problem:
-    return problem(name, **dict(parameters))
+    return problem_of(name) if name in PROBLEMS else problem(name, **dict(parameters))
 
 
 _PERIOD = 2 * math.pi
@@ -218,6 +222,21 @@ def per_step(method: str) -> int:
     return max(1, form.Q.n - form.reuses_force)
 
 
+def needed(
+    entry: Mapping[str, Any], methods: Sequence[str], tolerance: str, what: str = "needed"
+) -> tuple[str, float]:
+    """The method of some that needs least in the row of a case, and how much; infinity: none."""
+    found = {x["method"]: x.get(what, {}).get(tolerance, math.inf) for x in entry["methods"]}
+    name = min(methods, key=lambda x: found.get(x, math.inf), default="")
+    return name, found.get(name, math.inf)
+
+
+def mean(values: Sequence[float]) -> float:
+    """Geometric mean of those that are numbers; NaN where none is."""
+    logs = [math.log(x) for x in values if math.isfinite(x)]
+    return math.exp(math.fsum(logs) / len(logs)) if logs else math.nan
+
+
 def needs(case: Case, methods: Sequence[str] = METHODS) -> list[Need]:
     """Measure the error of each method on the grid of step sizes.
 
@@ -236,7 +255,7 @@ def _need(case: Case, method: str, start: str, error: Callable[[Solution], float
     each, curve, cost = per_step(method), [], 0
     for k in range(200):
         steps = math.ceil(case.least * 2 ** (k / DENSITY) / each)
-        if steps * each > MOST:
+        if steps * each > case.most:
             break
         try:
             solution = _run(case, method, steps, start)
@@ -382,7 +401,7 @@ def write(path: Path, found: Mapping[Case, Sequence[Need]]) -> None:
         "title": "Force evaluations and time that splittings and explicit pairs need",
         "how": "python -m campaigns.partitioned.work FILE",
         "notes": [NOTE, *(f"{name} is left out: {why}" for name, why in LEFT_OUT.items())],
-        "circumstances": circumstances(),
+        "where": circumstances(),
         "cases": [_as_json(case, rows) for case, rows in found.items()],
     }
     complete(path, document)

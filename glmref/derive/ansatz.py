@@ -30,8 +30,6 @@ from ..prove.classes import plan, representatives
 from ..system.files import read_text
 from .recognise import exact_text
 
-__all__ = ["Ansatz", "Value"]
-
 MAX_BYTES = 200_000
 
 _PAIR_NAMES = (("alpha", "beta"), ("delta", "eta"), ("phi", "psi"))

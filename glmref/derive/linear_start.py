@@ -26,8 +26,6 @@ from .parameters import RankError, pivots
 from .parity_start import add_terms, negated
 from .recognise import exact_text
 
-__all__ = ["collocation", "linear_start", "tableau"]
-
 NODES = tuple(Fraction(x, 3) for x in (0, 1, -1, 2, -2, 3, -3))
 
 

@@ -54,8 +54,6 @@ from typing import Any
 from ..errors import UsageError
 from ..exact import Exact, linalg
 
-__all__ = ["Half", "multistep_document"]
-
 #: Distance of the points of the starting method, in steps.
 SPACING = Fraction(1)
 
@@ -254,10 +252,6 @@ def _start(halves: dict[str, Half], ended: Half, rounds: int) -> dict[str, Any]:
         "A": matrix(Q, len(P)), "B": B, "A_hat": matrix(P, len(Q)), "B_hat": B_hat,
         "u": u, "u_hat": u_hat,
     }  # fmt: skip
-
-
-def _outer(a: Sequence[Fraction], b: Sequence[Fraction]) -> list[list[Fraction]]:
-    return [[x * y for y in b] for x in a]
 
 
 def _times(row: Sequence[Fraction], V: list[list[Fraction]]) -> list[Fraction]:

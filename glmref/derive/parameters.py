@@ -14,8 +14,6 @@ from ..prove.system import SweepSystem
 from .ansatz import Ansatz
 from .search import evaluate, levenberg_marquardt
 
-__all__ = ["RankError", "fix_parameters", "pivots"]
-
 
 class RankError(GlmrefError):
     """The Jacobian at a solution has not full rank: the equations are not independent there."""

@@ -18,8 +18,6 @@ from .ansatz import Ansatz
 from .partitioned import PairAnsatz, search_pairs
 from .search import Found, search
 
-__all__ = ["PARCEL", "carry_out", "ends_of", "tasks_of"]
-
 #: Starts of a parcel: they are iterated side by side.
 PARCEL = 32
 

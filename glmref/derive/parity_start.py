@@ -31,18 +31,6 @@ from ..prove.starting import (
     swap,
 )
 
-__all__ = [
-    "add_terms",
-    "complete",
-    "expanded",
-    "finishing_block",
-    "negated",
-    "starting_block",
-    "with_partitioned_start",
-]
-
-_NUMBER = re.compile(r"(?P<sign>-?)(?P<size>.+)")
-
 
 def _text(value: str) -> str:
     """A rational as it is; a rough decimal with all its places, to be recognised as an unknown."""

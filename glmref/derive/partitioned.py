@@ -10,13 +10,6 @@ The last of b1, b2, .. that is not fixed follows from sum b_i = 1, likewise for 
 one tree of every free tree of odd order below the order (:mod:`glmref.prove.equations`), both
 growth parameters, and as many starts as make every principal part zero. Scaling q_2 by a number and
 p_2 by its inverse changes nothing but w and v: one parameter is always free.
-
-Public names::
-
-    PairAnsatz(name, n, order, ...)             .document() -> dict, its unknowns empty
-    fix_parameters(ansatz, point) -> (square ansatz, point)
-    complete_pair(ansatz, start, source, claims) -> (document, Enclosure)
-    search_pairs(ansatz, seed=.., starts=..) -> iterator of Found
 """
 
 from __future__ import annotations
@@ -38,8 +31,6 @@ if TYPE_CHECKING:
     import numpy as np
 
     from .search import Found
-
-__all__ = ["PairAnsatz", "complete_pair", "fix_parameters", "search_pairs"]
 
 #: Values of zeta that are asked to vanish, by number: none, one of them, or both.
 STARTS = {

@@ -14,8 +14,6 @@ from ..errors import ExactnessError
 from ..exact import Ball, Exact
 from ..exact.expression import parse, to_text
 
-__all__ = ["exact_text", "minimal_polynomial", "root_text", "surd", "surds"]
-
 MAX_DENOMINATOR = 10**6
 
 

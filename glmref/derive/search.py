@@ -17,8 +17,6 @@ import numpy as np
 
 from ..exact import Ball, Exact
 
-__all__ = ["Batch", "Found", "evaluate", "levenberg_marquardt", "search"]
-
 #: Imaginary perturbation: its square vanishes beside any number met here.
 STEP = 1e-40
 

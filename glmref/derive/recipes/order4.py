@@ -32,8 +32,6 @@ from ...verification.verifier import verify
 from ..recognise import exact_text, surds
 from .record import Derivation, Progress, Statement, derived_source, thesis_source
 
-__all__ = ["OPTIONS", "derive"]
-
 OPTIONS: Mapping[str, str] = {
     "family": "thesis",
     "b1": "",

@@ -32,8 +32,6 @@ from .record import (
 )
 from .solved import rough_starts, with_start
 
-__all__ = ["OPTIONS", "derive"]
-
 OPTIONS: Mapping[str, str] = {"c2": "1/3", "z": "exp(2*pi*i/3)", "start": "auto"}
 
 _W3 = "exp(2*pi*i/3)"

@@ -32,8 +32,6 @@ from math import isqrt, lcm
 from ...errors import UsageError
 from ...exact import Exact
 
-__all__ = ["Family", "Forms", "Quadratic", "family", "least_growth", "solve_forms"]
-
 
 @dataclass(frozen=True)
 class Family:

@@ -8,16 +8,13 @@ has no place among the equations.
 
 The shipped pairs come from such searches. Each is kept here as an ansatz whose free parameters are
 fixed rationally and a dozen digits of the other unknowns; the recipe polishes them to 75 digits and
-proves what their files claim. Likewise the starts, ``pair_starts.json``.
+proves what their files claim. Likewise the starts, ``partitioned_starts.json``.
 """
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cache
-from importlib.resources import files
 from typing import Any
 
 from ...catalogue.reader import load_document
@@ -27,10 +24,8 @@ from ...prove.enclosure import Enclosure
 from ...theory.stability import parasitic_curvature
 from ..parity_start import with_partitioned_start
 from ..partitioned import PairAnsatz, complete_pair, fix_parameters, search_pairs
-from .record import Derivation, Progress, Statement, kepler_notes
+from .record import Derivation, Progress, Statement, kepler_notes, stored
 from .shipped_pairs import SHIPPED, Shipped
-
-__all__ = ["OPTIONS", "derive"]
 
 OPTIONS: Mapping[str, str] = {
     "name": "",
@@ -88,7 +83,6 @@ def complete(shipped: Shipped) -> tuple[dict[str, Any], Enclosure]:
         shipped.ansatz,
         shipped.start.split(),
         source=source(f"recipe pairs, name = {shipped.ansatz.name}"),
-        claims=shipped.claims,
         notes=[*shipped.notes, *kepler_notes(shipped.ansatz.name)],
     )
     half = rough_pair_starts().get(shipped.ansatz.name)
@@ -97,11 +91,9 @@ def complete(shipped: Shipped) -> tuple[dict[str, Any], Enclosure]:
     return document, enclosure
 
 
-@cache
 def rough_pair_starts() -> Mapping[str, Any]:
     """One stage of each pair of every start, see :func:`~.parity_start.expanded`."""
-    place = files("glmref.derive.recipes").joinpath("pair_starts.json")
-    return json.loads(place.read_text(encoding="utf-8"))
+    return stored("partitioned_starts.json")
 
 
 def _statement(document: Mapping[str, Any], enclosure: Enclosure) -> Statement:

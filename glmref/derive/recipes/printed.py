@@ -15,8 +15,6 @@ from ...findings import Proof
 from ...method import as_matrix, as_vector
 from .record import Derivation, Progress, Statement
 
-__all__ = ["OPTIONS", "PRINTED_W", "derive"]
-
 OPTIONS: Mapping[str, str] = {}
 
 #: W of section 3.4, as printed.

@@ -2,23 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
 from typing import Any
 
 from ...findings import Proof
-
-__all__ = [
-    "GROWS",
-    "GROWS_LATER_ON_KEPLER",
-    "GROWS_ON_KEPLER",
-    "Derivation",
-    "Progress",
-    "Statement",
-    "derived_source",
-    "kepler_notes",
-    "thesis_source",
-]
 
 #: A note that `campaigns/order6/test_measurements.py` compares with the data it names.
 GROWS = (
@@ -92,6 +83,12 @@ def kepler_notes(name: str) -> list[str]:
 
 #: Called with (what is done, steps done, steps in all).
 Progress = Callable[[str, int, int], None]
+
+
+@cache
+def stored(name: str) -> Any:
+    """A table of numbers beside the recipes: a JSON file of this folder."""
+    return json.loads(files("glmref.derive.recipes").joinpath(name).read_text(encoding="utf-8"))
 
 
 @dataclass(frozen=True)

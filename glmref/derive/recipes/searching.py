@@ -22,8 +22,6 @@ from ..search import Found
 from .record import Derivation, Progress, Statement
 from .solved import Rough, finish
 
-__all__ = ["OPTIONS", "derive"]
-
 OPTIONS: Mapping[str, str] = {
     "ansatz": "",
     "seed": "1",
@@ -70,7 +68,7 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
             named = replace(
                 square, name=f"{ansatz.name}-{found.number}" if wanted > 1 else ansatz.name
             )
-            start = [repr(x) for x in point]
+            start = " ".join(map(repr, point))
             rough = Rough(named, start, f"search, seed {seed}, start {found.number}")
             document, _, proved = finish(rough)
         except GlmrefError as error:

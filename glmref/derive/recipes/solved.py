@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cache
-from importlib.resources import files
 from typing import Any
 
 from ...catalogue.writer import DIGITS, fill
+from ...errors import UsageError
 from ...exact import ball
 from ...findings import Proof
 from ...prove.enclosure import Enclosure, prove
@@ -20,9 +18,15 @@ from ...prove.system import SweepSystem
 from ..ansatz import Ansatz
 from ..linear_start import linear_start
 from ..parity_start import complete, finishing_block, starting_block
-from .record import GROWS, Statement, derived_source, kepler_notes
-
-__all__ = ["Rough", "finish", "rough_starts", "with_start"]
+from .record import (
+    GROWS,
+    Derivation,
+    Progress,
+    Statement,
+    derived_source,
+    kepler_notes,
+    stored,
+)
 
 
 @dataclass(frozen=True)
@@ -33,7 +37,7 @@ class Rough:
     ----------
     ansatz : Ansatz
         What is solved.
-    start : Sequence[str]
+    start : str
         Value of each unknown, in the order of the document.
     where : str
         What the method is, for its source record.
@@ -44,21 +48,23 @@ class Rough:
     """
 
     ansatz: Ansatz
-    start: Sequence[str]
+    start: str
     where: str
     claims: Mapping[str, Any] = field(default_factory=dict)
     grows: str = ""
 
 
+def rough_solutions(recipe: str) -> Mapping[str, Rough]:
+    """The table of a recipe in ``rough.json``, by the names of its methods."""
+    return {
+        name: Rough(**{**row, "ansatz": Ansatz.from_table({"name": name, **row["ansatz"]}, name)})
+        for name, row in stored("rough.json")[recipe].items()
+    }
+
+
 def rough_starts() -> Mapping[str, Any]:
     """Parameters of starts and finishes, by method: rationals, and roughly those to be solved."""
-    return _starts()["methods"]
-
-
-@cache
-def _starts() -> Mapping[str, Any]:
-    text = files("glmref.derive.recipes").joinpath("starts.json").read_text(encoding="utf-8")
-    return json.loads(text)
+    return stored("starts.json")["methods"]
 
 
 def with_start(document: Mapping[str, Any], target: Target, parity: int) -> dict[str, Any]:
@@ -77,7 +83,7 @@ def with_start(document: Mapping[str, Any], target: Target, parity: int) -> dict
     claims = {**document["claims"], "starting-order": target.order}
     if "linear" in record:
         linear = record["linear"]
-        pairs = _starts()["pairs"][str(linear["moments"])]
+        pairs = stored("starts.json")["pairs"][str(linear["moments"])]
         opening, closing = linear_start(pairs, target, **linear)
         blocks = {"starting": opening, "finishing": closing}
         return {**document, **blocks, "digits": DIGITS, "claims": claims}
@@ -109,7 +115,7 @@ def finish(
         When the start leads to no root, or the proof fails.
     """
     document = rough.ansatz.document()
-    point = [ball(Fraction(x)) for x in rough.start]
+    point = [ball(Fraction(x)) for x in rough.start.split()]
     document = fill(document, polish(SweepSystem(document).residuals, point))
     enclosure = prove(document)
     r = len(document["V"])
@@ -143,6 +149,31 @@ def finish(
         )
         statements.append(Statement(text, Proof.ENCLOSED))
     return document, enclosure, statements
+
+
+def deriver(
+    recipe: str, table: Mapping[str, Rough]
+) -> Callable[[Mapping[str, str], Progress], Derivation]:
+    """The derivation of one method of a table, or of all of them.
+
+    It raises a UsageError for a name that is not in the table.
+    """
+
+    def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
+        name = options["name"]
+        if name != "all" and name not in table:
+            raise UsageError(f"`name` must be all or one of {', '.join(table)}, got {name!r}")
+        chosen = list(table) if name == "all" else [name]
+        documents, statements = [], list[Statement]()
+        for k, each in enumerate(chosen):
+            progress(each, k, len(chosen))
+            document, _, proved = finish(table[each], start=options["start"] == "yes")
+            documents.append(document)
+            statements += proved
+        progress("done", len(chosen), len(chosen))
+        return Derivation(recipe, documents, statements)
+
+    return derive
 
 
 def _statement(document: Mapping[str, Any], enclosure: Enclosure) -> Statement:

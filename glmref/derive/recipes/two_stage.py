@@ -34,8 +34,6 @@ from ...prove.equations import starting_series
 from ...theory.trees import parse_tree
 from .record import Derivation, Progress, Statement, thesis_source
 
-__all__ = ["OPTIONS", "condition", "derive"]
-
 OPTIONS: Mapping[str, str] = {}
 
 #: At least the degree of R([oo]) in each of b1, x1, x2: eta(o) has degree 1 in b1 and 2 in each x;

@@ -22,8 +22,6 @@ from ...prove.system import SweepSystem
 from ..ansatz import Ansatz
 from .record import Derivation, Progress, Statement
 
-__all__ = ["OPTIONS", "derive"]
-
 OPTIONS: Mapping[str, str] = {"solution": "A"}
 
 #: Yoshida (1990), table 1: w3, w2, w1 of the three solutions.
