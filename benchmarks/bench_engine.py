@@ -117,10 +117,9 @@ class Start:
         starting_values(self.stepper, start, t=0.0, y0=self.y0, h=0.02)
 
 
-class AgainstC:
-    """Time of a hand-written C loop of the same arithmetic over the engine's: 1 is a draw."""
+class Against:
+    """Times of a loop in C beside those of the engine."""
 
-    params = [list(compare_c.METHODS), list(compare_c.PROBLEMS)]
     param_names = ["method", "problem"]
     timeout = 120
 
@@ -128,7 +127,16 @@ class AgainstC:
         if compare_c.compiler() is None:
             raise NotImplementedError
         with tempfile.TemporaryDirectory() as folder:
-            self.row = compare_c.measure(method, name, Path(folder), repeats=5, seconds=0.01)
+            self.row = self.measured(method, name, Path(folder))
+
+
+class AgainstC(Against):
+    """Time of a hand-written C loop of the same arithmetic over the engine's: 1 is a draw."""
+
+    params = [list(compare_c.METHODS), list(compare_c.PROBLEMS)]
+
+    def measured(self, method, name, folder):
+        return compare_c.measure(method, name, folder, repeats=5, seconds=0.01)
 
     def track_c_over_engine(self, method, name):
         return float(self.row.c_over_engine[1])
@@ -139,18 +147,13 @@ class AgainstC:
     track_c_over_engine.unit = track_reference_over_engine.unit = "ratio"
 
 
-class AgainstTextbook:
+class AgainstTextbook(Against):
     """Plain C from the formulas, by someone who had not read the engine; both compensate."""
 
     params = [list(compare_textbook.METHODS), list(compare_textbook.STEPS)]
-    param_names = ["method", "problem"]
-    timeout = 120
 
-    def setup(self, method, name):
-        if compare_c.compiler() is None:
-            raise NotImplementedError
-        with tempfile.TemporaryDirectory() as folder:
-            self.row = compare_textbook.measured(method, name, Path(folder), repeats=3)
+    def measured(self, method, name, folder):
+        return compare_textbook.measured(method, name, folder, repeats=3)
 
     def track_c_over_engine(self, method, name):
         return self.row.ratio

@@ -1,7 +1,8 @@
 """Trees: listing, growth counts. Each timing starts from nothing remembered."""
 
+from glmref.method.component import GENERAL
 from glmref.theory import trees as module
-from glmref.theory.trees import GENERAL, pruned, trees_up_to
+from glmref.theory.trees import pruned, trees_up_to
 
 
 def forget():

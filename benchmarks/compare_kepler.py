@@ -27,7 +27,8 @@ from glmref.engine.solve import solve
 from glmref.engine.start import starting_values
 from glmref.measure.longtime import along
 from glmref.method import GLM, PartitionedGLM
-from glmref.method.families import collocation, runge_kutta
+from glmref.method.classical import collocation
+from glmref.method.families import runge_kutta
 from glmref.problems import problem
 
 __all__ = ["GOALS", "METHODS", "PERIODS", "Row", "gauss", "measure_all", "settings"]

@@ -3,11 +3,17 @@
 Kepler with eccentricities spread over [0, 0.6] and Hénon-Heiles with initial momenta of one energy.
 The time in lanes is that of the whole call; one by one it is that of the kernel alone, on every
 400th trajectory.
+
+``python -m benchmarks.compare_lanes`` compares threads: whole calls, seconds of the clock, least of
+interleaved repetitions, with one thread and with two, four .. up to the number of processors.
 """
 
 from __future__ import annotations
 
 import math
+import os
+import sys
+import time
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -102,3 +108,31 @@ def measure(name: str, of: str, *, repeats: int) -> Row:
 def measure_all(*, repeats: int = 5) -> list[Row]:
     """Every method on every problem."""
     return [measure(name, of, repeats=repeats) for of in PROBLEMS for name in METHODS]
+
+
+#: What is run over threads: it takes longer than the start of a thread.
+THREADED = ("stormer-verlet", "rk4", "gauss-3", "pair-rkn-6-8b")
+
+
+def threads(*, repeats: int = 4) -> None:
+    """Print the table of ensembles over threads."""
+    most = os.cpu_count() or 1
+    counts = [2**k for k in range(most.bit_length())]
+    heads = ("problem", "method", *(f"{n} threads, s" for n in counts), "gain")
+    sys.stdout.write(f"| {' | '.join(heads)} |\n|{' --- |' * len(heads)}\n")
+    for of, (starts, h) in PROBLEMS.items():
+        initial, subject = starts(), problem(of)
+        for name in THREADED:
+            method, spent = load(name), dict.fromkeys(counts, math.inf)
+            for n in counts * (repeats + 1):  # the first call of each compiles
+                begin = time.perf_counter()
+                solve_ensemble(subject, method, initial, h=h, steps=STEPS, start="zero", threads=n)
+                spent[n] = min(spent[n], time.perf_counter() - begin)
+            cells = [of, name, *(f"{x:.3g}" for x in spent.values())]
+            cells.append(f"**{spent[1] / spent[counts[-1]]:.2f}**")
+            sys.stdout.write(f"| {' | '.join(cells)} |\n")
+            sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    threads()

@@ -1,5 +1,9 @@
 """What a run costs besides its steps: ``python -m benchmarks.latency [--repeats N] [--json FILE]``.
 
+``--methods`` measures the first and the second run of every method that has a start or a finish, or
+of those named after it, each in a process forked from one that has imported everything: the least
+of so many processes, with a warm disk cache.
+
 Each row is measured in fresh processes and given in milliseconds of processor time (medians):
 
 * *first*: the first solve of a process with a warm disk cache, without the import of numpy;
@@ -14,11 +18,13 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import os
 import statistics
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 from typing import Any
 
@@ -127,13 +133,67 @@ def measured(repeats: int) -> dict[str, Any]:
     return rows
 
 
+#: Steps whose own time is nothing beside what is measured.
+_FEW = 10
+
+
+def forked(method: str, folder: str) -> tuple[float, float]:
+    """Milliseconds of the first run and of the second, of few steps each, in a forked process."""
+    from glmref import solve
+    from glmref.errors import GlmrefError
+
+    reading, writing = os.pipe()
+    child = os.fork()
+    if not child:
+        os.environ["GLMREF_CACHE"] = folder
+        found: list[float] = []
+        try:
+            for _ in range(4):
+                begin = time.process_time()
+                solve("kepler", method, h=0.01, steps=_FEW)
+                found.append(1e3 * (time.process_time() - begin))
+        except GlmrefError:
+            found = [math.nan, math.nan]
+        finally:
+            os.write(writing, json.dumps([found[0], min(found[1:])]).encode())
+            os._exit(0)
+    os.close(writing)
+    with os.fdopen(reading) as pipe:
+        first, second = json.loads(pipe.read())
+    os.waitpid(child, 0)
+    return first, second
+
+
+def every_method(wanted: list[str], repeats: int) -> dict[str, list[float]]:
+    """First and second run of methods, the slowest first run first."""
+    import llvmlite.binding  # noqa: F401  imported where a kernel is loaded
+
+    import glmref.engine.solve  # noqa: F401
+    from glmref import load, names
+
+    if not wanted:
+        tables = ((name, load(name)) for name in names("methods"))
+        wanted = [name for name, x in tables if x.starting is not None or x.finishing is not None]
+    rows = {}
+    with tempfile.TemporaryDirectory() as folder:
+        for name in wanted:
+            forked(name, folder)
+            runs = [forked(name, folder) for _ in range(repeats)]
+            rows[name] = [round(min(column), 2) for column in zip(*runs, strict=True)]
+    return dict(sorted(rows.items(), key=lambda row: -row[1][0]))
+
+
 def main() -> None:
     """Measure and print, and write the rows where asked."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--repeats", type=int, default=3)
+    parser.add_argument("--methods", nargs="*", metavar="NAME")
     parser.add_argument("--json", type=Path)
     given = parser.parse_args()
-    rows = measured(given.repeats)
+    if given.methods is not None:
+        rows: dict[str, Any] = every_method(given.methods, given.repeats)
+    else:
+        rows = measured(given.repeats)
     text = json.dumps(rows, indent=1)
     sys.stdout.write(text + "\n")
     if given.json is not None:

@@ -52,7 +52,7 @@ def measured() -> dict[str, Any]:
         "wall": statistics.median(x["wall"] for x in runs),
         "cpu": statistics.median(x["cpu"] for x in runs),
         "runs": runs,
-        **circumstances(),
+        "where": circumstances(),
     }
 
 

@@ -106,7 +106,7 @@ def surveyed() -> list[str]:
     """Names of the methods: the recommended ones with one value, then those with several."""
     found = []
     for name in names("methods"):
-        method = load(name)
+        method = loaded(name)
         claims = method.claims
         orders = [x for x in map(claims.get, (ORDER.key, NYSTROM_ORDER.key)) if isinstance(x, int)]
         kept = claims.get(G_SYMPLECTIC.key) is True or claims.get(SYMMETRIC.key) is True
@@ -115,11 +115,20 @@ def surveyed() -> list[str]:
     return [*ONE_VALUE, *sorted(found, key=lambda name: not name.startswith("pair"))]
 
 
+#: A method by name, read once.
+loaded = cache(load)
+
+
+@cache
+def _evaluations(name: str) -> float:
+    """Evaluations of a step in whose unit its size is given."""
+    method = loaded(name)
+    return UNITS.get(name, method.n_Q if isinstance(method, PartitionedGLM) else 4)
+
+
 def step_sizes(name: str, on: str) -> tuple[float, ...]:
     """The three step sizes of a method on a problem."""
-    method = load(name)
-    own = method.n_Q if isinstance(method, PartitionedGLM) else 4
-    whole = PROBLEMS[on][1] * UNITS.get(name, own)
+    whole = PROBLEMS[on][1] * _evaluations(name)
     return tuple(float(f"{whole * size:.6g}") for size in SIZES)
 
 
@@ -156,7 +165,7 @@ def verdict(run: Mapping[str, Any]) -> str:
 def row(case: Case) -> dict[str, Any]:
     """All runs of a method on a problem."""
     name, on, steps = case["method"], case["problem"], case["steps"]
-    several, runs = load(name).carried > 1, []
+    several, runs = loaded(name).carried > 1, []
     for h in step_sizes(name, on):
         run = followed(name, on, h, steps, 0)
         runs.append(run | {"verdict": verdict(run)})

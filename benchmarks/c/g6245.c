@@ -18,22 +18,24 @@ static const double WEIGHT[5] = {
 
 typedef double vector[D];
 
-/* L = h f(y + (a + m L)) by rounds P - Q - force from the guess in the right half of L; returns how
-   many rounds, or -1. */
+/* L = h f(y + (a + m L)) by rounds on the positions Q = b + (m h)^2 g from the guess in the right half
+   of L; returns how many rounds, or -1. */
 static inline int implicit_stage(
     const double *restrict y, const double *restrict a, const double *restrict par, double h,
     double m, double *restrict L)
 {
-    double Y[M], N[M], g[M], t[M];
+    double Y[M], N[M], b[M], g[M], t[M], k = (m * h) * (m * h), inverse = 1.0 / h;
+    for (int c = 0; c < M; c++) {
+        g[c] = inverse * L[M + c];
+        b[c] = y[c] + (a[c] + m * (h * (y[M + c] + a[M + c])));
+    }
     for (int c = 0; c < M; c++)
         t[c] = fabs(y[c]) + fabs(L[c]);
     double size = total(t), last = 1e300;
     int stalls = 0, rounds = 0;
     for (;;) {
-        for (int c = 0; c < M; c++) {
-            L[c] = h * (y[M + c] + (a[M + c] + m * L[M + c]));
-            N[c] = y[c] + (a[c] + m * L[c]);
-        }
+        for (int c = 0; c < M; c++)
+            N[c] = b[c] + k * g[c];
         double change = 0;
         if (rounds > 0) {
             for (int c = 0; c < M; c++)
@@ -41,14 +43,17 @@ static inline int implicit_stage(
             change = total(t);
         }
         int end = settled(change, size, &last, &stalls, rounds);
-        if (end)
+        if (end) {
+            for (int c = 0; c < M; c++) {
+                L[M + c] = h * g[c];
+                L[c] = h * (y[M + c] + (a[M + c] + m * L[M + c]));
+            }
             return end < 0 ? -1 : rounds;
+        }
         rounds++;
         for (int c = 0; c < M; c++)
             Y[c] = N[c];
         force(Y, par, g);
-        for (int c = 0; c < M; c++)
-            L[M + c] = h * g[c];
     }
 }
 

@@ -1,4 +1,4 @@
-/* Five methods for q'' = g(q) from their formulas, written before the author had read the engine.
+/* Methods for q'' = g(q) from their formulas; all but GLM by an author who had not read the engine.
 
    y holds the values of the method one after the other, (q, p) in each; run() makes `steps` steps
    and returns the evaluations, or -1. With -DCOMPENSATED, q and p (and with several values all that
@@ -264,5 +264,118 @@ long run(double *restrict y, const double *restrict par, double h, long steps)
         y[M + c] = s[c] - h / 2 * g[c];
     }
     return finished(y, D, steps);
+}
+
+#elif defined GLM
+/* A general linear method with diagonally implicit stages, Butcher, Numerical Methods for Ordinary
+   Differential Equations, 5: Y_i = sum u_ij y_j + h sum a_ij F_j, then y_i = sum v_ij y_j +
+   h sum b_ij F_j. For q'' = g(q) a stage with a = a_ii is Q = b + (h a)^2 g(Q), by fixed point from
+   the parabola through the three latest forces at different times, up to the end that GAUSS has.
+   Values that V multiplies by 1 or -1 are compensated. table.h has A, U, B, V and C. */
+#include "table.h"
+
+#define SUM(weight, n, F) ({ \
+    double sum_ = 0; \
+    _Pragma("GCC unroll 32") for (int j_ = 0; j_ < n; j_++) if (weight[j_] != 0) sum_ += weight[j_] * F[j_][c]; \
+    sum_; \
+})
+#define EVERY(i, n) _Pragma("GCC unroll 32") for (int i = 0; i < n; i++)
+
+long run(double *restrict y, const double *restrict par, double h, long steps)
+{
+    double q[R][M], p[R][M], lost_q[R][M] = {0}, lost_p[R][M] = {0}, P[S][M], G[S][M];
+    double predict[S][S] = {{0}}, time[S];
+    long evaluations = 0;
+    for (int i = 0; i < S; i++) {
+        int node[3], nodes = 0;
+        for (int back = 0; back < S && nodes < 3; back++) {
+            int j = back < i ? i - 1 - back : S - 1 - (back - i), fresh = 1;
+            time[j] = back < i ? C[j] : C[j] - 1;
+            for (int k = 0; k < nodes; k++)
+                fresh &= time[node[k]] != time[j];
+            if (fresh)
+                node[nodes++] = j;
+        }
+        for (int k = 0; k < nodes; k++) {
+            predict[i][node[k]] = 1;
+            for (int l = 0; l < nodes; l++)
+                if (l != k)
+                    predict[i][node[k]] *= (C[i] - time[node[l]]) / (time[node[k]] - time[node[l]]);
+        }
+    }
+    for (int k = 0; k < R; k++)
+        EACH {
+            q[k][c] = y[k * D + c];
+            p[k][c] = y[k * D + M + c];
+        }
+    force(q[0], par, G[0]);
+    for (int i = 1; i < S; i++)
+        EACH G[i][c] = G[0][c];
+    for (long n = 0; n < steps; n++) {
+        double size = 0;
+        EACH size = fmax(size, fabs(q[0][c]));
+        EVERY(i, S) {
+            double Q[M], base[M], ha = h * A[i][i];
+            EACH {
+                Q[c] = SUM(U[i], R, q) + h * SUM(A[i], i, P);
+                P[i][c] = SUM(U[i], R, p) + h * SUM(A[i], i, G);
+                base[c] = Q[c] + ha * P[i][c];
+            }
+            if (A[i][i] == 0) {
+                force(Q, par, G[i]);
+                evaluations++;
+                continue;
+            }
+            double last = INFINITY, guess[M];
+            EACH {
+                guess[c] = 0;
+                EVERY(j, S) if (predict[i][j] != 0) guess[c] += predict[i][j] * G[j][c];
+                Q[c] = INFINITY;
+            }
+            EACH G[i][c] = guess[c];
+            for (int round = 0;; round++) {
+                double change = 0;
+                EACH {
+                    double to = base[c] + ha * ha * G[i][c], by = fabs(to - Q[c]);
+                    change = by > change ? by : change;
+                    Q[c] = to;
+                }
+                if (change == 0 || (change >= last && change < 1e-14 * size))
+                    break;
+                if (round == 100 || change != change)
+                    return -1;
+                last = change;
+                force(Q, par, G[i]);
+                evaluations++;
+            }
+            EACH P[i][c] += ha * G[i][c];
+        }
+        EACH {
+            double to_q[R], to_p[R];
+            EVERY(k, R) {
+                to_q[k] = SUM(V[k], R, q);
+                to_p[k] = SUM(V[k], R, p);
+            }
+            EVERY(k, R) {
+                q[k][c] = to_q[k];
+                p[k][c] = to_p[k];
+                if (V[k][k] == 1 || V[k][k] == -1) {
+                    lost_q[k][c] *= V[k][k];
+                    lost_p[k][c] *= V[k][k];
+                    ADD(q[k][c], lost_q[k][c], h * SUM(B[k], S, P));
+                    ADD(p[k][c], lost_p[k][c], h * SUM(B[k], S, G));
+                } else {
+                    q[k][c] += h * SUM(B[k], S, P);
+                    p[k][c] += h * SUM(B[k], S, G);
+                }
+            }
+        }
+    }
+    for (int k = 0; k < R; k++)
+        EACH {
+            y[k * D + c] = q[k][c];
+            y[k * D + M + c] = p[k][c];
+        }
+    return finished(y, R * D, evaluations);
 }
 #endif

@@ -15,8 +15,6 @@ from ..exact.linalg import Matrix
 from ..problems.model import Problem
 from .memory import NEWTON_BYTES
 
-__all__ = ["Arithmetic", "StageSolver", "size"]
-
 _ROUNDS = 200  # fixed-point rounds before Newton takes over, Newton rounds before giving up
 _STALLS = 3  # rounds without decrease that end an iteration which is not yet at round-off
 
@@ -64,7 +62,9 @@ class Arithmetic:
     def _row(self, row: Any) -> list[Any]:
         known, found = self._rounded.get(id(row), (None, []))
         if known is not row:
-            found = [self.number(x) for x in row]
+            # most entries of a long row are one zero
+            numbers = {id(x): self.number(x) for x in {id(x): x for x in row}.values()}
+            found = [numbers[id(x)] for x in row]
             if isinstance(row, tuple):  # the tuple is kept, so that its identity stays its own
                 self._rounded[id(row)] = row, found
         return found
@@ -87,8 +87,11 @@ class Arithmetic:
 
     def stage(self, known: Any, driving: Sequence[tuple[np.ndarray, np.ndarray]], h: Any) -> Any:
         """One stage, ``known + h sum a F`` over the rows a and slopes F of what drives it: (d,)."""
-        sums = [row.dot(slopes) * h for row, slopes in driving]
-        return known + sum(sums[1:], sums[0])
+        (row, slopes), *more = driving
+        total = row.dot(slopes) * h
+        for row, slopes in more:
+            total = total + row.dot(slopes) * h
+        return known + total
 
     def updated(
         self, B: np.ndarray, slopes: np.ndarray, h: Any, V: np.ndarray, values: np.ndarray
@@ -124,6 +127,10 @@ class Arithmetic:
 
 def size(x: np.ndarray) -> Any:
     """Largest magnitude of an entry."""
+    if x.dtype == float:
+        largest = float(np.abs(x).max(initial=0.0))
+        if largest == largest:
+            return largest
     return max((abs(v) for v in x.ravel()), default=0)
 
 

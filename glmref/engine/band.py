@@ -19,8 +19,6 @@ import numpy as np
 
 from ..problems.formula import FUNCTIONS, Formula
 
-__all__ = ["Band", "band_of", "formula_structure", "loop_structure", "stays_within", "written"]
-
 #: A component that reads more than this fraction of the others is no part of a band.
 _WIDEST = 1 / 8
 

@@ -25,9 +25,7 @@ from .explicit import ExplicitWriter
 from .forms import StepForm
 from .newton import COMPLEX_HELPERS, HELPERS
 from .shape import Part, Shape, inlined, jacobian_block, parameter_names, used_parameters
-from .values import Values, linear
-
-__all__ = ["ARGUMENTS", "Builder", "KernelSource", "Options", "kernel_source"]
+from .updates import Values, linear
 
 #: Arguments of every generated kernel, in order; see :mod:`.compiled` for their types.
 ARGUMENTS = {
@@ -159,9 +157,9 @@ def _formula_body(w: Writer, shape: Shape, formula: Formula, entry: Callable[[in
     for i in used_parameters(shape):
         w(f"par_{shape.parameters[i]} = par[{i}]")
     lines, outputs = inlined(formula, lambda i: f"v[{i}]", parameter_names(shape), "c_")
-    w(*lines)
     places = ((entry(c), text) for c, text in enumerate(outputs) if text != "0")
-    w(*(f"{place} = {text}" for place, text in places if place))
+    written = [f"{place} = {text}" for place, text in places if place]
+    w(*lines, *(written or ["return"]))  # a field that vanishes has nothing to write
 
 
 def _jacobian_function(w: Writer, shape: Shape) -> None:
@@ -329,6 +327,8 @@ class Builder(ExplicitWriter):
             self.w(f"hw{i} = h" if weight == 1.0 else f"hw{i} = h*{weight!r}")
         if self.positions is not None:
             self.positions.coefficients(self._guesses())
+        if self.single is not None:
+            self.single.coefficients()
         if self.shape.uses_time:
             for i, c in enumerate(self.form.c):
                 if c:

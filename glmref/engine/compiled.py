@@ -29,9 +29,8 @@ from ..problems.user import UserFunction, plain
 from ..system.cache import cache_folder
 from ..system.terminal import saying
 from . import native
+from .expressions import Unsupported
 from .native import PLAIN, Tuning
-
-__all__ = ["Built", "build", "cache_folder", "interpret"]
 
 #: What the kinds of :data:`.native.KINDS` are called in a numba signature.
 _NUMBA_TYPES = {"d*": "float64[::1]", "i*": "int64[::1]", "d": "float64", "i": "int64"}
@@ -118,7 +117,7 @@ def build(
         return _build_around(source, signature, functions, tuning.fuse)
     try:
         return _native(source, tuple(arguments.items()), tuning)
-    except (ImportError, native.Unsupported):
+    except (ImportError, Unsupported):
         pass
     try:
         module = _load(source, signature, tuning.fuse)

@@ -24,16 +24,6 @@ from itertools import pairwise
 from .shape import Part, Shape, inlined, parameter_names, used_parameters
 from .unroll import placed
 
-__all__ = [
-    "ArrayTarget",
-    "LaneTarget",
-    "ScalarTarget",
-    "Target",
-    "Writer",
-    "length_check",
-    "tree_sum",
-]
-
 _REFERENCE = re.compile(r"@(\w+)")
 _COUNTER = re.compile(r"\bcomponent\b")
 

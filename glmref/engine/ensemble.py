@@ -26,8 +26,6 @@ from .reference import Stepper, stepper
 from .runners import WIDTHS, EnsembleSolution, Lanes, Runner, Singles, rows_at, slopes_at
 from .start import corrector, default_passes, zero_start
 
-__all__ = ["EnsembleSolution", "solve_ensemble"]
-
 
 def solve_ensemble(
     problem: Problem | str, method: Any, initial: Any, *, h: float,

@@ -19,9 +19,7 @@ from fractions import Fraction
 from .forms import StepForm
 from .positions import SPLITTER, halves
 from .stages import StageWriter
-from .values import linear
-
-__all__ = ["ExplicitWriter"]
+from .updates import linear
 
 
 class ExplicitWriter(StageWriter):

@@ -7,8 +7,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-__all__ = ["LIBRARY", "Array", "Expressions", "Unsupported", "is_slice"]
-
 #: Functions of the C library: name -> number of arguments.
 LIBRARY = {"sin": 1, "cos": 1, "tan": 1, "exp": 1, "log": 1, "atan2": 2, "pow": 2}
 

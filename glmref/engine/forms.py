@@ -29,22 +29,6 @@ from ..method.solution_value import preconsistency_vector, stage_times
 from ..method.stage_order import StageBlock, dependency_blocks
 from .tableau import as_balls
 
-__all__ = [
-    "CLOSE",
-    "Row",
-    "StepForm",
-    "all_vanish",
-    "changed_basis",
-    "consistent_weights",
-    "float_rows",
-    "floats",
-    "is_symplectic_rk",
-    "large",
-    "mu_form",
-    "standard_form",
-    "vanishes",
-]
-
 #: A number this close to an integer or to zero counts as one in the float engine.
 CLOSE = 1e-40
 

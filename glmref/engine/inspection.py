@@ -22,8 +22,6 @@ from ..problems.user import FunctionFailed, NoValue, UserFunction
 from .arithmetic import size
 from .reference import Stepper
 
-__all__ = ["CALLS", "Inspection", "inspected"]
-
 #: Calls of each function of a user that a run adds to those of its steps.
 CALLS = 5
 
@@ -69,7 +67,7 @@ class Inspection:
             again = _value(function, one.point)
             pairs = [(one.first, again), (_value(function, at_end), _value(function, at_end))]
             for (a, b), where in zip(pairs, ("start", "end"), strict=True):
-                if _differ(a, b, self.engine) is not None:
+                if _differ(a, b) is not None:
                     found.append(
                         f"`{function.name}` gives another value at the {where} of the run when it "
                         f"is called again there: it must depend on t and y alone; do not trust "
@@ -107,7 +105,7 @@ def inspected(engine: Stepper, t0: Any, y0: np.ndarray) -> Inspection:
             result.seen.append(_Seen(function, None, point))
             continue
         second = _value(function, point)
-        apart = _differ(first, second, engine)
+        apart = _differ(first, second)
         if apart is not None and apart > _ROUND_OFF * engine.arithmetic.epsilon * size(first):
             raise UsageError(
                 f"`{function.name}` gives two different values at the same point, {_few(first)} "
@@ -153,7 +151,7 @@ def _value(function: UserFunction, point: tuple[Any, ...]) -> Any:
         return None
 
 
-def _differ(a: Any, b: Any, engine: Stepper) -> Any:
+def _differ(a: Any, b: Any) -> Any:
     """Largest difference of two values; ``None`` where they are the same."""
     if a is None or b is None:
         return None if a is b else np.inf
@@ -162,7 +160,7 @@ def _differ(a: Any, b: Any, engine: Stepper) -> Any:
         return None
     # infinities of two signs differ by more than round-off, and so does a number from none
     apart = [abs(x - y) for x, y, equal in zip(a, b, same, strict=True) if not equal]
-    return max((x if x == x else np.inf for x in apart), default=None)
+    return max(x if x == x else np.inf for x in apart)
 
 
 def _few(values: Any) -> str:

@@ -29,14 +29,12 @@ from ..problems.formula import Formula
 from ..problems.model import Problem
 from ..problems.tracing import Recorded, recorded, traced
 from ..problems.user import NoValue, UserFunction
+from ..system.cache import cache_folder
 from . import native
-from .compiled import cache_folder
 from .forms import StepForm
 from .partitioned_forms import Half, PairForm, pair_form
 from .reference import Stepper, stepper
 from .sweep import step_form
-
-__all__ = ["expressed", "form_of_method", "method_of", "problem_of", "recalled", "stepper_of"]
 
 T = TypeVar("T")
 

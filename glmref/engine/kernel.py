@@ -37,8 +37,6 @@ from .partitioned_forms import PairForm
 from .plan import check_arithmetic
 from .shape import Shape, banded, jacobian_block, shape_of
 
-__all__ = ["SOLVERS", "Kernel", "State", "choose_solver", "contraction", "newton_bytes", "prepare"]
-
 SOLVERS = ("auto", "fixed-point", "newton")
 
 POOR = 0.25  # a fixed point that contracts less than this per round is slow
@@ -232,7 +230,6 @@ class Kernel:
                 # an exception came through: the same steps again in smaller pieces, up to the last
                 # one before it
                 chunk, grows = max(1, (until - state.step) // 2), False
-                continue
             if code:
                 return KERNEL_OUTCOMES[code], seconds
             if grows and spent < _CHUNK_SECONDS:
@@ -571,7 +568,7 @@ def _norm_estimate(shape: Shape, problem: Problem) -> float:
                 for (function, x), base in zip(maps, bases, strict=True):
                     step = 2.0**-26 * (np.abs(x).max() + 1) / max(np.abs(v).max(), 1e-300)
                     v = (np.asarray(function(x + step * v), dtype=float) - base) / step
-                found = max(found, float(np.abs(v).max()))
+                found = float(np.maximum(found, np.abs(v).max()))  # which keeps nan
                 signs = np.where(v < 0, -1.0, 1.0)
     except (ArithmeticError, ValueError):
         return math.nan

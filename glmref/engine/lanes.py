@@ -20,9 +20,7 @@ from .partitioned import PairBuilder
 from .partitioned_forms import PairForm
 from .shape import Shape
 from .stages import NOISE, ROUND_OFF, ROUNDS, STALLS
-from .values import Values
-
-__all__ = ["LANE_ARGUMENTS", "LaneSource", "lane_source"]
+from .updates import Values
 
 LANE_ARGUMENTS = {
     "x": "d*", "par": "d*", "t0": "d", "h": "d", "first": "i", "last": "i", "lanes": "i",
@@ -228,6 +226,9 @@ class _LaneBuilder(_LaneKernel):
         if self.positions is not None:
             self.positions.stage_values(name, "b" if name == "Y" else "v")
             return
+        if self.single is not None:
+            self.single.stage_value(stages[0], name)
+            return
         for part in self.shape.parts:
             if part is self.shape.counted:
                 self._stage_values(stages, bases, (part.source, part.source_stop), name)
@@ -246,6 +247,8 @@ class _LaneBuilder(_LaneKernel):
         newton = self.options.solver == "newton"
         if self.positions is not None:
             self.positions.bases()
+        if self.single is not None:
+            self.single.base(stages[0], *bases[stages[0]])
         self._sizes(stages, [bases[i][0] for i in stages])
         self._start_rounds()
         self._round_before(stages, bases, "Y")
@@ -273,13 +276,16 @@ class _LaneBuilder(_LaneKernel):
         self._open()
         if self.positions is not None:
             self.positions.increments()
+        if self.single is not None:
+            self.single.increment(stages[0])
+            self._velocities(self.shape.parts[0], stages, bases)
 
     def _update_lanes(self, stages: Sequence[int], *, masked: bool) -> None:
         if self.options.solver == "newton":
             text = "new if go else known" if masked else "new"
             self._newton_increments(stages[0], [text] * self.unknowns)
             return
-        if self.positions is not None:
+        if self.positions is not None or self.single is not None:
             pairs = [(f"@H{i}", f"@F{i}") for i in stages]
         else:
             pairs = [(f"@L{i}", f"hw{i}*@F{i}") for i in stages]

@@ -8,6 +8,8 @@ not depend, to the last bit, on those before it.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
@@ -19,11 +21,9 @@ from . import compiled, native
 from .codegen import ARGUMENTS, Builder, Options, choose_kind, header
 from .emit import ArrayTarget, ScalarTarget, Target, Writer
 from .forms import StepForm, float_rows, floats
-from .kept import expressed
+from .kept import expressed, recalled
 from .native import Tuning
 from .shape import Shape, shape_of
-
-__all__ = ["Map", "map_of"]
 
 
 class _MapBuilder(Builder):
@@ -32,6 +32,11 @@ class _MapBuilder(Builder):
     Rows are r values long, of which the first one comes in. ``first`` and ``last`` count rows; row
     n belongs to step ``n * every``, but no later one than ``mark``.
     """
+
+    def _prediction(self, i: int, block: Sequence[int]) -> list[tuple[int, bool, float]]:
+        """See :meth:`.StageWriter._prediction`: there is no row before, so its slopes are zero."""
+        first = self.form.blocks[0].stages
+        return [] if block[0] in first else super()._prediction(i, block)
 
     def kernel(self) -> None:
         """Write the function ``kernel``."""
@@ -89,13 +94,19 @@ class Map:
             c=floats(method.times[0]), blocks=method.stage_blocks(),
             large=tuple(bool(x) for (x,) in float_rows(V)), to_form=(), from_form=(), exact_V=True,
         )  # fmt: skip
-        options, writer = Options(compensated=False, interpreted=interpreted), Writer()
+        options = Options(compensated=False, interpreted=interpreted)
         kind = choose_kind(s, shape, options)
-        target: Target = (ScalarTarget if kind == "scalar" else ArrayTarget)(shape, writer)
-        _MapBuilder(form, shape, options, target).kernel()
-        text = '"""Generated kernel: a map of rows."""\n\n' + header(shape, kind, newton=False)
-        text += writer.text
-        self.shape, self.work_size = shape, target.work_size
+
+        def written() -> tuple[str, int]:
+            writer = Writer()
+            target: Target = (ScalarTarget if kind == "scalar" else ArrayTarget)(shape, writer)
+            _MapBuilder(form, shape, options, target).kernel()
+            head = '"""Generated kernel: a map of rows."""\n\n' + header(shape, kind, newton=False)
+            return head + writer.text, target.work_size
+
+        about = repr((form, replace(shape, values=shape.values.tolist()), options))
+        text, self.work_size = recalled("map", about, written, tuple, list)
+        self.shape = shape
         if interpreted:
             self.built = compiled.interpret(text, {}, "")
         else:

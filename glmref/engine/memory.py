@@ -5,8 +5,6 @@ from __future__ import annotations
 import os
 from contextlib import suppress
 
-__all__ = ["NEWTON_BYTES", "gibibytes", "memory"]
-
 #: Memory up to which Newton's matrices are formed: dense elimination beyond takes hours.
 NEWTON_BYTES = 2**31
 

@@ -22,9 +22,8 @@ from typing import Any
 import numpy as np
 
 from ..system.terminal import saying
-from .translate import LIBRARY, Unsupported, translated
-
-__all__ = ["PLAIN", "Tuning", "Unsupported", "aligned_zeros", "compile_kernel", "target_name"]
+from .expressions import LIBRARY
+from .translate import translated
 
 _DIGEST = 32  # bytes of a checksum
 

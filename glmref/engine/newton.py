@@ -22,12 +22,10 @@ import numpy as np
 from .emit import ScalarTarget, Target, Writer
 from .forms import StepForm
 from .shape import Shape, inlined, jacobian_block, parameter_names
-from .values import linear
+from .updates import linear
 
 if TYPE_CHECKING:
     from .codegen import Options
-
-__all__ = ["COMPLEX_HELPERS", "HELPERS", "INLINE_LIMIT", "REFRESH_ROUNDS", "NewtonWriter"]
 
 INLINE_LIMIT = 3
 REFRESH_ROUNDS = 5

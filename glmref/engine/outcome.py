@@ -13,8 +13,6 @@ from ..errors import UsageError
 from ..problems.user import FunctionFailed, NoValue
 from ..system.shown import Drawing, Shown, above
 
-__all__ = ["Outcome", "Solution", "StartFailed", "all_finite", "outcome_of"]
-
 
 class StartFailed(UsageError):
     """A start or finish whose equations could not be solved, or whose values are not finite."""

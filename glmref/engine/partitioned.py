@@ -12,9 +12,7 @@ from .codegen import Builder, KernelSource, Options, choose_kind, header
 from .emit import ArrayTarget, LaneTarget, ScalarTarget, Target, Writer
 from .partitioned_forms import Half, PairForm
 from .shape import Shape
-from .values import Values, differences, linear
-
-__all__ = ["PairBuilder", "pair_source"]
+from .updates import Values, differences, linear
 
 
 def pair_source(form: PairForm, shape: Shape, options: Options) -> KernelSource:

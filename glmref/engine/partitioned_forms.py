@@ -31,8 +31,6 @@ from .forms import Row, all_vanish, changed_basis, float_rows, floats, large, va
 from .sweep import integral_basis
 from .tableau import as_balls
 
-__all__ = ["Half", "PairForm", "pair_form"]
-
 
 @dataclass(frozen=True)
 class Half:

@@ -17,17 +17,6 @@ from ..method import Method
 from ..problems.model import Problem
 from . import kept
 
-__all__ = [
-    "ARITHMETIC",
-    "Grid",
-    "Plan",
-    "check_arithmetic",
-    "notices_of",
-    "plan_of",
-    "resolved",
-    "step_size",
-]
-
 ARITHMETIC = ("strict", "fused", "quick", "compensated", "naive")
 
 #: Numbers of steps that a double holds exactly, as t0 + n h needs them.

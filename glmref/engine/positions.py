@@ -1,7 +1,8 @@
-"""Generated source for Gauss methods on q'' = g(q): rounds on the positions alone.
+"""Generated source for rounds on the positions alone, on q'' = g(q).
 
-In the mu-form a round waits for the velocities P_k = p + sum mu_kj L_j and for the positions
-Q_i = q + sum mu_ik h b_k P_k. Here the two sums are one,
+:class:`SingleRounds` writes those of a single stage, :class:`PositionRounds` those of a Gauss
+method. In the mu-form a round of the latter waits for the velocities P_k = p + sum mu_kj L_j and
+for the positions Q_i = q + sum mu_ik h b_k P_k. Here the two sums are one,
 
     Q_i = q + (h c_i p + h^2 sum_j d_ij b_j F_j),    d_ij = sum_k mu_ik b_k mu_kj,
 
@@ -19,13 +20,11 @@ from typing import TYPE_CHECKING
 
 from .emit import LaneTarget, ScalarTarget, Target
 from .forms import StepForm
-from .values import balanced, linear
+from .updates import balanced, linear
 
 if TYPE_CHECKING:
     from .codegen import Options
-    from .shape import Shape
-
-__all__ = ["SPLITTER", "PositionRounds", "halves"]
+    from .shape import Part, Shape
 
 SPLITTER = 2.0**27 + 1  # Veltkamp's: halves of a double
 
@@ -200,3 +199,61 @@ class PositionRounds:
             lines.append("@r0 = (@u0 - (@n0 - @y0)) + (@g - (@u0 - @A))")
         self._local("A")
         self.t.vec(lines, (0, self.shape.half))
+
+
+class SingleRounds:
+    """Writes the rounds of a single stage: Q = b + k F, b = z + (a + m (h w (z' + a'))).
+
+    z and a are the base of Q, z' and a' that of P, m the stage's own coefficient and k = (m h w)^2,
+    so that a product and a sum lie between a force and the next position. That k is rounded moves Q
+    by a multiple of the force there, which changes neither the symplectic form, for the derivative
+    of the force is symmetric, nor the momenta of a force that conserves them. b and the increments,
+    formed once, have the operations and coefficients of other kernels.
+
+    Vectors: H{i} is the force as the last round left it.
+    """
+
+    def __init__(self, form: StepForm, target: Target, half: int, velocity: Part) -> None:
+        self.form, self.t, self.half, self.velocity = form, target, half, velocity
+        self.stages = [i for b in form.blocks if b.implicit for i in b.stages]
+        if isinstance(target, LaneTarget):
+            target.local |= {"T": range(half), "W": range(half, 2 * half)}
+
+    @staticmethod
+    def fits(form: object, shape: Shape, options: Options) -> bool:
+        """Whether implicit stages stand alone, and the system is q'' = g(q)."""
+        return (
+            isinstance(form, StepForm)
+            and all(len(block.stages) == 1 for block in form.blocks)
+            and options.solver == "fixed-point"
+            and shape.halved
+            and shape.parts[0].identity
+        )
+
+    def coefficients(self) -> None:
+        """Once a call: k, and what makes a force of an increment."""
+        for i in self.stages:
+            m = self.form.M[i][i]
+            self.t.w(f"ih{i} = 1.0/hw{i}", f"k{i} = ({m!r}*hw{i})*({m!r}*hw{i})")
+
+    def base(self, i: int, z: str, a: str) -> None:
+        """H from the predicted increment, and b."""
+        half, small = self.half, [x for x in (a,) if x != "0.0"]
+        lines = [f"@H{i} = ih{i}*@L{i}", f"@W = {' + '.join([z, *small])}"]
+        self.t.vec(lines, (half, 2 * half))
+        self._view("W")
+        small.append(f"{self.form.M[i][i]!r}*(hw{i}*@T)")
+        self.t.vec([f"@b{i} = {z} + ({' + '.join(small)})"], (0, half))
+
+    def stage_value(self, i: int, name: str) -> None:
+        """Q into the vector of this name."""
+        self._view(f"H{i}")
+        self.t.vec([f"@{name}{i} = @b{i} + k{i}*@T"], (0, self.half))
+
+    def increment(self, i: int) -> None:
+        """The part p of L, once the rounds have ended."""
+        self.t.vec([f"@L{i} = hw{i}*@H{i}"], (self.half, 2 * self.half))
+
+    def _view(self, source: str) -> None:
+        """Read velocity parts as positions, into T."""
+        self.t.call(self.velocity, source, "T", "")

@@ -23,17 +23,10 @@ from ..method import Component, FinishingMethod, Method
 from ..method.component import GENERAL, SEPARABLE, Palette
 from ..method.solution_value import output, unit_place
 from ..method.stage_order import is_shared
+from ..problems.formula import Formula
 from ..problems.model import Problem
 from .arithmetic import Arithmetic, StageSolver, size
 from .outcome import StartFailed
-
-__all__ = [
-    "Step",
-    "Stepper",
-    "apply_finish",
-    "apply_start",
-    "stepper",
-]
 
 
 class Reader(NamedTuple):
@@ -311,9 +304,12 @@ class _Step:
     def sum_at(self, node: int) -> np.ndarray:
         """The stage that the slopes as they are make."""
         engine, (whose, i) = self.engine, self.engine.nodes[node]
+        sums = engine.arithmetic.stage
+        if len(whose) == 1 and not self.additive:
+            (n,) = whose
+            return sums(self.known[n][i], ((engine.components[n].A[i], self.slopes[n]),), self.h)
         among = range(len(engine.components)) if self.additive else whose
         driving = [(engine.components[n].A[i], self.slopes[n]) for n in among]
-        sums = engine.arithmetic.stage
         if self.additive:
             return sums(self.known[0][i], driving, self.h)
         rows = [sums(self.known[n][i], [x], self.h) for n, x in zip(whose, driving, strict=True)]
@@ -338,6 +334,23 @@ class _Step:
             name = ("dp", "dq")[whose[0]]
             self.counts[whose[0]] += 1
             self.slopes[1 - whose[0]][i] = _shaped(getattr(problem, name)(y), y, name)
+
+    def _formulas(self, nodes: Sequence[int]) -> list[tuple[int, Formula, list[int], Any]]:
+        """Coupled stages that formulas in double precision take as columns, by their component.
+
+        Its number, what is evaluated there, the rows of the stages and their coefficients; empty
+        where a stage cannot be taken so.
+        """
+        engine, problem, found = self.engine, self.engine.problem, []
+        if engine.joint or self.additive or type(engine.arithmetic) is not Arithmetic:
+            return []
+        for k, function in enumerate((problem.dp, problem.dq)):
+            rows = [i for (n,), i in (engine.nodes[node] for node in nodes) if n == k]
+            if not isinstance(function, Formula) or self.slopes[1 - k].dtype != float:
+                return []
+            if rows:
+                found.append((k, function, rows, list(engine.components[k].A[rows])))
+        return found
 
     def update(self, nodes: Sequence[int], given: Sequence[Any]) -> list[np.ndarray]:
         """Evaluate at given stage vectors; return the stages that these slopes make."""
@@ -409,10 +422,25 @@ class _Step:
                 self.slopes[n][i] = x[at : at + width]
                 at += width
 
+        together = self._formulas(nodes)
+
         def rhs(x: np.ndarray) -> np.ndarray:
             write(x)
-            for node, y in [(node, self.sum_at(node)) for node in nodes]:
-                self.evaluate(node, y)
+            if not together:
+                for node, y in [(node, self.sum_at(node)) for node in nodes]:
+                    self.evaluate(node, y)
+                return read()
+            # row by row, as sum_at does it: a product of matrices rounds otherwise
+            sums = [np.array([a.dot(self.slopes[k]) for a in A]) * h for k, _, _, A in together]
+            made = {}
+            for (k, function, rows, _), total in zip(together, sums, strict=True):
+                stages = self.known[k][rows] + total
+                self.counts[k] += len(rows)
+                self.slopes[1 - k][rows] = function(stages.T.copy()).T
+                made |= {(k, i): y for i, y in zip(rows, stages, strict=True)}
+            for node in nodes:
+                (k,), i = engine.nodes[node]
+                self.where[node] = made[k, i]
             return read()
 
         guess = read()

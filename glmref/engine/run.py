@@ -23,8 +23,6 @@ from .plan import Plan
 from .reference import Stepper, apply_finish
 from .start import Start, starting_values
 
-__all__ = ["Run"]
-
 
 def _picks(basis: Any) -> bool:
     """Whether every value is one of the kernel's, or a multiple that is not larger."""
@@ -169,7 +167,7 @@ class Run:
                 self.values, self.done = taken.values, self.done + 1
                 if self.done in wanted:
                     self._keep(self.done, self.values)
-                if self._pause(self.done):
+                if self._pause(self.done) and self.done < self.plan.steps:
                     self.outcome = Outcome.CANCELLED
                     break
                 if self._renews(self.done):

@@ -33,8 +33,6 @@ from .partitioned_forms import PairForm
 from .plan import check_arithmetic
 from .reference import stepper
 
-__all__ = ["WIDTHS", "EnsembleSolution", "Lanes", "Runner", "Singles", "slopes_at"]
-
 WIDTHS = (8, 16, 32)
 _FAST_MEMORY = 40 * 1024  # bytes of work array per block, about a first-level cache
 _CHUNK_SECONDS = 0.1

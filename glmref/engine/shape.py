@@ -26,8 +26,6 @@ from ..problems.model import Problem
 from .band import Band, band_of, formula_structure, loop_structure, stays_within, written
 from .unroll import unrolled
 
-__all__ = ["Part", "Shape", "banded", "inlined", "jacobian_block", "shape_of"]
-
 _STRAIGHT_UP_TO = 500  # statements of a loop body without its loops
 _STRAIGHT_SIZE = 40  # components up to which it is tried
 #: Powers with whole exponents up to this, of either sign, become products, and those with a half

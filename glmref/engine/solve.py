@@ -14,13 +14,11 @@ from ..method import Method
 from ..problems.model import Problem
 from .inspection import inspected
 from .kept import stepper_of
-from .outcome import Outcome, Solution, StartFailed
+from .outcome import Solution, StartFailed
 from .plan import check_arithmetic, notices_of, plan_of, resolved, step_size
 from .reference import Stepper, stepper
 from .run import Run
 from .start import problem_start, starting_values
-
-__all__ = ["Outcome", "Solution", "solve"]
 
 ENGINES = ("compiled", "reference", "interpreted")
 

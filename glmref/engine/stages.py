@@ -11,20 +11,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from .emit import Target
 from .forms import StepForm
 from .newton import REFRESH_ROUNDS, NewtonWriter
-from .positions import PositionRounds
+from .positions import PositionRounds, SingleRounds
 from .shape import Part, Shape
 from .tableau import lagrange_weights
-from .values import Term, Values, balanced, linear
+from .updates import Term, Values, balanced, linear
 
 if TYPE_CHECKING:
     from .codegen import Options
-
-__all__ = ["StageWriter"]
 
 NOTHING = 2.0**-64  # change of a stage, relative to the state, that cannot matter: 1/2000 ulp
 ROUND_OFF = 2.0**-47  # change of a stage, relative to the state, that can be rounding
@@ -60,6 +59,9 @@ class StageWriter(NewtonWriter):
         self.positions: PositionRounds | None = None
         if PositionRounds.fits(form, shape, options):
             self.positions = PositionRounds(form, shape, options, target)
+        self.single: SingleRounds | None = None
+        if SingleRounds.fits(form, shape, options):
+            self.single = SingleRounds(form, target, shape.half, shape.parts[0])
 
     # --- what a stage starts from ---------------------------------------------------------------
 
@@ -140,25 +142,33 @@ class StageWriter(NewtonWriter):
 
     # --- predictor ------------------------------------------------------------------------------
 
+    @cached_property
+    def _abscissae(self) -> tuple[list[int], int]:
+        """Abscissae as whole multiples of a power of two, and that power's inverse."""
+        exact = [Fraction(x) for x in self.form.c]
+        one = max(x.denominator for x in exact)
+        return [x.numerator * (one // x.denominator) for x in exact], one
+
     def _prediction(self, i: int, block: Sequence[int]) -> list[tuple[int, bool, float]]:
         """Terms (stage, whether of this step, factor) of the first guess of L_i.
 
         The slopes f nearest in time, of stages already done and of the step before, extrapolated by
         a polynomial. With abscissae that do not separate them: the same stage one step ago.
         """
-        c = [Fraction(x) for x in self.form.c]
+        c, one = self._abscissae
         flat = [j for b in self.form.blocks for j in b.stages]
         before = flat[: flat.index(block[0])]
         places = [(abs(c[j] - c[i]), 0, j, c[j]) for j in before]
-        places += [(abs(c[j] - 1 - c[i]), 1, j, c[j] - 1) for j in range(self.form.s)]
+        places += [(abs(c[j] - one - c[i]), 1, j, c[j] - one) for j in range(self.form.s)]
         wanted = PREDICTOR_NODES if len(block) == 1 else len(block)
-        nodes: list[tuple[int, int, Fraction]] = []
+        gap = int(Fraction(PREDICTOR_GAP) * one)
+        nodes: list[tuple[int, int, int]] = []
         for _, age, j, place in sorted(places):
-            if all(abs(place - other) > PREDICTOR_GAP for *_, other in nodes):
+            if all(abs(place - other) > gap for *_, other in nodes):
                 nodes.append((age, j, place))
             if len(nodes) == wanted:
                 break
-        weights = lagrange_weights([place for *_, place in nodes], c[i])
+        weights = lagrange_weights([Fraction(place) for *_, place in nodes], Fraction(c[i]))
         w = self.form.weights
         return [
             (j, age == 0, float(x) * (w[i] / w[j]))
@@ -227,6 +237,8 @@ class StageWriter(NewtonWriter):
         w = self.w
         if self.positions is not None:
             self.positions.bases()
+        if self.single is not None:
+            self.single.base(stages[0], *bases[stages[0]])
         self._sizes(stages, [bases[i][0] for i in stages])
         w("last_change = 1e300", "stalls = 0", "rounds = 0")
         with w.block("while True:"):
@@ -235,6 +247,8 @@ class StageWriter(NewtonWriter):
                 if part is self.shape.counted:
                     if self.positions is not None:
                         self.positions.stage_values("N", "b")
+                    elif self.single is not None:
+                        self.single.stage_value(stages[0], "N")
                     else:
                         self._stage_values(stages, bases, here, "N")
                     self._compare(stages)
@@ -244,19 +258,22 @@ class StageWriter(NewtonWriter):
                     self._evaluate(part, stages)
                     if self.options.solver == "newton":
                         self._newton_update(stages)
-                    elif self.positions is not None:
+                    elif self.positions is not None or self.single is not None:
                         self.t.vec([f"@H{i} = @F{i}" for i in stages], self.inner)
                     else:
                         self.t.vec([f"@L{i} = hw{i}*@F{i}" for i in stages], self.inner)
                     if self.quick:
                         with w.block("if settled:"):
                             w("break")
-                elif self.positions is None:
+                elif self.positions is None and self.single is None:
                     self._velocities(part, stages, bases)
             if self.positions is not None:
                 self.positions.after_first()
         if self.positions is not None:
             self.positions.increments()
+        if self.single is not None:
+            self.single.increment(stages[0])
+            self._velocities(self.shape.parts[0], stages, bases)
         w("iterations += rounds")
         self._count(len(stages), "rounds", len(stages))
         with w.block("if outcome != 0:"):

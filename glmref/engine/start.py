@@ -24,8 +24,6 @@ from ..problems.model import Problem
 from .outcome import StartFailed
 from .reference import Reader, Stepper, apply_start
 
-__all__ = ["RENEWAL", "Start", "enhanced_start", "renewal_of", "starting_values", "zero_start"]
-
 #: Passes of the enhanced start where the method's file claims no order.
 DEFAULT_PASSES = 4
 MOST_PASSES = 8
@@ -111,6 +109,7 @@ def renewal_of(method: Method) -> int:
 
 
 def default_passes(method: Method) -> int:
+    """As many passes of the starting method as its claimed order, within limits."""
     order = method.claims.get(ORDER.key, DEFAULT_PASSES)
     return min(MOST_PASSES, order) if isinstance(order, int) else DEFAULT_PASSES
 

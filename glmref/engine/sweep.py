@@ -40,8 +40,6 @@ from .forms import (
 )
 from .tableau import as_balls
 
-__all__ = ["FORMS", "integral_basis", "step_form"]
-
 FORMS = ("sweep", "mu", "standard")
 
 #: Roundings up to this many units in the last place away are tried by :func:`_nudge`.

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
+from math import lcm, prod
 
 from ..exact import ball, exact
 from ..exact.linalg import Matrix
-
-__all__ = ["as_balls", "lagrange_weights"]
 
 
 def as_balls(matrix: Matrix) -> Matrix:
@@ -18,11 +17,14 @@ def as_balls(matrix: Matrix) -> Matrix:
 
 def lagrange_weights(nodes: Sequence[Fraction], at: Fraction) -> tuple[Fraction, ...]:
     """Weights that carry a polynomial from its values at distinct ``nodes`` to the point ``at``."""
-    weights = []
-    for i, x in enumerate(nodes):
-        weight = Fraction(1)
-        for j, y in enumerate(nodes):
-            if j != i:
-                weight *= (at - y) / (x - y)
-        weights.append(weight)
-    return tuple(weights)
+    # whole numbers, reduced once at the end: dozens of binary fractions have long denominators
+    scale = lcm(at.denominator, *(x.denominator for x in nodes))
+    whole = [x.numerator * (scale // x.denominator) for x in (*nodes, at)]
+    *places, place = whole
+    return tuple(
+        Fraction(
+            prod(place - y for j, y in enumerate(places) if j != i),
+            prod(x - y for j, y in enumerate(places) if j != i),
+        )
+        for i, x in enumerate(places)
+    )

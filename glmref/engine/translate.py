@@ -16,9 +16,7 @@ import ast
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from .expressions import LIBRARY, Array, Expressions, Unsupported, is_slice
-
-__all__ = ["LIBRARY", "Unsupported", "translated"]
+from .expressions import Array, Expressions, Unsupported, is_slice
 
 
 def translated(source: str, arguments: Mapping[str, str], *, fuse: bool = False) -> str:

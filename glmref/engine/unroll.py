@@ -14,8 +14,6 @@ from typing import Any
 
 from ..problems.formula import FUNCTIONS
 
-__all__ = ["placed", "unrolled"]
-
 _WHOLE: dict[type, Callable[[Any, Any], Any]] = {
     ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul,
     ast.FloorDiv: operator.floordiv, ast.Mod: operator.mod, ast.Lt: operator.lt,

@@ -15,7 +15,7 @@ from ..errors import DataError, UsageError, did_you_mean
 from .model import Problem
 from .table import OWN, from_table, table_of
 
-__all__ = ["Problem", "about", "from_path", "names", "parameters_of", "problem"]
+__all__ = ["Problem", "about", "from_path", "names", "problem"]
 
 _MODULES = {
     "oscillators": (
@@ -98,12 +98,6 @@ def problem(name: str, **parameters: object) -> Problem:
             f"the problem {name!r} leaves the range of double precision at {given}; "
             f"give parameters nearer to 1"
         ) from None
-
-
-def parameters_of(name: str) -> dict[str, object]:
-    """Parameters of a problem and their default values."""
-    known = inspect.signature(_builder(name)).parameters
-    return {key: parameter.default for key, parameter in known.items()}
 
 
 def from_path(path: str | Path) -> Problem:

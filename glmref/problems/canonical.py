@@ -17,8 +17,6 @@ from typing import Any
 from .derivative import differentiated
 from .formula import Formula
 
-__all__ = ["constant_matrix", "equations", "shared", "timed"]
-
 
 def equations(H: Formula, half: int) -> dict[str, Formula]:
     """Return Hamilton's equations as the entries of a :class:`.model.Problem`.
@@ -38,7 +36,8 @@ def equations(H: Formula, half: int) -> dict[str, Formula]:
     """
     slope = shared(differentiated(shared(H), 2 * half))
     by_p, by_q = slope.outputs[half:], tuple(_minus(text) for text in slope.outputs[:half])
-    velocity, force = _taken(slope, by_p), _taken(slope, by_q)
+    # names of their own: f has the common subexpressions of both
+    velocity, force = _taken(slope, by_p, "v"), _taken(slope, by_q)
     if (
         not timed(H)
         and all(i >= half for i in velocity.indices)
@@ -67,9 +66,9 @@ def _minus(text: str) -> str:
     return "0" if text == "0" else ast.unparse(ast.UnaryOp(ast.USub(), tree))
 
 
-def _taken(formula: Formula, outputs: tuple[str, ...]) -> Formula:
+def _taken(formula: Formula, outputs: tuple[str, ...], letter: str = "e") -> Formula:
     """The formula with other outputs, and with only the common subexpressions that they need."""
-    return shared(replace(formula, outputs=outputs, shape=(len(outputs),)))
+    return shared(replace(formula, outputs=outputs, shape=(len(outputs),)), letter)
 
 
 def constant_matrix(
@@ -118,13 +117,14 @@ def _exact(tree: ast.AST, values: Mapping[str, Fraction | None]) -> Fraction | N
 # --- common subexpressions ------------------------------------------------------------------------
 
 
-def shared(formula: Formula) -> Formula:
+def shared(formula: Formula, letter: str = "e") -> Formula:
     """Return the same function with every repeated subexpression computed once.
 
     Expressions are numbered by value, so that two that read alike are one; a factor in front of a
-    quotient of whole numbers is cancelled, as differentiation leaves ``2*x/2`` for ``x``.
+    quotient of whole numbers is cancelled, as differentiation leaves ``2*x/2`` for ``x``. Names of
+    what is computed once begin with ``letter``.
     """
-    numbers = _Numbered()
+    numbers = _Numbered(letter)
     common, outputs = formula.trees
     for name, tree in common:
         numbers.names[name] = numbers.of(tree)
@@ -137,7 +137,8 @@ def shared(formula: Formula) -> Formula:
 class _Numbered:
     """Expressions by value number."""
 
-    def __init__(self) -> None:
+    def __init__(self, letter: str) -> None:
+        self.letter = letter
         self.trees: list[ast.expr] = []
         self.parts: list[tuple[int, ...]] = []
         self.known: dict[Any, int] = {}
@@ -197,7 +198,7 @@ class _Numbered:
         elif isinstance(tree, ast.BinOp):
             tree = ast.BinOp(parts[0], tree.op, parts[1])
         if self.uses.get(k, 0) > 1 and isinstance(tree, ast.BinOp | ast.Call):
-            name = f"e{len(self.common)}_"
+            name = f"{self.letter}{len(self.common)}_"
             self.common.append((name, ast.unparse(tree)))
             tree = ast.Name(name, ast.Load())
         self.written[k] = tree

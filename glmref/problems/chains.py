@@ -17,8 +17,6 @@ from .loops import Loops
 from .model import Problem
 from .ranges import count, number
 
-__all__ = ["fput", "fput_stiff", "nonseparable_chain", "toda"]
-
 
 def fput_force_into(q, params, out):  # type: ignore[no-untyped-def]
     """Force on particles between fixed walls; a spring stretched by u pulls u + a u**2 + b u**3."""

@@ -15,8 +15,6 @@ from typing import Any
 
 from .formula import Formula
 
-__all__ = ["Jacobian", "differentiated"]
-
 Tree = ast.expr
 _ZERO: Tree = ast.Constant(0)
 _ONE: Tree = ast.Constant(1)

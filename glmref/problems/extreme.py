@@ -20,22 +20,6 @@ from .nbody import gravity
 from .precision import Flow
 from .ranges import count, number
 
-__all__ = [
-    "PRESETS",
-    "blow_up",
-    "fault_infinity",
-    "fault_jacobian",
-    "fault_jacobian_nan",
-    "fault_nan",
-    "fault_raises",
-    "fault_shape",
-    "linear_field",
-    "long_chain",
-    "pythagorean",
-    "scaled_kepler",
-    "zero_field",
-]
-
 # name of an extreme case -> the problem and the parameters that make it one
 PRESETS: Mapping[str, tuple[str, Mapping[str, object]]] = {
     "eccentric 0.9": ("kepler", {"eccentricity": "9/10"}),

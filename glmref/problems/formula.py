@@ -23,18 +23,6 @@ import numpy as np
 
 from ..errors import UsageError, did_you_mean
 
-__all__ = [
-    "FUNCTIONS",
-    "Formula",
-    "Number",
-    "RealPowers",
-    "exact_number",
-    "functions",
-    "real_power",
-    "short",
-    "to_number",
-]
-
 Number = int | Fraction | float
 
 FUNCTIONS = ("sqrt", "sin", "cos", "tan", "exp", "log", "atan2")
@@ -138,6 +126,9 @@ def to_number(value: Number, context: Any = None) -> Any:
     return context.mpf(value)
 
 
+_DOUBLE = np.dtype(float)
+
+
 @dataclass(frozen=True)
 class Formula:
     """A function given by expressions; calling it evaluates them.
@@ -187,14 +178,17 @@ class Formula:
     def __call__(self, *arguments: Any) -> Any:
         """Evaluate at a state (d,), or at states in columns (d, m)."""
         *others, last = arguments
-        dtype = float if self.context is None else object
-        vector = np.asarray(last, dtype=None if np.iscomplexobj(last) else dtype)
+        if type(last) is np.ndarray and last.dtype == _DOUBLE and self.context is None:
+            vector = last
+        else:
+            dtype = float if self.context is None else object
+            vector = np.asarray(last, dtype=None if np.iscomplexobj(last) else dtype)
         assert self.shape is not None
         if not self.shape:
             return self._function(*others, vector)
         out = np.empty((len(self.outputs), *vector.shape[1:]), dtype=vector.dtype)
         self._function(*others, vector, out)
-        return out.reshape(self.shape + vector.shape[1:])
+        return out if len(self.shape) == 1 else out.reshape(self.shape + vector.shape[1:])
 
     def on(self, context: Any) -> Formula:
         """Return this function evaluated in an mpmath context, at that context's precision."""

@@ -12,8 +12,6 @@ from .model import Problem
 from .precision import Flow
 from .ranges import number
 
-__all__ = ["eccentric_anomaly", "kepler", "kepler_flow"]
-
 
 def kepler(eccentricity: object = "3/5") -> Problem:
     """Two bodies, unit semi-major axis and period 2 pi, started at the pericentre.

@@ -19,8 +19,6 @@ from ..errors import UsageError
 from .formula import Formula, Number, exact_number, functions, to_number
 from .precision import on_context
 
-__all__ = ["Loops", "PhaseSpace", "QuadraticForm", "join"]
-
 
 @dataclass(frozen=True)
 class Loops:

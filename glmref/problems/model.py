@@ -18,8 +18,6 @@ from .precision import on_context
 from .reference import Reference, references_of
 from .user import UserFunction, plain
 
-__all__ = ["Problem"]
-
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class Problem:

@@ -24,15 +24,6 @@ from .loops import Loops, QuadraticForm
 from .model import Problem
 from .ranges import count, number
 
-__all__ = [
-    "arenstorf",
-    "figure_eight",
-    "gravity",
-    "n_body",
-    "outer_solar_system",
-    "pleiades",
-]
-
 
 def gravity_2_into(q, params, out):  # type: ignore[no-untyped-def]
     """Accelerations of bodies in the plane; params = (G, m_1, ..., m_N)."""

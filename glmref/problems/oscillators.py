@@ -17,15 +17,6 @@ from .model import Problem
 from .precision import Flow
 from .ranges import number
 
-__all__ = [
-    "double_pendulum",
-    "harmonic_oscillator",
-    "henon_heiles",
-    "lotka_volterra",
-    "lotka_volterra_logarithmic",
-    "pendulum",
-]
-
 
 def harmonic_oscillator(frequency: object = 1, q0: object = 1, p0: object = 0) -> Problem:
     """Oscillator q'' = -frequency**2 q, H = (p**2 + frequency**2 q**2) / 2."""

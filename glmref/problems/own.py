@@ -24,8 +24,6 @@ from .canonical import equations, shared, timed
 from .formula import FUNCTIONS, Formula, Number, exact_number
 from .sums import hamiltonian_parts
 
-__all__ = ["equation_entries", "hamiltonian_entries", "time_of"]
-
 #: Characters of one expression: differentiating takes the square of the number of terms.
 LONGEST = 5_000
 #: Components that a system without sums may have.

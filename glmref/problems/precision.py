@@ -13,8 +13,6 @@ import numpy as np
 from .formula import Number, to_number
 from .user import UserFunction
 
-__all__ = ["Flow", "on_context"]
-
 GUARD_DIGITS = 15  # beyond the digits asked, for cancellation in closed forms
 DOUBLE_DIGITS = 40  # working digits of a closed form whose result is rounded to double
 

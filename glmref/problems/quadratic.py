@@ -14,8 +14,6 @@ from .loops import QuadraticForm
 from .model import Problem
 from .ranges import count, number
 
-__all__ = ["point_vortices", "rigid_body", "skew_quadratic"]
-
 
 def rigid_body(inertia1: object = 2, inertia2: object = 1, inertia3: object = "2/3") -> Problem:
     """Euler's equations of the free rigid body, in angular momenta."""

@@ -5,8 +5,6 @@ from __future__ import annotations
 from ..errors import UsageError
 from .formula import Number, exact_number
 
-__all__ = ["count", "number"]
-
 
 def number(
     value: object,

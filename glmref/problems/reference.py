@@ -14,8 +14,6 @@ import numpy as np
 from ..catalogue.strict_json import read_json
 from ..errors import DataError
 
-__all__ = ["FORMAT", "Reference", "read_references", "references_of"]
-
 FORMAT = "glmref-solution-1"
 
 

@@ -18,17 +18,6 @@ from .model import Problem
 from .precision import Flow
 from .ranges import number
 
-__all__ = [
-    "dahlquist",
-    "hires",
-    "kaps",
-    "oregonator",
-    "prothero_robinson",
-    "robertson",
-    "stiff_spring_pendulum",
-    "van_der_pol",
-]
-
 
 def dahlquist(real: object = -1, imaginary: object = 0) -> Problem:
     """The test equation y' = lambda y; two real components where lambda is not real."""

@@ -27,8 +27,6 @@ from .derivative import differentiated
 from .formula import FUNCTIONS, Formula, Number
 from .loops import Loops
 
-__all__ = ["hamiltonian_parts"]
-
 _INDEX = (ast.Add, ast.Sub, ast.Mult, ast.Mod)
 _HELP = "write sums as sum(p[i]**2/2 for i in range(n))"
 
@@ -84,15 +82,15 @@ def hamiltonian_parts(H: str, half: int, values: Values) -> dict[str, Any]:
     for term in terms:
         _check_indices(term, half, values)
     write = _Writer(reader.constants)
-    kinetic = [term for term in terms if {v for v, _ in term.slots} <= {"p"}]
-    potential = [term for term in terms if {v for v, _ in term.slots} <= {"q"}]
+    moving = [term for term in terms if term.slots]  # a constant is in H and not in its gradient
+    kinetic = [term for term in moving if {v for v, _ in term.slots} == {"p"}]
+    potential = [term for term in moving if {v for v, _ in term.slots} == {"q"}]
     bodies = {"hamiltonian": write.energy(terms)}
-    if len({id(term) for term in (*kinetic, *potential)}) < len(terms):
-        bodies["f"] = write.gradient("f_into", "t, y", "len(y) // 2", terms)
+    if len(kinetic) + len(potential) < len(moving):
+        bodies["f"] = write.gradient("f_into", "t, y", "len(y) // 2", moving)
     else:
-        only_q = [term for term in potential if term.slots]
-        bodies["dp"] = write.gradient("force_into", "q", "len(q)", only_q)
-        if _is_unit([term for term in kinetic if term.slots]):
+        bodies["dp"] = write.gradient("force_into", "q", "len(q)", potential)
+        if _is_unit(kinetic):
             bodies["force"] = bodies.pop("dp")
         else:
             bodies["dq"] = write.gradient("velocity_into", "p", "len(p)", kinetic)

@@ -31,8 +31,6 @@ from .model import Problem
 from .precision import Flow
 from .ranges import number
 
-__all__ = ["kepler_sundman", "time_transformed"]
-
 
 def kepler_sundman(eccentricity: object = "9/10") -> Problem:
     """Kepler's problem in the time s with dt = r ds: y = (q1, q2, t, p1, p2, w), w = -H.

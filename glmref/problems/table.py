@@ -20,8 +20,6 @@ from ..system.files import read_text
 from .model import Problem
 from .own import equation_entries, hamiltonian_entries, time_of
 
-__all__ = ["KEYS", "OWN", "from_file", "from_table", "table_of"]
-
 #: Keys that say what the equations are; a table has one of them.
 OWN = ("H", "f", "file")
 #: Keys of the table.

@@ -26,8 +26,6 @@ import numpy as np
 from .canonical import shared
 from .formula import Formula
 
-__all__ = ["MOST_OPERATIONS", "fingerprint", "recorded", "traced"]
-
 #: Operations of a function that is unrolled; larger ones stay loops.
 MOST_OPERATIONS = 600
 _SAME = 1e-10  # relative difference of the formula from the function

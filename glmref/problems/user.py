@@ -15,8 +15,6 @@ import numpy as np
 
 from ..errors import GlmrefError, UsageError
 
-__all__ = ["FunctionFailed", "NoValue", "UserFunction", "plain", "raised"]
-
 _SHOWN = 4  # components of a state that a message shows
 
 

@@ -13,8 +13,6 @@ from collections.abc import Sequence
 from .emit import Target
 from .forms import Row
 
-__all__ = ["Values", "balanced", "differences", "linear"]
-
 Term = tuple[float, str]
 
 
@@ -231,10 +229,11 @@ class Values:
 
     def check(self, name: str) -> None:
         """Assign to ``name`` a sum that is a number only if every new value is."""
-        # what another value was without its error, and nothing is added to, has been checked then
-        moved = [not self.kept[k] and not any(row) for k, row in enumerate(self.R)]
-        names = [f"@n{k}" for k in range(self.r) if not (moved[k] and self.x[k][1] != f"@x{k}")]
-        names = names or [f"@n{k}" for k in range(self.r)]
+        # a value that is another one of the step before, with nothing added and no error kept, was
+        # checked there; a step that only renames its values has them all checked
+        every = range(self.r)
+        new = [k for k in every if self.kept[k] or any(self.R[k]) or self.x[k][1] == f"@x{k}"]
+        names = [f"@n{k}" for k in new or every]
         total = " + ".join(names)
         self.t.total(name, f"({total})" if len(names) > 1 else total, self.part)
 
