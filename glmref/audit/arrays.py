@@ -11,8 +11,6 @@ from .code import bare, rewritten
 from .table import Rows, Table, vector
 from .values import Number, Scope, Sparse, Unread, assign, evaluate
 
-__all__ = ["gsl", "odeint"]
-
 _ZERO = Number(Exact(0))
 
 

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from typing import Any
 
 from ..errors import DataError, GlmrefError
 from ..exact import Exact
 from ..exact.linalg import Matrix, Vector, row_sums
 from ..findings import Finding, Verdict
-from ..prove.kernel import Judgement, reaches, vanishing
+from ..prove.digits import rounded_up
+from ..prove.kernel import Reach, reaches, vanishing
 from .numbers import Reader
 from .orders import (
     LARGEST,
-    Reach,
     Scheme,
     additive,
     dense_output,
@@ -26,8 +27,6 @@ from .orders import (
     runge_kutta,
     w_method,
 )
-
-__all__ = ["CheckFailed", "assert_tableau", "check", "examine"]
 
 #: Names of what a tableau may be made of, by the letters of a document.
 KEYS = {
@@ -176,6 +175,8 @@ def examine(document: Mapping[str, Any]) -> tuple[Finding, ...]:
         For what is no tableau, naming the key.
     """
     unknown = [x for x in document if x not in KEYS]
+    if str(document.get("format", "")).startswith("glmref-method-"):
+        raise DataError("this is a method file; `glmref verify FILE` recomputes its claims")
     if unknown:
         raise DataError(f"the key {unknown[0]!r} is not known; known are {', '.join(sorted(KEYS))}")
     reader = Reader(_whole(document, "digits", 1, 300))
@@ -363,25 +364,10 @@ def _additive(document: Mapping[str, Any], reader: Reader) -> _Rows:
     return rows, []
 
 
-def _finding(name: str, claim: str, declared: object, judgement: Judgement) -> Finding:
-    return Finding(
-        method=name,
-        claim=claim,
-        declared=declared,
-        verdict=judgement.verdict,
-        value=judgement.value,
-        proof=judgement.proof,
-        residual=judgement.residual,
-        witness=judgement.reason,
-    )
-
-
 def _difference(k: int, b: Vector, weights: Vector) -> Callable[[str], Finding]:
     total = sum((x - y for x, y in zip(b, weights, strict=True)), Exact(0))
     said = f"b and the row differ in sum by {total.magnitude():.3g}" if total.magnitude() else ""
-    return lambda name: _finding(
-        name, f"error weights of row {k} sum to", 0, vanishing(total, said)
-    )
+    return lambda name: vanishing(total, said).finding(name, f"error weights of row {k} sum to", 0)
 
 
 def _abscissae(A: Matrix, c: Vector) -> str:
@@ -392,7 +378,8 @@ def _abscissae(A: Matrix, c: Vector) -> str:
     if gaps[worst] == 0:
         return ""
     if gaps[worst] < _ROUNDING:
-        return f"row {worst + 1} of A sums to c[{worst + 1}] to {gaps[worst]:.2g}"
+        size = rounded_up(Fraction(repr(gaps[worst])))
+        return f"row {worst + 1} of A sums to c[{worst + 1}] to {size}"
     return (
         f"row {worst + 1} of A sums to {complex(sums[worst]).real:.12g} and c[{worst + 1}] is "
         f"{complex(c[worst]).real:.12g}: the order is that on y' = f(t, y)"
@@ -457,6 +444,9 @@ def _judged(row: _Row, name: str, remark: str, digits: int | None) -> Finding:
     else:
         size = found.size(row.declared)
         within = f"no condition fails within the {digits} digits"
-        parts = [f"order {row.declared} to {size:.2g}: {within}", row.remark]
+        parts = [
+            f"order {row.declared} to {rounded_up(Fraction(repr(size)))}: {within}",
+            row.remark,
+        ]
     reason = "; ".join(x for x in parts if x)
-    return _finding(name, row.claim, row.declared, reaches(found, row.declared, reason))
+    return reaches(found, row.declared, reason).finding(name, row.claim, row.declared)

@@ -11,9 +11,6 @@ from dataclasses import dataclass
 
 from ..errors import DataError
 
-__all__ = ["LANGUAGES", "Statement", "bare", "rewritten", "statements"]
-
-LANGUAGES = ("c", "julia", "fortran", "python")
 _COMMENTS = {
     "c": r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"',  # a text may hold the address of a page
     "julia": r'#=.*?=#|"""(?s:.*?)"""|#[^\n]*',
@@ -178,6 +175,7 @@ def _c(text: str) -> Iterator[Statement]:
     start, depth, inside, quote = 0, 0, 0, ""
     line = 1
     first = 1
+    blank = True  # whether nothing of a statement has been seen; its text is not looked at again
     k = 0
     while k < len(text):
         x = text[k]
@@ -218,7 +216,8 @@ def _c(text: str) -> Iterator[Statement]:
         if x == ";" and not quote and not inside and depth == 0:
             yield from (Statement(x, first) for x in _declarations(text[start:k]))
             start = k + 1
-        if not text[start : k + 1].strip():
+        blank = k < start or (blank and x.isspace())
+        if blank:
             first = line
         k += 1
 
@@ -272,7 +271,7 @@ _TYPED = re.compile(r"\b(?:T2?|BigFloat|Float64|Float32|SA|FT|RT|Rational\{\w+\}
 
 def _julia(text: str) -> Iterator[Statement]:
     start, depth, line, first, k = 0, 0, 1, 1, 0
-    quote = False
+    quote, blank = False, True
     while k <= len(text):
         x = text[k] if k < len(text) else "\n"
         if quote:
@@ -291,7 +290,8 @@ def _julia(text: str) -> Iterator[Statement]:
                 start = k + 1
         if x == "\n":
             line += 1
-        if not text[start : k + 1].strip():
+        blank = k < start or (blank and x.isspace())
+        if blank:
             first = line
         k += 1
 
@@ -325,15 +325,18 @@ _JUXTAPOSED = re.compile(
 
 def _from_julia(text: str) -> str:
     text = re.sub(r"(?<=\d)_(?=\d)", "", text)
+    text = re.sub(r"(//|[-+*/])[ \t]*\n\s*", r"\1 ", text)  # the line goes on
     text = re.sub(r"(?<![\d.])big\"\s*([^\"]*)\"", r"\1", text)
     text = re.sub(r"@[A-Za-z_]\w*\s*", " ", text)
     text = re.sub(r"\\(?!\w)", " ", text)
-    text = re.sub(r"(?<=[A-Za-z])\{[^{}]*\}", "", text)
+    text = re.sub(r"(?<=[A-Za-z])\{(?:[^{}]|\{[^{}]*\})*\}", "", text)
     text = re.sub(r"√\s*(\d+|\w+|(?=\())", lambda m: f"sqrt({m[1]})" if m[1] else "sqrt", text)
     text = _TYPED.sub("[", text)
     text = _JUXTAPOSED.sub(r"(\1*\2)", text)
     text = re.sub(r"(?<![\w.'])(\d+\.?\d*)(?=(?:[A-Za-z_]\w*)?\()(?![eE][-+]?\d)", r"\1*", text)
-    text = text.replace("^", "**")
+    text = re.sub(r"\s\.([-+*/])(?=\s)", r" \1", text).replace("^", "**")
+    text = re.sub(r"\bfor\s+(\w+)\s+in\s+(\w+):([^\]]+)(?=\])", r"for \1 in span(\2, \3)", text)
+    text = re.sub(r"^\s*push!\((\w+),\s*(.*)\)\s*$", r"\1 = vcat(\1, [\2])", text)
     text = re.sub(r"\(\s*;", "(", text)
     text = re.sub(r";([^;\[\]()]*)(?=[()])", _keywords, text)
     text = re.sub(r"^(?:local|const|global)\s+", "", text.strip())
@@ -345,6 +348,8 @@ def _keywords(m: re.Match[str]) -> str:
     """``; x, y = 1`` in a call gives x its own value."""
     words = [x.strip() for x in m[1].split(",") if x.strip()]
     if not words or not all(re.fullmatch(r"\w+(?:\s*=.*)?", x, re.DOTALL) for x in words):
+        return m[0]
+    if m.string[m.end()] == "(" and "=" not in words[-1]:  # an entry after a semicolon, a call
         return m[0]
     return "".join(f", {x}={x}" if re.fullmatch(r"\w+", x) else f", {x}" for x in words)
 
@@ -390,6 +395,8 @@ def _split(text: str, marks: str) -> list[str]:
 
 
 def _matrix(inner: str) -> str:
+    if re.search(r"\bfor \w+ in span\(", inner):  # a comprehension
+        return "[" + _brackets(inner) + "]"
     if len(_split(inner, ",")) > 1 or inner.rstrip().endswith(","):
         return "[" + ", ".join(_brackets(x) for x in _split(inner, ",;")) + "]"
     rows = [_blanks(row) for row in _split(inner, ";\n")]

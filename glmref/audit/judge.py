@@ -15,14 +15,13 @@ from typing import Any
 from ..errors import BudgetError, DataError, GlmrefError
 from ..exact import Ball, Exact, Scalar
 from ..exact.linalg import Matrix, Vector
+from ..prove.kernel import Reach
 from ..system.budget import limited
 from . import orders
 from .nearest import Library
-from .orders import LARGEST, Reach, Scheme, further, reach
+from .orders import LARGEST, Scheme, further, reach
 from .table import Table
 from .values import SHORT, Number
-
-__all__ = ["judge"]
 
 #: Residuals: what doubles cannot see, relative to the largest entry; and what is no rounding at
 #: all, in tables of decimals and of fractions.

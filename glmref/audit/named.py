@@ -16,8 +16,6 @@ from .code import bare, rewritten
 from .table import ZERO, Rows, Table, vector
 from .values import Number, Scope, Unread, assign, evaluate
 
-__all__ = ["constants", "java", "rust"]
-
 
 def _value(text: str, scope: Scope) -> Any:
     try:

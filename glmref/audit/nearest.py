@@ -10,8 +10,6 @@ from ..errors import GlmrefError
 from ..exact.expression import shown_number
 from .table import Table
 
-__all__ = ["Library"]
-
 #: Entries nearer than this are the same, printed shorter.
 NEAR = 1e-9
 #: A table is compared with a method that agrees in at least this part of its nonzero entries.

@@ -15,8 +15,6 @@ from ..exact import Ball, Exact, Scalar
 from ..exact.expression import parse
 from ..exact.linalg import Matrix, Vector
 
-__all__ = ["Double", "Reader", "rational_text"]
-
 _DECIMAL = re.compile(r"(?:\d+\.\d*|\.\d+|\d+(?=[eE]))(?:[eE][-+]?\d{1,3})?")
 #: A double with a larger power of 2 below it is taken for a rounded number in a hint.
 _DYADIC = 2**12

@@ -13,8 +13,7 @@ t_n + c_i h, so that the matrix below it has row sums c.
 (Kennedy, Carpenter 2003, section 2; Sandu, Guenther 2015).
 
 *Nystrom*, ``q' = v, v' = g(q, v)``: position and velocity, where q' is linear in v, so that a
-vertex f has at most one child. The stages are written as one pair with 2 s + 1 stages: V_0 = v,
-V_l = v + h g_l, and the stages proper, ``Q_i = q + h (c_i V_0 + sum a_il (V_l - V_0))``.
+vertex f has at most one child: the pair of :mod:`glmref.method.nystrom`.
 
 *Rosenbrock* with the exact Jacobian: below a vertex with one child stands alpha + gamma, below
 others alpha (Hairer, Wanner 1996, IV.7, theorem 7.4). *W-methods*, any matrix J in its place:
@@ -35,27 +34,13 @@ from typing import Any
 from ..errors import BudgetError
 from ..exact import Exact, Scalar
 from ..exact.linalg import Matrix, Vector, row_sums
+from ..method.nystrom import nystrom as as_pair
 from ..prove import kernel
+from ..prove.algebra import nystrom_filter
 from ..prove.forest import Forest, forest
 from ..prove.kernel import Reach
 from ..system.budget import limited, spend
 from ..theory.coefficients import is_zero
-
-__all__ = [
-    "LARGEST",
-    "Reach",
-    "Scheme",
-    "additive",
-    "dense_output",
-    "further",
-    "general_linear",
-    "nystrom",
-    "reach",
-    "rosenbrock",
-    "runge_kutta",
-    "splitting",
-    "w_method",
-]
 
 _ZERO, _ONE = Exact(0), Exact(1)
 #: Largest order that is looked at, by the number of colours.
@@ -264,10 +249,6 @@ def _filtered(good: Callable[[Forest, int], bool]) -> Callable[[Forest], Callabl
     return make
 
 
-#: Trees in which a vertex f has at most one child.
-_LINEAR = _filtered(lambda T, t: T.colour[t] != "f" or len(T.children[t]) < 2)
-
-
 def nystrom(
     A: Matrix,
     b: Vector,
@@ -290,26 +271,12 @@ def nystrom(
     roots : str
         ``"f"`` for the conditions of the position, ``"k"`` for those of the velocity.
     """
-    s = len(c)
-    size = 2 * s + 1
-    auxiliary = (_ZERO,) * size
-
-    def combined(first: Scalar, second: Sequence[Scalar]) -> Vector:
-        """First V_0 + sum second_l (V_l - V_0)."""
-        return (first - sum(second, _ZERO), *second, *((_ZERO,) * s))
-
-    def slopes(weights: Sequence[Scalar]) -> Vector:
-        return (*((_ZERO,) * (s + 1)), *weights)
-
-    unit = [tuple(_ONE if i == j else _ZERO for j in range(s)) for i in range(s)]
-    below_f = (*((auxiliary,) * (s + 1)), *(combined(x, row) for x, row in zip(c, A, strict=True)))
-    inner = [slopes(row) for row in A_prime] if A_prime is not None else [auxiliary] * s
-    below_k = (auxiliary, *(slopes(x) for x in unit), *inner)
+    pair = as_pair(A, b, b_prime, c, A_prime)
     return Scheme(
-        (("f", "k"), ("k", "fk" if A_prime is not None else "f")),
-        {"f": (below_f, combined(_ONE, b)), "k": (below_k, slopes(b_prime))},
+        (("f", "k"), ("k", "f" if pair.separable else "fk")),
+        {x.colour: (x.A, x.B[0]) for x in pair.components},
         roots,
-        _LINEAR,
+        nystrom_filter,
     )
 
 
@@ -377,7 +344,7 @@ def splitting(a: Vector, b: Vector, *, kick_first: bool = False, quadratic: bool
             "k": (lower(b, diagonal=kick_first), b),
         },
         "fk",
-        _LINEAR if quadratic else None,
+        nystrom_filter if quadratic else None,
     )
 
 

@@ -16,8 +16,6 @@ from .numbers import Double, rational_text
 from .table import Rows, Table
 from .values import Number, Unread, literal
 
-__all__ = ["from_csv", "from_json"]
-
 
 def from_json(text: str) -> Iterator[Table]:
     """Tables of a JSON text: one object, a list of them, or an object of them by name.

@@ -12,8 +12,6 @@ from .code import bare, rewritten
 from .table import Rows, Table, vector
 from .values import Number, Scope, Unread, evaluate
 
-__all__ = ["structs"]
-
 _STRUCT = re.compile(
     r"^struct\s+([^\s:{]+)\s*:\s*([^\s{]+)\s*\{(.*?)^\};", re.DOTALL | re.MULTILINE
 )

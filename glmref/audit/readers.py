@@ -22,8 +22,6 @@ from .stepper import procedures
 from .table import ZERO, Rows, Table, vector
 from .values import Number, Scope, Sparse, Unread, assign, evaluate
 
-__all__ = ["FORMATS", "SUFFIXES", "Table", "declared_orders", "read"]
-
 
 def _square(value: Any, s: int, *, base: int = 0) -> Rows:
     """Matrix (s, s) from rows, possibly of growing length, from a flat list or single entries."""
@@ -68,6 +66,7 @@ class _Run:
         self.scope: Scope = {
             "NULL": None,
             "nullptr": None,
+            "nothing": None,
             "1-based": 1 if language in ("julia", "fortran") else 0,
         }
         self.globals: Scope = dict(self.scope)
@@ -408,14 +407,17 @@ def _julia(text: str, declared: Mapping[str, int] | None = None) -> Iterator[Tab
     made = ("ExplicitRKTableau", "ExplicitTableau", "ImplicitRKTableau", "Tableau", "IMEXTableau",
             "DIRKButcher",
             "IMEXButcher", "SymplecticTableau", "RosenbrockButcher", "RodasTableau",
-            "RosenbrockTableau", "ESDIRKIMEXTableau")  # fmt: skip
+            "RosenbrockTableau", "ESDIRKIMEXTableau", "IMKGTableau", "NystromVITableau",
+            "NystromVDTableau")  # fmt: skip
     top = ("TableauRKExplicit",)
     for _, node in run.steps():
         name = run.header.removeprefix("function ").strip()
-        short = re.sub(r"(?:ESDIRKIMEX|IMEX)?(?:ConstantCache|Tableau)$", "", name)
+        short = re.sub(r"(?:ESDIRKIMEX|IMEX|Rodas)?(?:ConstantCache|Tableau)$", "", name)
         order = declared.get(short)
         for call in _calls(node, top if run.depth == 0 else made):
             kind = ast.unparse(call.func).rpartition(".")[2]
+            if kind == name:  # another way to make such a table
+                continue
             try:
                 table = _of_julia(run, kind, call, name, order)
             except Unread as error:
@@ -492,12 +494,63 @@ def _of_julia(run: _Run, kind: str, call: ast.Call, name: str, order: int | None
         )
         c = [vector(run.value(words[k])) if k in words else None for k in ("c_exp", "c_imp")]
         return Table(name, line, "additive", [A, A2], [b, b2], c, order)
+    if kind in ("NystromVITableau", "NystromVDTableau") and len(call.args) >= 7:
+        parts = 1 + kind.startswith("NystromVD")
+        return _nystrom(name, line, [run.value(x) for x in call.args[: 5 + parts]], parts, order)
     if kind == "SymplecticTableau" and len(call.args) == 2:
         a, b = (vector(run.value(x)) for x in call.args)
         return Table(name, line, "splitting", [], [a, b], order=order)
     if kind == "ESDIRKIMEXTableau" and len(call.args) >= 9:
         return _esdirk(run, call, name, order)
+    if kind == "RodasTableau" and len(call.args) == 8:
+        A, C, g, b, e = (run.value(call.args[k]) for k in (0, 1, 2, 6, 7))
+        m = vector(b)
+        s = len(m)
+        if not isinstance(g, Number):
+            raise Unread("gamma is no number")
+        low = vector(e, s) if e is not None else None
+        table = _transformed(name, line, g, _wide(A, s), _wide(C, s), m, low)
+        table.order = order
+        return table
+    if kind == "IMKGTableau" and len(call.args) in (3, 4):
+        return _imkg(name, line, [vector(run.value(x)) for x in call.args], order)
     return None
+
+
+def _nystrom(name: str, line: int, given: list[Any], parts: int, order: int | None) -> Table:
+    """A, for two parts also A', b, b', the two estimates, and c without its first entry, 0."""
+    below = given[:parts]
+    b, b_prime, *errors, c = (vector(x) for x in given[parts:])
+    s = len(b_prime)
+    table = Table(name, line, "nystrom", [_square(A, s) for A in below], [b, b_prime], order=order)
+    table.c = [[ZERO, *c]]
+    table.errors = [x for x in errors if x]
+    return table
+
+
+def _wide(value: Any, s: int) -> Rows:
+    """A matrix (s, s) from one whose last columns may be left out where they are zero."""
+    if isinstance(value, Sparse):
+        return _square(value, s, base=1)
+    return [vector(row, s) for row in value]
+
+
+def _imkg(name: str, line: int, given: list[list[Number]], order: int | None) -> Table:
+    """Tables of Steyer et al. (2019): a, a^ below the diagonal, d^ on it, b in the first column."""
+    below, hat, diagonal = given[:3]
+    s = len(hat) + 1
+    first = given[3] if len(given) == 4 else [ZERO] * (s - 2)
+    parts = []
+    for entries, own in ((below, []), (hat, diagonal)):
+        A = [[ZERO] * s for _ in range(s)]
+        for i in range(1, s):
+            if i > 1:
+                A[i][0] = first[i - 2]
+            if i <= len(own):
+                A[i][i] = own[i - 1]
+            A[i][i - 1] = entries[i - 1]
+        parts.append(A)
+    return Table(name, line, "additive", parts, [A[-1] for A in parts], [None, None], order)
 
 
 def _esdirk(run: _Run, call: ast.Call, name: str, order: int | None) -> Table:
@@ -521,7 +574,9 @@ _ENTRY = re.compile(r"(a|b|c|btilde|bhat)_?(\d+)$")
 
 
 def _of_names(run: _Run, name: str, order: int | None) -> Table | None:
-    """Coefficients under names of their own: a21, a0201, b1, c2, btilde1."""
+    """Coefficients under names of their own: a21, a0201 or, from 0, a0100, b1, c2, btilde1."""
+    if any(re.fullmatch(r"bbar_?\d+", key) for key in run.scope):
+        raise Unread("weights `bbar` of a method of two steps are not read")
     found: dict[str, dict[str, Number]] = {}
     for key, value in run.scope.items():
         match = _ENTRY.fullmatch(key)
@@ -543,8 +598,12 @@ def _of_names(run: _Run, name: str, order: int | None) -> Table | None:
         if j >= i:
             raise Unread("an entry of A on or above the diagonal, by its name")
         entries[i, j] = value
+    if any(j == 0 for _, j in entries):  # stages are numbered from 0
+        entries = {(i + 1, j + 1): value for (i, j), value in entries.items()}
     s = max(i for i, _ in entries)
     b = {int(k): v for k, v in found.get("b", {}).items()}
+    if any(re.fullmatch(r"(?:α|alpha)_?\d+", key) for key in run.scope):
+        raise Unread("weights under the names `α` are not read")
     s = max([s, *b])
     A = [[entries.get((i, j), ZERO) for j in range(1, s + 1)] for i in range(1, s + 1)]
     weights = [b.get(k, ZERO) for k in range(1, s + 1)] if b else A[-1]
@@ -906,6 +965,19 @@ def _of_kpp(run: _Run, name: str, line: int) -> Table:
         return [held.entries.get((k + 1,), ZERO) for k in range(s)]
 
     g, A, C, m, e = row("ros_Gamma")[0], low("ros_A"), low("ros_C"), row("ros_M"), row("ros_E")
+    table = _transformed(name, line, g, A, C, m, e)
+    table.order = _order_of_kpp(run.text, name)
+    return table
+
+
+def _transformed(
+    name: str, line: int, g: Number, A: Rows, C: Rows, m: list[Number], e: list[Number] | None
+) -> Table:
+    """The method of gamma, A, C (s, s), m and the estimate e: Hairer, Wanner (1996), IV.7.
+
+    C = diag(1 / gamma) - Gamma^-1, alpha = A Gamma, b = m Gamma.
+    """
+    s = len(m)
     inverse = [
         [C[i][j].of(-C[i][j].value) if i != j else g.of(Exact(1) / g.value) for j in range(s)]
         for i in range(s)
@@ -926,9 +998,9 @@ def _of_kpp(run: _Run, name: str, line: int) -> Table:
         return found
 
     table = Table(name, line, "rosenbrock", [[product(x) for x in A], gamma], [product(m)], [None])
-    embedded = product([x.of(x.value - y.value, y) for x, y in zip(m, e, strict=True)])
-    table.order = _order_of_kpp(run.text, name)
-    table.rows = [("m - E", embedded, None)]
+    if e is not None:
+        embedded = product([x.of(x.value - y.value, y) for x, y in zip(m, e, strict=True)])
+        table.rows = [("m - E", embedded, None)]
     return table
 
 

@@ -17,8 +17,6 @@ from .nearest import Library
 from .readers import FORMATS, SUFFIXES, declared_orders, read
 from .table import Table
 
-__all__ = ["FORMAT", "audit", "files", "judge_table"]
-
 FORMAT = "glmref-audit-1"
 #: A file without any of these holds no table of the format.
 _MARKS: Mapping[str, str] = {

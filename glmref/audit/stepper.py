@@ -16,8 +16,6 @@ from ..exact import Exact
 from .code import statements
 from .values import Number, Scope, Unread, evaluate
 
-__all__ = ["procedures"]
-
 _ZERO, _ONE = Number(Exact(0)), Number(Exact(1))
 Form = dict[str, Number]
 Rows = list[list[Number]]

@@ -8,8 +8,6 @@ from typing import Any
 from ..exact import Exact
 from .values import Number, Sparse, Unread
 
-__all__ = ["ZERO", "Rows", "Table", "vector"]
-
 Rows = list[list[Number]]
 
 

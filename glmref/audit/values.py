@@ -16,8 +16,6 @@ from typing import Any
 from ..errors import ExactnessError
 from ..exact import Exact
 
-__all__ = ["Number", "Scope", "Unread", "evaluate", "literal"]
-
 #: A decimal with at most this many digits after the point means what it says.
 SHORT = 11
 _NUMERAL = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,4})?")
@@ -82,7 +80,7 @@ _FIRST = {
     *("SVector", "SMatrix", "SparseCoeffs", "Integer", "real", "dble", "SMat", "vec", "sympify"),
     *("constexpr", "double", "Tuple", "collect", "Array", "Matrix", "Vector", "copy", "SA", "RT"),
     *("asarray", "ascontiguousarray", "from_list", "one_", "Number", "permutedims_", "RealT"),
-    *("BigInt", "Int", "Int64", "Real"),
+    *("BigInt", "Int", "Int64", "Real", "T1"),
 }
 _LAST = {"convert", "map", "parse", "tparse"}
 _DOTTED = re.compile(r"[A-Za-z_\u0080-\uffff][\w.\u0080-\uffff]*")
@@ -113,6 +111,27 @@ class _Evaluator:
 
     def _expression(self, node: ast.Expression) -> Any:
         return self.of(node.body)
+
+    def _listcomp(self, node: ast.ListComp) -> list[Any]:
+        """``[x[k] for k in span(1, s)]``: what Julia writes with ``1:s``."""
+        loop, *more = node.generators
+        call, name = loop.iter, loop.target
+        if more or loop.ifs or not isinstance(name, ast.Name):
+            raise Unread("a loop is not read")
+        if not isinstance(call, ast.Call) or ast.unparse(call.func) != "span":
+            raise Unread("a loop is not read")
+        if len(call.args) != 2 or call.keywords:
+            raise Unread("a range with a step is not read")
+        first, last = (self.of(x) for x in call.args)
+        if not (isinstance(first, Number) and isinstance(last, Number)):
+            raise Unread("the ends of a range must be numbers")
+        first, last = first.whole(), last.whole()
+        if last - first > 200:
+            raise Unread("a loop is too long")
+        return [
+            _Evaluator({**self.scope, name.id: Number(Exact(k))}).of(node.elt)
+            for k in range(first, last + 1)
+        ]
 
     def _constant(self, node: ast.Constant) -> Any:
         x = node.value
@@ -244,6 +263,8 @@ class _Evaluator:
             return _squeezed(self.of(node.args[0]))
         if last in ("PetscSqr", "sqr"):
             return self._power(self.of(node.args[0]), Number(Exact(2)))
+        if last == "inv" and len(node.args) == 1:
+            return self._power(self.of(node.args[0]), Number(Exact(-1)))
         if "sqrt" in last.lower():
             if not node.args and isinstance(node.func, ast.Attribute):  # x.sqrt()
                 return _each(lambda n: n.of(_root(n)), self.of(node.func.value))
