@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .audit import CheckFailed, assert_tableau, check
     from .catalogue.lookup import load, names
-    from .engine.solve import Solution, solve
+    from .engine.outcome import Solution
+    from .engine.solve import solve
     from .errors import DataError, ExactnessError, GlmrefError, UsageError
     from .exchange.export import export
     from .findings import Finding, Proof, Verdict
@@ -40,7 +41,8 @@ __version__ = "0.1.0"
 _HOMES = {
     "audit": ("CheckFailed", "assert_tableau", "check"),
     "catalogue.lookup": ("load", "names"),
-    "engine.solve": ("Solution", "solve"),
+    "engine.outcome": ("Solution",),
+    "engine.solve": ("solve",),
     "errors": ("DataError", "ExactnessError", "GlmrefError", "UsageError"),
     "exchange.export": ("export",),
     "findings": ("Finding", "Proof", "Verdict"),

@@ -5,16 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from difflib import get_close_matches
 
-__all__ = [
-    "BudgetError",
-    "DataError",
-    "ExactnessError",
-    "GlmrefError",
-    "UndecidedError",
-    "UsageError",
-    "did_you_mean",
-]
-
 
 class GlmrefError(Exception):
     """Base of every error this package raises on purpose; its text is one sentence for the user."""

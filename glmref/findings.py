@@ -11,8 +11,6 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
-__all__ = ["Finding", "Proof", "Verdict", "summarize"]
-
 
 class Verdict(StrEnum):
     """Outcome of checking one claim."""

@@ -11,10 +11,8 @@ import click
 from ..catalogue.canonical import one_line
 from ..errors import BudgetError, DataError, UsageError
 from ..findings import Verdict
-from ..views.tables import FORMATS, json_text, plain
-from .output import FAILED, HOLDS, INTERNAL, complain, on_option, say
-
-__all__ = ["audit", "check"]
+from ..views.tables import counted, json_text, plain
+from .output import FAILED, HOLDS, INTERNAL, complain, format_option, on_option, say
 
 #: Repeated from :data:`glmref.audit.readers.FORMATS`, so that ``--help`` loads nothing.
 READ = (
@@ -23,6 +21,7 @@ READ = (
     *("principia", "gsl", "odeint"),
 )
 
+_EXAMPLE = 'write {"A": [[0, 0], [1, 0]], "b": ["1/2", "1/2"], "order": 2}'
 _MOST_TEXT = 20_000_000  # characters of a document
 
 
@@ -40,13 +39,7 @@ _MOST_TEXT = 20_000_000  # characters of a document
     metavar="N",
     help="Digits after the point to which its decimals are known; default: its key.",
 )
-@click.option(
-    "--format",
-    "form",
-    type=click.Choice([x for x in FORMATS if x in ("table", "json")]),
-    default="table",
-    help="Format of the output.",
-)
+@format_option(("table", "json"))
 def check(file: str, order: int | None, digits: int | None, form: str) -> int:
     """Check a tableau against its claimed orders.
 
@@ -97,6 +90,8 @@ def _document(file: str) -> dict[str, Any]:
 
     text = _text(file)
     where = "the standard input" if file == "-" else file
+    if not text.strip():
+        raise DataError(f"{where} is empty; {_EXAMPLE}")
     if len(text) > _MOST_TEXT:
         raise DataError(f"{where} has more than {_MOST_TEXT} characters, which no tableau has")
     try:
@@ -109,8 +104,7 @@ def _document(file: str) -> dict[str, Any]:
     except (ValueError, RecursionError) as error:
         shown = str(error).splitlines()[0] if str(error) else "brackets nested too deep"
         raise DataError(
-            f"{where} is neither a JSON object nor TOML ({shown}); write "
-            f'{{"A": [[0, 0], [1, 0]], "b": ["1/2", "1/2"], "order": 2}}'
+            f"{where} is neither a JSON object nor TOML ({shown}); {_EXAMPLE}"
         ) from None
     if not isinstance(document, dict):
         raise DataError(f"{where} must hold one object with A and b")
@@ -142,5 +136,6 @@ def audit(source: Path, form: str, every: bool, fast: bool, on: str | None) -> i
             if every or record["status"] not in ("right", "found", "digits"):
                 say(one_line(plain(record)))
     counts = summary(records)
-    complain(f"{len(records)} tables: " + ", ".join(f"{n} {x}" for x, n in counts.items()))
+    tables = counted(len(records), "table")
+    complain(f"{tables}: " + ", ".join(f"{n} {x}" for x, n in counts.items()))
     return FAILED if counts.get("wrong") else HOLDS

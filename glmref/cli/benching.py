@@ -13,9 +13,7 @@ import click
 
 from ..errors import UsageError
 from ..views.tables import Style, columns, csv_text, json_text
-from .output import FAILED, HOLDS, complain, say
-
-__all__ = ["bench"]
+from .output import FAILED, HOLDS, complain, format_option, say
 
 RESULTS = Path(".asv", "results")
 _BENCHMARK_FAILED = 2  # exit code of `asv run` when it ran, but not every benchmark did
@@ -26,13 +24,7 @@ _BENCHMARK_FAILED = 2  # exit code of `asv run` when it ran, but not every bench
 @click.option("--commits", default="HEAD^!", metavar="RANGE", help="Commits; the last by default.")
 @click.option("--quick", is_flag=True, help="Run each benchmark once: no quartiles.")
 @click.option("--stored", is_flag=True, help="Run nothing; show what is stored.")
-@click.option(
-    "--format",
-    "form",
-    type=click.Choice(("table", "json", "csv")),
-    default="table",
-    help="Format of the output.",
-)
+@format_option()
 def bench(pattern: str | None, commits: str, quick: bool, stored: bool, form: str) -> int:
     """Measure commits with asv, in a checkout, and print errors and run times side by side.
 

@@ -9,16 +9,13 @@ from typing import Any
 
 import click
 
-from ..catalogue.claims import ORDER
+from ..catalogue.claims import meant_order
 from ..catalogue.keys import BLOCKS
 from ..errors import UsageError
 from ..system.shown import Drawing
 from ..views.tables import Style, columns, csv_text, json_text, one_line
-from .output import HOLDS, Word, complete_method, say
+from .output import HOLDS, Word, complete_method, format_option, say
 
-__all__ = ["LISTS", "cite", "list_", "show"]
-
-LISTS = ("table", "json", "csv")
 _METHODS = ("name", "class", "order", "status", "title")
 _BROKEN = ("name", "class", "refutes", "flag", "title")
 
@@ -26,9 +23,7 @@ _BROKEN = ("name", "class", "refutes", "flag", "title")
 @click.command("list", short_help="List the shipped methods.")
 @click.option("--class", "kind", type=Word(sorted(BLOCKS)), help="This class only.")
 @click.option("--broken", is_flag=True, help="The files that are wrong on purpose.")
-@click.option(
-    "--format", "form", type=click.Choice(LISTS), default="table", help="Format of the output."
-)
+@format_option()
 def list_(kind: str | None, broken: bool, form: str) -> int:
     """List the shipped methods: name, class, order claimed, status of the source, title."""
     from ..catalogue.lookup import document, names
@@ -52,7 +47,7 @@ def _row(doc: Mapping[str, Any]) -> dict[str, Any]:
         "name": doc["name"],
         "class": doc["class"],
         "title": doc.get("title", ""),
-        "order": doc["claims"].get(ORDER.key),
+        "order": meant_order(doc["claims"]),
         "status": doc["source"]["status"],
         "citation": doc["source"]["citation"],
         "where": doc["source"]["where"],

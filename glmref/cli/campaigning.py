@@ -15,13 +15,11 @@ import click
 from ..errors import UsageError
 from ..system.files import make_folder
 from ..views.tables import Style, columns, json_text, one_line
-from .output import HOLDS, INTERNAL, Progress, complain, on_option, say
+from .output import HOLDS, INTERNAL, Progress, complain, format_option, on_option, say
 
 if TYPE_CHECKING:
     from ..compute import Done, Executor, RecordFolder
     from ..scenes.campaign import Campaign
-
-__all__ = ["campaign"]
 
 #: Tasks of a pilot, and seconds that each of them may take.
 PILOT, PILOT_SECONDS = 3, 20.0
@@ -39,10 +37,7 @@ _FAILURES = ("internal error", "process killed")
     show_default=True,
     help="Folder in which the campaign gets a folder of its own.",
 )
-@click.option(
-    "--format", "form", type=click.Choice(["table", "json"]), default="table",
-    help="What stdout gets.",
-)  # fmt: skip
+@format_option(("table", "json"), "What stdout gets.")
 @on_option
 def campaign(
     name: str | None, planned: bool, pages: bool, output: Path, form: str, on: str | None

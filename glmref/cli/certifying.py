@@ -13,8 +13,6 @@ from ..errors import UsageError
 from ..system.files import make_folder, write_text
 from .output import BAD_INPUT, HOLDS, complain, complete_method, say
 
-__all__ = ["certify", "write_certificates"]
-
 
 @click.command(short_help="Write certificates that others can check.")
 @click.argument("name", metavar="NAME|FILE", shell_complete=complete_method)

@@ -13,16 +13,17 @@ import click
 from ..catalogue.claims import CLAIMS
 from ..errors import UsageError
 from ..findings import Finding, Verdict
+from ..system.process import INTERRUPTED
 from ..views.tables import FORMATS, Style
 from .output import (
     BAD_INPUT,
     FAILED,
     HOLDS,
     INTERNAL,
-    INTERRUPTED,
     Word,
     complain,
     complete_method,
+    format_option,
     on_option,
     say,
 )
@@ -30,14 +31,10 @@ from .output import (
 if TYPE_CHECKING:
     from .parallel import Checked
 
-__all__ = ["verify"]
-
 
 @click.command(short_help="Recompute every claim, with the kind of proof.")
 @click.argument("names", nargs=-1, metavar="[NAME|FILE]...", shell_complete=complete_method)
-@click.option(
-    "--format", "form", type=click.Choice(FORMATS), default="table", help="Format of the output."
-)
+@format_option(FORMATS)
 @click.option(
     "--only",
     multiple=True,

@@ -13,20 +13,14 @@ from ..system.files import make_folder, write_text
 from ..system.shown import Drawing
 from ..system.terminal import saying
 from ..views.tables import Style, columns, csv_text, json_text, one_line
-from .browsing import LISTS
-from .output import HOLDS, complete_problem, say
-
-__all__ = ["compare", "problems"]
+from .output import HOLDS, complete_problem, format_option, say
 
 
 @click.command(short_help="List the shipped problems, with formulas.")
 @click.argument("names", nargs=-1, metavar="[NAME|FILE]...", shell_complete=complete_problem)
-@click.option(
-    "--format",
-    "form",
-    type=click.Choice((*LISTS, "c")),
-    default="table",
-    help="Format of the output; c: the right-hand side of one problem for `glmref export --to c`.",
+@format_option(
+    ("table", "json", "csv", "c"),
+    "Format of the output; c: the right-hand side of one problem for `glmref export --to c`.",
 )
 def problems(names: tuple[str, ...], form: str) -> int:
     """List the shipped problems, or show the formulas of some.
@@ -76,9 +70,7 @@ def _found(name: str) -> tuple[Any, str]:
     type=click.Path(file_okay=False, path_type=Path),
     help="Folder for the pictures and the numbers.",
 )
-@click.option(
-    "--format", "form", type=click.Choice(LISTS), default="table", help="Format of the output."
-)
+@format_option()
 def compare(
     problem: str,
     methods: str | None,

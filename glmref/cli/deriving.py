@@ -11,12 +11,10 @@ import click
 from ..errors import UsageError
 from ..system.files import make_folder, write_text
 from ..views.tables import json_text, one_line
-from .output import FAILED, HOLDS, complete_recipe, say
+from .output import FAILED, HOLDS, complete_recipe, format_option, say
 
 if TYPE_CHECKING:
     from ..derive.recipes import Derivation
-
-__all__ = ["derive"]
 
 
 @click.command(
@@ -32,13 +30,7 @@ __all__ = ["derive"]
     type=click.Path(path_type=Path),
     help="Folder for the method files, or a file FILE.json for one; without it one goes to stdout.",
 )
-@click.option(
-    "--format",
-    "form",
-    type=click.Choice(["table", "json"]),
-    default="table",
-    help="Statements and files as text, or as one JSON record.",
-)
+@format_option(("table", "json"), "Statements and files as text, or as one JSON record.")
 @click.option("-h", "--help", "wanted", is_flag=True, help="Show this message, or a recipe's.")
 @click.pass_context
 def derive(

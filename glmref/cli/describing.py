@@ -4,30 +4,28 @@ from __future__ import annotations
 
 import sys
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..errors import BudgetError, UsageError
 from ..views.tables import Style, columns, csv_text, json_text, one_line
-from .browsing import LISTS
-from .output import HOLDS, INTERNAL, complain, complete_method, say
+from .output import HOLDS, INTERNAL, complain, complete_method, format_option, say
 
 if TYPE_CHECKING:
     from ..catalogue.errata import Erratum
 
-__all__ = ["analyze", "errata"]
-
-_FORM = click.option(
-    "--format", "form", type=click.Choice(LISTS), default="table", help="Format of the output."
-)
+#: Seconds between two lines of progress.
+_PATIENCE = 2.0
 _VERDICTS = ("right", "wrong", "misprint", "incomplete", "false")
 
 
 @click.command(short_help="Compute the properties of a method.")
 @click.argument("name", metavar="NAME|FILE", shell_complete=complete_method)
-@_FORM
+@format_option()
 def analyze(name: str, form: str) -> int:
     """Compute order, error, forms, symmetry and stability of a method, whatever its claims.
 
@@ -37,7 +35,8 @@ def analyze(name: str, form: str) -> int:
     from ..verification.analysis import analyze as examine
 
     try:
-        record = examine(name).as_json()
+        with _at_work(name):
+            record = examine(name).as_json()
     except BudgetError as error:
         complain(f"{name}: {error}, and what the method is was not decided")
         return INTERNAL
@@ -53,6 +52,34 @@ def analyze(name: str, form: str) -> int:
         record[k] for k in ("preconsistent", "consistent", "zero_stable", "parasitism_free")
     ]
     return INTERNAL if None in decisions else HOLDS
+
+
+def _at_work(name: str) -> AbstractContextManager[None]:
+    """Say on a terminal, on one line of stderr, for how long a method is being analysed."""
+    if not sys.stderr.isatty():
+        return nullcontext()
+    return _said(name)
+
+
+@contextmanager
+def _said(name: str) -> Iterator[None]:
+    from ..system.budget import watched
+
+    start = last = monotonic()
+    shown = ""
+
+    def notice() -> None:
+        nonlocal last, shown
+        now = monotonic()
+        if now - last >= _PATIENCE:
+            last, shown = now, f"analyzing {one_line(name)}: {now - start:.0f} s"
+            sys.stderr.write(f"\r{shown}")
+            sys.stderr.flush()
+
+    with watched(notice):
+        yield
+    if shown:
+        sys.stderr.write("\r" + " " * len(shown) + "\r")
 
 
 def _page(record: Mapping[str, Any], measured: Mapping[str, float], style: Style) -> str:
@@ -81,7 +108,7 @@ def _measured(method: Any, stability: Mapping[str, Any]) -> dict[str, float]:
 @click.argument("text", default="", metavar="[ID|TEXT]")
 @click.option("--verdict", type=click.Choice(_VERDICTS), help="These only.")
 @click.option("--method", metavar="NAME", help="Those about this data file only.")
-@_FORM
+@format_option()
 def errata(text: str, verdict: str | None, method: str | None, form: str) -> int:
     """Show what the thesis prints and whether it is right: one ID, or all that mention TEXT."""
     from ..catalogue.errata import erratum, find_errata, load_errata

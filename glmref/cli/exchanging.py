@@ -11,8 +11,6 @@ from ..system.files import write_text
 from ..views.tables import one_line
 from .output import HOLDS, Word, complete_method, say
 
-__all__ = ["export", "import_"]
-
 #: Repeated from :data:`glmref.exchange.export.TARGETS` and :data:`glmref.exchange.reading.FORMATS`,
 #: so that ``--help`` loads neither; a test compares them.
 TARGETS = (

@@ -5,36 +5,14 @@ from __future__ import annotations
 import os
 import sys
 import traceback
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import click
 from click.shell_completion import CompletionItem
 
 from ..errors import did_you_mean
-from ..system.process import INTERRUPTED, PIPE_CLOSED, open_streams
 from ..views.tables import one_line
-
-__all__ = [
-    "BAD_INPUT",
-    "FAILED",
-    "HOLDS",
-    "INTERNAL",
-    "INTERRUPTED",
-    "PIPE_CLOSED",
-    "Progress",
-    "Word",
-    "complain",
-    "complete_method",
-    "complete_problem",
-    "complete_recipe",
-    "complete_scene",
-    "confess",
-    "internal_sentence",
-    "on_option",
-    "open_streams",
-    "say",
-]
 
 HOLDS, FAILED, BAD_INPUT, INTERNAL = 0, 1, 2, 3
 
@@ -87,6 +65,13 @@ def complete_recipe(
 def _completed(names: Iterable[str], incomplete: str) -> list[CompletionItem]:
     found = [CompletionItem(name) for name in names if name.startswith(incomplete)]
     return [*found, CompletionItem(incomplete, type="file")]
+
+
+def format_option(
+    formats: Sequence[str] = ("table", "json", "csv"), said: str = "Format of the output."
+) -> Callable[[Any], Any]:
+    """The option ``--format`` of a command."""
+    return click.option("--format", "form", type=click.Choice(formats), default="table", help=said)
 
 
 on_option = click.option(

@@ -20,8 +20,6 @@ from ..verification.kept import keep_findings, look_up, question
 from ..views.tables import plain
 from .output import internal_sentence
 
-__all__ = ["Checked", "check", "check_all"]
-
 #: Seconds that two new processes need before they give a first result (they import the package).
 STARTUP = 1.0
 

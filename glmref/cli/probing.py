@@ -10,12 +10,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..views.tables import FORMATS, Style, columns, json_text, one_line, shown_value
-from .output import HOLDS, INTERNAL, say
+from .output import HOLDS, INTERNAL, format_option, say
 
 if TYPE_CHECKING:
     from ..conformance.identify import Probe
-
-__all__ = ["conformance", "probe"]
 
 
 @click.command(short_help="Test that an integrator implements its method.")
@@ -23,9 +21,7 @@ __all__ = ["conformance", "probe"]
 @click.option(
     "--known-failures", metavar="FILE", help="Lines `id: reason` of the expected failures."
 )
-@click.option(
-    "--format", "form", type=click.Choice(FORMATS), default="table", help="Format of the output."
-)
+@format_option(FORMATS)
 @click.option("--list", "ids", is_flag=True, help="Write the ids of the checks and stop.")
 def conformance(adapter: str, known_failures: str | None, form: str, ids: bool) -> int:
     """Run the conformance suite on an integrator.
@@ -44,10 +40,7 @@ def conformance(adapter: str, known_failures: str | None, form: str, ids: bool) 
 @click.command(short_help="Identify the method of an integrator.")
 @click.argument("adapter", metavar="ADAPTER")
 @click.option("--method", metavar="NAME", help="This one of the adapter's methods only.")
-@click.option(
-    "--format", "form", type=click.Choice(["table", "json"]), default="table",
-    help="Format of the output.",
-)  # fmt: skip
+@format_option(("table", "json"))
 def probe(adapter: str, method: str | None, form: str) -> int:
     """Read the coefficients out of a running integrator, name the method, and analyze it.
 

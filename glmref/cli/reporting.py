@@ -9,8 +9,6 @@ import click
 from ..views.tables import one_line
 from .output import HOLDS, complain, say
 
-__all__ = ["report"]
-
 #: What is read when nothing is named: what `glmref run` and `glmref bench` write.
 PLACES = (Path("report"), Path(".asv", "results"))
 

@@ -14,14 +14,21 @@ import click
 from ..errors import UsageError
 from ..system.shown import Drawing
 from ..views.tables import Style, columns, csv_text, json_text, one_line
-from .browsing import LISTS
-from .output import BAD_INPUT, HOLDS, INTERNAL, Progress, complain, complete_scene, on_option, say
+from .output import (
+    BAD_INPUT,
+    HOLDS,
+    INTERNAL,
+    Progress,
+    complain,
+    complete_scene,
+    format_option,
+    on_option,
+    say,
+)
 
 if TYPE_CHECKING:
     from ..compute import Executor
     from ..scenes import Plan, Scene
-
-__all__ = ["run"]
 
 _FAILURES = ("internal error", "not applicable", "process killed")
 #: Columns of a table that does not go to a terminal.
@@ -45,9 +52,7 @@ SHORT = {"state error": "state", "energy error": "energy", "largest rest": "rest
     show_default=True,
     help="Folder for records and pictures.",
 )
-@click.option(
-    "--format", "form", type=click.Choice(LISTS), default="table", help="Format of the output."
-)
+@format_option()
 @on_option
 def run(
     names: tuple[str, ...],

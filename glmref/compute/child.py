@@ -33,23 +33,6 @@ try:
 except ImportError:  # not POSIX: there are no limits of memory, and nothing is pinned
     fcntl = resource = None  # type: ignore[assignment]
 
-__all__ = [
-    "FAILED",
-    "KILLED",
-    "MEMORY",
-    "REFUSED",
-    "TIME_LIMIT",
-    "UNLIMITED",
-    "Child",
-    "Done",
-    "Function",
-    "Limits",
-    "Task",
-    "attempt",
-    "cores",
-    "physical_cores",
-]
-
 Task = Mapping[str, Any]
 #: What carries out a task: a function of a module, which another process can import.
 Function = Callable[[Task], Any]

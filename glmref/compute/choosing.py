@@ -19,8 +19,6 @@ from ..errors import UsageError
 from .cluster import cluster
 from .executors import Executor, Here, Local
 
-__all__ = ["ENVIRONMENT", "executor"]
-
 #: The environment variable that chooses where nothing else does.
 ENVIRONMENT = "GLMREF_EXECUTOR"
 

@@ -28,8 +28,6 @@ from .child import KILLED, UNLIMITED, Child, Done, Function, Limits, Task, cores
 from .executors import Results
 from .identity import difference, identity
 
-__all__ = ["Dask", "cluster"]
-
 #: Seconds of work that tasks which travel together may hold, and how many they may be. A parcel
 #: costs client, scheduler and worker some 10 ms of processor time, whatever it holds.
 TOGETHER, MOST = 0.5, 256

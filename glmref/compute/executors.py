@@ -26,8 +26,6 @@ from .child import (
     physical_cores,
 )
 
-__all__ = ["Executor", "Here", "Local", "Results", "in_order", "taken"]
-
 Results = list[tuple[Task, Done]]
 
 

@@ -10,8 +10,6 @@ from pathlib import Path
 
 from .. import __version__
 
-__all__ = ["difference", "identity"]
-
 _PACKAGE = Path(__file__).parents[1]
 
 

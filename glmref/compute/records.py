@@ -25,17 +25,6 @@ from ..errors import DataError, UsageError
 from ..system.files import Lock, lines_of, make_folder, printable, read_bytes, reason, sync_folder
 from ..system.files import write_bytes as replace_file
 
-__all__ = [
-    "CHECKSUM",
-    "FORMAT",
-    "RecordFile",
-    "checksum",
-    "finite",
-    "key_of",
-    "read_records",
-    "wrong_checksum",
-]
-
 FORMAT = "glmref-record-1"
 #: The field with the checksum of a record; records of version 0.1.0 and before have none.
 CHECKSUM = "sha256"

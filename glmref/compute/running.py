@@ -15,8 +15,6 @@ from .child import UNLIMITED, Done, Function, Limits, Task
 from .executors import Executor, Here
 from .records import RecordFile, key_of, read_records
 
-__all__ = ["RecordFolder", "Store", "measure"]
-
 Record = dict[str, Any]
 
 

@@ -31,8 +31,6 @@ if TYPE_CHECKING:
 
     from ..problems import Problem
 
-__all__ = ["SHIPPED", "Adapter", "load_adapter"]
-
 #: Adapters that come with the package; each imports its library when it is asked for.
 SHIPPED: Mapping[str, str] = {
     "reference": "glmref.conformance.adapters.reference:Adapter",

@@ -17,15 +17,13 @@ from ..exact.linalg import Matrix
 from ..method import GLM, Method, PartitionedGLM
 from ..method.solution_value import outputs, preconsistency_vector, stage_times, unit_place
 from ..prove.facts import facts_of
-from .numbers import decimal_of, decimals, rounded_up
+from .faults import reversal
+from .numbers import decimal_of, decimals, upper_text
 from .scheme import error_bound, error_field
-from .traps import reversal
 from .vectors import TestProblem
 
-__all__ = ["DIGITS", "SAFETY", "SHOWN", "TRAP_DIGITS", "Bench"]
-
 #: Digits of the computation, of the numbers shown, and of the computation of wrong results.
-DIGITS, SHOWN, TRAP_DIGITS = 60, 40, 25
+DIGITS, SHOWN, FAULT_DIGITS = 60, 40, 25
 #: Sums may be taken in another order, and a fused operation rounds once instead of twice.
 SAFETY = 4
 #: Digits of starting values that are given.
@@ -151,7 +149,7 @@ class Bench:
         context = self.engine(task).arithmetic.context
         field = error_field(task.expressions, context)
         rows = error_bound(method, field, t, list(values), h, stages, context)
-        return rounded_up(SAFETY * max(x.error for part in rows for row in part for x in row))
+        return upper_text(SAFETY * max(x.error for part in rows for row in part for x in row))
 
     def begin(
         self, task: TestProblem, h: Fraction, digits: int
@@ -165,7 +163,7 @@ class Bench:
             return engine, y0[None, :], None
         if not self.pair and self.method.starting is not None:
             return engine, apply_start(self.method.starting, engine, t, y0, size)[0], None
-        coarse = self.engine(task, TRAP_DIGITS)
+        coarse = self.engine(task, FAULT_DIGITS)
         # an error O(h^p) at the start leaves the order p of the run, as for the starts of the data
         passes = max(1, min(5, self.facts.order.order - 1))
         first = np.array(coarse.problem.y0)

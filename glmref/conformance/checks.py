@@ -20,12 +20,10 @@ import numpy as np
 from ..errors import UsageError
 from ..findings import Finding, Proof, Verdict
 from .compare import Comparison
-from .judgement import Judgement
 from .measure import Measurement
 from .subject import AdapterError, NotOffered, Subject
 from .vectors import Case, Vectors, problems, vectors_of
-
-__all__ = ["RESTS_ON", "Check", "Suite"]
+from .verdicts import Judgement
 
 #: claim -> claims that must hold before it is judged.
 RESTS_ON: Mapping[str, tuple[str, ...]] = {

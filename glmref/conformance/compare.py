@@ -12,11 +12,9 @@ from ..catalogue.lookup import load
 from ..engine.solve import solve
 from .adapters.reference import Adapter
 from .diagnosis import known_bug, name_defect, residual_of_stages, stage_order, start_order
-from .judgement import Judgement, errors_of, order_judgement
 from .subject import AdapterError, NotOffered, Subject
 from .vectors import Case, TestProblem, Vectors, array
-
-__all__ = ["Comparison"]
+from .verdicts import Judgement, errors_of, order_judgement
 
 
 class Comparison:

@@ -14,21 +14,12 @@ import numpy as np
 
 from ..errors import GlmrefError
 from .adapters.reference import Adapter
+from .faults import NOTES
 from .identify import matches
 from .probe import read
+from .readings import needed
 from .subject import AdapterError, NotOffered, Subject
-from .traps import NOTES
 from .vectors import Case, TestProblem, Vectors, array
-from .watch import needed
-
-__all__ = [
-    "coefficient_differences",
-    "known_bug",
-    "name_defect",
-    "residual_of_stages",
-    "stage_order",
-    "start_order",
-]
 
 _SHOWN = 3
 
@@ -89,7 +80,7 @@ def name_defect(
         said = constant_factor(found, case["output"], case.number("h"))
     if said or case.kind not in ("step", "trajectory"):
         return said
-    for other, result, allowed in _trap_results(subject, vectors, case):
+    for other, result, allowed in _other_steps(subject, vectors, case):
         said = known_bug(result, other, allowed)
         if said:
             return f"on {other.problem.name} {said}"
@@ -101,10 +92,10 @@ def _right(case: Case) -> np.ndarray:
     return case["solution"][-1:] if case.kind == "trajectory" else case["output"]
 
 
-def _trap_results(
+def _other_steps(
     subject: Subject, vectors: Vectors, case: Case
 ) -> Iterator[tuple[Case, np.ndarray, float]]:
-    """Results on the other traps of the method."""
+    """Steps of the program in the other cases whose vectors hold wrong results."""
     if "step" not in subject.offers:
         return
     for other in vectors.cases:

@@ -15,8 +15,6 @@ from typing import Any
 from ..errors import DataError
 from ..exact import Ball, ball
 
-__all__ = ["BALL_FUNCTIONS", "Bounded", "bounded_functions", "evaluate"]
-
 _OPERATIONS: Mapping[type, Callable[[Any, Any], Any]] = {
     ast.Add: lambda a, b: a + b,
     ast.Sub: lambda a, b: a - b,

@@ -20,12 +20,10 @@ from ..compute import executor, in_order
 from ..errors import DataError
 from ..method.solution_value import preconsistency_vector
 from .bench import DIGITS, SHOWN, Bench
+from .faults import NOTES
 from .run_cases import RunCases
 from .step_cases import StepCases
-from .traps import NOTES
 from .vectors import FORMAT, problems
-
-__all__ = ["METHODS", "checksums", "document_of", "layout", "write"]
 
 #: Methods with a vector file.
 METHODS = (

@@ -1,11 +1,4 @@
-"""Name what was read: the method of the catalogue it equals, closed forms, the analysis.
-
-Public names::
-
-    identify(subject, method=None) -> list[Probe]      read and name the methods of an adapter
-    matches(reading) -> list[Match]                    methods of the catalogue with its numbers
-    as_method(reading) -> (method, recognised)         exact where every number has a closed form
-"""
+"""Name what was read: the method of the catalogue it equals, closed forms, the analysis."""
 
 from __future__ import annotations
 
@@ -25,11 +18,9 @@ from ..exact.expression import parse
 from ..method import GLM, Method, PartitionedGLM
 from ..method.solution_value import stage_times
 from ..verification.analysis import analyze
-from .probe import Reading, read
+from .probe import read
+from .readings import Reading, clean, needed
 from .subject import Subject
-from .watch import clean, needed
-
-__all__ = ["FORMAT", "Match", "Probe", "as_method", "identify", "matches"]
 
 FORMAT = "glmref-probe-1"
 

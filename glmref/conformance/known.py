@@ -14,8 +14,6 @@ from pathlib import Path
 from ..errors import DataError, UsageError
 from ..system.files import read_text
 
-__all__ = ["read_known_failures"]
-
 MAX_BYTES = 1_000_000
 
 

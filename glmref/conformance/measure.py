@@ -9,14 +9,12 @@ from functools import cache
 import numpy as np
 
 from ..errors import UsageError
-from .judgement import Judgement, errors_of, floor_of, order_judgement
 from .probe import read
 from .subject import Subject
 from .taylor import taylor_states
 from .vectors import TestProblem, array, problems
+from .verdicts import Judgement, errors_of, floor_of, order_judgement
 from .weights import HIGHEST, first_defect, nearest
-
-__all__ = ["Measurement"]
 
 #: Length of the runs that measure an order.
 _TIME = 4.0

@@ -8,8 +8,6 @@ from typing import Any
 
 from ..exact import Exact, rounded_decimal
 
-__all__ = ["decimal_text", "decimals", "exact_decimal", "fraction_of", "rounded_up"]
-
 
 def fraction_of(x: Any) -> Fraction:
     """Exact value of an mpmath number, or of anything a Fraction takes."""
@@ -51,8 +49,12 @@ def decimals(array: Any, digits: int) -> list[Any]:
     ]
 
 
-def rounded_up(x: Any, digits: int = 2) -> str:
-    """Smallest decimal of so many digits that is not below a positive number."""
+def upper_text(x: Any, digits: int = 2) -> str:
+    """A decimal of so many digits that is not below a positive number.
+
+    It may be a few units above the smallest one: what is rounded down first is raised by a unit of
+    its leading digit. The bounds of the vector files are written by this rule.
+    """
     value = fraction_of(x)
     if value == 0:
         return "0"

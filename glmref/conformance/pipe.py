@@ -47,8 +47,6 @@ from ..errors import GlmrefError, UsageError
 from ..system.files import reason
 from ..system.process import forget_group, remember_group
 
-__all__ = ["OFFERS", "PipeAdapter", "PipeError"]
-
 #: Seconds a program may be silent.
 PATIENCE = 60.0
 #: Seconds a program may take for one answer, its own questions included.

@@ -24,8 +24,7 @@ from ..engine.reference import stepper
 from ..errors import UsageError
 from ..method import GLM, PartitionedGLM
 from ..problems import Problem
-from .subject import AdapterError, NotOffered, Subject
-from .watch import (
+from .readings import (
     MARKERS,
     MORE_MARKERS,
     Box,
@@ -40,8 +39,7 @@ from .watch import (
     slope_at,
     values_of,
 )
-
-__all__ = ["Box", "Reading", "read", "read_glm", "read_pair", "rebuilt_step"]
+from .subject import AdapterError, NotOffered, Subject
 
 
 def read_glm(box: Box, r: int, *, t: float = 0.0) -> Reading:

@@ -9,10 +9,8 @@ from typing import Any
 from ..errors import DataError
 from ..exact import Exact, ball
 from ..exact.linalg import Matrix
-from .numbers import decimals, rounded_up
-from .traps import Wrong
-
-__all__ = ["add_wrong", "bound_of", "conserved_form", "distance"]
+from .faults import Wrong
+from .numbers import decimals, upper_text
 
 _WRONG_SHOWN = 17
 #: A wrong result is kept when it is off by this many rounding errors of double precision.
@@ -42,7 +40,7 @@ def bound_of(enclosed: Any, printed: Any, doubt: Fraction = Fraction(0)) -> str:
     )
     if gap > Fraction(1, 10**30) + 1000 * doubt:
         raise DataError(f"mpmath and the enclosure differ by {float(gap):g}")
-    return rounded_up(gap, 1)
+    return upper_text(gap, 1)
 
 
 def conserved_form(

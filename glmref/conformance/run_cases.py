@@ -15,15 +15,13 @@ from ..errors import DataError
 from ..exact import ball
 from ..method import Method
 from ..problems import problem
-from .bench import DIGITS, SAFETY, SHOWN, TRAP_DIGITS, Bench
-from .numbers import decimal_text, decimals, exact_decimal, fraction_of, rounded_up
+from .bench import DIGITS, FAULT_DIGITS, SAFETY, SHOWN, Bench
+from .faults import wrong_runs
+from .numbers import decimal_text, decimals, exact_decimal, fraction_of, upper_text
 from .proof import add_wrong, distance
 from .scheme import ball_field, enclosed_step, error_bound, error_field
 from .taylor import taylor_states
-from .traps import wrong_runs
 from .vectors import TestProblem
-
-__all__ = ["RunCases"]
 
 _RUN_STEPS, _ORDER_STEPS, _ORDER_TIME = 8, (4, 8, 16, 32), 2
 
@@ -52,11 +50,11 @@ class RunCases:
             **({} if given is None else {"input": given}),
             "solution": run.shown,
             "output": decimals(run.values, SHOWN),
-            "bound": rounded_up(run.distance, 1),
-            "rounding": rounded_up(SAFETY * run.error),
+            "bound": upper_text(run.distance, 1),
+            "rounding": upper_text(SAFETY * run.error),
             "flags": [],
         }
-        coarse, values, _ = self.bench.begin(task, h, TRAP_DIGITS)
+        coarse, values, _ = self.bench.begin(task, h, FAULT_DIGITS)
         context = coarse.arithmetic.context
         t0, size = context.mpf(task.t0), context.mpf(h.numerator) / h.denominator
         if task.name != "kepler":
@@ -72,7 +70,7 @@ class RunCases:
         rows = []
         for steps in _ORDER_STEPS:
             h = Fraction(_ORDER_TIME, steps)
-            engine, values, given = self.bench.begin(task, h, TRAP_DIGITS)
+            engine, values, given = self.bench.begin(task, h, FAULT_DIGITS)
             context = engine.arithmetic.context
             size = context.mpf(h.numerator) / h.denominator
             for n in range(steps):

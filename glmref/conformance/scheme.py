@@ -21,8 +21,6 @@ from ..exact.linalg import Matrix
 from ..method import Method
 from .expressions import BALL_FUNCTIONS, Bounded, bounded_functions, evaluate
 
-__all__ = ["Field", "ball_field", "enclosed_step", "error_bound", "error_field", "step_over"]
-
 #: slope of a stage: ``field(kind, time, stage vector)``, kind one of "f", "dq", "dp"
 Field = Callable[[str, Any, Any], list[Any]]
 Rows = Sequence[Sequence[Any]]

@@ -12,16 +12,12 @@ from ..engine.reference import apply_finish, apply_start
 from ..errors import DataError
 from ..exact import ball
 from ..method import Method
-from .bench import SHOWN, TRAP_DIGITS, Bench
+from .bench import FAULT_DIGITS, SHOWN, Bench
+from .faults import Wrong, wrong_start, wrong_steps
 from .numbers import decimal_of, decimals, exact_decimal, fraction_of
 from .proof import add_wrong, bound_of, conserved_form
 from .scheme import ball_field, enclosed_step
-from .traps import Wrong, wrong_start, wrong_steps
 from .vectors import TestProblem
-
-__all__ = ["StepCases"]
-
-Rows = Sequence[Sequence[Fraction]]
 
 
 class StepCases:
@@ -73,7 +69,7 @@ class StepCases:
 
     def _trap(self, case: dict[str, Any], task: TestProblem) -> None:
         """Add to a step what usual bugs make of it."""
-        engine = self.bench.engine(task, TRAP_DIGITS)
+        engine = self.bench.engine(task, FAULT_DIGITS)
         given = [[Fraction(x) for x in row] for row in case["input"]]
         values, context = self.bench.numbers(engine, given), engine.arithmetic.context
         t, h = context.mpf(case["t"]), context.mpf(case["h"])

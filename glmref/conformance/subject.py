@@ -13,8 +13,6 @@ from ..errors import GlmrefError, UsageError
 if TYPE_CHECKING:
     import numpy as np
 
-__all__ = ["AdapterError", "NotOffered", "Subject", "said"]
-
 OPERATIONS = ("step", "stages", "start", "finish", "solve")
 #: Claims that an integrator outside the catalogue may make; ``values`` says how many it carries.
 CLAIMS = ("order", "symmetric", "symplectic", "abscissae", "values")

@@ -18,8 +18,6 @@ from ..errors import UsageError
 from ..problems.formula import FUNCTIONS
 from ..problems.model import Problem
 
-__all__ = ["Tape", "taylor_states"]
-
 MAX_STEPS = 200_000
 GUARD_DIGITS = 10
 SMALLEST_STEP = 1e-12  # below, the radius of convergence shrinks towards a singularity

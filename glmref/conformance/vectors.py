@@ -20,17 +20,7 @@ from ..catalogue.strict_json import read_json
 from ..errors import DataError
 from ..method import Method
 from ..problems import Problem
-from .traps import NOTES
-
-__all__ = [
-    "FORMAT",
-    "Case",
-    "TestProblem",
-    "Vectors",
-    "file_names",
-    "problems",
-    "vectors_of",
-]
+from .faults import NOTES
 
 FORMAT, PROBLEMS_FORMAT = "glmref-vectors-1", "glmref-vector-problems-1"
 

@@ -13,11 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..catalogue.lookup import names
-from ..theory.trees import ROOTED, SEPARABLE, Tree, trees
+from ..method.component import ROOTED, SEPARABLE
+from ..theory.trees import Tree, trees
 from .identify import _arrays
-from .watch import Reading
-
-__all__ = ["Defect", "first_defect", "nearest"]
+from .readings import Reading
 
 #: Most order that is looked at: 4766 trees have order 12.
 HIGHEST = 12

@@ -17,8 +17,6 @@ from .numbers import check_digits
 from .steppers import stepper
 from .tables import blocks_of, method_document, table
 
-__all__ = ["TARGETS", "export", "save"]
-
 _LANGUAGES = ("c", "c++", "fortran", "julia", "rust", "python", "jax")
 #: What a method can be exported to: steppers, then tables.
 TARGETS = (

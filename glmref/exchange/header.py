@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from .. import __version__
-from ..catalogue.claims import ORDER
+from ..catalogue.claims import NYSTROM_ORDER, ORDER, ORDER_TO_DIGITS, SOLUTION
 from ..method import GLM, AdditiveGLM, PartitionedGLM
-
-__all__ = ["Comment", "facts", "header"]
+from ..views.tables import counted
 
 
 @dataclass(frozen=True)
@@ -47,21 +47,35 @@ def _plain(text: object) -> str:
     return line
 
 
+def _orders(claims: Mapping[str, Any], *, nystrom: bool) -> str:
+    """What is claimed of the order, to begin the sentence on the size."""
+    said = []
+    if isinstance(claims.get(ORDER.key), int):
+        said.append(str(claims[ORDER.key]))
+    if isinstance(claims.get(NYSTROM_ORDER.key), int):
+        said.append(f"{claims[NYSTROM_ORDER.key]} on second-order systems")
+    if SOLUTION in claims.get(ORDER_TO_DIGITS.key, {}):
+        order, size = claims[ORDER_TO_DIGITS.key][SOLUTION]
+        on = " on second-order systems" if nystrom else ""
+        said.append(f"{order}{on} but for residuals of {size} or less")
+    return f"Order {', '.join(said)}, " if said else ""
+
+
 def facts(method: GLM | PartitionedGLM | AdditiveGLM) -> list[str]:
     """Name, title, order, size and source of a method, one sentence each."""
     document = method.document or {}
     name, title = method.name or "a method without a name", document.get("title", "")
     lines = [_plain(f"{name}: {title}" if title else name)]
-    order = method.claims.get(ORDER.key)
     stages = [len(c.A) for c in method.carriers]
     values = [len(c.V) for c in method.carriers]
+    orders = _orders(method.claims, nystrom=document.get("class") == "nystrom")
     if method.parts == 2:
-        size = f"{stages[0]} stages Q, {stages[1]} stages P, {values[0]} values of q and "
-        size += f"{values[1]} of p"
+        size = f"{counted(stages[0], 'stage')} Q, {counted(stages[1], 'stage')} P, "
+        size += f"{counted(values[0], 'value')} of q and {values[1]} of p"
     else:
         size = f"{len(method.components)} parts, " if method.additive else ""
-        size += f"{stages[0]} stages, {values[0]} values"
-    lines.append(f"{f'Order {order}, ' if isinstance(order, int) else ''}{size}.")
+        size += f"{counted(stages[0], 'stage')}, {counted(values[0], 'value')}"
+    lines.append(f"{orders}{size}.")
     if "citation" in method.source:
         where = method.source.get("where", "")
         lines.append(

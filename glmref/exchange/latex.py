@@ -14,8 +14,6 @@ from ..exact.expression import (
     syntax_tree,
 )
 
-__all__ = ["latex"]
-
 
 def latex(text: str) -> str:
     r"""Write an expression such as ``(3-sqrt(3))/6`` as LaTeX: ``\frac{3-\sqrt{3}}{6}``.

@@ -9,8 +9,6 @@ from ..errors import UsageError
 from ..exact import Exact, Scalar, rounded_decimal
 from .scheme import CLOSE
 
-__all__ = ["MOST_DIGITS", "check_digits", "decimal_of", "lost", "rounded", "worst"]
-
 #: Digits that a published decimal of the catalogue and a ball of working precision still have.
 MOST_DIGITS = 150
 

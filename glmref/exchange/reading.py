@@ -21,13 +21,11 @@ from typing import Any
 
 from ..catalogue.claims import ABSCISSAE, EMBEDDED_ORDER, EXPLICIT, ORDER, PRECONSISTENT
 from ..catalogue.keys import FORMATS as FORMATS_OF_METHODS
-from ..catalogue.keys import of_second
+from ..catalogue.keys import of_second, without_meaning
 from ..catalogue.reader import load_document
 from ..errors import DataError, ExactnessError
 from ..exact import Scalar
 from ..exact.expression import parse, to_text
-
-__all__ = ["FORMATS", "read_table"]
 
 #: Digits after the point of a decimal that is meant exactly.
 SHORT = 9
@@ -225,6 +223,8 @@ class _Writer:
             document["embedded"] = [self._row(x, rows, shapes) for x, rows in embedded.items()]
         document["format"] = FORMATS_OF_METHODS[bool(of_second(document))]
         document["claims"] = self._claims(entries, c)
+        for claim in without_meaning(document.get("class", "rk")):
+            document["claims"].pop(claim, None)
         if weights and found.lower:
             document["claims"][EMBEDDED_ORDER.key] = {"embedded": found.lower}
         source = found.about.get("source", {})
@@ -244,6 +244,10 @@ class _Writer:
             if len(rows) != 2:
                 raise DataError(f"`{block}` must have two rows, b and b', got {len(rows)}")
             return {"name": name, "b": rows[0], "b_prime": rows[1]}
+        if shapes == "glm":
+            if len(rows) != 2:
+                raise DataError(f"`{block}` must have two rows, b and v, got {len(rows)}")
+            return {"name": name, "b": rows[0], "v": rows[1]}
         key = "b" if what == "embedded" else "error"
         return {"name": name, key: rows if shapes == "additive" else rows[0]}
 

@@ -36,8 +36,6 @@ from ..method.stage_order import dependency_blocks
 if TYPE_CHECKING:
     from ..method import FinishingMethod, StartingMethod
 
-__all__ = ["CLOSE", "Scheme", "Table", "scheme_of"]
-
 #: A coefficient this close to zero is zero, as for the engine (:data:`glmref.engine.forms.CLOSE`).
 CLOSE = 1e-40
 #: Passes of the enhanced start, as the engine takes them (:mod:`glmref.engine.start`).

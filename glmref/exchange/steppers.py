@@ -25,8 +25,6 @@ from .header import Comment, header
 from .numbers import lost, rounded, worst
 from .scheme import Scheme, Table, scheme_of
 
-__all__ = ["LANGUAGES", "identifier", "stepper"]
-
 _WIDTH = 96
 _MARK = re.compile(r"@\{(\w+)\}")
 

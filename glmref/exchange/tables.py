@@ -18,7 +18,7 @@ from typing import Any
 
 from .. import __version__
 from ..catalogue.canonical import canonical
-from ..catalogue.claims import EMBEDDED_ORDER, ORDER
+from ..catalogue.claims import ORDER, stated_orders
 from ..catalogue.keys import completed
 from ..catalogue.writer import decimal
 from ..errors import ExactnessError, UsageError
@@ -33,8 +33,6 @@ from .header import Comment, header
 from .latex import latex
 from .numbers import decimal_of, is_zero, rounded
 from .steppers import identifier, wrapped
-
-__all__ = ["FORMATS", "blocks_of", "butcher", "table"]
 
 #: Significant digits of decimals in tables: those of quadruple precision.
 DIGITS = 34
@@ -86,9 +84,11 @@ def butcher(method: GLM | PartitionedGLM, target: str) -> Butcher:
         When the method is none, or is not real.
     """
     name = method.name or "the method"
-    other = "json, csv and latex hold every method"
+    other = "json, csv and latex hold it"
     if method.parts == 2:
-        raise UsageError(f"{target} holds Runge-Kutta tableaux and {name} is a pair; {other}")
+        nystrom = (method.document or {}).get("class") == "nystrom"
+        kind = "a Runge-Kutta-Nystrom method" if nystrom else "a pair"
+        raise UsageError(f"{target} holds Runge-Kutta tableaux and {name} is {kind}; {other}")
     if method.r != 1 or not _is_one(method.V[0][0]) or not all(_is_one(x) for (x,) in method.U):
         raise UsageError(
             f"{target} holds Runge-Kutta tableaux and {name} carries {method.r} values from step "
@@ -113,14 +113,14 @@ def _embedded(
         return None
     row = method.embedded[0]
     rows = tuple(x for (x,) in row.solution(method.weights))
-    claimed = method.claims.get(EMBEDDED_ORDER.key, {})
+    claimed = stated_orders(method.claims)
     if row.name in claimed:
         return rows, claimed[row.name]
     return rows, _order(method.weighted(tuple((x,) for x in rows)))  # pyright: ignore[reportArgumentType]
 
 
 def _order(method: GLM | PartitionedGLM | AdditiveGLM) -> int:
-    order = method.claims.get(ORDER.key)
+    order = stated_orders(method.claims).get("b")
     if isinstance(order, int):
         return order
     found = analyze(method).order
@@ -176,7 +176,8 @@ def _c_number(x: Scalar, digits: int, cast: Callable[[str], str]) -> str:
         text = decimal_of(x, digits)
         # zeros tell a reader that an exact decimal that ends early is known beyond its end
         whole, point, places = text.partition(".")
-        padded = point and "e" not in text and x == Exact(Fraction(text))
+        exact = x.as_fraction() if isinstance(x, Exact) else None
+        padded = point and "e" not in text and exact == Fraction(text)
         return cast(f"{whole}.{places:0<{digits}}" if padded else text)
     over = "" if quotient[1] == 1 else f"/{cast(f'{quotient[1]}.0')}"
     return cast(f"{quotient[0]}.0") + over
@@ -622,6 +623,7 @@ def _beside(method: GLM | PartitionedGLM | AdditiveGLM, digits: int | None) -> d
             "error" if row.difference else "b": texts(row.weights)
             if method.additive
             else texts(row.weights)[0],
+            **({} if row.values is None else {"v": texts((row.values,))[0]}),
         }
         for row in method.embedded
     ]
@@ -710,7 +712,8 @@ def _held(method: Method) -> dict[str, Matrix]:
     """The blocks of a method in JSON and CSV: all that determines it.
 
     Further weights are a block ``embedded.NAME``, or ``error.NAME`` where they are those of an
-    estimate, with a row for each component; ``abscissae`` are those that are not A 1.
+    estimate, with a row for each component; those of a method of several values have a second row,
+    the weights of the values. ``abscissae`` are those that are not A 1.
 
     Raises
     ------
@@ -718,7 +721,13 @@ def _held(method: Method) -> dict[str, Matrix]:
         For what these formats cannot hold.
     """
     document, blocks = method.document or {}, dict[str, Matrix]()
-    rows = {row.name: (row.difference, row.weights) for row in method.embedded}
+    rows = {
+        row.name: (
+            row.difference,
+            row.weights if row.values is None else (*row.weights, row.values),
+        )
+        for row in method.embedded
+    }
     if method.rosenbrock:
         alpha, gamma, b = (getattr(method, x) for x in ("alpha", "gamma", "b"))
         blocks = {"alpha": alpha, "gamma": gamma, "b": (b,)}

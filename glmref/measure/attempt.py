@@ -19,8 +19,6 @@ from ..method import Method
 from ..problems.model import Problem
 from ..problems.user import FunctionFailed
 
-__all__ = ["FUNCTION_FAILED", "REFUSED", "Attempt", "attempt", "check_function", "given_by_user"]
-
 #: The outcome that :func:`attempt` adds to those of the engine.
 REFUSED = "refused"
 #: The engine's, which a right-hand side that fails at the very start has here too.
@@ -39,7 +37,7 @@ class Attempt:
     Attributes
     ----------
     outcome : str
-        One of :class:`glmref.engine.Outcome`, :data:`REFUSED` or :data:`FUNCTION_FAILED`.
+        One of :class:`~glmref.engine.outcome.Outcome`, :data:`REFUSED` or :data:`FUNCTION_FAILED`.
     message : str
         One sentence on it.
     solution : Solution or None

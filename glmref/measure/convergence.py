@@ -26,22 +26,11 @@ from typing import Any
 
 from ..compute.records import finite
 from ..engine.reference import stepper
-from ..method import GLM, Method
+from ..method import Method
 from ..problems.formula import Formula
 from ..problems.model import Problem
 from ..problems.precision import Flow
 from .underlying import Underlying
-
-__all__ = [
-    "ConvergenceRecord",
-    "effective_order",
-    "isochronous",
-    "isochronous_separable",
-    "isochronous_threefold",
-    "method_order",
-    "observed_order",
-    "parasitic_order",
-]
 
 #: Extrapolated orders that agree to this count as settled.
 AGREEMENT = 0.01
@@ -296,48 +285,6 @@ def _run(
         return list(underlying.solution(underlying.run(context.mpf(0), values, h, n)))
 
     return run
-
-
-def parasitic_order(
-    method: GLM,
-    problem: Problem,
-    start: Callable[[Any, Any, Any, Any], Any],
-    *,
-    expected: int,
-    t_end: float | Fraction = LENGTH,
-    most: int = 32 * FIRST,
-) -> ConvergenceRecord:
-    """Measure how fast the parasitic part at ``t_end`` falls with h, for a given start.
-
-    Parameters
-    ----------
-    method : GLM
-        A GLM with r > 1.
-    problem : Problem
-        A nonlinear problem.
-    start : Callable[[Any, Any, Any, Any], Any]
-        ``start(engine, t, y0, h)`` -> (r, d) values, in the engine's arithmetic.
-    expected : int
-        Order thought to be there.
-    t_end : float or Fraction
-        Length of the interval.
-    most : int
-        The largest number of steps.
-    """
-    engine = stepper(method, problem, digits=_digits(expected + 2, float(t_end) / 100))
-    underlying = Underlying(engine)
-    context = engine.arithmetic.context
-    zero, y0 = context.mpf(0), engine.problem.y0
-    length = context.mpf(Fraction(t_end).numerator) / Fraction(t_end).denominator
-
-    def run(n: int) -> Sequence[Any]:
-        h = length / n
-        values = underlying.run(zero, start(engine, zero, y0, h), h, n)
-        rest = underlying.parasitic(length, values, h, order=expected + 2)
-        return list(rest.ravel())
-
-    size = engine.shape[0] * problem.dimension
-    return observed_order(run, most=most, target=[zero] * size)
 
 
 def isochronous(a: str = "1/4", b: str = "1/3") -> Problem:

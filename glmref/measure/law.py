@@ -26,12 +26,9 @@ from ..problems.model import Problem
 from .longtime import along, energy_scale, exponent, g_form
 from .parasitic import parasitic_size, solution_direction
 
-__all__ = ["CAUSES", "KINDS", "Diagnosis", "Law", "diagnose", "fit_law", "samples_of"]
-
 #: Laws, and the exponents up to which they are taken: halfway to the next one.
 KINDS = {"bounded": 0.25, "random walk": 0.75, "linear": 1.5, "quadratic": 2.5}
 BLOW_UP = "blow-up"
-CAUSES = ("none", "round-off", "drift", "parasitism", "bounded truncation")
 #: Relative deviation at which a run has blown up.
 LOST = 1.0
 #: Part of the deviation that must go at a higher precision for round-off to be its cause.
@@ -95,7 +92,7 @@ class Diagnosis:
     order : float
         Order of the deviation in h, from the first two; NaN where it means nothing.
     cause : str
-        One of :data:`CAUSES`.
+        none, round-off, drift, parasitism or bounded truncation.
     """
 
     method: str

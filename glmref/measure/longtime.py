@@ -25,11 +25,6 @@ from ..errors import UsageError
 from ..method import Method
 from ..problems.model import Problem
 
-__all__ = [
-    "Drift", "along", "drift", "energy_deviation", "energy_scale", "exponent", "follow", "g_form",
-    "watch",
-]  # fmt: skip
-
 #: Fewest samples from which an exponent is read.
 FEWEST = 32
 #: Rows kept of each stretch of a long run; stretches double, so times are known to 1/ROWS.

@@ -23,8 +23,6 @@ from ..method import Method
 from ..problems.model import Problem
 from .longtime import energy_deviation
 
-__all__ = ["POINTS", "Orbit", "marks", "orbit", "plane_of"]
-
 #: Points of all bodies together, at the most.
 POINTS = 400
 #: Digits kept of a coordinate: a picture shows three or four.

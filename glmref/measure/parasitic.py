@@ -24,21 +24,6 @@ from ..problems.model import Problem
 from .longtime import energy_deviation
 from .underlying import Underlying
 
-__all__ = [
-    "Growth",
-    "Loss",
-    "Mode",
-    "growth",
-    "loss",
-    "modes",
-    "parasitic_size",
-    "period_of",
-    "predicted_loss",
-    "predicted_propagator",
-    "solution_direction",
-    "start_amplitude",
-]
-
 #: A run is lost when the values beyond ``u y_1`` reach this part of the first solution value.
 LOST = 1 / 3
 #: Size of the perturbation that makes a parasitic component visible: its square is what linear

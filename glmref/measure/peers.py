@@ -27,8 +27,6 @@ from .longtime import energy_deviation
 from .timing import repeat
 from .work_precision import SAMPLES, reference_state, state_error
 
-__all__ = ["NAMES", "Run", "measure_peer", "package_of", "runner"]
-
 #: Steps after which a peer gives up, where it can be told.
 MOST_STEPS = 10_000_000
 

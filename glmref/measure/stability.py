@@ -1,4 +1,4 @@
-"""Stability as it is measured: regions, intervals, eigenvalue paths and thresholds.
+"""Stability as it is measured: regions, intervals and thresholds.
 
 For y' = lambda y, z = h lambda, one step multiplies the r values by ``M(z) = V + z B (I - z A)^-1
 U``. Here M is formed in double precision from the rounded tableau; what is proved about it is in
@@ -7,15 +7,6 @@ U``. Here M is formed in double precision from the rounded tableau; what is prov
 The boundary of the region is traced, not searched: w is an eigenvalue of M(z) exactly where 1/z is
 an eigenvalue of ``A + U (w I - V)^-1 B``, so that a walk of w around the unit circle gives every
 point at which an eigenvalue has modulus one.
-
-Public names::
-
-    amplification(method, z) -> (..., r, r)      radius(method, z) -> (...)
-    interval(method, direction) -> float         how far along a ray all powers stay bounded
-    locus(method) -> Locus                       boundary of the region, traced
-    region(method, box) -> Region                adaptive sampling of a rectangle
-    paths(method, y) -> (m, r)                   eigenvalues on the imaginary axis, continuously
-    threshold(problem, method, ...) -> Threshold largest h at which a run is not lost, by bisection
 """
 
 from __future__ import annotations
@@ -28,18 +19,6 @@ from typing import Any
 import numpy as np
 
 from ..method import GLM
-
-__all__ = [
-    "Locus",
-    "Region",
-    "amplification",
-    "bounded",
-    "interval",
-    "locus",
-    "paths",
-    "radius",
-    "region",
-]
 
 #: Modulus of an eigenvalue, less one, that counts as growth. Where two eigenvalues meet, rounding
 #: moves them by the root of 2^-53 times the condition of M: about 1e-8, a tenth of this.
@@ -256,35 +235,3 @@ def _quartered(cells: np.ndarray) -> np.ndarray:
     x, y = (a + c) / 2, (b + d) / 2
     parts = ((a, b, x, y), (x, b, c, y), (a, y, x, d), (x, y, c, d))
     return np.concatenate([np.stack(part, axis=1) for part in parts])
-
-
-def paths(method: GLM, y: np.ndarray) -> np.ndarray:
-    """Eigenvalues of M(i y) followed along y.
-
-    Parameters
-    ----------
-    y : np.ndarray
-        (m,) increasing, close enough that no eigenvalue moves by more than its distance to the next
-        one.
-
-    Returns
-    -------
-    np.ndarray
-        (m, r): column k is continuous in y; the first row is ordered by argument.
-    """
-    values = _eigenvalues(amplification(method, 1j * np.asarray(y, dtype=float)))
-    rows = [values[0][np.argsort(np.angle(values[0]))]]
-    for row in values[1:]:
-        rows.append(_matched(rows[-1], row))
-    return np.array(rows)
-
-
-def _matched(before: np.ndarray, after: np.ndarray) -> np.ndarray:
-    """Reorder eigenvalues so that each stands where the nearest one before it stood."""
-    distance = np.abs(before[:, None] - after[None, :])
-    result = np.empty_like(after)
-    for _ in range(len(after)):
-        i, j = np.unravel_index(np.argmin(distance), distance.shape)
-        result[i] = after[j]
-        distance[i, :], distance[:, j] = np.inf, np.inf
-    return result

@@ -11,8 +11,6 @@ from importlib.metadata import PackageNotFoundError, version
 from time import perf_counter
 from typing import Any, TypeVar
 
-__all__ = ["Timing", "circumstances", "machine", "repeat"]
-
 Result = TypeVar("Result")
 
 

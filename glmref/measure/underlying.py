@@ -18,8 +18,6 @@ from ..exact.linalg import identity, vecmat
 from ..method import Component
 from ..method.solution_value import output, preconsistency_vector
 
-__all__ = ["Underlying"]
-
 
 @dataclass(frozen=True, eq=False)
 class _Half:

@@ -28,17 +28,6 @@ from ..problems.model import Problem
 from .longtime import energy_deviation
 from .timing import Timing
 
-__all__ = [
-    "Deadline",
-    "Reference",
-    "Work",
-    "check_interruption",
-    "energy_error",
-    "measure",
-    "reference_state",
-    "state_error",
-]
-
 #: Samples over which the largest energy error is taken.
 SAMPLES = 64
 

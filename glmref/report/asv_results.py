@@ -4,11 +4,6 @@ asv keeps one JSON file for each commit, machine and environment, and never draw
 against another. The benchmarks of one class that share their parameters (``time_run``,
 ``track_error``, ``track_evaluations``) belong together cell by cell; here they are joined. Only the
 files are read (their format 2, asv 0.6), none of asv's Python.
-
-Public names::
-
-    Cell                              one combination of parameters of one class at one commit
-    read_results(folder) -> list      every cell of every result file, oldest commit first
 """
 
 from __future__ import annotations
@@ -24,8 +19,6 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import DataError
-
-__all__ = ["Cell", "read_results"]
 
 _FORMAT = 2
 

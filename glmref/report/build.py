@@ -21,8 +21,6 @@ from .others import errata_page, history_page, measured_page
 from .runs import run_page
 from .store import MARK, Results
 
-__all__ = ["build", "pages_of"]
-
 _SAID = "Pages of `glmref report`. This folder is written anew; keep nothing else in it.\n"
 
 

@@ -27,8 +27,6 @@ from .markup import Column, Page, Site, Table, render
 if TYPE_CHECKING:
     from ..scenes.campaign import Campaign
 
-__all__ = ["campaign_page", "write_parquet"]
-
 Record = Mapping[str, Any]
 #: Rows that are turned into columns at once.
 _ROWS = 2_000

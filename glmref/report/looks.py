@@ -10,8 +10,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Sequence, Set
 
-__all__ = ["looks"]
-
 _COLOURS, _MARKS, _LOOKS = 7, 8, 280
 
 

@@ -19,18 +19,7 @@ from urllib.parse import quote
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-__all__ = [
-    "Column",
-    "Figure",
-    "Page",
-    "Site",
-    "Table",
-    "counted",
-    "flat",
-    "number",
-    "render",
-    "wrapped",
-]
+from ..views.tables import counted
 
 #: Digits of a number on a page; the stored number agrees to all that are shown.
 DIGITS = 6
@@ -56,11 +45,6 @@ def number(value: Any) -> str:
             return "infinite" if value > 0 else "-infinite"
         return f"{value:.{DIGITS}g}"
     return flat(value) if isinstance(value, list | tuple) else str(value)
-
-
-def counted(n: int, what: str) -> str:
-    """A number and its noun, whose plural has an s."""
-    return f"{n} {what}" if n == 1 else f"{n} {what}s"
 
 
 def flat(value: Any) -> str:

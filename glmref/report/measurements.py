@@ -14,8 +14,6 @@ from typing import Any
 from .markup import Column, Figure, Page, Table, counted, flat, number, render, wrapped
 from .store import Record, Results, is_number
 
-__all__ = ["measurement_pages", "title_of"]
-
 _COSTS = ("seconds", "evaluations", "matrices", "steps", "h", "tolerance")
 _NAMES = ("variant", "method", "name", "solver", "start", "integrator")
 _FEW = 3  # objects that are shown one below the other; more are folded

@@ -12,12 +12,15 @@ from ..catalogue.claims import (
     FINISHING_ORDER,
     G_SYMPLECTIC,
     GROWTH,
+    NYSTROM_ORDER,
     ORDER,
     ORDER_IDENTITY,
     PARASITISM_FREE,
+    SOLUTION,
     STARTING_ORDER,
     SYMMETRIC,
     SYMPLECTIC,
+    stated_orders,
 )
 from ..catalogue.errata import find_errata, load_errata
 from ..catalogue.files import names as shipped_names
@@ -26,14 +29,13 @@ from ..catalogue.reader import load_document
 from ..method import Method
 from ..views.bibtex import source_entry
 from ..views.show import parts
-from .markup import Column, Page, Site, Table, counted, number, render, wrapped
+from ..views.tables import counted
+from .markup import Column, Page, Site, Table, number, render, wrapped
 from .measurements import title_of
 from .runs import answer_of, tab_of
 from .stability import stability
 from .store import Record, Results, method_of
 from .typeset import typeset, typeset_table
-
-__all__ = ["by_class", "is_shipped_name", "method_page", "overview"]
 
 #: Classes of methods as a menu has them.
 _CLASSES = {
@@ -161,7 +163,7 @@ def _row(site: Site, results: Results, name: str, evaluations: Mapping[str, floa
     return [
         site.link(f"method-{name}", name),
         doc["class"],
-        number(claims.get(ORDER.key)),
+        number(stated_orders(claims).get(SOLUTION, claims.get(NYSTROM_ORDER.key))),
         number(_seen(results, name, ORDER.key) or _measured_order(found)),
         " and ".join(_proofs(proved)) or number(None),
         number(stages),

@@ -2,10 +2,6 @@
 
 The HTML stands by itself: its few rules of style are in it, colours are those of the notebook, and
 mathematics is MathML, which browsers show without a script.
-
-Public names::
-
-    html(record) -> str
 """
 
 from __future__ import annotations
@@ -24,8 +20,6 @@ from ..views.plot import plot
 from ..views.show import parts
 from .markup import render
 from .typeset import typeset, typeset_table
-
-__all__ = ["html"]
 
 
 @singledispatch

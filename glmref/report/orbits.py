@@ -10,8 +10,6 @@ from ..views.plane import Cloud, one_each, ranging
 from .markup import Column, Figure, Table, number
 from .store import Record, RunFile, is_number, method_of
 
-__all__ = ["Orbits", "orbits"]
-
 #: Runs and points of orbits on one page: with more a page takes longer than a second to load.
 MOST = 6000
 _BAD = "a stored point is not three numbers"

@@ -8,10 +8,9 @@ from collections.abc import Mapping
 from markupsafe import Markup
 
 from ..catalogue.errata import VERDICTS, load_errata
-from .markup import Column, Figure, Page, Site, Table, counted, number, render
+from ..views.tables import counted
+from .markup import Column, Figure, Page, Site, Table, number, render
 from .store import Results
-
-__all__ = ["errata_page", "history_page", "measured_page"]
 
 
 def errata_page(site: Site, names: frozenset[str]) -> Page:

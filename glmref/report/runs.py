@@ -8,11 +8,10 @@ from functools import cache
 from typing import Any
 
 from ..errors import GlmrefError
-from .markup import Column, Figure, Page, Site, Table, counted, number, render
+from ..views.tables import counted
+from .markup import Column, Figure, Page, Site, Table, number, render
 from .orbits import orbits
 from .store import Record, RunFile, is_number, method_of, path_in
-
-__all__ = ["COLUMNS", "answer_of", "run_page", "tab_of"]
 
 _ERRORS = ("state_error", "energy_error", "invariant_drift", "form_drift", "largest")
 _COSTS = ("seconds", "evaluations", "steps", "h")

@@ -13,8 +13,6 @@ from ..views.axes import Axes, round_ticks
 from .markup import number, render
 from .store import Record, is_number
 
-__all__ = ["stability"]
-
 _POINT = re.compile(r"-?\d+(?:\.\d+)?(?:e-?\d+)?,-?\d+(?:\.\d+)?(?:e-?\d+)?")
 _SIDE, _LEFT, _TOP, _BELOW = 320, 46, 10, 42  # px
 _FAR = 64.0  # an axis on which no end was seen up to there

@@ -24,10 +24,8 @@ from ..compute.records import wrong_checksum
 from ..errors import DataError, UsageError
 from ..system.files import lines_of, read_bytes, read_text
 from ..system.shown import DARK
+from ..views.tables import counted
 from .asv_results import Cell, read_results
-from .markup import counted
-
-__all__ = ["MARK", "Odd", "Record", "Results", "RunFile", "method_of", "read"]
 
 #: Formats of the records, of the findings and of stability regions that are understood.
 RECORD, FINDINGS, REGIONS = "glmref-record-1", "glmref-findings-1", "glmref-stability-1"

@@ -23,8 +23,6 @@ from ..exact.expression import (
 )
 from .markup import render
 
-__all__ = ["typeset", "typeset_table"]
-
 _MOST_ENTRIES = 150  # of a tableau that is shown at once
 _SHOWN = 12  # digits of a decimal before it is cut
 

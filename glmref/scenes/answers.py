@@ -8,11 +8,9 @@ from typing import Any
 
 from ..catalogue.lookup import load
 from ..errors import GlmrefError
-from .endings import KINDS
+from .labels import grouped, listed, method_of
 from .model import Scene
-from .words import grouped, listed, method_of
-
-__all__ = ["answer", "duration", "method_of", "seconds_at"]
+from .run_answers import KINDS
 
 Record = Mapping[str, Any]
 

@@ -39,8 +39,6 @@ from .campaign_kinds import CAMPAIGN_KINDS, CampaignKind
 from .model import KINDS
 from .reading import MAX_NAME, Reader
 
-__all__ = ["FORMAT", "Campaign", "Picture", "campaign_names", "load_campaign"]
-
 FORMAT = "glmref-campaign-1"
 #: Values of one axis at the most, and points of a sample.
 MOST = 10_000_000

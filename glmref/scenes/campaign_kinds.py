@@ -28,8 +28,6 @@ from .model import Answer, Scene
 from .planning import task_of
 from .running import perform
 
-__all__ = ["CAMPAIGN_KINDS", "CampaignKind", "resonance", "survey"]
-
 Values = Mapping[str, Any]
 
 

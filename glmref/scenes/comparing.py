@@ -18,7 +18,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from ..catalogue.claims import NYSTROM_ORDER, ORDER, SYMPLECTIC
+from ..catalogue.claims import NYSTROM_ORDER, SYMPLECTIC, stated_orders
 from ..catalogue.lookup import document, is_broken, load, names
 from ..engine.start import renewal_of
 from ..errors import GlmrefError, UsageError
@@ -36,17 +36,15 @@ from .answers import duration, seconds_at
 if TYPE_CHECKING:
     from ..measure.work_precision import Work
 
-__all__ = ["CANDIDATES", "Candidate", "Comparison", "compare", "kind_of"]
-
 #: Methods that are tried where none are named, by the kind of the problem.
 CANDIDATES = {
     "second order": (
         *("stormer-verlet", "blanes-moan-rkn-6-11", "blanes-moan-rkn-6-14", "kahan-li-8"),
-        *("gauss-4", "gauss-5", "pair-rkn-6-7b", "pair-rkn-6-8b"),
+        *("gauss-4", "gauss-5", "pair-rkn-6-8b", "multistep-rkn-8", "multistep-rkn-10"),
     ),
     "separable": (
         *("stormer-verlet", "blanes-moan-4", "blanes-moan-6", "kahan-li-8", "gauss-4"),
-        *("gauss-5", "pair-6-8", "pair-6-9"),
+        *("gauss-5", "pair-6-8", "multistep-8"),
     ),
     "Hamiltonian": ("gauss-2", "gauss-3", "gauss-4", "gauss-5", "s5i1-w3"),
     "general": (
@@ -62,6 +60,7 @@ _WORDS = {
 
 #: How a method carries on over long runs, by what its file says.
 LOST, GROWS, BOUNDED, DRIFTS, UNKNOWN = "lost", "grows", "bounded", "drifts", "not recorded"
+RECORDED = "recorded as bounded"
 
 #: Runs of one method at the most, and the factor by which the number of steps grows between two.
 MOST_RUNS = 9
@@ -82,7 +81,8 @@ class Candidate:
     order : int or None
         Order claimed; of Nyström kind where the kinetic energy is quadratic.
     long_runs : str
-        ``"bounded"``: one value, symplectic; ``"lost"`` and ``"grows"``: the file records it;
+        ``"bounded"``: one value, symplectic; ``"lost"``, ``"grows"`` and ``"recorded as
+        bounded"``: the file records it;
         ``"drifts"``: not symplectic; ``"not recorded"``.
     h, steps, error, energy_error, seconds, evaluations :
         Of the cheapest run that reaches the tolerance; ``None`` where none does.
@@ -356,7 +356,7 @@ class _Search:
     def candidate(self, kind: str, notes: Sequence[str]) -> Candidate:
         """Carry out the runs and sum them up."""
         claims = self.method.claims
-        order = claims.get(ORDER.key)
+        order = stated_orders(claims).get("b")
         if kind == "second order":
             order = claims.get(NYSTROM_ORDER.key, order)
         order = order if isinstance(order, int) else None
@@ -440,6 +440,8 @@ def _label(method: Any, notes: Sequence[str]) -> str:
         return LOST
     if "grow" in said:
         return GROWS
+    if "stays bounded" in said:
+        return RECORDED
     if method.claims.get(SYMPLECTIC.key) is True:
         return BOUNDED
     return DRIFTS if method.is_one_step else UNKNOWN
@@ -455,7 +457,7 @@ def _recommended(
             f"step sizes; raise the tolerance or shorten the run"
         )
     fit = [one for one in reached if one.fit_for_long_runs]
-    bounded = [one for one in fit if one.long_runs == BOUNDED]
+    bounded = [one for one in fit if one.long_runs in (BOUNDED, RECORDED)]
     choice = (bounded or fit) if kind != "general" else fit
     if not choice:
         names = ", ".join(one.method for one in reached)
@@ -467,7 +469,7 @@ def _recommended(
         f"{best.evaluations:,} evaluations at h = {best.h:.4g}"
     )
     sentences = [first]
-    if best.renew:
+    if best.renew and best.long_runs != RECORDED:
         sentences.append(f"long runs need `renew={best.renew}`, see docs/choose.md")
     others = [one for one in choice[1:] if one.seconds is not None]
     if others:
@@ -477,6 +479,11 @@ def _recommended(
         if best.long_runs == BOUNDED:
             sentences.append(
                 "it is symplectic and carries one value, so that no parasitic part can grow"
+            )
+        elif best.long_runs == RECORDED:
+            sentences.append(
+                "it is not symplectic; over the runs of ten million steps that its file records "
+                "the energy error stays bounded"
             )
         else:
             sentences.append("it is not symplectic: its energy error is that of this run only")

@@ -14,19 +14,6 @@ from ..catalogue.claims import EXPLICIT, G_SYMPLECTIC, PARASITISM_FREE, SYMMETRI
 if TYPE_CHECKING:
     from ..problems import Problem
 
-__all__ = [
-    "ANSWERS",
-    "ASK",
-    "FORMAT",
-    "JUDGING",
-    "KINDS",
-    "STARTS",
-    "TIMED",
-    "Answer",
-    "Scene",
-    "subject_of",
-]
-
 FORMAT = "glmref-scene-1"
 
 #: What a scene can ask, and what is recorded for it.

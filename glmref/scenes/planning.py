@@ -20,8 +20,6 @@ from ..method.component import GENERAL, SEPARABLE
 from ..problems.model import Problem
 from .model import ASK, TIMED, Scene
 
-__all__ = ["SAMPLED", "Cost", "Plan", "plan", "task_of"]
-
 #: Evaluations of one stage of an equation that has to be solved, about: predictor and rounds.
 ROUNDS = 6
 #: Packages that every scene needs: exact coefficients and arrays; then kernels.

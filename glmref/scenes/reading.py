@@ -26,8 +26,6 @@ from ..problems.table import from_table
 from ..system.files import kind_of, read_text, reason
 from .model import ANSWERS, ASK, FORMAT, JUDGING, KINDS, STARTS, Answer, Scene
 
-__all__ = ["load_scene", "names"]
-
 _TEXTS = ("format", "name", "title", "question")
 _KEYS = (
     *_TEXTS,
@@ -274,6 +272,7 @@ class Reader:
         return quickened if quick else full
 
     def text(self, where: tuple[str, ...], value: Any) -> None:
+        """Refuse what is not a text with a word in it."""
         if not isinstance(value, str) or not value.strip():
             raise self.fail(where, f"`{'.'.join(where)}` must be a text, got {shown(value)}")
         if len(value) > MAX_TEXT:
@@ -454,7 +453,7 @@ class Reader:
             return (), tuple(self.whole(at("steps"), n, MOST_STEPS) for n in steps)
         sizes = tuple(self.number(at("h"), x) for x in self._list(at("h"), given, "h"))
         for h in sizes:
-            n = round(t_end / h)
+            n = round(min(t_end / h, 2.0 * MOST_STEPS))  # the quotient may be infinite
             if not 0 < n <= MOST_STEPS or abs(t_end / h - n) > 1e-9 * n:
                 raise self.fail(
                     at("h"),

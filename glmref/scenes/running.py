@@ -43,19 +43,6 @@ from ..problems.user import FunctionFailed
 from .model import TIMED, Scene, subject_of
 from .planning import SAMPLED, Plan, plan
 
-__all__ = [
-    "BUDGET_SPENT",
-    "FAILED",
-    "LOST",
-    "NOT_APPLICABLE",
-    "START_FAILED",
-    "SYSTEM_REFUSED",
-    "limits_of",
-    "mixed_machines",
-    "perform",
-    "run",
-]
-
 #: Outcomes a scene adds to those of the engine.
 BUDGET_SPENT = "budget spent"
 FAILED = "internal error"

@@ -9,11 +9,9 @@ from typing import Any
 from ..views.chart import Series
 from ..views.plane import Cloud, one_each
 from .answers import duration
+from .labels import grouped, method_of
 from .model import Scene
 from .planning import SAMPLED
-from .words import grouped, method_of
-
-__all__ = ["Chart", "Orbits", "charts", "columns_of", "orbits", "rows"]
 
 Record = Mapping[str, Any]
 

@@ -6,14 +6,12 @@ algebraic numbers is not interrupted: the limit takes effect when it returns.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from time import thread_time
 
 from ..errors import BudgetError, UndecidedError
-
-__all__ = ["CELLS", "PROVING", "READING", "fits", "limited", "spend"]
 
 #: Seconds of processor time that reading one file of a user may take.
 READING = 2.0
@@ -23,6 +21,7 @@ PROVING = 60.0
 CELLS = 20_000_000
 
 _limit: ContextVar[tuple[float, float] | None] = ContextVar("limit", default=None)
+_watch: ContextVar[Callable[[], None] | None] = ContextVar("watch", default=None)
 
 
 @contextmanager
@@ -51,6 +50,16 @@ def limited(seconds: float | None) -> Iterator[None]:
         _limit.reset(token)
 
 
+@contextmanager
+def watched(notice: Callable[[], None]) -> Iterator[None]:
+    """Let :func:`spend` call a function, which may say that there is work going on."""
+    token = _watch.set(notice)
+    try:
+        yield
+    finally:
+        _watch.reset(token)
+
+
 def spend() -> None:
     """Look whether the budget is spent.
 
@@ -59,6 +68,9 @@ def spend() -> None:
     BudgetError
         When it is.
     """
+    watch = _watch.get()
+    if watch is not None:
+        watch()
     limit = _limit.get()
     if limit is not None and thread_time() > limit[0]:
         raise BudgetError(f"the budget of {limit[1]:g} s of processor time is spent")

@@ -7,8 +7,6 @@ import sys
 import tempfile
 from pathlib import Path
 
-__all__ = ["CACHE_VARIABLE", "cache_folder", "private_folder"]
-
 #: Variable that names the cache folder; by default the platform's user cache.
 CACHE_VARIABLE = "GLMREF_CACHE"
 

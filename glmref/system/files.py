@@ -27,19 +27,6 @@ try:
 except ImportError:  # not POSIX: the lock is a file that is made exclusively
     fcntl = None  # type: ignore[assignment]
 
-__all__ = [
-    "Lock",
-    "kind_of",
-    "make_folder",
-    "noting",
-    "printable",
-    "read_bytes",
-    "read_text",
-    "reason",
-    "write_bytes",
-    "write_text",
-]
-
 #: What `flock` answers on a file system that has no locks.
 _NO_LOCKS = {errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOTSUP, errno.EINVAL}
 

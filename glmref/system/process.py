@@ -18,22 +18,6 @@ import threading
 from collections.abc import Callable, Iterator
 from types import FrameType
 
-__all__ = [
-    "INTERRUPTED",
-    "PIPE_CLOSED",
-    "Terminated",
-    "end_children",
-    "end_groups",
-    "end_with_parent",
-    "forget_group",
-    "guarded",
-    "open_streams",
-    "remember_group",
-    "signals",
-    "silence",
-    "within",
-]
-
 #: 128 and the number of SIGINT or SIGPIPE, as shells count.
 INTERRUPTED, PIPE_CLOSED = 130, 141
 #: Seconds in which a command that is told to end may end by itself. Machine code that is compiled

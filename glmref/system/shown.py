@@ -2,12 +2,6 @@
 
 Methods, analyses and solutions lie below the rooms that draw and write them. They ask those rooms
 by name, here and nowhere else, and only when a person asks them.
-
-Public names::
-
-    Shown                       base class: ``_repr_html_``, what a notebook shows
-    Drawing                     a picture in SVG, which a notebook shows
-    above(module, function)     a function of a room above
 """
 
 from __future__ import annotations
@@ -19,8 +13,6 @@ from typing import Any
 
 from ..errors import UsageError
 from .files import write_text
-
-__all__ = ["ABOVE", "DARK", "Drawing", "Shown", "above"]
 
 #: Style of a picture in a file of its own: its colours are turned over on a dark desktop. Within a
 #: page nothing matches, since the picture is not the root of the document there.
@@ -61,7 +53,8 @@ class Drawing(str):
         return f"<Drawing in SVG, {len(self)} characters; .save(path) writes it>"
 
     def _repr_svg_(self) -> str:
-        return str(self)
+        # A picture wider than the cell is made smaller instead of being cut off.
+        return self.replace("<svg ", '<svg style="max-width:100%;height:auto" ', 1)
 
     def save(self, path: str | Path) -> Path:
         """Write the picture, which follows the dark mode of the desktop then.

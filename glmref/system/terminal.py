@@ -6,8 +6,6 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
-__all__ = ["saying"]
-
 _WIDTH = 78
 _lines: list[str] = []
 

@@ -14,19 +14,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 from xml.sax.saxutils import escape, quoteattr
 
-__all__ = [
-    "COLORS",
-    "Axes",
-    "Ticks",
-    "decades",
-    "document",
-    "log_ticks",
-    "round_ticks",
-    "text",
-    "tick_texts",
-    "well_formed",
-]
-
 #: Okabe and Ito's palette: told apart by every eye.
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#3b3b3b")
 _BOLD = 8.4  # width of a character of a title, bold and 14 px, in px

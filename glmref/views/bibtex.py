@@ -1,13 +1,4 @@
-"""BibTeX for a method: what its source says, and the data file itself.
-
-Public names::
-
-    cite(*methods) -> str                the same for methods, names and files
-    entries(names) -> list[str]          all entries for some shipped names or files, each once
-    source_entry(document) -> str        the source of a method
-    file_entry(name) -> str              the data file, with the hash that identifies it
-    escape(text) -> str                  a text as BibTeX reads it
-"""
+"""BibTeX for a method: what its source says, and the data file itself."""
 
 from __future__ import annotations
 
@@ -23,8 +14,6 @@ from ..errors import DataError
 from ..method import GLM, AdditiveGLM, PartitionedGLM
 from .show import Text
 from .tables import one_line
-
-__all__ = ["cite", "entries", "escape", "file_entry", "source_entry"]
 
 _SPECIAL = {
     "\\": r"\textbackslash{}",

@@ -3,11 +3,6 @@
 A series is told by marker, dash *and* colour (Okabe and Ito's palette), and is named at the right
 margin beside its last point, with a thin leader; names never overlap. PNG and PDF are left to
 matplotlib, if it is installed (the extra ``plots``).
-
-Public names::
-
-    Series(name, points)            svg(series, title=, x_label=, y_label=) -> str
-    text(series, ...) -> str        write_figures(path, series, ...) -> str | None
 """
 
 from __future__ import annotations
@@ -22,14 +17,6 @@ from xml.sax.saxutils import escape
 from .axes import COLORS, Axes, decades, document, log_ticks
 from .axes import text as label
 from .figures import NO_FIGURES, blank_figure, save_figure
-
-__all__ = [
-    "Series",
-    "place_labels",
-    "svg",
-    "text",
-    "write_figures",
-]
 
 DASHES = ("", "7 3", "2 3", "9 3 2 3", "14 4")
 #: Names of the marker shapes; text charts use the letters of the alphabet instead.

@@ -1,9 +1,4 @@
-"""An analysis as rows of name and text: the same on a terminal and in a notebook.
-
-Public names::
-
-    analysis_rows(record, measured=None) -> list of (name, text)
-"""
+"""An analysis as rows of name and text: the same on a terminal and in a notebook."""
 
 from __future__ import annotations
 
@@ -13,11 +8,12 @@ from typing import Any
 
 from .tables import shown_value
 
-__all__ = ["analysis_rows"]
-
 _TITLES = {
     "order_identity": "order with the identity as principal part",
     "order_nystrom": "order on second-order systems",
+    "order_embedded": "order of row",
+    "order_w": "order with any Jacobian (W-order)",
+    "order_dense": "order of the dense output",
     "principal": "principal part",
     "order_witness": "why not higher",
     "g_symplectic": "G-symplectic",
@@ -72,9 +68,21 @@ def analysis_rows(
             rows += _error_constants(record)
         elif key == "stability":
             rows += [(_STABILITY[k], _stability(k, x, measured or {})) for k, x in value.items()]
+        elif key == "order_proved":
+            rows.append(("order proved", _proved(*value)))
+        elif key == "implicit_stages":
+            rows.append(("implicit stages", shown_value(value) if value else "none"))
         elif key not in ("format", "method", *_TOGETHER):
             put(_TITLES.get(key, key.replace("_", " ")), value)
     return rows
+
+
+def _proved(lower: int | None, upper: int | None) -> str:
+    """What is proved of the order, in words."""
+    if lower == upper:
+        return "nothing" if lower is None else f"exactly {lower}"
+    least = "" if lower is None else f"at least {lower}"
+    return ", ".join(x for x in (least, "" if upper is None else f"at most {upper}") if x)
 
 
 def _stability(key: str, value: Any, measured: Mapping[str, float]) -> str:
@@ -95,18 +103,23 @@ def _interval(key: str, end: float) -> str:
 
 
 def _error_constants(record: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Residuals one order beyond: how many, the largest, their norm, and that of a quadrature."""
+    """Residuals one order beyond: how many, the largest, their norm, and that of a quadrature.
+
+    Sizes are shown, as those in the reason why the order is not higher; the record has the signs.
+    """
     residuals, order = record["error_constants"], record["order"]
     wrong = {tree: x for tree, x in residuals.items() if x}
     said = f"none of {len(residuals)} trees"
     if wrong:
         worst = max(wrong, key=lambda tree: abs(wrong[tree]))
-        said = f"{len(wrong)} of {len(residuals)} trees, largest {wrong[worst]:.6g} at tree {worst}"
+        size = f"{abs(wrong[worst]):.6g}"
+        said = f"{len(wrong)} of {len(residuals)} trees, largest {size} at tree {worst}"
     rows = [("residuals at the next order", said)]
     if residuals:
         rows.append(("error constant", f"{record['error_norm']:.6g}, norm of residual / symmetry"))
     if record["quadrature_constant"] is not None:
         power = order + 1
-        constant = f"{record['quadrature_constant']:.6g} h^{power} y^({power}) for y' = g(t)"
+        constant = f"{record['quadrature_constant']:.6g} h^{power} y^({power}), by which the "
+        constant += "solution of y' = g(t) exceeds a step"
         rows.append(("", constant))
     return rows

@@ -11,8 +11,6 @@ from typing import Any
 
 from ..system.files import write_bytes
 
-__all__ = ["NO_FIGURES", "blank_figure", "save_figure"]
-
 #: The notice where figures were asked for and cannot be drawn.
 NO_FIGURES = "no PNG and PDF: matplotlib is not installed; pip install 'glmref[plots]'"
 

@@ -8,8 +8,6 @@ from xml.sax.saxutils import escape
 
 from .axes import document, text
 
-__all__ = ["heat_map"]
-
 #: Colours from small to large, told apart by lightness alone (after the scale "cividis").
 _SCALE = ("#00224e", "#35456c", "#666970", "#948e77", "#c8b866", "#fee838")
 _MISSING = "#f4f4f4"

@@ -3,12 +3,6 @@
 Points are not joined: they are far apart in time. The range is that of the paths which were
 followed to their end and are not much larger than the others; what leaves it is counted under its
 panel. PNG and PDF are left to matplotlib, if it is installed (the extra ``plots``).
-
-Public names::
-
-    Cloud(name, points, ended)      svg(clouds, title=, x_label=, y_label=) -> str
-    one_each(clouds)                ranging(clouds), box_of(clouds)
-    write_figures(path, clouds, ...) -> str | None
 """
 
 from __future__ import annotations
@@ -22,8 +16,6 @@ from textwrap import shorten
 
 from .axes import COLORS, Axes, document, round_ticks, text
 from .figures import NO_FIGURES, blank_figure, save_figure
-
-__all__ = ["Cloud", "box_of", "one_each", "ranging", "svg", "write_figures"]
 
 Point = tuple[float, float]
 Box = tuple[float, float, float, float]

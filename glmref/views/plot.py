@@ -1,9 +1,4 @@
-"""``plot(what)``: a method as its portrait, a solution against time.
-
-Public names::
-
-    plot(what) -> Drawing
-"""
+"""``plot(what)``: a method as its portrait, a solution against time."""
 
 from __future__ import annotations
 
@@ -20,8 +15,6 @@ from ..system.shown import Drawing
 from .axes import COLORS, Axes, document, round_ticks, text
 from .chart import DASHES, place_labels
 from .portrait import portrait
-
-__all__ = ["plot"]
 
 _MOST = 6  # components drawn where none are named
 _POINTS = 2000  # of a line; more cannot be told apart

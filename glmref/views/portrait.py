@@ -4,10 +4,6 @@ For y' = lambda y the region is where no eigenvalue of M(z), z = h lambda, leave
 symplectic method keeps a piece of the imaginary axis and no area. A pair is shown on the
 oscillator q' = omega p, p' = -omega q alone. Numbers are measured, see
 :mod:`glmref.measure.stability`; what is proved is printed by ``glmref verify`` and ``analyze``.
-
-Public names::
-
-    portrait(method) -> str            a complete SVG document
 """
 
 from __future__ import annotations
@@ -19,11 +15,9 @@ import numpy as np
 from ..errors import UsageError
 from ..exact.linalg import Matrix
 from ..measure.stability import amplification, interval, locus, region
-from ..method import GLM, AdditiveGLM, PartitionedGLM
+from ..method import GLM, AdditiveGLM, PartitionedGLM, RosenbrockGLM
 from ..theory.stability import oscillator
 from .axes import Axes, document, round_ticks, text
-
-__all__ = ["portrait"]
 
 _WIDTH, _HEIGHT = 870, 430
 _FILL, _LINE = "#9ecae9", "#0072b2"
@@ -51,6 +45,8 @@ def portrait(method: GLM | PartitionedGLM | AdditiveGLM) -> str:
         A complete SVG document, readable without any style sheet or script.
     """
     name = method.name or "method"
+    if isinstance(method, RosenbrockGLM):
+        method = method.linear_form
     if isinstance(method, AdditiveGLM):
         raise UsageError(
             f"{name} is additive and has no stability region of one variable; draw one of its "

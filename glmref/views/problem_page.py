@@ -17,8 +17,6 @@ from ..problems.formula import Formula
 from ..problems.loops import Loops
 from ..problems.model import Problem
 
-__all__ = ["c_source", "described", "kind_of", "page"]
-
 
 def kind_of(problem: Problem) -> str:
     """What of its structure a method can use, in words."""

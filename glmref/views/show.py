@@ -3,11 +3,6 @@
 A one-step method is shown as its Butcher tableau, c | A over b; any other as c | A | U over B | V;
 a pair as the tableaux of its two halves. Entries are the expressions of the file, or decimals. What
 is too long for a tableau is named in it and written out below.
-
-Public names::
-
-    show(method, decimal=None, style=Style()) -> str
-    parts(method, draw) -> Parts             the same blocks, drawn by somebody else
 """
 
 from __future__ import annotations
@@ -19,7 +14,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from ..catalogue.claims import ABSCISSAE, ORDER
+from ..catalogue.claims import ABSCISSAE, stated_orders
 from ..catalogue.lookup import method_of
 from ..exact import Ball, Exact, Scalar
 from ..exact.expression import shown_number
@@ -27,9 +22,7 @@ from ..exact.linalg import Matrix, Vector
 from ..method import GLM, AdditiveGLM, PartitionedGLM, RosenbrockGLM
 from ..prove.facts import Facts, facts_of
 from .tableau_text import Cells, decimal_text, tableau
-from .tables import Style, one_line
-
-__all__ = ["Draw", "Parts", "Text", "parts", "show"]
+from .tables import Style, counted, one_line
 
 #: Draws a partitioned matrix, rows of blocks of cells, as lines.
 Draw = Callable[[Sequence[Sequence[Cells]]], list[str]]
@@ -217,11 +210,14 @@ class _Page:
         title = one_line(document.get("title", ""))
         first, last = method.carriers[0], method.carriers[-1]
         if method.parts == 2:
-            size = f"pair with {_count(len(first.A), 'stage')} Q and {len(last.A)} P"
-            size += f", {_count(len(first.V), 'value')} of q and {len(last.V)} of p"
+            size = f"pair with {counted(len(first.A), 'stage')} Q and {len(last.A)} P"
+            size += f", {counted(len(first.V), 'value')} of q and {len(last.V)} of p"
         else:
             parts = f"{len(method.components)} parts on " if method.additive else ""
-            size = f"{parts}{_count(len(first.A), 'stage')}, {_count(len(first.V), 'value')}"
+            stages = counted(len(first.A), "stage")
+            if isinstance(method, RosenbrockGLM):
+                parts, stages = "", counted(len(method.b), "stage")
+            size = f"{parts}{stages}, {counted(len(first.V), 'value')}"
             size += "" if not method.is_explicit else ", explicit"
         lines: list[str] = self.wrapped(f"{name}  {title}" if title else name)
         lines[0] = self.style.paint(name, "bold") + lines[0].removeprefix(name)
@@ -320,8 +316,11 @@ class _Page:
                 elif method.additive and not method.rosenbrock and given:
                     given = given[k]
                 cells += self.vector(weights[part], given) if weights[part] else []
-            what = "estimate" if row.difference else "embedded"
-            body.append((f"{what} {one_line(row.name)}:", self.draw([[cells]])))
+            grid = [[cells]]
+            if row.values is not None:
+                grid = [[cells, self.vector(row.values, own.get("v"))]]
+            what = "error estimate" if row.difference else "embedded row"
+            body.append((f"{what} {one_line(row.name)}:", self.draw(grid)))
         dense = getattr(method, "dense", None)
         if dense is not None:
             grid = [[self.matrix(dense, self.document.get("dense"))]]
@@ -452,11 +451,8 @@ def _words(texts: Iterable[str]) -> set[str]:
     return {word for text in texts for word in _WORD.findall(text)}
 
 
-def _count(number: int, what: str) -> str:
-    return f"{number} {what}" if number == 1 else f"{number} {what}s"
-
-
 def _named(kind: str, method: Any, stages: str = "Y = h A f(Y) + y0") -> str:
-    order = f", order {method.claims[ORDER.key]}" if ORDER.key in method.claims else ""
+    stated = stated_orders(method.claims).get("b")
+    order = "" if stated is None else f", order {stated}"
     name = f" ({one_line(method.name)})" if method.name else ""
     return f"{kind}{name}{order}:  {stages}"

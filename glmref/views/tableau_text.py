@@ -1,10 +1,4 @@
-"""Blocks of cells with rules between them, and numbers as decimals: the letters of a tableau.
-
-Public names::
-
-    tableau(grid, style) -> list[str]       a partitioned matrix, one line a row
-    decimal_text(x, digits) -> str          a number as a decimal
-"""
+"""Blocks of cells with rules between them, and numbers as decimals: the letters of a tableau."""
 
 from __future__ import annotations
 
@@ -13,8 +7,6 @@ from collections.abc import Sequence
 
 from ..exact import Ball, Scalar, rounded_decimal
 from .tables import Style
-
-__all__ = ["Cells", "decimal_text", "tableau"]
 
 Cells = list[list[str]]
 

@@ -3,14 +3,6 @@
 Nothing here computes; no numerics are imported. What a terminal cannot show is not sent to it:
 colour only to a terminal and never against ``NO_COLOR``, line-drawing characters only where the
 stream's encoding has them, control characters of foreign files never.
-
-Public names::
-
-    Style(unicode, color, width); Style.of(stream)
-    FORMATS                                  the names of the four formats
-    columns(rows, style=, head=) -> str      an aligned plain table
-    findings_json, findings_csv, findings_junit, findings_table
-    one_line(text) -> str                    any text as one printable line
 """
 
 from __future__ import annotations
@@ -28,23 +20,6 @@ from typing import Any, TextIO
 from xml.etree import ElementTree
 
 from ..findings import Finding, Proof, Verdict, summarize
-
-__all__ = [
-    "FORMATS",
-    "Style",
-    "columns",
-    "csv_text",
-    "finding_rows",
-    "findings_csv",
-    "findings_json",
-    "findings_junit",
-    "findings_table",
-    "json_text",
-    "one_line",
-    "plain",
-    "shown_value",
-    "tally",
-]
 
 FORMATS = ("table", "json", "csv", "junit")
 FIELDS = ("method", "claim", "declared", "verdict", "value", "proof", "residual", "witness")
@@ -112,6 +87,11 @@ def one_line(text: object, *, limit: int = MAX_LINE) -> str:
     return safe if len(safe) <= limit else safe[: limit - 3] + "..."
 
 
+def counted(n: int, what: str) -> str:
+    """A number and its noun, whose plural has an s."""
+    return f"{n} {what}" if n == 1 else f"{n} {what}s"
+
+
 def columns(
     rows: Iterable[Sequence[str]], *, style: Style, head: Sequence[str] = (), right: str = ""
 ) -> str:
@@ -173,7 +153,16 @@ def shown_value(value: object) -> str:
         return "not decided"
     if isinstance(value, list | tuple):
         return "[" + ", ".join(shown_value(x) for x in value) + "]"
+    if isinstance(value, Mapping):
+        return ", ".join(f"{one_line(name)} {_order(x)}" for name, x in value.items())
     return one_line(value)
+
+
+def _order(value: object) -> str:
+    """An order by name, with the size of a residual where there is one: ``10 to 2.7e-85``."""
+    if isinstance(value, list | tuple) and len(value) == 2:
+        return " to ".join(map(shown_value, value))
+    return shown_value(value)
 
 
 def tally(findings: Sequence[Finding], files: int) -> str:
@@ -181,11 +170,7 @@ def tally(findings: Sequence[Finding], files: int) -> str:
     counts = summarize(list(findings))
     proofs = ", ".join(f"{sum(f.proof is p for f in findings)} {p}" for p in Proof)
     what = f"{counts['holds']} hold, {counts['fails']} fail, {counts['open']} open"
-    return f"{_number(len(findings), 'claim')} of {_number(files, 'file')}: {what} ({proofs})"
-
-
-def _number(count: int, what: str) -> str:
-    return f"{count} {what}" if count == 1 else f"{count} {what}s"
+    return f"{counted(len(findings), 'claim')} of {counted(files, 'file')}: {what} ({proofs})"
 
 
 def _sentence(finding: Finding) -> str:
@@ -194,6 +179,8 @@ def _sentence(finding: Finding) -> str:
     if finding.verdict is Verdict.HOLDS and not finding.claim.startswith("refutes "):
         return declared
     because = f"; {finding.witness}" if finding.witness else ""
+    if finding.value is None and finding.verdict is not Verdict.OPEN and because:
+        return one_line(f"declared {declared}{because}")  # the reason says what was found
     return one_line(f"declared {declared}, found {found}{because}")
 
 

@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 
 from ...catalogue.lookup import load
-from ...engine.solve import Solution, solve
+from ...engine.outcome import Solution
+from ...engine.solve import solve
 from ..vectors import file_names
-
-__all__ = ["Adapter"]
 
 
 class Adapter:

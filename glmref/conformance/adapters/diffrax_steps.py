@@ -12,8 +12,6 @@ import numpy as np
 
 from ..expressions import evaluate
 
-__all__ = ["SOLVERS", "Adapter"]
-
 #: Name in the catalogue -> solver.
 SOLVERS = {
     "euler": diffrax.Euler,

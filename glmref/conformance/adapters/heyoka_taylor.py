@@ -14,8 +14,6 @@ import numpy as np
 from ..expressions import evaluate
 from ..vectors import problems
 
-__all__ = ["Adapter"]
-
 
 class Adapter:
     """``heyoka.taylor_adaptive``.

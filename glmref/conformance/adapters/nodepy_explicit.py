@@ -8,8 +8,6 @@ from typing import Any
 import numpy as np
 from nodepy import rk
 
-__all__ = ["NAMES", "Adapter"]
-
 #: Name in the catalogue -> name in nodepy.
 NAMES = {
     "euler": "FE",

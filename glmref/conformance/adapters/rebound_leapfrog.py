@@ -11,8 +11,6 @@ from typing import Any
 import numpy as np
 import rebound
 
-__all__ = ["Adapter"]
-
 
 class Adapter:
     """``rebound.Simulation`` with ``integrator = "leapfrog"``: the position Verlet method."""

@@ -13,8 +13,6 @@ from ...engine.start import starting_values
 from ...method import Method
 from ..vectors import file_names
 
-__all__ = ["Adapter"]
-
 
 class Adapter:
     """The reference engine.

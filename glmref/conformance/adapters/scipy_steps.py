@@ -13,8 +13,6 @@ from typing import Any
 import numpy as np
 from scipy.integrate import DOP853, RK23, RK45, Radau
 
-__all__ = ["Adapter"]
-
 _SOLVERS = {
     "dormand-prince-5": RK45,
     "bogacki-shampine-3": RK23,

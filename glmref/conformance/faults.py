@@ -1,8 +1,7 @@
 """Usual bugs of integrators, carried out: the wrong result that each of them gives.
 
-A vector is a trap when a usual bug gives another result than the right one. The wrong results are
-stored beside the right one, so that an integrator that returns one of them can be told its defect
-by name.
+Where a usual bug gives another result than the right one, the wrong result is stored in the vector
+beside the right one, so that an integrator that returns it can be told its defect by name.
 """
 
 from __future__ import annotations
@@ -20,8 +19,6 @@ from ..exact.linalg import Matrix, matmul, transpose
 from ..method import GLM, Method, PartitionedGLM
 from ..problems import Problem
 from ..prove.facts import facts_of
-
-__all__ = ["NOTES", "Wrong", "wrong_runs", "wrong_steps"]
 
 #: flag -> (the bug, what it does): the ``notes`` of the vector files.
 NOTES: Mapping[str, tuple[str, str]] = {

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-__all__ = ["grouped", "listed", "method_of", "name_of"]
-
 Record = Mapping[str, Any]
 #: Names listed in full; more are counted.
 LISTED = 6

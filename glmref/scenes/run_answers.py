@@ -11,10 +11,8 @@ from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
+from .labels import grouped, listed, method_of, name_of
 from .model import Scene
-from .words import grouped, listed, method_of, name_of
-
-__all__ = ["accurate", "ended", "law", "order"]
 
 Record = Mapping[str, Any]
 

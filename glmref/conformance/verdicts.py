@@ -11,8 +11,6 @@ import numpy as np
 
 from .subject import AdapterError, Subject
 
-__all__ = ["Judgement", "errors_of", "floor_of", "order_judgement"]
-
 
 @dataclass(frozen=True, slots=True)
 class Judgement:

@@ -11,22 +11,6 @@ from ..errors import UsageError
 from ..problems import Problem
 from .subject import AdapterError
 
-__all__ = [
-    "MARKERS",
-    "MORE_MARKERS",
-    "Box",
-    "Reading",
-    "Watch",
-    "best",
-    "chain",
-    "clean",
-    "largest_step",
-    "needed",
-    "noted",
-    "slope_at",
-    "values_of",
-]
-
 #: A stage of order q at abscissa 1 and the result of order p agree in q markers: 8 are enough up
 #: to stage order 7. Explicit stages of a higher order are told apart by 12; iterations for implicit
 #: ones take more rounds, the more markers there are.
