@@ -184,7 +184,7 @@ def main(arguments: Sequence[str]) -> None:
     others = [x for x in known.get("packages", ()) if x["table"] not in {y["table"] for y in here}]
     rows = carried_out(row, ({"table": name} for name in DEFECTS), beside=path)
     measured = {"rows": rows, "packages": others + here}
-    complete(path, {**HEAD, **measured, **circumstances()})
+    complete(path, {**HEAD, **measured, "where": circumstances()})
 
 
 if __name__ == "__main__":

@@ -2,7 +2,8 @@
 
 ``order`` of a one-step method, and ``order-identity`` of any, is the order of the solution itself;
 ``order`` of a method with several values whose identity costs order, and ``effective-order``, is
-what start and finish can reach, seen where a conjugation drops out (see :mod:`.convergence`).
+what start and finish can reach, seen where a conjugation drops out (see
+:mod:`glmref.measure.convergence`).
 
     python -m campaigns.observed_orders data/measurements/observed-orders.json
 
