@@ -15,10 +15,11 @@ from typing import Any
 
 from glmref.errors import UsageError
 from glmref.method import Method
+from glmref.method.component import ROOTED, Palette
 from glmref.method.stage_order import reached
 from glmref.theory.coefficients import Coefficient, is_zero, plus, times, weighted
 from glmref.theory.series import Series
-from glmref.theory.trees import ROOTED, Palette, Tree, pruned, tree, trees, trees_up_to
+from glmref.theory.trees import Tree, pruned, tree, trees, trees_up_to
 
 __all__ = [
     "Series",

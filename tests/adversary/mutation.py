@@ -21,7 +21,7 @@ from types import ModuleType
 from typing import Any
 
 #: The kernel with its parts, and the table of implications: a sample is drawn of these.
-RULES = ("kernel", "growth_rules", "stability_rules", "rows", "implications")
+RULES = ("kernel", "growth_rules", "stability_rules", "rows", "digits", "implications")
 MODULES = (*RULES, "series", "algebra", "forest")
 #: What holds on to names of a module, and is executed again after it.
 DEPENDENTS = {
@@ -31,6 +31,7 @@ DEPENDENTS = {
     "growth_rules": ("kernel", "finders"),
     "stability_rules": ("kernel", "finders"),
     "rows": ("kernel", "finders"),
+    "digits": ("kernel", "finders"),
     "implications": ("kernel", "finders"),
     "kernel": ("finders",),
 }
@@ -40,14 +41,20 @@ TESTS = {
     "series": ("tests/unit/test_kernel.py",),
     "algebra": ("tests/unit/test_kernel.py",),
     "implications": ("tests/unit/test_implications.py",),
+    "digits": ("tests/unit/test_order_to_digits.py", "tests/unit/test_embedded_values.py"),
     "kernel": (
         "tests/unit/test_kernel.py",
         "tests/unit/test_multistep_pairs.py",
         "tests/unit/test_staircase.py",
+        "tests/unit/test_principal_parts.py",
     ),
     "growth_rules": ("tests/unit/test_kernel.py",),
     "stability_rules": ("tests/unit/test_kernel.py",),
-    "rows": ("tests/unit/test_kernel.py", "tests/unit/test_second_format.py"),
+    "rows": (
+        "tests/unit/test_kernel.py",
+        "tests/unit/test_second_format.py",
+        "tests/unit/test_embedded_values.py",
+    ),
 }
 OPTIONS = ("-x", "-q", "--assert=plain", "-p", "no:cacheprovider")
 _COMPARE: dict[type, type] = {
@@ -160,8 +167,6 @@ def _no_eigenvector() -> Any:
 
 #: Mutants that no case can notice, and why.
 EQUIVALENT = {
-    "q == top and free  ->  True and free": "below the order a defect that is one number for all "
-    "stages vanishes: without it the conditions of the next order would hold for another series",
     "x not in gone  ->  x in gone": "the walk shows a cycle to readers and to the certificate; the "
     "verdict is that of `acyclic`",
     "n > (6 if self.is_pair else MAX_ORDER[0] - 2)  ->  "
@@ -174,10 +179,28 @@ EQUIVALENT = {
     "n <= MAX_ORDER[1]  ->  n < MAX_ORDER[1]": "the same",
     "found.value > MAX_ORDER[0] - 2  ->  found.value >= MAX_ORDER[0] - 2": "of order 10 the same "
     "sizes are computed again",
+    "gap > ROUNDING  ->  gap >= ROUNDING": "a magnitude is an upper bound, a float: none is the limit "
+    "itself",
     "bush.magnitude() > ROUNDING  ->  bush.magnitude() >= ROUNDING": "the magnitude of a ball is an "
     "upper bound of a float: no residual has the limit itself",
     "largest > (SMALL if n + 1 <= MAX_ORDER[0] - 2 else ROUNDING)  ->  "
     "largest >= (SMALL if n + 1 <= MAX_ORDER[0] - 2 else ROUNDING)": "the same",
+    "t in self._weights or not T.children[t]  ->  False or not T.children[t]": "what is kept is "
+    "computed again",
+    "y > GAP * most  ->  y >= GAP * most": "the number itself decides then",
+    "t in self._weights  ->  t not in self._weights": "the same",
+    "x > low  ->  x >= low": "of two trees with the same lower bound either shows the size",
+    "t - T.level(order - 1)[0] > ONE_BRANCH  ->  t - T.level(order - 1)[0] >= ONE_BRANCH": "one "
+    "tree less is tried before all are listed",
+    **dict.fromkeys(
+        (
+            f"x <= {limit} < y  ->  {changed}"
+            for limit in ("most", "least")
+            for changed in (f"x < {limit} < y", f"x <= {limit} <= y")
+        ),
+        "bounds are whole numbers, and a size over 2^-bits is none, but for 5.0e-1",
+    ),
+    "n < order  ->  n <= order": "numbers are kept that nobody asks for again",
 }
 
 

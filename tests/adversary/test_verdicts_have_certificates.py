@@ -5,27 +5,24 @@ The checker shares no code with the package, so that it is a second opinion on e
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import random
 import shutil
 from collections.abc import Iterator
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from checker import glmref_check as check
+from glmref.catalogue.claims import CLAIMS
 from glmref.cli.certifying import write_certificates
-from glmref.errors import DataError, ExactnessError
+from glmref.errors import DataError, ExactnessError, GlmrefError
+from glmref.exact import ball
+from glmref.exact.expression import parse
 
-from .deceive import Verdict, findings, shipped
-
-PATH = Path(__file__).resolve().parents[2] / "checker" / "glmref_check.py"
-SPEC = importlib.util.spec_from_file_location("glmref_check", PATH)
-assert SPEC is not None
-assert SPEC.loader is not None
-check = importlib.util.module_from_spec(SPEC)
-SPEC.loader.exec_module(check)
+from .deceive import Verdict, decimal, findings, shipped
 
 NAMES = (
     "dormand-prince-5", "shampine-4", "nystrom-rkn-4", "ars-4-4-3", "bettis-rkn-5-4", "rodas3",
@@ -134,3 +131,242 @@ def test_a_decimal_of_zeros_is_zero_for_the_checker_too(tmp_path: Path) -> None:
     d["A"], d["b"] = [["0", "0.0000000"], ["0.5000000", "0"]], ["0", "1"]
     d["claims"] = {"explicit": True}
     assert without_a_certificate({**d, "name": "deceiver"}, tmp_path) == []
+
+
+def rounded(d: dict[str, Any], digits: int) -> dict[str, Any]:
+    """The file with every number but whole ones as a decimal, as tables are printed."""
+    constants: dict[str, Any] = {}
+    for name, text in d.pop("constants", {}).items():
+        constants[name] = parse(text, constants=constants)
+    for path in [x for key in (*NUMBERS, "a") if key in d for x in leaves(d[key], (key,))]:
+        inner = d
+        for key in path[:-1]:
+            inner = inner[key]
+        value: Any = parse(inner[path[-1]], constants=constants)
+        exact = value.as_fraction()
+        if exact is None:
+            exact = Fraction(ball(value).real.midpoint().decimal_text(60))
+        near = decimal(exact, digits) if exact.denominator > 1 else str(exact)
+        inner[path[-1]] = near if near.strip("-0.") else "0"
+    return {**d, "name": "deceiver", "digits": digits}
+
+
+def opposite(value: Any) -> Any:
+    """Another value of a claim, one that is false as a rule."""
+    match value:
+        case bool():
+            return not value
+        case int():
+            return max(0, value - 1)
+        case dict():
+            return {name: max(1, p - 1) for name, p in value.items()}
+        case list():
+            return ["1"] * len(value)
+    return "7"
+
+
+def other_claims(d: dict[str, Any]) -> list[dict[str, Any]]:
+    """The claims of the file, their opposites, and claims that the file does not make."""
+    for key in ("starting", "finishing"):
+        d.get(key, {}).pop("order", None)
+    own = d["claims"]
+    more: dict[str, Any] = {key: True for key, x in CLAIMS.items() if x.type is bool}
+    more |= {key: 2 for key, x in CLAIMS.items() if x.type is int}
+    more = {key: x for key, x in more.items() if key not in own}
+    single = [{**d, "claims": {key: x}} for key, x in more.items()]
+    return [d, {**d, "claims": {k: opposite(x) for k, x in own.items()}}, *single]
+
+
+def uncertified(name: str, digits: int, folder: Path) -> list[str]:
+    """The verdicts without a certificate about a table that was rounded, whatever is claimed."""
+    found = []
+    for k, d in enumerate(other_claims(rounded(shipped(name), digits))):
+        try:
+            found += without_a_certificate(d, folder)
+        except GlmrefError:  # the claim has no meaning for the class
+            assert k > 1, "a table is refused with its own claims or their opposites"
+    return found
+
+
+@pytest.mark.parametrize(
+    "name", ["heun-3", "bdf-2", "gsymplectic-n", "ars-2-3-2", "yoshida-4", "stoermer-13"]
+)
+def test_every_verdict_about_decimals_has_a_certificate(name: str, tmp_path: Path) -> None:
+    assert uncertified(name, 16, tmp_path) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("digits", [3, 33])
+def test_every_verdict_about_many_decimals_has_a_certificate(digits: int, tmp_path: Path) -> None:
+    for name in ("nystrom-rkn-4-velocities", "ros3p", "milne-simpson-one-leg", "pseudo-rk-4"):
+        assert uncertified(name, digits, tmp_path) == [], name
+
+
+def test_v_in_decimals_is_bounded_block_by_block(tmp_path: Path) -> None:
+    """A block with decimals inside the circle or outside, an exact one on it, a defective one."""
+    V = [["1", "0.300", "0"], ["0", "0.250", "0"], ["0", "0", "-1"]]
+    d = {**shipped("gsymplectic-n"), "name": "deceiver", "digits": 3, "V": V,
+         "A": [["0"]], "U": [["1", "0", "0"]], "B": [["1"], ["0"], ["0"]]}  # fmt: skip
+    for key in ("G", "D", "constants", "starting", "finishing"):
+        d.pop(key, None)
+    for entry, bounded in (("0.250", None), ("2.500", False), ("0", True)):
+        V[1][1], V[2][2] = entry, "-1" if bounded is None else "1/2"
+        d["claims"] = {"zero-stable": True}
+        holds = {None: Verdict.OPEN, False: Verdict.FAILS, True: Verdict.HOLDS}[bounded]
+        assert findings(d)["zero-stable"].verdict is holds
+        assert without_a_certificate(d, tmp_path) == []
+    V[1:] = [["0", "0", "-1"], ["0", "1", "-2"]]  # -1 is a defective eigenvalue
+    assert findings(d)["zero-stable"].verdict is Verdict.FAILS
+    assert without_a_certificate(d, tmp_path) == []
+
+
+def with_decimals(**more: Any) -> dict[str, Any]:
+    """A Runge-Kutta file of three or ten digits."""
+    return {**shipped("rk4"), "format": "glmref-method-2", "name": "deceiver", **more}
+
+
+@pytest.mark.parametrize(
+    ("entry", "abscissa"), [("0.5000000000", "1/2"), ("0.5000000000", "2/5"), ("1/2", "0.5000000000"),
+                            ("0.5000000000", None), ("0.5000000000", "0.5000000000")]
+)  # fmt: skip
+def test_stage_orders_of_decimals_have_certificates(
+    entry: str, abscissa: str | None, tmp_path: Path
+) -> None:
+    """Also where it is not known whether the order is 1 or 2, and where c is no row sum."""
+    d = with_decimals(digits=10, A=[["0", "0"], [entry, "0"]], b=["0", "1"])
+    if abscissa:
+        d["c"] = ["0", abscissa]
+    for claimed in range(4):
+        d["claims"] = {"stage-order": claimed}
+        holds = Verdict.HOLDS if claimed == 1 else Verdict.FAILS
+        assert findings(d)["stage-order"].verdict is holds
+        assert without_a_certificate(d, tmp_path) == []
+
+
+def test_a_stage_order_above_the_declared_one_needs_no_order(tmp_path: Path) -> None:
+    """It is 1 at least; whether it and the order are 2 is open, as c may be other than A 1."""
+    d = with_decimals(digits=3, A=[["0", "0"], ["1/2", "1/2"]], b=["1/2", "1/2"], c=["0", "1.000"])
+    found = findings({**d, "claims": {"stage-order": 0}})["stage-order"]
+    assert found.verdict is Verdict.FAILS
+    assert without_a_certificate({**d, "claims": {"stage-order": 0}}, tmp_path) == []
+
+
+@pytest.mark.parametrize(("c", "expected"), [("1/4", Verdict.OPEN), ("3/5", Verdict.FAILS)])
+def test_a_row_that_is_open_hides_none_that_is_wrong(
+    c: str, expected: Verdict, tmp_path: Path
+) -> None:
+    d = with_decimals(digits=10, A=[["0.5000000000", "0"], ["1/4", "0"]], b=["0", "1"])
+    d |= {"c": ["1/2", c], "claims": {"row-sums": True}}
+    assert findings(d)["row-sums"].verdict is expected
+    assert without_a_certificate(d, tmp_path) == []
+
+
+def test_exact_zeros_and_exact_entries_beside_decimals_have_certificates(tmp_path: Path) -> None:
+    d = with_decimals(digits=10, A=[["0", "0"], ["0.5000000000", "0"]], b=["0", "0"])
+    assert without_a_certificate({**d, "claims": {"symplectic": True}}, tmp_path) == []
+    d |= {"A": [["0", "0"], ["1/4", "0"]], "b": ["1/6", "2/3"], "c": ["1/4", "0.2500000000"]}
+    assert without_a_certificate({**d, "claims": {"row-sums": True}}, tmp_path) == []
+    d |= {"A": [["0.5000000000", "0"], ["1/3", "0"]], "b": ["1", "0"], "c": ["1/2", "0.3330000000"]}
+    assert without_a_certificate({**d, "claims": {"order": 0}}, tmp_path) == []
+
+
+HALVES: dict[str, Any] = {"class": "splitting", "first": "q", "a": ["0", "1"], "b": ["1/2", "1/2"]}
+QUARTER: dict[str, Any] = {
+    "class": "splitting",
+    "first": "q",
+    "a": ["0.250"],
+    "b": ["1"],
+    "digits": 3,
+}
+VELOCITIES: dict[str, Any] = {
+    "class": "nystrom", "digits": 3, "A": [["0"]], "A_prime": [["0"]], "b": ["1"], "b_prime": ["1"],
+    "c": ["0"], "embedded": [{"name": "low", "b": ["1/6"], "b_prime": ["0.333"]}],
+}  # fmt: skip
+SHIFTED: dict[str, Any] = {
+    "class": "nystrom", "digits": 3, "A": [["0", "0"], ["1/4", "0"]], "b": ["-1/2", "1"],
+    "b_prime": ["1/2", "1/2"], "c": ["0", "-0.500"],
+}  # fmt: skip
+BESIDE: dict[str, Any] = {
+    "class": "rk", "digits": 3, "A": [["0"]], "b": ["-0.500"], "dense": [["0.500"]],
+    "embedded": [{"name": "low", "b": ["1"]}],
+}  # fmt: skip
+
+
+TWO_PARTS: dict[str, Any] = {
+    "class": "additive", "digits": 3,
+    "parts": [{"A": [["1/6", "0"], ["0.500", "0"]], "b": ["0", "1"]},
+              {"A": [["0", "0"], ["1/2", "0"]], "b": ["1", "0"]}],
+}  # fmt: skip
+CUBE_ROOTS: dict[str, Any] = {
+    "class": "one-leg", "digits": 3, "alpha": ["-1", "0", "0", "1"],
+    "beta": ["-1/2", "-0.500", "1/3", "1/6"],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("keys", "claims"),
+    [
+        (TWO_PARTS, {"effective-order": 1}), (CUBE_ROOTS, {"growth": []}),
+        (HALVES, {"growth": []}), (HALVES, {"growth": ["0"]}), (QUARTER, {"growth": []}),
+        (QUARTER, {"growth": ["1"]}), (QUARTER, {"starting-order": 0, "order": 0}),
+        (SHIFTED, {"effective-order": 1}), (SHIFTED, {"effective-order": 0}),
+        (VELOCITIES, {"g-symplectic": True}), (VELOCITIES, {"embedded-difference": False}),
+        (VELOCITIES, {"embedded-order": {"low": 0}}), (BESIDE, {"embedded-order": {"low": 0}}),
+        (BESIDE, {"embedded-order": {"low": 1}}), (BESIDE, {"embedded-order": {"low": 2}}),
+        (BESIDE, {"dense-order": 0}), (BESIDE, {"dense-end": True}), (BESIDE, {"abscissae": ["0"]}),
+    ],
+)  # fmt: skip
+def test_what_had_no_certificate_has_one(
+    keys: dict[str, Any], claims: dict[str, Any], tmp_path: Path
+) -> None:
+    d = {"format": "glmref-method-2", "name": "deceiver", "source": shipped("rk4")["source"],
+         **keys, "claims": claims}  # fmt: skip
+    assert Verdict.OPEN not in {x.verdict for x in findings(d).values()}
+    assert without_a_certificate(d, tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    ("b", "expected"),
+    [("1", Verdict.HOLDS), ("1.000", Verdict.OPEN), ("1.010", Verdict.FAILS), ("2", Verdict.FAILS)],
+)
+def test_a_method_that_is_not_consistent_has_no_abscissae(b: str, expected: Verdict) -> None:
+    d = with_decimals(digits=3, A=[["0", "0"], ["1/2", "0"]], b=["0", b])
+    d["claims"] = {"abscissae": ["0", "1/2"]}
+    assert findings(d)["abscissae"].verdict is expected
+
+
+def test_bounds_of_two_rows_do_not_refute_their_orders(tmp_path: Path) -> None:
+    """An upper bound of the order of a row is another statement than the order declared."""
+    d = with_decimals(A=[["0", "0"], ["1", "0"]], b=["1/2", "1/2"])
+    d["embedded"] = [{"name": x, "b": ["1", "0"]} for x in ("one", "two")]
+    d["claims"] = {"embedded-order": {"one": 1, "two": 1}}
+    (tmp_path / "deceiver.json").write_text(json.dumps(d), encoding="utf-8")
+    write_certificates([str(tmp_path / "deceiver.json")], tmp_path / "out")
+    (path,) = (tmp_path / "out").rglob("*.json")
+    certificate = json.loads(path.read_text(encoding="utf-8"))
+    assert check.verdict(certificate)[0]
+    certificate["statement"]["verdict"] = "fails"
+    assert not check.verdict(certificate)[0]
+    bound = {"order": 3, "principal": "identity", "trees": "all", "tree": "[[[o]]]"}
+    certificate["parts"][0]["witness"]["parts"] = [{"rule": "not-order", "witness": bound}]
+    assert check.verdict(certificate) == (False, "the rows may have the orders")
+
+
+@pytest.mark.parametrize(
+    ("keys", "claims", "reason"),
+    [
+        (CUBE_ROOTS, {"parasitism-free": False}, "an eigenvalue that is not real"),
+        ({"class": "glm", "digits": 3, "A": [["0"]], "U": [["1", "0.333"]],
+          "B": [["1"], ["0.500"]], "V": [["1", "0"], ["0", "-1"]]}, {"stage-order": 1},
+         "decimals only"),
+    ],
+)  # fmt: skip
+def test_what_has_no_certificate_says_why(
+    keys: dict[str, Any], claims: dict[str, Any], reason: str, tmp_path: Path
+) -> None:
+    d = {"format": "glmref-method-2", "name": "deceiver", "source": shipped("rk4")["source"],
+         **keys, "claims": claims}  # fmt: skip
+    assert Verdict.OPEN not in {x.verdict for x in findings(d).values()}
+    (tmp_path / "deceiver.json").write_text(json.dumps(d), encoding="utf-8")
+    _, (why,) = write_certificates([str(tmp_path / "deceiver.json")], tmp_path / "out")
+    assert reason in why

@@ -6,7 +6,6 @@ method of the certificate.
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import random
 import tempfile
@@ -14,7 +13,9 @@ from collections.abc import Iterable
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
+from checker import glmref_check as check
 from glmref.catalogue.reader import load_document
 from glmref.cli.certifying import write_certificates
 from glmref.errors import GlmrefError
@@ -27,18 +28,6 @@ from .texts import finish, mutated
 COUNT = 2000
 SECONDS = 10.0
 NAMES = ("rk4", "heun-2", "gauss-2", "leapfrog", "gsymplectic-n", "stormer-verlet", "ab-2")
-ROOT = Path(__file__).resolve().parents[2]
-
-
-@lru_cache
-def checker() -> Any:
-    """The checker, which is no part of the package."""
-    spec = importlib.util.spec_from_file_location("glmref_check", ROOT / "checker/glmref_check.py")
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    module.SECONDS = int(SECONDS)
-    return module
 
 
 @lru_cache
@@ -52,8 +41,8 @@ def sound() -> tuple[dict[str, Any], ...]:
 
 def judge(draw: random.Random) -> tuple[str, Iterable[str]]:
     """Mutate one certificate and have it checked."""
-    check, content = checker(), mutated(draw, draw.choice(sound()))
-    with tempfile.TemporaryDirectory() as name:
+    content = mutated(draw, draw.choice(sound()))
+    with tempfile.TemporaryDirectory() as name, patch.object(check, "SECONDS", int(SECONDS)):
         path = Path(name) / "x.json"
         path.write_bytes(content)
         try:
@@ -87,7 +76,7 @@ def _false(certificate: dict[str, Any]) -> Iterable[str]:
 
 def attack(count: int, seed: int) -> Tally:
     """Run cases and count what comes of them."""
-    checker(), sound()
+    sound()
     return attacked(count, seed, judge, 2 * SECONDS)
 
 

@@ -9,11 +9,11 @@ import pytest
 
 from glmref.catalogue.lookup import load
 from glmref.exact import Exact
-from glmref.measure.reduction import observed_order, smooth_start
 from glmref.problems import problem
 from glmref.prove.facts import Facts
 from glmref.theory import polynomials as poly
 from glmref.theory.stability import at_infinity
+from tests.order_reduction import observed_order, smooth_start
 
 METHODS = (
     "gauss-1", "gauss-2", "gauss-3", "gauss-4", "radau-ia-2", "radau-ia-3", "radau-iia-1",

@@ -159,6 +159,21 @@ def test_printing_and_parsing_give_the_number_back(x: Exact) -> None:
     assert parse(to_text(parse(text))) == x
 
 
+#: Of each kind what flint keeps as a root of its own polynomial, a power or a root of unity.
+ATOMS = st.sampled_from(
+    "i sqrt(-3) sqrt(-7) sqrt(-3/4) sqrt(2) sqrt(12) sqrt(-1/3) sqrt(i) sqrt(1+i) root(5,4) root(2,3) "
+    "exp(2*pi*i/3) exp(2*pi*i/5) exp(-4*pi*i/7) exp(pi*i/8) sqrt(sqrt(-3)) sqrt(2+sqrt(-3)) "
+    "sqrt(-sqrt(2)) sqrt(3-sqrt(5)) exp(pi*i/6)".split()
+)
+
+
+@LAWS
+@given(fractions, fractions, fractions, ATOMS, ATOMS)
+def test_every_text_of_the_grammar_is_written_again(p, q, r, first, second) -> None:
+    value = parse(f"{p}+({q})*{first}+({r})*{second}")
+    assert parse(to_text(value)) == value
+
+
 @st.composite
 def expressions(draw: st.DrawFn, depth: int = 3) -> tuple[str, Exact]:
     """An expression and the value its tree has, computed beside the parser."""

@@ -199,3 +199,23 @@ def test_the_short_way_for_rationals_reads_what_the_grammar_reads(n: int, d: int
         return
     assert parse(f"{n}/{d}") == parse(f"({n})/({d})") == Fraction(n, d)
     assert parse(f"{n}/{d}") != Fraction(n + 1, d)
+
+
+def test_a_jet_is_conjugated_and_is_real_with_its_derivatives() -> None:
+    i = exact(-1).sqrt()
+    x, y = jets([ball(2), ball(3)])
+    z = x * i + y * Fraction(1, 2)  # its derivatives are i and 1/2
+    assert not z.is_real() and not (x * i - 2 * i).is_real() and (x * y).is_real()
+    assert repr(z).startswith("Jet(") and "n=2" in repr(z)
+    back = z.conjugate()
+    for found, truth in zip((back.value, *back.gradient), (1.5 - 2j, -1j, 0.5), strict=True):
+        assert complex(ball(found)) == truth
+
+
+@pytest.mark.parametrize("wrong", [0.5, "1", None, 1j])
+def test_a_jet_takes_no_number_that_is_not_exact(wrong: Any) -> None:
+    (x,) = jets([ball(2)])
+    for work in (lambda: x + wrong, lambda: x - wrong, lambda: x * wrong, lambda: x / wrong,
+                 lambda: wrong + x, lambda: wrong * x, lambda: wrong / x):  # fmt: skip
+        with pytest.raises(TypeError):
+            work()

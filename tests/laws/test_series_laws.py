@@ -6,8 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from glmref.method import GLM
+from glmref.method.component import GENERAL, ROOTED, SEPARABLE
 from glmref.theory.order import order_of
-from glmref.theory.trees import GENERAL, ROOTED, SEPARABLE, trees_up_to
+from glmref.theory.trees import trees_up_to
 from tests.bseries import Series, combine, compose, flow, identity, inverse, shift
 from tests.examples import examples
 

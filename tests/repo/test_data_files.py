@@ -88,7 +88,8 @@ def faults(document, path):
         for key in COEFFICIENTS & document.keys()
         if not all(isinstance(x, str) for x in leaves(document[key]))
     }
-    texts = [x for x in leaves(document.get("claims", {})) if isinstance(x, str)]
+    claims = {k: v for k, v in document.get("claims", {}).items() if k != "order-to-digits"}
+    texts = [x for x in leaves(claims) if isinstance(x, str)]  # a size such as 2.7e-85 is none
     if any(set(re.findall(r"[A-Za-z_]\w*", x)) - FUNCTIONS for x in texts):
         found.add("constant")  # a claim stands by itself
     start = document.get("starting")

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import json
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -290,6 +291,59 @@ def test_every_public_name_is_found_and_every_unknown_one_is_not() -> None:
     assert set(glmref.__all__) <= set(dir(glmref))
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
         _ = glmref.nothing
+
+
+def test_a_module_lists_names_only_where_it_offers_imports() -> None:
+    for path in SOURCES:
+        if path.name == "__init__.py" or "__all__" not in text(path):
+            continue
+        tree = ast.parse(text(path))
+        listed = next(
+            ast.literal_eval(x.value)
+            for x in tree.body
+            if isinstance(x, ast.Assign) and ast.unparse(x.targets[0]) == "__all__"
+        )
+        imports = [x for x in ast.walk(tree) if isinstance(x, ast.ImportFrom)]
+        imported = {a.asname or a.name for x in imports for a in x.names}
+        assert imported & set(listed), f"{path} lists what it defines: leave __all__ out"
+
+
+REFERENCE = re.compile(r":mod:`~?[.]+([\w.]+)`|:\w+:`~?((?:glmref|campaigns)[.][\w.]+)`")
+
+
+def is_there(at: Path, words: list[str]) -> bool:
+    """Whether words lead from a folder to a module, or to one with the next word in its text."""
+    while words and (at / words[0]).is_dir():
+        at, words = at / words[0], words[1:]
+    if words and (at / f"{words[0]}.py").is_file():
+        at, words = at / f"{words[0]}.py", words[1:]
+    file = at if at.is_file() else at / "__init__.py"
+    return not words or (file.is_file() and bool(re.search(rf"\b{words[0]}\b", text(file))))
+
+
+def unresolved(path: Path, words: str) -> list[str]:
+    """References in a text, as it would stand in a file, to what is not there."""
+    return [
+        relative or whole
+        for relative, whole in REFERENCE.findall(words)
+        if not any(
+            is_there(at, (relative or whole).split("."))
+            for at in (path.parents if relative else [PACKAGE.parent])
+        )
+    ]
+
+
+def test_references_name_what_is_there() -> None:
+    """A module or a name that moved is named by its new place in docstrings and comments too."""
+    paths = [*SOURCES, *(PACKAGE.parent / "campaigns").rglob("*.py")]
+    wrong = {str(path): found for path in paths if (found := unresolved(path, text(path)))}
+    assert not wrong
+    named = ":mod:`.field` :class:`~glmref.exact.Exact` :func:`glmref.exact.linalg.solve_affine`"
+    assert unresolved(PACKAGE / "exact" / "x.py", named) == []
+    assert unresolved(PACKAGE / "cli" / "x.py", f"{named} :data:`glmref.exact.Inexact`") == [
+        "field",
+        "glmref.exact.Inexact",
+    ]
 
 
 #: Kinds of methods, starts and finishes: code reads components and asks for the kind seldom.

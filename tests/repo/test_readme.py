@@ -38,7 +38,9 @@ def verified_table() -> str:
             document(path.stem)["claims"]
             for path in sorted((data_root() / "methods" / folder).glob("*.json"))
         ]
-        orders = [c.get("order", c.get("nystrom-order")) for c in claims]
+        printed = [c.get("order-to-digits", {"b": [None]})["b"][0] for c in claims]
+        proved = [c.get("order", c.get("nystrom-order")) for c in claims]
+        orders = [y if x is None else x for x, y in zip(proved, printed, strict=True)]
         orders = [x for x in orders if x is not None]
         count: Counter[str] = Counter(k for c in claims for k, v in c.items() if v is True)
         conserving = [c for c in claims if c.get("g-symplectic") or c.get("symplectic")]

@@ -249,7 +249,7 @@ class NewtonStopped(Base):
 
     def step(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
         engine = self._engine(method, problem)
-        from glmref.conformance.traps import _newton, _stopped
+        from glmref.conformance.faults import _newton, _stopped
 
         return _stopped(engine, t, y.reshape(engine.shape), h, _newton)
 

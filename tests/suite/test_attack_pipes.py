@@ -48,3 +48,22 @@ def test_the_attack_sees_a_process_that_is_left(monkeypatch: pytest.MonkeyPatch)
     )  # fmt: skip
     told, wrong = pipes.attack("leaves a child", pipes.random.Random(1))
     assert "ended without an answer" in told and wrong == "1 processes are left"
+
+
+def test_a_peer_that_was_stopped_before_its_first_line_is_counted(monkeypatch, capsys) -> None:
+    # a busy machine may take longer than the patience of the attack to start an interpreter
+    monkeypatch.setattr(pipes, "peer", lambda chance, folder, deed: "false")
+    assert pipes.main(2, 7403) == 0
+    assert f"2  {pipes.NOT_BEGUN}" in capsys.readouterr().out
+
+
+def test_an_error_of_the_attack_itself_is_seen(monkeypatch) -> None:
+    def fails(count: int, seed: int) -> None:
+        sys.stderr.write("what a peer writes is not shown")
+        raise RuntimeError("the attack is wrong")
+
+    monkeypatch.setattr(pipes, "run", fails)
+    before = sys.stderr
+    with pytest.raises(RuntimeError):
+        pipes.main(1, 1)
+    assert sys.stderr is before

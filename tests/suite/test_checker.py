@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import importlib.util
 import json
 import math
 import random
@@ -14,11 +13,9 @@ from pathlib import Path
 
 import pytest
 
+from checker import glmref_check as check
+
 ROOT = Path(__file__).resolve().parents[2]
-PATH = ROOT / "checker" / "glmref_check.py"
-SPEC = importlib.util.spec_from_file_location("glmref_check", PATH)
-check = importlib.util.module_from_spec(SPEC)
-SPEC.loader.exec_module(check)
 
 SQRT3 = {
     "kind": "tower",
@@ -300,7 +297,10 @@ def test_a_thousand_random_changes_are_refused():
 
 def run(*files):
     return subprocess.run(
-        [sys.executable, str(PATH), *map(str, files)], capture_output=True, text=True, check=False
+        [sys.executable, check.__file__, *map(str, files)],
+        capture_output=True,
+        text=True,
+        check=False,
     )
 
 
@@ -330,7 +330,7 @@ def test_twins_and_floats_are_refused(tmp_path, text):
 
 
 def test_nothing_but_the_standard_library_is_imported():
-    lines = PATH.read_text(encoding="utf-8").splitlines()
+    lines = Path(check.__file__).read_text(encoding="utf-8").splitlines()
     modules = {line.split()[1] for line in lines if line.startswith(("import ", "from "))}
     assert modules <= sys.stdlib_module_names
 

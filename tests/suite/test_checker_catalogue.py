@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import importlib.util
 import json
 import random
 import time
@@ -14,19 +13,13 @@ from typing import Any
 import jsonschema
 import pytest
 
+from checker import glmref_check as check
 from glmref.catalogue.files import names
 from glmref.catalogue.lookup import data_root, document
 from glmref.catalogue.reader import load_document
 from glmref.cli.certifying import write_certificates
 from glmref.findings import Verdict
 from glmref.verification.verifier import verify
-
-ROOT = Path(__file__).resolve().parents[2]
-SPEC = importlib.util.spec_from_file_location("glmref_check", ROOT / "checker" / "glmref_check.py")
-assert SPEC is not None
-assert SPEC.loader is not None
-check = importlib.util.module_from_spec(SPEC)
-SPEC.loader.exec_module(check)
 
 #: One file of each kind: sweeps with one and several values, pairs, splittings, an exact method with
 #: a start in decimals; files that are wrong; the reduced method; a matrix search over intervals; an additive method.

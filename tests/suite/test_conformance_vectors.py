@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 
 from glmref.catalogue.lookup import data_root, load
+from glmref.conformance.faults import NOTES
 from glmref.conformance.generate import METHODS, checksums, document_of, layout
 from glmref.conformance.scheme import ball_field, enclosed_step, step_over
-from glmref.conformance.traps import NOTES
 from glmref.conformance.vectors import file_names, problems, vectors_of
 from glmref.exact import ball
 from glmref.method import Method

@@ -6,8 +6,8 @@ import pytest
 
 from glmref.conformance.adapters.reference import Adapter as Reference
 from glmref.conformance.checks import Suite
+from glmref.conformance.faults import NOTES
 from glmref.conformance.subject import Subject
-from glmref.conformance.traps import NOTES
 from glmref.findings import Verdict
 
 from .planted_runs import PLANTED, Foreign

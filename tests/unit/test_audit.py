@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import ast
 import json
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from glmref.audit import code
 from glmref.audit.judge import judge
 from glmref.audit.readers import declared_orders, read
 from glmref.audit.table import Table
+from glmref.audit.values import Unread, evaluate
+from glmref.catalogue.lookup import document
 from glmref.cli import main
+from glmref.exact.expression import parse
 
 SUNDIALS = """
 ARK_BUTCHER_TABLE(ARKODE_HEUN_EULER_2_1_2, { /* Heun-Euler-ERK */
@@ -774,3 +780,154 @@ def test_ode_jl_tables() -> None:
         "julia",
     ).values()
     assert (pair["name"], pair["declared"], pair["status"]) == ("heun_euler", 2, "right")
+
+
+RODAS = """
+const ROSA = [
+    0 0
+    1.2 0
+]
+const ROSC = [
+    0
+    -1.0
+]
+function Two2Tableau(::Type{T}, ::Type{T2}) where {T, T2}
+    gamma = inv(convert(T2, 2))
+    s = size(ROSA, 1)
+    b = T[ROSA[s, i] for i in 1:(s - 1)]
+    push!(b, one(T))
+    btilde = nothing
+    return RodasTableau{T, T2, Vector{T}}(ROSA, ROSC, gamma, 0, 0, 0, b, btilde)
+end
+"""
+
+
+def test_the_transformed_form_is_read_from_julia() -> None:
+    (table,) = read(RODAS, "julia", {"Two2": 2})
+    assert (table.kind, table.order, table.rows) == ("rosenbrock", 2, [])
+    gamma = [[x.value.as_fraction() for x in row] for row in table.A[1]]
+    # C = diag(1/gamma) - Gamma^-1, so that gamma_21 = gamma c_21 gamma
+    assert gamma == [[Fraction(1, 2), 0], [Fraction(-1, 4), Fraction(1, 2)]]
+    assert [x.value.as_fraction() for x in table.b[0]] == [Fraction(7, 20), Fraction(1, 2)]
+
+
+IMKG = """
+function IMEXTableau(::IMKG232a)
+    IMKGTableau((1 / 2, 1 / 2, 1), (0, -1 / 2 + √2 / 2, 1), (1 - √2 / 2, 1 - √2 / 2))
+end
+"""
+
+
+def test_the_family_of_steyer_is_read_from_julia() -> None:
+    (table,) = read(IMKG, "julia")
+    explicit, implicit = table.A
+    known = document("imkg-232a")["parts"]
+    for part, (*rows, weights) in zip(known, (explicit, implicit), strict=True):
+        for row, numbers in zip((*part["A"], part["b"]), (*rows, weights), strict=True):
+            *kept, last = numbers
+            assert last.value.is_zero()
+            assert all((parse(x) - y.value).is_zero() for x, y in zip(row, kept, strict=True))
+
+
+CONSTANTS = """
+function Euler2ConstantCache(T, T1)
+    a0100 = convert(T, 1)
+    b1 = T1(1 // 2)
+    b2 = T1(1 // 2)
+    c1 = T1(1)
+    return Euler2ConstantCache(a0100, b1, b2, c1)
+end
+function IRKN3ConstantCache(T::Type, T2::Type)
+    a21 = convert(T, 1 // 8)
+    bbar1 = convert(T, 1 // 3)
+    return IRKN3ConstantCache(a21, bbar1, 1)
+end
+function SRA2ConstantCache(T::Type, T2::Type)
+    a21 = convert(T, 3 // 4)
+    α1 = convert(T, 1 // 3)
+    return SRA2ConstantCache(a21, α1, 1)
+end
+"""
+
+
+def test_stages_numbered_from_zero_and_weights_that_are_not_read() -> None:
+    first, second, third = read(CONSTANTS, "julia", {"Euler2": 2})
+    assert [[x.value.as_fraction() for x in row] for row in first.A[0]] == [[0, 0], [1, 0]]
+    assert judge(first, search=False)["status"] == "right"
+    assert "two steps" in second.unread and "`α`" in third.unread
+
+
+NYSTROM = """
+function Nystrom4Tableau(::Type{T}, ::Type{T2}) where {T, T2}
+    a = zeros(T, 3, 3)
+    a[2, 1] = convert(T, 1 // 8)
+    a[3, 2] = convert(T, 1 // 2)
+    b = [convert(T, 1 // 6), convert(T, 2 // 6), zero(T)]
+    bp = [convert(T, 1 // 6), convert(T, 4 // 6), convert(T, 1 // 6)]
+    c = [convert(T2, 1 // 2), one(T2)]
+    return NystromVITableau(a, b, bp, T[], T[], c, false, 2)
+end
+function NystromVITableau(a, b, bp)
+    return NystromVITableau(a, b, bp, 1, 1, 1, 1)
+end
+"""
+
+
+def test_nystrom_tables_of_julia() -> None:
+    (table,) = read(NYSTROM, "julia", {"Nystrom4": 4})
+    assert (table.kind, table.order) == ("nystrom", 4)
+    assert judge(table, search=False)["status"] == "right"
+    (wrong,) = read(NYSTROM.replace("2 // 6", "1 // 6"), "julia", {"Nystrom4": 4})
+    assert judge(wrong, search=False)["status"] != "right"
+
+
+def test_broadcasts_calls_after_semicolons_and_lines_that_go_on() -> None:
+    text = """
+function Two()
+    A = [0 0; 1 0]
+    α = [big"1" // 2; BigInt(1) //
+        BigInt(2)]
+    low = α .- [1 // 2, -1 // 2]
+    return ExplicitRKTableau(A, [0, 1], α, 2, αEEst = low, adaptiveorder = 1)
+end
+"""
+    (table,) = read(text, "julia")
+    record = judge(table, search=False)
+    assert (record["status"], record["found"]) == ("right", 2), record
+
+
+class Counted(str):
+    """A text that counts the characters that are taken from it."""
+
+    taken = 0
+
+    def __getitem__(self, key: Any) -> str:
+        found = super().__getitem__(key)
+        self.taken += len(found)
+        return found
+
+
+def test_a_statement_of_any_length_is_looked_at_a_few_times() -> None:
+    text = Counted("a = [\n" + "    0.25,\n" * 300 + "]\nb = 1\n")
+    assert [x.line for x in code._julia(text)] == [1, 303]
+    assert text.taken < 4 * len(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("[x for x in span(1, 2) for y in span(1, 2)]", "a loop is not read"),
+        ("[x for x in span(1, 2) if x]", "a loop is not read"),
+        ("[x for x in y]", "a loop is not read"),
+        ("[x for x, y in span(1, 2)]", "a loop is not read"),
+        ("[x for x in span(1, 2, 2)]", "a range with a step is not read"),
+        ("[x for x in span(1, last=2)]", "a range with a step is not read"),
+        ("[x for x in span(1, [2])]", "the ends of a range must be numbers"),
+        ("[x for x in span(1, 300)]", "a loop is too long"),
+    ],
+)
+def test_comprehensions_of_another_form_are_unread(text: str, said: str) -> None:
+    with pytest.raises(Unread, match=said):
+        evaluate(ast.parse(text, mode="eval").body, {})
+    found = evaluate(ast.parse("[2 * x for x in span(1, 3)]", mode="eval").body, {})
+    assert [x.whole() for x in found] == [2, 4, 6]

@@ -13,6 +13,7 @@ import pytest
 from click.shell_completion import ShellComplete
 
 from glmref import __version__
+from glmref.catalogue.files import data_root
 from glmref.catalogue.lookup import document, names
 from glmref.cli import group, main
 from glmref.findings import Finding, Verdict
@@ -279,3 +280,69 @@ def test_certify_says_which_folder_cannot_be_made(run: Run, tmp_path: Path) -> N
     code, _, err = run("certify", "rk4", "--output", str(tmp_path / "file" / "out"))
     assert code == 2
     assert f"{str(tmp_path / 'file')!r} is a file; name another folder" in err
+
+
+def test_an_empty_input_of_check_says_what_to_write(
+    run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sys.stdin", io.StringIO("  \n"))
+    code, out, err = run("check", "-")
+    assert (code, out) == (2, "") and err.startswith("glmref: the standard input is empty; write {")
+
+
+def test_the_list_shows_the_order_that_a_method_is_known_by(run: Run) -> None:
+    rows = {
+        x["name"]: x["order"] for x in json.loads(run("list", "--format", "json")[1])["methods"]
+    }
+    assert None not in (rows["dormand-prince-rkn-4-3"], rows["feagin-10-printed"])
+    names = ("dormand-prince-rkn-8-6", "dormand-prince-rkn-12-10", "blanes-moan-rkn-6-11", "rk4")
+    assert [rows[x] for x in names] == [8, 12, 6, 4]
+
+
+def test_a_rosenbrock_method_is_analysed_and_drawn_in_its_own_terms(
+    run: Run, tmp_path: Path
+) -> None:
+    code, out, _ = run("analyze", "ros3-printed")
+    rows = dict(x.split(maxsplit=1) for x in out.splitlines() if x.startswith("stages"))
+    assert code == 3 and rows == {"stages": "3"}
+    assert out.count("no vector v has") == 1
+    assert "order of row embedded" in out and "embedded embedded" not in out
+    code, out, _ = run("show", "ros3-printed", "--plot", str(tmp_path / "r.svg"))
+    assert code == 0 and (tmp_path / "r.svg").read_text().startswith("<")
+    assert "class rosenbrock: 3 stages, 1 value\n" in out
+
+
+def test_a_method_file_given_to_check_is_named_as_one(run: Run) -> None:
+    path = str(data_root() / "methods" / "glm" / "dimsim-2-type-1.json")
+    said = "glmref: this is a method file; `glmref verify FILE` recomputes its claims\n"
+    assert run("check", path) == (2, "", said)
+
+
+def test_a_refused_export_names_the_formats_that_hold_the_method(run: Run) -> None:
+    """LaTeX holds no Rosenbrock method, so that it does not hold every method."""
+    _, _, err = run("export", "dormand-prince-rkn-12-10", "--to", "petsc")
+    assert err.endswith("is a Runge-Kutta-Nystrom method; json, csv and latex hold it\n")
+    _, _, err = run("export", "ros3-printed", "--to", "latex")
+    assert err.endswith("json and csv hold it, and latex does not\n")
+
+
+def test_signs_of_residuals_agree_within_an_analysis(run: Run) -> None:
+    _, out, _ = run("analyze", "dimsim-2-type-1")
+    assert "has residual 0.333333" in out and "largest 0.333333 at tree [oo]" in out
+    assert "by which the" in out
+
+
+def test_a_claim_of_sizes_that_fails_is_written_as_a_person_writes_it(run: Run) -> None:
+    _, out, _ = run("verify", "verner-robust-8-7-digit")
+    assert "declared b 8 to 2.4e-41, embedded 7 to 8.0e-42; row b: tree " in out
+    assert "not decided" not in out and "{" not in out
+
+
+def test_a_terminal_is_told_how_long_an_analysis_has_been_going_on(
+    run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("glmref.cli.describing._PATIENCE", 0.0)
+    assert "analyzing" not in run("analyze", "rk4")[2]  # no terminal, no progress
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
+    _, out, err = run("analyze", "rk4")
+    assert "\ranalyzing rk4: 0 s" in err and err.endswith("\r") and out.startswith("rk4")

@@ -48,6 +48,9 @@ def test_a_method_that_is_lost_is_never_recommended_however_fast():
     assert name == "slow" and "fast takes" in reason
     assert comparing._recommended([fast, grows], "separable", 1e-9, "state")[0] is None
     assert comparing._recommended([fast], "general", 1e-9, "state")[0] is None
+    kept = replace(slow, method="kept", long_runs="recorded as bounded", renew=10_000)
+    name, reason = comparing._recommended([slow, kept], "separable", 1e-9, "state")
+    assert name == "kept" and "ten million steps" in reason and "need" not in reason
 
 
 def test_shipped_candidates_exist_and_those_that_grow_are_labelled():
@@ -56,6 +59,7 @@ def test_shipped_candidates_exist_and_those_that_grow_are_labelled():
             said = " ".join(document(name).get("notes", []))
             label = comparing._label(glmref.load(name), document(name).get("notes", []))
             assert (label in ("lost", "grows")) == ("grow" in said or "lost" in said)
+            assert label != "recorded as bounded" or "stays bounded" in said
 
 
 @pytest.mark.parametrize(

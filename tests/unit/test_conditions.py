@@ -7,9 +7,10 @@ import pytest
 from glmref.exact import exact
 from glmref.exact.linalg import rank
 from glmref.method import GLM
+from glmref.method.component import GENERAL, ROOTED, SEPARABLE
 from glmref.theory.blocks import make_block
 from glmref.theory.conditions import Conditions
-from glmref.theory.trees import GENERAL, ROOTED, SEPARABLE, pruned, trees
+from glmref.theory.trees import pruned, trees
 from tests.bseries import elementary_weights, flow
 
 

@@ -7,9 +7,10 @@ import pytest
 import glmref
 from glmref.exact import exact
 from glmref.method import GLM
-from glmref.method.families import adams_moulton, gauss, linear_multistep, one_leg, runge_kutta
+from glmref.method.classical import adams_moulton, gauss
+from glmref.method.families import linear_multistep, one_leg, runge_kutta
+from glmref.method.solution_value import abscissae
 from glmref.theory.consistency import (
-    abscissae,
     consistency,
     consistency_residual,
     is_zero_stable,
@@ -76,3 +77,20 @@ def test_two_copies_of_one_solution_have_no_unique_u():
 @pytest.mark.parametrize("name", ["stormer-verlet", "gsymplectic-n-pair"])
 def test_both_halves_of_a_pair_are_consistent(name):
     assert all(consistency(c).consistent for c in glmref.load(name).components)
+
+
+def test_residuals_are_rows_of_the_conditions():
+    m = GLM(A=[[0]], U=[[1, 2]], B=[[3], [4]], V=[[1, 5], [0, 6]])
+    u, v = (exact(1), exact(7)), (exact(2), exact(-1))
+    assert preconsistency_residual(m, u) == ((35,), (35,), (14,))
+    assert consistency_residual(m, u, v) == ((3 - 3 - 3,), (4 - 6 - 7 + 1,))
+
+
+def test_a_method_without_v_names_the_row_and_one_without_u_has_no_answer():
+    found = consistency(GLM(A=[[0]], U=[[1, 0]], B=[[3], [0]], V=[[1, 0], [0, 0]]))
+    assert found.consistent is False and found.u == (1, 0) and found.residual == 2
+    assert found.witness.endswith("row 1 is off by 2 where the others hold")
+    found = consistency(GLM(A=[[0]], U=[[2]], B=[[1]], V=[[1]]))
+    assert found.preconsistent is True and found.u == (Fraction(1, 2),)
+    found = consistency(GLM(A=[[0]], U=[[1]], B=[[1]], V=[[3]]))
+    assert (found.preconsistent, found.consistent, found.residual) == (False, False, 2)

@@ -16,7 +16,6 @@ from glmref.measure.convergence import (
     isochronous_threefold,
     method_order,
     observed_order,
-    parasitic_order,
 )
 from glmref.measure.underlying import Underlying
 from glmref.problems import problem
@@ -185,25 +184,6 @@ def test_the_effective_order_of_a_method_without_such_luck_is_its_order():
 
 def test_the_effective_order_of_a_pair_is_measured_on_a_separable_problem():
     assert abs(effective_order(load("symplectic-euler-a"), expected=2).order - 2) < 0.05
-
-
-def zero_start(engine, t, y0, h):
-    return Underlying(engine).lifted(y0)
-
-
-def own_start(engine, t, y0, h):
-    from glmref.engine.start import starting_values
-
-    return starting_values(engine, None, t=t, y0=y0, h=h).values
-
-
-@pytest.mark.sampled(1)
-@pytest.mark.parametrize(("start", "order"), [(zero_start, 2), (own_start, 4)])
-def test_the_parasitic_part_of_n_falls_with_the_order_of_its_start(start, order):
-    # y_2 starts at h^2 from zero; the explicit start is exact through h^3
-    method = load("gsymplectic-n")
-    found = parasitic_order(method, problem("pendulum"), start, expected=4)
-    assert abs(found.order - order) < 0.1
 
 
 @pytest.mark.slow

@@ -114,6 +114,8 @@ def test_a_jacobian_that_leaves_the_band_is_refused():
     branch = inside.replace("out[i", "if y[i] > 0:\n            out[i")
     assert stays_within(inside, "J", chain.band, [])
     assert not stays_within(beyond, "J", chain.band, [])
+    assert stays_within(inside.replace("+=", "="), "J", chain.band, [])
+    assert not stays_within(beyond.replace("+=", "="), "J", chain.band, [])
     assert not stays_within(branch, "J", chain.band, [])
 
 
@@ -186,3 +188,45 @@ def prepare_anew():
 
     kernel._sources.clear()
     return kernel._prepared.__wrapped__
+
+
+def test_a_band_holds_its_structure_and_is_no_wider():
+    rng = np.random.default_rng(4)
+    for n in (40, 60):
+        shuffled = rng.permutation(n).tolist()
+        chain = [frozenset(shuffled[j] for j in (k - 1, k, k + 1) if 0 <= j < n) for k in range(n)]
+        structure = [chain[shuffled.index(i)] for i in range(n)]
+        band = band_of(structure)
+        assert (band.lower, band.upper, band.entries, band.width) == (1, 1, 3 * n - 2, 3)
+        one_sided = [frozenset(x for x in row if shuffled.index(x) <= shuffled.index(i))
+                     for i, row in enumerate(structure)]  # fmt: skip
+        assert sorted((x := band_of(one_sided), (x.lower, x.upper))[1]) == [0, 1]
+    for trial in range(40):
+        n = int(rng.integers(30, 60))
+        near = [[j for j in range(max(0, i - 3), min(n, i + 3)) if rng.random() < 0.4 or i == j]
+                for i in range(n)]  # fmt: skip
+        far = {(i, n - 1 - i) for i in range(3)} if trial % 5 == 0 else set()
+        structure = [
+            frozenset([*row, *(b for a, b in far if a == i)]) for i, row in enumerate(near)
+        ]
+        band = band_of(structure)
+        if band is None:
+            continue
+        assert sorted(band.order) == list(range(n))
+        place = {i: k for k, i in enumerate(band.order)}
+        assert band.places.tolist() == [place[i] for i in range(n)]
+        offsets = [place[i] - place[j] for i, row in enumerate(structure) for j in row]
+        assert (band.lower, band.upper) == (max(0, *offsets), max(0, -min(offsets)))
+        assert band.entries == sum(map(len, structure))
+        assert 4 * (2 * band.lower + band.upper + 1) <= n
+
+
+def test_a_matrix_that_is_as_good_dense_has_no_band():
+    def chain(n, reach):
+        return [frozenset(range(max(0, i - reach), min(n, i + reach + 1))) for i in range(n)]
+
+    # 4 (2 lower + upper + 1) numbers against n: the room that pivoting needs, for its worth
+    assert band_of(chain(16, 1)) is not None and band_of(chain(15, 1)) is None
+    assert band_of(chain(28, 2)) is not None and band_of(chain(27, 2)) is None
+    assert band_of([frozenset(range(9))] * 9) is None
+    assert band_of([frozenset()] * 4).entries == 0

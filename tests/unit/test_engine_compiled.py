@@ -9,6 +9,7 @@ import pytest
 
 from glmref import Problem, load, problem, solve
 from glmref.engine import compiled, kernel, native
+from glmref.engine.expressions import Unsupported
 from glmref.engine.kernel import prepare
 from glmref.system import cache
 
@@ -67,7 +68,7 @@ def test_a_cache_that_is_full_costs_the_cache_and_no_run(folder, monkeypatch):
 @pytest.mark.parametrize("fault", ["no folder", "full"])
 def test_a_module_that_numba_cannot_keep_is_compiled_in_memory(folder, monkeypatch, fault):
     def unsupported(*arguments):
-        raise native.Unsupported("not today")
+        raise Unsupported("not today")
 
     def full(path, content):
         raise OSError(28, "No space left on device")
@@ -141,7 +142,7 @@ def test_numba_compiles_the_same_source_to_the_same_bits(folder, monkeypatch, re
         request.addfinalizer(kept.cache_clear)
 
     def refuse(*_, **__):
-        raise compiled.native.Unsupported("as if")
+        raise Unsupported("as if")
 
     monkeypatch.setattr(compiled.native, "compile_kernel", refuse)
     other = solve("kepler", "s4-symmetric", h=0.05, steps=200)

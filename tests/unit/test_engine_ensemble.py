@@ -1,6 +1,8 @@
 """Ensembles: every trajectory is the one that it would be alone, to the last bit."""
 
 import math
+import time
+from functools import partial
 
 import numpy as np
 import pytest
@@ -190,3 +192,53 @@ def test_arguments_that_do_not_fit_are_refused(arguments, message):
 def test_newton_in_lanes_is_for_few_unknowns():
     with pytest.raises(UsageError, match="give width=1"):
         solve_ensemble("kepler", "gauss-2", np.ones((2, 4)), h=0.1, steps=1, solver="newton")
+
+
+@pytest.mark.parametrize("width", [1, 8])
+def test_ctrl_c_keeps_the_rows_that_were_read(width):
+    of, calls = problem("kepler"), []
+
+    def cancel():
+        calls.append(1)
+        if len(calls) > 2:
+            raise KeyboardInterrupt
+        return False
+
+    y0 = initial(of, 2)
+    options = {"h": 0.05, "every": 2, "width": width, "threads": 1}
+    found = solve_ensemble(of, "rk4", y0, steps=6, cancel=cancel, **options)
+    whole = solve_ensemble(of, "rk4", y0, steps=6, **options)
+    assert set(found.outcomes) == {Outcome.CANCELLED} and not found.completed
+    rows = len(found.t)
+    assert found.t.tolist() == pytest.approx([*whole.t[: rows - 1], found.steps.min() * 0.05])
+    np.testing.assert_array_equal(found.y[: rows - 1], whole.y[: rows - 1])
+    np.testing.assert_array_equal(found.y[-1], found.values[:, 0])
+
+
+def test_what_was_built_is_said_with_its_seconds():
+    of = problem("henon-heiles")
+    y0 = initial(of, 3)
+
+    def run(method, **options):
+        begin = time.perf_counter()
+        found = solve_ensemble(of, method, y0, h=0.1, steps=2, start="zero", **options)
+        assert 0 < found.seconds + found.build_seconds < time.perf_counter() - begin
+        assert found.build_seconds > 0 and found.seconds > 0
+        return found
+
+    assert run("rk4", width=8).kernel == "native, standard form, 8 lanes"
+    assert run("rk4", width=8, arithmetic="fused").kernel == "native, standard form, 8 lanes, fused"
+    words = run("g6245-w3", width=8, solver="newton").kernel.split(", ")
+    assert words[0] == "native" and words[2:] == ["newton", "8 lanes"]
+    alone = run("rk4", width=1)
+    assert alone.kernel == "native, standard form, compensated, scalar target"
+    assert alone.threads >= 1 and alone.width == 1
+
+
+def test_interpreted_kernels_are_stepped_in_one_thread(monkeypatch):
+    monkeypatch.setattr("glmref.engine.runners.prepare", partial(prepare, interpreted=True))
+    of, y0 = Problem(f=("-y[0]",), y0=(1.0,)), np.array([[1.0], [-2.0]])
+    found = solve_ensemble(of, "rk4", y0, h=0.1, steps=3, threads=4, width=1)
+    assert found.kernel.startswith("python") and found.threads == 1
+    factor = sum((-0.1) ** k / math.factorial(k) for k in range(5)) ** 3
+    assert found.y[-1].ravel().tolist() == pytest.approx([factor, -2 * factor], rel=1e-14)

@@ -9,7 +9,7 @@ from glmref.engine.ensemble import solve_ensemble
 from glmref.engine.kernel import prepare
 from glmref.engine.shape import shape_of
 from glmref.engine.sweep import step_form
-from glmref.engine.unroll import unrolled
+from glmref.engine.unroll import placed, unrolled
 
 
 @pytest.mark.sampled(6, besides=("outer",))
@@ -107,3 +107,12 @@ def test_what_is_not_known_before_stays_a_loop(line):
 
 def test_a_long_body_stays_a_loop():
     assert unrolled(BODY, (100, 1, 100), 500) == ""
+
+
+def test_an_unrolled_body_is_placed_under_other_names():
+    body = "def f(t, q, params, out):\n    s = sin(t) * q[1]\n    out[0] = s + abs(params[0])\n"
+    named = [lambda k, x=x: f"{x}[{k + 4}]" for x in ("y", "f", "par")]
+    assert placed(body, *named, "own_") == [
+        "own_s = sin(time) * y[5]",
+        "f[4] = own_s + abs(par[4])",
+    ]

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from glmref import Problem, UsageError, solve
+from glmref.engine import inspection
 from glmref.engine.outcome import Outcome
-from glmref.problems.user import FunctionFailed
+from glmref.problems.user import FunctionFailed, UserFunction
 
 QUICK = ("reference", "interpreted")
 ENGINES = [*QUICK, pytest.param("compiled", marks=pytest.mark.slow)]  # numba takes a second each
@@ -225,7 +226,7 @@ def test_what_varies_later_in_the_run_is_noticed_at_its_end(engine):
     begin = []
 
     def clock(t, y):
-        begin.append(time.monotonic())
+        begin.append(time.thread_time())  # which stands still while others have the processor
         return [y[1], -y[0] * (1 + (begin[-1] > begin[0] + 1e-3))]
 
     late = {
@@ -403,3 +404,55 @@ def sharing_objects():
         return held
 
     return f
+
+
+def test_values_differ_by_their_largest_difference():
+    inf, nan = math.inf, math.nan
+    for a, b, apart in [
+        (None, None, None), (None, (1.0,), inf), ((1.0,), None, inf), ((1.0, nan), (1.0, nan), None),
+        ((inf,), (inf,), None), ((inf,), (-inf,), inf), ((1.0,), (nan,), inf), ((nan,), (1.0,), inf),
+        ((0.0, 1.0, 5.0), (0.5, 1.0, 2.0), 3.0), ((2.0,), (2.25,), 0.25),
+    ]:  # fmt: skip
+        assert inspection._differ(a, b) == apart
+
+
+def test_what_a_type_of_result_costs_is_said():
+    def said(*kinds):
+        function = UserFunction(lambda t, y: y, "f", 1, (1,))
+        return inspection._lost(function, {np.dtype(x) for x in kinds})
+
+    assert said("f8") == said("c16") == said() == said("O") == []
+    for kinds, digits in (
+        (["f4"], 7),
+        (["c8"], 7),
+        (["f2"], 3),
+        (["f2", "f4"], 3),
+        (["f4", "i8"], 7),
+    ):
+        (found,) = said(*kinds)
+        assert found.startswith("`f` returns ") and found.endswith("; let it return float64")
+        assert f"numbers: the results have about {digits} digits" in found
+    for kind in ("i8", "u1", "?"):
+        (found,) = said(kind)
+        assert found == (
+            f"`f` returns an array of {np.dtype(kind)}: fractions are lost where the values have "
+            f"any; let it return float64"
+        )
+    assert inspection._few(np.array([1.5, 2.0])) == "(1.5, 2)"
+    assert inspection._few(np.array([0.1, 2.0, 3.0])) == "(0.10000000000000001, 2, ...)"
+
+
+def test_parts_that_are_not_f_are_refused_by_their_worst_component():
+    def problem_of(last):
+        return Problem(
+            f=lambda t, y: [y[1], -y[0] * last], dq=lambda p: [p[0]], dp=lambda q: [-q[0]],
+            y0=(1.0, 2.0),
+        )  # fmt: skip
+
+    assert solve(problem_of(1 + 1e-7), "rk4", h=0.1, steps=1, engine="reference").completed
+    with pytest.raises(UsageError) as found:
+        solve(problem_of(1.5), "rk4", h=0.1, steps=1, engine="reference")
+    assert str(found.value) == (
+        "`f` and its parts `dq`, `dp` disagree at the start: component 1 is -1.5 in f and -1 in the "
+        "parts"
+    )

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from glmref import Problem, load, problem, solve
-from glmref.engine.maps import map_of
+from glmref.engine import maps
+from glmref.engine.maps import Map, map_of
+from glmref.engine.shape import shape_of
 
 
 @pytest.mark.parametrize(  # explicit and implicit finish
@@ -53,3 +55,40 @@ def test_what_needs_python_has_no_kernel():
     assert map_of(None, problem("kepler")) is None
     assert map_of(load("pair-6-8").starting, problem("kepler")) is None  # two components
     assert map_of(load("s5i2-w3").finishing, problem("kepler")) is not None
+
+
+def test_the_source_of_a_map_is_written_once(monkeypatch, tmp_path):
+    monkeypatch.setenv("GLMREF_CACHE", str(tmp_path))
+    finish, shape = load("s5i2-w3").finishing, shape_of(problem("kepler"))
+    ends = []
+    for _ in range(2):  # the second one as in a later process
+        row = np.array(problem("kepler").y0, dtype=float)[None, None]
+        assert Map(finish, shape, interpreted=False)(row, 0.0, 0.01)[0] == 1
+        ends.append(row)
+        monkeypatch.setattr(maps._MapBuilder, "kernel", None)
+    np.testing.assert_array_equal(*ends)
+
+
+def test_a_guess_of_zeros_is_not_computed(monkeypatch, tmp_path):
+    monkeypatch.setenv("GLMREF_CACHE", str(tmp_path))
+    monkeypatch.setattr("glmref.engine.stages.lagrange_weights", None)  # dear for coupled stages
+    finish = load("order8-s3-w3-i").finishing
+    assert finish is not None and len(finish.stage_blocks()) == 1
+    assert Map(finish, shape_of(problem("kepler")), interpreted=False).work_size > 0
+
+
+def test_a_map_is_machine_code_and_counts_its_rows():
+    of = problem("kepler")
+    made, plain = (
+        Map(load("s5i2-w3").finishing, shape_of(of), interpreted=x) for x in (False, True)
+    )
+    assert (made.built.engine, plain.built.engine) == ("native", "python")
+    rows = np.array([of.y0] * 3, dtype=float)[:, None]
+    ends = []
+    for one in (made, plain):
+        mine = rows.copy()
+        assert one(mine, 0.0, 0.01, every=2, last=5) == (3, 3 * one(rows[:1].copy(), 0.0, 0.01)[1])
+        ends.append(mine)
+    np.testing.assert_array_equal(*ends)
+    np.testing.assert_array_equal(ends[0][0], ends[0][2])
+    assert np.abs(ends[0] - rows).max() > 0

@@ -9,11 +9,12 @@ import pytest
 
 from glmref import load, problem
 from glmref.engine.codegen import ARGUMENTS
+from glmref.engine.expressions import LIBRARY
 from glmref.engine.kernel import choose_form, prepare
 from glmref.engine.lanes import LANE_ARGUMENTS, lane_source
 from glmref.engine.native import aligned_zeros
 from glmref.engine.runners import Lanes
-from glmref.engine.translate import LIBRARY, translated
+from glmref.engine.translate import translated
 
 KERNELS = [
     ("rk4", "kepler", "fixed-point"),

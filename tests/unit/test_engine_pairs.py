@@ -1,11 +1,12 @@
 """Kernels of pairs: local variables and arrays give the same bits, and what a step costs in memory."""
 
 import ast
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from glmref import load, problem, solve
+from glmref import UsageError, load, problem, solve
 from glmref.engine.codegen import Options
 from glmref.engine.compiled import interpret
 from glmref.engine.kernel import Kernel, prepare
@@ -172,3 +173,26 @@ def test_other_multistep_methods_keep_their_form():
     for name in ("quinlan-8a", "stoermer-9", "multistep-8"):
         form = pair_form(load(name))
         assert not form.kick and all(form.kept_hat)
+
+
+def test_a_pair_without_a_sweep_form_says_which_identity_is_missing():
+    pair = load("pair-4-4")
+    for missing in ("G", "D_P", "D_Q"):
+        other = replace(pair, **{missing: None})
+        assert pair_form(other).kind == "standard"
+        with pytest.raises(UsageError, match="has no sweep form: G, D_P and D_Q are not given"):
+            pair_form(other, "sweep")
+    changed = {
+        r"V\^T G V\^ = G": {"G": [[2 * x if i == j == 1 else x + int(i != j) for j, x in enumerate(row)]
+                                 for i, row in enumerate(pair.G)]},
+        r"D_P U\^ = B\^T G V\^": {"D_P": [2 * x for x in pair.D_P]},
+        r"D_Q U = B\^\^T G\^T V": {"D_Q": [2 * x for x in pair.D_Q]},
+        r"D_P A\^ \+ A\^T D_Q = B\^T G B\^": {"A": [[2 * x for x in row] for row in pair.A]},
+    }  # fmt: skip
+    for identity, fields in changed.items():
+        with pytest.raises(UsageError, match=f"{identity} does not hold"):
+            pair_form(replace(pair, **fields), "sweep")
+    with pytest.raises(UsageError, match="has no sweep form: D has a zero"):
+        pair_form(replace(pair, D_P=[0 * x for x in pair.D_P]), "sweep")
+    with pytest.raises(UsageError, match="must be auto, sweep or standard, got 'other'"):
+        pair_form(pair, "other")

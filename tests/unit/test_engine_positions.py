@@ -8,6 +8,7 @@ import pytest
 from glmref import load, problem, solve
 from glmref.engine.forms import StepForm
 from glmref.engine.kernel import prepare
+from glmref.method import GLM
 
 
 def _prologue(name: str, h: float) -> dict[str, float]:
@@ -53,3 +54,32 @@ def test_other_systems_keep_their_rounds() -> None:
     assert "m0_0 = " not in source("henon-heiles", "newton")
     assert "m0_0 = " not in source("rigid-body")
     assert "m0_0 = " not in source("lotka-volterra-logarithmic")  # q' = f(p), f not the identity
+
+
+@pytest.mark.parametrize("name", ["yoshida-6-midpoint", "g6245-w3"])
+def test_single_stages_keep_the_momentum_of_their_form(name: str) -> None:
+    """The sum of G_ij q_i x p_j: a walk of round-off reaches 1e-14."""
+    method = load(name)
+    kepler, numbers = problem("kepler", eccentricity="1/5"), {"h": 0.07, "solver": "fixed-point"}
+    y = solve(kepler, method, steps=200_000, every=2000, history=True, **numbers).history
+    assert y is not None
+    assert isinstance(method, GLM) and method.G is not None
+    G = np.array([[float(x) for x in row] for row in method.G])
+    terms = (np.einsum("ij,ni,nj->n", G, y[:, :, a], y[:, :, b]) for a, b in ((0, 3), (1, 2)))
+    momentum = np.subtract(*terms)
+    assert np.abs(momentum / momentum[0] - 1).max() < 2e-14
+
+
+def test_a_round_of_a_single_stage_is_a_product_and_a_sum() -> None:
+    def source(name: str, on: str = "kepler", solver: str = "fixed-point") -> str:
+        return prepare(load(name), problem(on), h=0.01, solver=solver).source.text
+
+    text = source("g6245-w3")
+    assert "N1_0 = b1_0 + k1*" in text
+    form = prepare(load("g6245-w3"), problem("kepler"), h=0.01, solver="fixed-point").form
+    assert isinstance(form, StepForm)
+    assert f"k1 = ({form.M[1][1]!r}*hw1)*({form.M[1][1]!r}*hw1)" in text
+    assert "k1 = " not in source("g6245-w3", solver="newton")
+    assert "k1 = " not in source("g6245-w3", "rigid-body")
+    assert "k1 = " not in source("g6245-w3", "lotka-volterra-logarithmic")
+    assert "k1 = " not in source("gauss-3")

@@ -5,9 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from glmref import StartingMethod, UsageError, load, problem, solve
+from glmref import GLM, Problem, StartingMethod, UsageError, load, problem, solve
+from glmref.engine.outcome import StartFailed
 from glmref.engine.reference import stepper
-from glmref.engine.start import enhanced_start, starting_values, zero_start
+from glmref.engine.start import (
+    RENEWAL,
+    default_passes,
+    enhanced_start,
+    renewal_of,
+    starting_values,
+    zero_start,
+)
 
 
 def started(name, start, h=0.1, of="pendulum"):
@@ -123,3 +131,52 @@ def test_an_implicit_starting_method_is_solved():
     stage = found.values[1] / 0.1  # = f(Y), Y = y0 + h/2 f(Y)
     again = engine.slope(0.0, y0 + 0.05 * stage)
     assert np.abs(stage - again).max() < 1e-14
+
+
+def test_values_are_made_anew_where_parasitic_parts_stay_as_they_are():
+    # carried values, and a form or a symmetry that keeps the size of what is wrong in them
+    for name in ("g6245", "leapfrog", "gsymplectic-n-pair", "s4-symmetric"):
+        assert renewal_of(load(name)) == RENEWAL == 10_000
+    for name in ("rk4", "gauss-2", "stormer-verlet", "ab-3", "bdf-2"):
+        assert renewal_of(load(name)) == 0
+
+
+def test_passes_of_the_enhanced_start_follow_the_order():
+    assert [default_passes(load(x)) for x in ("leapfrog", "ab-3", "g6245")] == [2, 3, 6]
+    method = load("g6245")
+    assert default_passes(replace(method, claims={"order": 12})) == 8
+    assert default_passes(replace(method, claims={})) == 4
+    assert default_passes(replace(method, claims={"order": "unknown"})) == 4
+
+
+def test_starts_are_named():
+    assert started("ab-3", None).kind == "enhanced, 3 passes"
+    assert started("ab-3", "enhanced").kind == "enhanced, 3 passes"
+    assert started("ab-3", ("enhanced", 1)).kind == "enhanced, 1 passes"
+    assert started("ab-3", "zero").kind == "zero"
+    assert started("gsymplectic-n", np.zeros((2, 2))).kind == "given"
+    assert started("gsymplectic-n", lambda problem, h: np.zeros((2, 2))).kind == "given"
+    # 2^k - 1 trial steps
+    assert [started("ab-3", ("enhanced", k)).evaluations for k in range(4)] == [0, 1, 3, 7]
+    steps = [started("g6245", ("enhanced", k)).evaluations for k in (1, 2)]
+    assert 2 * steps[0] < steps[1] < 4 * steps[0]
+
+
+def test_values_that_cannot_start_are_refused_in_a_sentence():
+    for start, sentence in [
+        ([[1.0, 2.0], [3.0]], "starting values must be an array (r, d), got rows of unlike length"),
+        ([["a", "b"]] * 2, "starting values must be numbers, got [['a', 'b'], ['a', 'b']]"),
+        (np.full((2, 2), 1j), "starting values must be real for a real method, got complex ones"),
+        (("enhanced", -1), "the enhanced start takes 0 to 8 passes, got -1"),
+        (("enhanced", 1.5), "the enhanced start takes 0 to 8 passes, got 1.5"),
+    ]:
+        with pytest.raises(UsageError) as found:
+            started("gsymplectic-n", start)
+        assert str(found.value) == sentence
+    other = GLM([["0"]], [["1", "0"]], [["1"], ["0"]], [["1/2", "0"], ["0", "1/3"]])
+    engine = stepper(other, problem("pendulum"))
+    with pytest.raises(UsageError, match="needs a preconsistent method"):
+        starting_values(engine, None, t=0.0, y0=np.ones(2), h=0.1)
+    growth = stepper(load("bdf-2"), Problem(f=("y[0]*y[0]",), y0=(1.0,)))
+    with pytest.raises(StartFailed, match="a trial step of the enhanced start failed; use a small"):
+        starting_values(growth, None, t=0.0, y0=np.ones(1), h=2.0)

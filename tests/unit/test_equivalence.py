@@ -5,10 +5,12 @@ import pytest
 import glmref
 from glmref.errors import UsageError
 from glmref.exact import exact, root_of_unity
+from glmref.exact.linalg import diagonal
 from glmref.method import GLM, as_matrix
-from glmref.method.families import adams_moulton, gauss, linear_multistep, runge_kutta
+from glmref.method.classical import adams_moulton, gauss
+from glmref.method.families import linear_multistep, runge_kutta
+from glmref.theory.complex_form import complex_pairs, rotation_pairs, to_complex, to_real
 from glmref.theory.equivalence import (
-    complex_pairs,
     drop_idle_stages,
     equivalence,
     equivalent,
@@ -16,9 +18,6 @@ from glmref.theory.equivalence import (
     merge_equal_stages,
     reachable_values,
     reduce,
-    rotation_pairs,
-    to_complex,
-    to_real,
     unobservable_values,
 )
 
@@ -129,3 +128,51 @@ def test_values_out_of_reach_are_removed():
     assert len(reachable_values(m)) == 1
     small = reduce(m)
     assert small.r == 1 and equivalent(small, runge_kutta(*gauss(1))) is not None
+
+
+def test_conjugate_pairs_become_rotations_wherever_they_stand_and_back():
+    i, one, nil = exact(-1).sqrt(), exact(1), exact(0)
+    z, w = (3 + 4 * i) / 5, (5 - 12 * i) / 13
+    values = [one, z, z.conjugate(), w, w.conjugate()]
+    B = ((one,), (1 + i,), (1 - i,), (2 * i,), (-2 * i,))
+    m = GLM(
+        A=((nil,),), U=((one, i, -i, 3 - i, 3 + i),), B=B, V=diagonal(values),
+    )  # fmt: skip
+    assert complex_pairs(m) == [1, 3]
+    real = to_real(m)
+    assert real.is_real and rotation_pairs(real) == [1, 3]
+    assert real.B == ((1,), (2,), (2,), (0,), (4,))  # 2 Re and 2 Im of each pair
+    assert real.V[1][1] == exact(3) / 5 and abs(complex(real.V[1][2])) == 0.8
+    back = to_complex(real)
+    for letter in "AUBV":
+        assert same(getattr(back, letter), getattr(m, letter))
+    assert complex_pairs(real) == [] and complex_pairs(glmref.load("rk4")) == []
+    assert same(to_real(m, [1, 3]).V, real.V) and not to_real(m, [3]).is_real
+
+
+@pytest.mark.parametrize("base", [linear_multistep(*adams_moulton(2)), runge_kutta(*gauss(2))])
+def test_what_was_added_without_influence_is_found_and_removed(base):
+    base = reduce(base)
+    s, r = base.s, base.r
+    nil = exact(0)
+    # stage 1 in two halves, one idle stage, a value nobody sees and one that nothing reaches
+    order = [0, 0, *range(1, s)]
+    A = [[x / 2 if j < 2 else x for j, x in enumerate([base.A[i][k] for k in order])] + [nil]
+         for i in order]  # fmt: skip
+    A.append([exact(k) for k in range(s + 2)])
+    U = [[*base.U[i], nil, exact(i + 1)] for i in order]
+    U[1] = U[0]
+    U.append([exact(5)] * r + [nil, exact(5)])
+    B = [[x / 2 if j < 2 else x for j, x in enumerate([row[k] for k in order])] + [nil]
+         for row in base.B]  # fmt: skip
+    B += [[exact(j) for j in range(s + 1)] + [nil], [nil] * (s + 2)]
+    V = [[*row, nil, exact(1)] for row in base.V]
+    V += [[exact(1)] * r + [exact(3), exact(2)], [nil] * (r + 1) + [exact(-1)]]
+    big = GLM(A=A, U=U, B=B, V=V)
+    mixing = [[exact(int(i == j) + (i + 1 == j) - 2 * (i == j + 2)) for j in range(r + 2)]
+              for i in range(r + 2)]  # fmt: skip
+    for m in (big, big.transform(as_matrix(mixing, "T"))):
+        assert not is_reduced(m)
+        small = reduce(m)
+        assert (small.s, small.r) == (s, r) and equivalent(small, base) is not None
+        assert len(unobservable_values(m)) == 1 and len(reachable_values(m)) == r + 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import copy
 import pickle
 from fractions import Fraction
@@ -165,3 +166,47 @@ def test_negative_powers_of_every_kind_of_number():
     assert exact(2) ** -2 == exact(Fraction(1, 4))
     assert exact(2).sqrt() ** -3 == exact(2).sqrt() / 4
     assert (ball(2) ** -2 - exact(Fraction(1, 4))).is_zero() is not False
+
+
+def test_a_number_is_false_where_it_is_zero_and_plus_leaves_it_alone() -> None:
+    assert exact(1) and not exact(0) and not exact(2).sqrt() * exact(8).sqrt() - 4
+    for x in (exact(3), ball(3)):
+        assert (+x - 3).is_zero() is True
+
+
+def test_the_root_of_a_ball_contains_the_root_and_little_else() -> None:
+    cube = Ball.decimal("8.000", 3).root(3)
+    assert cube.contains(2) and cube.is_real()
+    assert not cube.contains(Fraction(2001, 1000))
+
+
+def test_a_ball_around_another_has_its_midpoint_and_the_radius_that_was_asked() -> None:
+    x = Ball.around(Ball.decimal("1.5", 1), Fraction(1, 4))
+    assert x.contains(Fraction(5, 4)) and x.contains(Fraction(7, 4))
+    assert not x.contains(Fraction(124, 100)) and not x.contains(Fraction(176, 100))
+    assert float(x) == 1.5 and x.radius() == pytest.approx(0.25)
+    assert x.lower_magnitude() <= 1.25 and x.magnitude() >= 1.75
+    assert x.decimal_text(3) == "1.50"
+
+
+def test_numbers_and_balls_of_complex_value_keep_both_parts() -> None:
+    i = exact(-1).sqrt()
+    x = ball(2 + 3 * i)
+    assert complex(x) == complex(2 + 3 * i) == 2 + 3j
+    assert complex(x.conjugate()) == complex((2 + 3 * i).conjugate()) == 2 - 3j
+    assert float(x.real) == 2 and float(x.imag) == 3 and not x.is_real()
+    assert complex(x.midpoint()) == 2 + 3j
+    wide = Ball.decimal("1.0", 1) + Ball.decimal("1.000", 3) * i
+    assert wide.radius() == pytest.approx(0.1, rel=1e-3)
+    assert (wide * i).radius() == pytest.approx(0.1, rel=1e-3)
+    assert complex(x.to_mpf()) == 2 + 3j and float(ball(3).to_mpf()) == 3
+    for number in (x, 2 + 3 * i):
+        with pytest.raises(ExactnessError, match="complex"):
+            float(number)
+    assert (exact(3) + 4 * i).magnitude() == 5
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 4, 5, 6, 8, 12])
+def test_roots_of_unity_lie_where_they_should(n: int) -> None:
+    for k in range(-n, 2 * n):
+        assert complex(root_of_unity(k, n)) == pytest.approx(cmath.exp(2j * cmath.pi * k / n))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import pickle
 from fractions import Fraction
 
@@ -11,7 +12,16 @@ from hypothesis import strategies as st
 
 from glmref.errors import DataError, ExactnessError
 from glmref.exact import Ball, Exact, exact, root_of_unity
-from glmref.exact.expression import MAX_LENGTH, MAX_RADICALS, Text, parse, to_text, weigh
+from glmref.exact.expression import (
+    MAX_LENGTH,
+    MAX_RADICALS,
+    MAX_TURN_DENOMINATOR,
+    Text,
+    parse,
+    shown_number,
+    to_text,
+    weigh,
+)
 from glmref.exact.relations import box
 
 
@@ -31,6 +41,8 @@ from glmref.exact.relations import box
         ("007", 7),
         ("sqrt(9/4)", Fraction(3, 2)),
         ("root(32,5)", 2),
+        ("root(9,2)", 3),
+        ("root(4096,12)", 2),
         ("i*i", -1),
         ("exp(pi*i)", -1),
         ("exp(2*pi*i/4)*exp(-2*pi*i/4)", 1),
@@ -165,6 +177,9 @@ def test_printed_number_parses_back_to_itself(text: str) -> None:
         ("2/4", "1/2"),
         ("sqrt(2)*2/4", "sqrt(2)/2"),
         ("1-sqrt(2+sqrt(3))", "1-sqrt(sqrt(3)+2)"),
+        ("sqrt(-3)", "sqrt(-3)"),
+        ("1/2-sqrt(-3)/2", "1/2-sqrt(-3)/2"),
+        ("1+exp(-4*pi*i/5)", "1+exp(6*pi*i/5)"),
     ],
 )
 def test_numbers_are_printed_the_way_one_writes_them(text: str, printed: str) -> None:
@@ -237,3 +252,29 @@ def test_zeros_of_any_length_are_exact(places, signed) -> None:
 
 def test_the_imaginary_unit_is_a_root_of_degree_2() -> None:
     assert weigh("i", {}).roots == weigh("1+i*i", {}).roots == {("i", 2)}
+
+
+def test_a_number_is_shown_exactly_where_it_has_a_text_and_in_decimals_elsewhere() -> None:
+    seventh = root_of_unity(1, 7)
+    assert shown_number(parse("sqrt(2)/2")) == "sqrt(2)/2"
+    assert float(shown_number(seventh.real)) == pytest.approx(math.cos(2 * math.pi / 7))
+    turned = complex(shown_number(seventh.real + exact(-1).sqrt()))
+    assert turned == pytest.approx(math.cos(2 * math.pi / 7) + 1j)
+    assert shown_number(seventh) == "exp(2*pi*i/7)"
+    assert shown_number(Ball.decimal("0.5", 1)) == "0.5"
+
+
+def test_a_root_of_unity_counts_with_its_denominator_and_at_most_with_the_largest() -> None:
+    assert weigh("exp(2*pi*i/7)", {}).degree == 2 * 7  # with i
+    assert weigh("exp(2*pi*i/100000)", {}).degree == 2 * MAX_TURN_DENOMINATOR
+    assert weigh("root(2,5)*root(2,5)*root(3,5)", {}).degree == 25
+    assert weigh("1/sqrt(2)+1", {}).height == 2 * weigh("1*sqrt(2)+1", {}).height
+
+
+@pytest.mark.parametrize(
+    ("text", "value"), [(".5", 0.5), ("5.", 5), ("-.25", -0.25), ("10.50", 10.5)]
+)
+def test_decimals_need_no_digit_on_one_side_of_the_point(text: str, value: float) -> None:
+    found = parse(text, digits=2)
+    assert isinstance(found, Ball) and float(found) == value
+    assert found.radius() == pytest.approx(0.01)

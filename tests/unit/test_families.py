@@ -7,13 +7,10 @@ import pytest
 from glmref.errors import DataError
 from glmref.exact import Exact, exact
 from glmref.exact.linalg import solve
+from glmref.method.classical import adams_bashforth, adams_moulton, bdf, gauss
 from glmref.method.families import (
-    adams_bashforth,
-    adams_moulton,
-    bdf,
     composition,
     error_constant,
-    gauss,
     linear_multistep,
     one_leg,
     one_leg_twin,

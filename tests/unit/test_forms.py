@@ -1,8 +1,16 @@
 """Spaces of forms: all of them, and the witness when none is left."""
 
-from glmref.exact import exact
+from glmref.exact import Ball, exact
 from glmref.method import as_matrix
-from glmref.theory.forms import Form, choose_form, combine, cut_down, invariant_matrices
+from glmref.theory.forms import (
+    Form,
+    FormSpace,
+    choose_form,
+    combine,
+    cut_down,
+    invariant_matrices,
+    is_nondegenerate,
+)
 
 
 def test_invariant_forms_of_a_rotation_are_multiples_of_the_identity():
@@ -36,3 +44,44 @@ def test_combination_of_forms_combines_both_parts():
     a = Form(((exact(1),),), ((exact(2),),))
     both = combine((2, 3), (a, a))
     assert both.G == ((5,),) and both.D == ((10,),)
+
+
+def form(G, *D):
+    return Form(as_matrix(G, "G"), tuple(tuple(map(exact, d)) for d in D))
+
+
+def test_degenerate_forms_are_told_from_others():
+    assert is_nondegenerate(form([[1, 0], [0, -1]], [1, 2], [3])) is True
+    assert is_nondegenerate(form([[1, 0], [0, -1]], [1, 2], [0])) is False
+    assert is_nondegenerate(form([[1, 1], [1, 1]], [1])) is False
+    assert is_nondegenerate(form([[1, 0]], [1])) is False
+    wide = Ball.decimal("0.0", 1)
+    assert is_nondegenerate(Form(((exact(1),),), ((wide,),))) is None
+    assert is_nondegenerate(Form(((wide,),), ((exact(1),),))) is None
+    assert is_nondegenerate(Form(((exact(1),),), ((wide, exact(0)),))) is False
+
+
+def test_the_first_form_that_is_nondegenerate_is_shown():
+    first, other = form([[1, 0], [0, 0]], [1, 0]), form([[0, 0], [0, 1]], [0, 1])
+    assert choose_form(FormSpace((), False)) is None
+    assert choose_form(FormSpace((other, first), False)) is other
+    found = choose_form(FormSpace((first, other), True))
+    assert found.G == ((1, 0), (0, 1)) and found.D == ((1, 1),)
+    assert choose_form(FormSpace((first, first), True)) is first
+    lifted = form([[1, 0], [0, 1]], [1, 1])
+    unit = [form([[0, 0], [0, 0]], [0, 0])] * 4
+    assert choose_form(FormSpace((lifted, *unit), True)).D == ((1, 1),)
+
+
+def test_what_leaves_no_principal_form_is_named():
+    forms = [form([[1]], [2])]
+    space = cut_down(forms, lambda x: [("D", (x.D[0],))], lambda x: x.G[0][0])
+    assert space.forms == () and not space.principal and space.residual == 2
+    assert "entry (1, 1) of D is 2 in size for the only form G left" in space.witness
+    two = [form([[1]], [2]), form([[0]], [2])]
+    space = cut_down(two, lambda x: [("D", (x.D[0],))], lambda x: x.G[0][0])
+    assert len(space.forms) == 1 and space.principal and space.forms[0].D == ((0,),)
+    space = cut_down(forms, lambda x: [], lambda x: exact(0))
+    assert space.witness == "no form sees the solution" and not space.principal
+    assert cut_down([], lambda x: [], None).witness.startswith("no form G other than 0")
+    assert cut_down(forms, lambda x: [], None).witness == ""

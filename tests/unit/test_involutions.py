@@ -1,8 +1,11 @@
 """Stage permutations by backtracking."""
 
+import random
 from itertools import permutations
 
-from glmref.exact import exact
+import pytest
+
+from glmref.exact import Ball, exact
 from glmref.exact.linalg import zeros
 from glmref.theory.involutions import Relation, involutions, matchings
 
@@ -34,3 +37,37 @@ def test_matchings_carry_one_matrix_to_another():
     order = (2, 0, 1)
     second = tuple(tuple(first[i][j] for j in order) for i in order)
     assert list(matchings([(first, second)], 3)) == [order]
+
+
+@pytest.mark.parametrize("kinds", [(0, 0, 0, 0), (0, 0, 1, 1), (0, 1, 0, 1, 0)])
+def test_involutions_and_matchings_are_those_of_a_search_of_all_permutations(kinds):
+    draw, n = random.Random(3), len(kinds)
+    every = [
+        p for p in permutations(range(n)) if all(kinds[k] == kinds[i] for i, k in enumerate(p))
+    ]
+    for entries in ((0, 1), (1, 1, 1, 2), (5,)):
+        A = M(*([draw.choice(entries) for _ in range(n)] for _ in range(n)))
+        P = draw.choice([p for p in every if all(p[p[i]] == i for i in range(n))])
+        target = tuple(tuple(A[i][j] + A[P[i]][P[j]] for j in range(n)) for i in range(n))
+        found = list(involutions([Relation(A, target, 0, 0)], kinds))
+        expected = {
+            p for p in every if all(p[p[i]] == i for i in range(n))
+            and all(A[i][j] + A[p[i]][p[j]] == target[i][j] for i in range(n) for j in range(n))
+        }  # fmt: skip
+        assert set(found) == expected and len(found) == len(expected) and P in expected
+        moved = tuple(tuple(A[P[i]][P[j]] for j in range(n)) for i in range(n))
+        same = {
+            p for p in permutations(range(n))
+            if all(moved[i][j] == A[p[i]][p[j]] for i in range(n) for j in range(n))
+        }  # fmt: skip
+        assert set(matchings([(A, moved), (A, moved)], n)) == same
+
+
+def test_a_relation_of_a_part_looks_at_its_own_stages_only():
+    A, target = M([1, 2]), M([4, 6])  # row 2, columns 0 and 1 of the stages 0, 1, 2
+    assert list(involutions([Relation(A, M([2, 4]), 2, 0)], (0, 0, 1))) == [(0, 1, 2)]
+    assert list(involutions([Relation(A, M([3, 3]), 2, 0)], (0, 0, 1))) == [(1, 0, 2)]
+    assert list(involutions([Relation(A, target, 2, 0)], (0, 0, 1))) == []
+    wide = ((Ball.decimal("1.0", 1), Ball.decimal("2.0", 1)),)
+    opened = list(involutions([Relation(wide, M([2, 4]), 2, 0)], (0, 0, 1)))
+    assert opened == [(0, 1, 2)]

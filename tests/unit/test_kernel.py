@@ -12,6 +12,8 @@ from glmref.findings import Proof, Verdict
 from glmref.method import PartitionedGLM
 from glmref.prove.facts import facts_of
 from glmref.prove.kernel import Kernel, Reach
+from glmref.verification.verifier import verify
+from tests.adversary.deceive import shipped
 
 
 def searched(method):
@@ -110,10 +112,10 @@ def test_a_step_of_the_staircase_is_a_rounding_and_far_below_the_next():
     def staircase(*sizes, proved=0):
         return Reach(proved, sizes, ("",) * len(sizes), None, exact=True).staircase()
 
-    assert staircase(1e-9, 1e-9, 0.25) == "order 2 to 1e-09, order 0 exactly"
-    assert staircase(1e-9, 1.01e-7) == "order 2 to 1e-07, order 1 to 1e-09, order 0 exactly"
+    assert staircase(1e-9, 1e-9, 0.25) == "order 2 to 1.0e-9, order 0 exactly"
+    assert staircase(1e-9, 1.01e-7) == "order 2 to 1.1e-7, order 1 to 1.0e-9, order 0 exactly"
     size = 2.0**-30
-    assert staircase(size, 100 * size) == "order 2 to 9.3e-08, order 0 exactly"
+    assert staircase(size, 100 * size) == "order 2 to 9.4e-8, order 0 exactly"
     assert staircase(1e-3) == "order 0 exactly"  # no rounding
     assert staircase(0.0, 0.0) == "order 0 exactly"  # balls around zero show no step
     assert staircase(0.0, 0.25, proved=1) == "order 1 exactly"
@@ -226,7 +228,7 @@ def single(A, U, B, V):
 def test_what_an_enclosure_implies_only_raises_a_lower_bound():
     from glmref.errors import ExactnessError
     from glmref.prove.implications import _SEAL, Implied
-    from glmref.prove.kernel import Range
+    from glmref.prove.ranges import Range
 
     kernel = Kernel(load("rk4"), Implied(at_least={"order": 3}, seal=_SEAL))
     for found in (Range(3, 4), Range(4, 4)):
@@ -459,3 +461,41 @@ def test_dense_output_and_any_matrix_are_judged_for_the_methods_that_have_them()
         Kernel(two).range("dense-order")
     with pytest.raises(ExactnessError, match="a Rosenbrock method is needed"):
         Kernel(load("rk4")).range("w-order")
+
+
+def test_a_start_and_a_finish_of_a_method_in_time_are_not_judged() -> None:
+    """Its c is not A 1: the series are those of the method with the time among its components."""
+    d = shipped("rk4")
+    d["format"] = "glmref-method-2"
+    d["starting"] = {"A": [["1/2"]], "B": [["1/3"]], "u": ["1"], "order": 1}
+    d["finishing"] = {"A": [["0"]], "b": ["-1/3"], "order": 1}
+    for last, expected in (("1", Verdict.HOLDS), ("7/9", Verdict.OPEN)):
+        found = verify(load_document({**d, "c": ["0", "1/2", "1/2", last]}))
+        ends = {
+            x.claim: x.verdict for x in found if x.claim in ("starting-order", "finishing-order")
+        }
+        assert ends == {"starting-order": expected, "finishing-order": expected}
+
+
+def judged(claim: str, value: Any, **document: Any) -> Verdict:
+    """The verdict about a claim of a file."""
+    source = {"citation": "none", "where": "none", "status": "derived"}
+    d = {"format": "glmref-method-2", "name": "judged", "source": source, **document}
+    return facts_of(load_document({**d, "claims": {claim: value}})).judge(claim, value).verdict
+
+
+@pytest.mark.parametrize(
+    ("b", "expected"), [("1", Verdict.HOLDS), ("1.000", Verdict.OPEN), ("1.010", Verdict.FAILS)]
+)
+def test_abscissae_of_decimals_need_consistency(b: str, expected: Verdict) -> None:
+    rk: dict[str, Any] = {"class": "rk", "digits": 3, "A": [["0", "0"], ["1/2", "0"]]}
+    assert judged("abscissae", ["0", "1/2"], **rk, b=["0", b]) is expected
+
+
+def test_one_half_of_a_pair_ends_its_stage_order() -> None:
+    """Lobatto IIIB with IIIA: the stages of the first half alone have order 1."""
+    pair: dict[str, Any] = {"class": "partitioned-rk", "A": [["1/2", "0"], ["1/2", "0"]],
+                            "A_hat": [["0", "0"], ["1/2", "1/2"]], "b": ["1/2", "1/2"],
+                            "b_hat": ["1/2", "1/2"]}  # fmt: skip
+    assert judged("order", 2, **pair) is Verdict.HOLDS
+    assert judged("stage-order", 1, **pair) is Verdict.HOLDS

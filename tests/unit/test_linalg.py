@@ -6,10 +6,13 @@ from fractions import Fraction
 
 import pytest
 
-from glmref.errors import ExactnessError
+from glmref.catalogue.entries import Entries
+from glmref.errors import BudgetError, ExactnessError
 from glmref.exact import Ball, Exact, exact, linalg
-from glmref.exact.expression import parse
+from glmref.exact.expression import parse, to_text
 from glmref.method import as_matrix
+from glmref.system.budget import limited
+from glmref.theory import polynomials
 
 
 def matrix(*rows: str) -> linalg.Matrix:
@@ -108,3 +111,23 @@ def test_inverse_over_balls_encloses_the_exact_one() -> None:
         for x, y in zip(row, exact_row, strict=True):
             assert x.contains(y)
             assert not x.contains(y + 1)
+
+
+def test_work_on_matrices_and_polynomials_looks_at_the_budget() -> None:
+    a, b = matrix("1 2", "3 4"), matrix("1", "1")
+    root = exact(2).sqrt()
+    for work in (
+        lambda: linalg.solve(a, b),
+        lambda: linalg.solve_affine(a, (exact(1), exact(1))),
+        lambda: linalg.independent_rows(a),
+        lambda: linalg.conjugate_transpose(a),
+        lambda: linalg.matmul(a, b),
+        lambda: polynomials.mul(a[0], a[1]),
+        lambda: polynomials.divide(a[0], a[1]),
+        lambda: root * root,
+        root.is_zero,
+        lambda: to_text(exact(2)),
+        lambda: Entries({}, "it.json").scalar("1", "b"),
+    ):
+        with limited(-1.0), pytest.raises(BudgetError):
+            work()

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from campaigns.mutation.inprocess import exchange
+from campaigns.mutation.inprocess import NothingChanged, _every, exchange
 from campaigns.mutation.mutants import mutants
 
 SOURCE = '''"""A module."""
@@ -41,6 +41,7 @@ def module(tmp_path, monkeypatch):
     made = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(made)
     monkeypatch.setitem(sys.modules, "mutated", made)
+    _every.cache_clear()
     return made
 
 
@@ -62,3 +63,19 @@ def test_a_mutant_is_seen_wherever_its_function_is_bound(module):
     wrong = next(x for x in mutants(SOURCE) if x.after == "(4)")
     assert not exchange(module, wrong.source)
     assert box.size == 8
+
+
+def test_a_function_that_pytest_has_rewritten_is_exchanged_too(module):
+    rewritten = SOURCE.replace("    return x < most", "    assert most; return x < most")
+    exec(compile(rewritten, module.__file__, "exec"), module.__dict__)
+    assert not module.below(7)
+    wrong = next(x for x in mutants(SOURCE) if x.after == "(x <= most)")
+    assert exchange(module, wrong.source)
+    assert module.below(7) and not module.below(8)
+
+
+def test_a_mutant_that_changes_no_function_is_no_survivor(module):
+    del module.below
+    wrong = next(x for x in mutants(SOURCE) if x.after == "(x <= most)")
+    with pytest.raises(NothingChanged):
+        exchange(module, wrong.source)

@@ -3,10 +3,11 @@
 import pytest
 
 from glmref.catalogue.lookup import load
+from glmref.method.component import SEPARABLE
 from glmref.method.families import splitting
 from glmref.theory.nystrom import is_nystrom, nystrom_order_of, nystrom_trees
 from glmref.theory.order import order_of
-from glmref.theory.trees import SEPARABLE, parse_tree, trees
+from glmref.theory.trees import parse_tree, trees
 
 
 def test_a_vertex_f_with_two_children_does_not_count():

@@ -7,19 +7,26 @@ import pytest
 
 from glmref.catalogue.lookup import load
 from glmref.errors import UsageError
-from glmref.exact import Ball, jets, lift
+from glmref.exact import Ball, exact, jets, lift
 from glmref.exact.expression import parse
 from glmref.exact.linalg import block_diagonal
 from glmref.findings import Proof
 from glmref.method import GLM
+from glmref.method.component import GENERAL, ROOTED, SEPARABLE
 from glmref.theory.blocks import make_block
-from glmref.theory.error_constants import conjugate_error, error_max, error_norm
+from glmref.theory.error_constants import (
+    _solve_rational,
+    conjugate_error,
+    error_max,
+    error_norm,
+)
 from glmref.theory.order import (
+    highest_order,
     order_of,
     order_residuals,
     residuals_of,
 )
-from glmref.theory.trees import ROOTED, parse_tree, trees_up_to
+from glmref.theory.trees import parse_tree, trees_up_to
 
 # name, order and failing tree with a free principal part, then with the identity, stage order
 SHARP = [
@@ -164,6 +171,7 @@ def test_what_conjugation_cannot_remove_is_the_same_from_both_starts():
     method = load("gsymplectic-n")
     free, fixed = order_of(method), order_of(method, principal="identity")
     least = error_norm(free, conjugate_error(free))
+    assert least > 0
     assert error_norm(fixed, conjugate_error(fixed)) == pytest.approx(least, rel=1e-12)
     assert least < error_norm(fixed)
     five = order_of(load("butcher-effective-5"), principal="identity")
@@ -305,3 +313,18 @@ def test_conditions_take_numbers_that_carry_a_gradient():
         quotient = (moved[t] - at[t]) / step
         assert (quotient - lift(jet, 2).gradient[1]).magnitude() < 1e-30
     assert any(lift(jet, 2).gradient[0].is_zero() is not True for jet in carried.values())
+
+
+def test_trees_are_compared_as_far_as_their_number_allows():
+    three, four = (dict.fromkeys("123", "123"), dict.fromkeys("1234", "1234"))
+    found = [highest_order(x) for x in (ROOTED, GENERAL, three, four, SEPARABLE)]
+    assert found == [12, 8, 6, 5, 9]
+
+
+def test_the_least_squares_of_a_conjugation_solve_their_normal_equations():
+    rows = [[F(4), F(1), F(0)], [F(1), F(3), F(-1)], [F(0), F(-1), F(2)]]
+    right = [exact(2).sqrt(), 3, F(1, 2)]
+    found = _solve_rational(rows, right)
+    assert [sum(a * x for a, x in zip(row, found, strict=True)) - b == 0
+            for row, b in zip(rows, right, strict=True)] == [True] * 3  # fmt: skip
+    assert rows[0] == [4, 1, 0]  # as it was

@@ -101,6 +101,30 @@ def chain(n, **options):
     return Problem.from_hamiltonian(H, y0, parameters={"alpha": "1/4"}, **options)
 
 
+@pytest.mark.parametrize(
+    ("H", "y0"),
+    [
+        # both halves have a root that occurs twice, and f is made of both
+        (
+            "sqrt(1 + px**2 + py**2) - 1/sqrt(qx**2 + qy**2)",
+            {"qx": 1, "qy": 0, "px": 0, "py": 0.5},
+        ),
+        # a constant under a sum is no part of a gradient
+        (
+            "sum(1 - cos(p[i]) for i in range(n)) + sum(1 - cos(q[i]) for i in range(n))",
+            {"q": [1, 0.5], "p": [0, 0.3]},
+        ),
+    ],
+)
+def test_a_kinetic_energy_with_roots_or_constants_is_differentiated(H, y0):
+    found = from_table({"H": H, "y0": y0})
+    y = np.array(found.y0, dtype=float)
+    steps = 1e-6 * np.eye(4)
+    slope = [(found.hamiltonian(y + d) - found.hamiltonian(y - d)) / 2e-6 for d in steps]
+    assert found.f(0.0, y) == pytest.approx([*slope[2:], *(-x for x in slope[:2])], abs=1e-9)
+    assert found.dq is not None and found.force is None
+
+
 def test_sums_are_loops_and_give_the_shipped_chain():
     own, shipped = chain(6), problem("fput", sites=6)
     assert own.second_order

@@ -13,12 +13,13 @@ from glmref.errors import DataError, ExactnessError, UsageError
 from glmref.exact import Exact
 from glmref.exact.expression import parse
 from glmref.findings import Proof, Verdict
+from glmref.method.component import SEPARABLE
 from glmref.prove.enclosure import prove
 from glmref.prove.kernel import Kernel
 from glmref.prove.starting import Target, prove_starting, starting_system
 from glmref.prove.system import SweepSystem
 from glmref.prove.tableau_series import TableauSeries
-from glmref.theory.trees import SEPARABLE, trees
+from glmref.theory.trees import trees
 from glmref.verification.verifier import verify
 from tests.bseries import values_series
 from tests.shipped import shipped

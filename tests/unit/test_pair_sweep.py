@@ -128,7 +128,7 @@ def test_wrong_pieces_are_named(change, message):
 def test_a_file_is_read_into_the_built_pair():
     doc = {k: v for k, v in document("pair-4-4").items() if k != "enclosure"}
     assert load("pair-4-4").n_Q == 4
-    with pytest.raises(DataError, match="`G` is missing"):
+    with pytest.raises(DataError, match="the key 'G' is missing"):
         load_document({k: v for k, v in doc.items() if k != "G"})
     with pytest.raises(DataError, match="'D' is unknown"):
         load_document({**doc, "D": ["1"]})

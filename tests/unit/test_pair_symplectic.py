@@ -7,13 +7,8 @@ import pytest
 import glmref
 from glmref.exact import exact
 from glmref.method import PartitionedGLM
-from glmref.method.families import (
-    gauss,
-    lobatto_iiia,
-    lobatto_iiib,
-    partitioned_runge_kutta,
-    splitting,
-)
+from glmref.method.classical import gauss, lobatto_iiia, lobatto_iiib
+from glmref.method.families import partitioned_runge_kutta, splitting
 from glmref.theory.symplectic import find_forms, g_symplectic
 
 

@@ -1,13 +1,27 @@
 """Periodicity intervals, enclosed."""
 
+import cmath
 from fractions import Fraction
 
 import pytest
 
 import glmref
 from glmref.exact import Ball, ball, exact
-from glmref.method.families import gauss, linear_multistep, radau_iia, runge_kutta, splitting
-from glmref.theory.periodicity import periodicity
+from glmref.method.classical import gauss, radau_iia
+from glmref.method.families import linear_multistep, runge_kutta, splitting
+from glmref.theory import polynomials as poly
+from glmref.theory.periodicity import (
+    _March,
+    _mirrored,
+    _never_both_zero,
+    _newton,
+    _opposite,
+    _polished,
+    _separators,
+    _surely_larger,
+    _taylor,
+    periodicity,
+)
 
 
 def test_leapfrog_is_periodic_up_to_1():
@@ -81,3 +95,68 @@ def test_the_end_is_a_root_of_the_discriminant():
     assert poly.evaluate(tuple(x.ball() for x in discriminant), end).ball().contains_zero()
     near = ball(Fraction(205, 100))
     assert not poly.evaluate(tuple(x.ball() for x in discriminant), near).ball().contains_zero()
+
+
+def test_the_coefficients_about_another_point():
+    found = _taylor([ball(x) for x in (1, -2, 0, 5)], Fraction(1, 2))
+    # 1 - 2 (x + 1/2) + 5 (x + 1/2)^3
+    for x, truth in zip(found, (Fraction(5, 8), Fraction(7, 4), Fraction(15, 2), 5), strict=True):
+        assert x.contains(truth) and x.radius() < 1e-100
+
+
+def test_separators_lie_between_the_roots():
+    roots = [cmath.exp(1j * x) for x in (0.3, 1.9, -2.0)]
+    rho, parameters = _separators(roots)
+    points = [complex(rho) * (1 + 1j * float(t)) / (1 - 1j * float(t)) for t in parameters]
+    assert parameters == sorted(parameters) and len(points) == 3
+    angles = sorted(cmath.phase(w) for w in points)
+    assert angles == pytest.approx([-0.85, 1.1, (1.9 + 2 * cmath.pi - 2.0) / 2])
+    assert _separators([1j, 1j, -1]) == (None, [])
+
+
+def test_signs_are_compared_where_they_are_sure():
+    i, wide = exact(-1).sqrt(), Ball.decimal("0.0", 1)
+    assert _opposite(ball(2), ball(-3)) and _opposite(ball(2) * i, ball(-3) * i)
+    assert not _opposite(ball(2), ball(3)) and not _opposite(ball(2), wide)
+    assert _surely_larger(ball(3), ball(2)) and _surely_larger(ball(-3), ball(2))
+    assert not _surely_larger(ball(2), ball(3)) and not _surely_larger(ball(2), ball(2))
+    assert not _surely_larger(wide, wide)
+
+
+def test_newton_and_the_polish_find_roots():
+    p = tuple(ball(x) for x in (-2, 0, 1))
+    slope = tuple(ball(x) for x in (0, 2))
+    w = _newton(p, slope, 1.4 + 0.1j, 12)
+    assert abs(complex(w) ** 2 - 2) < 1e-15 and (w * w - 2).magnitude() < 1e-100
+    assert _newton(p, slope, 0j, 12).is_zero() is True  # the slope is zero there
+    near = tuple(ball(x) for x in (1, -2 - Fraction(1, 10**8), 1))  # roots 1 -+ 1e-4
+    found = sorted(x.real for x in _polished(near, [0.99 + 0j, 1.01 + 0.001j]))
+    assert found == pytest.approx([1 - 1e-4, 1 + 1e-4], abs=1e-8)
+
+
+def test_mirrored_polynomials_are_told_from_others():
+    def P(*rows):
+        return [tuple(exact(x) for x in row) for row in rows]
+
+    assert _mirrored(P((1,), (0, 3), (1,))) is True
+    assert _mirrored(P((1,), (0, 3), (2,))) is False
+    assert _mirrored(P((1,), (0, 3), (5,), (0, 3), (1,))) is True
+    assert _mirrored(P((1,), (0, 3), (5,), (0, 4), (1,))) is False
+    x, y = (exact(0), exact(1)), (exact(-1), exact(1))
+    assert _never_both_zero((x, y)) and not _never_both_zero((poly.mul(x, y), y))
+    assert not _never_both_zero(((Ball.decimal("1.0", 1),), y))
+
+
+def test_a_root_off_the_circle_is_proved_and_one_on_it_is_not():
+    def march(*coefficients):
+        return _March(tuple(tuple(map(exact, p)) for p in coefficients), Fraction(1, 1000))
+
+    assert march((1,), (), (1,))._off_circle(Fraction(0)) is False
+    assert march((2,), (), (1,))._off_circle(Fraction(0)) is True
+    # w^2 - 2 (1 - y^2) w + 1: on the circle up to y^2 = 2
+    verlet = march((1,), (-2, 0, 2), (1,))
+    for y, off in ((Fraction(1), False), (Fraction(3, 2), True)):
+        assert verlet._off_circle(y) is off
+    assert verlet._alternates(Fraction(1), Fraction(1, 8)) is True
+    assert verlet._alternates(Fraction(3, 2), Fraction(1, 8)) is False
+    assert verlet._alternates(Fraction(1), Fraction(1)) is False

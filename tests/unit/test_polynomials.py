@@ -16,6 +16,7 @@ from glmref.theory.root_location import (
 )
 
 SQRT2 = exact(2).sqrt()
+F12 = Fraction(1, 2)
 
 
 def P(*coefficients):
@@ -112,3 +113,64 @@ def test_a_first_root_that_is_a_short_fraction_is_found_itself():
     p = poly.mul((-third, exact(1)), (-half, exact(1)))
     assert first_root(p, Fraction(0), Fraction(1), Fraction(1, 10**6)) == Fraction(1, 3)
     assert first_root(p, Fraction(1, 2), Fraction(1), Fraction(1, 10**6)) is None
+
+
+def test_answers_about_roots_are_true_or_false():
+    x2 = P(0, 0, 1)
+    cases = [
+        (is_nonnegative, [P(), P(3), x2, P(1, 0, 1), P(4, -4, 1), P(0, 0, 4, -4, 1), P(1, 0, -2, 0, 1)],
+         [P(-1), P(0, 1), P(0, 0, -1), P(-1, 0, 1), P(0, 0, 0, 1, 1), P(0, 1, 1), P(2, 0, -3, 0, 1)]),
+        (is_schur, [P(5), P(0, 1), P(1, 2), P(0, 1, 2), P(1, 0, 0, 2)],
+         [P(1, 1), P(2, 1), P(-1, 0, 1), P(0, 2, 1), P(-1, 1, 2)]),
+        (in_closed_disc, [P(5), P(1, 1), P(0, 1, 1), P(1, 0, 2, 0, 1), P(-1, 1, 2)],
+         [P(2, 1), P(1, 3, 1), P(0, 1, 3, 1), P(-1, 2)[::-1], P(-1, 0, 1, 1, 1)]),
+        (poly.is_self_reciprocal, [P(1, 3, 1), P(-1, 3, -3, 1), P(2)], [P(0, 1), P(1, 2), P(1, 2, 3, 1)]),
+    ]  # fmt: skip
+    for question, holds, fails in cases:
+        assert [question(p) for p in holds] == [True] * len(holds), question
+        assert [question(p) for p in fails] == [False] * len(fails), question
+
+
+def test_roots_are_counted_where_they_are():
+    p = poly.from_roots([exact(x) for x in (-2, 0, 1, 1, 3)])
+    for low, high, count in (
+        (None, None, 4), (-2, 3, 3), (-3, 3, 4), (0, 1, 1), (1, 3, 1), (1, 2, 0), (None, -2, 1),
+        (None, -3, 0), (3, None, 0), (2, None, 1),
+    ):  # fmt: skip
+        ends = [x if x is None else exact(x) for x in (low, high)]
+        assert real_roots(p, *ends) == count
+    assert [real_roots(q) for q in (P(7), P(1, 0, 1), P(-2, 0, 1))] == [0, 0, 2]
+    circle = poly.mul(poly.from_roots([exact(x) for x in (-1, -1, 1, 0)]), P(1, 0, 1))
+    assert unimodular_roots(circle) == 4
+    assert [unimodular_roots(q) for q in (P(3), P(0, 1), P(1, 1), P(1, 3, 1), P(1, 2))] == [
+        0,
+        0,
+        1,
+        0,
+        0,
+    ]
+
+
+def test_a_first_root_is_enclosed_from_above():
+    width = Fraction(1, 10**6)
+    p = poly.mul(P(-2, 0, 1), P(-5, 1))  # sqrt(2), -sqrt(2), 5
+    found = first_root(p, Fraction(0), Fraction(10), width)
+    assert 0 <= float(found) - float(SQRT2) <= float(width) * 1.5
+    assert first_root(p, Fraction(2), Fraction(10), width) == 5
+    assert first_root(p, Fraction(0), Fraction(1), width) is None
+    assert first_root(P(4), Fraction(0), Fraction(1), width) is None
+
+
+def test_newton_s_form_and_the_derivative():
+    p = P(1, -2, 0, 5)
+    points = [3, -1, 0, 7]
+    assert poly.interpolate(points, [poly.evaluate(p, x) for x in points]) == p
+    assert poly.derivative(p) == P(-2, 0, 15)
+    assert poly.squarefree(poly.mul(p, p)) == poly.monic(p) and poly.squarefree(P(2, 4)) == P(
+        F12, 1
+    )
+    assert poly.share_only_one(P(-1, 0, 1), P(-1, 1)) and not poly.share_only_one(
+        P(-1, 0, 1), P(1, 1)
+    )
+    assert not poly.share_only_one(P(-1, 0, 1), P(-1, 0, 1))
+    assert not poly.share_only_one(P(1, -2, 1), P(-1, 1))

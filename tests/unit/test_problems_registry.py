@@ -8,7 +8,7 @@ import pytest
 
 import glmref
 from glmref.errors import UsageError
-from glmref.problems import names, parameters_of, problem
+from glmref.problems import names, problem
 
 
 @pytest.mark.parametrize("name", names())
@@ -24,7 +24,7 @@ def test_every_problem_is_built_and_evaluates(name):
 
 @pytest.mark.parametrize("name", names())
 def test_defaults_written_out_give_the_same_problem(name):
-    same = problem(name, **parameters_of(name))
+    same = problem(name, **problem(name).parameters)
     assert (same.y0 == problem(name).y0).all()
 
 

@@ -6,6 +6,7 @@ from itertools import combinations
 import pytest
 
 from glmref.catalogue.lookup import document
+from glmref.method.component import SEPARABLE
 from glmref.method.families import splitting
 from glmref.prove.classes import Family, attach, free_tree, moves, representatives, second_order
 from glmref.prove.lie import (
@@ -19,7 +20,7 @@ from glmref.prove.lie import (
     words,
 )
 from glmref.theory.order import order_residuals
-from glmref.theory.trees import SEPARABLE, parse_tree, trees
+from glmref.theory.trees import parse_tree, trees
 
 
 def test_moving_the_root_changes_its_colour():

@@ -8,12 +8,13 @@ from glmref.catalogue.lookup import document
 from glmref.catalogue.reader import load_document
 from glmref.errors import DataError
 from glmref.exact import exact
+from glmref.method.component import SEPARABLE
 from glmref.prove.classes import Family, moves
 from glmref.prove.equations import starting_series
 from glmref.prove.order_conditions import covered
 from glmref.prove.system import Equation, SweepSystem
 from glmref.theory.order import order_residuals
-from glmref.theory.trees import SEPARABLE, trees
+from glmref.theory.trees import trees
 
 
 def rational(name):

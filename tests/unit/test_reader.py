@@ -3,12 +3,24 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 import pytest
 
 from glmref.catalogue.claims import CLAIMS
-from glmref.catalogue.keys import BLOCKS, PAIRS, SOURCE, without_meaning
+from glmref.catalogue.entries import Entries
+from glmref.catalogue.keys import (
+    BLOCKS,
+    MAX_ORDER,
+    MAX_SIZE,
+    PAIRS,
+    SOURCE,
+    class_of_keys,
+    fault_of_texts,
+    needed_keys,
+    without_meaning,
+)
 from glmref.catalogue.lookup import document, load, names
 from glmref.catalogue.reader import load_document
 from glmref.errors import DataError
@@ -247,11 +259,166 @@ def test_a_complex_entry_is_named_by_row_and_column(i, j) -> None:
 
 
 def test_every_key_that_a_class_needs_is_asked_for() -> None:
-    from glmref.catalogue.keys import OPTIONAL
-
-    for name in ("t115-i", "rk4", "yoshida-4"):
+    for name in ("t115-i", "rk4", "yoshida-4", "pair-6-8", "nystrom-rkn-5"):
         doc = document(name)
-        for key in sorted(BLOCKS[doc["class"]] - OPTIONAL):
+        for key in sorted(needed_keys(doc["class"])):
             if key in doc:
                 with pytest.raises(DataError, match=f"the key '{key}' is missing"):
                     load_document({x: y for x, y in doc.items() if x != key})
+
+
+@pytest.mark.parametrize(
+    ("changes", "fault"),
+    [
+        ({"title": 3}, "`title` must be a string, got 3"),
+        ({"title": ["a"]}, '`title` must be a string, got ["a"]'),
+        ({"notes": ["a", 1]}, '`notes` must be a string, got ["a", 1]'),
+        ({"notes": ["a", "b"], "title": "It"}, ""),
+        ({"enclosure": "x"}, '`enclosure` must be an object, got "x"'),
+        ({"enclosure": {"box": 1}}, "`enclosure` has the unknown key 'box'"),
+        ({"enclosure": {"equations": "x"}}, "must be a list of strings, got"),
+        ({"enclosure": {"equations": ["x", 1]}}, "must be a list of strings, got"),
+        ({"enclosure": {"equations": ["x"], "radius": "1", "xi": "1"}}, ""),
+        ({"broken": "x"}, "`broken` must be an object"),
+        ({"broken": None}, "`broken` must be an object"),
+        ({"broken": {"claim": "order"}}, "`broken` must be an object"),
+        ({"broken": {"claim": "order", "why": "x", "who": "y"}}, "`broken` must be an object"),
+        ({"broken": {"claim": "order", "why": 1}}, "`broken` must be an object"),
+        ({"broken": {"claim": "order", "why": "x", "found": "y"}}, ""),
+        ({"source": "x"}, '`source` must be an object, got "x"'),
+        ({"source": {**SOURCE_BLOCK, "where": " "}}, "`source.where` must be a non-empty string"),
+        ({"source": {**SOURCE_BLOCK, "status": 1}}, "`source.status` must be a non-empty string"),
+        ({"source": {**SOURCE_BLOCK, "by": "x"}}, "the key 'by' is unknown in `source`"),
+        ({"source": {**SOURCE_BLOCK, "errata": "x"}}, "must be a list of sentences, got"),
+        ({"source": {**SOURCE_BLOCK, "errata": [1]}}, "must be a list of sentences, got"),
+        ({"source": {**SOURCE_BLOCK, "doi": ["x"]}}, "`source.doi` must be a string, got"),
+        ({"source": {**SOURCE_BLOCK, "notes": 1}}, "`source.notes` must be a string, got 1"),
+        ({"source": {**SOURCE_BLOCK, "errata": ["x"], "notes": ["x"], "doi": "x"}}, ""),
+        ({"source": {**SOURCE_BLOCK, "status": "guessed"}}, "must be one of as printed, corrected"),
+        ({"source": {}}, "`source.citation` must be a non-empty string"),
+        ({"source": {}, "claims": {}}, ""),
+        ({"claims": {}}, ""),
+    ],
+)
+def test_texts_and_sources_are_looked_at(changes: dict[str, Any], fault: str) -> None:
+    found = fault_of_texts({**doc("rk"), **changes})
+    assert fault in found and bool(fault) is bool(found)
+
+
+def test_lists_are_read_up_to_their_largest_size() -> None:
+    entries = Entries({}, "it.json")
+    most, more = ["1"] * MAX_SIZE, ["1"] * (MAX_SIZE + 1)
+    assert (
+        len(entries.vector(most, "b")) == len(entries.matrix([["1"]] * MAX_SIZE, "A")) == MAX_SIZE
+    )
+    with pytest.raises(DataError, match=f"`b` has {MAX_SIZE + 1} entries and at most {MAX_SIZE}"):
+        entries.vector(more, "b")
+    with pytest.raises(DataError, match=f"`A` has {MAX_SIZE + 1} rows and at most {MAX_SIZE}"):
+        entries.matrix([["1"]] * (MAX_SIZE + 1), "A")
+    with pytest.raises(DataError, match="row 2 is 1 long and row 1 is 2 long"):
+        entries.matrix([["1", "2"], ["1"]], "A")
+    claims = doc("rk", A=[["0"]], b=["1"], claims={"order": 1})
+    assert load_document(claims).name == "it"
+
+
+@pytest.mark.parametrize(
+    ("digits", "fault"),
+    [(0, "between 1 and 150"), (151, "between 1 and 150"), (True, "whole number"),
+     ("3", "whole number"), (1, ""), (150, "")],
+)  # fmt: skip
+def test_digits_are_a_whole_number_from_1_to_150(digits: Any, fault: str) -> None:
+    entries = Entries({"digits": digits}, "it.json")
+    if fault:
+        with pytest.raises(DataError, match=fault):
+            entries.read_constants()
+    else:
+        entries.read_constants()
+        assert entries.digits == digits
+
+
+def test_unknowns_and_constants_have_one_table_of_names() -> None:
+    entries = Entries({"unknowns": {"x": "2"}, "constants": {"y": "x*x"}}, "it.json")
+    entries.read_constants()
+    assert entries.constants["y"] == 4 and entries.weights["y"].length == 3
+    for wrong, fault in (
+        ({"constants": ["x"]}, "`constants` must be an object"),
+        ({"unknowns": {"x": "1"}, "constants": {"x": "1"}}, "the constant 'x' stands twice"),
+        ({"constants": {"pi": "1"}}, 'has the name "pi", which cannot be used'),
+        ({"constants": {"1x": "1"}}, 'has the name "1x", which cannot be used'),
+    ):
+        with pytest.raises(DataError, match=fault):
+            Entries(wrong, "it.json").read_constants()
+
+
+def test_the_class_that_uses_most_keys_is_told_from_them() -> None:
+    for keys, kind in (
+        ("A b", "rk"), ("A b c", "rk"), ("A U B V G", "glm"), ("alpha beta", "lmm"),
+        ("alpha beta G", "one-leg"), ("A b A_hat b_hat", "partitioned-rk"), ("A", ""),
+        ("A b b_prime c", "nystrom"), ("alpha gamma b", "rosenbrock"), ("D X V G", "sweep"),
+        ("q p", "partitioned"), ("base gamma", "composition"), ("a b first", "splitting"),
+    ):  # fmt: skip
+        assert class_of_keys(dict.fromkeys([*keys.split(), "title"])) == kind
+
+
+def test_a_complex_entry_of_a_vector_is_named_by_its_place() -> None:
+    gsymplectic, additive = document("gsymplectic-n"), partial(doc, "additive")
+    for key, value, place in (("D", ["i", "1"], "`D[1]`"), ("D", ["1", "i"], "`D[2]`"),
+                              ("output", ["1", "i"], "`output[2]`")):  # fmt: skip
+        with pytest.raises(DataError) as error:
+            load_document(
+                {**gsymplectic, key: [*value, *["1"] * (len(gsymplectic.get(key, value)) - 2)]}
+            )
+        assert f"{place} is complex (0+1j) in a real tableau" in str(error.value)
+    parts = [
+        {"A": [["0", "0"], ["i", "0"]], "b": ["0", "1"]},
+        {"A": [["0", "0"]] * 2, "b": ["0", "1"]},
+    ]
+    for order, n in ((parts, 1), (parts[::-1], 2)):
+        with pytest.raises(
+            DataError, match=rf"the entry A\^{n}\[2\]\[1\] of the general linear form"
+        ):
+            load_document(additive(parts=order))
+    pair = document("stormer-verlet")
+    with pytest.raises(DataError, match="is complex"):
+        load_document({**pair, "a": ["i", *pair["a"][1:]]})
+
+
+@pytest.mark.parametrize(
+    ("key", "wrong", "message"),
+    [
+        ("starting", {"B": [["1", "0"], ["0", "1"]]}, r"got A \(1, 1\), B \(2, 2\) and u \(2\)"),
+        ("starting", {"A": [["0", "0"]]}, r"got A \(1, 2\), B \(2, 1\) and u \(2\)"),
+        ("starting", {"B": [["1"]]}, r"got A \(1, 1\), B \(1, 1\) and u \(2\)"),
+        ("starting", {"u": ["1"]}, r"got A \(1, 1\), B \(2, 1\) and u \(1\)"),
+        ("starting", {"order": MAX_ORDER + 1}, f"whole number from 0 to {MAX_ORDER}, got 20"),
+        ("starting", {"order": True}, f"whole number from 0 to {MAX_ORDER}, got true"),
+        ("finishing", {"b": ["1", "0"]}, r"got A \(1, 1\) and b \(2\)"),
+        ("finishing", {"A": [["0", "0"]]}, r"got A \(1, 2\) and b \(1\)"),
+        ("finishing", {"kind": "taylor"}, "`finishing.kind` must be 'runge-kutta', got \"taylor\""),
+        ("finishing", {"c": []}, "`finishing` has the unknown key 'c'"),
+        ("finishing", None, "`finishing` must be an object with A, b"),
+        ("starting", {}, ""),
+        ("finishing", {"order": MAX_ORDER}, ""),
+    ],
+)
+def test_shapes_of_a_start_and_a_finish_are_looked_at(key: str, wrong: Any, message: str) -> None:
+    blocks = {
+        "starting": {"A": [["0"]], "B": [["0"], ["1"]], "u": ["1", "0"], "order": 1},
+        "finishing": {"A": [["0"]], "b": ["1"], "kind": "runge-kutta"},
+    }
+    lmm = {"alpha": ["-1", "1"], "beta": ["1/2", "1/2"]}  # it carries y and h f
+    blocks[key] = "x" if wrong is None else {**blocks[key], **wrong}
+    if message:
+        with pytest.raises(DataError, match=message):
+            load_document(doc("lmm", **lmm, **blocks))
+    else:
+        assert load_document(doc("lmm", **lmm, **blocks)).name == "it"
+
+
+def test_claimed_lists_are_read_up_to_the_largest_size() -> None:
+    values = {"order": 1, "abscissae": ["0"] * MAX_SIZE}
+    euler = {"A": [["0"]], "b": ["1"]}
+    assert len(load_document(doc("rk", claims=values, **euler)).claims["abscissae"]) == MAX_SIZE
+    values["abscissae"] = ["0"] * (MAX_SIZE + 1)
+    with pytest.raises(DataError, match=f"has {MAX_SIZE + 1} entries and at most {MAX_SIZE}"):
+        load_document(doc("rk", claims=values, **euler))

@@ -13,8 +13,9 @@ from glmref.catalogue.lookup import data_root
 from glmref.cli import main
 from glmref.compute.records import RecordFile
 from glmref.errors import DataError, GlmrefError, UsageError
-from glmref.scenes import answer, charts, load_scene, names, orbits, plan, rows, run
+from glmref.scenes import answer, charts, load_scene, names, orbits, plan, reading, rows, run
 from glmref.scenes.answers import duration, seconds_at
+from glmref.scenes.reading import MAX_NAME, MAX_TEXT, MOST_ENTRIES, MOST_STEPS
 
 SMALL = """\
 format = "glmref-scene-1"
@@ -165,6 +166,7 @@ def test_a_file_is_read_with_expressions_and_quick_overrides(tmp_path):
         ('"heun-2"', '"heun-22"', "methods", "did you mean heun-2"),
         ('"heun-2"', '"rk4"', "methods", 'holds "rk4" twice'),
         ('"heun-2"', "3", "methods", "a method must be a text"),
+        ('methods = ["rk4", "heun-2"]', 'classes = ["rkk"]', "classes", "one of 'additive'"),
         ("steps = [20, 40]", "steps = [20, 0.5]", "steps", "whole number from 1"),
         ("steps = [20, 40]", "steps = []", "steps", "a list with entries"),
         ("steps = [20, 40]", "h = [0.1]", "h", "does not divide t_end"),
@@ -731,3 +733,108 @@ def test_charts_show_error_against_time_and_against_evaluations(tmp_path):
     assert (time.x_label, evaluations.suffix) == ("seconds", "-evaluations")
     assert [len(line.points) for line in evaluations.series] == [2, 2]
     assert evaluations.series[0].points[0][0] == 80
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("question =", f"{'q' * 81} =", f"there is no key '{'q' * 80}' here; known are"),
+        ("[20, 40]", f"[20, {'1' * 5000}]", "line 6: a value cannot be read (Exceeds the limit"),
+        ("steps = [20, 40]", f"h = ['2*pi/{MOST_STEPS + 1}']", "does not divide t_end"),
+        ("steps = [20, 40]", "h = [1e-308]", "does not divide t_end"),
+        ("repeats = 1", "repeats = 1001", "whole number from 1 to 1000"),
+        ("repeats = 1", "budget = '1/0'", "positive number or an expression"),
+        ("repeats = 1", f"a{'.a' * 101} = 1", "a key has more than 100 parts"),
+        ("steps = [20, 40]", f"steps = {list(range(1, MOST_ENTRIES + 2))}", "make several scenes"),
+        ("A small scene", "x" * (MAX_TEXT + 1), f"more than {MAX_TEXT} characters"),
+        ('name = "small"', f'name = "{"x" * (MAX_NAME + 1)}"', f"at most {MAX_NAME} characters"),
+    ],
+)  # fmt: skip
+def test_what_is_just_beyond_a_limit_is_refused(tmp_path, old, new, message):
+    with pytest.raises(DataError) as error:
+        load_scene(write(tmp_path, SMALL.replace(old, new, 1)))
+    assert message in str(error.value)
+
+
+def test_what_is_just_inside_the_limits_is_read(tmp_path):
+    text = SMALL.replace("steps = [20, 40]", f"h = ['2*pi/{MOST_STEPS}']")
+    text = text.replace("repeats = 1", "repeats = 1000")
+    text = text.replace("A small scene", "x" * MAX_TEXT)
+    text = text.replace('"small"', f'"{"x" * MAX_NAME}"')
+    scene = load_scene(write(tmp_path, text))
+    assert scene.grid[0][1] == MOST_STEPS and scene.repeats == 1000
+    assert len(scene.name) == MAX_NAME and len(scene.title) == MAX_TEXT
+
+
+def test_the_words_of_toml_begin_in_lower_case(tmp_path):
+    with pytest.raises(DataError, match=r"not TOML: expected '=' after a key"):
+        load_scene(write(tmp_path, "name\n"))
+
+
+def test_a_line_of_many_points_is_no_long_key(tmp_path):
+    sizes = ", ".join(f"'2.0*pi/{n}'" for n in range(1, 150))
+    scene = load_scene(write(tmp_path, SMALL.replace("steps = [20, 40]", f"h = [{sizes}]")))
+    assert len(scene.grid) == 149
+
+
+def test_keys_are_found_on_their_lines():
+    text = """\
+a = 1
+b.c.d = [ # the list begins here
+  "x = 1 [", { y = 2 },
+]
+ "q r" = 3
+'s' = 4
+t = '''
+u = 5
+[no]
+'''
+v = "'''[" # [
+[ w.x ] # a table
+y = 6
+z.a=7
+[w.x]
+y = 8
+not a key
+"""
+    found = {
+        ("a",): 1, ("b",): 2, ("b", "c"): 2, ("b", "c", "d"): 2, ("q r",): 5, ("s",): 6,
+        ("t",): 7, ("v",): 11, ("w", "x"): 12, ("w", "x", "y"): 13, ("w", "x", "z"): 14,
+        ("w", "x", "z", "a"): 14,
+    }  # fmt: skip
+    assert reading._lines(text) == found
+    assert reading._lines(f"k = '{'x' * (reading._LONGEST_LINE - 6)}'") == {("k",): 1}
+    assert reading._lines(f"k = '{'x' * (reading._LONGEST_LINE - 5)}'") == {}
+
+
+def test_numbers_and_expressions_are_read_and_others_refused(tmp_path):
+    reader = reading.Reader(write(tmp_path))
+    for value, number in ((3, 3.0), (1e-3, 1e-3), ("20*pi", 62.83185307179586), ("sqrt(2)", 2**0.5),
+                          ("+".join(["1"] * 50), 50.0)):  # fmt: skip
+        assert reader.number(("h",), value) == pytest.approx(number, rel=1e-15)
+    for value in (0, -1, True, "", "x", "1/0", "+".join(["1"] * 51), 10**400, float("nan"),
+                  float("inf"), None, [1]):  # fmt: skip
+        with pytest.raises(DataError, match="line 6: `steps` must be a positive number or an"):
+            reader.number(("steps",), value)
+    for value, number in ((-1, -1.0), (0, 0.0), ("0-pi", -3.141592653589793)):
+        assert reader.number(("h",), value, positive=False) == number
+    with pytest.raises(DataError, match="must be a number or an expression such as"):
+        reader.number(("h",), "x", positive=False)
+    for value in (1, 7):
+        assert reader.whole(("h",), value, 7) == value
+    for value in (0, 8, True, 1.0, "1"):
+        with pytest.raises(DataError, match="must be a whole number from 1 to 7, got"):
+            reader.whole(("h",), value, 7)
+
+
+def test_words_that_are_offered_are_listed_up_to_a_number(tmp_path):
+    reader, words = reading.Reader(write(tmp_path)), [f"w{k}" for k in range(1, 42)]
+    assert reader.choice(("ask",), "w41", words) == "w41"
+    with pytest.raises(DataError, match=r"'w39', 'w40', \.\.\., got \"w0\"; did you mean"):
+        reader.choice(("ask",), "w0", words)
+    with pytest.raises(DataError, match=r"'w39', 'w40', got \"w41\""):
+        reader.choice(("ask",), "w41", words[:40])
+    for value, said in (("?!", "one of 'a', 'b', got \"?!\""), (3, "got 3"), (["a"], 'got ["a"]')):
+        with pytest.raises(DataError) as error:
+            reader.choice(("nowhere",), value, ("a", "b"))
+        assert str(error.value).endswith(said) and "line 1: `nowhere` must be" in str(error.value)

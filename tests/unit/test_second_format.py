@@ -285,7 +285,7 @@ def test_rosenbrock_methods_are_not_solved_with() -> None:
 def test_a_page_shows_what_stands_beside_the_tableau() -> None:
     """Embedded rows by name, the dense output, alpha and gamma."""
     shown = str(show("dormand-prince-5-4"))
-    assert "embedded embedded:\n  5179/57600  0  7571/16695" in shown
+    assert "embedded row embedded:\n  5179/57600  0  7571/16695" in shown
     assert "b(theta), by powers of theta from 1:" in shown
     assert "alpha | gamma, with b below:" in str(show("ros3p"))
     assert "c | A, with b and b' below:" in str(show("fine-rkn-4-3"))

@@ -7,7 +7,9 @@ import pytest
 from glmref.errors import UsageError
 from glmref.exact import Ball, exact
 from glmref.exact.expression import parse
-from glmref.theory.trees import GENERAL, SEPARABLE, parse_tree, single
+from glmref.method.component import GENERAL, SEPARABLE
+from glmref.theory.coefficients import plus, times, weighted
+from glmref.theory.trees import parse_tree, single
 from tests.bseries import (
     Series,
     combine,
@@ -140,3 +142,21 @@ def test_misuse_is_refused():
         combine([])
     with pytest.raises(KeyError):
         flow(2)[parse_tree("[oo]")]
+
+
+def test_coefficients_of_any_kind_are_added_and_multiplied():
+    wide, x = Ball.decimal("0.0", 1), exact(2).sqrt()
+    kinds = [0, 1, F(1, 2), F(0), x, x - x, wide]
+    for a in kinds:
+        for b in kinds:
+            for found, truth in ((plus(a, b), exact(0) + a + b), (times(a, b), exact(1) * a * b)):
+                assert is_zero(found - truth) is not False
+            assert is_zero(weighted([(0, a), (1, b)], [b, a]) - (a * b + b * a)) is not False
+    assert plus((1, 0), (0, x)) == (1, x) and times(2, (1, x)) == (2, 2 * x)
+    assert times(1, x) is x and times(x, 1) is x and plus(0, x) is x and plus(x, 0) is x
+    assert weighted([], []) == 0 and weighted([(0, x)], [0]) == 0
+    for value, zero in (
+        (0, True), (1, False), (F(0), True), (x - x, True), (wide, None), ((), True),
+        ((0, 0), True), ((0, wide), None), ((wide, 1), False), ((0, 1), False),
+    ):  # fmt: skip
+        assert is_zero(value) is zero

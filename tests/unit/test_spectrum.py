@@ -1,13 +1,23 @@
 """Eigenvalues on the unit circle and power-boundedness."""
 
+import re
+from fractions import Fraction as F
+
 import pytest
 
 from glmref.errors import ExactnessError
 from glmref.exact import Ball, exact, root_of_unity
-from glmref.exact.linalg import diagonal, dot, matvec, vecmat
+from glmref.exact.linalg import block_diagonal, diagonal, dot, matvec, vecmat
 from glmref.method import as_matrix
-from glmref.method.families import bdf, linear_multistep
-from glmref.theory.spectrum import eigenvectors, power_bounded, unimodular_eigenvalues
+from glmref.method.classical import bdf
+from glmref.method.families import linear_multistep
+from glmref.theory import polynomials as poly
+from glmref.theory.spectrum import (
+    Boundedness,
+    eigenvectors,
+    power_bounded,
+    unimodular_eigenvalues,
+)
 
 
 def test_eigenvalues_come_by_increasing_argument():
@@ -99,3 +109,68 @@ def test_published_decimals_leave_the_eigenvalues_open():
     assert power_bounded(V).holds is None
     with pytest.raises(ExactnessError, match="exact entries only"):
         unimodular_eigenvalues(V)
+
+
+@pytest.mark.parametrize(
+    ("V", "witness"),
+    [
+        ([["1", "0"], ["0", "2"]], "V has an eigenvalue outside the unit circle, of modulus about 2"),
+        ([["0", "-4"], ["1", "0"]], "of modulus about 2"),
+        ([["1", "1"], ["0", "1"]], "eigenvalue 1 of V .* has multiplicity 2 and 1 eigenvector$"),
+        ([["i", "1"], ["0", "i"]], "eigenvalue 0\\+1j of V .* multiplicity 2 and 1 eigenvector$"),
+        (
+            [["-1", "1", "0"], ["0", "-1", "0"], ["0", "0", "-1"]],
+            "eigenvalue -1 of V on the unit circle has multiplicity 3 and 2 eigenvectors$",
+        ),
+        # (3 + 4 i)/5 twice, in one block: found by no root of unity
+        (
+            [["3/5", "-4/5", "1", "0"], ["4/5", "3/5", "0", "1"], ["0", "0", "3/5", "-4/5"],
+             ["0", "0", "4/5", "3/5"]],
+            "a multiple eigenvalue of V on the unit circle lacks eigenvectors",
+        ),
+    ],
+)  # fmt: skip
+def test_what_is_not_bounded_says_why(V, witness):
+    found = power_bounded(as_matrix(V, "V"))
+    assert found.holds is False and re.search(witness, found.witness)
+
+
+def test_multiple_eigenvalues_with_all_their_eigenvectors_are_bounded():
+    rotation = as_matrix([["3/5", "-4/5"], ["4/5", "3/5"]], "V")
+    for V in (block_diagonal(rotation, rotation), diagonal([exact(x) for x in (1, 1, -1, -1, 0, 0)]),
+              block_diagonal(rotation, as_matrix([["0", "1"], ["0", "0"]], "V"))):  # fmt: skip
+        assert power_bounded(V) == Boundedness(True, "")
+
+
+def test_a_root_inside_is_told_from_one_outside_however_near():
+    near = exact(1) - exact(1) / 10**30
+    assert power_bounded(diagonal([exact(1), near, -near])).holds is True
+    assert power_bounded(diagonal([exact(1), near, -1 / near])).holds is False
+
+
+def test_four_eigenvalues_of_a_palindromic_polynomial_are_found():
+    # (w^2 - 6 w/5 + 1)(w^2 + 10 w/13 + 1): the roots have modulus 1 and are no roots of unity
+    p = poly.mul(
+        tuple(map(exact, (1, F(-6, 5), 1))), tuple(map(exact, (1, F(10, 13), 1)))
+    )  # fmt: skip
+    companion = tuple(
+        tuple(exact(int(j == i + 1)) if i < 3 else -p[j] for j in range(4)) for i in range(4)
+    )
+    i = exact(-1).sqrt()
+    found = unimodular_eigenvalues(companion)
+    expected = [(3 + 4 * i) / 5, (-5 + 12 * i) / 13, (-5 - 12 * i) / 13, (3 - 4 * i) / 5]
+    assert [(e.value, e.multiplicity) for e in found] == [(x, 1) for x in expected]
+
+
+def test_mirrored_eigenvalues_off_the_circle_are_left_out():
+    rotation = as_matrix([["3/5", "-4/5"], ["4/5", "3/5"]], "V")
+    i = exact(-1).sqrt()
+    found = unimodular_eigenvalues(block_diagonal(rotation, diagonal([exact(2), exact(F(1, 2))])))
+    assert [e.value for e in found] == [(3 + 4 * i) / 5, (3 - 4 * i) / 5]
+    assert unimodular_eigenvalues(diagonal([exact(2), exact(F(1, 2))])) == ()
+    turns = [
+        as_matrix([[f"{a}/{c}", f"-{b}/{c}"], [f"{b}/{c}", f"{a}/{c}"]], "V")
+        for a, b, c in ((3, 4, 5), (5, 12, 13), (8, 15, 17))
+    ]
+    with pytest.raises(ExactnessError, match="6 eigenvalues of modulus 1 that are neither"):
+        unimodular_eigenvalues(block_diagonal(*turns))

@@ -1,6 +1,7 @@
 """Linear stability decided exactly."""
 
 from fractions import Fraction
+from itertools import combinations, combinations_with_replacement
 
 import pytest
 
@@ -8,18 +9,20 @@ import glmref
 from glmref.errors import UsageError
 from glmref.exact import exact
 from glmref.method import GLM
-from glmref.method.families import (
+from glmref.method.classical import (
     adams_bashforth,
     adams_moulton,
     bdf,
-    composition,
     gauss,
-    linear_multistep,
     lobatto_iiia,
     lobatto_iiic,
+    radau_iia,
+)
+from glmref.method.families import (
+    composition,
+    linear_multistep,
     one_leg,
     one_leg_twin,
-    radau_iia,
     runge_kutta,
     splitting,
 )
@@ -29,10 +32,18 @@ from glmref.theory.stability import (
     _through_powers,
     _through_values,
     at_infinity,
+    divided,
+    is_mirror_image,
+    leading_part,
+    only_zeros,
     oscillator,
+    parasitic_curvature,
+    schur_cohn,
+    size_difference,
     stability_function,
     stability_matrix,
     stability_polynomial,
+    vanishes_at_inverse,
 )
 
 
@@ -239,3 +250,64 @@ def test_published_decimals_keep_their_digits_through_49_stages():
     radii = [x.ball().radius() for p in _through_powers(m) for x in p]
     # 75 digits, amplified by at most 1e15 in products of matrices with entries below 100
     assert max(radii) < 1e-60
+
+
+def test_only_a_power_of_w_at_infinity_has_zeros_only():
+    for leading, unbounded, zeros in (
+        ((0, 0, 1), 0, True), ((0, 0, 1), 1, False), ((0, 1, 1), 0, False), ((1, 0, 1), 0, False),
+        ((3,), 0, True),
+    ):  # fmt: skip
+        assert only_zeros(tuple(map(exact, leading)), unbounded) is zeros
+
+
+def P(*coefficients):
+    return poly.trim([exact(x) for x in coefficients])
+
+
+def test_the_reduction_of_schur_and_cohn_decides_like_the_roots():
+    i = exact(-1).sqrt()
+    values = [exact(0), exact(1), exact(-1), exact(Fraction(1, 2)), 2 * i, i, exact(3), -i / 3]
+    for roots in [*combinations_with_replacement(values, 2), *combinations(values, 3),
+                  (i, i, -i, -i), (2 * i, i / 2, exact(1)), (i, i, exact(3))]:  # fmt: skip
+        q = tuple((x,) for x in poly.from_roots(roots))
+        inside = all(d is not None and (not d or d[0].sign() >= 0) for d in schur_cohn(q))
+        assert inside is all((x * x.conjugate() - 1).sign() <= 0 for x in roots)
+
+
+def test_the_differences_of_the_reduction_are_polynomials_along_the_axis():
+    # w^2 - y w + 4 y^2: 1 - 16 y^4, then (1 - 4 y^2)^2 ((1 + 4 y^2)^2 - y^2) without what divides
+    first, second = schur_cohn((P(0, 0, 4), P(0, -1), P(1)))
+    assert first == P(1, 0, 0, 0, -16)
+    for y in (Fraction(1, 3), Fraction(1), Fraction(2, 5)):
+        truth = (1 - 16 * y**4) ** 2 - (y * (1 - 4 * y**2)) ** 2
+        assert poly.evaluate(second, y) == truth
+    assert list(schur_cohn((P(2), P(1)))) == [P(-3)] and list(schur_cohn((P(-1), P(1)))) == []
+    assert list(schur_cohn((P(), P(), P(1, 1)))) == []
+    assert list(schur_cohn((P(1), P(1, 2), P(-1)))) == [None]
+
+
+def test_what_divides_all_coefficients_is_divided_out():
+    a, b, factor = P(1, 2), P(-3, 0, 1), P(1, 1)
+    q = (poly.mul(a, factor), poly.mul(b, factor))
+    assert divided(q, factor) == (a, b)
+    assert divided(q, P(2, 1)) == q and divided(q, P(7)) == q
+    assert size_difference(P(1, 2), P(0, 3)) == P(1, 4, -5)
+    assert is_mirror_image((P(1), P(0, 3), P(1))) and not is_mirror_image((P(1), P(0, 3), P(2)))
+    assert vanishes_at_inverse(P(-1, 2), exact(2)) and not vanishes_at_inverse(P(-1, 2), exact(1))
+    leading, unbounded = leading_part((P(1, 0, 5), P(3), P(0, 0, 2), P(1, 1)))
+    assert leading == P(5, 0, 2) and unbounded == 1
+
+
+def test_a_pole_that_cancels_leaves_the_stability_function_of_what_is_left():
+    lower = glmref.from_rk([["1/2", 0], [0, "1/3"]], [1, 0])
+    full = glmref.from_rk([["1/2", 0, 0], [0, "1/3", "1/7"], [0, "1/5", "1/3"]], [1, 0, 0])
+    for m in (lower, full):
+        numerator, denominator = stability_function(m)
+        assert (numerator, denominator) == (P(1, Fraction(1, 2)), P(1, Fraction(-1, 2)))
+
+
+def test_the_curvature_is_asked_of_explicit_pairs_with_the_eigenvalues_1_and_minus_1():
+    with pytest.raises(UsageError, match="must carry two values of q and two of p"):
+        parasitic_curvature(splitting(["1"], ["1"], first="q"))
+    with pytest.raises(UsageError, match="must be explicit"):
+        parasitic_curvature(glmref.load("gsymplectic-n-pair"))

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+from fractions import Fraction
 
 import pytest
 
 import glmref
+from glmref.exact import exact
 from glmref.measure.stability import bounded
-from glmref.theory.stability_interval import imaginary_interval, real_interval
+from glmref.theory import stability_interval
+from glmref.theory.stability_interval import Interval, imaginary_interval, real_interval
 
 INF = math.inf
 
@@ -73,3 +76,19 @@ def test_published_digits_are_left_open() -> None:
     method = glmref.load("gauss-2-seven-digits")
     assert isinstance(method, glmref.GLM)
     assert real_interval(method).end is None
+
+
+def test_the_interval_ends_at_the_least_of_all_ends() -> None:
+    # (w - 2x)(w - 1/2): the product of the roots leaves the disc at x = 1, the first root at 1/2
+    half = exact(Fraction(1, 2))
+    q = ((exact(0), exact(1)), (-half, exact(-2)), (exact(1),))
+    assert stability_interval._end(q) == Interval(0.5, "an eigenvalue leaves the closed unit disc")
+
+
+def test_irrational_coefficients_are_reduced_up_to_the_largest_degree(monkeypatch) -> None:
+    gamma = "(3+sqrt(3))/6"
+    sdirk = glmref.from_rk([[gamma, 0], ["-sqrt(3)/3", gamma]], ["1/2", "1/2"])
+    monkeypatch.setattr(stability_interval, "MOST", 2)
+    assert imaginary_interval(sdirk).end == INF
+    monkeypatch.setattr(stability_interval, "MOST", 1)
+    assert imaginary_interval(sdirk) == Interval(None, "too large for roots among the coefficients")

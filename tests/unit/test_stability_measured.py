@@ -7,13 +7,11 @@ import pytest
 
 from glmref.catalogue.lookup import load
 from glmref.measure.attempt import attempt
-from glmref.measure.resonances import resonances
 from glmref.measure.stability import (
     amplification,
     bounded,
     interval,
     locus,
-    paths,
     radius,
     region,
 )
@@ -163,29 +161,6 @@ def test_an_a_stable_method_fills_the_left_half():
     assert not bounded(load("bdf-3"), 0.5j) and bounded(load("bdf-2"), 0.5j)
 
 
-# --- paths ----------------------------------------------------------------------------------------
-
-
-def test_paths_are_continuous_and_stay_on_the_circle_inside_the_interval():
-    y = np.linspace(0.001, 1.82, 2000)
-    followed = paths(load("g6245"), y)
-    assert followed.shape == (2000, 4)
-    # near the end two eigenvalues approach like a root: sqrt(9e-4) is the largest step there
-    assert np.max(np.abs(np.diff(followed, axis=0))) < 0.1
-    assert np.abs(followed) == pytest.approx(np.ones_like(followed.real), abs=1e-7)
-    # where two of them meet they leave it, a little: eigenvalues of opposite G-norm
-    beyond = paths(load("g6245"), np.linspace(1.83, 1.84, 10))
-    assert 1.001 < np.max(np.abs(beyond)) < 1.01
-
-
-def test_the_principal_path_is_the_exponential_to_the_order_of_the_method():
-    y = np.array([0.05, 0.1])
-    followed = paths(load("g6245"), y)
-    errors = np.min(np.abs(followed - np.exp(1j * y)[:, None]), axis=1)
-    # the phase error of order 6 is a multiple of y^7
-    assert math.log2(errors[1] / errors[0]) == pytest.approx(7, abs=0.3)
-
-
 # --- thresholds -----------------------------------------------------------------------------------
 
 
@@ -222,21 +197,3 @@ def test_a_nonlinear_threshold_lies_below_the_linear_one():
         width=1e-3, good=lambda sizes: np.max(sizes) < 3 * np.max(sizes[0]),
     )  # fmt: skip
     assert 0.2 < found < periodicity(load("s4-symmetric")).value
-
-
-# --- resonances -----------------------------------------------------------------------------------
-
-
-def test_resonances_of_a_constant_frequency_stand_where_zeta_is_a_wave():
-    # V = diag(1, -1): with a parasitic component of frequency 0 the eigenvalue stays -1, which is
-    # exp(i h omega) at h = pi/omega, and exp(2 i h omega) at half of that
-    found = resonances(load("gsymplectic-n"), [2.0], most=1.7)
-    still = [r for r in found if r.frequency == 0.0]
-    first = [r.h for r in still if r.order == 1]
-    second = [r.h for r in still if r.order == 2]
-    assert first == pytest.approx([math.pi / 2], rel=1e-5)
-    assert second == pytest.approx([math.pi / 4], rel=1e-5)
-
-
-def test_a_method_without_parasitic_eigenvalues_has_no_resonances():
-    assert resonances(load("gauss-3"), [1.0], most=3.0) == []

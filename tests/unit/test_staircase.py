@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from glmref.catalogue.lookup import document as shipped
 from glmref.catalogue.reader import load_document
 from glmref.verification.analysis import analyze
 
@@ -97,7 +98,33 @@ def two_values(a: str, digits: int) -> dict[str, Any]:
 def test_a_multiple_eigenvalue_in_decimals_is_decided() -> None:
     found = analyze(load_document(two_values("1.00003000000000000000", 20)))
     assert (found.order, found.order_proved) == (1, [0, 1])
-    assert "order 2 to 3.0e-05, order 1 to " in found.order_witness
+    assert "order 2 to 3.1e-5, order 1 to " in found.order_witness
     assert "tree [o] of order 2" in found.order_witness
     exact = analyze(load_document(two_values("1.00000000000000000000", 20)))
     assert exact.order == 2
+
+
+@pytest.mark.parametrize("name", ["ros3-printed", "imkg-353-printed", "ars-3-4-3-printed"])
+def test_the_sizes_shown_are_those_that_are_claimed(name: str) -> None:
+    claimed = shipped(name)["claims"]["order-to-digits"]
+    witness = analyze(name).order_witness
+    for row, (order, size) in claimed.items():
+        said = f"order {order} to {size}, order "
+        assert (f"row {row}: {said}" if len(claimed) > 1 else said) in witness
+
+
+@pytest.mark.slow
+def test_second_order_systems_and_rows_have_a_staircase() -> None:
+    found = analyze("dormand-prince-rkn-12-10")
+    assert found.order_witness.startswith(
+        "on second-order systems row b: order 12 to 1.2e-54, order 2 exactly; row embedded: order "
+        "10 to 1.8e-54, order 2 exactly; tree f[kk] of order 3"
+    )
+
+
+def test_a_size_that_is_a_short_decimal_is_not_rounded_up() -> None:
+    weights = ["0.5", "0.500000001"]
+    doc = {**document(1, str), "A": [["0", "0"], ["1", "0"]], "b": weights}
+    texts = [str(Fraction(x)) for x in weights]
+    found = analyze(load_document({**doc, "b": texts}))
+    assert "order 2 to 1.0e-9, order 0 exactly" in found.order_witness

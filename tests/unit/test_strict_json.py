@@ -110,3 +110,18 @@ def test_brackets_that_were_closed_do_not_count(reading) -> None:
     assert len(reading('{"x": [' + many + "]}")["x"]) == 60
     with pytest.raises(DataError, match="nested"):
         reading('{"x": [' + many + ", " + deep + "]}")
+
+
+@pytest.mark.parametrize("zeros", [0, 16, 17])
+def test_a_short_float_is_told_as_the_fraction_it_is(reading, zeros: int) -> None:
+    text = f"0.5{'0' * zeros}"
+    with pytest.raises(DataError, match="exact string such as '1/2'"):
+        reading(f"[{text}]")
+    with pytest.raises(DataError, match="exact string such as '1/4'"):
+        reading(f"[0.5{'0' * 18}]")
+
+
+def test_integers_are_read_up_to_20_digits(reading) -> None:
+    assert reading(f"[{'9' * 20}]") == [10**20 - 1]
+    with pytest.raises(DataError, match=r"999999999999\.\.\. is too long"):
+        reading(f"[{'9' * 21}]")

@@ -9,18 +9,20 @@ import glmref
 from glmref.exact import exact
 from glmref.exact.linalg import diagonal, identity, inverse, matmul
 from glmref.method import GLM
-from glmref.method.families import (
+from glmref.method.classical import (
     adams_moulton,
     bdf,
     gauss,
-    linear_multistep,
     lobatto_iiia,
     lobatto_iiib,
     lobatto_iiic,
+    radau_iia,
+)
+from glmref.method.families import (
+    linear_multistep,
     one_leg,
     one_leg_twin,
     partitioned_runge_kutta,
-    radau_iia,
     runge_kutta,
     splitting,
 )
@@ -212,3 +214,9 @@ def test_an_open_finding_is_preferred_to_one_that_fails_and_to_no_other():
     assert _better(fails, open_) is open_
     for best, found in ((fails, holds), (fails, fails), (open_, open_), (holds, open_)):
         assert _better(best, found) is best
+
+
+def test_what_no_exchange_satisfies_is_told_of_the_reversal():
+    found = symmetry(runge_kutta([["1", "0"], ["0", "5"]], ["1", "1"]))
+    assert found.holds is False and found.residual == 5  # 1 + 5 - 1, and 9 without an exchange
+    assert "for the reversal entry (1, 1) of A + P A P - U V^-1 B is 5 in size" in found.witness

@@ -7,28 +7,28 @@ import pytest
 
 import glmref
 from glmref.errors import UsageError
-from glmref.exact import exact
+from glmref.exact import Ball, exact
 from glmref.exact.linalg import identity
 from glmref.method import GLM
-from glmref.method.families import (
+from glmref.method.classical import (
     adams_bashforth,
     adams_moulton,
     bdf,
     gauss,
-    linear_multistep,
     lobatto_iiia,
-    one_leg,
-    one_leg_twin,
     radau_iia,
-    runge_kutta,
 )
-from glmref.theory.equivalence import to_complex, to_real
+from glmref.method.families import linear_multistep, one_leg, one_leg_twin, runge_kutta
+from glmref.theory.complex_form import to_complex, to_real
 from glmref.theory.symplectic import (
+    GSymplecticity,
     check_g_symplectic,
     find_forms,
     g_symplectic,
     g_symplectic_residual,
     is_symplectic,
+    judge_identities,
+    quadratic_value,
     symplectic_residual,
 )
 
@@ -173,3 +173,46 @@ def test_method_that_is_not_preconsistent_needs_a_nonsingular_form():
     m = GLM(A=[["1/2"]], U=[["2"]], B=[["1/2"]], V=[["-1"]])
     assert g_symplectic(m).holds is False  # D A + A D = B^2 G and D U = B G V: signs clash
     assert check_g_symplectic(m, identity(1), (exact(0),)).holds is False
+
+
+def test_the_entry_that_decides_is_the_largest_one_that_fails():
+    def M(*rows):
+        return tuple(tuple(x if isinstance(x, Ball) else exact(x) for x in row) for row in rows)
+
+    wide, wider = Ball.decimal("0.00", 2), Ball.decimal("0.0", 1)
+    assert judge_identities([("X", M([0]))]) == (True, 0.0, "")
+    failed = judge_identities([("X", M([0, 2])), ("Y", M([0], [-3])), ("Z", M([1]))])
+    assert failed == (False, 3.0, "entry (2, 1) of Y is 3 in size")
+    for order in ((wide, wider), (wider, wide)):
+        holds, size, witness = judge_identities([("X", M([x])) for x in order])
+        assert holds is None and size == wider.magnitude() and "hold up to 0.1" in witness
+    for order in ([("X", M([wider])), ("Y", M([Fraction(1, 100)]))], [("Y", M([Fraction(1, 100)])), ("X", M([wider]))]):  # fmt: skip
+        assert judge_identities(order) == (False, 0.01, "entry (1, 1) of Y is 0.01 in size")
+
+
+def test_a_form_is_real_on_the_diagonal_and_hermitian_and_sees_the_solution():
+    midpoint, i = runge_kutta(*gauss(1)), exact(-1).sqrt()
+    one = ((exact(1),),)
+    found = check_g_symplectic(midpoint, one, (exact(1),))
+    assert found.holds is True and found.nondegenerate is True and found.dimension is None
+    assert (found.D, found.D_P, found.D_Q) == ((1,), (1,), (1,))
+    found = check_g_symplectic(midpoint, ((i,),), (i,))
+    assert found.holds is False and found.witness == "entry (1, 1) of G - G* is 2 in size"
+    found = check_g_symplectic(midpoint, one, (1 + i,))
+    assert found.holds is False and "the imaginary part of D" in found.witness
+    found = check_g_symplectic(midpoint, ((exact(0),),), (exact(0),))
+    assert (found.holds, found.witness) == (False, "the form ignores the solution")
+    assert GSymplecticity(None).D is None and GSymplecticity(None).D_Q is None
+    assert quadratic_value(((exact(2), i), (-i, exact(3))), (exact(1), i)) == 3
+
+
+def test_diagonals_that_are_not_given_follow_from_G():
+    m = glmref.load("gsymplectic-n")
+    bare = replace(m, D=None)
+    found = g_symplectic(bare)
+    assert found.holds is True and all(x == y for x, y in zip(found.D, m.D, strict=True))
+    assert g_symplectic(replace(m, D=None, G=identity(2))).holds is False
+    none = g_symplectic(runge_kutta([["0"]], ["1"]))
+    assert none.holds is False and none.dimension == 0 and none.nondegenerate is False
+    with pytest.raises(UsageError, match="single and partitioned methods only"):
+        g_symplectic_residual(glmref.load("ars-1-2-2"), ((exact(1),),), (exact(1),))

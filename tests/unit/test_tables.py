@@ -177,3 +177,10 @@ def test_the_last_line_counts_verdicts_and_proofs() -> None:
         "4 claims of 3 files: 2 hold, 1 fail, 1 open (2 exact, 1 enclosed, 1 measured)"
     )
     assert tally([GOOD], 1).startswith("1 claim of 1 file: 1 hold,")
+
+
+def test_orders_by_name_are_written_out() -> None:
+    assert shown_value({"b": [10, "2.7e-85"], "low": [8, "1.0e-9"]}) == (
+        "b 10 to 2.7e-85, low 8 to 1.0e-9"
+    )
+    assert shown_value({"third": 3, "other": None}) == "third 3, other not decided"

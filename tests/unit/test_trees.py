@@ -7,11 +7,9 @@ from math import factorial, prod
 import pytest
 
 from glmref.errors import UsageError
+from glmref.method.component import GENERAL, ROOTED, SEPARABLE
 from glmref.theory.trees import (
-    GENERAL,
     MAX_ORDER,
-    ROOTED,
-    SEPARABLE,
     Tree,
     parse_tree,
     pruned,

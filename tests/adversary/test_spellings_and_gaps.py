@@ -1,0 +1,65 @@
+"""Files whose numbers, rows or values are spelled oddly or missing: verdicts, and certificates."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from glmref.catalogue.reader import load_document
+from glmref.verification.analysis import analyze
+
+from .deceive import doc, findings, shipped
+from .test_verdicts_have_certificates import rounded, without_a_certificate
+
+EULER = {"A": [["0"]], "b": ["1"]}
+ONE = (
+    "2/2", "-(-1)", "sqrt(1)", "root(8,3)/2", "-i*i", "exp(0)", "-exp(pi*i)", "exp(2*i*pi)", "sqrt(4)/2",
+    "exp(2*pi*i/3)+exp(4*pi*i/3)+2", "sqrt(3-2*sqrt(2))+2-sqrt(2)", "root(2,5)*root(16,5)/2",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("text", ONE)
+def test_one_is_one_however_it_is_written(text: str, tmp_path: Path) -> None:
+    d = doc("rk", {"order": 1, "consistent": True}, **{**EULER, "b": [text]})
+    assert {str(x.verdict) for x in findings(d).values()} == {"holds"}
+    assert without_a_certificate(d, tmp_path) == []
+
+
+GAPS: list[tuple[dict[str, Any], str]] = [
+    (doc("rk", {"embedded-order": {}}, **EULER), "fails"),
+    (doc("rk", {"dense-order": 1}, **EULER), "fails"),
+    (doc("rk", {"row-sums": True}, **EULER), "holds"),
+    (doc("rk", {"order": 1}, digits=3, **{**EULER, "b": ["-0.0"]}), "fails"),
+    (doc("lmm", {"starting-order": 2}, alpha=["-1", "1"], beta=["1", "0"]), "fails"),
+    (doc("glm", {"g-symplectic": True}, A=[["1/2"]], U=[["1"]], B=[["1"]], V=[["1"]],
+         G=[["0"]], D=["0"]), "fails"),
+    (doc("glm", {"a-stable": True}, A=[["2"]], U=[["1", "-1/2"]], B=[["1"], ["2"]],
+         V=[["1", "0"], ["0", "1"]]), "fails"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("d", "verdict"), GAPS)
+def test_what_is_missing_or_idle_has_a_certificate(
+    d: dict[str, Any], verdict: str, tmp_path: Path
+) -> None:
+    d = {**d, "format": "glmref-method-2" if d["class"] == "rk" else d["format"]}
+    assert {str(x.verdict) for x in findings(d).values()} == {verdict}
+    assert without_a_certificate(d, tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    ("V", "keys"), [([["1.000"]], {"digits": 3}), ([["1", "1"], ["0", "1"]], {})]
+)
+def test_an_undecided_eigenvalue_one_is_no_refusal_to_analyze(V: Any, keys: Any) -> None:
+    r = len(V)
+    U, B = [["1", *["0"] * (r - 1)]], [["1"], *[["0"]] * (r - 1)]
+    found = analyze(load_document(doc("glm", {}, A=[["0"]], U=U, B=B, V=V, **keys)))
+    assert list(found.order_proved) == [0, None]
+
+
+def test_a_table_with_its_c_in_decimals_says_how_many_digits_hold() -> None:
+    d = rounded(shipped("sharp-verner-7-6"), 33)
+    d["claims"] = {"order": 7}
+    assert "order 7 to 1" in analyze(load_document(d)).order_witness

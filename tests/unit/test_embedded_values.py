@@ -1,0 +1,231 @@
+"""Embedded rows of methods that carry several values: weights of the stages and of the values."""
+
+from __future__ import annotations
+
+import copy
+import json
+from fractions import Fraction
+from typing import Any
+
+import pytest
+
+from checker.glmref_check import verdict
+from glmref.catalogue.claims import EMBEDDED_DIFFERENCE, EMBEDDED_ORDER, ORDER_TO_DIGITS
+from glmref.catalogue.lookup import document, load
+from glmref.catalogue.reader import load_document
+from glmref.errors import DataError
+from glmref.exact import exact, linalg
+from glmref.exchange.export import export
+from glmref.exchange.reading import read_table
+from glmref.findings import Verdict
+from glmref.method import GLM
+from glmref.method.embedded import EmbeddedRow
+from glmref.prove.certificate import certificates_of
+from glmref.verification.analysis import analyze
+from glmref.verification.verifier import facts_for
+from tests.adversary.deceive import doc, findings
+
+KEY = EMBEDDED_ORDER.key
+TO_DIGITS = ORDER_TO_DIGITS.key
+NAME = "dimsim-2-type-1"
+
+
+def changed(**row: Any) -> dict[str, Any]:
+    doc = copy.deepcopy(dict(document(NAME)))
+    doc["embedded"][0].update(row)
+    return doc
+
+
+def judged(doc: dict[str, Any], declared: Any = None) -> tuple[Any, Any]:
+    """The verdict on the orders of the rows, and what the checker says of its certificate."""
+    declared = doc["claims"][KEY] if declared is None else declared
+    doc = {**doc, "claims": {KEY: declared}}
+    facts = facts_for(load_document(doc))
+    found = facts.judge(KEY, declared)
+    ((_, certificate),) = certificates_of(facts, {KEY: (declared, found)})
+    assert isinstance(certificate, dict), certificate
+    return found, verdict(json.loads(json.dumps(certificate)))
+
+
+@pytest.mark.parametrize(
+    ("row", "order"),
+    [
+        ({}, 3),
+        (
+            {"b": ["13/20", "9/20"], "v": ["9/10", "1/10"]},
+            2,
+        ),  # 3 after a step from y and its series
+        ({"b": ["5/4", "1/4"], "v": ["1/2", "1/2"]}, 2),  # the row of the solution itself
+        ({"b": ["1", "1/5"], "v": ["4/5", "1/5"]}, 1),
+        ({"b": ["3/4", "5/13"]}, 0),
+        ({"v": ["5/6", "1/16"]}, 0),
+    ],
+)
+def test_the_order_of_a_row_and_no_other_is_proved(row: dict[str, Any], order: int) -> None:
+    for declared in range(5):
+        found, (accepted, said) = judged(changed(**row), {"estimate": declared})
+        assert (found.verdict is Verdict.HOLDS) == (declared == order), found.reason
+        assert found.verdict is not Verdict.OPEN and accepted, said
+        assert found.value == {"estimate": order}
+
+
+def test_in_a_run_the_row_less_the_solution_is_the_local_error() -> None:
+    """y' = y^2: three steps, then the row, the solution, and the flow from the value before."""
+    m = load(NAME)
+    assert isinstance(m, GLM) and m.embedded[0].values is not None
+    A, U, B, V = ([[complex(x).real for x in r] for r in M] for M in (m.A, m.U, m.B, m.V))
+    d, w = ([complex(x).real for x in r] for r in (m.embedded[0].weights[0],
+                                                  m.embedded[0].values))  # fmt: skip
+
+    def combined(h: float, weights: Any, values: Any, slopes: Any, y: Any) -> float:
+        inner = sum(b * f for b, f in zip(weights, slopes, strict=False))
+        return h * inner + sum(v * x for v, x in zip(values, y, strict=True))
+
+    ratios = []
+    for h in (1 / 32, 1 / 64):
+        y = [1.0, 1 / (1 + h)]
+        for _ in range(4):
+            slopes: list[float] = []
+            for i in range(2):
+                slopes.append(combined(h, A[i], U[i], slopes, y) ** 2)
+            row = combined(h, d, w, slopes, y)
+            before, y = y[0], [combined(h, B[i], V[i], slopes, y) for i in range(2)]
+        flow = before / (1 - h * before)
+        ratios.append((row - y[0]) / (flow - y[0]))
+    assert abs(ratios[0] - 1) < 0.15 and abs(ratios[1] - 1) < 0.6 * abs(ratios[0] - 1)
+
+
+def test_a_certificate_of_other_weights_is_refused() -> None:
+    doc = {**changed(), "claims": {KEY: {"estimate": 3}}}
+    facts = facts_for(load_document(doc))
+    ((_, good),) = certificates_of(
+        facts, {KEY: ({"estimate": 3}, facts.judge(KEY, {"estimate": 3}))}
+    )
+    assert isinstance(good, dict)
+    for key, value in (("v", ["4/5", "1/5"]), ("b", ["3/4", "2/5"]), ("v", ["9/10"])):
+        bad = json.loads(json.dumps(good))
+        bad["document"]["embedded"][0][key] = value
+        assert not verdict(bad)[0]
+    bad = json.loads(json.dumps(good))
+    bad["document"]["embedded"][0]["name"] = "b"
+    assert not verdict(bad)[0]
+
+
+@pytest.mark.parametrize(
+    ("row", "message"),
+    [
+        ({"v": ["1"]}, "must have r = 2 entries in `v`, got 1"),
+        ({"b": ["1"]}, "must have s = 2 entries, got 1"),
+        ({"name": "b"}, 'is called "b", as the weights of the solution are'),
+        ({"error": ["1", "1"]}, "must have `name` and `b` and `v`, and nothing else"),
+    ],
+)
+def test_rows_of_another_shape_are_refused(row: dict[str, Any], message: str) -> None:
+    with pytest.raises(DataError, match=message):
+        load_document(changed(**row))
+
+
+def test_a_row_is_that_of_the_output_whatever_the_values() -> None:
+    doc = {**changed(b=["1", "0"], v=["1/2", "1/2"]), "output": ["1/2", "1/2"]}
+    found, (accepted, said) = judged(doc, {"estimate": 1})
+    assert found.verdict is not Verdict.OPEN and accepted, said
+    own = load_document({**changed(), "output": ["1/2", "1/2"]})
+    assert isinstance(own, GLM)
+    values = linalg.matmul(((exact(Fraction(1, 2)),) * 2,), own.V)[0]
+    weights = linalg.matmul(((exact(Fraction(1, 2)),) * 2,), own.B)[0]
+    same = own.with_row(EmbeddedRow("own", (weights,), values=values))
+    assert isinstance(same, GLM) and (same.B, same.V) == (own.B, own.V)
+
+
+def test_a_row_needs_u() -> None:
+    doc = changed()
+    doc["V"] = [["1/2", "1/2"], ["1/2", "1/3"]]
+    facts = facts_for(load_document({**doc, "claims": {KEY: {"estimate": 1}}}))
+    found = facts.judge(KEY, {"estimate": 1})
+    assert found.verdict is Verdict.OPEN and "V u = u and U u = 1" in found.reason
+
+
+#: f at the first value; the second is not seen, so that u = (1, x) for any x.
+UNSEEN = {"A": [["0"]], "U": [["1", "0"]], "V": [["1", "0"], ["0", "1"]]}
+
+
+@pytest.mark.parametrize(
+    ("B", "row"),
+    [
+        ([["2"], ["1"]], {"b": ["1"], "v": ["0", "1"]}),  # v u = 1 for x = 1 alone
+        ([["1"], ["1"]], {"b": ["2"], "v": ["1", "0"]}),
+    ],
+)
+def test_a_row_needs_one_u_alone(B: Any, row: dict[str, Any]) -> None:
+    keys = {**UNSEEN, "B": B, "embedded": [{"name": "other", **row}]}
+    for order in (0, 1):
+        d = doc("glm", {KEY: {"other": order}}, **keys) | {"format": "glmref-method-2"}
+        found = findings(d)[KEY]
+        assert found.verdict is Verdict.OPEN and "more than one" in found.witness
+        assert analyze(load_document(d)).order_embedded is None
+
+
+#: The midpoint rule, rounded, and Euler's, for one value.
+MIDPOINT: dict[str, Any] = {
+    "A": [["0", "0"], ["500001/1000000", "0"]], "U": [["1"], ["1"]], "B": [["0", "1"]], "V": [["1"]],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("v", "expected"), [("1", Verdict.HOLDS), ("2", Verdict.OPEN)])
+def test_a_row_that_doubles_the_solution_has_no_order_to_digits(v: str, expected: Verdict) -> None:
+    row = {"name": "other", "b": ["1000000001/1000000000", "0"], "v": [v]}
+    claims = {TO_DIGITS: {"b": [2, "1.0e-6"], "other": [1, "1.0e-9"]}}
+    d = doc("glm", claims, **MIDPOINT, embedded=[row]) | {"format": "glmref-method-2"}
+    facts = facts_for(load_document(d))
+    found = facts.judge(TO_DIGITS, claims[TO_DIGITS])
+    assert found.verdict is expected
+    if expected is Verdict.HOLDS:
+        ((_, good),) = certificates_of(facts, {TO_DIGITS: (claims[TO_DIGITS], found)})
+        assert isinstance(good, dict) and verdict(json.loads(json.dumps(good)))[0]
+        good["document"]["embedded"][0]["v"] = ["2"]
+        assert verdict(json.loads(json.dumps(good))) == (
+            False,
+            "the row does not carry the solution",
+        )
+
+
+def test_sums_of_weights_say_nothing_of_a_row_with_weights_of_the_values() -> None:
+    """Those of the midpoint rule and of Euler's are 1, but the row is twice the solution."""
+    row = {"name": "other", "b": ["1", "0"], "v": ["2"]}
+    d = doc("glm", {EMBEDDED_DIFFERENCE.key: True}, **MIDPOINT, embedded=[row])
+    found = findings(d | {"format": "glmref-method-2"})
+    assert found[EMBEDDED_DIFFERENCE.key].verdict is Verdict.OPEN
+
+
+def test_sums_of_weights_say_nothing_where_several_values_are_carried() -> None:
+    facts = facts_for(load_document({**changed(), "claims": {EMBEDDED_DIFFERENCE.key: True}}))
+    assert facts.judge(EMBEDDED_DIFFERENCE.key, True).verdict is Verdict.OPEN
+
+
+def test_rows_follow_a_change_of_values_and_of_stages() -> None:
+    method = load(NAME)
+    assert isinstance(method, GLM)
+    scaled = method.transform([["1", "0"], ["1", "2"]])
+    assert scaled.embedded[0].values == (exact(Fraction(3, 4)), exact(Fraction(1, 12)))
+    turned = method.permute_stages([1, 0])
+    assert turned.embedded[0].weights[0] == (exact(Fraction(5, 12)), exact(Fraction(3, 4)))
+    mixed = method.transform([["1", "1"], ["1", "-2"]])
+    for other in (scaled, turned, mixed):
+        kernels = dict(facts_for(other).kernel.row_kernels)
+        assert kernels["estimate"].range("order-identity").value == 3
+
+
+@pytest.mark.parametrize("form", ["json", "csv"])
+def test_rows_are_exported_and_read_again(form: str) -> None:
+    text = export(NAME, to=form)
+    again = read_table(text, form)
+    assert again["embedded"] == document(NAME)["embedded"]
+
+
+def test_the_values_are_moved_along_u_until_the_output_is_the_row() -> None:
+    method = load(NAME)
+    assert isinstance(method, GLM)
+    row, other = method.embedded[0], method.with_row(method.embedded[0])
+    assert isinstance(other, GLM) and other.B[0] == row.weights[0] and other.V[0] == row.values
+    first, second = linalg.sub(other.V, method.V)
+    assert first == second and (other.A, other.U) == (method.A, method.U)

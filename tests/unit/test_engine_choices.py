@@ -1,0 +1,321 @@
+"""What the choice of a solver is computed from, and how a kernel is called: counted by hand."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from glmref import Problem, load, problem, solve
+from glmref.engine import kernel as module
+from glmref.engine.codegen import Options
+from glmref.engine.compiled import Built
+from glmref.engine.kernel import Kernel, choose_solver, prepare
+from glmref.engine.outcome import Outcome
+from glmref.engine.shape import banded, shape_of
+from glmref.engine.sweep import step_form
+from glmref.problems.user import NoValue
+
+# --- the rule -------------------------------------------------------------------------------------
+
+
+def test_operations_are_weighted_by_their_latency() -> None:
+    of = Problem(
+        f=("sin(y[0]) + y[0]*y[1]", "-sqrt(y[1]) - y[0]/y[1]", "y[2]**3.7 + sin(y[0])"),
+        y0=(1.0, 2.0, 3.0),
+    )
+    # sin 15, two additions, product; root 5, subtraction, division 4; power 10, addition; the sine
+    # of the last line is that of the first
+    assert module._latency(of.f) == (15 + 1 + 1) + (5 + 1 + 4) + (10 + 1)
+    pair = Problem(dq=("2*p[0]",), dp=("-3*q[0]*q[0]",), y0=(1.0, 1.0))
+    # K = -(6 q), V = 2, a round is 12 and the two right-hand sides
+    once, jacobian = module._latencies(shape_of(pair))
+    assert once == 12 + 1 + 2
+    k = module._latency(module.jacobian_block(shape_of(pair), range(1, 2), range(1)))
+    v = module._latency(module.jacobian_block(shape_of(pair), range(1), range(1, 2)))
+    assert jacobian == k + v and k >= 1
+    assert module._latencies(shape_of(problem("pendulum")))[0] == 12 + 15
+
+
+@pytest.mark.parametrize("d", [1, 2, 3])
+def test_a_small_system_takes_newton_where_its_rounds_cost_less(
+    d: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """2.3 rounds, the Jacobian and the solution against 1 + 10 / -log10(rho) rounds."""
+    of = Problem(f=tuple(f"-y[{k}]*y[{k}]" for k in range(d)), y0=(1.0,) * d)
+    shape, form = shape_of(of), step_form(load("implicit-midpoint"))
+    once, jacobian = module._latencies(shape)
+    assert once == 12 + d
+    rounds = (2.3 * once + jacobian + {1: 6, 2: 14, 3: 40}[d]) / once
+    edge = 10 ** (-10 / (rounds - 1))
+    for rho, wanted in ((edge * 0.97, "fixed-point"), (edge * 1.03, "newton"), (0.3, "newton")):
+        monkeypatch.setattr(module, "contraction", lambda *_, rho=rho: rho)
+        assert choose_solver(form, shape, of, 0.1) == wanted
+    # a block of two stages is not written out: the fixed point up to its slow rounds
+    for rho, wanted in ((0.25, "fixed-point"), (0.26, "newton")):
+        monkeypatch.setattr(module, "contraction", lambda *_, rho=rho: rho)
+        assert choose_solver(step_form(load("gauss-2")), shape, of, 0.1) == wanted
+    for rho in (0.0, math.nan, math.inf):
+        monkeypatch.setattr(module, "contraction", lambda *_, rho=rho: rho)
+        assert choose_solver(form, shape, of, 0.1) == "fixed-point"
+
+
+def operations(method: str, shape: Any) -> tuple[float, float]:
+    """Operations of a round of the fixed point, and of a step of Newton's method, on rounds of 4."""
+    form = step_form(load(method))
+    s, n, d = form.implicit_stages, shape.dimension, shape.dimension
+    read = 8 * d if shape.band is None else 2 * shape.band.entries
+    once = s * (read + (2 * s + 10) * d)
+    numbers, lower = n * n, n - 1
+    if shape.band is not None:
+        lower, upper = shape.band.lower, shape.band.upper
+        numbers = (n + lower + upper) * (2 * lower + upper + 1)
+    weights = {"gauss-2": (4,), "gauss-3": (1, 4)}[method]
+    solves = sum(2 * w * numbers for w in weights)
+    factors = sum(2 * w * numbers * min(lower, n / 3) for w in weights)
+    return once, 4 * (once + solves) + factors / 10
+
+
+@pytest.mark.parametrize(("method", "band"), [("gauss-2", False), ("gauss-3", True)])
+def test_a_large_system_takes_newton_where_its_matrices_cost_less(method: str, band: bool) -> None:
+    d, form = 70, step_form(load(method))
+    rows = tuple(
+        f"y[{k}]*y[{(k + 1) % d if k + 1 < d else k}] - y[{max(k - 2, 0)}]" for k in range(d)
+    )
+    shape = shape_of(Problem(f=rows, y0=(1.0,) * d))
+    shape = banded(shape) if band else shape
+    once, newton = operations(method, shape)
+    edge = 10 ** (-10 / (newton / once - 1))
+    assert edge < 0.9
+    assert not module._newton_pays(form, shape, 0.99 * edge)
+    assert module._newton_pays(form, shape, 1.01 * edge)
+    assert module._newton_pays(form, shape, 0.9), "the fixed point all but diverges"
+    small = shape_of(Problem(f=rows[:1] * 64, y0=(1.0,) * 64))
+    assert module._newton_pays(form, small, 1e-9)
+
+
+def test_norm_of_a_jacobian_from_differences() -> None:
+    diagonal = Problem(f=("t*y[0]", "-5*y[1]", "2*y[2]"), y0=(1.0, -2.0, 3.0), t_span=(3.0, 4.0))
+    assert module._norm_estimate(shape_of(diagonal), diagonal) == pytest.approx(5, rel=1e-6)
+    timed = Problem(f=("t*y[0]", "y[1]"), y0=(1.0, 1.0), t_span=(7.0, 8.0))
+    assert module._norm_estimate(shape_of(timed), timed) == pytest.approx(7, rel=1e-6)
+    pair = Problem(dq=("2*p[0]", "p[1]"), dp=("-3*q[0]", "-7*q[1]"), y0=(1.0, 2.0, 0.5, 0.25))
+    assert module._norm_estimate(shape_of(pair), pair) == pytest.approx(7, rel=1e-6)
+    second = Problem(force=("-3*q[0]", "-4*q[1]"), y0=(1.0, 2.0, 0.5, 0.25))
+    assert module._norm_estimate(shape_of(second), second) == pytest.approx(4, rel=1e-6)
+    # the row of ones is met by the second vector: its signs are those of the first product
+    rows = ("y[0] + y[1] + y[2]", "0.001*y[0] + y[1]", "0.001*y[0] + y[2]")
+    full = Problem(f=rows, y0=(1.0, 1.0, 1.0))
+    assert module._norm_estimate(shape_of(full), full) <= 3 * (1 + 1e-6)
+    nowhere = Problem(f=("log(y[0])",), y0=(-1.0,))
+    assert math.isnan(module._norm_estimate(shape_of(nowhere), nowhere))
+
+
+def test_a_jacobian_that_is_not_given_is_differenced() -> None:
+    def f(t: float, y: Any) -> list[float]:
+        return [y[0] * y[1], t * y[1]]
+
+    def none(t: float, y: Any) -> list[float]:
+        raise NoValue("none")
+
+    of = Problem(f=f, y0=(3.0, -2.0), t_span=(2.0, 3.0))
+    np.testing.assert_allclose(module._jacobian(of), [[-2, 3], [0, 2]], atol=1e-6)
+    assert module._norm(shape_of(of), of) == pytest.approx(5, abs=1e-6)
+    assert module._jacobian(Problem(f=none, y0=(1.0,))) is None
+    assert math.isnan(module._norm(shape_of(of), Problem(f=none, y0=(1.0,))))
+    for d, known in ((64, True), (65, False)):
+        large = Problem(f=lambda t, y: -np.asarray(y), y0=(1.0,) * d)
+        assert (module._jacobian(large) is not None) == known
+    given = Problem(f=f, y0=(3.0, -2.0), jacobian=lambda t, y: [[t, 0], [0, 1]], t_span=(2.0, 3.0))
+    np.testing.assert_array_equal(module._jacobian(given), [[2, 0], [0, 1]])
+    pair = Problem(dq=("2*p[0]",), dp=("-3*q[0]",), y0=(1.0, 2.0))
+    assert module._norm(shape_of(pair), pair) == 6
+
+
+# --- kernels that are kept ------------------------------------------------------------------------
+
+
+def test_a_source_is_kept_by_form_and_shape(monkeypatch: pytest.MonkeyPatch) -> None:
+    form, shape = step_form(load("rk4")), shape_of(problem("kepler"))
+    monkeypatch.setattr(module, "_sources", {})
+    monkeypatch.setattr(module, "_MOST_SOURCES", 2)
+    first = module._source_of(form, shape, Options())
+    assert module._source_of(form, shape, Options()) is first
+    assert module._source_of(replace(form), shape, Options()) is not first
+    assert len(module._sources) == 2
+    module._source_of(form, replace(shape), Options())
+    assert len(module._sources) == 1, "at the most so many are kept"
+
+
+def test_a_band_is_kept_by_the_shape() -> None:
+    shape = shape_of(problem("fput", sites=16))
+    assert shape.dimension == 32
+    found = module.with_band(shape)
+    assert found.band is not None and module.with_band(shape) is found
+    assert module.with_band(found) is found
+    small = shape_of(problem("fput", sites=15))
+    assert module.with_band(small) is small
+
+
+def test_kernels_say_what_they_are() -> None:
+    def words(method: str, **options: Any) -> str:
+        options = {"interpreted": True, **options}
+        return prepare(load(method), problem("kepler"), h=0.1, **options).description
+
+    assert words("rk4") == "python, standard form, compensated, scalar target"
+    assert (
+        words("rk4", arithmetic="naive") == "python, standard form, not compensated, scalar target"
+    )
+    assert words("gauss-2", arithmetic="quick", solver="newton").split(", ")[2:] == [
+        "newton", "compensated", "quick", "scalar target",
+    ]  # fmt: skip
+    assert "fused" in words("rk4", arithmetic="fused").split(", ")
+    assert "quick" not in words("rk4", arithmetic="quick")
+
+
+def test_seconds_are_those_that_passed(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = itertools.count(1000)
+    monkeypatch.setattr(module, "time", SimpleNamespace(perf_counter=lambda: next(clock)))
+    made = prepare(load("rk4"), Problem(f=("2*y[0]",), y0=(1.0,)), h=0.1, interpreted=True)
+    assert 0 < made.seconds < 100
+    assert 0 < module.with_newton(
+        prepare(load("gauss-2"), Problem(f=("2*y[0]",), y0=(1.0,)), h=0.1, interpreted=True)
+    ).seconds < 100  # fmt: skip
+
+
+# --- chunks of steps ------------------------------------------------------------------------------
+
+
+class Stepping:
+    """A kernel that takes steps at a price on its own clock, and notes how it was called."""
+
+    def __init__(
+        self, seconds: float = 0.0, code: int = 0, fails_at: int = -1, error: type = RuntimeError
+    ) -> None:
+        self.seconds, self.code, self.fails_at, self.error = seconds, code, fails_at, error
+        self.clock, self.calls, self.raised = 0.0, [], 0  # type: ignore[var-annotated]
+
+    def __call__(self, work: Any, par: Any, *rest: Any) -> int:
+        t0, h, first, until, mark, every, _, row, tally = rest
+        assert (t0, h) == (2.0, 0.5)
+        self.calls.append((first, until, mark))
+        self.clock += self.seconds
+        if first <= self.fails_at < until:
+            tally[4] = self.fails_at  # what an exception leaves behind
+            self.raised += 1
+            raise self.error("no value there")
+        tally[4] = until
+        return self.code
+
+
+def advanced(
+    stepping: Stepping, monkeypatch: pytest.MonkeyPatch, last: int, *, engine: str = "native",
+    every: int = 0, pause: Callable[[int], bool] = lambda _: False, opaque: bool = False,
+) -> tuple[Any, float, Any]:  # fmt: skip
+    monkeypatch.setattr(module, "time", SimpleNamespace(perf_counter=lambda: stepping.clock))
+    of: Any = Problem(f=lambda t, y: [1.0 for _ in y], y0=(1.0,)) if opaque else problem("pendulum")
+    made = prepare(load("rk4"), of, h=0.5, interpreted=True)
+    made = Kernel(made.form, made.shape, made.options, made.source, Built(stepping, engine), 0.0)
+    y = np.array(of.y0, dtype=float)
+    state = made.state(y[None], y, 0.5)
+    outcome, seconds = made.advance(
+        state, last, t0=2.0, h=0.5, every=every, out=np.empty((1, 1, len(y))), pause=pause
+    )
+    return outcome, seconds, state
+
+
+@pytest.mark.parametrize(
+    ("cost", "ends"),
+    [
+        (0.0, [256, 2304, 18688, 149760]), (0.006, [256, 2304, 18688]),
+        (0.00625, [256, 768, 1792, 3840]), (0.049, [256, 768, 1792]), (0.05, [256, 512, 768]),
+    ],
+)  # fmt: skip
+def test_chunks_grow_until_they_last(
+    cost: float, ends: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stepping = Stepping(cost)
+    outcome, seconds, state = advanced(stepping, monkeypatch, ends[-1])
+    assert outcome is Outcome.COMPLETED and state.step == ends[-1]
+    firsts = [0, *ends[:-1]]
+    assert stepping.calls == [(a, b, -1) for a, b in zip(firsts, ends, strict=True)]
+    assert seconds == pytest.approx(cost * len(ends))
+
+
+def test_a_run_is_paused_between_chunks(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[int] = []
+
+    def pause(step: int) -> bool:
+        asked.append(step)
+        return step >= 24
+
+    stepping = Stepping(1.0)
+    outcome, seconds, state = advanced(stepping, monkeypatch, 100, engine="python", pause=pause)
+    assert (outcome, seconds, state.step, asked) == (Outcome.CANCELLED, 3.0, 24, [8, 16, 24])
+    asked.clear()
+    outcome, _, _ = advanced(Stepping(1.0), monkeypatch, 24, engine="python", pause=pause)
+    assert outcome is Outcome.COMPLETED and asked == [8, 16], "what is done is not cancelled"
+
+
+def test_rows_to_keep_are_marked(monkeypatch: pytest.MonkeyPatch) -> None:
+    stepping = Stepping(1.0)
+    advanced(stepping, monkeypatch, 30, engine="python", every=5)
+    assert stepping.calls == [(0, 8, 5), (8, 16, 10), (16, 24, 20), (24, 30, 25)]
+
+
+def test_a_kernel_that_ends_says_how(monkeypatch: pytest.MonkeyPatch) -> None:
+    from glmref.engine.outcome import KERNEL_OUTCOMES
+
+    for code in range(1, len(KERNEL_OUTCOMES)):
+        stepping = Stepping(1.0, code)
+        outcome, seconds, _ = advanced(stepping, monkeypatch, 1000)
+        assert (outcome, seconds, len(stepping.calls)) == (KERNEL_OUTCOMES[code], 1.0, 1)
+
+
+def test_an_exception_leaves_the_last_step_before_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    stepping = Stepping(1.0, fails_at=300)
+    outcome, seconds, state = advanced(stepping, monkeypatch, 1000, engine="numba", opaque=True)
+    assert outcome is Outcome.FUNCTION_FAILED and state.step == 300
+    assert isinstance(state.trouble, Exception) and "f" in str(state.trouble)
+    assert seconds == len(stepping.calls)
+    # halved until one step is left, and never grown again
+    tried = [until - first for first, until, _ in stepping.calls]
+    assert tried[:2] == [256, 256] and tried[-1] == 1
+    assert all(b <= a for a, b in itertools.pairwise(tried[1:]))
+    assert tried[2] == 128
+    without = Stepping(fails_at=4, error=ValueError)
+    outcome, _, state = advanced(without, monkeypatch, 10, engine="numba", opaque=True)
+    assert outcome is Outcome.NOT_FINITE and state.step == 4
+    with pytest.raises(RuntimeError, match="no value there"):  # a fault of the kernel itself
+        advanced(Stepping(fails_at=0), monkeypatch, 10, engine="numba")
+    with pytest.raises(RuntimeError, match="no value there"):
+        advanced(Stepping(fails_at=0), monkeypatch, 10, engine="python", opaque=True)
+
+
+def test_a_second_kernel_goes_on_from_the_state_of_the_first() -> None:
+    of, method = problem("pendulum"), load("g6245")
+    first = prepare(method, of, h=0.1, interpreted=True, solver="fixed-point")
+    second = module.with_newton(first)
+    assert second.options.solver == "newton"
+    y = np.array(of.y0, dtype=float)
+    values = np.array([y * (0.01**k) for k in range(method.r)])
+    state = first.state(values, np.asarray(of.f(0.0, y)), 0.1)
+    out = np.empty((1, 1, 2))
+    first.advance(state, 3, t0=0.0, h=0.1, every=0, out=out)
+    state.memory[0, 0] = math.nan
+    held, kept = first.values(state), state.memory.copy()
+    other = second.resumed(state)
+    assert other.h == 0.1 and other.step == 3 and other.tally is state.tally
+    np.testing.assert_array_equal(second.values(other), held)
+    np.testing.assert_array_equal(other.memory, np.where(np.isfinite(kept), kept, 0.0))
+    assert len(other.work) == second.source.work_size
+    ends = [solve(of, method, h=0.1, steps=6, solver=x, start=values, every=0).y[-1]
+            for x in ("fixed-point", "newton")]  # fmt: skip
+    second.advance(other, 6, t0=0.0, h=0.1, every=0, out=out)
+    assert np.abs(second.values(other)[0] - ends[1]).max() < 1e-12

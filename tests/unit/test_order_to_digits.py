@@ -1,0 +1,288 @@
+"""The claim of rounded coefficients: an order, and the largest residual of its conditions."""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+import json
+from fractions import Fraction
+from typing import Any
+
+import pytest
+
+from checker.glmref_check import verdict
+from glmref.catalogue.claims import ORDER_TO_DIGITS, stated_orders
+from glmref.catalogue.lookup import document
+from glmref.catalogue.reader import load_document
+from glmref.errors import DataError
+from glmref.findings import Verdict
+from glmref.prove.certificate import certificates_of
+from glmref.prove.digits import rounded_up, step_below
+from glmref.verification.verifier import facts_for
+
+KEY = ORDER_TO_DIGITS.key
+#: Heun's method of order 3 with thirds of four digits, and an embedded row of order 2.
+ROUNDED: dict[str, Any] = {
+    "format": "glmref-method-2",
+    "name": "rounded",
+    "class": "rk",
+    "A": [["0", "0", "0"], ["3333/10000", "0", "0"], ["0", "6667/10000", "0"]],
+    "b": ["1/4", "0", "3/4"],
+    "embedded": [{"name": "low", "b": ["0", "1", "0"]}],
+    "claims": {KEY: {"b": [3, "3.4e-5"], "low": [1, "1.0e-9"]}},
+    "source": {"citation": "none", "where": "none", "status": "derived"},
+}
+
+
+def judged(doc: dict[str, Any]) -> Any:
+    facts = facts_for(load_document(doc))
+    return facts.judge(KEY, doc["claims"][KEY])
+
+
+def certified(doc: dict[str, Any]) -> dict[str, Any]:
+    """The certificate of the verdict, as it is written."""
+    facts = facts_for(load_document(doc))
+    declared = doc["claims"][KEY]
+    ((_, found),) = certificates_of(facts, {KEY: (declared, facts.judge(KEY, declared))})
+    assert isinstance(found, dict), found
+    return json.loads(json.dumps(found))
+
+
+def without_rows(*claimed: Any) -> dict[str, Any]:
+    doc = {k: v for k, v in ROUNDED.items() if k != "embedded"}
+    return {**doc, "claims": {KEY: {"b": list(claimed)}}}
+
+
+@pytest.mark.parametrize(
+    ("claimed", "expected", "reason"),
+    [
+        ((3, "3.4e-5"), Verdict.HOLDS, ""),
+        ((3, "3.5e-5"), Verdict.FAILS, "the residuals through order 3 are at most 3.4e-5"),
+        ((3, "3.3e-5"), Verdict.FAILS, "tree [oo] of order 3 has residual"),
+        ((2, "2.5e-5"), Verdict.FAILS, "no condition of order 3 has a residual above 1000 times"),
+        ((4, "3.4e-5"), Verdict.FAILS, "of order 4 has residual"),
+    ],
+)
+def test_order_and_size_are_decided(claimed: Any, expected: Verdict, reason: str) -> None:
+    doc = without_rows(*claimed)
+    found = judged(doc)
+    assert (found.verdict, reason in found.reason) == (expected, True), found.reason
+    assert verdict(certified(doc))[0]
+
+
+@pytest.mark.parametrize(
+    ("claimed", "witness", "others"),
+    [
+        ((3, "3.5e-5"), {"order": 3}, [{"order": 4}, {"order": 2}, {"tree": "[oo]"}, {}]),
+        ((3, "3.3e-5"), {"tree": "[oo]"}, [{"tree": "[[o]]"}, {"tree": "[ooo]"}, {"order": 3}]),
+        ((2, "2.5e-5"), {"order": 3}, [{"order": 2}, {"order": 4}, {"tree": "[o]"}]),
+        ((3, "3.4e-5"), None, [{"order": 3}, {"order": 4}, {"tree": "[oo]"}]),
+    ],
+)
+def test_what_refutes_is_checked(claimed: Any, witness: Any, others: Any) -> None:
+    """The checker takes the witness of a refutation and no other, and none of what holds."""
+    good = certified(without_rows(*claimed))
+    if witness is not None:
+        assert good["parts"] == [{"rule": "not-to-digits", "witness": {"row": "b", **witness}}]
+    for other in others:
+        bad = copy.deepcopy(good)
+        bad["statement"]["verdict"] = "fails"
+        bad["parts"] = [{"rule": "not-to-digits", "witness": {"row": "b", **other}}]
+        assert not verdict(bad)[0], other
+
+
+def test_the_size_is_that_of_the_fractions() -> None:
+    third, two = Fraction(3333, 10000), Fraction(6667, 10000)
+    residuals = (
+        Fraction(3, 4) * two - Fraction(1, 2),
+        Fraction(3, 4) * two**2 - Fraction(1, 3),
+        Fraction(3, 4) * two * third - Fraction(1, 6),
+    )
+    assert rounded_up(max(map(abs, residuals))) == "3.4e-5"
+
+
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        ({"b": 3}, "an order and the size of a residual"),
+        ({"b": [3, "2e-5"]}, "two digits and a power of ten"),
+        ({"b": [3, 0.1]}, "two digits and a power of ten"),
+        ({"b": [-1, "2.0e-5"]}, "whole number"),
+    ],
+)
+def test_what_is_no_size_is_refused(value: Any, message: str) -> None:
+    with pytest.raises(DataError, match=message):
+        load_document({**without_rows(3, "3.4e-5"), "claims": {KEY: value}})
+
+
+def test_every_row_is_named() -> None:
+    doc = {**ROUNDED, "claims": {KEY: {"b": [3, "3.4e-5"]}}}
+    found = judged(doc)
+    assert found.verdict is Verdict.FAILS and found.reason == "the weights are b, low"
+
+
+def test_a_name_that_is_no_row_is_refused() -> None:
+    doc = {**ROUNDED, "claims": {KEY: {**ROUNDED["claims"][KEY], "lower": [1, "1.0e-9"]}}}
+    with pytest.raises(DataError, match='names "lower", and the weights are b, low'):
+        load_document(doc)
+
+
+def test_a_row_with_the_name_of_the_solution_is_refused() -> None:
+    doc = {**ROUNDED, "embedded": [{"name": "b", "b": ["0", "1", "0"]}], "claims": {}}
+    with pytest.raises(DataError, match="give the row another name"):
+        load_document(doc)
+
+
+def test_the_row_that_fails_is_named_where_there_are_several() -> None:
+    doc = {**ROUNDED, "claims": {KEY: {"b": [3, "3.3e-5"], "low": [1, "1.0e-9"]}}}
+    assert judged(doc).reason.startswith("row b: tree [oo] of order 3")
+    assert judged(without_rows(3, "3.3e-5")).reason.startswith("tree [oo] of order 3")
+
+
+def test_residuals_that_are_zero_are_said_to_be() -> None:
+    doc = {**without_rows(2, "1.0e-9"), "A": [["0", "0"], ["1", "0"]], "b": ["1/2", "1/2"]}
+    reason = "the residuals through order 2 are 0: claim the order without size"
+    assert (judged(doc).verdict, judged(doc).reason) == (Verdict.FAILS, reason)
+
+
+def test_decimals_that_are_intervals_are_left_open() -> None:
+    doc = {**without_rows(1, "1.0e-4"), "A": [["0"]], "b": ["0.9999"], "digits": 4}
+    found = judged(doc)
+    assert (found.verdict, "leave `digits` out" in found.reason) == (Verdict.OPEN, True)
+
+
+def test_irrational_entries_are_left_open() -> None:
+    doc = document("gauss-2")
+    doc = {k: v for k, v in doc.items() if k != "claims"} | {"claims": {KEY: {"b": [4, "1.0e-9"]}}}
+    found = judged(doc)
+    assert (found.verdict, "not all rational" in found.reason) == (Verdict.OPEN, True)
+
+
+def test_a_value_that_is_not_the_solution_is_left_open() -> None:
+    doc = {"format": "glmref-method-1", "name": "half", "class": "glm", "A": [["1/2"]],
+           "U": [["1"]], "B": [["1"]], "V": [["-1"]], "source": ROUNDED["source"],
+           "claims": {KEY: {"b": [2, "1.0e-9"]}}}  # fmt: skip
+    assert judged(doc).verdict is Verdict.OPEN
+    several = {"U": [["1", "1"]], "B": [["1"], ["0"]], "V": [["1", "1"], ["1", "1"]]}
+    assert judged({**doc, **several}).verdict is Verdict.OPEN
+    half = {"A": [["0"]], "U": [["1"]], "B": [["1"]], "V": [["1"]]}
+    pair = {"class": "partitioned", "q": half, "p": {**half, "V": [["-1"]]}, "separable": True}
+    kept = {k: x for k, x in doc.items() if k not in half}
+    assert judged({**kept, **pair}).verdict is Verdict.OPEN
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["verner-robust-8-7-printed", "ros3-printed", "kennedy-carpenter-ark-5-4-printed",
+     "dormand-prince-rkn-12-10"],
+)  # fmt: skip
+def test_shipped_files_hold_and_near_misses_fail(name: str) -> None:
+    doc = dict(document(name))
+    assert judged(doc).verdict is Verdict.HOLDS
+    for row, (order, size) in doc["claims"][KEY].items():
+        digits, _, power = size.partition("e")
+        less = f"{float(digits) - 0.1:.1f}e{power}"
+        for wrong in ([order, less], [order + 1, size], [order - 1, size]):
+            changed = copy.deepcopy(doc)
+            changed["claims"][KEY][row] = wrong
+            assert judged(changed).verdict is Verdict.FAILS, (row, wrong)
+
+
+def test_the_checker_accepts_it_and_refuses_what_is_changed() -> None:
+    good = certified(dict(document("verner-robust-8-7-printed")))
+    assert verdict(good)[0]
+    for change in ("size", "order", "largest", "beyond", "entry"):
+        bad = copy.deepcopy(good)
+        rows = bad["parts"][0]["witness"]["rows"]["b"]
+        claimed = bad["document"]["claims"][KEY]["b"]
+        if change == "size":
+            claimed[1] = "2.3e-41"
+        elif change == "order":
+            claimed[0] = 7
+        elif change == "entry":
+            bad["document"]["A"][1][0] = "1/5"
+        else:
+            rows[change] = "o"
+        bad["statement"]["declared"] = bad["document"]["claims"][KEY]
+        assert not verdict(bad)[0], change
+
+
+def accepted(doc: dict[str, Any]) -> Any:
+    """The judgement, whose certificate the checker accepts."""
+    assert verdict(certified(doc))[0]
+    return judged(doc)
+
+
+def test_a_residual_that_is_the_number_itself_is_decided() -> None:
+    doc = {**without_rows(1, "1.0e-4"), "A": [["0"]], "b": ["9999/10000"]}
+    assert accepted(doc).verdict is Verdict.HOLDS
+    doc["claims"] = {KEY: {"b": [1, "1.1e-4"]}}  # the number before it is the residual itself
+    assert accepted(doc).reason == "the residuals through order 1 are at most 1.0e-4"
+
+
+def test_weights_that_cancel_in_many_digits_are_decided() -> None:
+    """Their errors, which are as large as the weights, would hide the residual."""
+    large = 10**70
+    b = [str(large), str(Fraction(100049, 100000) - large)]
+    doc = {**without_rows(1, "4.9e-4"), "A": [["0", "0"], ["0", "0"]], "b": b}
+    assert accepted(doc).verdict is Verdict.HOLDS
+    doc["claims"][KEY]["b"] = [1, "4.8e-4"]
+    assert accepted(doc).reason == "tree o of order 1 has residual 4.9e-4"
+
+
+@pytest.mark.parametrize(("more", "expected"), [(1, "holds"), (0, "fails"), (-1, "fails")])
+def test_a_gap_that_only_the_number_itself_decides(more: int, expected: str) -> None:
+    """The residual of order 2 is 1000 times the size, and ``more`` units of the 77th place."""
+    residual = Fraction(1, 2) + 1000 * Fraction("4.9e-4") + Fraction(more, 10**77)
+    weight = Fraction(100049, 100000)
+    doc = {**without_rows(1, "4.9e-4"), "A": [[str(residual / weight)]], "b": [str(weight)]}
+    assert str(accepted(doc).verdict) == expected
+
+
+def test_the_residual_that_refutes_is_told_rounded_up_itself() -> None:
+    """It is 1e-10, and no upper bound of it, which two digits would show as 1.1e-10."""
+    doc = {**without_rows(1, "9.9e-11"), "A": [["0"]], "b": [str(1 + Fraction(1, 10**10))]}
+    assert accepted(doc).reason == "tree o of order 1 has residual 1.0e-10"
+    doc = {**doc, "class": "nystrom", "b": ["1/2"], "b_prime": [str(1 + Fraction(1, 10**6))],
+           "c": ["1/2"], "claims": {KEY: {"b": [2, "5.0e-7"]}}}  # fmt: skip
+    assert accepted(doc).reason == "tree k of order 1 has residual 1.0e-6"
+
+
+def test_splittings_are_judged_on_all_trees() -> None:
+    """McLachlan and Atela's has order 4 where the kinetic energy is quadratic, and 3 at large."""
+    doc = copy.deepcopy(dict(document("mclachlan-atela-4")))
+    unknowns = {x: Fraction(text[:42]) for x, text in doc.pop("unknowns").items()}
+    for key in ("enclosure", "digits"):
+        doc.pop(key)
+    b2 = Fraction(doc.pop("constants")["b2"])
+    a = [unknowns[x] for x in ("a1", "a2", "a3")]
+    b = [unknowns["b1"], b2, unknowns["b3"]]
+    doc |= {"a": [*map(str, a), str(1 - sum(a))], "b": [*map(str, b), str(1 - sum(b))]}
+    doc["claims"] = {KEY: {"b": [4, "8.3e-40"]}}
+    assert accepted(doc).reason == "tree f[kkk] of order 4 has residual 1.1e-2"
+    doc["claims"] = {KEY: {"b": [3, "8.3e-40"]}}
+    bad = certified(doc)
+    assert verdict(bad)[0]
+    bad["statement"]["declared"]["b"][0] = bad["document"]["claims"][KEY]["b"][0] = 4
+    bad["parts"][0]["witness"]["rows"]["b"] = {"largest": "k[ff]", "beyond": "f[k[fff]]"}
+    accepts, why = verdict(bad)
+    assert (accepts, why) == (False, "the residual of tree f[kkk]")
+
+
+def test_a_method_without_a_file_is_judged_too() -> None:
+    doc = without_rows(3, "3.4e-5")
+    method: Any = load_document(doc)
+    method = dataclasses.replace(method, document=None)
+    assert facts_for(method).judge(KEY, doc["claims"][KEY]).verdict is Verdict.HOLDS
+
+
+def test_sizes_have_two_digits() -> None:
+    assert rounded_up(Fraction(271, 100000)) == "2.8e-3"
+    assert step_below("2.7e-83") == Fraction(26, 10**84)
+    assert step_below("1.0e-83") == Fraction(99, 10**85)
+
+
+def test_orders_that_are_stated() -> None:
+    assert stated_orders(ROUNDED["claims"]) == {"b": 3, "low": 1}
+    assert stated_orders({"order": 4, "embedded-order": {"low": 3}}) == {"b": 4, "low": 3}
+    assert stated_orders({"symmetric": True}) == {}

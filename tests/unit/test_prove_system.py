@@ -1,0 +1,204 @@
+"""What follows from the equations of a file for all values of its unknowns; bounds of orders."""
+
+from __future__ import annotations
+
+import copy
+from typing import Any
+
+import pytest
+
+from glmref import DataError
+from glmref.catalogue.lookup import load
+from glmref.exact.expression import parse
+from glmref.method import as_matrix
+from glmref.prove import simplifying
+from glmref.prove.certificate import _Writer
+from glmref.prove.certificate_enclosed import method_proof
+from glmref.prove.kernel import Kernel
+from glmref.prove.ranges import Range
+from glmref.prove.simplifying import RungeKuttaSystem
+from glmref.prove.system import Affine, Equation, SweepSystem
+from glmref.theory.trees import parse_tree
+from tests.adversary.deceive import shipped
+
+SWEEP = {
+    "class": "sweep", "unknowns": {"a": "1/3"}, "constants": {},
+    "V": [["1", "0"], ["0", "-1"]], "G": ["1", "-1"],
+    "D": ["1/2", "1/2"], "X": [["1", "1"], ["a", "a"]], "claims": {},
+}  # fmt: skip
+
+
+def system(**changes: Any) -> SweepSystem:
+    return SweepSystem({**copy.deepcopy(SWEEP), **changes})
+
+
+def test_signs_are_those_of_the_rows_that_are_their_mirror_images() -> None:
+    assert system().signs() == ((1, 1),)
+    assert system(X=[["1", "1"], ["a", "-a"]]).signs() == ((1, -1),)
+    assert system(X=[["1", "1"], ["a", "2*a"]]).signs() is None, "no mirror image"
+    assert system(D=["1/3", "2/3"]).signs() is None, "the weights are none"
+    # rows of opposite signs that G couples
+    V, G = [["1", "0", "0"], ["0", "-1", "0"], ["0", "0", "-1"]], [["1", "0", "0"], ["0", "0", "1"],
+                                                                   ["0", "1", "0"]]  # fmt: skip
+    same = [["1", "1"], ["a", "a"], ["2*a", "2*a"]]
+    assert system(V=V, G=G, X=same).signs() == ((1, 1, 1),)
+    assert system(V=V, G=G, X=[*same[:2], ["2*a", "-2*a"]]).signs() is None
+    # a rotation is turned back by a change of one sign alone
+    V = [["1", "0", "0"], ["0", "3/5", "-4/5"], ["0", "4/5", "3/5"]]
+    turned = [["1", "1"], ["a", "a"], ["2*a", "-2*a"]]
+    assert system(V=V, G=["1", "-1", "-1"], X=turned).signs() == ((1, 1, -1),)
+    assert system(V=V, G=["1", "-1", "-1"], X=same).signs() is None
+
+
+def test_values_of_a_start_vanish_at_trees_of_one_parity() -> None:
+    odd, even = parse_tree("o"), parse_tree("[o]")
+    kept, turned = system(X=[["1", "1"], ["a", "-a"]]), system()
+    # L = V^-1 E keeps the second value, or changes its sign
+    assert kept.involutions["o"][1][1] == 1 and turned.involutions["o"][1][1] == -1
+    assert kept.start_vanishes(odd, 1) and not kept.start_vanishes(even, 1)
+    assert turned.start_vanishes(even, 1) and not turned.start_vanishes(odd, 1)
+    none = system(D=["1/3", "2/3"], enclosure={"equations": ["start 2 [o]"]})
+    assert none.start_vanishes(even, 1) and not none.start_vanishes(odd, 1)
+    named = system(enclosure={"equations": ["start 2"]})
+    family = named.family
+    assert named.identity_through(2, family) and not turned.identity_through(2, family)
+    assert turned.identity_through(1, family)
+    # every product of two values up to order 4 needs one at [o] or at o
+    assert not kept.identity_through(4, family)
+
+
+def test_stage_orders_follow_from_the_equations_of_the_first_half() -> None:
+    d = shipped("s3i1-w3")
+
+    def found(*equations: str) -> int:
+        enclosure = {**d["enclosure"], "equations": equations}
+        return SweepSystem({**d, "enclosure": enclosure}).stage_order
+
+    whole = SweepSystem(d)
+    assert (whole.stage_order, whole.order, whole.s) == (2, 5, 3)
+    assert whole.signs() == ((1, -1, 1, 1),) and sorted(whole.explicit) == [1, 3]
+    assert found("defect 1") == 1, "the tree [o] is even: the middle stage needs its equation"
+    assert found("defect 1", "defect 2", "defect 1 [oo]") == 3, "and not for [oo]"
+    assert found("defect 1", "defect 2", "defect 2 [oo]") == 2
+    assert SweepSystem({**d, "enclosure": {"equations": ["defect 1 [oo]"]}}).order == 4
+    assert SweepSystem({**d, "enclosure": {"equations": []}}).order == 2
+
+
+@pytest.mark.parametrize(
+    ("equation", "message"),
+    [
+        ("growth 1", "simple eigenvalue"), ("explicit 4", "'explicit 4' must name a stage from 1 to 3"),
+        ("start 5", "must name a value from 1 to 4"), ("9" * 4000, "is unknown; write"),
+        ("nothing", "is unknown; write"), ("start 0", "is unknown; write"),
+    ],
+)  # fmt: skip
+def test_equations_without_a_meaning_are_refused_in_a_sentence(equation: str, message: str) -> None:
+    d = shipped("s3i1-w3")
+    d["enclosure"]["equations"] = [equation]
+    d["V"][3][3] = "1"  # a second eigenvector for 1
+
+    def refused() -> None:
+        s = SweepSystem(d)
+        s.eigenvector(s.equations[0])
+
+    with pytest.raises(DataError, match=message) as found:
+        refused()
+    assert len(str(found.value)) < 300
+
+
+@pytest.mark.parametrize(
+    "read",
+    [lambda x: Equation.read(x, 1), lambda x: Equation.read(x, 2), simplifying._Equation.read],
+)
+def test_refusals_quote_the_beginning_of_an_equation(read: Any) -> None:
+    for text in ("9" * 4000, "column " + "9" * 4000):
+        with pytest.raises(DataError, match="is unknown; write") as found:
+            read(text)
+        assert len(str(found.value)) < 300
+    with pytest.raises(DataError, match="must name a tree of which the colours") as found:
+        Equation.read(f"order f[{'f' * 1500}]", 2)
+    assert len(str(found.value)) < 300
+
+
+def test_blocks_that_the_theorems_do_not_speak_of_are_refused() -> None:
+    with pytest.raises(DataError, match="first row and column of `V`"):
+        system(V=[["1", "1"], ["0", "-1"]])
+    with pytest.raises(DataError, match="first row and column of `G`"):
+        system(G=["2", "-1"])
+    with pytest.raises(DataError, match="must preserve `G`"):
+        system(V=[["1", "0"], ["0", "-2"]])
+    with pytest.raises(DataError, match="only files of class"):
+        system(**{"class": "rk"})
+
+
+def test_affine_expressions() -> None:
+    x, y = Affine.unknown("x"), Affine.unknown("y")
+    assert (2 * (x - y) / 2 - x + y).is_identically_zero()
+    assert not (x - y).is_identically_zero()
+    assert (1 - x + x - 1).is_identically_zero() and not (1 - x).is_identically_zero()
+    assert (x * Affine.of(3) - 3 * x).is_identically_zero()
+
+
+def test_the_order_that_equations_give_ends_where_trees_are_compared(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    d = shipped("tsitouras-5-4")
+    assert RungeKuttaSystem(d).order() == 5
+    for most in (5, 4, 2):
+        monkeypatch.setattr(simplifying, "MAX_ORDER", most)
+        assert RungeKuttaSystem(d).order() == most
+
+
+def test_the_proof_of_a_method_names_what_is_free() -> None:
+    assert method_proof(shipped("yoshida-6-midpoint"), 4)["free"] == {"4": ["[ooo]"]}
+    assert "free" not in method_proof(shipped("mclachlan-ss5-4"), 4)
+    assert method_proof(shipped("mclachlan-ss5-4"), 4)["trees"] == "all"
+
+
+def test_what_is_proved_of_no_dense_output_is_nothing() -> None:
+    kernel = Kernel(load("rk4"))
+    found = kernel._dense_order
+    assert (found.lower, found.upper, found.reason) == (0, 0, "the file gives no dense output")
+    assert kernel._dense_end({}).truth is False
+    found = Kernel(load("euler"))._dense_order
+    assert found.upper == 0
+
+
+def test_a_range_says_what_decides_it() -> None:
+    assert Range(3, None).residual == 0.0 and Range(3, None).sizes == ()
+    assert Range(3, None).sentence == ""
+    assert Range(3, None, reason="why").sentence == "why"
+    assert Range(3, None, value=5, reason="why").sentence == (
+        "no tree of order 5 or less fails; why"
+    )
+    upper = Range(3, 3, "[oo]", 0.25)
+    assert upper.sentence == "tree [oo] of order 4 has residual 0.25"
+    assert Range(2, 3, "[oo]", 0.25, reason="why").sentence == (
+        "no tree of order 2 or less fails, and tree [oo] of order 4 has residual 0.25; why"
+    )
+    assert Range(0, 3, "[oo]", 0.25).sentence == upper.sentence
+    assert Range(2, 2, value=2).sentence == ""
+
+
+def test_another_u_than_the_stages_read_refutes_order_1() -> None:
+    def other(U: Any, B: Any, V: Any) -> bool:
+        return _Writer._other_u(as_matrix(U, "U"), as_matrix(B, "B"), as_matrix(V, "V"))
+
+    one = [["1"]]
+    assert not other(one, one, one)
+    assert other([["2"]], one, one) and other(one, [["1/2"]], one)
+    assert other(one, one, [["1/2"]]), "V has no eigenvalue 1"
+    # of a Jordan block nothing is said
+    assert not other([["1", "0"]], [["1"], ["0"]], [["1", "1"], ["0", "1"]])
+    # u = (1, 1/2): W u = W B 1 for the left vector (1, 1) of the eigenvalue 1
+    V = [["1/2", "1"], ["1/2", "0"]]
+    assert not other([["1", "0"]], [["1"], ["1/2"]], V)
+    assert other([["0", "1"]], [["1"], ["1/2"]], V)
+
+
+def test_series_end_where_no_residual_needs_them() -> None:
+    s = SweepSystem(shipped("yoshida-6-midpoint"))
+    form, principal = s.read({x: parse(s.document["unknowns"][x], digits=75) for x in s.unknowns})
+    series = s.series(form, principal, 4)
+    assert max(t.order for t in series.eta) == 3
+    assert max(t.order for t in series.residual) == 4

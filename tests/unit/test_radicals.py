@@ -1,0 +1,191 @@
+"""Numbers as elements of towers of roots, and as elements of the fields of certificates.
+
+What an element means is computed here in another way: every generator is the principal root of its
+radicand, as complex numbers with 40 digits.
+"""
+
+from __future__ import annotations
+
+import re
+from fractions import Fraction
+from typing import Any
+
+import mpmath
+import pytest
+
+from glmref.errors import ExactnessError
+from glmref.exact import Exact
+from glmref.exact.expression import parse
+from glmref.prove import field
+from glmref.prove.radicals import Element, Tower
+
+NUMBERS = (
+    "3/7", "sqrt(2)", "1/(1+sqrt(2))", "sqrt(2/3)-sqrt(6)", "root(2,3)/(1+sqrt(5))", "i*sqrt(3)-1",
+    "sqrt(3/7+2/7*sqrt(6/5))", "(1+sqrt(2))*root(3,3)", "1/root(2,5)", "sqrt(1+i)", "exp(2*pi*i/3)",
+    "sqrt(2)*(1+i)/2", "root(4,3)+root(2,3)",
+)  # fmt: skip
+
+
+def close(x: Any, y: Any) -> bool:
+    return abs(x - y) < mpmath.mpf(10) ** -30
+
+
+def number(text: str, **names: Any) -> Any:
+    """Value of an expression with sqrt, root, i and exp, in mpmath alone."""
+    names |= {
+        "sqrt": mpmath.sqrt,
+        "root": lambda x, n: mpmath.root(x, int(n)),
+        "exp": mpmath.exp,
+        "pi": mpmath.pi,
+        "i": mpmath.mpc(0, 1),
+        "mpf": mpmath.mpf,
+    }
+    return eval(re.sub(r"(?<![\w])(\d+)", r"mpf(\1)", text), {"__builtins__": {}}, names)
+
+
+def value(x: Element) -> Any:
+    roots: list[Any] = []
+    for n, radicand in x.tower.levels:
+        roots.append(mpmath.root(polynomial(radicand, roots), n))
+    return polynomial(x, roots)
+
+
+def polynomial(x: Element, roots: list[Any]) -> Any:
+    total = mpmath.mpc(0)
+    for power, factor in x.terms.items():
+        term = mpmath.mpf(factor.numerator) / factor.denominator
+        for root, k in zip(roots, power, strict=False):
+            term *= root**k
+        total += term
+    return total
+
+
+@pytest.fixture(autouse=True)
+def digits() -> Any:
+    with mpmath.workdps(40):
+        yield
+
+
+@pytest.mark.parametrize("text", NUMBERS)
+def test_an_element_is_the_number_it_was_made_of(text: str) -> None:
+    x = Tower().number(parse(text))
+    assert close(value(x), number(text))
+    assert (x.as_fraction() is None) == (text != "3/7")
+
+
+def test_elements_are_added_multiplied_and_divided_as_numbers_are() -> None:
+    """Over a tower of degree 4 with a cubic root: exponents stay below the degrees."""
+    tower = Tower()
+    elements = [tower.number(parse(x)) for x in ("sqrt(2)-1/3", "root(2,3)+1", "i-root(2,3)")]
+    degrees = [n for n, _ in tower.levels]
+    assert sorted(degrees) == [2, 2, 3]
+    for x in elements:
+        assert close(value(2 - x), 2 - value(x))
+        assert close(value(x * 3 + Fraction(1, 2)), value(x) * 3 + 0.5)
+        assert close(value(1 / x), 1 / value(x))
+        for y in elements:
+            assert close(value(x * y - x), value(x) * (value(y) - 1))
+            assert close(value(x / y), value(x) / value(y))
+            assert (x / y * y - x).is_zero()
+            assert all(k < n for p in (x * y).terms for k, n in zip(p, degrees, strict=False))
+    assert not elements[0].is_zero()
+
+
+def test_dependent_square_roots_share_levels() -> None:
+    tower = Tower()
+    two, three, six, eighth = (
+        tower.number(parse(x)) for x in ("sqrt(2)", "sqrt(3)", "sqrt(6)", "sqrt(1/8)")
+    )
+    assert (two * three - six).is_zero()
+    assert (eighth * 4 - two).is_zero()
+    assert (tower.number(parse("i*sqrt(6)")) / two / three).terms == {(0, 0, 1): 1}
+    assert len(tower.levels) == 3
+    assert tower.radical(tower.number(0), 2).is_zero()
+    minus = tower.radical(tower.number(-4), 2)
+    assert (minus * minus + 4).is_zero()
+    nested = tower.radical(two + 1, 3)
+    assert (tower.radical(two + 1, 3) - nested).is_zero()
+    assert len(tower.levels) == 4
+
+
+def test_zero_and_zero_divisors_have_no_inverse() -> None:
+    tower = Tower()
+    with pytest.raises(ZeroDivisionError):
+        tower.number(0).inverse()
+    x = tower.radical(tower.number(4), 4)  # x^4 - 4 = (x^2 - 2)(x^2 + 2): no field
+    with pytest.raises(ZeroDivisionError):
+        (x * x - 2).inverse()
+    assert (x.inverse() * x - 1).is_zero()
+
+
+# -- the fields of certificates
+
+
+FIELDS = (
+    "sqrt(12)+sqrt(27)*sqrt(1/3)+i*sqrt(3)", "sqrt(3/7+2/7*sqrt(6/5))+exp(2*pi*i/5)",
+    "sqrt(-3/4)*root(2,3)+sqrt(-5)", "sqrt(sqrt(2))+root(5,3)+sqrt(0)", "sqrt(-4)*sqrt(-1-sqrt(2))",
+    "sqrt(10)+sqrt(15)+sqrt(6)", "sqrt(3+2*sqrt(2))+sqrt(18)", "root(3+sqrt(7),3)*exp(2*pi*i/3)",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("text", FIELDS)
+def test_radicals_are_written_in_generators_that_are_isolated(text: str) -> None:
+    """Each generator is the one root of its polynomial in its box; radicals are those numbers."""
+    radicals = field.radicals_of(text)
+    tower = field.Tower(radicals)
+    found = tower.as_json()
+    names: dict[str, Any] = {}
+
+    for entry, exact in zip(found["generators"], tower.values, strict=True):
+        left, right, low, high = (number(x) for k in ("real", "imag") for x in entry[k])
+        coefficients = [number(x, **names) for x in entry["polynomial"]]
+        roots = mpmath.polyroots([1, *coefficients[::-1]], maxsteps=200, extraprec=200)
+        slack = mpmath.mpf(10) ** -30
+        inside = [
+            x for x in map(mpmath.mpc, roots)
+            if left <= x.real <= right and low - slack <= x.imag <= high + slack
+        ]  # fmt: skip
+        assert exact.is_real() == (low == high == 0)
+        (root,) = inside
+        names[entry["name"]] = root
+        if "conjugate" in entry:
+            assert close(number(entry["conjugate"], **names), mpmath.conj(root))
+        else:
+            assert exact.is_real()
+    assert set(found["radicals"]) == set(radicals)
+    for radical, written in found["radicals"].items():
+        assert close(number(written, **names), number(radical)), radical
+
+
+def test_a_field_has_no_more_generators_than_it_needs() -> None:
+    for text, degrees in (
+        ("sqrt(10)+sqrt(15)+sqrt(6)", [2, 2]),
+        ("sqrt(3+2*sqrt(2))", [2]),  # 1 + sqrt(2)
+        ("sqrt(-1)+i+sqrt(-9/4)", [2]),
+        ("exp(2*pi*i/3)*sqrt(-3)", [2, 2]),
+        ("root(8,3)", []),
+    ):
+        tower = field.Tower(field.radicals_of(text))
+        assert tower.degrees == degrees, text
+    assert field.Tower([]).as_json() == {"kind": "rational"}
+
+
+def test_numbers_outside_a_field_and_fields_too_large_are_refused() -> None:
+    tower = field.Tower(["sqrt(2)"])
+    assert tower.element(Exact(2).sqrt() * 3 - 1) == "-1+3*g1"
+    assert tower.element(Exact(0)) == "0"
+    with pytest.raises(ExactnessError, match="outside the field"):
+        tower.element(Exact(3).sqrt())
+    primes = (2, 3, 5, 7, 11, 13)
+    assert len(field.Tower([f"sqrt({p})" for p in primes]).degrees) == 6  # degree 64
+    with pytest.raises(ExactnessError, match="degree 128"):
+        field.Tower([f"sqrt({p})" for p in (*primes, 17)])
+    with pytest.raises(ExactnessError, match="conjugation"):
+        field.Tower(["i", "sqrt(1+i)"])
+
+
+def test_constants_stand_in_parentheses_for_what_they_are() -> None:
+    constants = {"w": "1/(2 - root(2, 3))", "z": "1-2*w"}
+    assert field.written_out("w *z", constants) == "(1/(2-root(2,3)))*(1-2*(1/(2-root(2,3))))"
+    assert field.radicals_of("2*sqrt(1+sqrt(2))-sqrt(2)+i") == ["sqrt(2)", "sqrt(1+sqrt(2))", "i"]
+    assert field.radicals_of("exp(2*pi*i/5)*pi") == ["exp(2*pi*i/5)"]
