@@ -44,6 +44,7 @@ ENCLOSED = {
 }
 #: Keys of the second format by class: those that are needed, and those that may be left out.
 NEW: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
+    "glm": ({}, {"embedded": _row({"b": _VECTOR, "v": _VECTOR})}),
     "rk": (
         {},
         {
