@@ -36,6 +36,20 @@ _PAIR_NAMES = (("alpha", "beta"), ("delta", "eta"), ("phi", "psi"))
 _REAL_NAMES = ("gamma", "kappa", "lambda")
 
 
+def mirrored(name: str, size: int, parity: int) -> list[str]:
+    """A row ``name1``, ``name2``, .. that its mirror image equals, up to the sign ``parity``."""
+    half = [f"{name}{i + 1}" for i in range(size // 2)]
+    middle = [f"{name}{size // 2 + 1}" if parity > 0 else "0"] * (size % 2)
+    return half + middle + [x if parity > 0 else f"-{x}" for x in reversed(half)]
+
+
+def remainder(name: str, row: Sequence[str]) -> str:
+    """The entry ``name`` from the condition that the row sums to 1."""
+    others = [(x, row.count(x)) for x in dict.fromkeys(row) if x != name]
+    total = "1" + "".join(f"-{x}" if k == 1 else f"-{k}*{x}" for x, k in others)
+    return total if row.count(name) == 1 else f"({total})/{row.count(name)}"
+
+
 @dataclass(frozen=True)
 class Value:
     """One eigenvalue of V other than 1: a complex pair (two values) or -1.
@@ -162,9 +176,7 @@ class Ansatz:
             raise DataError(f"{name}: the ansatz is not complete ({error})") from None
 
     def _row(self, name: str, parity: int) -> list[str]:
-        half = [f"{name}{i + 1}" for i in range(self.stages // 2)]
-        middle = [f"{name}{self.stages // 2 + 1}" if parity > 0 else "0"] * (self.stages % 2)
-        return half + middle + [x if parity > 0 else f"-{x}" for x in reversed(half)]
+        return mirrored(name, self.stages, parity)
 
     def _rows(self) -> tuple[list[list[str]], list[int], list[list[str]]]:
         """X, the diagonal of G, and V, row by row."""
@@ -226,7 +238,7 @@ class Ansatz:
         free_b = [x for x in dict.fromkeys(D) if x not in self.fixed]
         constants = dict(self.fixed)
         if free_b:
-            constants[free_b[-1]] = self._last(free_b[-1], D)
+            constants[free_b[-1]] = remainder(free_b[-1], D)
         unknowns = {x: "" for x in names if x not in constants}
         return {
             "format": "glmref-method-1",
@@ -243,12 +255,6 @@ class Ansatz:
             "enclosure": {"equations": self._equations(), "radius": "1e-60", "xi": principal},
             "claims": {"order": self.order},
         }  # fmt: skip
-
-    def _last(self, name: str, D: Sequence[str]) -> str:
-        """The weight ``name`` from ``sum d_i = 1``."""
-        others = [(x, D.count(x)) for x in dict.fromkeys(D) if x != name]
-        total = "1" + "".join(f"-{x}" if n == 1 else f"-{n}*{x}" for x, n in others)
-        return total if D.count(name) == 1 else f"({total})/{D.count(name)}"
 
 
 def _block_diagonal(blocks: Sequence[Sequence[Sequence[str]]]) -> list[list[str]]:

@@ -197,15 +197,6 @@ def with_partitioned_start(
 ) -> dict[str, Any]:
     """Add a start of the order of a pair, and of its order on second-order systems.
 
-    Parameters
-    ----------
-    document : Mapping[str, Any]
-        Of a pair whose first values are the solution.
-    enclosure : Enclosure
-        Its proof.
-    half : Mapping[str, Any]
-        See :func:`expanded`.
-
     Raises
     ------
     ConvergenceError, ExactnessError

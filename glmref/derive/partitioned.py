@@ -26,6 +26,7 @@ from ..prove.classes import Family, representatives
 from ..prove.enclosure import Enclosure, prove
 from ..prove.newton import polish
 from ..prove.system import SweepSystem
+from .ansatz import mirrored, remainder
 
 if TYPE_CHECKING:
     import numpy as np
@@ -94,10 +95,7 @@ class PairAnsatz:
         return (self.outer + inner) * (outer - 1) + self.outer
 
     def _row(self, name: str, parity: int) -> list[str]:
-        size = self.stages.count("P" if name in "bw" else "Q")
-        half = [f"{name}{i + 1}" for i in range(size // 2)]
-        middle = [f"{name}{size // 2 + 1}" if parity > 0 else "0"] * (size % 2)
-        return half + middle + [x if parity > 0 else f"-{x}" for x in reversed(half)]
+        return mirrored(name, self.stages.count("P" if name in "bw" else "Q"), parity)
 
     def equations(self) -> list[str]:
         """Names of the equations, see :mod:`glmref.prove.system`."""
@@ -122,7 +120,7 @@ class PairAnsatz:
         for name in "bc":
             free = [x for x in dict.fromkeys(rows[name]) if x not in self.fixed]
             if free:
-                constants[free[-1]] = _remainder(free[-1], rows[name])
+                constants[free[-1]] = remainder(free[-1], rows[name])
         signs = [["1", "0"], ["0", "-1"]]
         claims = (
             {"order": 4, "nystrom-order": self.order} if self.nystrom else {"order": self.order}
@@ -145,13 +143,6 @@ class PairAnsatz:
             "enclosure": {"equations": self.equations(), "radius": "1e-60"},
             "claims": claims,
         }
-
-
-def _remainder(name: str, row: Sequence[str]) -> str:
-    """The entry ``name`` from the condition that the row sums to 1."""
-    others = [(x, row.count(x)) for x in dict.fromkeys(row) if x != name]
-    total = "1" + "".join(f"-{x}" if k == 1 else f"-{k}*{x}" for x, k in others)
-    return total if row.count(name) == 1 else f"({total})/{row.count(name)}"
 
 
 def fix_parameters(

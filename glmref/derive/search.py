@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from ..exact import Ball, Exact
+from ..exact.field import Arithmetic
 
 #: Imaginary perturbation: its square vanishes beside any number met here.
 STEP = 1e-40
@@ -23,7 +24,7 @@ STEP = 1e-40
 Residuals = Callable[[Sequence[Any]], Sequence[Any]]
 
 
-class Batch:
+class Batch(Arithmetic):
     """An array with the operations of a scalar; it mixes with exact numbers and balls."""
 
     __slots__ = ("array",)
@@ -31,33 +32,11 @@ class Batch:
     def __init__(self, array: np.ndarray) -> None:
         self.array = array
 
-    def __add__(self, other: Any) -> Batch:
-        return Batch(self.array + _array(other))
-
-    __radd__ = __add__
+    def _binary(self, other: Any, operation: Any) -> Batch:
+        return Batch(operation(self.array, _array(other)))
 
     def __neg__(self) -> Batch:
         return Batch(-self.array)
-
-    def __pos__(self) -> Batch:
-        return self
-
-    def __sub__(self, other: Any) -> Batch:
-        return Batch(self.array - _array(other))
-
-    def __rsub__(self, other: Any) -> Batch:
-        return Batch(_array(other) - self.array)
-
-    def __mul__(self, other: Any) -> Batch:
-        return Batch(self.array * _array(other))
-
-    __rmul__ = __mul__
-
-    def __truediv__(self, other: Any) -> Batch:
-        return Batch(self.array / _array(other))
-
-    def __rtruediv__(self, other: Any) -> Batch:
-        return Batch(_array(other) / self.array)
 
     def sqrt(self) -> Batch:
         """Square root, entry by entry."""

@@ -1,11 +1,12 @@
-"""Explicit symmetric partitioned multistep methods, one force evaluation a step: the shipped ones.
+"""Explicit symmetric partitioned multistep methods, one or two forces a step: the shipped ones.
 
 Option: ``name`` one shipped method (all of them by default); or ``q`` and ``p``, cosines of the
 pairs of roots of the two halves, fractions separated by blanks (``q`` empty: for second-order
-systems).
+systems). With ``slopes``, a number for each cosine of ``p``, and ``weight``, a step has two kicks:
+how its first drift reads each pair, and the weight of the first kick in the sum.
 
-The shipped cosines were found by `campaigns.partitioned.multistep_search`; everything else follows
-from them exactly (:mod:`glmref.derive.multistep`).
+The shipped numbers were found by `campaigns.partitioned.multistep_search` and `two_kicks_search`;
+everything else follows from them exactly (:mod:`glmref.derive.multistep`).
 """
 
 from __future__ import annotations
@@ -19,24 +20,52 @@ from ...catalogue.reader import load_document
 from ...errors import ExactnessError, UsageError
 from ...findings import Proof, Verdict
 from ...prove.facts import facts_of
-from ..multistep import multistep_document
-from .record import Derivation, Progress, Statement
+from ..multistep import TwoKicks, multistep_document, two_kick_document
+from .record import Derivation, Progress, Statement, survey_notes
 
-OPTIONS: Mapping[str, str] = {"name": "", "q": "", "p": ""}
+OPTIONS: Mapping[str, str] = {"name": "", "q": "", "p": "", "slopes": "", "weight": ""}
+
+
+_LISTS = ("q", "p", "slopes")
 
 
 @dataclass(frozen=True)
 class Shipped:
-    """Cosines of the two halves, in units of 1/256, and notes for the file."""
+    """Cosines of the two halves, in units of 1/over, and notes for the file.
+
+    With two kicks a step also the slopes of the first drift, and the weight of the first kick.
+    """
 
     q: Sequence[int]
     p: Sequence[int]
     notes: Sequence[str] = field(default_factory=tuple)
+    slopes: Sequence[int] = ()
+    weight: int = 0
+    over: int = 256
 
-    def cosines(self) -> tuple[list[Fraction], list[Fraction]]:
-        """Those of q and of p."""
-        q, p = ([Fraction(x, 256) for x in half] for half in (self.q, self.p))
-        return q, p
+    def numbers(self) -> _Numbers:
+        """The same as fractions."""
+        q, p, slopes = (
+            [Fraction(x, self.over) for x in row] for row in (self.q, self.p, self.slopes)
+        )
+        return _Numbers(q, p, slopes, Fraction(self.weight, self.over))
+
+
+@dataclass(frozen=True)
+class _Numbers:
+    q: list[Fraction]
+    p: list[Fraction]
+    slopes: list[Fraction]
+    weight: Fraction
+
+    def document(self, name: str, order: int) -> dict[str, Any]:
+        """Without claims and source."""
+        title = title_of(order, second=not self.q, forces=2 if self.slopes else 1)
+        if not self.slopes:
+            return multistep_document(name, self.q, self.p, title=title)
+        if self.q:
+            raise UsageError("methods with two kicks are for second-order systems: no `q`")
+        return two_kick_document(name, TwoKicks(self.p, self.slopes, self.weight), title=title)
 
 
 #: Labels that `campaigns/partitioned/test_multistep.py` compares with the data they name.
@@ -62,15 +91,25 @@ SHIPPED: Mapping[str, Shipped] = {
     "multistep-rkn-12": Shipped(
         (), (102, 146, 53, -96, -232), notes=(_GROWS.format("toda and kepler at 1/10"),)
     ),
+    "multivalue-rkn-12": Shipped(
+        (),
+        (1267, -569, -1398, -1525, -1874),
+        notes=(_GROWS.format("henon-heiles, toda and kepler at 1/10"),),
+        slopes=(6024, -457, 423, 3504, 1251),
+        weight=1002,
+        over=2048,
+    ),
 }
 
 
-def title_of(order: int, *, second: bool) -> str:
+def title_of(order: int, *, second: bool, forces: int = 1) -> str:
     """One line for the file."""
     systems = "second-order" if second else "separable"
+    kind = "multistep" if forces == 1 else "multivalue"
+    many = "one force evaluation" if forces == 1 else "two force evaluations"
     return (
-        f"Explicit symmetric partitioned multistep method of order {order} with one force "
-        f"evaluation, for {systems} systems"
+        f"Explicit symmetric partitioned {kind} method of order {order} with {many}, for "
+        f"{systems} systems"
     )
 
 
@@ -101,7 +140,7 @@ def claims_of(order: int, *, second: bool) -> dict[str, Any]:
 
 
 def _complete(
-    name: str, q: list[Fraction], p: list[Fraction], notes: Sequence[str], where: str
+    name: str, numbers: _Numbers, notes: Sequence[str], where: str
 ) -> tuple[dict[str, Any], Statement]:
     """Build a document and prove its claims.
 
@@ -110,8 +149,8 @@ def _complete(
     ExactnessError
         When a claim is not proved.
     """
-    second, order = not q, 2 * len(p) + 2
-    document = multistep_document(name, q, p, title=title_of(order, second=second))
+    second, order = not numbers.q, 2 * len(numbers.p) + 2
+    document = numbers.document(name, order)
     document["claims"] = claims_of(order, second=second)
     document["source"] = {
         "citation": "glmref, derived by `glmref derive multistep` from the conditions of "
@@ -143,14 +182,21 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
     """
     if options["p"]:
         try:
-            q, p = ([Fraction(x) for x in options[key].split()] for key in "qp")
+            given = {key: [Fraction(x) for x in options[key].split()] for key in _LISTS}
+            weight = Fraction(options["weight"] or 0)
         except (ValueError, ZeroDivisionError) as error:
             raise UsageError(
-                f"`q` and `p` must be fractions with blanks between ({error})"
+                "`q`, `p` and `slopes` must be fractions with blanks between, and `weight` one "
+                f"({error})"
             ) from None
-        name = f"multistep-{'' if q else 'rkn-'}{2 * len(p) + 2}-found"
+        numbers = _Numbers(**given, weight=weight)
+        kind = "multivalue" if numbers.slopes else "multistep"
+        name = f"{kind}-{'' if numbers.q else 'rkn-'}{2 * len(numbers.p) + 2}-found"
         progress(name, 0, 1)
-        document, statement = _complete(name, q, p, (), f"cosines {options['q']}; {options['p']}")
+        where = f"cosines {options['q']}; {options['p']}"
+        if numbers.slopes:
+            where += f"; slopes {options['slopes']}, weight {weight}"
+        document, statement = _complete(name, numbers, (), where)
         return Derivation("multistep", [document], [statement])
     if options["name"] and options["name"] not in SHIPPED:
         raise UsageError(f"`name` must be one of {', '.join(SHIPPED)}, got {options['name']!r}")
@@ -159,10 +205,9 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
     for k, name in enumerate(names):
         progress(name, k, len(names))
         shipped = SHIPPED[name]
-        q, p = shipped.cosines()
-        document, statement = _complete(
-            name, q, p, shipped.notes, f"recipe multistep, name = {name}"
-        )
+        where = f"recipe multistep, name = {name}"
+        notes = [*shipped.notes, *survey_notes(name)]
+        document, statement = _complete(name, shipped.numbers(), notes, where)
         documents.append(document)
         statements.append(statement)
     progress("done", len(names), len(names))

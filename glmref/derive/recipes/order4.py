@@ -28,7 +28,7 @@ from ...findings import Proof
 from ...prove.enclosure import prove
 from ...prove.newton import polish
 from ...prove.system import SweepSystem
-from ...verification.verifier import verify
+from ...prove.verifier import verify
 from ..recognise import exact_text, surds
 from .record import Derivation, Progress, Statement, derived_source, thesis_source
 

@@ -18,7 +18,7 @@ from ...exact import Exact
 from ...exact.expression import parse
 from ...findings import Proof
 from ...prove.starting import target_of
-from ...verification.verifier import verify
+from ...prove.verifier import verify
 from ..recognise import exact_text
 from .order6_family import Family, Forms, family, least_growth, solve_forms
 from .record import (
@@ -28,6 +28,7 @@ from .record import (
     Statement,
     derived_source,
     kepler_notes,
+    survey_notes,
     thesis_source,
 )
 from .solved import rough_starts, with_start
@@ -137,7 +138,7 @@ def _document(member: Family, forms: Forms, z_text: str, z: Exact) -> dict[str, 
     alpha1 = Exact(forms.alpha_square).sqrt()
     half, name = z_text == "i", _name(member.c2, z_text)
     said = [GROWS.format(_GROWTH[name])] if name in _GROWTH else []
-    said += kepler_notes(name)
+    said += kepler_notes(name) + survey_notes(name)
     notes = {"notes": said} if said else {}
     return {
         "format": "glmref-method-1",

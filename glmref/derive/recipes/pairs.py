@@ -24,7 +24,7 @@ from ...prove.enclosure import Enclosure
 from ...theory.stability import parasitic_curvature
 from ..parity_start import with_partitioned_start
 from ..partitioned import PairAnsatz, complete_pair, fix_parameters, search_pairs
-from .record import Derivation, Progress, Statement, kepler_notes, stored
+from .record import Derivation, Progress, Statement, kepler_notes, stored, survey_notes
 from .shipped_pairs import SHIPPED, Shipped
 
 OPTIONS: Mapping[str, str] = {
@@ -79,13 +79,14 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
 
 def complete(shipped: Shipped) -> tuple[dict[str, Any], Enclosure]:
     """Document and proof of a shipped pair, with its start where one is on record."""
+    name = shipped.ansatz.name
     document, enclosure = complete_pair(
         shipped.ansatz,
         shipped.start.split(),
-        source=source(f"recipe pairs, name = {shipped.ansatz.name}"),
-        notes=[*shipped.notes, *kepler_notes(shipped.ansatz.name)],
+        source=source(f"recipe pairs, name = {name}"),
+        notes=[*shipped.notes, *kepler_notes(name), *survey_notes(name)],
     )
-    half = rough_pair_starts().get(shipped.ansatz.name)
+    half = rough_pair_starts().get(name)
     if half is not None:
         document = with_partitioned_start(document, enclosure, half)
     return document, enclosure

@@ -9,6 +9,7 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
+from ...catalogue.lookup import data_root
 from ...findings import Proof
 
 #: A note that `campaigns/order6/test_measurements.py` compares with the data it names.
@@ -62,14 +63,33 @@ _ON_KEPLER: Mapping[str, str] = {
 }
 _LATER_ON_KEPLER: Mapping[str, str] = {"pair-6-10": "0.1 and 0.3"}
 
+#: A note that `campaigns/test_long_survey.py` compares with the data it names.
+GROWS_IN_SURVEY = (
+    "Over ten million steps from its default start its energy error grows, at one or more of three "
+    "step sizes, on {}, see data/measurements/long-survey.json."
+)
+
+
+@cache
+def _in_survey() -> Mapping[str, str]:
+    """Problems of the survey on which a run of ten million steps is not bounded, by method."""
+    path = data_root() / "measurements" / "long-survey.json"
+    where: dict[str, list[str]] = {}
+    for row in json.loads(path.read_text(encoding="utf-8"))["rows"]:
+        ends = {run["verdict"] for run in row["runs"] if not run["renew"]}
+        if row["steps"] == 10_000_000 and ends & {"grows", "lost"}:
+            said = row["problem"] + " (lost)" * ("lost" in ends)
+            where.setdefault(row["method"], []).append(said)
+    return {name: "; ".join(problems) for name, problems in where.items()}
+
+
+def survey_notes(name: str) -> list[str]:
+    """Return the note on ten million steps of eight problems for a method file, or nothing."""
+    return [GROWS_IN_SURVEY.format(_in_survey()[name])] if name in _in_survey() else []
+
 
 def kepler_notes(name: str) -> list[str]:
     """Return the note on long runs of Kepler's problem for a method file, or nothing.
-
-    Parameters
-    ----------
-    name
-        Of the method.
 
     Returns
     -------

@@ -17,8 +17,8 @@ from ...errors import GlmrefError, UsageError
 from ...findings import Proof
 from ..ansatz import Ansatz
 from ..parameters import fix_parameters
-from ..parcels import carry_out, ends_of, tasks_of
 from ..search import Found
+from ..search_tasks import carry_out, ends_of, tasks_of
 from .record import Derivation, Progress, Statement
 from .solved import Rough, finish
 

@@ -26,6 +26,7 @@ from .record import (
     derived_source,
     kepler_notes,
     stored,
+    survey_notes,
 )
 
 
@@ -68,17 +69,7 @@ def rough_starts() -> Mapping[str, Any]:
 
 
 def with_start(document: Mapping[str, Any], target: Target, parity: int) -> dict[str, Any]:
-    """Add the start and the finish that are on record for the method of a document.
-
-    Parameters
-    ----------
-    document : Mapping[str, Any]
-        Without them.
-    target : Target
-        Of its method.
-    parity : int
-        Of the fourth value: +1 when its row of X is symmetric.
-    """
+    """Add the start and the finish that are on record for the method of a document."""
     record = rough_starts()[document["name"]]
     claims = {**document["claims"], "starting-order": target.order}
     if "linear" in record:
@@ -134,7 +125,7 @@ def finish(
     }
     document["source"] = derived_source(rough.where)
     notes = [GROWS.format(rough.grows)] if rough.grows else []
-    notes += kepler_notes(document["name"])
+    notes += kepler_notes(document["name"]) + survey_notes(document["name"])
     if notes:
         document["notes"] = notes
     statements = [_statement(document, enclosure)]
