@@ -1,15 +1,17 @@
 """Check certificates of format glmref-certificate-1 with Python's standard library only.
 
-``python checker/glmref_check.py FILE...`` says ``yes`` or ``no`` and why for every file. The
+``python checker/glmref_check.py FILE...`` says ``yes`` or ``no`` and why for every certificate. The
 sections below are those of docs/certificates.md; each function names the section it implements.
 Exit code: 0 when all are accepted, 1 when one is refused, 2 when a file cannot be read.
 """
 
 import argparse
+import cmath
 import json
 import re
 import signal
 import sys
+from collections import namedtuple
 from copy import copy
 from fractions import Fraction
 from functools import cache
@@ -185,16 +187,22 @@ def live(x):
     return type(x) is Interval or bool(x)
 
 
+def smallest(x):
+    """Return a bound below |x|, infinity for a number that is exact."""
+    return min(abs(x.lo), abs(x.hi)) if type(x) is Interval else float("inf")
+
+
 def echelon(M):
     """Return the reduced rows and the pivot columns of M; pivots are not 0 in any interval."""
     rows, pivots = [list(row) for row in M], []
     for column in range(len(rows[0]) if rows else 0):
         top = len(pivots)
         below = [i for i in range(top, len(rows)) if live(rows[i][column])]
-        found = next((i for i in below if not may_vanish(rows[i][column])), None)
-        if found is None:
-            require(not below, "an interval holds 0: nothing is decided")
+        good = [i for i in below if not may_vanish(rows[i][column])]
+        require(good or not below, "an interval holds 0: nothing is decided")
+        if not good:
             continue
+        found = max(good, key=lambda i, k=column: smallest(rows[i][k]))
         rows[top], rows[found] = rows[found], rows[top]
         factor = inverse(rows[top][column])
         rows[top] = [factor * x if live(x) else x for x in rows[top]]
@@ -245,23 +253,6 @@ def inverse_matrix(M):
     return [row[n:] for row in rows]
 
 
-def determinant(M):
-    """Return det M by elimination."""
-    rows, value = [list(row) for row in M], Fraction(1)
-    for k in range(len(rows)):
-        found = next((i for i in range(k, len(rows)) if rows[i][k]), None)
-        if found is None:
-            return Fraction(0)
-        if found != k:
-            rows[k], rows[found], value = rows[found], rows[k], -value
-        value, factor = value * rows[k][k], inverse(rows[k][k])
-        for i in range(k + 1, len(rows)):
-            if rows[i][k]:
-                head = rows[i][k] * factor
-                rows[i] = [x - head * y if y else x for x, y in zip(rows[i], rows[k], strict=True)]
-    return value
-
-
 # ------------------------------------------------------- section 1: from the document to matrices
 
 COMMON = "$schema format name title class field broken notes digits constants claims source"
@@ -282,18 +273,10 @@ CLASSES = {  # needed keys, optional keys
 }
 
 
-class Component:
-    """Matrices A (stages, slopes), U, B, V, each made from the document when it is needed."""
+class Component(namedtuple("Component", "A U B V")):
+    """Matrices A (stages, slopes), U, B, V."""
 
-    def __init__(self, **makers):
-        self.makers = makers
-
-    def __getattr__(self, name):
-        if name not in ("A", "U", "B", "V"):
-            raise AttributeError(name)
-        value = self.makers[name]()
-        setattr(self, name, value)
-        return value
+    __slots__ = ()
 
     @property
     def r(self):
@@ -315,7 +298,7 @@ class Method:
         require((base is not None) == (kind == "composition"), "a base belongs to compositions")
         self.kind, self.base = kind, base
         made = getattr(self, "make_" + kind.replace("-", "_"))()
-        self.pair, self.additive = isinstance(made, tuple), kind in ("additive", "rosenbrock")
+        self.pair, self.additive = type(made) is tuple, kind in ("additive", "rosenbrock")
         self.system = "rosenbrock" if kind == "rosenbrock" else ""
         self.parts = {"f": made[0], "k": made[1]} if self.pair else {"o": made}
         if self.additive:
@@ -354,44 +337,32 @@ class Method:
 
     def form(self, key="G"):
         """Return a matrix that may be written as its diagonal."""
-        value = self.document[key]
-        flat = isinstance(value, list) and value and isinstance(value[0], str)
-        return diagonal(self.list(key)) if flat else self.matrix(key)
+        return self.numbers.form(self.document[key], self.document)
 
     @staticmethod
     def runge_kutta(A, b):
         """Return the component of a Runge-Kutta method."""
-        return Component(A=A, U=lambda: [[Fraction(1)] for _ in A()], B=lambda: [b()],
-                         V=lambda: [[Fraction(1)]])  # fmt: skip
+        return Component(A, [[Fraction(1)] for _ in A], [b], [[Fraction(1)]])
 
     def make_glm(self, source=None):
         """Return the matrices as they stand."""
-        return Component(**{key: lambda key=key: self.matrix(key, source) for key in "AUBV"})
+        return Component(*(self.matrix(key, source) for key in "AUBV"))
 
     def make_rk(self):
         """Return A, U = 1, B = b, V = 1."""
-        return self.runge_kutta(lambda: self.matrix("A"), lambda: self.list("b"))
+        return self.runge_kutta(self.matrix("A"), self.list("b"))
 
     def make_composition(self):
         """Return the base with steps gamma_1 h, gamma_2 h, .."""
         require(isinstance(self.base, dict) and self.base.get("class") == "rk", "a base must be rk")
         require(self.base.get("name") == self.document.get("base"), "the base has another name")
-        base = Method(self.base, self.numbers).single()
-
-        def matrix():
-            gamma, b = self.list("gamma"), base.B[0]
-            rows = []
-            for k, g in enumerate(gamma):
-                for row in base.A:
-                    left = [x for h in gamma[:k] for x in multiples(h, b)]
-                    right = [Fraction(0)] * (len(b) * (len(gamma) - k - 1))
-                    rows.append(left + multiples(g, row) + right)
-            return rows
-
-        def weights():
-            return [x for g in self.list("gamma") for x in multiples(g, base.B[0])]
-
-        return self.runge_kutta(matrix, weights)
+        base, gamma = Method(self.base, self.numbers).single(), self.list("gamma")
+        (b,), zero, A, left = base.B, [Fraction(0)], [], []
+        for k, g in enumerate(gamma, 1):
+            right = zero * (len(b) * (len(gamma) - k))
+            A += [left + multiples(g, row) + right for row in base.A]
+            left = left + multiples(g, b)
+        return self.runge_kutta(A, left)
 
     def multistep(self):
         """Return alpha and beta of equal lengths."""
@@ -417,8 +388,7 @@ class Method:
         if fs:
             V += [[Fraction(0)] * r, *e[len(ys) : r - 1]]
             B += [Fraction(1)] + [Fraction(0)] * (len(fs) - 1)
-        U = new if implicit else e[0]
-        return Component(A=lambda: [[b[k]]], U=lambda: [U], B=lambda: [[x] for x in B], V=lambda: V)
+        return Component([[b[k]]], [new if implicit else e[0]], [[x] for x in B], V)
 
     def make_one_leg(self):
         """Return the one-leg form."""
@@ -428,27 +398,21 @@ class Method:
         V = [[-a[m] for m in back], *identity(k)[: k - 1]]
         U = [beta[m] - x for m, x in zip(back, multiples(beta[k], a[-2::-1]), strict=True)]
         B = [[unit]] + [[Fraction(0)] for _ in range(k - 1)]
-        return Component(A=lambda: [[unit * beta[k]]], U=lambda: [U], B=lambda: B, V=lambda: V)
+        return Component([[unit * beta[k]]], [U], B, V)
 
     def make_sweep(self):
         """Return B = X D, U = X^* G V, A from S = X^* G X."""
-
-        def matrix():
-            X, d = self.matrix("X"), self.list("D")
-            S = times(star(X), self.form(), X)
-            half, s = Fraction(1, 2), len(d)
-            texts = self.document.get("enclosure", {}).get("equations", [])
-            none = self.numbers.explicit
-            if none is None and any(str(text).startswith("explicit") for text in texts):
-                not_covered("stages of a sweep that an equation makes explicit")
-            return [[d[j] * S[i][j] if j < i
-                     else half * d[i] * S[i][i] if j == i and i not in (none or ())
-                     else Fraction(0) for j in range(s)] for i in range(s)]  # fmt: skip
-
-        return Component(
-            A=matrix, V=lambda: self.matrix("V"),
-            U=lambda: times(star(self.matrix("X")), self.form(), self.matrix("V")),
-            B=lambda: times(self.matrix("X"), diagonal(self.list("D"))))  # fmt: skip
+        X, d, V = self.matrix("X"), self.list("D"), self.matrix("V")
+        left = times(star(X), self.form())
+        S, none = times(left, X), self.numbers.explicit
+        texts = self.document.get("enclosure", {}).get("equations", [])
+        if none is None and any(str(text).startswith("explicit") for text in texts):
+            not_covered("stages of a sweep that an equation makes explicit")
+        for i, row in enumerate(S):
+            own = Fraction(0) if i in (none or ()) else d[i] * row[i] * Fraction(1, 2)
+            row[i:] = [own] + [Fraction(0)] * (len(d) - i - 1)
+            row[:i] = [x * y for x, y in zip(d, row[:i], strict=False)]
+        return Component(S, times(left, V), times(X, diagonal(d)), V)
 
     def make_partitioned(self):
         """Return two methods as they stand."""
@@ -458,66 +422,51 @@ class Method:
 
     def make_partitioned_rk(self):
         """Return two Runge-Kutta methods."""
-        hat = self.runge_kutta(lambda: self.matrix("A_hat"), lambda: self.list("b_hat"))
-        return self.make_rk(), hat
+        return self.make_rk(), self.runge_kutta(self.matrix("A_hat"), self.list("b_hat"))
 
     def make_additive(self):
         """Return a Runge-Kutta method for each right-hand side; the colours are digits."""
         parts = self.document["parts"]
         require(isinstance(parts, list) and 2 <= len(parts) <= 9, "there are 2 to 9 parts")
-        made = {}
-        for n, part in enumerate(parts, 1):
-            keys(part, "A b", where=f"part {n}")
-            made[str(n)] = self.runge_kutta(lambda part=part: self.matrix("A", part),
-                                            lambda part=part: self.list("b", part))  # fmt: skip
-        return made
+        for part in parts:
+            keys(part, "A b", where="part")
+        return {str(n): self.runge_kutta(self.matrix("A", part), self.list("b", part))
+                for n, part in enumerate(parts, 1)}  # fmt: skip
 
     def make_rosenbrock(self):
         """Return f - J with alpha and J with alpha + gamma below it, on two sets of stages."""
-
-        def rows():
-            alpha, gamma = self.matrix("alpha"), self.matrix("gamma")
-            require(len(alpha) == len(gamma), "alpha and gamma have other shapes")
-            return alpha + combine(alpha, gamma)
-
-        none = lambda: [Fraction(0)] * len(self.list("b"))  # noqa: E731
-        return {
-            "1": self.runge_kutta(lambda: [x + none() for x in rows()],
-                                  lambda: self.list("b") + none()),
-            "2": self.runge_kutta(lambda: [none() + x for x in rows()],
-                                  lambda: none() + self.list("b")),
-        }  # fmt: skip
+        alpha, gamma, b = self.matrix("alpha"), self.matrix("gamma"), self.list("b")
+        require(len(alpha) == len(gamma), "alpha and gamma have other shapes")
+        rows, none = alpha + combine(alpha, gamma), [Fraction(0)] * len(b)
+        return {"1": self.runge_kutta([x + none for x in rows], b + none),
+                "2": self.runge_kutta([none + x for x in rows], none + b)}  # fmt: skip
 
     def make_nystrom(self):
         """Return the pair q' = p, p' = k: the stages p and p + h k_l, from which Q is combined."""
-        zero, see = Fraction(0), "A_prime" in self.document
+        zero, see, c, A = Fraction(0), "A_prime" in self.document, self.list("c"), self.matrix("A")
+        s = len(c)
+        require(len(A) == s and all(len(x) == s for x in A), "A has another shape")
+        below_q = [[x - total(row), *row] for x, row in zip(c, A, strict=True)]
+        below_p = [[zero] * s, *identity(s)]
+        if see:
+            below_q = [[zero] * (2 * s + 1)] * (s + 1) + [row + [zero] * s for row in below_q]
+            below_p = [[zero] * (s + 1) + row for row in below_p + self.matrix("A_prime")]
+        pairs = zip((below_q, below_p), self.weights(self.document), strict=True)
+        return tuple(self.runge_kutta(*pair) for pair in pairs)
 
-        def below_q():
-            c, A = self.list("c"), self.matrix("A")
-            require(len(A) == len(c) and all(len(x) == len(c) for x in A), "A has another shape")
-            rows = [[x - total(row), *row] for x, row in zip(c, A, strict=True)]
-            if not see:
-                return rows
-            none = [zero] * len(c)
-            return [[zero, *none, *none]] * (len(c) + 1) + [row + none for row in rows]
-
-        def below_p():
-            s = len(self.list("c"))
-            rows = [[zero] * s, *identity(s)]
-            if not see:
-                return rows
-            return [[zero] * (s + 1) + row for row in rows + self.matrix("A_prime")]
-
-        both = self.nystrom_weights(self.document)
-        return self.runge_kutta(below_q, both[0]), self.runge_kutta(below_p, both[1])
-
-    def nystrom_weights(self, source):
-        """Return two functions that give the weights of q and of p."""
-        s, zero = len(self.list("c")), Fraction(0)
-        more = [zero] * s if "A_prime" in self.document else []
-        first = lambda: [1 - total(self.list("b", source)), *self.list("b", source), *more]  # noqa: E731
-        second = lambda: ([zero, *more] if more else []) + self.list("b_prime", source)  # noqa: E731
-        return first, second
+    def weights(self, source):
+        """Return the weights of a row of the file, for each component."""
+        if self.kind == "additive":
+            return self.matrix("b", source)
+        b = self.list("b", source)
+        none = [Fraction(0)] * len(b)
+        if self.kind == "rosenbrock":
+            return [b + none, none + b]
+        if self.kind == "nystrom":
+            more = none if "A_prime" in self.document else []
+            first = [1 - total(b), *b, *more]
+            return [first, more + [Fraction(0)] * bool(more) + self.list("b_prime", source)]
+        return [b]
 
     def rows(self):
         """Return {name: (weights of the solution, of the estimate) by colour} of `embedded`."""
@@ -529,26 +478,16 @@ class Method:
         for row in given:
             error = self.kind == "rk" and "error" in as_object(row)
             keys(row, "name " + ("error" if error else own[self.kind]), where="embedded")
-            if self.kind == "additive":
-                weights = self.matrix("b", row)
-            elif self.kind == "nystrom":
-                weights = [make() for make in self.nystrom_weights(row)]
-            elif self.kind == "rosenbrock":
-                b, none = self.list("b", row), [Fraction(0)] * len(self.list("b", row))
-                weights = [b + none, none + b]
-            else:
-                weights = [self.list("error" if error else "b", row)]
             require(row["name"] not in ("b", *found), "a name stands twice in embedded")
+            weights = self.weights({"b": row["error"]} if error else row)
             if self.kind == "glm":
                 found[row["name"]] = {"o": (weights[0], self.list("v", row))}, {}
                 continue
             require(len(weights) == len(self.parts), "embedded has another number of rows")
             weights = dict(zip(self.parts, weights, strict=True))
-            other = {}
-            for c, w in weights.items():
-                b = self.part(c).B[0]
-                require(len(b) == len(w), "embedded has another length")
-                other[c] = less(b, w)
+            fine = all(len(self.part(c).B[0]) == len(w) for c, w in weights.items())
+            require(fine, "embedded has another length")
+            other = {c: less(self.part(c).B[0], w) for c, w in weights.items()}
             found[row["name"]] = (other, weights) if error else (weights, other)
         return found
 
@@ -568,19 +507,18 @@ class Method:
         """Return the method that a claim is about."""
         if self.kind == "rosenbrock" and claim in ("a-stable", "l-stable"):
             beta = combine(self.matrix("alpha"), self.matrix("gamma"))
-            return self.with_parts({"o": self.runge_kutta(lambda: beta, lambda: self.list("b"))})
+            return self.with_parts({"o": self.runge_kutta(beta, self.list("b"))})
         if self.kind == "rosenbrock":
             return self.with_parts(self.parts, "w" if claim == "w-order" else "rosenbrock")
         if self.kind != "rk" or "c" not in self.document or claim not in (*ORDERS, *SECOND):
             return self
         m, c = self.single(), self.list("c")
         require(len(c) == len(m.A), "c has another length")
-        gaps = less(c, apply(m.A, ones(len(c))))
-        if all(type(x) is not Interval and not x for x in gaps):
+        if all(type(x) is not Interval and not x for x in gaps_of_rows(self)):
             return self  # what is not decided is a c of its own, which A 1 is too
         require(claim in (*ORDERS, "stage-order"), "a claim with c apart")
         rest = [Fraction(0)] * (len(c) - 1)
-        time = self.runge_kutta(lambda: [[x, *rest] for x in c], lambda: [Fraction(1), *rest])
+        time = self.runge_kutta([[x, *rest] for x in c], [Fraction(1), *rest])
         return self.with_parts({"f": m, "k": time}, "time")
 
     def with_row(self, weights):
@@ -588,59 +526,47 @@ class Method:
 
         There the values after a step are moved along u, so that their output is the row.
         """
-        if self.kind == "glm":
-            m, (b, v), u = self.single(), weights["o"], self.u("o")
-            w = reading(self, "o", u)
-            require(len(b) == len(m.A) and len(v) == m.r, "embedded has another length")
-
-            def moved(M, own):
-                gap = [x - y for x, y in zip(own, apply(transpose(M), w), strict=True)]
-                return [[x + k * y for x, y in zip(r, gap, strict=True)]
-                        for k, r in zip(u, M, strict=True)]  # fmt: skip
-
-            parts = {"o": Component(A=lambda: m.A, U=lambda: m.U,
-                                    B=lambda: moved(m.B, b), V=lambda: moved(m.V, v))}  # fmt: skip
+        if self.kind != "glm":
+            parts = {c: self.runge_kutta(m.A, weights[c]) for c, m in self.parts.items()}
             return self.with_parts(parts, self.system)
-        parts = {c: self.runge_kutta(lambda m=m: m.A, lambda w=weights[c]: w)
-                 for c, m in self.parts.items()}  # fmt: skip
-        return self.with_parts(parts, self.system)
+        m, (b, v), u = self.single(), weights["o"], self.u("o")
+        w = reading(self, "o", u)
+        require(len(b) == len(m.A) and len(v) == m.r, "embedded has another length")
+
+        def moved(M, own):
+            gap = less(own, apply(transpose(M), w))
+            return [[x + k * y for x, y in zip(r, gap, strict=True)]
+                    for k, r in zip(u, M, strict=True)]  # fmt: skip
+
+        return self.with_parts(
+            {"o": Component(m.A, m.U, moved(m.B, b), moved(m.V, v))}, self.system
+        )
 
     def make_splitting(self):
         """Return the pair of a splitting: P stages from a, Q stages from b."""
-        first = self.document["first"]
+        first, a, b, zero = self.document["first"], self.list("a"), self.list("b"), Fraction(0)
         require(first in ("q", "p"), "first is q or p")
-        early, zero = int(first == "q"), Fraction(0)
-        a, b = lambda: self.list("a"), lambda: self.list("b")
-        A = lambda: [[x if i < j + early else zero for i, x in enumerate(a())]  # noqa: E731
-                     for j in range(len(b()))]  # fmt: skip
-        A_hat = lambda: [[x if j + early <= i else zero for j, x in enumerate(b())]  # noqa: E731
-                         for i in range(len(a()))]  # fmt: skip
+        early = int(first == "q")
+        A = [[x if i < j + early else zero for i, x in enumerate(a)] for j in range(len(b))]
+        A_hat = [[x if j + early <= i else zero for j, x in enumerate(b)] for i in range(len(a))]
         return self.runge_kutta(A, a), self.runge_kutta(A_hat, b)
 
     def make_pair_sweep(self):
         """Return the pair of a sweep through the letters of `stages`."""
         letters = self.document["stages"]
         require(isinstance(letters, str) and set(letters) <= set("PQ"), "stages are letters P, Q")
-        P = [n for n, x in enumerate(letters) if x == "P"]
-        Q = [n for n, x in enumerate(letters) if x == "Q"]
-        G, b, c, zero = self.form, lambda: self.list("b"), lambda: self.list("c"), Fraction(0)
-        X = lambda: [ones(len(P)), *(self.matrix("w") if self.document["w"] else [])]  # noqa: E731
-        Y = lambda: [ones(len(Q)), *(self.matrix("v") if self.document["v"] else [])]  # noqa: E731
-        S = lambda: times(transpose(X()), G(), Y())  # noqa: E731
-        V, V_hat = lambda: self.matrix("V"), lambda: self.matrix("V_hat")
-        q = Component(
-            A=lambda: [[x * row[j] if P[i] < Q[j] else zero
-                        for i, (x, row) in enumerate(zip(b(), S(), strict=True))]
-                       for j in range(len(Q))],
-            U=lambda: times(transpose(Y()), transpose(G()), V()),
-            B=lambda: times(X(), diagonal(b())), V=V)  # fmt: skip
-        p = Component(
-            A=lambda: [[x * s if Q[j] < P[i] else zero
-                        for j, (x, s) in enumerate(zip(c(), row, strict=True))]
-                       for i, row in enumerate(S())],
-            U=lambda: times(transpose(X()), G(), V_hat()),
-            B=lambda: times(Y(), diagonal(c())), V=V_hat)  # fmt: skip
-        return q, p
+        P, Q = ([n for n, x in enumerate(letters) if x == y] for y in "PQ")
+        G, b, c, zero = self.form(), self.list("b"), self.list("c"), Fraction(0)
+        X = [ones(len(P)), *(self.matrix("w") if self.document["w"] else [])]
+        Y = [ones(len(Q)), *(self.matrix("v") if self.document["v"] else [])]
+        V, V_hat, S = self.matrix("V"), self.matrix("V_hat"), times(transpose(X), G, Y)
+        below = [[P[i] < Q[j] for j in range(len(Q))] for i in range(len(P))]
+        A = [[x * S[i][j] if below[i][j] else zero for i, x in enumerate(b)] for j in range(len(Q))]
+        A_hat = [[zero if below[i][j] else x * S[i][j] for j, x in enumerate(c)]
+                 for i in range(len(P))]  # fmt: skip
+        U, U_hat = times(transpose(Y), transpose(G), V), times(transpose(X), G, V_hat)
+        return (Component(A, U, times(X, diagonal(b)), V),
+                Component(A_hat, U_hat, times(Y, diagonal(c)), V_hat))  # fmt: skip
 
     def check_shapes(self):
         """Refuse matrices that do not fit each other, and stages of a pair that do not meet."""
@@ -718,6 +644,18 @@ class Element(Ring):
         return self.tower.element(terms)
 
     __radd__, __rmul__ = __add__, __mul__
+
+    def conj(self):
+        """Return the conjugate: each generator replaced by its own."""
+        if all(self.tower.real):
+            return self
+        value = Fraction(0)
+        for k, c in self.terms.items():
+            for g, power in enumerate(self.tower.basis[k]):
+                if power:
+                    c = c * self.tower.conjugate(g) ** power
+            value = value + c
+        return value
 
     def __eq__(self, other):
         return vanishes(self - other)
@@ -883,22 +821,10 @@ class Tower:
             self.inverses[x] = self.element(dict(enumerate(y)))
         return self.inverses[x]
 
-    def parse(self, text):
-        """Return a number of the certificate: rationals and names of generators."""
+    def parse(self, text, radical=None):
+        """Return a number of the certificate: rationals, names of generators, and radicals."""
         names = {name: self.generator(k) for k, name in enumerate(self.names)}
-        return Parser(text, names.get, None).value
-
-    def conj(self, x):
-        """Return the conjugate: each generator replaced by its own."""
-        if all(self.real):
-            return x
-        value = Fraction(0)
-        for k, c in x.terms.items():
-            for g, power in enumerate(self.basis[k]):
-                if power:
-                    c = c * self.conjugate(g) ** power
-            value = value + c
-        return value
+        return Parser(text, names.get, radical).value
 
     def conjugate(self, k):
         """Return the conjugate of a generator."""
@@ -923,55 +849,22 @@ class Tower:
     def enclosure(self, k, bits):
         """Return a box around a generator, which is the only root in its first box."""
         if (k, bits) not in self.boxes:
-            coefficients = [enclose(c, bits) for c in self.polynomials[k]] + [enclose(1, bits)]
+            p = [enclose(c, bits) for c in self.polynomials[k]] + [enclose(1, bits)]
             re, im = self.start[k]
-            if im == [0, 0] or re == [0, 0]:
-                self.boxes[k, bits] = self.on_axis(coefficients, re, im, bits)
-            else:
-                self.boxes[k, bits] = in_plane(coefficients, Box.of(re, im, bits),
-                                                 Box.within(re, im, bits))  # fmt: skip
+            if [0, 0] not in (re, im):
+                found = in_plane(p, Box.of(re, im, bits), Box.within(re, im, bits))
+            else:  # on an axis, which is turned to the real one
+                re, turn = (re, (1, 0)) if im == [0, 0] else (im, (0, 1))
+                turn, power, q = Box.of(*((x, x) for x in turn), bits), enclose(1, bits), []
+                for c in p:
+                    q.append(c * power)
+                    power = power * turn
+                require(all(c.im == (0, 0) for c in q), "a polynomial is not real on its axis")
+                # the only root in a box that is its own mirror image is real
+                found = in_plane(q, Box.of(re, (0, 0), bits), Box.within(re, (-1, 1), bits))
+                found = Box(found.re, (0, 0), bits) * turn
+            self.boxes[k, bits] = found
         return self.boxes[k, bits]
-
-    @staticmethod
-    def on_axis(coefficients, re, im, bits):
-        """Return the root on one of the axes: a change of sign where p' has none."""
-        turn = Box.of(*(((1, 1), (0, 0)) if im == [0, 0] else ((0, 0), (1, 1))), bits)
-        power, q = enclose(1, bits), []
-        for c in coefficients:
-            q.append(c * power)
-            power = power * turn
-        require(all(c.im == (0, 0) for c in q), "a polynomial is not real on its axis")
-
-        def value(t, p):
-            return horner(p, Box(t, (0, 0), bits)).re
-
-        def monotone(t, depth):
-            low, high = value(t, slopes)
-            if low > 0 or high < 0:
-                return
-            require(depth and t[1] - t[0] > 1, "a box is not shown to hold one root")
-            half = sum(t) // 2
-            monotone((t[0], half), depth - 1)
-            monotone((half, t[1]), depth - 1)
-
-        slopes = [Box((n * c.re[0], n * c.re[1]), (0, 0), bits) for n, c in enumerate(q)][1:]
-        ends = re if im == [0, 0] else im
-        low, high = (int(-(-ends[0] * 2**bits // 1)), int(ends[1] * 2**bits // 1))
-        require(low <= high, "a box is too narrow")
-        if value((low, low), q) != (0, 0) or low != high:
-            monotone((low, high), 12)
-            left, right = value((low, low), q), value((high, high), q)
-            require(left[1] < 0 < right[0] or right[1] < 0 < left[0], "a box holds no root")
-            rising = left[1] < 0
-            while high - low > 2:
-                for cut in ((low + high) // 2, (2 * low + high) // 3):
-                    sign_low, sign_high = value((cut, cut), q)
-                    if sign_low > 0 or sign_high < 0:
-                        break
-                else:
-                    break
-                low, high = (cut, high) if (sign_high < 0) == rising else (low, cut)
-        return Box((low, high), (0, 0), bits) * turn
 
 
 def in_plane(p, box, inner):
@@ -984,9 +877,8 @@ def in_plane(p, box, inner):
         require(0 < len(parts) <= 256, "a box is not shown to hold one root")
         ends = [(min(getattr(q, key)[0] for q in parts), max(getattr(q, key)[1] for q in parts))
                 for key in ("re", "im")]  # fmt: skip
-        hull = Box(
-            *((lo - (hi - lo) // 8 - 2, hi + (hi - lo) // 8 + 2) for lo, hi in ends), box.bits
-        )
+        more = max(hi - lo for lo, hi in ends) // 8 + 2
+        hull = Box(*((lo - more, hi + more) for lo, hi in ends), box.bits)
         image = krawczyk(p, slopes, hull)
         if image is not None and image.inside(hull):
             for _ in range(20):
@@ -998,8 +890,8 @@ def in_plane(p, box, inner):
 
 
 def quarters(box):
-    """Return four rectangles that cover one."""
-    halves = [((lo, (lo + hi) // 2), ((lo + hi) // 2, hi)) for lo, hi in (box.re, box.im)]
+    """Return four rectangles that cover one, two where it has no width."""
+    halves = [{(lo, (lo + hi) // 2), ((lo + hi) // 2, hi)} for lo, hi in (box.re, box.im)]
     return [Box(x, y, box.bits) for x, y in product(*halves)]
 
 
@@ -1031,7 +923,7 @@ def enclose(x, bits):
 
 def conj(x):
     """Return the conjugate of a number."""
-    return x.tower.conj(x) if isinstance(x, Element) else x
+    return x.conj() if isinstance(x, Element | OnAxis) else x
 
 
 def inverse(x):
@@ -1200,14 +1092,6 @@ class Numbers:
             setattr(other, key, value)
         return other
 
-    def with_unknowns(self, values):
-        """Return numbers in which the unknowns of the document have these values."""
-        return self.changed(unknowns=values)
-
-    def exactly(self, decimal):
-        """Return numbers in which a decimal is what `decimal` says of its text."""
-        return self.changed(unknowns={}, decimal=decimal)
-
     def radical(self, text):
         """Return what a radical is said to be."""
         require(text in self.radicals, f"the radical {text[:60]} is not in the field")
@@ -1252,17 +1136,11 @@ class Numbers:
                 require(number or word[0] == "*", wrong)
                 turns = turns * number if word[0] == "*" else turns / number
         require(not turns or set(at.values()) == {1}, wrong)
-        n = turns.denominator
+        n, box = turns.denominator, enclose(x, BITS[1])
         require(n <= 100 and x**n == 1, wrong)
-        angle, bits = enclose(turns - turns.__floor__(), 256), 256
-        two_pi = Box((TWO_PI, TWO_PI + 1), (0, 0), bits)
-        angle = Box((0, 0), (angle * two_pi).re, bits)  # i times the angle
-        value, term = enclose(1, bits), enclose(1, bits)
-        for k in range(1, 120):  # exp by its series; the tail is far below 2^-200
-            term = term * angle * enclose(Fraction(1, k), bits)
-            value = value + term
-        gap = value - enclose(x, bits)
-        require(max(abs(e) for e in gap.re + gap.im) * n < 2 ** (bits - 1), wrong)
+        # the n-th roots are 4/n apart at least, so that floating-point numbers tell which one it is
+        middle = complex(sum(box.re), sum(box.im)) / 2 ** (BITS[1] + 1)
+        require(abs(middle - cmath.exp(2j * cmath.pi * float(turns % 1))) * n < 1, wrong)
 
     def name(self, document, name):
         """Return (value, text) of a constant or unknown of the document."""
@@ -1312,27 +1190,14 @@ class Numbers:
         require(len({len(row) for row in rows}) == 1, "rows of a matrix have other lengths")
         return rows
 
+    def form(self, value, document):
+        """Return a matrix of the document that may be written as its diagonal."""
+        flat = isinstance(value, list) and value and isinstance(value[0], str)
+        return diagonal(self.vector(value, document)) if flat else self.matrix(value, document)
+
     def number(self, text):
         """Return a number of a witness."""
-        names = {name: self.tower.generator(k) for k, name in enumerate(self.tower.names)}
-        return Parser(text, names.get, self.radical).value
-
-
-def two_pi_floor(bits):
-    """Return floor of 2 pi 2^bits by Machin's formula, with guard bits."""
-    guard = bits + 32
-
-    def arctan(n):
-        term, value, k = (1 << guard) // n, 0, 1
-        while term:
-            value += term // k if k % 4 == 1 else -(term // k)
-            term, k = term // (n * n), k + 2
-        return value
-
-    return (8 * (4 * arctan(5) - arctan(239))) >> 32
-
-
-TWO_PI = two_pi_floor(256)
+        return self.tower.parse(text, self.radical)
 
 
 # ------------------------------------------------------------------- section 3: trees and series
@@ -1456,7 +1321,12 @@ def less_cuts(values, tree, eta):
 
 
 class Series:
-    """A starting series eta and what follows from it; also, without U, the series of a start."""
+    """A starting series eta and what follows from it; also, without U, the series of a start.
+
+    Above stage order q = 1 the xi of a tree are those of its class (6.2).
+    """
+
+    q = 1
 
     def __init__(self, part, u, eta):
         self.part, self.u, self.eta_of = part, u, eta
@@ -1495,21 +1365,22 @@ class Series:
     @classmethod
     def of_tables(cls, tables, u=None):
         """Return the series of a starting or finishing method, {colour: (A, B)}."""
-        parts = {c: Component(A=lambda A=A: A, U=lambda A=A: [[]] * len(A), B=lambda B=B: B)
-                 for c, (A, B) in tables.items()}  # fmt: skip
+        parts = {c: Component(A, [[]] * len(A), B, None) for c, (A, B) in tables.items()}
         return cls(parts.__getitem__, u, lambda tree: [])
 
     def derivative(self, tree):
         """Return xiD(t), the product of the xi of the children."""
-        return placewise(len(self.part(tree[0]).B[0]), map(self.stages, tree[1]))
+        return placewise(len(self.part(tree[0]).A[0]), map(self.stages, tree[1]))
 
     def stages(self, tree):
-        """Return xi(t) = A xiD(t) + U eta(t)."""
+        """Return xi(t) = A xiD(t) + U eta(t), that of its class times the factor."""
+        tree, factor = reduced(tree, self.q) if self.q > 1 else (tree, 1)
         if tree not in self.known:
             m = self.part(tree[0])
             slopes, values = apply(m.A, self.derivative(tree)), apply(m.U, self.eta_of(tree))
             self.known[tree] = [x + y for x, y in zip(slopes, values, strict=True)]
-        return self.known[tree]
+        found = self.known[tree]
+        return found if factor == 1 else multiples(factor, found)
 
     def value(self, tree):
         """Return B xiD(t)."""
@@ -2059,51 +1930,39 @@ def mirror(p):
     return [conj(x) for x in reversed(p)]
 
 
+def margins(p):
+    """Yield |p_n|^2 - |p_0|^2 along the steps of Schur and Cohn, None where Cohn's step fails."""
+    p = trim(p)
+    require(p, "a polynomial is 0")
+    while len(p) > 1:
+        a, b = conj(p[-1]), p[0]
+        if type(b) is not Interval and not b:
+            p = p[1:]
+            continue
+        margin = squared(a) - squared(b)
+        yield margin
+        if margin:
+            p = [a * x - b * y for x, y in zip(p, mirror(p), strict=True)][1:]
+        elif vanishes([conj(a) * x - conj(b) * y for x, y in zip(mirror(p), p, strict=True)]):
+            p = derivative(p)
+        else:
+            yield None
+            return
+
+
 def squared(x):
     """Return |x|^2."""
     return x * conj(x)
 
 
-def step(p):
-    """Return (conj(p_n) p - p_0 p~) / x."""
-    a, b = conj(p[-1]), p[0]
-    return [a * x - b * y for x, y in zip(p, mirror(p), strict=True)][1:]
-
-
 def is_schur(p):
     """Tell whether all roots lie inside the circle (Schur, Cohn)."""
-    p = trim(p)
-    require(p, "a polynomial is 0")
-    while len(p) > 1:
-        if type(p[0]) is not Interval and not p[0]:
-            p = p[1:]
-            continue
-        if sign(squared(p[-1]) - squared(p[0])) <= 0:
-            return False
-        p = step(p)
-    return True
+    return all(sign(x) > 0 for x in margins(p))
 
 
 def in_disc(p):
     """Tell whether all roots lie in the closed disc (Schur, Cohn)."""
-    p = trim(p)
-    require(p, "a polynomial is 0")
-    while len(p) > 1:
-        if type(p[0]) is not Interval and not p[0]:
-            p = p[1:]
-            continue
-        margin = squared(p[-1]) - squared(p[0])
-        if not margin:
-            if not vanishes(
-                [x * p[-1] - conj(p[0]) * y for x, y in zip(mirror(p), p, strict=True)]
-            ):
-                return False
-            p = derivative(p)
-        elif sign(margin) < 0:
-            return False
-        else:
-            p = step(p)
-    return True
+    return all(x is not None and sign(x) >= 0 for x in margins(p))
 
 
 def at_matrix(p, V):
@@ -2273,7 +2132,8 @@ def growth_groups(proof):
         simple = all(len(e[1]) == 1 for e in spaces.values())
         require(simple or proof.claim == "parasitism-free", "a shared eigenvalue is not simple")
         groups.append((z, [scale(conj(z), times(spaces[c][1], m[c].B, m[e].U, spaces[e][2]))
-                           for c, others in children.items() for e in others]))  # fmt: skip
+                           for c, others in children.items() for e in others
+                           if e != c or proof.claim == "parasitism-free"]))  # fmt: skip
     return groups
 
 
@@ -2740,12 +2600,16 @@ def implicit(proof, w):
 
 
 def abscissae_of(proof, w):
-    """Return c = A 1 + U v with v_k = 0 at the first k with u_k not 0."""
+    """Return c = A 1 + U v of each part, with v_k = 0 at the first k with u_k not 0."""
+    require(not proof.method.pair, "the abscissae of pairs")
     u, v = consistent(proof, {key: w.get(key) for key in ("u", "v")})
-    m = proof.method.single()
-    row = reading(proof.method, "o", u["o"])
-    require(vanishes(dot(row, v["o"])), "v is not 0 in what is read as the solution")
-    return [x + y for x, y in zip(apply(m.A, ones(len(m.A))), apply(m.U, v["o"]), strict=True)]
+    found = []
+    for c, m in proof.method.parts.items():
+        row = reading(proof.method, c, u[c])
+        require(vanishes(dot(row, v[c])), "v is not 0 in what is read as the solution")
+        sums = apply(m.A, ones(len(m.A)))
+        found += [x + y for x, y in zip(sums, apply(m.U, v[c]), strict=True)]
+    return found
 
 
 def abscissae(proof, w):
@@ -2757,14 +2621,16 @@ def abscissae(proof, w):
 def other_abscissae(proof, w):
     """Rule other-abscissae."""
     keys(w, "", "u v stage")
-    m, given = proof.method.single(), proof.claimed(proof.declared)
+    given = proof.claimed(proof.declared)
     if not w.get("u"):  # the c of a method in the intervals, where it has one
+        proof.method.single()
         bounds = proof.bounds(True, False, 1)
         bounds.fill()
         c = bounds.stages(("o", ()))
     else:
         c = abscissae_of(proof, w)
-    require(rank(minus(identity(m.r), m.V)) == m.r - 1, "the rank of I - V is not r - 1")
+    for m in proof.method.parts.values():
+        require(rank(minus(identity(m.r), m.V)) == m.r - 1, "the rank of I - V is not r - 1")
     if len(c) != len(given):
         require(w.get("stage") in (None, -1), "the lengths differ")
         return
@@ -2813,8 +2679,7 @@ def irreducible(proof, w):
         for _ in range(m.r - 1):
             reached += [apply(m.V, x) for x in reached[-len(m.B[0]) :]]
             seen += times(seen[-len(m.U) :], m.V)
-        whole_ = full_rank(reached, m.r) and full_rank(seen, m.r)
-        require(whole_, f"component {c} can be reduced")
+        require(rank(reached) == rank(seen) == m.r, f"component {c} can be reduced")
 
 
 def equivalent(proof, w):
@@ -2826,7 +2691,7 @@ def equivalent(proof, w):
     m, read = proof.method.single(), proof.method.numbers
     U, B, V = (read.matrix(w[key]) for key in "UBV")
     other = copy(proof.method)
-    other.parts = {"o": Component(A=lambda: m.A, U=lambda: U, B=lambda: B, V=lambda: V)}
+    other.parts = {"o": Component(m.A, U, B, V)}
     other.check_shapes()
     left, right = m.U, U
     for _ in range(m.r + len(V)):
@@ -2835,66 +2700,70 @@ def equivalent(proof, w):
     proof.method = other
 
 
-def full_rank(rows, n):
-    """Tell whether rows of n numbers are shown to have rank n: pivots that are not 0."""
-    rows = [list(row) for row in rows]
-    if not any(type(x) is Interval for row in rows for x in row):
-        return rank(rows) == n
-    rows = [[Interval.of(x) for x in row] for row in rows]
-    for column in range(n):
-        good = [row for row in rows if apart(row[column])]
-        if not good:
-            return False
-        top = max(good, key=lambda row: min(abs(row[column].lo), abs(row[column].hi)))
-        rows = [row for row in rows if row is not top]
-        low, high = Fraction(2**PLACES, top[column].lo), Fraction(2**PLACES, top[column].hi)
-        unit = Interval.ends(min(low, high), max(low, high))
-        for row in rows:
-            factor = row[column] * unit
-            for j in range(column, n):
-                row[j] = row[j] - factor * top[j]
-    return True
-
-
 # --------------------------------------------------------------- section 5: linear stability
 
 
-def interpolate(values):
-    """Return the polynomial with these values at 0, 1, 2, .. (Newton)."""
+def interpolate(nodes, values):
+    """Return the polynomial with these values at the nodes (Newton)."""
     p, basis, rest = [], [Fraction(1)], list(values)
-    for k in range(len(values)):
+    for k, node in enumerate(nodes):
         p = plus(p, basis, rest[0])
-        basis = multiply(basis, [Fraction(-k), Fraction(1)])
-        rest = [(b - a) * Fraction(1, k + 1) for a, b in pairwise(rest)]
+        basis = multiply(basis, [-node, Fraction(1)])
+        steps = [y - x for x, y in zip(nodes, nodes[k + 1 :], strict=False)]
+        rest = [(b - a) * (1 / step) for (a, b), step in zip(pairwise(rest), steps, strict=True)]
     return p
+
+
+class OnAxis(Ring):
+    """A polynomial in z = i y with real coefficients; its conjugate has -z in the place of z."""
+
+    __slots__ = ("p",)
+
+    def __init__(self, p):
+        self.p = trim(p)
+
+    def __bool__(self):
+        return bool(self.p)
+
+    def __add__(self, other):
+        return OnAxis(plus(self.p, other.p))
+
+    def __mul__(self, other):
+        return OnAxis(multiply(self.p, other.p if isinstance(other, OnAxis) else [other]))
+
+    __rmul__ = __mul__
+
+    def conj(self):
+        """Return the conjugate."""
+        return OnAxis([-c if k % 2 else c for k, c in enumerate(self.p)])
+
+
+def stability(m):
+    """Return det(I - z A), nodes z where it is not 0, and its values and M(z) there."""
+    below, nodes, found, z = characteristic(m.A)[::-1], [], [], Fraction(0)
+    while len(nodes) <= len(m.A):
+        value = horner(below, z)
+        if nonzero(value):
+            back = inverse_matrix(minus(identity(len(m.A)), scale(z, m.A)))
+            nodes.append(z)
+            found.append((value, combine(m.V, scale(z, times(m.B, back, m.U)))))
+        z += 1
+    return below, nodes, found
 
 
 def stability_polynomial(m):
     """Return P(w, z) = det(w I - M(z)) det(I - z A): for each power of w a polynomial in z."""
-    s, r = len(m.A), m.r
-
-    def value(z, w):
-        top = [a + list(u) for a, u in zip(minus(identity(s), scale(z, m.A)), m.U, strict=True)]
-        low = minus(scale(w, identity(r)), m.V)
-        return determinant(top + [[z * x for x in b] + v for b, v in zip(m.B, low, strict=True)])
-
-    columns = []
-    for z in range(s + 1):
-        column = interpolate([value(Fraction(z), Fraction(w)) for w in range(r + 1)])
-        columns.append(column + [Fraction(0)] * (r + 1 - len(column)))
-    return [interpolate([column[k] for column in columns]) for k in range(r + 1)]
+    _, nodes, found = stability(m)
+    columns = transpose([multiples(value, characteristic(M)) for value, M in found])
+    return [interpolate(nodes, column) for column in columns]
 
 
 def poles(m):
     """Return det(I - z A) without what it shares with all entries of M(z) det(I - z A)."""
-    s, grid = len(m.A), [Fraction(z) for z in range(len(m.A) + 1)]
-    stage = {z: minus(identity(s), scale(z, m.A)) for z in grid}
-    below = interpolate([determinant(stage[z]) for z in grid])
-    common = below
+    below, nodes, found = stability(m)
+    common = below = trim(below)
     for i, j in product(range(m.r), range(m.r)):
-        entry = interpolate([determinant(
-            [[*row, u[j]] for row, u in zip(stage[z], m.U, strict=True)]
-            + [[-z * x for x in m.B[i]] + [m.V[i][j]]]) for z in grid])  # fmt: skip
+        entry = interpolate(nodes, [value * M[i][j] for value, M in found])
         common = gcd(common, entry) if entry else common
     return divide(below, common)[0]
 
@@ -2918,66 +2787,15 @@ def at_infinity(P):
     return trim([p[high] if len(p) > high else Fraction(0) for p in P])
 
 
-def on_imaginary_axis(P, y=None):
-    """Return the coefficients of P(w, i y) as pairs of real polynomials in y, or their values."""
-    out = []
-    for p in P:
-        require(all(conj(c) == c for c in p), "not covered: linear stability of complex methods")
-        turned = [c * (-1) ** (k // 2) for k, c in enumerate(p)]
-        parts = (
-            [c if k % 2 == odd else Fraction(0) for k, c in enumerate(turned)] for odd in (0, 1)
-        )
-        pair = tuple(map(trim, parts))
-        if y is not None:
-            pair = tuple(trim([horner(x, y)]) if x else x for x in pair)
-        out.append(pair)
-    return out
-
-
-def c_times(x, y):
-    """Return the product of two pairs (real part, imaginary part)."""
-    (a, b), (c, d) = x, y
-    return plus(multiply(a, c), multiply(b, d), -1), plus(multiply(a, d), multiply(b, c))
-
-
-def c_minus(x, y):
-    """Return the difference of two pairs."""
-    return tuple(plus(a, b, -1) for a, b in zip(x, y, strict=True))
-
-
-def c_conj(x):
-    """Return the conjugate of a pair."""
-    return x[0], [-c for c in x[1]]
-
-
-def c_norm(x):
-    """Return |x|^2, a real polynomial."""
-    return plus(multiply(x[0], x[0]), multiply(x[1], x[1]))
-
-
-def differences(p):
-    """Return the differences |p_n|^2 - |p_0|^2 of Schur and Cohn; None where a step of Cohn fails.
-
-    Differences that are the zero polynomial are left out.
-    """
-    found = []
-    while len(p) > 1:
-        require(any(p[-1]), "P loses its degree in w")
-        if not any(p[0]):
-            p = p[1:]
-            continue
-        reverse = [c_conj(x) for x in reversed(p)]
-        margin = plus(c_norm(p[-1]), c_norm(p[0]), -1)
-        a, b = c_conj(p[-1]), p[0]
-        if margin:
-            found.append(margin)
-            p = [c_minus(c_times(a, x), c_times(b, y)) for x, y in zip(p, reverse, strict=True)][1:]
-            continue
-        for x, y in zip(reverse, p, strict=True):
-            if any(c_minus(c_times(x, p[-1]), c_times(c_conj(b), y))):
-                return None
-        p = [tuple([k * c for c in part] for part in x) for k, x in enumerate(p)][1:]
-    return found
+def on_imaginary_axis(P):
+    """Return the differences of Schur and Cohn of P(w, i y), None where Cohn's step fails."""
+    real_ = all(conj(c) == c for p in P for c in p)
+    require(real_, "not covered: linear stability of complex methods")
+    found = list(margins(map(OnAxis, P)))
+    # a difference is its own conjugate: even in i y
+    return [
+        x and [c * (-1) ** (k // 2) for k, c in enumerate(x.p)] for x in found if x or x is None
+    ]
 
 
 def real_roots(p):
@@ -3024,11 +2842,10 @@ def a_stable(proof, w):
     require(poles_lie_right(m), "(2): a pole does not lie in Re z > 0")
     last = at_infinity(P)
     require(len(last) == m.r + 1 and in_disc(last), "(3): an eigenvalue at infinity")
-    margins = differences(on_imaginary_axis(P))
-    require(margins is not None, "(4): a step of Cohn fails")
-    for margin in margins:
-        require(nowhere_negative(margin), "(4): a difference is negative somewhere")
-    if m.r > 1 and not all(map(no_root_but_zero, margins)):
+    found = on_imaginary_axis(P)
+    require(None not in found, "(4): a step of Cohn fails")
+    require(all(map(nowhere_negative, found)), "(4): a difference is negative somewhere")
+    if m.r > 1 and not all(map(no_root_but_zero, found)):
         not_covered("(5) by the discriminant")
 
 
@@ -3067,14 +2884,7 @@ def not_a_stable(proof, w):
     require(isinstance(w, dict) and len(w) == 1, "one reason is given")
     ((reason, value),) = w.items()
     m = proof.method.single()
-    if reason == "y":
-        pairs = on_imaginary_axis(stability_polynomial(m), rational(value))
-        require(any(pairs[-1]), "there is a pole at i y")
-        margins = differences(pairs)
-        out = margins is None or any(sign(x[0]) < 0 for x in margins)
-        require(out, "P(w, i y) is in the disc")
-        return
-    if reason == "defect":
+    if reason in ("y", "defect"):
         require(is_defective(at_imaginary(m, rational(value))), "M(i y) is power-bounded")
         return
     require(reason in ("infinity", "pole", "axis", "start") and value is True, "no such reason")
@@ -3084,8 +2894,8 @@ def not_a_stable(proof, w):
     elif reason == "pole":
         require(not poles_lie_right(m), "(2) holds")
     elif reason == "axis":
-        margins = differences(on_imaginary_axis(stability_polynomial(m)))
-        out = margins is None or any(not nowhere_negative(x) for x in margins)
+        found = on_imaginary_axis(stability_polynomial(m))
+        out = any(x is None or not nowhere_negative(x) for x in found)
         require(out, "no difference is negative")
     else:
         require("unbounded" in proof.rules, "unbounded is not part of the certificate")
@@ -3253,7 +3063,9 @@ def at_values(thing, values):
 
 
 def as_real(x):
-    """Return a rational as it is, another exact number as an interval."""
+    """Return numbers, in lists or not, with intervals in place of irrational exact ones."""
+    if isinstance(x, list):
+        return [as_real(y) for y in x]
     return around(x) if isinstance(x, Element) else x
 
 
@@ -3458,32 +3270,12 @@ EQUATION = re.compile(r"(order|growth|explicit|defect|abscissa|start|identity) (
                       r"(?: = (.+))?")  # fmt: skip
 
 
-def bordered(M, name):
-    """Refuse a matrix that is not 1 in the first place and 0 beside and below it."""
-    fine = all((M[i][j] - (i == j)) == 0 for k in range(len(M)) for i, j in ((0, k),))
-    fine = fine and all((M[k][0] - (k == 0)) == 0 for k in range(len(M)))
-    require(fine, f"the first row and column of {name} are not 1, 0, .., 0")
-
-
-def lower_resolvent(M):
-    """Return the inverse of 1 - M on the values 2..r."""
-    n = range(1, len(M))
-    rest = [[Fraction(int(i == j)) - M[i][j] for j in n] for i in n]
-    return [list(map(as_real, row)) for row in inverse_matrix(rest)] if rest else []
-
-
 def palindrome(row):
     """Return 1 or -1 where a row is its own mirror image up to this sign, else None."""
     for s in (1, -1):
         if all(x == y * s for x, y in zip(row, reversed(row), strict=True)):
             return s
     return None
-
-
-def real_matrix(M):
-    """Return a matrix of exact numbers after a check that they are real."""
-    require(all(conj(x) == x for row in M for x in row), "a matrix that must be real is not")
-    return M
 
 
 def eigenvector(M, z):
@@ -3519,7 +3311,12 @@ def circle_is_named(V, named):
 
 
 class Enclosed:
-    """What sweeps and pairs have in common: the document, its unknowns, and the root."""
+    """What sweeps and pairs have in common: the document, its unknowns, and the root.
+
+    `halves` has by colour the weights and the rows that stand beside them.
+    """
+
+    halves, explicit_now = {}, frozenset()
 
     def __init__(self, document, numbers, proof):
         self.document, self.proof = document, proof
@@ -3533,8 +3330,8 @@ class Enclosed:
             block.get("radius", "1e-60") == proof["radius"], "the radius is not that of the file"
         )
         self.digits = whole(document.get("digits", 75), 20, 400)
-        self.numbers = numbers.with_unknowns(
-            {name: Linear({k: Fraction(1)}) for k, name in enumerate(self.unknowns)})  # fmt: skip
+        symbols = {name: Linear({k: Fraction(1)}) for k, name in enumerate(self.unknowns)}
+        self.numbers = numbers.changed(unknowns=symbols)
         self.exact = numbers
         self.texts = block["equations"]
         require(isinstance(self.texts, list) and len(self.texts) == len(self.unknowns), "equations")
@@ -3546,20 +3343,63 @@ class Enclosed:
 
     def matrix(self, key):
         """Return a matrix of the document, in the unknowns; a form may be its diagonal."""
-        value = self.document[key]
-        if key == "G" and isinstance(value, list) and value and isinstance(value[0], str):
-            return diagonal(self.numbers.vector(value, self.document))
-        return self.numbers.matrix(value, self.document)
-
-    def fixed(self, key):
-        """Return a matrix of the document without unknowns, real."""
-        M = self.matrix(key)
-        require(not any(isinstance(x, Linear) for row in M for x in row), f"{key} holds unknowns")
-        return real_matrix(M)
+        read = self.numbers.form if key == "G" else self.numbers.matrix
+        return read(self.document[key], self.document)
 
     def number(self, text):
         """Return an exact number in the text of an equation."""
         return self.exact.parser(text, {}).value
+
+    def at(self, values):
+        """Return the method at values of the unknowns."""
+        values = dict(zip(self.unknowns, values, strict=True))
+        return Method(
+            self.document, self.exact.changed(unknowns=values, explicit=self.explicit_now)
+        )
+
+    def suppose(self, names):
+        """Read G and the V of these names, by colour; check what the theorems suppose of them."""
+        self.V = {c: self.matrix(name) for c, name in names.items()}
+        self.G = self.matrix("G")
+        for M in (self.G, *self.V.values()):
+            fixed = not any(isinstance(x, Linear) for row in M for x in row)
+            require(fixed and all(conj(x) == x for row in M for x in row), "V or G is not real")
+        self.first, self.last = self.V[min(names)], self.V[max(names)]
+        equal(times(transpose(self.first), self.G, self.last), self.G, "V^T G V = G")
+        for M in (self.G, *self.V.values()):
+            border = [M[0][0] - 1, *M[0][1:], *(row[0] for row in M[1:])]
+            require(vanishes(border), "the first row and column of V or G are not 1, 0, .., 0")
+
+    def find_signs(self):
+        """Return the diagonals of E by colour, after the checks of theorem 3, or None."""
+        found = {c: [palindrome(row) for row in X] for c, (_, X) in self.halves.items()}
+        mirrored = all(palindrome(weights) == 1 for weights, _ in self.halves.values())
+        if not mirrored or any(None in x for x in found.values()):
+            return None
+        E = {c: diagonal([Fraction(x) for x in signs]) for c, signs in found.items()}
+        pairs = [(times(E[min(E)], self.G, E[max(E)]), self.G)]
+        pairs += [(times(E[c], inverse_matrix(V), E[c]), V) for c, V in self.V.items()]
+        return found if all(vanishes(minus(M, N)) for M, N in pairs) else None
+
+    def reversal(self):
+        """Return L = V^-1 E of each component."""
+        require(self.signs is not None, "the method is not symmetric")
+        return {c: times(inverse_matrix(V), diagonal([Fraction(x) for x in self.signs[c]]))
+                for c, V in self.V.items()}  # fmt: skip
+
+    def growth_form(self, text, colour):
+        """Return (colour, z, H): the growth parameter of z is sum d_i x_i^T H x_i."""
+        z = self.number(text)
+        v, w = eigenvector(self.first, z), eigenvector(self.last, z)
+        seen = apply(self.G, w) if colour == min(self.V) else apply(transpose(self.G), v)
+        return colour, z, parasitic_form(v, apply(self.G, w), seen)
+
+    def zero_growths(self):
+        """Return how many growth parameters there are, all 0, or None."""
+        named = [e[2] for e in self.equations if e[0] == "growth"]
+        counts = {circle_is_named(V, [z for half, z, _ in named if half == c])
+                  for c, V in self.V.items()}  # fmt: skip
+        return counts.pop() * len(self.V) if len(counts) == 1 and None not in counts else None
 
 
 def published_decimal(text, digits):
@@ -3574,16 +3414,12 @@ class Sweep(Enclosed):
 
     def prepare(self):
         """Read the matrices and equations and check what the theorems suppose."""
-        self.V, self.G = self.fixed("V"), self.fixed("G")
         self.D, self.X = self.numbers.vector(self.document["D"], self.document), self.matrix("X")
-        self.r, self.s = len(self.V), len(self.D)
-        require(len(self.X) == self.r == len(self.G) and len(self.X[0]) == self.s, "shapes")
-        bordered(self.V, "V")
-        bordered(self.G, "G")
+        self.suppose({"o": "V"})
         equal(self.G, transpose(self.G), "G = G^T")
-        equal(times(transpose(self.V), self.G, self.V), self.G, "V^T G V = G")
+        self.halves, self.r, self.s = {"o": (self.D, self.X)}, len(self.first), len(self.D)
+        require(len(self.X) == self.r == len(self.G) and len(self.X[0]) == self.s, "shapes")
         require(all(x == 1 for x in self.X[0]), "the first row of X is not 1 identically")
-        self.resolvent = lower_resolvent(self.V)
         self.equations = [self.read(text) for text in self.texts]
         self.signs = self.find_signs()
         self.q = self.find_stage_order()
@@ -3592,8 +3428,6 @@ class Sweep(Enclosed):
         for n, ts in self.free.items():
             require(all(size(t) == n for t in ts), "a free tree has another order")
         require(all(t in self.free.get(size(t), ()) for t in self.xi), "a tree of xi is not free")
-        self.number_rows = [[as_real(x) for x in row] for row in self.V], [
-            [as_real(x) for x in row] for row in self.G]  # fmt: skip
         self.explicit = {i for kind, i, *_ in self.equations if kind == "explicit"}
         self.explicit |= {self.s - 1 - i for i in self.explicit}
         self.order = max((size(e[2]) + (e[0] != "order") for e in self.equations
@@ -3610,7 +3444,7 @@ class Sweep(Enclosed):
             require(tree in trees((("o", "o"),), size(tree)), "an equation names another tree")
             return kind, None, tree
         if kind == "growth":
-            return kind, None, self.growth_form(what)
+            return kind, None, self.growth_form(what, "o")
         first, _, rest = what.partition(" ")
         top = self.r if kind == "start" else self.s
         require(first.isdigit() and 1 <= int(first) <= top, "an equation names another stage")
@@ -3623,25 +3457,6 @@ class Sweep(Enclosed):
             return kind, int(first) - 1, None
         return kind, int(first) - 1, read_tree(rest or ("[o]" if kind == "defect" else "o"))
 
-    def growth_form(self, text):
-        """Return (z, H): the growth parameter of z is sum d_i x_i^T H x_i."""
-        z = self.number(text)
-        v = eigenvector(self.V, z)
-        return z, parasitic_form(v, apply(self.G, v), apply(self.G, v))
-
-    def find_signs(self):
-        """Return the diagonal of E with X = E X P, after the checks of theorem 3, or None."""
-        if palindrome(self.D) != 1:
-            return None
-        found = [palindrome(row) for row in self.X]
-        if None in found:
-            return None
-        E = diagonal([Fraction(x) for x in found])
-        for M, N in ((self.G, self.G), (inverse_matrix(self.V), self.V)):
-            if not vanishes(minus(times(E, M, E), N)):
-                return None
-        return found
-
     def find_stage_order(self):
         """Return the stage order that the equations `defect` give."""
         have, q = {(i, t) for kind, i, t in self.equations if kind == "defect"}, 1
@@ -3652,78 +3467,29 @@ class Sweep(Enclosed):
                 return q
             q += 1
 
-    def matrices(self, values):
-        """Return D, X, A, U, B at values of the unknowns."""
-        D, X = at_values(self.D, values), at_values(self.X, values)
-        V, G = self.number_rows
-        columns = transpose(X)
-        GX = [[dot(row, x) for row in G] for x in columns]  # G x_j, by stage
-        U = [[dot(g, v) for v in transpose(V)] for g in GX]
-        A = [[(dot(columns[i], GX[j]) * D[j] * (Fraction(1, 2) if i == j else 1))
-              if j < i or (j == i and i not in self.explicit_now) else Fraction(0)
-              for j in range(self.s)] for i in range(self.s)]  # fmt: skip
-        return D, X, A, U, [[x * d for x, d in zip(row, D, strict=True)] for row in X]
-
-    explicit_now = frozenset()
-
-    def series(self, values, order, wanted=None):
-        """Return (xi, zeta, R) by class through an order, with zeta_1 of theorem 2 (6.2)."""
-        _, _, A, U, B = self.matrices(values)
-        G, q = self.number_rows[1], self.q
-        given = {t: at_values(x, values) for t, x in self.xi.items()}
-        xi, zeta, R = {}, {}, {}
-
-        def known(t, store):
-            below, factor = reduced(t, q)
-            return store[below] if factor == 1 else [x * factor for x in store[below]]
-
-        for n in range(1, order + 1):
-            inside = n < order
-            todo = classes(n, q)
-            if wanted is not None:
-                own = [t for t in wanted if size(t) == n]
-                todo = [t for t in todo if inside or t in own]
-            first = self.principal(n, zeta, given, G) if inside else {}
-            for t in todo:
-                slopes = placewise(self.s, (known(child, xi) for child in t[1]))
-                right = less_cuts(apply(B, slopes), t, lambda s: known(s, zeta))
-                R[t] = right[0] - Fraction(1, gamma(t))
-                if inside:
-                    zeta[t] = [first[t], *(dot(row, right[1:]) for row in self.resolvent)]
-                    xi[t] = [dot(a, slopes) + dot(u, zeta[t])
-                             for a, u in zip(A, U, strict=True)]  # fmt: skip
-        return xi, zeta, R
-
-    def principal(self, n, zeta, given, G):
-        """Return zeta_1 at the classes of an order."""
-        if n % 2:
-            return dict.fromkeys(classes(n, self.q), Fraction(0))
-        free = self.free.get(n, ())
-        defining, _, back = plan(n, self.q, free)
-        right = [dot(zeta[t], [dot(row, zeta[u]) for row in G]) for t, u in defining]
-        right += [given.get(t, Fraction(0)) for t in free]
-        return dict(zip(classes(n, self.q), [dot(row, right) for row in back], strict=True))
+    def series(self, values, order):
+        """Return the series by classes, with eta below the order (6.2)."""
+        found = ByClasses(self, values)
+        found.advance(order)
+        return found
 
     def residuals(self, values):
         """Return left minus right of every equation."""
-        wanted = [reduced(t, self.q)[0] for kind, _, t in self.equations if kind == "order"]
-        D, X, A, *_ = self.matrices(values)
-        xi, zeta, R = self.series(values, self.order, wanted)
-        found = []
+        series, found = self.series(values, self.order), []
         for kind, i, what in self.equations:
-            if kind in ("order", "identity"):
-                below, factor = reduced(what, self.q)
-                found.append((R[below] if kind == "order" else zeta[below][0]) * factor)
+            if kind == "order":
+                found.append(series.condition(what))
+            elif kind in ("identity", "start"):
+                found.append(series.cut_value(what)[i or 0])
             elif kind == "growth":
-                found.append(parameter(what[1], D, X))
+                found.append(parameter(what[2], *(at_values(x, values) for x in (self.D, self.X))))
             elif kind == "explicit":
-                found.append(A[i][i])
-            elif kind == "start":
-                found.append(zeta[what][i])
+                found.append(series.part("o").A[i][i])
             elif kind == "abscissa":
-                found.append(xi[LEAF][i] - what)
+                found.append(series.stages(LEAF)[i] - what)
             else:
-                found.append(xi[what][i] - xi[LEAF][i] ** size(what) * Fraction(1, gamma(what)))
+                c = series.stages(LEAF)[i]
+                found.append(series.stages(what)[i] - c ** size(what) * Fraction(1, gamma(what)))
         return found
 
     # what follows at the root
@@ -3732,15 +3498,10 @@ class Sweep(Enclosed):
         """Tell whether equations `start K` give zeta(o) = 0 (6.3)."""
         if self.r == 1:
             return True
-        L = self.reversal()
+        L = self.reversal()["o"]
         basis = kernel([row[1:] for row in combine(L, identity(self.r))])
         values = [i for kind, i, t in self.equations if kind == "start" and t == LEAF]
         return len(basis) == 1 and any(k and nonzero(basis[0][k - 1]) for k in values)
-
-    def reversal(self):
-        """Return L = V^-1 E."""
-        require(self.signs is not None, "the method is not symmetric")
-        return times(inverse_matrix(self.V), diagonal([Fraction(x) for x in self.signs]))
 
     def abscissae(self):
         """Return the abscissae that the file fixes exactly, or None."""
@@ -3786,10 +3547,9 @@ class Sweep(Enclosed):
         given = self.given_trees()
         for n in range(1, p + 1, 2):
             require(conditions_follow(n, self.q, given, self.free), f"the conditions of order {n}")
-        if identity_mode:
-            zeta = self.series(self.root, p)[1] if p > 1 else {}
-            fine = all(is_nil(x[0]) for t, x in zeta.items() if size(t) < p)
-            require(fine, "a principal part is not shown to be 0")
+        if identity_mode and p > 1:
+            eta = self.series(self.root, p).eta
+            require(all(is_nil(x[0]) for x in eta.values()), "a principal part may not be 0")
 
     def implies(self, claim):
         """Tell whether a claim that is true or false holds at the root."""
@@ -3800,10 +3560,6 @@ class Sweep(Enclosed):
         if claim == "symplectic":
             return self.r == 1
         return claim == "symmetric" and self.signs is not None
-
-    def zero_growths(self):
-        """Return how many growth parameters there are, all 0, or None."""
-        return circle_is_named(self.V, [t[0] for kind, _, t in self.equations if kind == "growth"])
 
     def stage_order_holds(self, q, p):
         """Refuse unless every stage has order q."""
@@ -3879,13 +3635,11 @@ class RungeKutta(Enclosed):
         """Return left minus right of every equation."""
         matrices = {c: at_values(M, values) for c, M in self.below.items()}
         rows = {name: at_values(b, values) for name, b in self.rows.items()}
-        known, A = {}, next(iter(matrices.values()))
+        A = next(iter(matrices.values()))
 
+        @cache
         def weights(t):
-            if t not in known:
-                below = (apply(matrices[t[0]], weights(child)) for child in t[1])
-                known[t] = placewise(self.s, below)
-            return known[t]
+            return placewise(self.s, [apply(matrices[t[0]], weights(child)) for child in t[1]])
 
         return [self.column(A, rows[None], what) if row == "column"
                 else dot(rows[row], weights(what)) - Fraction(1, gamma(what))
@@ -3956,52 +3710,40 @@ class Pair(Enclosed):
         self.splitting = doc["class"] == "splitting"
         names = ("a", "b") if self.splitting else ("b", "c")
         self.b, self.c = (self.numbers.vector(doc[x], doc) for x in names)
+        X, Y = [ones(len(self.b))], [ones(len(self.c))]
         if self.splitting:
-            self.V = {"f": one, "k": one}
-            self.G, self.X, self.Y = one, [ones(len(self.b))], [ones(len(self.c))]
+            self.V, self.G, self.first, self.last = {"f": one, "k": one}, one, one, one
             letters = ("PQ" if doc["first"] == "q" else "QP") * max(len(self.b), len(self.c))
             letters = letters[: len(self.b) + len(self.c)]
         else:
-            self.V = {"f": self.fixed("V"), "k": self.fixed("V_hat")}
-            self.G, letters = self.fixed("G"), doc["stages"]
-            self.X = [ones(len(self.b)), *(self.matrix("w") if doc["w"] else [])]
-            self.Y = [ones(len(self.c)), *(self.matrix("v") if doc["v"] else [])]
+            self.suppose({"f": "V", "k": "V_hat"})
+            letters = doc["stages"]
+            X += self.matrix("w") if doc["w"] else []
+            Y += self.matrix("v") if doc["v"] else []
+        self.halves = {"f": (self.b, X), "k": (self.c, Y)}
         require(isinstance(letters, str) and set(letters) <= {"P", "Q"}, "the stages")
         require(letters.count("P") == len(self.b) and letters.count("Q") == len(self.c), "stages")
-        seen = {"P": 0, "Q": 0}
-        self.letters, self.word = letters, []
-        for x in letters:
-            self.word.append((x, seen[x]))
-            seen[x] += 1
-        bordered(self.V["f"], "V")
-        bordered(self.V["k"], "V^")
-        bordered_form = [self.G[0][1:], [row[0] for row in self.G[1:]]]
-        require(self.G[0][0] == 1 and vanishes(bordered_form), "the first row and column of G")
-        equal(times(transpose(self.V["f"]), self.G, self.V["k"]), self.G, "V^T G V^ = G")
-        self.resolvent = {c: lower_resolvent(V) for c, V in self.V.items()}
-        self.one_step = len(self.V["f"]) == len(self.V["k"]) == 1
+        self.letters = letters
+        self.word = [
+            ("f" if x == "P" else "k", letters[:n].count(x)) for n, x in enumerate(letters)
+        ]
+        self.one_step = len(self.first) == len(self.last) == 1
         require(not self.xi and "free" not in self.proof, "pairs have zeta_1 = 0")
         require(self.proof.get("trees", "all") in ("all", "nystrom"), "trees")
         self.nystrom = self.proof.get("trees") == "nystrom"
         self.equations = [self.read(text) for text in self.texts]
         self.order = max((size(e[1]) + (e[0] == "start") for e in self.equations
                           if e[0] != "growth"), default=1)  # fmt: skip
-        self.signs = self.find_signs()
-        self.forms = [as_real(x) for row in self.G for x in row]
-        self.real_G = [[as_real(x) for x in row] for row in self.G]
-        self.real_V = {c: [[as_real(x) for x in row] for row in V] for c, V in self.V.items()}
+        self.signs = self.find_signs() if letters == letters[::-1] else None
         require(self.identity_through(self.order - 1, self.nystrom), "a principal part is not 0")
 
     def read(self, text):
-        """Return an equation: (order, tree), (growth, half, z, H) or (start, tree, value)."""
+        """Return an equation: (order, tree), (growth, -, form) or (start, tree, value)."""
         found = isinstance(text, str) and PAIR_EQUATION.fullmatch(text)
         require(found, f"{str(text)[:40]!r} is no equation")
         tree, half, z, start, value = found.groups()
         if half:
-            z = self.number(z)
-            v, w = (eigenvector(self.V[c], z) for c in "fk")
-            seen = apply(self.G, w) if half == "q" else apply(transpose(self.G), v)
-            return "growth", half, z, parasitic_form(v, apply(self.G, w), seen)
+            return "growth", None, self.growth_form(z, "f" if half == "q" else "k")
         tree_ = read_tree(tree or start)
         require(tree_ in trees(ALTERNATING, size(tree_)), "an equation names another tree")
         require(not self.nystrom or second_order(tree_), "an equation names another tree")
@@ -4010,69 +3752,24 @@ class Pair(Enclosed):
         require(2 <= int(value) <= len(self.V[tree_[0]]), "an equation names another value")
         return "start", tree_, int(value) - 1
 
-    def series(self, values, order, nystrom, wanted=None, starts=False):
-        """Return (zeta, R) through an order, with principal parts 0."""
-        b, c, X, Y = (at_values(x, values) for x in (self.b, self.c, self.X, self.Y))
-        GY = [[dot(g, y) for g in self.real_G] for y in transpose(Y)]  # G y_j
-        XG = [[dot(x, g) for g in transpose(self.real_G)] for x in transpose(X)]  # x_i^T G
-        half = {"f": ("P", b, transpose(X), GY), "k": ("Q", c, transpose(Y), XG)}
-        stages, zeta, R = {}, {}, {}
-        for n in range(1, order + 1):
-            last = n == order
-            level = listed(n, nystrom)
-            if last and wanted is not None:
-                level = [t for t in level if t in wanted]
-            for t in level:
-                letter, weights, columns, readers = half[t[0]]
-                slopes = placewise(len(weights), (stages[child] for child in t[1]))
-                updates = [w * x for w, x in zip(weights, slopes, strict=True)]
-                right = apply(transpose(columns), updates)
-                right = less_cuts(right, t, zeta.__getitem__)
-                R[t] = right[0] - Fraction(1, gamma(t))
-                if last and not starts:
-                    continue
-                zeta[t] = [Fraction(0), *(dot(row, right[1:]) for row in self.resolvent[t[0]])]
-                now, found = [dot(row, zeta[t]) for row in self.real_V[t[0]]], []
-                for place, i in self.word:
-                    if place == letter:
-                        now = [x if is_nil(y) else x + updates[i] * y
-                               for x, y in zip(now, columns[i], strict=True)]  # fmt: skip
-                    else:
-                        found.append(dot(readers[i], now))
-                stages[t] = found
-        return zeta, R
+    def series(self, values, order, nystrom):
+        """Return the series with principal parts 0, with eta below the order."""
+        found = AlongWord(self, values, nystrom)
+        found.advance(order)
+        return found
 
     def residuals(self, values):
         """Return left minus right of every equation."""
-        wanted = {e[1] for e in self.equations if e[0] == "order"}
-        zeta, R = self.series(values, self.order, self.nystrom, wanted)
-        found = []
-        for e in self.equations:
-            if e[0] == "order":
-                found.append(R[e[1]])
-            elif e[0] == "start":
-                found.append(zeta[e[1]][e[2]])
+        series, found = self.series(values, self.order, self.nystrom), []
+        for kind, tree, *what in self.equations:
+            if kind == "order":
+                found.append(series.condition(tree))
+            elif kind == "start":
+                found.append(series.eta[tree][what[0]])
             else:
-                own = (self.b, self.X) if e[1] == "q" else (self.c, self.Y)
-                found.append(parameter(e[3], *(at_values(x, values) for x in own)))
+                half, _, H = what[0]
+                found.append(parameter(H, *(at_values(x, values) for x in self.halves[half])))
         return found
-
-    def find_signs(self):
-        """Return the diagonals of E and E^, after the checks of theorem 3, or None."""
-        if self.letters != self.letters[::-1] or palindrome(self.b) != 1 or palindrome(self.c) != 1:
-            return None
-        found = {"f": [palindrome(x) for x in self.X], "k": [palindrome(x) for x in self.Y]}
-        if any(None in x for x in found.values()):
-            return None
-        E = {c: diagonal([Fraction(x) for x in signs]) for c, signs in found.items()}
-        pairs = [(times(E["f"], self.G, E["k"]), self.G)]
-        pairs += [(times(E[c], inverse_matrix(V), E[c]), V) for c, V in self.V.items()]
-        return found if all(vanishes(minus(M, N)) for M, N in pairs) else None
-
-    def reversals(self):
-        """Return L and L^, V^-1 E of each component."""
-        return {c: times(inverse_matrix(V), diagonal([Fraction(x) for x in self.signs[c]]))
-                for c, V in self.V.items()}  # fmt: skip
 
     def is_zero_start(self, t, k, L):
         """Tell whether zeta_k(t) = 0 by an equation `start` or by parity."""
@@ -4087,7 +3784,7 @@ class Pair(Enclosed):
             return True
         if self.signs is None:
             return False
-        L = self.reversals()
+        L = self.reversal()
         level = [t for m in range(1, n) for t in listed(m, nystrom)]
         shown = {(t, k): self.is_zero_start(t, k, L) for t in level for k in range(1, len(L[t[0]]))}
         return all(shown[t, k] or shown[u, l]
@@ -4144,19 +3841,12 @@ class Pair(Enclosed):
             return self.covered(1, False)
         return claim == "preconsistent" or (claim == "symmetric" and self.signs is not None)
 
-    def zero_growths(self):
-        """Return how many growth parameters there are, all 0, or None."""
-        counts = [circle_is_named(self.V[c], [e[2] for e in self.equations
-                                              if e[0] == "growth" and e[1] == half])
-                  for half, c in (("q", "f"), ("p", "k"))]  # fmt: skip
-        return 2 * counts[0] if counts[0] is not None and counts[0] == counts[1] else None
-
     def zero_start_holds(self, q, nystrom):
         """Refuse unless every value but the first is 0 on all trees through order q."""
         if self.one_step:
             return
         require(self.signs is not None, "the pair is not symmetric")
-        L = self.reversals()
+        L = self.reversal()
         fine = all(self.is_zero_start(t, k, L) for n in range(1, q + 1)
                    for t in listed(n, nystrom) for k in range(1, len(L[t[0]])))  # fmt: skip
         require(fine, "a value is not shown to start with 0")
@@ -4260,7 +3950,7 @@ class Block:
     """A start or finish whose decimals are unknowns; equal decimals are one unknown."""
 
     def __init__(self, numbers):
-        self.unknowns, self.numbers = {}, numbers.exactly(self.unknown)
+        self.unknowns, self.numbers = {}, numbers.changed(decimal=self.unknown, unknowns={})
 
     def unknown(self, text):
         """Return the unknown that a decimal stands for."""
@@ -4269,13 +3959,7 @@ class Block:
 
     def matrix(self, rows):
         """Return the entries, expressions in the unknowns."""
-        require(isinstance(rows, list) and 0 < len(rows) <= SIZE, "a matrix is missing")
-        found = []
-        for row in rows:
-            require(isinstance(row, list) and 0 < len(row) <= SIZE, "a matrix is missing")
-            found.append([self.numbers.parser(text, {"digits": 75}).value for text in row])
-        require(len({len(row) for row in found}) == 1, "rows of a matrix have other lengths")
-        return found
+        return self.numbers.matrix(rows, {"digits": 75})
 
     def root(self, function, digits, proof):
         """Return intervals around the one root."""
@@ -4297,22 +3981,12 @@ def opposite(rows, images):
         require(fine, "the stages have no parity")
 
 
-def slopes_of(A, n, q, base=None):
-    """Return the slopes by class through order n of Y_i = S + h sum A_ij f(Y_j), with parity."""
-    xi, found = {}, {}
-    for m in range(1, n + 1):
-        for t in classes(m, q):
-            below = (reduced(child, q) for child in t[1])
-            value = found[t] = placewise(len(A), (multiples(x, xi[u]) if x != 1 else xi[u]
-                                                  for u, x in below))  # fmt: skip
-            if m < n:
-                stages = []
-                for i in range(len(A)):
-                    if i and i % 2 == 0:
-                        stages.append(stages[-1] * (-1 if m % 2 else 1))
-                    else:
-                        stages.append(dot(A[i], value) + (base[t] if base else 0))
-                xi[t] = stages
+def stage_series(A, q, base=None):
+    """Return the series of Y_i = S + h sum A_ij f(Y_j) by classes, S with the series `base`."""
+    U = [[Fraction(1)] if base else []] * len(A)
+    found = Series({"o": Component(A, U, None, None)}.__getitem__, None,
+                   lambda t: [base(t)] if base else [])  # fmt: skip
+    found.q = q
     return found
 
 
@@ -4367,34 +4041,24 @@ def start_with_parity(proof, numbers, document, series, L, order, q_most):
     opposite(B, images)
     known = not any(isinstance(x, Linear) for row in A for x in row)
     q = simplifies(A, q_most) if known else 1
-    rows = [([as_real(x) for x in f], s) for f, s in parts_of(L)]
+    rows = [(as_real(f), s) for f, s in parts_of(L)]
     wanted = [(k, t) for k, (_, s) in enumerate(rows) for m in range(1, order + (k > 0))
               if (m % 2 == 0) == (s > 0) for t in classes(m, q)]  # fmt: skip
     labels = labels_of(proof, wanted)
-    fixed = slopes_of(as_matrix(A), order, q) if known else None
+    fixed = stage_series(as_real(A), q) if known else None
 
-    def gap(k, t, weights, slopes):
-        values = [dot(b, slopes[t]) - z for b, z in zip(weights, series(t), strict=True)]
-        return dot(rows[k][0], values)
-
-    def function(values):
-        slopes = fixed or slopes_of(at_values(A, values), order, q)
+    def gaps(labels, values):
+        stages = fixed or stage_series(at_values(A, values), q)
         weights = at_values(B, values)
-        return [gap(k, t, weights, slopes) for k, t in labels]
+        return [dot(rows[k][0], less(apply(weights, stages.derivative(t)), series(t)))
+                for k, t in labels]  # fmt: skip
 
     left = [x for x in wanted if x not in set(labels)]
     require(all(k == 0 for k, _ in left), "a condition is missing")
-    root = block.root(function, whole(document.get("digits", 75), 20, 400), proof)
-    if left:
-        slopes = fixed or slopes_of(at_values(A, root), order, q)
-        weights = at_values(B, root)
-        require(all(is_nil(gap(k, t, weights, slopes)) for k, t in left), "a condition is missing")
+    digits = whole(document.get("digits", 75), 20, 400)
+    root = block.root(lambda values: gaps(labels, values), digits, proof)
+    require(all(map(is_nil, gaps(left, root))), "a condition is missing")
     return block, at_values(A, root), at_values(B, root)
-
-
-def as_matrix(A):
-    """Return a matrix of exact numbers with intervals in place of irrational ones."""
-    return [[as_real(x) for x in row] for row in A]
 
 
 def undoes(numbers, opening, closing):
@@ -4419,20 +4083,19 @@ def undoes(numbers, opening, closing):
 def finish_with_parity(proof, numbers, document, A, b, order):
     """Refuse unless the finish has the order, after the start with stages A and weights b."""
     keys(proof, "radius centre inverse conditions", where="proof of the finish")
-    closing, block = document["finishing"], Block(numbers)
+    closing, block, first = document["finishing"], Block(numbers), stage_series(A, 1)
     C, d = block.matrix(closing["A"]), block.matrix([closing["b"]])[0]
     require(len(C) == len(C[0]) == len(d), "shapes of the finish")
     opposite(C, [C[partner(i)] for i in range(len(C))])
     opposite([d], [d])
-    base = {t: dot(b, x) for t, x in slopes_of(A, order, 1).items()}
     wanted = [(0, t) for m in range(2, order + 1, 2) for t in classes(m, 1)]
     labels = labels_of(proof, wanted)
     require(len(labels) == len(wanted), "a condition is missing")
+    base = cache(lambda t: dot(b, first.derivative(t)))
 
     def function(values):
-        slopes = slopes_of(at_values(C, values), order, 1, base)
-        weights = at_values(d, values)
-        return [dot(weights, slopes[t]) + base[t] for _, t in labels]
+        stages, weights = stage_series(at_values(C, values), 1, base), at_values(d, values)
+        return [dot(weights, stages.derivative(t)) + base(t) for _, t in labels]
 
     block.root(function, whole(document.get("digits", 75), 20, 400), proof)
 
@@ -4450,7 +4113,9 @@ def even_start(proof, pair, numbers, document):
     for order, kind in ((most, False), (nystrom, True)):
         if order:
             require(pair.identity_through(order - 1, kind), "a principal part is not shown to be 0")
-            zeta.update(pair.series(pair.root, order, kind, starts=True)[0])
+            series = pair.series(pair.root, order, kind)
+            series.fill()
+            zeta.update(series.eta)
     table, block = document["starting"], Block(numbers)
     keys(table, "A B u A_hat B_hat u_hat", "name kind order", "start")
     tables = {}
@@ -4505,8 +4170,8 @@ class Bounds(Series):
             back = inverse_matrix(combine(minus(identity(m.r), m.V), border))
             self.u[c], self.k[c] = [as_real(x) for x in u], None if c in method.declared else k
             self.W[c] = [as_real(x * inverse(along)) for x in left[0]]
-            self.lift[c] = as_matrix(back)
-            parts[c] = Component(**{x: lambda m=m, x=x: as_matrix(getattr(m, x)) for x in "AUB"})
+            self.lift[c] = as_real(back)
+            parts[c] = Component(*map(as_real, m[:3]), None)
         self.order = 0
 
     def cut_value(self, s):
@@ -4555,7 +4220,7 @@ class Bounds(Series):
 
     def fill(self):
         """Find eta at the trees of the order that was reached, principal parts 0."""
-        for t in pool_of(self.method, self.order, self.nystrom):
+        for t in self.pool(self.order):
             c, right = t[0], self.residual(t)
             self.eta[t] = [Fraction(0) if j == self.k[c] else dot(row, right)
                            for j, row in enumerate(self.lift[c])]  # fmt: skip
@@ -4563,6 +4228,76 @@ class Bounds(Series):
     def condition(self, t):
         """Return W R(t)."""
         return dot(self.W[t[0]], self.residual(t))
+
+    def pool(self, order):
+        """Return the trees of an order that count."""
+        return pool_of(self.method, order, self.nystrom)
+
+
+class ByClasses(Bounds):
+    """The series of a sweep at values of its unknowns, by classes; zeta_1 by theorem 2 (6.2)."""
+
+    def __init__(self, sweep, values):
+        super().__init__(sweep.at(values), False, False)
+        self.sweep, self.q, self.G = sweep, sweep.q, as_real(sweep.G)
+        self.given = {t: at_values(x, values) for t, x in sweep.xi.items()}
+
+    def pool(self, order):
+        """Return the classes of an order."""
+        return classes(order, self.q)
+
+    def cut_value(self, s):
+        """Return eta(s), that of its class times the factor."""
+        below, factor = reduced(s, self.q)
+        return self.eta[below] if factor == 1 else [x * factor for x in self.eta[below]]
+
+    def condition(self, t):
+        """Return R_1(t), that of its class times the factor."""
+        below, factor = reduced(t, self.q)
+        return super().condition(below) * factor
+
+    def settle(self):
+        """Find the principal parts of the last order, 0 where it is odd."""
+        if self.order % 2:
+            return
+        free = self.sweep.free.get(self.order, ())
+        defining, _, back = plan(self.order, self.q, free)
+        right = [dot(self.eta[t], apply(self.G, self.eta[u])) for t, u in defining]
+        right += [self.given.get(t, Fraction(0)) for t in free]
+        for t, row_ in zip(classes(self.order, self.q), back, strict=True):
+            self.move(t, dot(row_, right))
+
+
+class AlongWord(Bounds):
+    """The series of a pair at values of its unknowns: the stages one after another (6.4)."""
+
+    def __init__(self, pair, values, nystrom):
+        super().__init__(pair.at(values), True, nystrom)
+        self.word, G = pair.word, as_real(pair.G)
+        self.half = {c: at_values(list(x), values) for c, x in pair.halves.items()}
+        (_, X), (_, Y) = self.half.values()
+        self.readers = {"f": transpose(times(G, Y)), "k": times(transpose(X), G)}
+        self.V = {c: as_real(V) for c, V in pair.V.items()}
+
+    def pool(self, order):
+        """Return the trees of an order, with those whose root moves."""
+        return listed(order, self.nystrom)
+
+    def stages(self, tree):
+        """Return xi(t): what the stages of the other half see of the values on their way."""
+        if tree not in self.known:
+            (weights, rows), readers = self.half[tree[0]], self.readers[tree[0]]
+            columns = transpose(rows)
+            updates = [w * x for w, x in zip(weights, self.derivative(tree), strict=True)]
+            now, found = apply(self.V[tree[0]], self.eta_of(tree)), []
+            for half, i in self.word:
+                if half == tree[0]:
+                    now = [x if is_nil(y) else x + updates[i] * y
+                           for x, y in zip(now, columns[i], strict=True)]  # fmt: skip
+                else:
+                    found.append(dot(readers[i], now))
+            self.known[tree] = found
+        return self.known[tree]
 
 
 # ------------------------------------------------ section 6: rules
@@ -4751,15 +4486,55 @@ def check_rows(proof, found):
 
 
 def differences_of(method):
-    """Return the sum of the weights of each estimate; of a Nystrom method those of q' left out."""
+    """Return the sum of the weights of each estimate; of a Nystrom method those of q' left out.
+
+    Of class glm return what each estimate is for y' = 0 and y' = 1, for all values that are exact.
+    """
     require(method.rows(), "no rows are embedded")
-    require(method.kind != "glm", "sums of weights decide of methods that carry one value")
+    if method.kind == "glm":
+        return [
+            x for weights, _ in method.rows().values() for x in estimates(method, *weights["o"])
+        ]
     return [total(w[1:] if method.kind == "nystrom" and c == "f" else w)
             for _, estimate in method.rows().values() for c, w in estimate.items()]  # fmt: skip
 
 
+def estimates(method, b, v):
+    """Return d u and x e 1 + d v of the row (b, v) for a basis of all (u, v, x).
+
+    e = w B - b, d = w V - v; V u = u, U u = x 1, w u = x, x B 1 + V v = u + v. Return a 1 where no
+    x is 1.
+    """
+    m, w = method.single(), method.declared.get("o")
+    shift, nil = minus(m.V, identity(m.r)), [Fraction(0)] * m.r
+    require(not any(type(x) is Interval for M in (m.U, m.B, m.V) for row in M for x in row),
+            "values in decimals")  # fmt: skip
+    outside = [[*row, Fraction(-1)] for row in [*m.U, *([w] if w else [])]]
+    constants = kernel([[*row, Fraction(0)] for row in shift] + outside)
+    slopes = zip(shift, identity(m.r), apply(m.B, ones(len(m.B[0]))), strict=True)
+    both = kernel([[*row, *nil, Fraction(0)] for row in shift]
+                  + [[*row[:-1], *nil, row[-1]] for row in outside]
+                  + [[*(-x for x in unit), *row, x] for row, unit, x in slopes])  # fmt: skip
+    if not any(x[-1] for x in both):
+        return [Fraction(1)]
+    if w is None:
+        k = next(k for k in range(m.r) if any(x[k] for x in constants))
+        u = next([y * inverse(x[-1]) for y in x] for x in constants if x[-1])
+        require(vanishes([x[k] - u[k] * x[-1] for x in constants]), "the output is not fixed")
+        w = [inverse(u[k]) if j == k else Fraction(0) for j in range(m.r)]
+    require(len(b) == len(m.A) and len(v) == m.r, "embedded has another length")
+    e, d = less(apply(transpose(m.B), w), b), less(apply(transpose(m.V), w), v)
+    return [y for x in both
+            for y in (dot(d, x[: m.r]), total(e) * x[-1] + dot(d, x[m.r : -1]))]  # fmt: skip
+
+
 def gaps_of_rows(method):
-    """Return A 1 - c."""
+    """Return A 1 - c, or of a Nystrom method 2 A 1 - c^2 and A' 1 - c."""
+    if method.kind == "nystrom":
+        A, c = method.matrix("A"), method.list("c")
+        gaps = [2 * total(row) - x * x for row, x in zip(A, c, strict=True)]
+        inner = method.matrix("A_prime") if "A_prime" in method.document else []
+        return gaps + [total(row) - x for row, x in zip(inner, c, strict=False)]
     m = method.single()
     return less(apply(m.A, ones(len(m.A))), method.list("c"))
 
@@ -4989,31 +4764,19 @@ def grows_in(palette, tree):
 
 # ------------------------------------------------ section 7: which parts prove which statement
 
-RULES = {
-    "order-at-least": order_at_least, "order-at-most": order_at_most,
+RULES = {rule.__name__.replace("_", "-"): rule for rule in (
+    order_at_least, order_at_most, preconsistent, consistent, stage_order_at_least,
+    stage_order_at_most, start_at_least, start_at_most, finish_at_least, finish_at_most, bounded,
+    unbounded, eigen, growth, grows, unshared, form, given_form_fails, no_form, quadratic,
+    not_quadratic, symmetric, not_symmetric, explicit, implicit, abscissae, other_abscissae,
+    error_constant, reducible, irreducible, equivalent, a_stable, not_a_stable, l_limit, implied,
+    implied_order, not_order, implied_stage_order, not_stage_order, implied_start, not_start,
+    implied_finish, row, dense, absent, to_digits, not_to_digits,
+)} | {
     "no-order-1": lambda proof, w: contradiction(proof, w, False),
     "not-preconsistent": lambda proof, w: contradiction(proof, w, True),
-    "preconsistent": preconsistent, "consistent": consistent,
-    "stage-order-at-least": stage_order_at_least, "stage-order-at-most": stage_order_at_most,
-    "start-at-least": start_at_least, "start-at-most": start_at_most,
-    "finish-at-least": finish_at_least, "finish-at-most": finish_at_most,
-    "bounded": bounded, "unbounded": unbounded, "eigen": eigen, "growth": growth, "grows": grows,
-    "unshared": unshared,
-    "form": form, "given-form-fails": given_form_fails, "no-form": no_form,
-    "quadratic": quadratic, "not-quadratic": not_quadratic,
-    "symmetric": symmetric, "not-symmetric": not_symmetric,
-    "explicit": explicit, "implicit": implicit,
-    "abscissae": abscissae, "other-abscissae": other_abscissae,
-    "error-constant": error_constant,
     "other-error-constant": lambda proof, w: error_constant(proof, w, False),
-    "reducible": reducible, "irreducible": irreducible, "equivalent": equivalent,
-    "a-stable": a_stable, "not-a-stable": not_a_stable,
-    "l-limit": l_limit, "not-l-limit": lambda proof, w: l_limit(proof, w, False),
-    "implied": implied, "implied-order": implied_order, "not-order": not_order,
-    "implied-stage-order": implied_stage_order, "not-stage-order": not_stage_order,
-    "implied-start": implied_start, "not-start": not_start, "implied-finish": implied_finish,
-    "row": row, "dense": dense, "absent": absent, "to-digits": to_digits,
-    "not-to-digits": not_to_digits,
+    "not-l-limit": lambda proof, w: l_limit(proof, w, False),
     "not-dense": lambda proof, w: dense(proof, w, False),
     "differences": all_zero_or_not(differences_of, True),
     "no-differences": all_zero_or_not(differences_of, False),
@@ -5024,45 +4787,53 @@ RULES = {
 }  # fmt: skip
 
 ORDERS = ("order", "order-identity", "effective-order", "nystrom-order", "w-order")
-SECOND = {  # claims about orders that rest on the order: their pair of rules
-    "stage-order": ("stage-order-at-least", "stage-order-at-most"),
-    "starting-order": ("start-at-least", "start-at-most"),
-    "nystrom-starting-order": ("start-at-least", "start-at-most"),
-    "finishing-order": ("finish-at-least", "finish-at-most"),
-}
-BOOLEAN = {  # claim: lists of rules that prove it, lists of rules that refute it
-    "preconsistent": ([["preconsistent"]], [["not-preconsistent"]]),
-    "consistent": ([["consistent"]], [["no-order-1"]]),
-    "symplectic": ([["quadratic"]], [["not-quadratic"]]),
-    "g-symplectic": ([["preconsistent", "form"], ["form"]],
-                     [["given-form-fails"], ["preconsistent", "given-form-fails"], ["no-form"],
-                      ["preconsistent", "no-form"], ["not-preconsistent"]]),
-    "symmetric": ([["symmetric"]], [["not-symmetric"]]),
-    "symmetric-reduced": ([["equivalent", "irreducible", "symmetric"]],
-                          [["equivalent", "irreducible", "not-symmetric"]]),
-    "explicit": ([["explicit"]], [["implicit"]]),
-    "reducible": ([["reducible"]], [["irreducible"]]),
-    "a-stable": ([["bounded", "a-stable"]], [["not-a-stable"], ["unbounded", "not-a-stable"]]),
-    "l-stable": ([["bounded", "a-stable", "l-limit"]],
-                 [["not-a-stable"], ["unbounded", "not-a-stable"], ["not-l-limit"]]),
-    "embedded-difference": ([["differences"]], [["no-differences"]]),
-    "row-sums": ([["row-sums"]], [["no-row-sums"]]),
-    "dense-end": ([["dense-end"]], [["no-dense-end"]]),
+
+
+PROVES = {
+    "preconsistent": ("preconsistent", "not-preconsistent"),
+    "consistent": ("consistent", "no-order-1"),
+    "symplectic": ("quadratic", "not-quadratic"),
+    "g-symplectic": (
+        "preconsistent form|form",
+        ("given-form-fails|preconsistent given-form-fails|no-form|preconsistent no-form|"
+         "not-preconsistent")),
+    "symmetric": ("symmetric", "not-symmetric"),
+    "symmetric-reduced": ("equivalent irreducible symmetric",
+                          "equivalent irreducible not-symmetric"),
+    "explicit": ("explicit", "implicit"),
+    "reducible": ("reducible", "irreducible"),
+    "zero-stable": ("bounded*", "unbounded"),
+    "a-stable": ("bounded a-stable", "not-a-stable|unbounded not-a-stable"),
+    "l-stable": ("bounded a-stable l-limit", "not-a-stable|unbounded not-a-stable|not-l-limit"),
+    "parasitism-free": ("eigen* growth|bounded* unshared", "eigen* grows|unbounded"),
+    "growth": ("eigen* growth|bounded* unshared", "eigen* grows|unbounded|bounded* unshared"),
+    "abscissae": ("abscissae", "other-abscissae|no-order-1"),
+    "error-constant": ("error-constant", "other-error-constant"),
+    "embedded-difference": ("differences", "no-differences"),
+    "row-sums": ("row-sums", "no-row-sums"),
+    "dense-end": ("dense-end", "no-dense-end"),
+    "dense-order": ("dense|not-dense", "dense|not-dense"),
+    "embedded-order": ("row+", "row+"),
+    "order-to-digits": ("to-digits", "not-to-digits"),
 }  # fmt: skip
+
+
+SECOND = {"stage-order": "stage-order", "starting-order": "start",
+          "nystrom-starting-order": "start", "finishing-order": "finish"}  # fmt: skip
+
+
+VALUES = ("growth", "abscissae", "error-constant", "embedded-order", "order-to-digits")
 ABSENT = {  # claim: key of the document that it is about, the value where there is none
     "embedded-order": ("embedded", {}), "embedded-difference": ("embedded", False),
     "row-sums": ("c", True), "dense-end": ("dense", False), "dense-order": ("dense", 0),
     "starting-order": ("starting", 0), "finishing-order": ("finishing", 0),
 }  # fmt: skip
-LISTS = {  # claim: rule where it holds, rule where it fails
-    "abscissae": ("abscissae", "other-abscissae"),
-    "error-constant": ("error-constant", "other-error-constant"),
-}
 
 
 ADDITIVE = {  # claims of methods for a sum of right-hand sides
     "order", "order-identity", "effective-order", "stage-order", "preconsistent", "consistent",
     "zero-stable", "explicit", "embedded-order", "embedded-difference", "order-to-digits",
+    "abscissae",
 }  # fmt: skip
 ROSENBROCK = {"order", "w-order", "a-stable", "l-stable", "embedded-order", "embedded-difference",
               "order-to-digits"}  # fmt: skip
@@ -5075,7 +4846,7 @@ LOOKS_AT = {  # rules, and keys of witnesses, that look at exact zeros or at the
 AS_EXACT = {
     "preconsistent", "consistent", "zero-stable", "symplectic", "g-symplectic", "symmetric",
     "parasitism-free", "growth", "abscissae", "embedded-difference", "row-sums", "dense-end",
-    "dense-order", *ORDERS, *SECOND, "error-constant",
+    "dense-order", *ORDERS, *SECOND, "error-constant", "explicit", "reducible",
 }  # fmt: skip
 
 
@@ -5097,18 +4868,17 @@ class Record:
             values = {}
             for name, text in unknowns.items():
                 values[name] = around_decimal(published_decimal(text, digits))
-            self.numbers = numbers.exactly(around_decimal).with_unknowns(values)
+            self.numbers = numbers.changed(decimal=around_decimal, unknowns=values)
         elif field["kind"] == "enclosure" and "method" in as_object(field["proofs"]):
             kinds = {"sweep": Sweep, "pair-sweep": Pair, "splitting": Pair, "rk": RungeKutta,
                      "rosenbrock": RungeKutta}  # fmt: skip
             require(document.get("class") in kinds, "an enclosure of another class")
             self.root = kinds[document["class"]](document, numbers, field["proofs"]["method"])
-            weights = {Sweep: "D", Pair: "bc", RungeKutta: ""}[type(self.root)]
-            weights = [getattr(self.root, key) for key in weights]
+            weights = [row for row, _ in self.root.halves.values()]
             fine = all(apart(x) for row in weights for x in at_values(row, self.root.root))
             require(fine, "a weight may be 0")
             values = dict(zip(self.root.unknowns, self.root.root, strict=True))
-            self.numbers = numbers.with_unknowns(values)
+            self.numbers = numbers.changed(unknowns=values)
             if isinstance(self.root, Sweep):
                 self.root.explicit_now = self.numbers.explicit = frozenset(self.root.explicit)
 
@@ -5244,13 +5014,8 @@ class Proof:
         """Return (L, starting series, stage order) that a start has to meet."""
         if self.record.root is not None:
             sweep = self.root()
-            zeta = sweep.series(sweep.root, order + 1)[1]
-
-            def series(t):
-                below, factor = reduced(t, sweep.q)
-                return [x * factor for x in zeta[below]]
-
-            return sweep.reversal(), series, sweep.q
+            series = sweep.series(sweep.root, order + 1).cut_value
+            return sweep.reversal()["o"], series, sweep.q
         require(self.reversal is not None and self.series is not None, "symmetry is missing")
         L, eta = self.reversal["o"], self.series
         for t in (t for n in range(1, order + 1) for t in trees(self.method.palette, n)):
@@ -5265,7 +5030,12 @@ class Proof:
 
     def check(self):
         """Check that the parts are those of the statement (7), and each of them."""
-        self.check_rules()
+        kind, about = self.method.kind, self.claim in ADDITIVE or not self.method.additive
+        about = self.claim in ROSENBROCK if kind == "rosenbrock" else about
+        require(about, f"{self.claim} has no meaning for an additive method")
+        require(self.claim != "w-order" or kind == "rosenbrock", "a Rosenbrock method is needed")
+        fine = self.rules == ["absent"] or self.rules in self.allowed()
+        require(fine, f"these parts do not prove {self.claim}: {self.rules}")
         results = [RULES[part["rule"]](self, as_object(part["witness"])) for part in self.parts]
         if self.rules == ["absent"]:
             return
@@ -5288,10 +5058,8 @@ class Proof:
 
     def both_ends(self):
         """Return the rules for the two bounds of an order that rests on the order."""
-        low, high = SECOND[self.claim]
-        start = self.claim.endswith("starting-order")
-        name = "start" if start else "finish" if "finish" in low else "stage-order"
-        return {low, "implied-" + name}, {high, "not-" + name}
+        name = SECOND[self.claim]
+        return {f"{name}-at-least", f"implied-{name}"}, {f"{name}-at-most", f"not-{name}"}
 
     def mode(self):
         """Return (identity?, nystrom?) of the orders that a claim is about."""
@@ -5303,112 +5071,60 @@ class Proof:
             return self.method.pair, False
         return self.claim != "effective-order", nystrom
 
-    def check_rules(self):
-        """Refuse parts that are not exactly those of the statement."""
-        kind = self.method.kind
-        about = self.claim in ADDITIVE or not self.method.additive
-        about = self.claim in ROSENBROCK if kind == "rosenbrock" else about
-        require(about, f"{self.claim} has no meaning for an additive method")
-        require(self.claim != "w-order" or kind == "rosenbrock", "a Rosenbrock method is needed")
-        allowed = self.allowed()
-        require(self.rules in allowed, f"these parts do not prove {self.claim}: {self.rules}")
-
     def allowed(self):
-        """Return the lists of rules that prove the statement."""
-        if self.rules == ["absent"]:
-            return [self.rules]
-        if self.kind in ("balls", "enclosure"):
-            found = self.allowed_in_intervals()
-            return found + (self.allowed_exactly() if self.claim in AS_EXACT else [])
-        return self.allowed_exactly()
+        """Return the lists of rules that prove the statement (7)."""
+        truth = self.holds
+        if self.claim in (*ORDERS, *SECOND, "dense-order"):
+            whole(self.declared)
+        elif self.claim not in VALUES:
+            require(type(self.declared) is bool, "the claim is true or false")
+            truth = self.declared == self.holds
+        balls = self.kind in ("balls", "enclosure")
+        texts = self.chains_in_intervals(truth) if balls else ""
+        if not balls or self.claim in AS_EXACT:
+            texts += "|" + self.chains(truth)
+        return [self.repeated(text.split()) for text in texts.split("|") if text]
 
-    def allowed_exactly(self):
-        """Return the lists of rules that prove a statement about exact numbers."""
-        pair = ["order-at-least", "order-at-most"]
-        if self.claim == "embedded-order":
-            return [["row"] * len(self.method.rows())]
-        if self.claim == "dense-order":
-            whole(self.declared)
-            return [["dense"], ["not-dense"]]
-        if self.claim == "order-to-digits":
-            return [["to-digits" if self.holds else "not-to-digits"]]
+    def repeated(self, names):
+        """Return names of rules, each as often as there are components or rows."""
+        times_ = {"*": len(self.method.parts), "+": len(self.method.document.get("embedded", ()))}
+        return [x.rstrip("*+") for x in names for _ in range(times_.get(x[-1], 1))]
+
+    def chains(self, truth):
+        """Return the lists of rules for a statement about exact numbers."""
+        pair = "order-at-least order-at-most"
         if self.claim in ORDERS:
-            whole(self.declared)
-            ends = [] if self.holds else [[x] for x in pair]
-            return [pair, ["no-order-1"], *ends]
+            return f"{pair}|no-order-1" + ("" if truth else "|order-at-least|order-at-most")
         if self.claim in SECOND:
-            whole(self.declared)
-            first, last = SECOND[self.claim]
-            chains = [[first, last]] if self.holds else [[first, last], [first], [last]]
-            bare = chains if self.claim == "finishing-order" else []
-            return [*(pair + chain for chain in chains), *bare, ["no-order-1"]]
-        if self.claim in LISTS:
-            inconsistent = [["no-order-1"]] if self.claim == "abscissae" and not self.holds else []
-            return [[LISTS[self.claim][0 if self.holds else 1]], *inconsistent]
-        eigen = ["eigen"] * len(self.method.parts)
-        growth = [[*eigen, "growth"]], [[*eigen, "grows"], ["unbounded"]]
-        unshared = [*["bounded"] * len(self.method.parts), "unshared"]
-        if self.claim == "growth":
-            return [*growth[0 if self.holds else 1], unshared]
-        if self.claim == "parasitism-free":
-            table = [*growth[0], unshared], growth[1]
-        elif self.claim == "zero-stable":
-            table = [["bounded"] * len(self.method.parts)], [["unbounded"]]
-        elif self.claim in BOOLEAN:
-            table = BOOLEAN[self.claim]
-        else:
+            low, high = (f"{SECOND[self.claim]}-at-{x}" for x in ("least", "most"))
+            found = [f"{low} {high}"] + ([] if truth else [low, high])
+            bare = found if self.claim == "finishing-order" else []
+            return "|".join([*(f"{pair} {x}" for x in found), *bare, "no-order-1"])
+        if self.claim not in PROVES:
             not_covered(f"the claim {self.claim[:40]!r}")
-        require(type(self.declared) is bool, "the claim is true or false")
-        return table[0 if self.declared == self.holds else 1]
+        return PROVES[self.claim][0 if truth else 1]
 
-    def allowed_in_intervals(self):
-        """Return the lists of rules that prove a statement about decimals."""
-        root = self.record.root is not None
-        pair = ["implied-order", "not-order"] if root else ["order-at-least", "order-at-most"]
+    def chains_in_intervals(self, truth):
+        """Return the lists of rules for a statement about decimals, beside the exact ones."""
+        root, none = self.record.root is not None, "not-order|not-preconsistent"
         if self.claim in ORDERS:
-            whole(self.declared)
-            low = [pair[:1]] if root and not self.holds else []
-            ends = [["order-at-least", "not-order"], ["not-order"], ["not-preconsistent"]]
-            return [pair, *ends, *low]
-        if self.claim == "dense-order":
-            whole(self.declared)
-            return [["not-dense"]]
-        if self.claim == "stage-order" and not self.holds:
-            whole(self.declared)
-            low = [["implied-order", "implied-stage-order"]] if root else []
-            return [["not-order"], ["not-stage-order"], ["no-order-1"], ["not-preconsistent"],
-                    ["order-at-least", "stage-order-at-least"], *low]  # fmt: skip
+            low = "" if truth or not root else "|implied-order"
+            return f"implied-order not-order|order-at-least not-order|{none}{low}"
         if self.claim in SECOND:
-            whole(self.declared)
-            name = {"stage-order": "stage-order", "finishing-order": "finish"}
-            name = name.get(self.claim, "start")
-            none = [["not-order"], ["no-order-1"], ["not-preconsistent"]]
-            if not self.holds:
-                return [*none, ["not-start"]] if name == "start" else none
-            top = "finish-at-most" if name == "finish" else "not-" + name
-            between = [] if root else ["symmetric"]
-            chains = [[*pair, *between, "implied-" + name, top], *none]
-            if name == "stage-order":
-                chains += [["order-at-least", "stage-order-at-least", top]]
-            return chains
+            name, none = SECOND[self.claim], none + "|no-order-1"
+            if truth:
+                pair = (
+                    "implied-order not-order" if root else "order-at-least order-at-most symmetric"
+                )
+                top = "finish-at-most" if name == "finish" else f"not-{name}"
+                more = f"|order-at-least {name}-at-least {top}" if name == "stage-order" else ""
+                return f"{pair} implied-{name} {top}|{none}{more}"
+            below = f"|implied-order implied-{name}" if root else ""
+            more = f"|order-at-least {name}-at-least{below}" if name == "stage-order" else ""
+            return none + (f"|not-{name}{more}" if name != "finish" else "")
         if self.claim == "embedded-order":
-            rows = ["row"] * len(self.method.rows())
-            return [rows] if self.holds else [rows, ["row"]]
-        parts = len(self.method.parts)
-        if self.claim == "zero-stable" and self.declared is True and self.holds:
-            return [["bounded"] * parts]
-        if self.claim in ("explicit", "reducible"):
-            require(type(self.declared) is bool, "the claim is true or false")
-            return BOOLEAN[self.claim][0 if self.declared == self.holds else 1]
-        if self.claim == "symmetric" and self.declared is not self.holds:
-            require(type(self.declared) is bool, "the claim is true or false")
-            return [["not-symmetric"]]
-        if self.claim == "symplectic" and self.declared is not self.holds:
-            require(type(self.declared) is bool, "the claim is true or false")
-            return [["not-quadratic"]]
-        true = type(self.declared) is bool and self.declared == self.holds
-        listed = self.claim == "growth" or (self.claim == "abscissae" and self.holds)
-        return [["implied"]] if true or listed else []
+            return "row+" if truth else "row+|row"
+        return "implied" if truth or self.claim == "growth" else ""
 
     def check_order(self, low, high):
         """Refuse bounds that do not decide the declared order."""
@@ -5442,15 +5158,15 @@ def no_twins(pairs):
 
 
 def read(path):
-    """Return the JSON value of a file."""
+    """Return the texts of the certificates in a file: one, or one on each line."""
     try:
         with open(path, "rb") as file:
-            data = file.read(MEGABYTES * 2**20 + 1)
-        require(len(data) <= MEGABYTES * 2**20, "beyond the limits of this checker")
-        return json.loads(data.decode("utf-8"), parse_float=no_float, parse_constant=no_float,
-                          object_pairs_hook=no_twins)  # fmt: skip
-    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
-        raise Unreadable(f"{path} cannot be read: {error}") from error
+            text = file.read(MEGABYTES * 2**20 + 1).decode("utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise Unreadable(f"it cannot be read: {error}") from error
+    lines = [line for line in text.splitlines() if line.strip()]
+    several = len(lines) > 1 and all(line[0] == "{" and line[-1] == "}" for line in lines)
+    return lines if several and len(text) <= MEGABYTES * 2**20 else [text]
 
 
 def verdict(certificate):
@@ -5468,13 +5184,17 @@ def verdict(certificate):
     return True, f"{name}: {proof.claim_text} {word} ({', '.join(proof.rules)})"
 
 
-def check_file(path):
-    """Return (accepted, sentence) for one file, within the limits of time."""
+def check(text):
+    """Return (accepted, sentence) for one certificate, within the limits of time and size."""
     if hasattr(signal, "SIGALRM"):
         signal.signal(signal.SIGALRM, beyond)
         signal.alarm(SECONDS)
     try:
-        return verdict(read(path))
+        require(len(text) <= MEGABYTES * 2**20, "beyond the limits of this checker")
+        return verdict(json.loads(text, parse_float=no_float, parse_constant=no_float,
+                                  object_pairs_hook=no_twins))  # fmt: skip
+    except json.JSONDecodeError as error:
+        raise Unreadable(f"no JSON: {error}") from error
     except Refused as refused:
         return False, str(refused)
     except (RecursionError, ValueError):
@@ -5487,16 +5207,17 @@ def check_file(path):
 def main(arguments=None):
     """Check the files named and return the exit code."""
     parser = argparse.ArgumentParser(description="Check certificates of glmref-certificate-1.")
-    parser.add_argument("files", nargs="+", metavar="FILE")
+    parser.add_argument("files", nargs="+", metavar="FILE", help="one certificate, or one a line")
     code = 0
     for path in parser.parse_args(arguments).files:
         try:
-            accepted, sentence = check_file(path)
+            for text in read(path):
+                accepted, sentence = check(text)
+                sys.stdout.write(f"{path}: {'yes' if accepted else 'no'}: {sentence}\n")
+                code = code if accepted else 1
         except Unreadable as error:
-            sys.stderr.write(f"{error}\n")
+            sys.stderr.write(f"{path}: {error}\n")
             return 2
-        sys.stdout.write(f"{path}: {'yes' if accepted else 'no'}: {sentence}\n")
-        code = code if accepted else 1
     return code
 
 

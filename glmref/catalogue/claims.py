@@ -2,10 +2,10 @@
 
 What the package knows of a claim apart from its proof follows from this table: the keys a file may
 have and their kinds of values (:mod:`.keys`, :mod:`.reader`), their order in a file
-(:mod:`.canonical`), which methods can make it (:mod:`glmref.verification`), the rule of the kernel
-that decides (:mod:`glmref.prove.kernel`), and the JSON Schema and the table of ``data/README.md``,
-which ``python -m tools.method_schema`` writes. Modules that need one particular claim take its key
-from here, for example ``ZERO_STABLE.key``.
+(:mod:`.canonical`), which methods can make it (:mod:`glmref.prove.verifier`), the rule of the
+kernel that decides (:mod:`glmref.prove.kernel`), and the JSON Schema and the table of
+``data/README.md``, which ``python -m tools.method_schema`` writes. Modules that need one particular
+claim take its key from here, for example ``ZERO_STABLE.key``.
 
 Only the standard library is used.
 """
@@ -71,6 +71,11 @@ class ClaimSpec:
     def rosenbrock(self) -> bool:
         """Whether a Rosenbrock method can make this claim."""
         return self.key in _OF_ROSENBROCK
+
+    @property
+    def nystrom(self) -> bool:
+        """Whether a Nystrom method can make this claim, which other pairs cannot."""
+        return self.key == "row-sums"
 
     def has_meaning(self, *, pair: bool) -> bool:
         """Whether a partitioned method (``pair``) or a single one can make this claim."""
@@ -202,7 +207,10 @@ ABSCISSAE = ClaimSpec(
     SINGLE,
     "abscissae",
     {"$ref": "#/$defs/vector"},
-    "c = A 1 + U v, v of `consistent` with v_k = 0 at the first k with u_k not 0",
+    (
+        "c = A 1 + U v, v of `consistent` with v_k = 0 at the first k with u_k not 0; of an "
+        "additive method the c of each part, one part after another"
+    ),
 )
 PRECONSISTENT = ClaimSpec(
     "preconsistent",
@@ -391,8 +399,11 @@ EMBEDDED_DIFFERENCE = ClaimSpec(
     "embedded_difference",
     _TRUTH,
     (
-        "methods that carry one value: the weights of every error estimate, b less the weights of "
-        "a row of `embedded` or its `error`, sum to zero"
+        "the weights of every error estimate, b less the weights of a row of `embedded` or its "
+        "`error`, sum to zero. Of class `glm`, w the `output`: with e = w B - b and d = w V - v "
+        "d u = 0 and e 1 + d v_1 = 0 for all u and v_1 with V u = u, U u = 1, w u = 1 and "
+        "B 1 + V v_1 = u + v_1, of which there are some; without `output` all u must agree in the "
+        "first value in which one of them is not 0"
     ),
 )
 ROW_SUMS = ClaimSpec(
@@ -401,7 +412,10 @@ ROW_SUMS = ClaimSpec(
     SINGLE,
     "row_sums",
     _TRUTH,
-    ("c = A 1. Where it fails `order` is that on systems y' = f(t, y), f evaluated at t + c_i h"),
+    (
+        "c = A 1. Where it fails `order` is that on systems y' = f(t, y), f evaluated at t + c_i "
+        "h. Of class `nystrom` A 1 = c^2 / 2, and A' 1 = c where A' is given"
+    ),
 )
 DENSE_ORDER = ClaimSpec(
     "dense-order",
@@ -472,8 +486,8 @@ CLAIMS: Mapping[str, ClaimSpec] = {
 _OF_SUMS = frozenset(
     x.key
     for x in (
-        ORDER, ORDER_IDENTITY, EFFECTIVE_ORDER, STAGE_ORDER, PRECONSISTENT, CONSISTENT, ZERO_STABLE,
-        EXPLICIT, EMBEDDED_ORDER, EMBEDDED_DIFFERENCE, ORDER_TO_DIGITS,
+        ORDER, ORDER_IDENTITY, EFFECTIVE_ORDER, STAGE_ORDER, ABSCISSAE, PRECONSISTENT, CONSISTENT,
+        ZERO_STABLE, EXPLICIT, EMBEDDED_ORDER, EMBEDDED_DIFFERENCE, ORDER_TO_DIGITS,
     )
 )  # fmt: skip
 #: Claims that a Rosenbrock method can make; A- and L-stability are those of its linear form.
@@ -492,11 +506,6 @@ def meant_order(claims: Mapping[str, Any]) -> int | None:
 
 def stated_orders(claims: Mapping[str, Any]) -> dict[str, int]:
     """Orders that a file states, exactly or of rounded coefficients, by the names of the weights.
-
-    Parameters
-    ----------
-    claims : Mapping
-        Claims of a file.
 
     Returns
     -------

@@ -136,7 +136,7 @@ def without_meaning(kind: str) -> frozenset[str]:
             if kind == "additive"
             else spec.rosenbrock
             if kind == "rosenbrock"
-            else spec.has_meaning(pair=kind in PAIRS)
+            else spec.has_meaning(pair=kind in PAIRS) or (kind == "nystrom" and spec.nystrom)
         )
     )
 

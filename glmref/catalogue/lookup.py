@@ -69,11 +69,6 @@ def read_method(path: Path) -> tuple[dict[str, Any], Any]:
     path : Path
         An existing file, as :func:`path_of` gives it.
 
-    Returns
-    -------
-    dict, Method
-        The JSON object, and the method it stands for.
-
     Raises
     ------
     DataError

@@ -58,13 +58,6 @@ def load_document(doc: Mapping[str, Any], *, where: str = "document") -> Method:
     A document without claims may be a bare tableau: ``format``, ``name``, ``class`` and ``source``
     may be missing, and the class is told from the keys.
 
-    Parameters
-    ----------
-    doc : Mapping[str, Any]
-        The parsed JSON object.
-    where : str
-        File name, for messages.
-
     Raises
     ------
     DataError

@@ -68,7 +68,9 @@ def read_json(path: Path) -> Any:
 def _too_deep(text: str) -> bool:
     """Whether brackets outside strings are nested too deep, without recursion."""
     depth = 0
-    for match in _BRACKET.finditer(_STRING.sub("", text)):
+    # without escaped quotes every other piece between quotes is outside strings
+    outside = _STRING.sub("", text) if "\\" in text else "".join(text.split('"')[::2])
+    for match in _BRACKET.finditer(outside):
         if match[0] in "[{":
             depth += 1
             if depth > MAX_NESTING:

@@ -11,8 +11,7 @@ a constant the file declares. ``root(x, n)`` is the positive n-th root of a posi
 ``angle`` is a rational multiple of ``pi*i``, as in ``exp(2*pi*i/3)``.
 
 :func:`syntax_tree` reads a text; what is made of a tree is written in one place each: its number
-here, its element of a tower of roots in :mod:`glmref.prove.radicals`, LaTeX in
-:mod:`glmref.exchange.latex`, MathML in :mod:`glmref.report.typeset`.
+here, LaTeX and MathML in :mod:`glmref.views.notation`.
 """
 
 from __future__ import annotations
@@ -175,12 +174,13 @@ def weigh(text: str, weights: Mapping[str, Weight]) -> Weight:
         elif token == "i":
             roots.add(("i", 2))
         divided |= before == "/" and not token[0].isdigit()
-        inner = weights.get(token, Weight(len(token), 0, 0, len(token)))
-        height += inner.height
-        roots |= inner.roots
-        length += inner.length
-        radicals += inner.radicals
-        depth = max(depth, sum(open_roots) + inner.depth)
+        inner = weights.get(token)
+        height += len(token) if inner is None else inner.height
+        length += len(token) if inner is None else inner.length
+        if inner is not None:
+            roots |= inner.roots
+            radicals += inner.radicals
+            depth = max(depth, sum(open_roots) + inner.depth)
         before, place = token, match.start()
     found = Weight(length, radicals, depth, height, frozenset(roots))
     if divided:  # a quotient in a field of degree n has coefficients n times as long
@@ -501,7 +501,7 @@ class _Evaluator:
 _GENERATOR = re.compile(
     r"(?P<name>[a-z]\d*) = (?P<size>[^\[]*)\[(?:Sqrt\([^{]*\{(?P<radicand>[^}]*)\}\)"
     r"|Pow\((?:[^{,]*\{)?(?P<base>[^},]*)\}?, [^{]*\{(?P<part>-?\d+)/(?P<degree>\d+)\}\)"
-    r"|(?P<minpoly>[^\]]*)=0)\]"
+    r"|Conjugate\([^{]*\{(?P<conjugate>[^}]*)\}\)|(?P<minpoly>[^\]]*)=0)\]"
 )
 _QUADRATIC = re.compile(
     r"(?:(?P<a>\d+)\*)?(?P<name>[a-z]\d*)\^2"
@@ -603,7 +603,9 @@ def _generator_text(match: re.Match[str], names: Mapping[str, str], value: Exact
             return f"exp({part}*pi*i/{match['degree']})".replace("(1*", "(")
         power = "*".join([f"root({base},{match['degree']})"] * abs(int(part)))
         return power if int(part) > 0 else f"(1/({power}))"
-    quadratic = _QUADRATIC.match(match["minpoly"])
+    if match["conjugate"] is not None and value.imag.is_zero() is not True:  # of a root of unity
+        return f"(1/({_substitute(match['conjugate'], names, value)}))"
+    quadratic = _QUADRATIC.match(match["minpoly"] or "")
     if quadratic is None or quadratic["name"] != match["name"]:
         raise ExactnessError(f"no square-root form found for {value!r}")
     a, b = int(quadratic["a"] or 1), int(f"{quadratic['sign'] or '+'}{quadratic['b'] or 1}")

@@ -112,7 +112,13 @@ def scale(factor: Scalar | int, a: Matrix) -> Matrix:
 
 def row_sums(a: Matrix) -> Vector:
     """``A 1``; zeros of no length for rows without entries."""
-    return tuple(sum((x for x in row if x.is_zero() is not True), _ZERO) for row in a)
+    return tuple(sum((x for _, x in nonzero(row)), _ZERO) for row in a)
+
+
+def nonzero(row: Sequence[Scalar]) -> list[tuple[int, Scalar]]:
+    """Entries that are not known to be zero, with their places; each object is asked once."""
+    zeros = {id(x) for x in {id(x): x for x in row}.values() if x.is_zero() is True}
+    return [(j, x) for j, x in enumerate(row) if id(x) not in zeros]
 
 
 def entries(a: Matrix) -> list[tuple[int, int, Scalar]]:
@@ -291,7 +297,6 @@ def solve_affine(rows: Matrix, right: Vector) -> Affine:
             continue
         lead = current[at]
         current = [x if x.is_zero() is True else x / lead for x in current]
-        current[at] = _ONE
         for column, known in solved.items():
             factor = known[at]
             if factor.is_zero() is not True:

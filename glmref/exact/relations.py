@@ -10,7 +10,7 @@ import flint
 
 from .number import Exact
 
-_BITS = 1200  # of the numbers whose relation is looked for
+BITS = 1200  # of the numbers whose relation is looked for
 
 
 def factorization(n: int) -> dict[int, int]:
@@ -23,24 +23,25 @@ def cyclotomic(n: int) -> list[int]:
     return [int(x) for x in flint.fmpz_poly.cyclotomic(n).coeffs()]
 
 
-def rational_combination(value: Exact, basis: Sequence[Exact]) -> list[Fraction] | None:
+def rational_combination(
+    value: Exact, basis: Sequence[Exact], *, bits: int = BITS
+) -> list[Fraction] | None:
     """Rational weights with ``value = sum weights * basis``, or ``None`` where none were found.
 
-    What is returned holds exactly; ``None`` proves nothing.
+    What is returned holds exactly; ``None`` proves nothing: large weights need more bits.
     """
     columns = [value, *basis]
-    size, rows = len(columns), []
-    before, flint.ctx.prec = flint.ctx.prec, 2 * _BITS
+    size, rows, parts = len(columns), [], list[int]()
+    before, flint.ctx.prec = flint.ctx.prec, 2 * bits
     try:
         for k, x in enumerate(columns):
-            ball = x.ball(_BITS + 64)._acb
-            scaled = [
-                (flint.arb(2) ** _BITS * part.mid()).floor().unique_fmpz()
-                for part in (ball.real, ball.imag)
-            ]
-            if None in scaled:  # a part so large that its last bit is unknown
-                return None
-            rows.append([*(int(k == j) for j in range(size)), *(int(str(x)) for x in scaled)])
+            ball = x.ball(bits + 64)._acb
+            for part in (ball.real, ball.imag):
+                scaled = (flint.arb(2) ** bits * part.mid()).floor().unique_fmpz()
+                if scaled is None:  # a part so large that its last bit is unknown
+                    return None
+                parts.append(int(scaled))
+            rows.append([*(int(k == j) for j in range(size)), *parts[-2:]])
     finally:
         flint.ctx.prec = before
     first = flint.fmpz_mat(rows).lll()

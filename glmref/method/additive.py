@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from ..errors import DataError
 from ..exact.linalg import Matrix, Vector
+from .base import Own
 from .component import Component, Method, Palette, additive_palette
 from .embedded import EmbeddedRow
 from .glm import GLM, Entry, Rows, as_matrix, as_vector, check_embedded, check_shape
-from .own import Own
 from .starting import StartingMethod
 
 #: As many parts as there are digits to colour trees with.

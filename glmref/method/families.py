@@ -19,11 +19,6 @@ _ZERO, _ONE = Exact(0), Exact(1)
 def runge_kutta(A: Rows, b: Entries, name: str = "") -> GLM:
     """Runge-Kutta method as the GLM with r = 1, U = 1, V = 1.
 
-    Parameters
-    ----------
-    A : Rows
-        (s, s) and b: (s,).
-
     Raises
     ------
     DataError

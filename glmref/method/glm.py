@@ -8,7 +8,7 @@ rounding residue so that a kernel can compensate it and a test can bound it.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from fractions import Fraction
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Self
@@ -18,15 +18,11 @@ from ..exact import Ball, Exact, Scalar, exact, linalg
 from ..exact.expression import parse
 from ..exact.linalg import Matrix, Vector
 from . import solution_value
+from .base import Array, Own, as_list, of_float
 from .component import GENERAL, SEPARABLE, Method, Palette
 from .embedded import EmbeddedRow
-from .own import Array, Own, as_list, of_float
 from .rounding import FloatGLM, FloatPair, rounded_blocks
 from .starting import FinishingMethod, PairStartingMethod, StartingMethod
-
-if TYPE_CHECKING:
-    from .rounding import FloatGLM, FloatPair
-
 
 Entry = str | int | float | complex | Fraction | Scalar | Array
 #: What constructors take for a vector and for a matrix and turn into one.
@@ -52,7 +48,7 @@ def _as_scalar(value: Entry, where: str) -> Scalar:
 def as_vector(values: Entries, name: str) -> Vector:
     """Convert a sequence of strings, numbers or scalars, or an array, to a vector.
 
-    A floating point number is the shortest decimal that stands for it, see :func:`.own.of_float`.
+    A floating point number is the shortest decimal that stands for it, see :func:`.base.of_float`.
 
     Raises
     ------
@@ -142,6 +138,21 @@ def _moved_output(m: solution_value.Block, back: Matrix) -> Vector | None:
     if m.output is None and solution_value.preconsistency_vector(m) is None:
         return None
     return linalg.vecmat(solution_value.output(m), back)
+
+
+def _without_file(method: Any, outputs: Mapping[str, str], changes: Mapping[str, Any]) -> Any:
+    """A copy with other coefficients, and without whatever else a file may give.
+
+    The outputs, by the letter of the values that they read, stay where their sizes do.
+    """
+    kept = {"name", "separable", "system", *outputs.values()}
+    empty = {x.name: None for x in fields(method) if x.default is None and x.name not in kept}
+    empty |= {x: MappingProxyType({}) for x in ("claims", "source")}
+    for letter, output in outputs.items():
+        rows = getattr(method, letter)
+        if len(changes.get(letter, rows)) != len(rows):
+            empty[output] = None
+    return replace(method, **{**empty, "embedded": (), **changes})
 
 
 def _transformation(T: Rows, name: str, r: int, letter: str) -> Matrix:
@@ -354,22 +365,7 @@ class GLM(Own, Method):
 
         The output stays where the number of values does.
         """
-        empty: dict[str, Any] = {
-            "claims": MappingProxyType({}),
-            "source": MappingProxyType({}),
-            "document": None,
-            "multistep": None,
-            "starting": None,
-            "finishing": None,
-            "G": None,
-            "D": None,
-            "embedded": (),
-            "abscissae_given": None,
-            "dense": None,
-        }
-        if len(changes.get("V", self.V)) != self.r:
-            empty["output"] = None
-        return replace(self, **{**empty, **changes})
+        return _without_file(self, {"V": "output"}, changes)
 
     def transform(self, T: Rows) -> Self:
         """Carry the values ``T y`` instead of ``y``: an equivalent method.
@@ -595,21 +591,7 @@ class PartitionedGLM(Own, Method):
 
         The outputs stay where the numbers of values do.
         """
-        empty: dict[str, Any] = {
-            "claims": MappingProxyType({}),
-            "source": MappingProxyType({}),
-            "document": None,
-            "starting": None,
-            "G": None,
-            "D_P": None,
-            "D_Q": None,
-            "embedded": (),
-        }
-        if len(changes.get("V", self.V)) != self.r:
-            empty["output"] = None
-        if len(changes.get("V_hat", self.V_hat)) != self.r_hat:
-            empty["output_hat"] = None
-        return replace(self, **{**empty, **changes})
+        return _without_file(self, {"V": "output", "V_hat": "output_hat"}, changes)
 
     def transform(self, T: Rows, T_hat: Rows | None = None) -> Self:
         """Carry ``T q`` and ``T_hat p`` instead of q and p: an equivalent pair.

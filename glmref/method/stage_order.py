@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..exact import Scalar
+from ..exact.linalg import nonzero
 
 if TYPE_CHECKING:  # a method asks this module for its implicit stages
     from .component import Component
@@ -130,5 +131,4 @@ def _sources(
     c: Component, row: Sequence[Scalar], palette: Mapping[str, str], first: Mapping[str, int]
 ) -> set[int]:
     """Stages whose slopes a row of A or B sums."""
-    slopes = [j for j, x in enumerate(row) if x.is_zero() is not True]
-    return {first[d] + j for d in palette[c.colour] for j in slopes}
+    return {first[d] + j for d in palette[c.colour] for j, _ in nonzero(row)}

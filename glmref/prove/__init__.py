@@ -1,1 +1,1 @@
-"""Proofs: the kernel that gives verdicts, and what proposes witnesses to it."""
+"""Proofs: the kernel that gives verdicts, what asks it, and what proposes witnesses to it."""

@@ -120,29 +120,64 @@ def bilinear(u: Vector, G: Matrix, v: Vector) -> Scalar:
     return linalg.dot([x.conjugate() for x in u], linalg.matvec(G, v))
 
 
+def constants(U: Matrix, V: Matrix, output: Vector | None = None) -> list[Vector]:
+    """Basis of the (u, x) with V u = u and U u = x 1, and output u = x where one is given.
+
+    Those with x = 1 are the preconsistency vectors; there is none where x is 0 in the whole basis.
+    """
+    D = linalg.sub(V, linalg.identity(len(V)))
+    rows = [(*row, _ZERO) for row in D]
+    rows += [(*row, Exact(-1)) for row in (*U, *(() if output is None else (output,)))]
+    return linalg.nullspace(tuple(rows))
+
+
+def consistent_values(
+    U: Matrix, B: Matrix, V: Matrix, output: Vector | None = None
+) -> list[Vector]:
+    """Basis of the (u, v, x) with (u, x) of :func:`constants` and x B 1 + V v = u + v."""
+    r = len(V)
+    D, nil = linalg.sub(V, linalg.identity(r)), (_ZERO,) * r
+    total = linalg.matvec(B, (_ONE,) * len(B[0]))
+    rows = [(*row, *nil, _ZERO) for row in D]
+    rows += [(*row, *nil, Exact(-1)) for row in (*U, *(() if output is None else (output,)))]
+    for i, row in enumerate(D):
+        minus = tuple(Exact(-int(i == j)) for j in range(r))
+        rows.append((*minus, *row, total[i]))
+    return linalg.nullspace(tuple(rows))
+
+
+def _with_one(basis: list[Vector]) -> Vector | None:
+    """The first vector of a basis whose last entry is not 0, divided by it, without that entry."""
+    whole = next((x for x in basis if not x[-1].vanishes()), None)
+    return None if whole is None else tuple(x / whole[-1] for x in whole[:-1])
+
+
 def preconsistency(U: Matrix, V: Matrix) -> Vector | None:
     """u with V u = u, U u = 1, over exact numbers; ``None`` proves that there is none."""
-    r = len(V)
-    D = linalg.sub(V, linalg.identity(r))
-    rows = [(*row, _ZERO) for row in D] + [(*row, Exact(-1)) for row in U]
-    whole = next((x for x in linalg.nullspace(tuple(rows)) if not x[-1].vanishes()), None)
-    return None if whole is None else tuple(x / whole[-1] for x in whole[:-1])
+    return _with_one(constants(U, V))
 
 
 def consistency_vectors(U: Matrix, B: Matrix, V: Matrix) -> tuple[Vector, Vector] | None:
     """u and v with V u = u, U u = 1, B 1 + V v = u + v; ``None`` proves that there are none."""
-    r = len(V)
-    D, nil = linalg.sub(V, linalg.identity(r)), (_ZERO,) * r
-    total = linalg.matvec(B, (_ONE,) * len(B[0]))
-    rows = [(*row, *nil, _ZERO) for row in D] + [(*row, *nil, Exact(-1)) for row in U]
-    for i, row in enumerate(D):
-        minus = tuple(Exact(-int(i == j)) for j in range(r))
-        rows.append((*minus, *row, total[i]))
-    whole = next((x for x in linalg.nullspace(tuple(rows)) if not x[-1].vanishes()), None)
-    if whole is None:
-        return None
-    scaled = tuple(x / whole[-1] for x in whole[:-1])
-    return scaled[:r], scaled[r:]
+    both, r = _with_one(consistent_values(U, B, V)), len(V)
+    return None if both is None else (both[:r], both[r:])
+
+
+def first_value(basis: list[Vector]) -> Vector | None:
+    """The output of a method that declares none, the same for every u of :func:`constants`.
+
+    It is the first value in which u is not 0, divided by u there; ``None`` where that value, or u
+    there, is not the same for all u with x = 1.
+    """
+    r = len(basis[0]) - 1
+    for k in range(r):
+        if all(y[k].is_zero() for y in basis):
+            continue
+        u = _with_one(basis)
+        if u is None or any((y[k] - u[k] * y[-1]).is_zero() is not True for y in basis):
+            return None
+        return tuple(1 / x if j == k else _ZERO for j, x in enumerate(u))
+    return None
 
 
 def sum_over_cuts(trees: Any, t: int, a: Mapping[Any, Any], b: Mapping[Any, Any]) -> Any:
@@ -247,7 +282,7 @@ def bounded_exactly(V: Matrix) -> bool:
     if not is_schur(h):
         return False
     once = poly.squarefree(q)
-    if len(once) > 1 and unimodular_roots(once) < len(once) - 1:
+    if unimodular_roots(once) < len(once) - 1:
         return False
     if len(once) == len(q):
         return True

@@ -44,7 +44,7 @@ from ..exact.linalg import Matrix, Vector
 from ..findings import Proof, Verdict
 from ..method.embedded import EmbeddedRow
 from ..theory import polynomials as poly
-from ..theory.coefficients import is_zero, plus, times
+from ..theory.coefficients import apply, is_zero, plus, times
 from ..theory.root_location import in_closed_disc, is_schur
 from .algebra import (
     bounded,
@@ -61,7 +61,7 @@ from .field import Tower, radicals_of, written_out
 from .finders import proposal_for
 from .forest import Paths
 from .kernel import Judgement, Kernel
-from .series import StartingSeries, apply_rows, component, read
+from .series import StartingSeries, component, read
 
 FORMAT = "glmref-certificate-1"
 Part = dict[str, Any]
@@ -81,13 +81,6 @@ def certificates_of(
     facts: Any, statements: Mapping[str, tuple[object, Judgement]]
 ) -> Iterator[tuple[str, dict[str, Any] | str]]:
     """Write the certificate of every statement, or say why there is none.
-
-    Parameters
-    ----------
-    facts : Any
-        Of the method.
-    statements : Mapping[str, tuple[object, Judgement]]
-        Claim -> (declared value, judgement).
 
     Yields
     ------
@@ -424,7 +417,7 @@ class _Writer:
         trees, (c,) = series.trees, series.components.values()
         d, larger = len(c.N), trees.level(p + 1)
         place = {t: k * d for k, t in enumerate(larger)}
-        images = [apply_rows(c.W, apply_rows(c.B, apply_rows(c.U, x))) for x in c.N]
+        images = [apply(c.W, apply(c.B, apply(c.U, x))) for x in c.N]
         units = linalg.identity(d)
         parts = units if free else linalg.nullspace((tuple(read(c, x) for x in c.N),))
         rows = []
@@ -439,7 +432,7 @@ class _Writer:
                             value += sum((images[j][i] * e[j] for j in range(d)), Exact(0))
                         row[place[t] + i] = value
                 rows.append(tuple(row))
-        residual = [x for t in larger for x in scalars(apply_rows(c.W, series._right(t)))]
+        residual = [x for t in larger for x in scalars(apply(c.W, series._right(t)))]
         for n in linalg.nullspace(tuple(rows)) if rows else linalg.identity(len(residual)):
             if linalg.dot(n, residual).is_zero() is False:
                 values = {t: _vector(n[place[t] : place[t] + d]) for t in larger}
@@ -542,7 +535,7 @@ class _Writer:
         given = kernel._start_series(series, p)
         eta = dict(kernel._shifted(series, given, p) if free else series.eta)
         trees = series.trees
-        tree, value = "", 0
+        failing: dict[str, Any] = {"tree": ""}
         for n in range(1, min(q + 1, p) + 1):
             for t in (t for t in trees.level(n) if series.counts(t)):
                 own = eta.get(t, Kernel._none(t, series))
@@ -553,15 +546,15 @@ class _Writer:
                         eta[t] = plus(own, tuple(difference(gap, fixed)))
                     gap = fixed
                 bad = next((i for i, x in enumerate(gap) if not x.is_zero()), None)
-                if bad is not None and not tree:
-                    tree, value = trees.text[t], bad + 1
+                if bad is not None and not failing["tree"]:
+                    failing = {"tree": trees.text[t], "value": bad + 1}
         block = {"order": p, **self._series(series, p, eta)}
         block["trees"] = _trees(series, nystrom)
         self.identities.append(f"the start agrees with the series through order {q}")
         return [
             *self._order_parts(free=free, nystrom=nystrom),
             {"rule": "start-at-least", "witness": {"q": q, **block}},
-            {"rule": "start-at-most", "witness": {"q": q, **block, "tree": tree, "value": value}},
+            {"rule": "start-at-most", "witness": {"q": q, **block, **failing}},
         ]
 
     def _finishing_order(self) -> list[Part]:
@@ -676,8 +669,8 @@ class _Writer:
             on_circle = (x for x in exact if not is_schur(poly.characteristic_polynomial(x)))
             V = next(on_circle, ((Exact(0),),))
         q, h = self._circle(V)
-        q = poly.squarefree(q) if len(q) > 1 else q
-        return {"rule": "bounded", "witness": {"which": c, "q": _vector(q), "h": _vector(h)}}
+        once = _vector(poly.squarefree(q))
+        return {"rule": "bounded", "witness": {"which": c, "q": once, "h": _vector(h)}}
 
     @staticmethod
     def _blocks(V: Matrix) -> list[Matrix]:
@@ -763,8 +756,8 @@ class _Writer:
                     if x.is_zero() is False:
                         where = {"identity": name, "entry": [i, j]}
                         return [{"rule": "given-form-fails", "witness": where}]
-            where = {"identity": "solution", "entry": [0, 0]}
-            return [self._vectors(v=False), {"rule": "given-form-fails", "witness": where}]
+            ignored = {"rule": "given-form-fails", "witness": {"identity": "solution"}}
+            return [self._vectors(v=False), ignored]
         return self._no_form()
 
     def _eliminated_form(self) -> tuple[Matrix, list[Vector]]:
@@ -838,22 +831,24 @@ class _Writer:
         return [{"rule": "implicit", "witness": {"cycle": self.kernel.cycle()}}]
 
     def _abscissae(self) -> list[Part]:
-        _, U, B, V = self.kernel.blocks["o"]
+        blocks = self.kernel.blocks
         shown = self.judged.reason.split()
         at = int(shown[1]) - 1 if shown[:1] == ["number"] else -1
-        if not is_exact(U, B, V):
+        if not all(is_exact(*block[1:]) for block in blocks.values()):
             if "no abscissae" in self.judged.reason:
                 return [self._no_order()]
             if self.holds:
                 raise ExactnessError("the abscissae of decimals are enclosed, not proved")
             return [{"rule": "other-abscissae", "witness": {"stage": at}}]
-        both = consistency_vectors(U, B, V)
-        if both is None:
-            return [self._no_order()]
-        u, v = both
-        k = next(i for i, x in enumerate(u) if not x.is_zero())
-        v = tuple(x - v[k] / u[k] * y for x, y in zip(v, u, strict=True))
-        witness: dict[str, Any] = {"u": {"o": _vector(u)}, "v": {"o": _vector(v)}}
+        witness: dict[str, Any] = {"u": {}, "v": {}}
+        for c, (_, U, B, V) in blocks.items():
+            both = consistency_vectors(U, B, V)
+            if both is None:
+                return [self._no_order()]
+            u, v = both
+            k = next(i for i, x in enumerate(u) if not x.is_zero())
+            v = tuple(x - v[k] / u[k] * y for x, y in zip(v, u, strict=True))
+            witness["u"][c], witness["v"][c] = _vector(u), _vector(v)
         if self.holds:
             return [{"rule": "abscissae", "witness": witness}]
         return [{"rule": "other-abscissae", "witness": {**witness, "stage": at}}]
@@ -974,6 +969,8 @@ class _Writer:
     def _growing(self, declared: list[Any]) -> int:
         """The part whose parameters are others than declared, or -1: their number is another."""
         groups = self.kernel._growth_matrices(self._witness())
+        if self.kernel.is_pair:  # the claim is about what the halves feed each other
+            groups = [(zeta, found[:2]) for zeta, found in groups]
         first = [not self.kernel.is_pair and bool((zeta - 1).is_zero()) for zeta, _ in groups]
         sizes = [
             sum(len(m) - one for m in found) for one, (_, found) in zip(first, groups, strict=True)

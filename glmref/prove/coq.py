@@ -19,13 +19,15 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 from ..catalogue import lookup as catalogue
-from ..errors import GlmrefError, UsageError
+from ..errors import ExactnessError, GlmrefError, UsageError
 from ..exact import Exact, linalg
+from ..exact.expression import to_text
 from ..exact.linalg import Matrix, Vector, solve_affine
 from ..method import GLM, Method, PartitionedGLM
 from ..method.solution_value import preconsistency_vector
@@ -34,7 +36,7 @@ from ..theory.order import OrderResult, order_of
 from ..theory.symmetry import symmetry
 from ..theory.symplectic import g_symplectic
 from ..theory.trees import Tree
-from .radicals import Element, Tower
+from .field import Tower, radicals_of
 
 #: Largest order that is looked at: 719 trees have order 10.
 MAX_ORDER = 10
@@ -90,19 +92,22 @@ _COMPUTE = "vm_compute; reflexivity."
 class _Writer:
     """Numbers, vectors, matrices and trees as Coq terms, in one tower.
 
-    Everything is written twice: the first time the tower grows by the roots that are met, and only
-    then is it known how deep a number is nested.
+    Everything is written twice: the first time the roots are collected that the numbers need, and
+    only then is it known how deep a number is nested.
     """
 
     def __init__(self, method: Method) -> None:
         self.method = method
         self.name = file_stem(method.name)
-        self.tower = Tower()
+        self.tower = Tower([])
+        self.roots: dict[str, None] | None = {}
         self.definitions: list[str] = []
         self.theorems: list[tuple[str, str]] = []
 
     def text(self) -> str:
         self.write()
+        assert self.roots is not None
+        self.tower, self.roots = Tower(self.roots, conjugates=False), None
         self.definitions, self.theorems = [], []
         self.write()
         title = str((self.method.document or {}).get("title", self.method.name))
@@ -121,21 +126,24 @@ class _Writer:
     # -- terms -----------------------------------------------------------------------------------
 
     def number(self, x: Any) -> str:
-        element = x if isinstance(x, Element) else self.tower.number(x)
-        return self._nested(dict(element.terms), len(self.tower.levels))
+        value = x if isinstance(x, Exact) else Exact(x)
+        radicals: list[str] = []
+        with suppress(ExactnessError):  # a number that has no such text lies in the field
+            radicals = radicals_of(to_text(value))
+        if self.roots is None:
+            return self._nested(self.tower.coordinates(value, radicals), len(self.tower.degrees))
+        self.roots |= dict.fromkeys(radicals)
+        return ""
 
     def _nested(self, terms: Mapping[tuple[int, ...], Fraction], depth: int) -> str:
         """A polynomial in the last root whose coefficients lie in the levels below."""
-        if not set(terms) - {()}:
-            x = terms.get((), Fraction(0))
+        terms = {power: x for power, x in terms.items() if x}
+        if not any(map(any, terms)):
+            x = sum(terms.values(), Fraction(0))
             return f"Rat ({x.numerator}#{x.denominator})" if x else "Rat 0"
         parts: dict[int, dict[tuple[int, ...], Fraction]] = {}
         for power, x in terms.items():
-            top = power[depth - 1] if len(power) == depth else 0
-            low = power[: depth - 1]
-            while low and not low[-1]:
-                low = low[:-1]
-            parts.setdefault(top, {})[low] = x
+            parts.setdefault(power[depth - 1], {})[power[: depth - 1]] = x
         text = self._nested(parts.get(max(parts), {}), depth - 1)
         text = text if text.startswith("Rat") else f"Ext ({text}) (Rat 0)"
         for k in range(max(parts) - 1, -1, -1):
@@ -158,11 +166,11 @@ class _Writer:
 
     def levels(self) -> str:
         """The tower, last root first; every radicand lies in the levels below its root."""
-        items = [
-            f"({n}, {self._nested(dict(d.terms), depth)})"
-            for depth, (n, d) in reversed(list(enumerate(self.tower.levels)))
-        ]
-        return "[" + "; ".join(items) + "]"
+        items = []
+        for depth, (n, x) in enumerate(zip(self.tower.degrees, self.tower.values, strict=True)):
+            below = {k[:depth]: w for k, w in self.tower.coordinates(x**n).items() if w}
+            items.append(f"({n}, {self._nested(below, depth)})")
+        return "[" + "; ".join(reversed(items)) + "]"
 
     # -- parts of the file -------------------------------------------------------------------------
 
@@ -213,24 +221,18 @@ class _Writer:
         else:
             self.theorem(f"order_{p}", f"has_order {value} {p}", f"apply (@check_order {proof}")
 
-    def weight(self, t: Tree) -> Element:
-        """Elementary weight b phi(t) of methods that carry one value, in the tower."""
-        blocks = {
-            c.colour: [
-                [[self.tower.number(as_exact(x)) for x in row] for row in M] for M in (c.A, c.B)
-            ]
-            for c in self.method.components
-        }
+    def weight(self, t: Tree) -> Exact:
+        """Elementary weight b phi(t) of methods that carry one value."""
+        blocks = {c.colour: c for c in self.method.components}
 
-        def phi(t: Tree) -> list[Element]:
-            product = [self.tower.number(1)] * len(blocks[t.colour][1][0])
+        def phi(t: Tree) -> list[Any]:
+            product: list[Any] = [Exact(1)] * len(blocks[t.colour].B[0])
             for child in t.children:
-                below = phi(child)
-                stages = [_dot(row, below) for row in blocks[child.colour][0]]
+                stages = linalg.matvec(blocks[child.colour].A, tuple(phi(child)))
                 product = [x * y for x, y in zip(product, stages, strict=True)]
             return product
 
-        return _dot(blocks[t.colour][1][0], phi(t))
+        return as_exact(linalg.dot(blocks[t.colour].B[0], phi(t)))
 
     def not_order(self, found: OrderResult, palette: str, value: str, method_K: str) -> None:
         """The next order fails at one tree, where the series with the identity is the only one."""
@@ -250,17 +252,13 @@ class _Writer:
         (w,) = linalg.nullspace(linalg.transpose(linalg.sub(V, linalg.identity(len(V)))))
         assert found.eta is not None
         seen = linalg.dot(w, found.eta.empty(t.colour))
-        norm = self.tower.number(as_exact(seen))
-        if self.method.is_one_step:  # reduced in the tower: not every number has a form by roots
-            residual = self.weight(t) - Fraction(1, t.density)
-        else:
-            residual = self.tower.number(as_exact(found.residual))
+        residual = as_exact(found.residual)
         self.theorem(
             f"not_order_identity_{p + 1}",
             f"~ has_order_identity {value} {p + 1}",
             f"apply (@check_not_order_identity {palette} T {method_K} u eta Z a F x H\n"
             f"  {p} ({self.tree(t, palette)}) {self.vector(w)}\n"
-            f"  ({self.number(1 / (residual * norm))})); {_COMPUTE}",
+            f"  ({self.number(1 / (residual * as_exact(seen)))})); {_COMPUTE}",
         )
 
 
@@ -328,7 +326,7 @@ class _One(_Writer):
         found, u = g_symplectic(m), preconsistency_vector(m)
         if not found.holds or not m.is_real or found.G is None or found.D is None or u is None:
             return
-        size = 1 / self.tower.number(as_exact(linalg.dot(u, linalg.matvec(found.G, u))))
+        size = 1 / as_exact(linalg.dot(u, linalg.matvec(found.G, u)))
         self.theorem(
             "symplectic" if m.r == 1 else "g_symplectic",
             "g_symplectic (method F x T M)",
@@ -363,13 +361,6 @@ class _One(_Writer):
         )
 
 
-def _dot(x: Sequence[Element], y: Sequence[Element]) -> Element:
-    total = x[0] * y[0]
-    for a, b in zip(x[1:], y[1:], strict=True):
-        total = total + a * b
-    return total
-
-
 def as_exact(x: Any) -> Exact:
     """Pass an exact number, where the types allow for a ball."""
     assert isinstance(x, Exact)
@@ -378,13 +369,6 @@ def as_exact(x: Any) -> Exact:
 
 def commutator(m: GLM, u: Vector) -> tuple[Matrix, Vector] | None:
     """Solve B U = V X - X V + u y^T for X and y, which proves that no component grows.
-
-    Parameters
-    ----------
-    m : GLM
-        A method.
-    u : Vector
-        (r,) with V u = u.
 
     Returns
     -------
@@ -430,7 +414,7 @@ class _Pair(_Writer):
         if choice.eta is None or not form.holds or G is None or D_P is None or D_Q is None:
             return
         u, v = choice.eta.empty("f"), choice.eta.empty("k")
-        size = 1 / self.tower.number(as_exact(linalg.dot(u, linalg.matvec(G, v))))
+        size = 1 / as_exact(linalg.dot(u, linalg.matvec(G, v)))
         self.theorem(
             "g_symplectic",
             f"pair_g_symplectic {str(not m.separable).lower()} (method F x T Mq) (method F x T Mp)",

@@ -231,7 +231,11 @@ class _Fixed:
             if low == 0 and order <= LISTED and self.vanish(b, order, counts):
                 reason = f"the residuals through order {order} are 0: claim the order without size"
                 return Sized(False, reason, order=order)
-            shown = rounded_up(Fraction(high, self.one))
+            if low and rounded_up(low / self.one) != rounded_up(high / self.one):
+                trees = (t for n in range(1, order + 1) for t in filter(counts, T.level(n)))
+                unsure = (t for t in trees if self.residual(t, scaled[T.colour[t]])[1] > low)
+                high = max(low, *(self.exactly(self.shape(t), b) for t in unsure))
+            shown = rounded_up(high / self.one)
             reason = f"the residuals through order {order} are at most {shown}"
             return Sized(False, reason, order=order)
         assert high <= most, "a residual that may be larger was computed exactly"

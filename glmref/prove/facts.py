@@ -94,11 +94,15 @@ class Facts:
 
     @property
     def abscissae(self) -> Vector | None:
-        """C = A 1 + U v; ``None`` for a method that is not consistent, or of several components.
+        """C = A 1 + U v; ``None`` for a method that is not consistent, or partitioned.
 
-        A partitioned method has two sets of abscissae; none is claimed as one.
+        Those of an additive method are the c of each part, one part after another. A partitioned
+        method has two sets of abscissae; none is claimed as one.
         """
-        return self.consistencies[0].c if self.is_single else None
+        found = [x.c for x in self.consistencies]
+        if not (self.is_single or self.method.additive) or None in found:
+            return None
+        return tuple(x for c in found if c is not None for x in c)
 
     @cached_property
     def order(self) -> OrderResult:

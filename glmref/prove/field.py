@@ -1,4 +1,4 @@
-"""Number fields as towers, for certificates: generators with monic polynomials and boxes.
+"""Number fields as towers, for certificates and Coq: generators with monic polynomials and boxes.
 
 Square roots of rationals become products of square roots of a few independent whole numbers.
 Another radical is first looked for in the field made so far, as a rational combination of its
@@ -9,7 +9,7 @@ generator.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from fractions import Fraction
 from itertools import product
 from math import isqrt
@@ -18,6 +18,7 @@ from typing import Any
 from ..errors import ExactnessError
 from ..exact import Exact, box, cyclotomic, factorization, rational_combination
 from ..exact.expression import parse
+from ..exact.relations import BITS
 
 _NAME = re.compile(r"(?<![A-Za-z_0-9])([A-Za-z_][A-Za-z_0-9]*)")
 _FUNCTIONS = ("sqrt", "root", "exp")
@@ -68,6 +69,8 @@ class Tower:
     ----------
     texts : Iterable[str]
         Of radicals, inner ones before those that hold them.
+    conjugates : bool
+        Whether the conjugate of every generator is looked for.
 
     Raises
     ------
@@ -75,11 +78,13 @@ class Tower:
         For a field of too large a degree.
     """
 
-    def __init__(self, texts: Iterable[str]) -> None:
+    def __init__(self, texts: Iterable[str], *, conjugates: bool = True) -> None:
+        self._conjugates = conjugates
         self.generators: list[dict[str, Any]] = []
         self.degrees: list[int] = []
         self.values: list[Exact] = []
         self.radicals: dict[str, str] = {}
+        self._basis: dict[tuple[int, ...], Exact] = {(): Exact(1)}
         self._primes: dict[int, int] = {}
         texts = list(texts)
         plain = [(t, self._radicand(t)) for t in texts]
@@ -161,7 +166,12 @@ class Tower:
         self.generators.append(entry)
         self.degrees.append(degree)
         self.values.append(value)
-        if conjugate:
+        monomials = dict(self._basis)
+        self._basis = {(*x, 0): y for x, y in monomials.items()}
+        for k in range(1, degree):
+            monomials = {x: y * value for x, y in monomials.items()}
+            self._basis |= {(*x, k): y for x, y in monomials.items()}
+        if conjugate and self._conjugates:
             other = self._inside(value.conjugate())
             if other is None:
                 raise ExactnessError("a field that conjugation does not keep is not written out")
@@ -199,25 +209,54 @@ class Tower:
             raise ExactnessError("a number lies outside the field of its certificate")
         return found
 
-    def _inside(self, value: Exact) -> str | None:
+    def coordinates(
+        self, value: Exact, radicals: Iterable[str] = ()
+    ) -> dict[tuple[int, ...], Fraction]:
+        """A number of the field: weights of the products of generators, by their exponents.
+
+        Parameters
+        ----------
+        value : Exact
+            The number.
+        radicals : Iterable[str]
+            Those of the field of which it is made; all by default.
+
+        Raises
+        ------
+        ExactnessError
+            For a number that is not in the field.
+        """
+        waiting, used = [self.radicals[x] for x in radicals], set[int]()
+        while waiting:
+            new = {int(x) - 1 for x in re.findall(r"g(\d+)", waiting.pop())} - used
+            used |= new
+            waiting += (x for k in new for x in self.generators[k]["polynomial"])
+        for bits in (BITS, 4 * BITS, 16 * BITS):
+            found = self._coordinates(value, bits, used)
+            if found is not None:
+                return found
+        raise ExactnessError("a number lies outside the field of its certificate")
+
+    def _coordinates(
+        self, value: Exact, bits: int, used: Collection[int] = ()
+    ) -> dict[tuple[int, ...], Fraction] | None:
         fraction = value.as_fraction()
         if fraction is not None:
-            return str(fraction)
-        basis = list(product(*(range(d) for d in self.degrees)))
-        numbers = [self._monomial(powers) for powers in basis]
-        weights = rational_combination(value, numbers)
-        if weights is None:
+            return {(0,) * len(self.degrees): fraction}
+        basis = {
+            powers: x
+            for powers, x in self._basis.items()
+            if not used or all(k in used for k, n in enumerate(powers) if n)
+        }
+        weights = rational_combination(value, list(basis.values()), bits=bits)
+        return None if weights is None else dict(zip(basis, weights, strict=True))
+
+    def _inside(self, value: Exact) -> str | None:
+        found = self._coordinates(value, BITS)
+        if found is None:
             return None
         terms = []
-        for w, powers in zip(weights, basis, strict=True):
-            if w:
-                names = [f"g{i + 1}" for i, k in enumerate(powers) for _ in range(k)]
-                terms.append("*".join([f"{w}", *names]))
+        for powers in sorted(x for x, w in found.items() if w):
+            names = [f"g{i + 1}" for i, k in enumerate(powers) for _ in range(k)]
+            terms.append("*".join([f"{found[powers]}", *names]))
         return "+".join(terms).replace("+-", "-") or "0"
-
-    def _monomial(self, powers: tuple[int, ...]) -> Exact:
-        total = Exact(1)
-        for x, k in zip(self.values, powers, strict=True):
-            for _ in range(k):
-                total = total * x
-        return total

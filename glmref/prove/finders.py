@@ -90,9 +90,10 @@ def _symplectic(facts: Facts) -> Proposal:
 def _g_symplectic(facts: Facts) -> Proposal:
     def witness() -> Mapping[str, Any]:
         found = facts.g_symplecticity
-        given = facts.method.G is not None
         if found.G is None:
-            return {"given": given} if given else {}
+            return {}
+        # where the form of the file has no D and no u gives one, another form was looked for
+        given = facts.method.G is not None and found.dimension is None
         return {"form": (found.G, found.diagonals), "given": given}
 
     return Proposal(witness, explain=_told(lambda: facts.g_symplecticity))

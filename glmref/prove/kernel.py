@@ -12,8 +12,9 @@ order, a proved lower bound and a proved upper bound. :meth:`Kernel.judge` compa
 is declared. For a file with an enclosure the lower bounds and truths of the one true method within
 its digits come from :mod:`glmref.prove.implications`, whose hypotheses are checked there each time.
 
-What the kernel trusts: the arithmetic of :mod:`glmref.exact`, elimination in :mod:`~.exact.linalg`,
-polynomials and their root counts (Sturm, Schur-Cohn), its own trees and series.
+What the kernel trusts: the arithmetic of :mod:`glmref.exact`, elimination in
+:mod:`glmref.exact.linalg`, polynomials and their root counts (Sturm, Schur-Cohn), its own trees and
+series.
 """
 
 from __future__ import annotations
@@ -43,7 +44,7 @@ from ..findings import Finding, Proof, Verdict
 from ..method import Method
 from ..method.solution_value import first_functional, output, outputs
 from ..system.budget import fits
-from ..theory.coefficients import is_zero, plus, times, weighted
+from ..theory.coefficients import apply, is_zero, plus, times, weighted
 from .algebra import (
     acyclic,
     all_of,
@@ -74,7 +75,6 @@ from .series import (
     NoOrderOne,
     NotPreconsistent,
     StartingSeries,
-    apply_rows,
     component,
     read,
     tableau_series,
@@ -626,7 +626,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules):
             c = series.components["o"]
             power = (1,) * c.slopes
             for _ in range(n - 1):
-                power = apply_rows(c.A, power)
+                power = apply(c.A, power)
             value = plus(self._seen(c, power), Fraction(-1, factorial(n)))
             return {"[" * (n - 1) + "o" + "]" * (n - 1): scalars([value])[0]}
         found = {}
@@ -641,7 +641,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules):
     @staticmethod
     def _seen(c: Component, slopes: tuple[Any, ...]) -> Any:
         """W B times slopes, of a method that carries one value."""
-        return apply_rows(c.W, apply_rows(c.B, slopes))[0]
+        return apply(c.W, apply(c.B, slopes))[0]
 
     def _bush(self, series: StartingSeries, n: int) -> Scalar | None:
         """The condition of order n of one method that carries one value."""
@@ -892,7 +892,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules):
     def _without_principal(self, series: StartingSeries, t: int, gap: Vector) -> Vector:
         """What no principal part N beta changes of a difference: W is 0 at it."""
         c = series.components[series.trees.colour[t]]
-        for along, column in zip(apply_rows(c.W, gap), c.N, strict=True):
+        for along, column in zip(apply(c.W, gap), c.N, strict=True):
             gap = difference(gap, times(along, column))
         return gap
 
@@ -987,28 +987,33 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules):
     def _abscissae(self, declared: list[Scalar], witness: Mapping[str, Any]) -> Known:
         """c = A 1 + U v, w v = 0 for the output w; unique where 1 is a simple eigenvalue.
 
-        Over balls every pair (u, v) of a method in them lies in the (u, v) used here; that there is
-        one, order 1 says.
+        Those of an additive method are the c of each part, one part after another. Over balls every
+        pair (u, v) of a method in them lies in the (u, v) used here; that there is one, order 1
+        says.
         """
         if self.implied is not None and self.implied.abscissae is not None:
-            found: Sequence[Scalar] = [Exact(x) for x in self.implied.abscissae]
+            found: list[Scalar] = [Exact(x) for x in self.implied.abscissae]
             exact, unique, consistent = False, True, True
         else:
-            A, U, B, V = self.blocks["o"]
-            exact = consistent = is_exact(A, U, B, V)
+            exact = consistent = all(is_exact(*block) for block in self.blocks.values())
             if exact:
-                both = consistency_vectors(U, B, V)
-                if both is None:
-                    return Known(False, True, "the method has no abscissae")
-                u, v = both
-                w = self.outputs["o"] or first_functional(u)
-                if linalg.dot(w, u) != 1:
-                    raise ExactnessError("the declared output does not read the solution")
-                ahead = linalg.dot(w, v)
-                v = tuple(x - ahead * y for x, y in zip(v, u, strict=True))
-                c = linalg.matvec(A, (_ONE,) * len(A))
-                found = [x + y for x, y in zip(c, linalg.matvec(U, v), strict=True)]
-                unique = linalg.rank(linalg.sub(V, linalg.identity(len(V)))) == len(V) - 1
+                found, unique = [], True
+                for colour, (A, U, B, V) in self.blocks.items():
+                    both = consistency_vectors(U, B, V)
+                    if both is None:
+                        return Known(False, True, "the method has no abscissae")
+                    u, v = both
+                    w = self.outputs[colour] or first_functional(u)
+                    if linalg.dot(w, u) != 1:
+                        raise ExactnessError("the declared output does not read the solution")
+                    ahead = linalg.dot(w, v)
+                    v = tuple(x - ahead * y for x, y in zip(v, u, strict=True))
+                    c = linalg.matvec(A, (_ONE,) * len(A))
+                    found += [x + y for x, y in zip(c, linalg.matvec(U, v), strict=True)]
+                    gap = linalg.sub(V, linalg.identity(len(V)))
+                    unique = unique and linalg.rank(gap) == len(V) - 1
+            elif self.method.additive:
+                raise ExactnessError("abscissae of additive methods are judged of exact numbers")
             else:
                 order = self.order_range(free=False)
                 if order.upper == 0:
@@ -1018,8 +1023,8 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules):
                 if series is None or not series.simple:
                     raise ExactnessError("the abscissae are not decided within the digits")
                 (node,) = series.trees.level(1)
-                found = scalars(series.stage(node, series.eta.get(node, self._none(node, series))))
-                unique = True
+                eta = series.eta.get(node, self._none(node, series))
+                found, unique = list(scalars(series.stage(node, eta))), True
         if len(found) != len(declared):
             return Known(False, exact, f"{len(found)} abscissae found, {len(declared)} declared")
         known = compared(found, declared, exact=exact)

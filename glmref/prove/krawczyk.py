@@ -120,15 +120,5 @@ def _compared(box: tuple[Ball, ...], image: tuple[Ball, ...], contraction: float
 
 
 def is_rounding(published: Ball, exact: Ball, digits: int) -> bool:
-    """Whether digits are those of a number, rounded to nearest, and not of one beside it.
-
-    Parameters
-    ----------
-    published : Ball
-        Ball around the digits.
-    exact : Ball
-        Encloses the number.
-    digits : int
-        Behind the point.
-    """
+    """Whether digits are those of a number, rounded to nearest, and not of one beside it."""
     return Ball.around(published.midpoint(), Fraction(1, 2 * 10**digits)).contains(exact)

@@ -170,17 +170,7 @@ def images(
 def spans(
     order: int, given: Collection[Tree], kind: str, family: Family = Family.SEPARABLE
 ) -> bool:
-    """Whether the conditions of ``given`` trees imply those of all trees of an order.
-
-    Parameters
-    ----------
-    given : Collection[Tree]
-        Rooted trees, of any order.
-    kind : str
-        See :func:`lie_basis`.
-    family : Family
-        Of the trees meant.
-    """
+    """Whether the conditions of ``given`` trees imply those of all trees of an order."""
     table = images(order, kind, family)
     chosen = [row for t, row in table.items() if not set(free_tree(t)).isdisjoint(given)]
     return _rank(chosen) == _rank(list(table.values()))

@@ -9,7 +9,7 @@ from ..catalogue.claims import NYSTROM_ORDER, ORDER, ORDER_IDENTITY
 from ..errors import ExactnessError
 from ..exact import Exact, Scalar, linalg
 from ..exact.linalg import Vector
-from .algebra import all_of, is_exact
+from .algebra import all_of, consistent_values, constants, first_value, is_exact
 from .forest import Forest, forest
 from .ranges import MAX_ORDER, Known, Range
 
@@ -56,6 +56,34 @@ def stage_weights(A: Sequence[Vector], trees: Forest, known: dict[int, Vector], 
             value = tuple(x * y for x, y in zip(value, below, strict=True))
         known[t] = value
     return known[t]
+
+
+def nystrom_gaps(pair: Any) -> list[tuple[Scalar, str]] | None:
+    """What the rows of A sum to less c^2 / 2, and those of A' less c, each with its name.
+
+    Parameters
+    ----------
+    pair : PartitionedGLM
+        As :func:`~glmref.method.nystrom.nystrom` makes it; of another pair nothing is known, and
+        ``None`` is returned.
+
+    References: Hairer, Norsett, Wanner (1993), II.14: a stage is then the solution to O(h^3).
+    """
+    s = len(pair.A) if pair.separable else (len(pair.A) - 1) // 2
+    slopes = [row[-s:] for row in pair.A_hat]
+    values = ((_ZERO,) * s, *linalg.identity(s))
+    shaped = len(slopes) == (s + 1 if pair.separable else 2 * s + 1)
+    if not shaped or tuple(slopes[: s + 1]) != values or len(pair.A[0]) != len(slopes):
+        return None
+    found: list[tuple[Scalar, str]] = []
+    rows = [row[: s + 1] for row in pair.A[-s:]]
+    for i, row in enumerate(rows, 1):
+        c = sum(row, _ZERO)
+        found.append((sum(row[1:], _ZERO) - c * c / 2, f"row {i} of A sums to c[{i}]^2 / 2 +"))
+    for i, (below, row) in enumerate(zip(slopes[s + 1 :], rows, strict=False), 1):
+        gap = sum(below, _ZERO) - sum(row, _ZERO)
+        found.append((gap, f"row {i} of A' sums to c[{i}] +"))
+    return found
 
 
 class RowRules:
@@ -109,8 +137,8 @@ class RowRules:
         """The weights of each estimate sum to zero; of q the weight of q' itself is left out."""
         if not self.method.embedded:
             return Known(False, True, "the file gives no embedded rows")
-        if any(row.values is not None for row in self.method.embedded):
-            raise ExactnessError("sums of weights decide of methods that carry one value")
+        if self.method.embedded[0].values is not None:  # as of every row of class glm
+            return self._estimates_of_values()
         b, gaps = self.method.weights, []
         for row in self.method.embedded:
             for n, (weights,) in enumerate(row.estimate(b)):
@@ -119,8 +147,48 @@ class RowRules:
                 gaps.append((total, f"the weights of the estimate {row.name} sum to"))
         return _all_zero(gaps, exact=self.exact)
 
+    def _estimates_of_values(self) -> Known:
+        """Each estimate ``h e F + d y`` is 0 where the values ``u y + h v y'`` of y' = 1 are exact.
+
+        ``V u = u, U u = 1, w u = 1, B 1 + V v = u + v``, w the output, have a solution, and
+        ``d u = 0`` and ``e 1 + d v = 0`` for all of them: equations linear in (u, v).
+        """
+        m = self.method
+        if not is_exact(m.U, m.B, m.V, (m.output or (),)):
+            raise ExactnessError("estimates of several values are judged of exact coefficients")
+        both = consistent_values(m.U, m.B, m.V, m.output)
+        if all(x[-1].vanishes() for x in both):
+            return Known(False, True, "the method is not consistent: there are no u and v")
+        w = m.output or first_value(constants(m.U, m.V))
+        if w is None:
+            raise ExactnessError(
+                "several u have V u = u and U u = 1, and they differ where the solution is read: "
+                "give `output`"
+            )
+        gaps, slopes = [], []
+        for row in m.embedded:
+            (e,) = linalg.sub(linalg.matmul((w,), m.B), row.weights)
+            (d,) = linalg.sub(linalg.matmul((w,), m.V), (row.values,))
+            total: Scalar = sum(e, _ZERO)
+            for x in both:
+                u, v, one = x[: len(d)], x[len(d) : -1], x[-1]
+                gaps.append(
+                    (linalg.dot(d, u), f"for y' = 0 the solution less the row {row.name} is")
+                )
+                slope = total * one + linalg.dot(d, v)
+                slopes.append(
+                    (slope, f"for y' = 1 the solution less the row {row.name} is h times")
+                )
+        exact = self.exact and all(is_exact(x.weights, (x.values,)) for x in m.embedded)
+        return _all_zero([*gaps, *slopes], exact=exact)
+
     def _row_sums(self, witness: Mapping[str, Any]) -> Known:
-        """C = A 1; it is where no c is given."""
+        """C = A 1; it is where no c is given. Of a Nystrom method A 1 = c^2 / 2 and A' 1 = c."""
+        if self.is_pair:
+            gaps = nystrom_gaps(self.method)
+            if gaps is None:
+                raise ExactnessError("sums of rows are those of a file of class nystrom")
+            return _all_zero(gaps, exact=self.exact)
         c = self.method.abscissae_given
         if c is None:
             return Known(True)

@@ -47,12 +47,11 @@ from ..exact import Exact, linalg
 from ..exact.linalg import Matrix, Vector
 from ..method.solution_value import first_functional
 from ..system.budget import spend
-from ..theory.coefficients import is_zero, plus, times, weighted
+from ..theory.coefficients import Rows, apply, is_zero, plus, sparse, times, weighted
 from .algebra import scalars
 from .forest import Forest
 
 _ZERO, _ONE = Exact(0), Exact(1)
-_Rows = tuple[tuple[tuple[int, Any], ...], ...]
 
 
 class NotPreconsistent(Exception):
@@ -69,7 +68,7 @@ class Component:
 
     Attributes
     ----------
-    A, U, B, W : _Rows
+    A, U, B, W : Rows
         Entries by row, exact zeros left out.
     slopes : int
         Columns of A.
@@ -77,41 +76,30 @@ class Component:
         V u = u, U u = 1.
     N, W
         See the module docstring.
-    output : _Rows
+    output : Rows
         One row w with w u = 1 that reads the solution off the values: the declared one, or that of
         the first k with u_k not 0.
-    lift : _Rows
+    lift : Rows
         R -> the solution x of (I - V) x = R with w x = 0, for W R = 0.
     certain : bool
         Whether U u = 1 exactly.
     """
 
-    A: _Rows
-    U: _Rows
-    B: _Rows
-    W: _Rows
+    A: Rows
+    U: Rows
+    B: Rows
+    W: Rows
     slopes: int
     u: Vector
     N: tuple[Vector, ...]
-    output: _Rows
-    lift: _Rows
+    output: Rows
+    lift: Rows
     certain: bool
-
-
-def _sparse(matrix: Sequence[Sequence[Any]]) -> _Rows:
-    return tuple(
-        tuple((j, x) for j, x in enumerate(row) if is_zero(x) is not True) for row in matrix
-    )
-
-
-def apply_rows(rows: _Rows, x: Sequence[Any]) -> tuple[Any, ...]:
-    """The matrix given by the entries of its rows, times a vector."""
-    return tuple([weighted(row, x) for row in rows])
 
 
 def read(c: Component, values: Sequence[Any]) -> Any:
     """The solution that a vector of values holds: what the output functional sees of it."""
-    return apply_rows(c.output, values)[0]
+    return apply(c.output, values)[0]
 
 
 def component(
@@ -180,33 +168,33 @@ def component(
     lift = _lift(D, N, left, u, w)
     certain = all(x.is_zero() is True for x in seen)
     return Component(
-        _sparse(A),
-        _sparse(U),
-        _sparse(B),
-        _sparse(W),
+        sparse(A),
+        sparse(U),
+        sparse(B),
+        sparse(W),
         len(A[0]),
         u,
         tuple(N),
-        _sparse((w,)),
+        sparse((w,)),
         lift,
         certain,
     )
 
 
-def _lift(D: Matrix, N: Sequence[Vector], left: Sequence[Vector], u: Vector, w: Vector) -> _Rows:
+def _lift(D: Matrix, N: Sequence[Vector], left: Sequence[Vector], u: Vector, w: Vector) -> Rows:
     """Solve (I - V) x = R up to the part that W sees, through the bordered matrix."""
     r, d = len(D), len(N)
     rows = [(*(-x for x in D[i]), *(left[k][i].conjugate() for k in range(d))) for i in range(r)]
     rows += [(*(x.conjugate() for x in v), *([_ZERO] * d)) for v in N]
     solve = tuple(row[:r] for row in linalg.inverse(tuple(rows))[:r])
     shadow = linalg.vecmat(w, solve)
-    return _sparse(
+    return sparse(
         [[x - u[i] * y for x, y in zip(row, shadow, strict=True)] for i, row in enumerate(solve)]
     )
 
 
 def _apply_u(c: Component) -> tuple[Any, ...]:
-    return apply_rows(c.W, c.u)
+    return apply(c.W, c.u)
 
 
 def _bordered(square: Matrix, residual: Vector, along: Vector) -> list[Any] | None:
@@ -302,7 +290,7 @@ class StartingSeries:
         if key not in self._images:
             c = self.components[colour]
             vector = self._product(monomial) if monomial else (1,) * c.slopes
-            self._images[key] = apply_rows(c.A if stages else c.B, vector)
+            self._images[key] = apply(c.A if stages else c.B, vector)
         return self._images[key]
 
     def _product(self, monomial: tuple[int, ...]) -> tuple[Any, ...]:
@@ -327,7 +315,7 @@ class StartingSeries:
         colour = self.trees.colour[t]
         ratio, monomial = self._slope(t)
         vector = times(ratio, self._image(colour, monomial, stages=True))
-        return plus(vector, apply_rows(self.components[colour].U, value))
+        return plus(vector, apply(self.components[colour].U, value))
 
     def output(self, t: int) -> tuple[Any, ...]:
         """B xiD(t)."""
@@ -390,7 +378,7 @@ class StartingSeries:
         c = self.components[colour]
         if len(c.N) == 1:  # U u = 1
             return tuple(plus(x, times(-1, value[0])) for x in value[1:])
-        moved = tuple(scalars(apply_rows(c.U, x)) for x in c.N)
+        moved = tuple(scalars(apply(c.U, x)) for x in c.N)
         if not all(isinstance(x, Exact) for row in moved for x in row):
             raise ExactnessError("what principal parts add to the stages is not known exactly")
         return tuple(weighted(list(enumerate(z)), value) for z in linalg.nullspace(moved))
@@ -452,14 +440,14 @@ class StartingSeries:
         if t not in self._rights:
             spend()
             self._rights[t] = self._right(t)
-        return apply_rows(c.W, self._rights[t])
+        return apply(c.W, self._rights[t])
 
     def settle(self) -> None:
         """Find eta at the trees of the last order, but for the principal parts."""
         for t in self._waiting:
             spend()
             right = self._rights[t] if t in self._rights else self._right(t)
-            self._set(t, apply_rows(self.components[self.trees.colour[t]].lift, right))
+            self._set(t, apply(self.components[self.trees.colour[t]].lift, right))
         self._waiting = []
 
     def _settle_first(self) -> None:
@@ -477,7 +465,7 @@ class StartingSeries:
         for node in others:
             t = T.tree(T.colour[node], (first,))
             c = self.components[T.colour[node]]
-            (beta,) = apply_rows(c.W, self._right(t))
+            (beta,) = apply(c.W, self._right(t))
             self._set(node, plus(self.eta.get(node, (0,) * len(c.u)), times(beta, c.u)))
 
     def _settle_first_multiple(self, node: int) -> None:
@@ -488,9 +476,9 @@ class StartingSeries:
         """
         c = self.components[self.trees.colour[node]]
         before = self.eta.get(node, (0,) * len(c.u))
-        right = plus(apply_rows(c.B, self.stage(node, before)), times(-1, before))
-        residual = scalars(apply_rows(c.W, plus(right, times(Fraction(-1, 2), c.u))))
-        columns = [scalars(apply_rows(c.W, apply_rows(c.B, apply_rows(c.U, x)))) for x in c.N]
+        right = plus(apply(c.B, self.stage(node, before)), times(-1, before))
+        residual = scalars(apply(c.W, plus(right, times(Fraction(-1, 2), c.u))))
+        columns = [scalars(apply(c.W, apply(c.B, apply(c.U, x)))) for x in c.N]
         K = linalg.transpose(tuple(columns))
         square = linalg.sub(K, linalg.identity(len(K)))
         along = scalars(_apply_u(c))
@@ -517,7 +505,7 @@ class StartingSeries:
         leaf = {c: T.tree(T.palette[c][0], ()) for c in T.palette}
         larger = {s: T.tree(T.colour[s], (*T.children[s], leaf[T.colour[s]])) for s in smaller}
         right = {t: self._right(t) for t in larger.values()}
-        residual = {t: apply_rows(self.components[T.colour[t]].W, x) for t, x in right.items()}
+        residual = {t: apply(self.components[T.colour[t]].W, x) for t, x in right.items()}
         if all(is_zero(x) is True for x in residual.values()):
             return right
         below = {t: [(s, m) for s, m in T.cuts[t].items() if T.order[s] == n - 1] for t in right}
@@ -556,20 +544,9 @@ def tableau_series(
     """Series of Runge-Kutta-like values: xi = A xiD, value = B xiD; multiples of y by colour.
 
     The stages are those of a :class:`StartingSeries` with eta = 0.
-
-    Parameters
-    ----------
-    trees : Forest
-        All trees.
-    table : Mapping[str, Any]
-        (A, B, u) by colour.
-    p : int
-        Last order.
-    counts : Callable[[int], bool]
-        Which trees count.
     """
     components = {
-        c: Component(_sparse(A), (), _sparse(B), (), len(B[0]), tuple(u), (), (), (), certain=True)
+        c: Component(sparse(A), (), sparse(B), (), len(B[0]), tuple(u), (), (), (), certain=True)
         for c, (A, B, u) in table.items()
     }
     series = StartingSeries(components, trees, free=False, counts=counts)

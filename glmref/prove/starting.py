@@ -181,15 +181,6 @@ class Target:
     ) -> Target:
         """The target of a file, from its starting series.
 
-        Parameters
-        ----------
-        document : Mapping[str, Any]
-            With the claims.
-        system : SweepSystem
-            Of the file.
-        series : Sequence[Series]
-            That hold all trees needed, for each order claimed.
-
         Raises
         ------
         DataError

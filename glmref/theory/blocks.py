@@ -16,10 +16,7 @@ from ..exact import Exact, Scalar, linalg
 from ..exact.linalg import Matrix, Vector
 from ..method import Component
 from ..method.solution_value import first_functional, preconsistency
-from .coefficients import is_zero, plus, times, weighted
-
-#: A matrix by rows: (column, entry) for every entry that is not certainly zero.
-Rows = tuple[tuple[tuple[int, Scalar], ...], ...]
+from .coefficients import Rows, apply, is_zero, plus, sparse, times
 
 
 class NotPreconsistent(Exception):
@@ -66,18 +63,6 @@ class Block:
     lift: Rows
     semisimple: bool
     certain: bool
-
-
-def sparse(matrix: Sequence[Sequence[Any]]) -> Rows:
-    """Keep the entries that are not certainly zero."""
-    return tuple(
-        tuple((j, x) for j, x in enumerate(row) if is_zero(x) is not True) for row in matrix
-    )
-
-
-def apply(rows: Rows, x: Sequence[Any]) -> tuple[Any, ...]:
-    """Matrix times column."""
-    return tuple([weighted(row, x) for row in rows])
 
 
 def kernel(matrix: Matrix) -> tuple[list[Vector], bool]:

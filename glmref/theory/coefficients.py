@@ -9,10 +9,12 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
-from ..exact import Ball, Exact, Jet, sum_of_products
+from ..exact import Ball, Exact, Jet, Scalar, sum_of_products
 
 #: An int, a Fraction, a Scalar, or a tuple of them.
 Coefficient = Any
+#: A matrix by rows: (column, entry) for every entry that is not certainly zero.
+Rows = tuple[tuple[tuple[int, Scalar], ...], ...]
 
 _WHOLE = (int, Fraction)
 
@@ -66,3 +68,15 @@ def weighted(row: Sequence[tuple[int, Any]], x: Sequence[Any]) -> Any:
     for factor, y in pairs:
         total = plus(total, times(factor, y))
     return total
+
+
+def sparse(matrix: Sequence[Sequence[Any]]) -> Rows:
+    """Keep the entries that are not certainly zero."""
+    return tuple(
+        tuple((j, x) for j, x in enumerate(row) if is_zero(x) is not True) for row in matrix
+    )
+
+
+def apply(rows: Rows, x: Sequence[Any]) -> tuple[Any, ...]:
+    """Matrix times column."""
+    return tuple([weighted(row, x) for row in rows])

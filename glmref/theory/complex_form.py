@@ -82,13 +82,6 @@ def to_real(m: GLM, pairs: Sequence[int] | None = None) -> GLM:
 def to_complex(m: GLM, pairs: Sequence[int] | None = None) -> GLM:
     """Undo :func:`to_real`: carry conjugate pairs, so that rotation blocks of V become diagonal.
 
-    Parameters
-    ----------
-    m : GLM
-        A method.
-    pairs : Sequence[int] or None
-        Places of the first value of each pair, from 0; the rotation blocks of V when not given.
-
     References: Khan (2018), equation (3.7).
     """
     places = rotation_pairs(m) if pairs is None else pairs

@@ -63,8 +63,8 @@ from typing import Any
 from ..exact import Exact
 from ..method.component import Palette
 from ..system.budget import spend
-from .blocks import Block, apply, as_scalar, equal, kernel, present, seen, tidy
-from .coefficients import is_zero, plus, times, weighted
+from .blocks import Block, as_scalar, equal, kernel, present, seen, tidy
+from .coefficients import apply, is_zero, plus, times, weighted
 from .trees import Tree, pruned, single, tree, trees
 
 #: A product of stage vectors, by their numbers, ascending.

@@ -18,7 +18,7 @@ from ..method.solution_value import (
     consistency_vector,
     preconsistency_of,
 )
-from .affine import verdict_of
+from .residuals import verdict_of
 from .spectrum import Boundedness, power_bounded
 
 _ZERO, _ONE = Exact(0), Exact(1)
@@ -78,11 +78,6 @@ def consistency_residual(m: Block, u: Vector, v: Vector) -> Matrix:
 def consistency(m: Block) -> Consistency:
     """Find u, v and c, and say which condition fails.
 
-    Parameters
-    ----------
-    m : Block
-        A method of one component, or a component.
-
     References: Butcher, "Numerical Methods for Ordinary Differential Equations" (2016), Definitions
     510B and 510C.
     """
@@ -126,8 +121,3 @@ def zero_stability(m: Block) -> Boundedness:
     References: Butcher (2016), Definition 510A.
     """
     return power_bounded(m.V)
-
-
-def is_zero_stable(m: Block) -> bool | None:
-    """Whether V is power-bounded; ``None`` where balls leave it open."""
-    return power_bounded(m.V).holds

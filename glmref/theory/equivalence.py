@@ -176,11 +176,6 @@ def _observed(m: GLM) -> Matrix:
     return _row_basis(observed_rows(m))
 
 
-def unobservable_values(m: GLM) -> list[Vector]:
-    """Basis of the values no stage ever sees: ``{x : U V^k x = 0 for all k}``."""
-    return linalg.nullspace(_observed(m))
-
-
 def reachable_values(m: GLM) -> list[Vector]:
     """Basis of the span of u and of the columns of B, V B, V^2 B, ..: what a start can ask for.
 
@@ -309,9 +304,3 @@ def reduce(m: GLM) -> GLM:
         m = _keep_reachable(_keep_observed(m))
         if (m.s, m.r) == size:
             return m
-
-
-def is_reduced(m: GLM) -> bool:
-    """Whether nothing can be removed: see :func:`reduce`."""
-    smaller = reduce(m)
-    return (smaller.s, smaller.r) == (m.s, m.r)

@@ -16,11 +16,6 @@ from .order import OrderResult
 from .trees import Tree, pruned, trees
 
 
-def error_max(result: OrderResult) -> float:
-    """Largest magnitude of a residual at order p + 1; 0.0 where none was computed."""
-    return max((x.magnitude() for x in result.residuals.values()), default=0.0)
-
-
 def error_norm(result: OrderResult, residuals: Mapping[Tree, Scalar] | None = None) -> float:
     """Euclidean norm of ``residual / sigma`` over the trees of order p + 1.
 
@@ -82,18 +77,6 @@ def commutator_row(t: Tree, place: Mapping[Tree, int]) -> dict[int, int]:
     A change delta of the principal parts at the trees of ``place`` adds ``delta(s)`` to the
     condition of [s] and takes ``ways * delta(s)`` from that of t for each way to cut a leaf off t
     that leaves s.
-
-    Parameters
-    ----------
-    t : Tree
-        A tree.
-    place : Mapping[Tree, int]
-        Column of each tree of the order below.
-
-    Returns
-    -------
-    dict[int, int]
-        The entries of the row that are not zero, by column.
     """
     row: dict[int, int] = {}
     for kept, count in pruned(t).items():

@@ -19,9 +19,8 @@ from __future__ import annotations
 from functools import cache
 
 from ..method import Method
-from ..method.component import SEPARABLE
 from .order import OrderResult, order_of
-from .trees import Tree, trees
+from .trees import Tree
 
 
 @cache
@@ -30,11 +29,6 @@ def is_nystrom(t: Tree) -> bool:
     if t.colour == "f" and (len(t.children) > 1 or any(x.colour == "f" for x in t.children)):
         return False
     return all(map(is_nystrom, t.children))
-
-
-def nystrom_trees(order: int) -> tuple[Tree, ...]:
-    """Trees of an order with alternating colours that count where f is linear."""
-    return tuple(t for t in trees(order, SEPARABLE) if is_nystrom(t))
 
 
 def nystrom_order_of(pair: Method, *, max_order: int = 9) -> OrderResult:

@@ -34,8 +34,8 @@ from .blocks import Block, NotPreconsistent, as_scalar, block_of
 from .coefficients import is_zero, plus, times
 from .conditions import Conditions
 from .series import Series
-from .systems import counted
 from .trees import MAX_ORDER, Tree, trees
+from .vanishing_trees import counted
 
 Principal = Literal["free", "identity"]
 
@@ -325,9 +325,5 @@ def _adjustable(conditions: Conditions, eta: Series, colour: str) -> bool:
     """
     if not conditions.free or len(conditions.blocks[colour].u) > 1:
         return conditions.free
-    known = ((t, x) for t, x in eta.support().items() if t.colour == colour)
-    return any(
-        is_zero(conditions.principal_part(colour, x)) is not True
-        for t, x in known
-        if t.order < eta.order
-    )
+    known = (x for t, x in eta.support().items() if t.colour == colour)
+    return any(is_zero(conditions.principal_part(colour, x)) is not True for x in known)

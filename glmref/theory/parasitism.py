@@ -23,7 +23,7 @@ from ..exact.linalg import Matrix, Vector
 from ..method import GLM, Method
 from ..method.solution_value import preconsistency_vector
 from . import polynomials as poly
-from .affine import verdict_of
+from .residuals import verdict_of
 from .spectrum import Eigenvalue, eigenvectors, unimodular_eigenvalues
 
 

@@ -47,8 +47,6 @@ def scale(factor: Scalar | int, p: Polynomial) -> Polynomial:
 
 def mul(p: Polynomial, q: Polynomial) -> Polynomial:
     """Product."""
-    if not p or not q:
-        return ()
     result: list[Scalar] = [_ZERO] * (len(p) + len(q) - 1)
     for i, a in enumerate(p):
         spend()

@@ -89,8 +89,3 @@ def reduction(m: Method) -> Reduction:
     reducible = bool(faults) if certain else None
     witness = "only " + "; ".join(faults) if faults else ""
     return Reduction(reducible, tuple(reached), tuple(seen), witness)
-
-
-def is_reducible(m: Method) -> bool | None:
-    """Whether fewer values would do; ``None`` where balls leave it open."""
-    return reduction(m).reducible

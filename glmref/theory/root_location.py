@@ -55,15 +55,7 @@ def _signs_at(chain: list[Polynomial], x: Scalar | None, infinity: int) -> list[
 
 
 def real_roots(p: Polynomial, low: Scalar | None = None, high: Scalar | None = None) -> int:
-    """Number of distinct real roots in ``(low, high]`` by Sturm's theorem; ``None`` is infinite.
-
-    Parameters
-    ----------
-    p : Polynomial
-        Not zero, with real coefficients.
-    low, high : Scalar or None
-        Ends of the interval.
-    """
+    """Number of distinct real roots in ``(low, high]`` by Sturm's theorem; ``None`` is infinite."""
     p = squarefree(p)
     if len(p) <= 1:
         return 0

@@ -151,11 +151,6 @@ def unimodular_eigenvalues(V: Matrix) -> tuple[Eigenvalue, ...]:
     Roots of unity are divided out of the characteristic polynomial. What is left and its mirror
     image in the unit circle share the other unimodular roots, which are then found by square roots.
 
-    Parameters
-    ----------
-    V : Matrix
-        (r, r), exact.
-
     Raises
     ------
     ExactnessError
@@ -213,11 +208,6 @@ def power_bounded(V: Matrix) -> Boundedness:
 
     With the characteristic polynomial split into q (unimodular roots, each once) and h (the rest),
     V is power-bounded exactly if h has all roots inside the circle and h(V) q(V) = 0.
-
-    Parameters
-    ----------
-    V : Matrix
-        (r, r).
 
     References: Butcher, "Numerical Methods for Ordinary Differential Equations" (2016), section 51;
     Hairer, Nørsett and Wanner, "Solving Ordinary Differential Equations I" (1993), section III.3.

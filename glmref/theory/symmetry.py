@@ -262,14 +262,6 @@ def _judge_half(
     return first
 
 
-def check_symmetry(m: GLM, L: Matrix, P: Sequence[int]) -> Symmetry:
-    """Check given involutions: all five conditions and that P is an involution."""
-    if any(P[P[i]] != i for i in range(m.s)):
-        return Symmetry(False, {"o": L}, {"o": tuple(P)}, 1.0, "P is not an involution")
-    holds, size, witness = judge_identities(symmetry_residual(m, L, P))
-    return Symmetry(holds, {"o": L}, {"o": tuple(P)}, size, witness)
-
-
 def _symmetry_as_given(m: Method) -> Symmetry:
     try:
         halves = [_half(c) for c in m.components]

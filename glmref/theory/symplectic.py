@@ -37,8 +37,8 @@ from ..exact import Exact, Scalar, linalg
 from ..exact.linalg import Matrix, Vector
 from ..method import GLM, Component, Method
 from ..method.solution_value import preconsistency_vector
-from .affine import verdict_of
 from .forms import Form, FormSpace, choose_form, cut_down, invariant_matrices, is_nondegenerate
+from .residuals import verdict_of
 
 _ZERO, _ONE = Exact(0), Exact(1)
 
@@ -180,11 +180,6 @@ def _start_forms(m: Method, u: Vector | None, u_hat: Vector | None) -> list[Form
 
 def find_forms(m: Method) -> FormSpace:
     """Find every form with its diagonals with which the method is G-symplectic.
-
-    Parameters
-    ----------
-    m : Method
-        A method; V must be exact.
 
     Returns
     -------

@@ -87,11 +87,6 @@ class Own(Shown):
         digits : int, optional
             Digits after the point, instead of exact expressions.
 
-        Returns
-        -------
-        Path
-            The file.
-
         Raises
         ------
         UsageError

@@ -27,8 +27,8 @@ from ..system.cache import private_folder
 from ..system.files import read_bytes, write_bytes
 
 FORMAT = "glmref-kept-findings-1"
-#: What a verdict is computed by: rooms and modules of the package.
-ROOMS = (
+#: What a verdict is computed by: subpackages and modules of the package.
+SUBPACKAGES = (
     "errors.py",
     "findings.py",
     "system",
@@ -37,7 +37,6 @@ ROOMS = (
     "catalogue",
     "theory",
     "prove",
-    "verification",
     "views/tables.py",
 )
 MOST = 1 << 22  # bytes of a file that is looked at
@@ -63,8 +62,8 @@ def _code() -> str:
     """Checksum of the modules that a verdict is computed by."""
     package = Path(__file__).parents[1]
     found = hashlib.sha256()
-    for room in ROOMS:
-        place = package / room
+    for subpackage in SUBPACKAGES:
+        place = package / subpackage
         for path in sorted(place.rglob("*.py")) if place.is_dir() else [place]:
             content = path.read_bytes()
             found.update(f"{path.relative_to(package).as_posix()} {len(content)} ".encode())

@@ -18,10 +18,10 @@ from ..errors import (
 )
 from ..findings import Finding, Proof, Verdict
 from ..method import Method
-from ..prove.facts import Facts, facts_of
-from ..prove.implications import implied_by
-from ..prove.kernel import Judgement, refuted
 from ..system.budget import PROVING, limited
+from .facts import Facts, facts_of
+from .implications import implied_by
+from .kernel import Judgement, refuted
 
 
 def verify(
@@ -38,11 +38,6 @@ def verify(
     budget : float or None
         Seconds of processor time for all of them; by default 60 for a file of the user and no limit
         else. What is not decided when they are spent is open.
-
-    Returns
-    -------
-    list[Finding]
-        One finding for each claim, in the order of the file.
 
     Raises
     ------
@@ -93,17 +88,7 @@ def _spent(error: BudgetError) -> str:
 
 
 def undecided(method: Method, claim: str, declared: object, reason: str) -> Finding:
-    """Say that a claim was not decided, and why.
-
-    Parameters
-    ----------
-    method : Method
-        The method.
-    claim, declared : str, object
-        Key and value of the claim.
-    reason : str
-        One sentence.
-    """
+    """Say that a claim was not decided, and why."""
     return Finding(
         method=method.name,
         claim=claim,
@@ -160,12 +145,17 @@ def _judged(facts: Facts, claim: str, declared: object) -> Judgement:
                 f"the claim {claim!r} of {facts.method.name!r} has no meaning for a Rosenbrock "
                 f"method; remove it"
             )
-    elif facts.method.additive and not CLAIMS[claim].additive:
-        raise DataError(
-            f"the claim {claim!r} of {facts.method.name!r} has no meaning for an additive method; "
-            f"remove it"
-        )
-    elif not facts.is_single and not CLAIMS[claim].has_meaning(pair=True):
+    elif facts.method.additive:
+        if not CLAIMS[claim].additive:
+            raise DataError(
+                f"the claim {claim!r} of {facts.method.name!r} has no meaning for an additive "
+                f"method; remove it"
+            )
+    elif (
+        not facts.is_single
+        and not CLAIMS[claim].has_meaning(pair=True)
+        and not (CLAIMS[claim].nystrom and (facts.method.document or {}).get("class") == "nystrom")
+    ):
         raise DataError(
             f"the claim {claim!r} of {facts.method.name!r} has no meaning for a pair; remove it"
         )
@@ -223,20 +213,7 @@ def verify_file(
 
 
 def budget_of(path: Path, budget: float | None = None) -> float | None:
-    """Seconds of processor time that the proofs of a file may take.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    budget : float or None
-        What was asked for.
-
-    Returns
-    -------
-    float or None
-        It, or what files of users get; ``None`` for a shipped file: no limit.
-    """
+    """Seconds of processor time that the proofs of a file may take."""
     return budget if budget is not None or is_shipped(path) else PROVING
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import math
+import sys
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -32,16 +34,16 @@ from ..exact.expression import shown_number
 from ..exact.linalg import Matrix, Vector
 from ..findings import Proof
 from ..method import Method
-from ..prove.digits import rounded_up
-from ..prove.facts import Facts
-from ..prove.kernel import SMALL, Kernel
-from ..prove.ranges import Range
 from ..system.budget import limited
 from ..system.shown import Shown
 from ..theory.error_constants import error_norm
 from ..theory.order import order_of
 from ..theory.periodicity import periodicity
 from ..theory.stability_interval import imaginary_interval, real_interval
+from .digits import rounded_up
+from .facts import Facts
+from .kernel import SMALL, Kernel
+from .ranges import Range
 from .verifier import budget_of, facts_for
 
 FORMAT = "glmref-analysis-1"
@@ -138,10 +140,16 @@ class Analysis(Shown):
     def as_json(self) -> dict[str, Any]:
         """Return the record, with its format, as JSON-ready values."""
         found = {"format": FORMAT, **asdict(self), "proof": str(self.proof)}
+        found["stability"] = plain_ends(self.stability)
         for key in ("order_parts", "order_embedded", "order_dense", "order_w"):
             if found[key] is None:  # of methods that have such parts only
                 del found[key]
         return found
+
+
+def plain_ends(stability: Mapping[str, Any]) -> dict[str, Any]:
+    """Ends of stability intervals as JSON has them: a whole half-axis is ``"infinity"``."""
+    return {key: "infinity" if x == math.inf else x for key, x in stability.items()}
 
 
 def analyze(method: Method | str | Path, *, budget: float | None = None) -> Analysis:
@@ -257,7 +265,9 @@ def staircase(facts: Facts) -> str:
     except ExactnessError:
         sizes = {}
     if not sizes:
-        return _steps([Fraction(0), *(Fraction(repr(x)) for x in kernel.nearly())], proved)
+        # residuals beyond the range of doubles are infinite, and are as large as any
+        near = (x if x < math.inf else sys.float_info.max for x in kernel.nearly())
+        return _steps([Fraction(0), *(Fraction(repr(x)) for x in near)], proved)
     lower = {name: x.range(kernel.row_claim).lower for name, x in kernel.row_kernels}
     said = {name: _steps(x, lower.get(name, proved)) for name, x in sizes.items()}
     named = [f"row {name}: {x}" if len(said) > 1 else x for name, x in said.items() if x]
