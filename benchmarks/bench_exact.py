@@ -3,9 +3,9 @@
 from glmref.catalogue.lookup import load
 from glmref.exact.expression import parse
 from glmref.prove.kernel import Kernel
+from glmref.prove.verifier import verify_file
 from glmref.theory.error_constants import conjugate_error
 from glmref.theory.order import order_of
-from glmref.verification.verifier import verify_file
 
 
 class Arithmetic:

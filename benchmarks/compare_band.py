@@ -20,8 +20,6 @@ from benchmarks.timing import interleaved
 from glmref import load, problem
 from glmref.engine.kernel import prepare
 
-__all__ = ["Reference", "measured"]
-
 LAPACK: Any = lapack
 LOWER, UPPER = 3, 1
 _KEPT = 5  # rounds of a step up to which its matrices serve the next

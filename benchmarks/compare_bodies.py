@@ -17,8 +17,6 @@ import numpy as np
 from benchmarks.compare_c import built
 from benchmarks.timing import interleaved
 
-__all__ = ["measured"]
-
 BODIES = (4, 8, 16, 32, 64, 128)
 LOOPS = {"pairs": ("-DPAIRS",), "packed": (), "packed, 512 bits": ("-mprefer-vector-width=512",)}
 #: Pairs of one run.

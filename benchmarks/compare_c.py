@@ -35,11 +35,6 @@ from glmref.engine.start import zero_start
 from glmref.problems import problem
 from glmref.problems.model import Problem
 
-__all__ = [
-    "FLAGS", "METHODS", "PROBLEMS", "SWEEPS", "Row", "compiler", "compiler_version", "measure",
-    "measure_all", "measure_sweeps", "sweep_table",
-]  # fmt: skip
-
 SOURCES = Path(__file__).parent / "c"
 FLAGS = ("-O3", "-march=native", "-ffp-contract=off", "-fno-math-errno")
 

@@ -31,8 +31,6 @@ from glmref.method.classical import collocation
 from glmref.method.families import runge_kutta
 from glmref.problems import problem
 
-__all__ = ["GOALS", "METHODS", "PERIODS", "Row", "gauss", "measure_all", "settings"]
-
 PERIODS, SAMPLES = 1000, 97
 GOALS = (1e-9, 1e-12)
 #: Steps per period that are tried.

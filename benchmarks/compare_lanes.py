@@ -5,7 +5,9 @@ The time in lanes is that of the whole call; one by one it is that of the kernel
 400th trajectory.
 
 ``python -m benchmarks.compare_lanes`` compares threads: whole calls, seconds of the clock, least of
-interleaved repetitions, with one thread and with two, four .. up to the number of processors.
+interleaved repetitions, with one thread and with two, four .. up to the number of processors; with
+``loops``, right-hand sides with loops over sites or bodies: 16 trajectories one by one and in
+vectors of lanes, the steps alone, least of interleaved repetitions.
 """
 
 from __future__ import annotations
@@ -23,10 +25,9 @@ from glmref.catalogue.lookup import load
 from glmref.engine.ensemble import solve_ensemble
 from glmref.engine.kernel import prepare
 from glmref.engine.reference import stepper
+from glmref.engine.runners import Lanes, Runner, Singles
 from glmref.engine.start import zero_start
 from glmref.problems import problem
-
-__all__ = ["LANES", "METHODS", "PROBLEMS", "Row", "measure_all"]
 
 LANES, STEPS, SAMPLE = 10_000, 1000, 25
 METHODS = ("rk4", "gauss-2", "gauss-3", "s4-symmetric", "g6245", "stormer-verlet")
@@ -134,5 +135,58 @@ def threads(*, repeats: int = 4) -> None:
             sys.stdout.flush()
 
 
+#: Problems with loops, their parameters and step sizes.
+LOOPS: tuple[tuple[str, dict[str, int], float], ...] = (
+    ("outer-solar-system", {}, 50.0),
+    *(("n-body", {"bodies": n}, 1e-4) for n in (3, 8, 16, 32)),
+    *(("fput", {"sites": n}, 0.05) for n in (11, 32, 128, 512)),
+    *(("toda", {"sites": n}, 0.05) for n in (11, 32, 128)),
+    *(("nonseparable-chain", {"sites": n}, 0.01) for n in (11, 32, 128)),
+)
+LOOPED = ("stormer-verlet", "rk4", "pair-rkn-6-8b", "gauss-3", "g6245-w3")
+TOGETHER = 16
+
+
+def loops(*, repeats: int = 7, seconds: float = 0.02) -> None:
+    """Print the table of right-hand sides with loops."""
+    heads = ("problem", "method", "KiB", "one by one, ns", "8 lanes, ns", "16 lanes, ns", "gain")
+    sys.stdout.write(f"| {' | '.join(heads)} |\n|{' --- |' * len(heads)}\n")
+    for of, parameters, h in LOOPS:
+        subject = problem(of, **parameters)
+        spread = np.random.default_rng(3).uniform(-0.01, 0.01, (TOGETHER, subject.dimension))
+        initial = np.array(subject.y0) * (1 + spread)
+        for name in LOOPED:
+            method = load(name)
+            if method.parts == 2 and not subject.separable:
+                continue
+            values = zero_start(stepper(method, subject), initial)
+            given = (method, subject, initial[0], h, "strict", "fixed-point", 1)
+            single: Runner = Singles(*given, 1, None)
+            runners = {1: single, **{width: Lanes(*given, width, None) for width in (8, 16)}}
+            steps = 4
+            while _spent(single, values, steps) < seconds:
+                steps *= 2
+            best = dict.fromkeys(runners, math.inf)
+            for width in [*runners] * repeats:
+                best[width] = min(best[width], _spent(runners[width], values, steps))
+            each = [1e9 * x / (steps * TOGETHER) for x in best.values()]
+            label = ", ".join([of, *(str(n) for n in parameters.values())])
+            kib = runners[8].source.work_size // 128  # type: ignore[attr-defined]
+            cells = [label, name, str(kib), *(f"{x:.3g}" for x in each)]
+            sys.stdout.write(f"| {' | '.join(cells)} | **{each[0] / each[1]:.1f}** |\n")
+            sys.stdout.flush()
+
+
+def _spent(runner: Runner, values: np.ndarray, steps: int) -> float:
+    """Processor seconds of steps from these values."""
+    runner.load(values)
+    begin = time.process_time()
+    runner.advance(0, steps)
+    spent = time.process_time() - begin
+    if runner.read()[1].any():
+        raise ArithmeticError(f"{runner.method.name} on {runner.problem.name}: a run has failed")
+    return spent
+
+
 if __name__ == "__main__":
-    threads()
+    loops() if sys.argv[1:] == ["loops"] else threads()

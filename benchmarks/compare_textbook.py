@@ -31,8 +31,6 @@ from glmref.engine.start import starting_values
 from glmref.method import GLM, PartitionedGLM
 from glmref.method.component import SEPARABLE
 
-__all__ = ["METHODS", "Row", "measured"]
-
 #: Method -> macro of its C source.
 METHODS = {
     "stormer-verlet": "VERLET",

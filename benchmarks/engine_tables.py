@@ -6,8 +6,6 @@ import re
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-__all__ = ["PAIR_TABLES", "TABLES", "filled"]
-
 Row = Mapping[str, Any]
 Tables = Mapping[str, Callable[[list[Row]], str]]
 

@@ -78,13 +78,6 @@ def circumstances_now() -> dict[str, Any]:
 def record(wanted: Sequence[str], known: dict[str, Any]) -> dict[str, Any]:
     """Everything measured, as the document that is stored.
 
-    Parameters
-    ----------
-    wanted : Sequence[str]
-        Names of comparisons.
-    known : dict[str, Any]
-        The document so far, whose other rows are kept.
-
     Raises
     ------
     SystemExit

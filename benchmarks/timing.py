@@ -6,8 +6,6 @@ import statistics
 import time
 from collections.abc import Callable, Mapping
 
-__all__ = ["Seconds", "interleaved", "quartiles", "ratios"]
-
 #: Seconds of each repetition, by name of the competitor; the k-th ones ran one after the other.
 Seconds = dict[str, list[float]]
 

@@ -13,14 +13,14 @@ point and evaluates the expensive half once (the *halved form*).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
 from ..problems.formula import Formula
 from .band import Band
-from .emit import ArrayTarget, ScalarTarget, Target, Writer, length_check
+from .emit import TARGETS, ScalarTarget, Writer, length_check
 from .explicit import ExplicitWriter
 from .forms import StepForm
 from .newton import COMPLEX_HELPERS, HELPERS
@@ -93,7 +93,7 @@ class KernelSource:
     target : str
         ``"scalar"`` or ``"array"``.
     side_by_side : int
-        Stages of the largest block that is solved together.
+        Stages of the largest block that is solved together, or values that a step turns.
     """
 
     text: str
@@ -118,7 +118,7 @@ def kernel_source(form: StepForm, shape: Shape, options: Options) -> KernelSourc
     """Generate the module for one form, shape and set of options."""
     kind = choose_kind(form.s, shape, options)
     writer = Writer()
-    target: Target = (ScalarTarget if kind == "scalar" else ArrayTarget)(shape, writer)
+    target = TARGETS[kind](shape, writer)
     builder = Builder(form, shape, options, target)
     builder.kernel()
     head = header(shape, kind, newton=builder.factored_newton)
@@ -138,10 +138,15 @@ def header(shape: Shape, kind: str, *, newton: bool) -> str:
     w("from math import atan2, cos, exp, log, sin, sqrt, tan", "")
     # a Jacobian by differences calls the parts as functions, whatever the target
     differenced = newton and shape.differenced
-    for part in shape.parts if kind == "array" or newton else ():
+    for part in shape.parts if kind != "scalar" or newton else ():
         if part.body:
-            w("", "@compiled", *(part.straight or part.body).splitlines(), "")
-        elif part.formula is not None and not part.identity and (kind == "array" or differenced):
+            w(
+                "",
+                "@compiled",
+                *((kind != "vector" and part.straight) or part.body).splitlines(),
+                "",
+            )
+        elif part.formula is not None and not part.identity and (kind != "scalar" or differenced):
             w("", "@compiled")
             with w.block(f"def {part.role}({'time, ' if part.timed else ''}v, par, out):"):
                 _formula_body(w, shape, part.formula, lambda c: f"out[{c}]")
@@ -272,11 +277,7 @@ class Builder(ExplicitWriter):
         w = self.w
         w("", "@compiled_with_signature")
         with w.block(f"def kernel({', '.join(ARGUMENTS)}):"):
-            self.t.parameters()
-            if self.shape.loops:
-                size = len(self.shape.values)
-                w(f"constants = par[{len(self.shape.parameters)}:{size}]")
-            self._scaled_weights()
+            self._preamble()
             self.t.load(self._state())
             self._declare()
             w("n = first", "evaluations = 0", "velocities = 0", "iterations = 0")
@@ -295,6 +296,14 @@ class Builder(ExplicitWriter):
             names = ("evaluations", "velocities", "iterations", "factorisations")
             w(*(f"tally[{i}] += {name}" for i, name in enumerate(names)))
             w("tally[4] = n", "tally[5] = row", "return outcome")
+
+    def _preamble(self) -> None:
+        """What is formed once a call."""
+        self.t.parameters()
+        if self.shape.loops:
+            size = len(self.shape.values)
+            self.w(f"constants = par[{len(self.shape.parameters)}:{size}]")
+        self._scaled_weights()
 
     def _blocks(self) -> None:
         """All stages of a step."""
@@ -325,10 +334,8 @@ class Builder(ExplicitWriter):
             self._direct_coefficients()
         for i, weight in enumerate(self.form.weights if not self.direct else ()):
             self.w(f"hw{i} = h" if weight == 1.0 else f"hw{i} = h*{weight!r}")
-        if self.positions is not None:
-            self.positions.coefficients(self._guesses())
-        if self.single is not None:
-            self.single.coefficients()
+        if self.rounds is not None:
+            self.rounds.coefficients(self._guesses)
         if self.shape.uses_time:
             for i, c in enumerate(self.form.c):
                 if c:
@@ -344,12 +351,8 @@ class Builder(ExplicitWriter):
     def _state(self) -> list[str]:
         """Vectors that last from call to call, in their order at the head of ``x``."""
         letters = "ye" if self.options.compensated else "y"
-        names = [f"{letter}{k}" for letter in letters for k in range(self.form.r)]
+        names = [f"{letter}{k}" for letter in letters for k in range(self.form.rows)]
         return names + [name for name, _ in self.form.memory]
-
-    def _rows(self) -> int:
-        """Rows of values in the state."""
-        return self.form.r
 
     def _record(self) -> None:
         for k in range(self.form.r) if self.options.history else range(1):
@@ -359,7 +362,7 @@ class Builder(ExplicitWriter):
     def _output(self, k: int, text: str, part: tuple[int, int]) -> None:
         """Write value k to the current row of ``out``, an array (rows, values, d) laid flat."""
         d = self.shape.dimension
-        size = d * (self._rows() if self.options.history else 1)
+        size = d * (self.form.rows if self.options.history else 1)
         if isinstance(self.t, ScalarTarget):
             for c in range(*part):
                 place = f"out[row*{size} + {k * d + c}]"
@@ -397,4 +400,8 @@ class Builder(ExplicitWriter):
 
     def _accept(self, values: Values) -> None:
         """The step is good: its values become the state."""
-        self.t.vec([f"{old} = {new}" for old, new in values.pairs()], values.part)
+        self.t.vec(self._taking(values.pairs()), values.part)
+
+    def _taking(self, pairs: Sequence[tuple[str, str]], condition: str = "good") -> list[str]:
+        """Statements by which old becomes new; in lanes, where the condition holds."""
+        return [f"{old} = {new}" for old, new in pairs]

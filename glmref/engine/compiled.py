@@ -110,7 +110,14 @@ def build(
         (:func:`~glmref.problems.tracing.fingerprint`).
     tuning : Tuning
         What the compiler may do; of it numba knows ``fuse`` only.
+
+    Raises
+    ------
+    ImportError, Unsupported
+        Where vectors of lanes are asked for and cannot be had: nothing else makes them.
     """
+    if tuning.lanes:
+        return _native(source, tuple(arguments.items()), tuning)
     types = ", ".join(_NUMBA_TYPES[kind] for kind in arguments.values())
     signature = f"int64({types})"
     if functions:

@@ -8,9 +8,11 @@ below turn it into source:
 * :class:`ArrayTarget` one loop over components of a work array (large systems: the source, and so
   the time to compile, does not grow with the dimension);
 * :class:`LaneTarget` one line per component inside a loop over lanes, each lane one trajectory
-  (ensembles: the loop over lanes becomes SIMD instructions).
+  (ensembles: the loop over lanes becomes SIMD instructions);
+* :class:`VectorTarget` the loops of an array, where each entry is a vector of lanes (ensembles of
+  large systems).
 
-All three evaluate in the same order, so they give the same bits.
+Each evaluates in the order of the one for single trajectories, so they give the same bits.
 """
 
 from __future__ import annotations
@@ -71,11 +73,14 @@ def tree_sum(terms: Sequence[str]) -> str:
 class Target:
     """Common part: names, right-hand sides and where the state is kept between calls."""
 
-    lanes = False
+    #: Whether statements stand in a loop over lanes, and how often the work array has each number.
+    looped, width = False, 1
 
     def __init__(self, shape: Shape, writer: Writer) -> None:
         self.shape, self.w = shape, writer
         self.d = shape.dimension
+        #: Of a loop over lanes: vectors, and components of them, that live in one pass over them.
+        self.local: dict[str, range] = {}
         self.places: dict[str, int] = {}
         self.used = 0
         self.loops = 0
@@ -86,6 +91,10 @@ class Target:
             self.places[name] = self.used
             self.used += length
         return self.places[name]
+
+    def offset(self, name: str) -> int:
+        """Place of a vector in the work array."""
+        return self.reserve(name, self.d * self.width)
 
     @property
     def work_size(self) -> int:
@@ -235,10 +244,6 @@ class ArrayTarget(Target):
         #: The loop that :meth:`vec` wrote last.
         self.last: _Loop | None = None
 
-    def offset(self, name: str) -> int:
-        """Place of a vector in the work array."""
-        return self.reserve(name, self.d)
-
     def place(self, name: str, c: int) -> int:
         """Place in the work array that an index is added to for components from c on."""
         start, stop, place = self.elsewhere.get(name, (0, 0, 0))
@@ -353,16 +358,18 @@ class ArrayTarget(Target):
             self.offset(name)
 
 
+#: Where the statements of a single trajectory live.
+TARGETS: dict[str, type[Target]] = {"scalar": ScalarTarget, "array": ArrayTarget}
+
+
 class LaneTarget(_Unrolled):
     """Components are rows of a work array, one entry per lane; written inside ``for l in ...``."""
 
-    lanes = True
+    looped = True
 
     def __init__(self, shape: Shape, writer: Writer, width: int) -> None:
         super().__init__(shape, writer)
         self.width = width
-        #: Vectors, and components of them, that live and die within one pass over the lanes.
-        self.local: dict[str, range] = {}
         #: Vectors that last, where all others live and die within one pass.
         self.lasting: frozenset[str] | None = None
         #: First letters of vectors that always do: slopes F, new values n and their errors r.
@@ -372,7 +379,7 @@ class LaneTarget(_Unrolled):
         """See :class:`Target`."""
         if self._passing(name) or c in self.local.get(name, ()):
             return f"{name}_{c}"
-        return f"x[{self.reserve(name, self.d * self.width) + c * self.width} + l]"
+        return f"x[{self.offset(name) + c * self.width} + l]"
 
     def _passing(self, name: str) -> bool:
         """Whether a vector is used only in the pass over the lanes that computes it."""
@@ -390,3 +397,11 @@ class LaneTarget(_Unrolled):
             self.identity(part, source, out)
         else:
             self.inline(part, source, out, tag)
+
+
+class VectorTarget(ArrayTarget):
+    """The loops of an array, where each number is a vector of lanes; nothing loops over lanes."""
+
+    def lane(self, name: str) -> str:
+        """Source of a quantity with one number per lane."""
+        return f"x[{self.reserve(name, 1)}]"

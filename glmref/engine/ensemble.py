@@ -1,15 +1,17 @@
 """Many initial values at once: lanes of one block side by side, blocks spread over threads.
 
 A block of lanes is stepped by one kernel (:mod:`.lanes`) whose inner loop the compiler turns into
-SIMD instructions; every trajectory has the bits :func:`.solve.solve` gives it. Kernels release the
-interpreter's lock, so blocks run in threads. Right-hand sides that are loop bodies or callables,
-implicit pairs and large systems are stepped one by one, still in threads.
+SIMD instructions; every trajectory has the bits :func:`.solve.solve` gives it, except where
+``arithmetic="fused"`` lets the compiler choose which operations it joins. Kernels release the
+interpreter's lock, so blocks run in threads. Python callables, implicit pairs, and large systems
+with Newton's method or beyond the cache are stepped one by one, still in threads.
 """
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
@@ -18,11 +20,10 @@ import numpy as np
 from ..errors import UsageError
 from ..method import Method
 from ..problems.model import Problem
-from .codegen import SCALAR_LIMIT
-from .inspection import inspected
-from .kernel import choose_form
+from .expressions import Unsupported
+from .function_checks import inspected
 from .plan import notices_of, plan_of, resolved, step_size
-from .reference import Stepper, stepper
+from .reference import Stepper
 from .runners import WIDTHS, EnsembleSolution, Lanes, Runner, Singles, rows_at, slopes_at
 from .start import corrector, default_passes, zero_start
 
@@ -71,26 +72,18 @@ def solve_ensemble(
     workers = threads if threads is not None else (os.cpu_count() or 1)
     if not isinstance(workers, int) or workers < 1:
         raise UsageError(f"`threads` must be a positive whole number, got {threads!r}")
-    # the solver is chosen where the ensemble starts, not where the problem does
-    first = replace(problem, y0=tuple(y0[0]), initial=None) if problem.context is None else problem
-    one_by_one = width == 1 or not _has_lanes(method, problem)
-    runner: Runner = (Singles if one_by_one else Lanes)(
-        method, first, h, arithmetic, solver, workers, width, cancel
-    )
+    given = (method, problem, y0[0], h, arithmetic, solver, workers, width, cancel)
+    runner: Runner | None = None
+    if width != 1:
+        with suppress(Unsupported, ImportError):
+            runner = Lanes(*given)
+    runner = runner or Singles(*given)
     with np.errstate(all="ignore"):
-        seen = inspected(stepper(method, problem), float(problem.t_span[0]), y0[0])
+        seen = inspected(runner.engine, float(problem.t_span[0]), y0[0])
         values, evaluations = _starts(runner, method, problem, y0, h, start)
         found = runner.run(values, evaluations, plan)
-        at_end = (found.t[-1], found.y[-1, 0]) if len(found.t) else (problem.t_span[0], y0[0])
-        notices = seen.afterwards(*at_end) if seen.seen else ()
+        notices = seen.afterwards(found.t[-1], found.y[-1, 0]) if seen.seen else ()
     return replace(found, notices=(*found.notices, *notices_of(method), *notices))
-
-
-def _has_lanes(method: Method, problem: Problem) -> bool:
-    if problem.dimension > SCALAR_LIMIT:
-        return False
-    form, shape = choose_form(method, problem, "auto")
-    return not shape.arrays and not (method.parts == 2 and form.implicit_stages)
 
 
 def _starts(

@@ -92,8 +92,9 @@ class ExplicitWriter(StageWriter):
     # --- stages and values ----------------------------------------------------------------------
 
     def _direct_stages(self) -> None:
-        force = self.shape.counted
+        force, read = self.shape.counted, set[int]()
         if self.nystrom:
+            read = set(self._combined()).union(*map(self._earlier, range(self.form.s)))
             # what lies in the p half, read as a part of the q half
             self.t.call(self.shape.parts[0], "y0", "S", "s")
         for block in self.form.blocks:
@@ -106,7 +107,8 @@ class ExplicitWriter(StageWriter):
                 terms += [f"ha{i}_{j}*@T{j}" for j in known]
                 source = self._sum(i, z, terms, (force.source, force.source_stop))
                 self.t.call(force, source, f"F{i}", f"s{i}")
-                self.t.call(self.shape.parts[0], f"F{i}", f"T{i}", f"t{i}")
+                if i in read:
+                    self.t.call(self.shape.parts[0], f"F{i}", f"T{i}", f"t{i}")
             else:
                 terms = [f"ha{i}_{j}*@F{j}" for j, x in enumerate(self.form.M[i]) if x]
                 source = self._sum(i, z, terms, self.all)

@@ -7,6 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+#: Bytes of a cache line, and of the widest vectors: across its border a load costs two.
+CACHE_LINE = 64
+
 #: Functions of the C library: name -> number of arguments.
 LIBRARY = {"sin": 1, "cos": 1, "tan": 1, "exp": 1, "log": 1, "atan2": 2, "pow": 2}
 
@@ -24,7 +27,9 @@ class Array:
 
 
 class Expressions:
-    """Values of expressions: numbers (double, integer, bit) and arrays.
+    """Values of expressions: numbers (double, integer, bit), one for each lane, and arrays.
+
+    Where an operation meets a vector, a number beside it is taken in every lane.
 
     Attributes
     ----------
@@ -36,6 +41,8 @@ class Expressions:
         Block of the stack slots.
     slots : dict[str, Any]
         Stack slot of each number variable.
+    wide : set[str]
+        Variables that have a number for each lane.
     arrays : dict[str, Array]
         The array variables.
     """
@@ -48,14 +55,17 @@ class Expressions:
     integer: Any
     bit: Any
     slots: dict[str, Any]
+    wide: set[str]
     arrays: dict[str, Array]
 
     def _assign(self, name: str, value: Any) -> None:
         if name not in self.slots:
-            place = self.ir.IRBuilder(self.entry)
-            self.slots[name] = place.alloca(value.type, name=name)
+            place, kind = self.ir.IRBuilder(self.entry), value.type
+            if name in self.wide and kind in (self.double, self.integer):
+                kind = self.m.vector
+            self.slots[name] = place.alloca(kind, name=name)
             # read before it is set only where a branch was not taken
-            place.store(self.ir.Constant(value.type, 0), self.slots[name])
+            place.store(self.ir.Constant(kind, None), self.slots[name])
         slot = self.slots[name]
         self.b.store(self._as(value, slot.type.pointee), slot)
 
@@ -66,7 +76,17 @@ class Expressions:
             return self.b.sitofp(value, self.double)
         if kind == self.integer and value.type == self.bit:
             return self.b.zext(value, self.integer)
+        if kind == self.m.vector and value.type in (self.double, self.integer):
+            i32, nothing = self.ir.IntType(32), self.ir.Constant(kind, self.ir.Undefined)
+            first = self.b.insert_element(nothing, self._as(value, self.double), i32(0))
+            everywhere = self.ir.Constant(self.ir.VectorType(i32, kind.count), None)
+            return self.b.shuffle_vector(first, nothing, everywhere)
         raise Unsupported(f"a {value.type} where a {kind} is needed")
+
+    def _floating(self, *values: Any) -> list[Any]:
+        """Values as doubles, or as vectors of them where one is a vector."""
+        wide = any(value.type == self.m.vector for value in values)
+        return [self._as(value, self.m.vector if wide else self.double) for value in values]
 
     # --- arrays ---------------------------------------------------------------------------------
 
@@ -100,6 +120,10 @@ class Expressions:
             flat = self._as(self._value(index), self.integer)
         return self.b.gep(array.pointer, [flat], inbounds=True)
 
+    def _alignment(self, place: Any) -> int | None:
+        """Bytes that the address of an entry is a multiple of; of doubles the usual ones."""
+        return CACHE_LINE if place.type.pointee == self.m.vector else None
+
     # --- expressions ----------------------------------------------------------------------------
 
     def _value(self, node: ast.expr) -> Any:
@@ -129,14 +153,15 @@ class Expressions:
         return self.b.load(self.slots[node.id])
 
     def _value_Subscript(self, node: ast.Subscript) -> Any:
-        return self.b.load(self._place(node))
+        place = self._place(node)
+        return self.b.load(place, align=self._alignment(place))
 
     def _value_BinOp(self, node: ast.BinOp) -> Any:
         return self._binary(node.op, self._value(node.left), self._value(node.right))
 
     def _binary(self, operation: ast.operator, left: Any, right: Any) -> Any:
         kind, b = type(operation), self.b
-        if left.type == right.type == self.bit and kind in (ast.BitAnd, ast.BitOr):
+        if left.type == right.type in (self.bit, self.m.bits) and kind in (ast.BitAnd, ast.BitOr):
             return (b.and_ if kind is ast.BitAnd else b.or_)(left, right)
         if left.type == right.type == self.integer and kind not in (ast.Div, ast.Pow):
             if kind in (ast.FloorDiv, ast.Mod):
@@ -146,7 +171,7 @@ class Expressions:
             if kind not in whole:
                 raise Unsupported(kind.__name__)
             return whole[kind](left, right, flags=("nsw",))
-        left, right = self._as(left, self.double), self._as(right, self.double)
+        left, right = self._floating(left, right)
         if kind is ast.Pow:
             return self._library("pow", [left, right])
         floating = {ast.Add: b.fadd, ast.Sub: b.fsub, ast.Mult: b.fmul, ast.Div: b.fdiv}
@@ -156,10 +181,10 @@ class Expressions:
 
     def _value_UnaryOp(self, node: ast.UnaryOp) -> Any:
         value = self._value(node.operand)
-        if isinstance(node.op, ast.Not) and value.type == self.bit:
+        if isinstance(node.op, ast.Not) and value.type in (self.bit, self.m.bits):
             return self.b.not_(value)
         if isinstance(node.op, ast.USub):
-            return self.b.fneg(value) if value.type == self.double else self.b.neg(value)
+            return self.b.neg(value) if value.type == self.integer else self.b.fneg(value)
         raise Unsupported(ast.unparse(node))
 
     def _value_Compare(self, node: ast.Compare) -> Any:
@@ -177,9 +202,9 @@ class Expressions:
         sign = signs.get(type(operation))
         if sign is None:
             raise Unsupported(type(operation).__name__)
-        if left.type == right.type and left.type != self.double:
+        if left.type == right.type and left.type in (self.integer, self.bit):
             return self.b.icmp_signed(sign, left, right)
-        left, right = self._as(left, self.double), self._as(right, self.double)
+        left, right = self._floating(left, right)
         # every comparison with a NaN is false, except !=
         compare = self.b.fcmp_unordered if sign == "!=" else self.b.fcmp_ordered
         return compare(sign, left, right)
@@ -193,10 +218,14 @@ class Expressions:
         return result
 
     def _value_IfExp(self, node: ast.IfExp) -> Any:
-        condition = self._truth(node.test)
+        condition = self._value(node.test)
         left, right = self._value(node.body), self._value(node.orelse)
-        if left.type != right.type:
-            left, right = self._as(left, self.double), self._as(right, self.double)
+        if condition.type == self.m.bits:  # each lane chooses for itself
+            left, right = self._as(left, self.m.vector), self._as(right, self.m.vector)
+        elif condition.type != self.bit:
+            raise Unsupported(f"the truth of {ast.unparse(node.test)}")
+        elif left.type != right.type:
+            left, right = self._floating(left, right)
         return self.b.select(condition, left, right)
 
     def _value_Call(self, node: ast.Call) -> Any:
@@ -209,11 +238,16 @@ class Expressions:
             return self._array(node.args[0]).shape[0]
         if name == "int":
             return self.b.fptosi(self._value(node.args[0]), self.integer)
-        given = [self._as(self._value(x), self.double) for x in node.args]
+        if name == "lanes_with":
+            (lanes,) = (self._value(x) for x in node.args)
+            found = self._intrinsic("vector.reduce.or", self.m.bits, self.bit)
+            return self.b.zext(self.b.call(found, [lanes]), self.integer)
+        given = self._floating(*(self._value(x) for x in node.args))
         if name in ("abs", "sqrt") and len(given) == 1:
-            kind = "fabs" if name == "abs" else "sqrt"
-            found = self.m.module.declare_intrinsic(f"llvm.{kind}", [self.double])
-            return self.b.call(found, given)
+            (kind,) = (x.type for x in given)
+            return self.b.call(
+                self._intrinsic("fabs" if name == "abs" else "sqrt", kind, kind), given
+            )
         if LIBRARY.get(name) != len(given):
             raise Unsupported(f"the function {name}")
         return self._library(name, given)
@@ -228,17 +262,33 @@ class Expressions:
                 is_array = isinstance(node, ast.Name) or is_slice(node)
             if not is_array:
                 value = self._value(node)
-                kinds.append("d" if value.type == self.double else "i")
+                kinds.append({self.double: "d", self.m.vector: "v"}.get(value.type, "i"))
                 given.append(value)
                 continue
             array = self._array(node)
             if len(array.shape) not in (1, 2):
                 raise Unsupported(f"the length of {ast.unparse(node)}")
-            kinds.append(f"d{len(array.shape)}")
+            letter = "d" if array.pointer.type.pointee == self.double else "v"
+            kinds.append(f"{letter}{len(array.shape)}")
             given += [array.pointer, *array.shape]
         return self.b.call(self.m.function(name, tuple(kinds)), given)
 
+    def _intrinsic(self, name: str, given: Any, result: Any) -> Any:
+        """An intrinsic function of LLVM of one argument."""
+        lanes = f"v{given.count}" if isinstance(given, self.ir.VectorType) else ""
+        kind = "i1" if given == self.m.bits else "f64"
+        return self.m.module.declare_intrinsic(
+            f"llvm.{name}.{lanes}{kind}", (), self.ir.FunctionType(result, [given])
+        )
+
     def _library(self, name: str, given: list[Any]) -> Any:
+        """Call a function of the C library, once for each lane."""
+        if given[0].type == self.m.vector:
+            result = self.ir.Constant(self.m.vector, self.ir.Undefined)
+            for lane in map(self.ir.IntType(32), range(self.m.vector.count)):
+                numbers = [self.b.extract_element(x, lane) for x in given]
+                result = self.b.insert_element(result, self._library(name, numbers), lane)
+            return result
         found = self.m.module.globals.get(name)
         if found is None:
             kind = self.ir.FunctionType(self.double, [self.double] * len(given))

@@ -15,7 +15,7 @@ methods", BIT 48 (2008), for the mu-form and the compensation of rounded coeffic
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -35,8 +35,25 @@ CLOSE = 1e-40
 Row = tuple[float, ...]
 
 
+class Form:
+    """What the coefficients of all methods have."""
+
+    blocks: tuple[StageBlock, ...]
+    r: int
+
+    @property
+    def rows(self) -> int:
+        """Rows of values in the state of a kernel."""
+        return self.r
+
+    @property
+    def implicit_stages(self) -> int:
+        """Number of stages that need an equation solved."""
+        return sum(len(block.stages) for block in self.blocks if block.implicit)
+
+
 @dataclass(frozen=True)
-class StepForm:
+class StepForm(Form):
     """Double precision coefficients of one step, ready for code generation.
 
     Attributes
@@ -108,11 +125,6 @@ class StepForm:
         if not self.implicit_stages:
             return ()
         return tuple((f"L{i}", weight) for i, weight in enumerate(self.weights))
-
-    @property
-    def implicit_stages(self) -> int:
-        """Number of stages that need an equation solved."""
-        return sum(len(block.stages) for block in self.blocks if block.implicit)
 
 
 def changed_basis(matrix: tuple[Row, ...], values: np.ndarray) -> np.ndarray:
@@ -192,12 +204,11 @@ def standard_form(method: GLM) -> StepForm:
     """A, U, B, V as given, with what rounding B lost."""
     s, r = method.s, method.r
     identity = float_rows(linalg.identity(r))
-    pairs = [[split_float(x) for x in row] for row in method.B]
+    R, residue = split_rows(method.B)
     V = float_rows(method.V)
     return StepForm(
         kind="standard", s=s, r=r, running=False, U=float_rows(method.U),
-        M=float_rows(method.A), R=tuple(tuple(x for x, _ in row) for row in pairs), V=V,
-        weights=(1.0,) * s, R_residue=tuple(tuple(x for _, x in row) for row in pairs),
+        M=float_rows(method.A), R=R, V=V, weights=(1.0,) * s, R_residue=residue,
         c=floats(stage_times(method)), blocks=method.stage_blocks(),
         large=large(preconsistency_vector(method), r),
         to_form=identity, from_form=identity,
@@ -210,6 +221,24 @@ def large(u: Sequence[Scalar] | None, r: int) -> tuple[bool, ...]:
     if u is None:
         return (True,) * r
     return tuple(x.magnitude() > CLOSE for x in u)
+
+
+def split_rows(matrix: Matrix) -> tuple[tuple[Row, ...], tuple[Row, ...]]:
+    """Round a matrix; and what rounding took from it."""
+    pairs = [[split_float(x) for x in row] for row in matrix]
+    first, second = (tuple(tuple(pair[k] for pair in row) for row in pairs) for k in (0, 1))
+    return first, second
+
+
+def failing(checks: Mapping[str, Matrix]) -> str:
+    """The first of some identities that does not hold, given their defects; or ``""``."""
+    failed = [name for name, defect in checks.items() if not all_vanish(defect)]
+    return f"{failed[0]} does not hold" if failed else ""
+
+
+def scaled_rows(factors: Sequence[Scalar], matrix: Matrix) -> Matrix:
+    """``diag(factors) matrix``."""
+    return tuple(tuple(d * x for x in row) for d, row in zip(factors, matrix, strict=True))
 
 
 def float_rows(matrix: Matrix) -> tuple[Row, ...]:

@@ -12,7 +12,7 @@ import hashlib
 import json
 import sys
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from contextlib import suppress
 from dataclasses import asdict, replace
 from functools import cache, lru_cache
@@ -90,6 +90,22 @@ def form_of_method(method: Method, form: str) -> StepForm | PairForm:
     return recalled("form", f"{digest} {form}", lambda: compute(method, form), _form_read, _fields)  # type: ignore[arg-type]
 
 
+class ByIdentity:
+    """Results kept by the identity of what they were made from, which is kept with them."""
+
+    def __init__(self) -> None:
+        self.known: dict[tuple[Any, ...], tuple[Any, Any]] = {}
+
+    def __call__(self, given: tuple[Any, ...], rest: Hashable, compute: Callable[[], T]) -> T:
+        """Return what ``compute`` gave for these objects and this."""
+        key = (*map(id, given), rest)
+        if key not in self.known:
+            if len(self.known) >= _MOST:
+                self.known.clear()
+            self.known[key] = given, compute()
+        return self.known[key][1]
+
+
 def recalled(
     kind: str,
     key: str,
@@ -150,8 +166,8 @@ def _code() -> str:
     # exact numbers are computed by a library that only glmref.exact imports
     flint = getattr(sys.modules.get("flint"), "__version__", "")
     package = Path(__file__).parents[1]
-    rooms = ("exact", "method", "problems", "engine")
-    files = sorted(path for room in rooms for path in (package / room).glob("*.py"))
+    parts = ("exact", "method", "problems", "engine")
+    files = sorted(path for part in parts for path in (package / part).glob("*.py"))
     seen = hashlib.sha256(f"{flint} {np.__version__} {sys.version}".encode())
     for path in files:
         seen.update(path.read_bytes())

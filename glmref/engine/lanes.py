@@ -1,32 +1,34 @@
 """Generated source for ensembles: a block of lanes, one trajectory each, stepped side by side.
 
-Every statement stands inside ``for l in range(lanes)`` over contiguous rows of the work array, so
-that the compiler turns the loop into SIMD instructions. The lanes of a block iterate until all of
-them are settled; a lane that is settled keeps its values, so that each trajectory has the bits it
-would have alone.
+For small systems every statement stands inside ``for l in range(lanes)`` over contiguous rows of
+the work array, so that the compiler turns the loop into SIMD instructions. Large systems, and
+bodies with loops, have the statements of a single trajectory, in which every number that depends on
+the state is a vector of lanes. The lanes of a block iterate until all of them are settled; a lane
+that is settled keeps its values, so that each trajectory has the bits it would have alone.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import Any
 
-from ..errors import UsageError
-from .codegen import Builder, Options
-from .emit import LaneTarget, Writer
+from .codegen import SCALAR_LIMIT, Builder, Options, header
+from .emit import LaneTarget, VectorTarget, Writer
+from .expressions import Unsupported
 from .forms import StepForm
 from .partitioned import PairBuilder
 from .partitioned_forms import PairForm
 from .shape import Shape
 from .stages import NOISE, ROUND_OFF, ROUNDS, STALLS
-from .updates import Values
 
 LANE_ARGUMENTS = {
     "x": "d*", "par": "d*", "t0": "d", "h": "d", "first": "i", "last": "i", "lanes": "i",
 }  # fmt: skip
 
 
+@dataclass(frozen=True)
 class LaneSource:
     """A generated kernel for a block of lanes.
 
@@ -34,18 +36,26 @@ class LaneSource:
     ----------
     text : str
         Module source; defines ``kernel``.
-    rows
+    rows : dict[str, int]
         Name -> first row of the work array (of ``width`` entries each).
-    work_size
+    work_size : int
         Length of the work array.
-    width
+    width : int
         Lanes in a block.
+    vectors : bool
+        Whether the work array is one of vectors.
     """
 
-    def __init__(self, text: str, target: LaneTarget) -> None:
-        self.text, self.width = text, target.width
-        self.work_size = target.work_size
-        self.rows = {name: place // target.width for name, place in target.places.items()}
+    text: str
+    rows: dict[str, int]
+    work_size: int
+    width: int
+    vectors: bool
+
+
+def in_vectors(shape: Shape) -> bool:
+    """Whether lanes are vectors: the single trajectory has arrays, too."""
+    return shape.arrays or shape.dimension > SCALAR_LIMIT
 
 
 def lane_source(
@@ -55,28 +65,33 @@ def lane_source(
 
     Raises
     ------
-    UsageError
-        For a right-hand side that is not given as expressions.
+    Unsupported
+        For a right-hand side that is a Python callable, and for an implicit pair.
     """
-    if shape.arrays:
-        raise UsageError("lanes need a right-hand side given as expressions, or as a short loop")
-    writer = Writer()
-    target = LaneTarget(shape, writer, width)
+    if shape.opaque or (isinstance(form, PairForm) and form.implicit_stages):
+        raise Unsupported("neither Python callables nor implicit pairs have lanes")
+    writer, vectors = Writer(), in_vectors(shape)
+    target = VectorTarget(shape, writer) if vectors else LaneTarget(shape, writer, width)
     kind: Any = _LanePairBuilder if isinstance(form, PairForm) else _LaneBuilder
     kind(form, shape, options, target).kernel()
-    head = "from math import atan2, cos, exp, log, sin, sqrt, tan\n\n"
-    return LaneSource(f'"""Generated kernel: {width} lanes."""\n\n{head}{writer.text}', target)
+    head = header(shape, "vector" if vectors else "scalar", newton=False)
+    text = f'"""Generated kernel: {width} lanes."""\n\n{head}{writer.text}'
+    rows = {name: place // target.width for name, place in target.places.items()}
+    return LaneSource(text, rows, target.work_size // target.width * width, width, vectors)
 
 
 class _LaneKernel(Builder):
     """The control flow of a block of lanes around the statements of a step."""
 
-    t: LaneTarget
+    t: LaneTarget | VectorTarget
     inside = False
 
+    def _declare(self) -> None:
+        """Nothing to declare: everything lives in the work array."""
+
     def _open(self) -> None:
-        """From here on statements are in the loop over lanes."""
-        if not self.inside:
+        """From here on statements are in the loop over lanes, where there is one."""
+        if self.t.looped and not self.inside:
             self.w("for l in range(lanes):")
             self.w.depth += 1
             self.inside = True
@@ -98,8 +113,10 @@ class _LaneKernel(Builder):
         # the head of the work array: values, errors, predictor, then one status per lane
         state = self._state()
         for name in state:
-            self.t.reserve(name, self.t.d * self.t.width)
-        if not self.form.implicit_stages:
+            self.t.offset(name)
+        if not isinstance(self.t, LaneTarget):
+            pass
+        elif not self.form.implicit_stages:
             self.t.lasting = frozenset(state)
         elif not self.form.running:
             # increments are added up at the end, in one pass; the guess of a single block is too
@@ -109,8 +126,7 @@ class _LaneKernel(Builder):
             self.t.lane(name)
         w("", "@compiled_with_signature")
         with w.block(f"def kernel({', '.join(LANE_ARGUMENTS)}):"):
-            self.t.parameters()
-            self._scaled_weights()
+            self._preamble()
             w("n = first")
             with w.block("while n < last:"):
                 if self.shape.uses_time:
@@ -137,16 +153,15 @@ class _LaneKernel(Builder):
             f"{done} = {done} + (1.0 if good else 0.0)",
         )
 
-    def _accept(self, values: Values) -> None:
-        self._choose(values.pairs(), "good", values.part)
-
-    def _choose(
-        self, pairs: Sequence[tuple[str, str]], condition: str, part: tuple[int, int]
-    ) -> None:
-        """old = new where the condition holds, as a select."""
-        for old, new in pairs:
-            lines = [f"kept = {old}", f"taken = {new}"]
-            self.t.vec([*lines, f"{old} = taken if {condition} else kept"], part)
+    def _taking(self, pairs: Sequence[tuple[str, str]], condition: str = "good") -> list[str]:
+        """See :class:`.codegen.Builder`; both sides are loaded first, for a select."""
+        return [
+            line
+            for old, new in pairs
+            for line in (
+                f"kept = {old}", f"taken = {new}", f"{old} = taken if {condition} else kept",
+            )
+        ]  # fmt: skip
 
     # --- rounds of a stage solver ---------------------------------------------------------------
 
@@ -183,7 +198,7 @@ class _LaneKernel(Builder):
             f"{lane('last')} = change",
             f"{active} = 1.0 if go else 0.0",
             f"{lane('rounds')} = {lane('rounds')} + {active}",
-            "alive += 1 if go else 0",
+            "alive += 1 if go else 0" if self.t.looped else "alive += lanes_with(go)",
         )
 
     def _refuse_infinite(self) -> None:
@@ -206,7 +221,7 @@ class _LaneKernel(Builder):
             w("break")
         with w.block(f"if round_number > {ROUNDS}:"):
             status, active = self.t.lane("status"), self.t.lane("active")
-            with w.block("for l in range(lanes):"):
+            with self._lanes():
                 w(f"{status} = 1.0 if {active} != 0.0 else {status}")
             w("break")
 
@@ -214,20 +229,14 @@ class _LaneKernel(Builder):
 class _LaneBuilder(_LaneKernel):
     """Lanes of one method."""
 
-    def _declare(self) -> None:
-        """Nothing to declare: everything lives in the work array."""
-
     @property
     def inline_newton(self) -> bool:
         return self.options.solver == "newton"
 
     def _round_before(self, stages: Sequence[int], bases: dict, name: str) -> None:
         """The parts before the counted one, and the counted one's stage values in ``name``."""
-        if self.positions is not None:
-            self.positions.stage_values(name, "b" if name == "Y" else "v")
-            return
-        if self.single is not None:
-            self.single.stage_value(stages[0], name)
+        if self.rounds is not None:
+            self.rounds.stage_values(stages, name, "b" if name == "Y" else "v")
             return
         for part in self.shape.parts:
             if part is self.shape.counted:
@@ -235,20 +244,14 @@ class _LaneBuilder(_LaneKernel):
             else:
                 self._velocities(part, stages, bases)
 
-    def _explicit(self, i: int, base: tuple[str, str]) -> None:
-        self.t.local[f"Y{i}"] = range(*self.all)
-        super()._explicit(i, base)
-
     def _solve(self, stages: tuple[int, ...], bases: dict) -> None:
         w, lane = self.w, self.t.lane
         if self.shape.halved:
             # P is used at once; Q is compared in the next round
             self.t.local |= {f"Y{i}": range(*self.inner) for i in stages}
         newton = self.options.solver == "newton"
-        if self.positions is not None:
-            self.positions.bases()
-        if self.single is not None:
-            self.single.base(stages[0], *bases[stages[0]])
+        if self.rounds is not None:
+            self.rounds.bases(stages, bases)
         self._sizes(stages, [bases[i][0] for i in stages])
         self._start_rounds()
         self._round_before(stages, bases, "Y")
@@ -268,55 +271,26 @@ class _LaneBuilder(_LaneKernel):
             self._loop_exit()
             with self._lanes():
                 w(f"go = {lane('active')} != 0.0")
-                self._choose([(f"@Y{i}", f"@N{i}") for i in stages], "go", self.watched)
+                self.t.vec(self._taking([(f"@Y{i}", f"@N{i}") for i in stages], "go"), self.watched)
                 if newton:
                     w(*(f"{name} = {lane(name)}" for name in self._newton_names()))
                 self._evaluate(self.shape.counted, stages)
                 self._update_lanes(stages, masked=True)
         self._open()
-        if self.positions is not None:
-            self.positions.increments()
-        if self.single is not None:
-            self.single.increment(stages[0])
-            self._velocities(self.shape.parts[0], stages, bases)
+        self._settled(stages, bases)
 
     def _update_lanes(self, stages: Sequence[int], *, masked: bool) -> None:
         if self.options.solver == "newton":
             text = "new if go else known" if masked else "new"
             self._newton_increments(stages[0], [text] * self.unknowns)
             return
-        if self.positions is not None or self.single is not None:
-            pairs = [(f"@H{i}", f"@F{i}") for i in stages]
-        else:
-            pairs = [(f"@L{i}", f"hw{i}*@F{i}") for i in stages]
-        if masked:
-            self._choose(pairs, "go", self.inner)
-        else:
-            self.t.vec([f"{old} = {new}" for old, new in pairs], self.inner)
+        pairs = self._slopes(stages)
+        plain = [f"{old} = {new}" for old, new in pairs]
+        self.t.vec(self._taking(pairs, "go") if masked else plain, self.inner)
 
 
 class _LanePairBuilder(_LaneKernel, PairBuilder):
     """Lanes of an explicit pair."""
 
-    def _declare(self) -> None:
-        """Nothing to declare: everything lives in the work array."""
-
     def _evaluations_of_explicit_stages(self) -> None:
         """Known from the form."""
-
-    def _node(self, node: int, done: Sequence[int]) -> None:
-        self.t.local[f"Y{node}"] = range(*self.all)
-        super()._node(node, done)
-
-    def _begin(self) -> None:
-        if self.form.implicit_stages:
-            raise UsageError("lanes need a pair whose stages are explicit")
-        PairBuilder._begin(self)
-
-    def _leap(self) -> None:
-        self.t.local["Y0"] = range(*self.all)
-        super()._leap()
-
-    def _take(self, pairs: list[tuple[str, str]], before: list[str], part: tuple[int, int]) -> None:
-        self.t.vec(before, part)
-        self._choose(pairs, "good", part)

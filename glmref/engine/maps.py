@@ -19,7 +19,7 @@ from ..method import Method
 from ..problems.model import Problem
 from . import compiled, native
 from .codegen import ARGUMENTS, Builder, Options, choose_kind, header
-from .emit import ArrayTarget, ScalarTarget, Target, Writer
+from .emit import TARGETS, ScalarTarget, Writer
 from .forms import StepForm, float_rows, floats
 from .kept import expressed, recalled
 from .native import Tuning
@@ -43,10 +43,7 @@ class _MapBuilder(Builder):
         w, d, r = self.w, self.shape.dimension, self.form.r
         w("", "@compiled_with_signature")
         with w.block(f"def kernel({', '.join(ARGUMENTS)}):"):
-            self.t.parameters()
-            if self.shape.loops:
-                w(f"constants = par[{len(self.shape.parameters)}:{len(self.shape.values)}]")
-            self._scaled_weights()
+            self._preamble()
             self._declare()
             w("n = first", "evaluations = 0", "velocities = 0", "outcome = 0", "iterations = 0")
             with w.block("while n < last:"), self._guard():
@@ -99,7 +96,7 @@ class Map:
 
         def written() -> tuple[str, int]:
             writer = Writer()
-            target: Target = (ScalarTarget if kind == "scalar" else ArrayTarget)(shape, writer)
+            target = TARGETS[kind](shape, writer)
             _MapBuilder(form, shape, options, target).kernel()
             head = '"""Generated kernel: a map of rows."""\n\n' + header(shape, kind, newton=False)
             return head + writer.text, target.work_size

@@ -22,26 +22,24 @@ from typing import Any
 import numpy as np
 
 from ..system.terminal import saying
-from .expressions import LIBRARY
+from .expressions import CACHE_LINE, LIBRARY
 from .translate import translated
 
 _DIGEST = 32  # bytes of a checksum
 
-#: Kinds of arguments: array of doubles, array of integers, double, integer.
-KINDS = {"d*": ctypes.c_void_p, "i*": ctypes.c_void_p, "d": ctypes.c_double, "i": ctypes.c_int64}
-
-
-#: Bytes of a cache line, and of the widest vectors: across its border a load costs two.
-_LINE = 64
+#: Kinds of arguments: arrays of doubles, integers, vectors of doubles; double, integer.
+KINDS = {"d*": ctypes.c_void_p, "i*": ctypes.c_void_p, "d": ctypes.c_double, "i": ctypes.c_int64,
+         "v*": ctypes.c_void_p}  # fmt: skip
 
 
 def aligned_zeros(size: int) -> np.ndarray:
     """Zeros, shape (size,), that begin on a cache line: what a kernel works on."""
-    raw = np.zeros(size + _LINE // 8)
-    skip = -raw.ctypes.data % _LINE // 8
+    raw = np.zeros(size + CACHE_LINE // 8)
+    skip = -raw.ctypes.data % CACHE_LINE // 8
     return raw[skip : skip + size]
 
 
+@cache
 def target_name() -> str:
     """Processor and its features, as part of a cache key."""
     from llvmlite import binding
@@ -64,11 +62,14 @@ class Tuning:
     fuse : bool
         Whether a product and a sum may become one operation with one rounding. The bits then depend
         on the processor.
+    lanes : int
+        Numbers in a vector of the kind ``v*``.
     """
 
     pack: bool = False
     wide: bool = False
     fuse: bool = False
+    lanes: int = 0
 
 
 PLAIN = Tuning()
@@ -143,10 +144,14 @@ def _compiled(
     """Translate, optimize and keep the object code."""
     from llvmlite import binding
 
-    module = binding.parse_assembly(translated(source, arguments, fuse=tuning.fuse))
+    module = binding.parse_assembly(
+        translated(source, arguments, fuse=tuning.fuse, lanes=tuning.lanes)
+    )
     module.verify()
     options = binding.create_pipeline_tuning_options(speed_level=3)
     options.loop_vectorization = True
+    # operations on vectors of lanes wait for nothing that more of them in a row would hide
+    options.loop_unrolling = not tuning.lanes
     options.slp_vectorization = tuning.pack
     builder = binding.create_pass_builder(machine, options)
     builder.getModulePassManager().run(module, builder)

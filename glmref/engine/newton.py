@@ -250,6 +250,13 @@ class System:
         return self.length * len(self.parts) + self.size
 
 
+def written_out(form: StepForm, shape: Shape) -> bool:
+    """Whether stages stand alone, with matrices that are small enough to be written out."""
+    single = all(len(block.stages) == 1 for block in form.blocks if block.implicit)
+    unknowns = shape.half if shape.halved else shape.dimension
+    return single and unknowns <= INLINE_LIMIT and shape.jacobian is not None
+
+
 class NewtonWriter:
     """The part of a stage writer that knows Newton's method."""
 
@@ -270,9 +277,7 @@ class NewtonWriter:
         return (
             self.options.solver == "newton"
             and isinstance(self.t, ScalarTarget)
-            and self.unknowns <= INLINE_LIMIT
-            and self.shape.jacobian is not None
-            and all(len(block.stages) == 1 for block in self.form.blocks if block.implicit)
+            and written_out(self.form, self.shape)
         )
 
     @property

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from .codegen import Builder, KernelSource, Options, choose_kind, header
-from .emit import ArrayTarget, LaneTarget, ScalarTarget, Target, Writer
+from .emit import TARGETS, ArrayTarget, ScalarTarget, Target, Writer
 from .partitioned_forms import Half, PairForm
 from .shape import Shape
 from .updates import Values, differences, linear
@@ -19,12 +19,14 @@ def pair_source(form: PairForm, shape: Shape, options: Options) -> KernelSource:
     """Generate the module for a pair on a separable problem."""
     kind = choose_kind(form.Q.n + form.P.n, shape, options)
     writer = Writer()
-    target: Target = (ScalarTarget if kind == "scalar" else ArrayTarget)(shape, writer)
+    target = TARGETS[kind](shape, writer)
     PairBuilder(form, shape, options, target).kernel()
     title = f'"""Generated kernel: pair, {form.kind} form, {form.P.n} P and {form.Q.n} Q stages."""'
     head = header(shape, kind, newton=False)
-    text, rows = title + "\n\n" + head + writer.text, max(form.r, form.r_hat)
-    return KernelSource(text, target.work_size, rows, len(form.memory), kind)
+    text = title + "\n\n" + head + writer.text
+    # values of a multistep method turn independently of each other: vectors fit them
+    together = form.rows if len(form.kick) > 1 else 1
+    return KernelSource(text, target.work_size, form.rows, len(form.memory), kind, together)
 
 
 class PairBuilder(Builder):
@@ -53,7 +55,7 @@ class PairBuilder(Builder):
             # what a stage sees and its increment serve the values at once, and nothing later; new
             # values are written where the old ones were
             target.passing |= {f"{x}{i}" for x in "aL" for i in range(Q.n + P.n)}
-            target.passing |= {f"{x}{k}" for x in "nr" for k in range(self._rows())}
+            target.passing |= {f"{x}{k}" for x in "nr" for k in range(form.rows)}
         #: Whether the method is Störmer and Verlet's, and the system q'' = g(q).
         self.leaps = form.leaps and shape.parts[0].identity
         if self.leaps and isinstance(target, ArrayTarget):
@@ -69,9 +71,6 @@ class PairBuilder(Builder):
             ),
         )  # fmt: skip
 
-    def _rows(self) -> int:
-        return max(self.form.r, self.form.r_hat)
-
     def _declare(self) -> None:
         if isinstance(self.t, ScalarTarget):
             at_q = [
@@ -79,16 +78,12 @@ class PairBuilder(Builder):
             ]
             self.w(*(f"{self.t.ref(f'Y{j}', c)} = 0.0" for j in at_q for c in range(*self.watched)))
 
-    def _state(self) -> list[str]:
-        letters = "ye" if self.options.compensated else "y"
-        names = [f"{letter}{k}" for letter in letters for k in range(self._rows())]
-        return names + [name for name, _ in self.form.memory]
-
     def _scaled_weights(self) -> None:
         for half, shift in ((self.form.Q, 0), (self.form.P, self.form.Q.n)):
             for i, weight in enumerate(half.weights):
                 self.w(f"hw{i + shift} = h" if weight == 1.0 else f"hw{i + shift} = h*{weight!r}")
-        self.w(*(f"hk{k} = {kick!r}*h" for k, kick in enumerate(self.form.kick) if kick))
+        recorded = self.form.kick if self.options.history else self.form.kick[:1]
+        self.w(*(f"hk{k} = {kick!r}*h" for k, kick in enumerate(recorded) if kick))
 
     def _record(self) -> None:
         for part, basis in zip((0, 1), self.form.from_form, strict=True):
@@ -113,8 +108,7 @@ class PairBuilder(Builder):
         with a rounded h^2 would move q to one side at every step, a drift of the momentum.
         """
         q = self.sides[0].part
-        if isinstance(self.t, LaneTarget):
-            self.t.local |= {"S": range(*q), "T": range(*q)}
+        self.t.local |= {"Y0": range(*self.all), "S": range(*q), "T": range(*q)}
         self.t.call(self.shape.parts[0], "y0", "S", "")
         lost = "(@G - (@Y0 - @y0)) + " if self.options.compensated else ""
         self.t.vec(["@Y0 = @y0 + @G", f"@a0 = {lost}hw1*@S"], q)
@@ -136,9 +130,18 @@ class PairBuilder(Builder):
             pairs += [("@e0", "@r0")]
         self._take(pairs, new, p)
 
+    def _pairs(self, values: Values) -> list[tuple[str, str]]:
+        """What becomes what when the step is good: values, and the force they are kicked by."""
+        if not self.form.kick or values is self.sides[0]:
+            return values.pairs()
+        return [*values.pairs(), ("@G", f"@F{self.form.blocks[-1].stages[0]}")]
+
+    def _accept(self, values: Values) -> None:
+        self._take(self._pairs(values), [], values.part)
+
     def _take(self, pairs: list[tuple[str, str]], before: list[str], part: tuple[int, int]) -> None:
         """The step is good: old becomes new, after the statements that make what is new."""
-        self.t.vec(before + [f"{old} = {new}" for old, new in pairs], part)
+        self.t.vec(before + self._taking(pairs), part)
 
     def _blocks(self) -> None:
         if self.leaps:
@@ -178,12 +181,13 @@ class PairBuilder(Builder):
         """One explicit stage: its value, its function, its increment.
 
         A force that is kept from step to step is G: at a first stage Q it is known, at the last one
-        it is evaluated anew.
+        it is evaluated anew. Kicked values need that of the last good step, so that it becomes G
+        together with them.
         """
         _, i, side = self._side(node)
-        ends = {self.form.blocks[k].stages[0] for k in ((0, -1) if self.form.reuses_force else ())}
-        if self.form.kick:
-            ends = {self.form.blocks[-1].stages[0]}
+        self.t.local[f"Y{node}"] = range(*self.all)
+        known = self.form.reuses_force and not self.form.kick
+        ends = {self.form.blocks[k].stages[0] for k in ((0, -1) if known else ())}
         slope = "G" if node in ends else f"F{node}"
         if slope != "G" or done:
             z, a = self._base_of(node, done)
@@ -271,22 +275,20 @@ class PairBuilder(Builder):
                 self.t.total(check, f"({values.coming()})", self.all if whole else values.part)
         self._finite("check_q" if whole else "check_q + check_p")
         for values, increments in zip(self.sides, names, strict=True):
-            accepted = [f"{old} = {new}" for old, new in values.pairs()]
-            self.t.vec(values.finishing(increments) + accepted, values.part)
+            self._take(self._pairs(values), values.finishing(increments), values.part)
 
     def _commit_in_one_pass(self, names: tuple[list[str], list[str]]) -> None:
         """Check the new position and the force, which all new values are made of; then the same."""
         q, p = self.sides
         if self.shape.parts[0].identity:  # one pass: the force, read as positions
-            self.t.call(self.shape.parts[0], "G", "T", "")
+            self.t.call(self.shape.parts[0], "F0", "T", "")
             self.t.total("check", "(@Y0 + @T)", q.part)
             self._finite("check")
         else:
             self.t.total("check_q", "@Y0", q.part)
-            self.t.total("check_p", "@G", p.part)
+            self.t.total("check_p", "@F0", p.part)
             self._finite("check_q + check_p")
-        self.t.vec(["@L0 = hw0*@G"], p.part)
+        self.t.vec(["@L0 = hw0*@F0"], p.part)
         for values, increments in zip((p, q), names[::-1], strict=True):
             values.shift()
-            accepted = [f"{old} = {new}" for old, new in values.pairs()]
-            self.t.vec(values.finishing(increments) + accepted, values.part)
+            self._take(self._pairs(values), values.finishing(increments), values.part)

@@ -24,10 +24,21 @@ from ..exact import ball, exact, linalg
 from ..exact.linalg import Matrix
 from ..method import PartitionedGLM
 from ..method.component import SEPARABLE
-from ..method.rounding import split_float
 from ..method.solution_value import preconsistency_vector
 from ..method.stage_order import StageBlock
-from .forms import Row, all_vanish, changed_basis, float_rows, floats, large, vanishes
+from .forms import (
+    Form,
+    Row,
+    all_vanish,
+    changed_basis,
+    failing,
+    float_rows,
+    floats,
+    large,
+    scaled_rows,
+    split_rows,
+    vanishes,
+)
 from .sweep import integral_basis
 from .tableau import as_balls
 
@@ -65,7 +76,7 @@ class Half:
 
 
 @dataclass(frozen=True)
-class PairForm:
+class PairForm(Form):
     """Coefficients of a pair, ready for code generation; see :class:`.sweep.StepForm`.
 
     Attributes
@@ -97,9 +108,9 @@ class PairForm:
     kick: Row = ()
 
     @property
-    def implicit_stages(self) -> int:
-        """Number of stages that need an equation solved."""
-        return sum(len(block.stages) for block in self.blocks if block.implicit)
+    def rows(self) -> int:
+        """See :class:`.forms.Form`: the longer half."""
+        return max(self.r, self.r_hat)
 
     @property
     def reuses_force(self) -> bool:
@@ -265,19 +276,14 @@ def _obstacle(pair: PartitionedGLM, blocks: tuple[StageBlock, ...]) -> str:
         return "D has a zero"
     (A, U, B, V), (A_, U_, B_, V_) = (map(as_balls, c.matrices) for c in pair.components)
     T, product = linalg.transpose, linalg.matmul
-
-    def scaled(D: Sequence, matrix: Matrix) -> Matrix:
-        return tuple(tuple(d * x for x in row) for d, row in zip(D, matrix, strict=True))
-
-    left = linalg.add(scaled(D_P, A_), T(scaled(D_Q, A)))
+    left = linalg.add(scaled_rows(D_P, A_), T(scaled_rows(D_Q, A)))
     checks = {
         "V^T G V^ = G": linalg.sub(product(T(V), G, V_), G),
-        "D_P U^ = B^T G V^": linalg.sub(scaled(D_P, U_), product(T(B), G, V_)),
-        "D_Q U = B^^T G^T V": linalg.sub(scaled(D_Q, U), product(T(B_), T(G), V)),
+        "D_P U^ = B^T G V^": linalg.sub(scaled_rows(D_P, U_), product(T(B), G, V_)),
+        "D_Q U = B^^T G^T V": linalg.sub(scaled_rows(D_Q, U), product(T(B_), T(G), V)),
         "D_P A^ + A^T D_Q = B^T G B^": linalg.sub(left, product(T(B), G, B_)),
     }
-    failed = [name for name, defect in checks.items() if not all_vanish(defect)]
-    return f"{failed[0]} does not hold" if failed else ""
+    return failing(checks)
 
 
 def _sweep(pair: PartitionedGLM, blocks: tuple[StageBlock, ...]) -> PairForm:
@@ -290,8 +296,10 @@ def _sweep(pair: PartitionedGLM, blocks: tuple[StageBlock, ...]) -> PairForm:
     to_p = linalg.matmul(linalg.transpose(back), G)
     B = linalg.matmul(to_q, as_balls(pair.B))
     B_ = linalg.matmul(to_p, as_balls(pair.B_hat))
-    omega = float_rows(tuple(tuple(x / d for x, d in zip(row, D_P, strict=True)) for row in B))
-    omega_ = float_rows(tuple(tuple(x / d for x, d in zip(row, D_Q, strict=True)) for row in B_))
+    omega, omega_ = (
+        float_rows(tuple(tuple(x / d for x, d in zip(row, D, strict=True)) for row in rows))
+        for rows, D in ((B, D_P), (B_, D_Q))
+    )
     n_q, n_p, r = pair.n_Q, pair.n_P, pair.r
 
     def half(letter: str, n: int, rows: tuple[Row, ...], D: Sequence, other: int) -> Half:
@@ -374,10 +382,7 @@ def _merged_multistep(form: PairForm, pair: PartitionedGLM) -> PairForm:
 
 def _standard(pair: PartitionedGLM, blocks: tuple[StageBlock, ...]) -> PairForm:
     def half(letter: str, U: Matrix, A: Matrix, B: Matrix) -> Half:
-        pairs = [[split_float(x) for x in row] for row in B]
-        R = tuple(tuple(x for x, _ in row) for row in pairs)
-        residue = tuple(tuple(x for _, x in row) for row in pairs)
-        n = len(U)
+        (R, residue), n = split_rows(B), len(U)
         return Half(letter, n, len(U[0]), float_rows(U), float_rows(A), R, residue, (1.0,) * n)
 
     u, u_ = map(preconsistency_vector, pair.components)

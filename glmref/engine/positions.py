@@ -14,17 +14,22 @@ formed once a step from the predicted forces while the first one is evaluated.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from .emit import LaneTarget, ScalarTarget, Target
+from .emit import ScalarTarget, Target
 from .forms import StepForm
 from .updates import balanced, linear
 
 if TYPE_CHECKING:
     from .codegen import Options
-    from .shape import Part, Shape
+    from .shape import Shape
+
+#: z and a of each stage, see :mod:`.stages`.
+Bases = dict[int, tuple[str, str]]
+#: For each stage the terms of its first guess, see :meth:`.stages.StageWriter._prediction`.
+Guesses = Sequence[Sequence[tuple[int, bool, float]]]
 
 SPLITTER = 2.0**27 + 1  # Veltkamp's: halves of a double
 
@@ -90,14 +95,14 @@ class PositionRounds:
             and [block.implicit for block in form.blocks] == [True]
         )
 
-    def predict(self, guesses: Sequence[Sequence[tuple[int, bool, float]]]) -> None:
+    def predict(self, guesses: Guesses) -> None:
         """H from the increments of the step before; see :meth:`.StageWriter._prediction`."""
         half = self.shape.half
         rows = [[f"hp{i}_{j}*@L{j}" for j, *_ in row] for i, row in enumerate(guesses)]
         lines = [f"@H{i} = {' + '.join(row)}" for i, row in enumerate(rows)]
         self.t.vec(lines, (half, 2 * half))
 
-    def coefficients(self, guesses: Sequence[Sequence[tuple[int, bool, float]]]) -> None:
+    def coefficients(self, guesses: Callable[[], Guesses]) -> None:
         """Once a call: products with h, and what rounding took from them and from c and d.
 
         The form is exact for the weights hw as they are rounded, so these are what hd stands for:
@@ -109,7 +114,7 @@ class PositionRounds:
             a, b = halves(x)
             return f"(((high*{a!r} - {product}) + high*{b!r} + low*{a!r}) + low*{b!r})"
 
-        for i, row in enumerate(guesses):
+        for i, row in enumerate(guesses()):
             w(*(f"hp{i}_{j} = {x!r}/hw{i}" for j, _, x in row))
         w(*split("h"))
         w(*(f"r{k} = -{lost(f'hw{k}', weight)}" for k, weight in enumerate(self.form.weights)))
@@ -131,12 +136,8 @@ class PositionRounds:
     def _views(self, names: Sequence[tuple[str, str]]) -> None:
         """Read velocity parts of vectors as positions: pairs (vector, its name here)."""
         for source, name in names:
-            self._local(name)
-            self.t.call(self.shape.parts[0], source, name, "")
-
-    def _local(self, name: str) -> None:
-        if isinstance(self.t, LaneTarget):
             self.t.local[name] = range(self.shape.half)
+            self.t.call(self.shape.parts[0], source, name, "")
 
     def _slopes(self) -> None:
         """T from H."""
@@ -147,7 +148,7 @@ class PositionRounds:
         terms = [f"hd{i}_{j}*@T{j}" for j in range(self.form.s)]
         return balanced([(1.0, term) for term in [*terms, *others]])
 
-    def bases(self) -> None:
+    def bases(self, stages: Sequence[int], bases: Bases) -> None:
         """b, v and g from the values and the predicted forces."""
         kept, n = self.options.compensated, self.form.s
         self._views([("y0", "S"), *([("e0", "E")] if kept else [])])
@@ -165,16 +166,11 @@ class PositionRounds:
             lines += [f"@v{i} = ({lost}) + hc{i}*@S"]
         self.t.vec(lines, (0, self.shape.half))
 
-    def stage_values(self, name: str, base: str) -> None:
+    def stage_values(self, stages: Sequence[int], name: str, base: str) -> None:
         """Q_i into the vectors of this name, from b or v."""
         self._slopes()
-        lines = [f"@{name}{i} = @y0 + ({self._sum(i, f'@{base}{i}')})" for i in range(self.form.s)]
+        lines = [f"@{name}{i} = @y0 + ({self._sum(i, f'@{base}{i}')})" for i in stages]
         self.t.vec(lines, (0, self.shape.half))
-
-    def increments(self) -> None:
-        """L, once the rounds have ended."""
-        half = self.shape.half
-        self.t.vec([f"@L{j} = hw{j}*@H{j}" for j in range(self.form.s)], (half, 2 * half))
 
     def after_first(self) -> None:
         """Later rounds take v; b is theirs in the source."""
@@ -197,7 +193,7 @@ class PositionRounds:
         lines = [f"@A = hc{n}*@S + ({self._sum(n)})", "@u0 = @g + @A", "@n0 = @y0 + @u0"]
         if self.options.compensated:
             lines.append("@r0 = (@u0 - (@n0 - @y0)) + (@g - (@u0 - @A))")
-        self._local("A")
+        self.t.local["A"] = range(self.shape.half)
         self.t.vec(lines, (0, self.shape.half))
 
 
@@ -213,11 +209,10 @@ class SingleRounds:
     Vectors: H{i} is the force as the last round left it.
     """
 
-    def __init__(self, form: StepForm, target: Target, half: int, velocity: Part) -> None:
-        self.form, self.t, self.half, self.velocity = form, target, half, velocity
-        self.stages = [i for b in form.blocks if b.implicit for i in b.stages]
-        if isinstance(target, LaneTarget):
-            target.local |= {"T": range(half), "W": range(half, 2 * half)}
+    def __init__(self, form: StepForm, shape: Shape, options: Options, target: Target) -> None:
+        self.form, self.t, self.velocity = form, target, shape.parts[0]
+        self.half = half = shape.half
+        target.local |= {"T": range(half), "W": range(half, 2 * half)}
 
     @staticmethod
     def fits(form: object, shape: Shape, options: Options) -> bool:
@@ -230,14 +225,16 @@ class SingleRounds:
             and shape.parts[0].identity
         )
 
-    def coefficients(self) -> None:
+    def coefficients(self, guesses: Callable[[], Guesses]) -> None:
         """Once a call: k, and what makes a force of an increment."""
-        for i in self.stages:
+        for i in (i for b in self.form.blocks if b.implicit for i in b.stages):
             m = self.form.M[i][i]
             self.t.w(f"ih{i} = 1.0/hw{i}", f"k{i} = ({m!r}*hw{i})*({m!r}*hw{i})")
 
-    def base(self, i: int, z: str, a: str) -> None:
+    def bases(self, stages: Sequence[int], bases: Bases) -> None:
         """H from the predicted increment, and b."""
+        (i,) = stages
+        z, a = bases[i]
         half, small = self.half, [x for x in (a,) if x != "0.0"]
         lines = [f"@H{i} = ih{i}*@L{i}", f"@W = {' + '.join([z, *small])}"]
         self.t.vec(lines, (half, 2 * half))
@@ -245,14 +242,11 @@ class SingleRounds:
         small.append(f"{self.form.M[i][i]!r}*(hw{i}*@T)")
         self.t.vec([f"@b{i} = {z} + ({' + '.join(small)})"], (0, half))
 
-    def stage_value(self, i: int, name: str) -> None:
+    def stage_values(self, stages: Sequence[int], name: str, base: str) -> None:
         """Q into the vector of this name."""
+        (i,) = stages
         self._view(f"H{i}")
         self.t.vec([f"@{name}{i} = @b{i} + k{i}*@T"], (0, self.half))
-
-    def increment(self, i: int) -> None:
-        """The part p of L, once the rounds have ended."""
-        self.t.vec([f"@L{i} = hw{i}*@H{i}"], (self.half, 2 * self.half))
 
     def _view(self, source: str) -> None:
         """Read velocity parts as positions, into T."""

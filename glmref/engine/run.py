@@ -15,12 +15,13 @@ from ..problems.model import Problem
 from ..problems.user import FunctionFailed
 from .forms import StepForm
 from .kept import expressed
-from .kernel import Kernel, State, newton_bytes, prepare, with_band, with_newton
+from .kernel import Kernel, State, prepare, with_newton
 from .maps import Map, map_of
 from .memory import NEWTON_BYTES, gibibytes, memory
 from .outcome import Outcome, Solution, StartFailed, all_finite, outcome_of
 from .plan import Plan
 from .reference import Stepper, apply_finish
+from .solver_choice import newton_bytes, with_band
 from .start import Start, starting_values
 
 
@@ -247,7 +248,7 @@ class Run:
         except RenewalFailed as error:
             self._not_renewed(error)
         self.done, self.values = state.step, kernel.values(state)
-        self.counts = [int(x) for x in state.tally[:4]]
+        self.counts = [int(x) for x in state.tally]
         every, written = self.plan.every, int(state.tally[5])
         self.kept += written
         self._back_to_finite_values(kernel, t0)

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,26 +16,23 @@ from ..method import Method
 from ..problems.model import Problem
 from . import compiled, native
 from .codegen import Options
+from .expressions import Unsupported
 from .forms import StepForm
-from .kept import expressed
-from .kernel import (
-    Kernel,
-    choose_form,
-    choose_solver,
-    form_of,
-    prepare,
-    remembered,
-)
-from .lanes import LANE_ARGUMENTS, LaneSource, lane_source
+from .kept import expressed, stepper_of
+from .kernel import Kernel, choose_form, form_of, kept_source, prepare, remembered
+from .lanes import LANE_ARGUMENTS, LaneSource, in_vectors, lane_source
 from .native import Tuning
-from .newton import INLINE_LIMIT
+from .newton import INLINE_LIMIT, written_out
 from .outcome import KERNEL_OUTCOMES, Outcome
 from .partitioned_forms import PairForm
 from .plan import check_arithmetic
-from .reference import stepper
+from .solver_choice import choose_solver
 
 WIDTHS = (8, 16, 32)
 _FAST_MEMORY = 40 * 1024  # bytes of work array per block, about a first-level cache
+#: Bytes of a block of vectors up to which lanes lost nowhere (docs/engine.md); beyond, about a
+#: quarter of a second-level cache, they gain with a force of all bodies on all others only.
+_VECTOR_MEMORY = 256 * 1024
 _CHUNK_SECONDS = 0.1
 _FIRST_CHUNK = 64
 
@@ -112,13 +110,17 @@ class Runner:
     width = 1
 
     def __init__(
-        self, method: Method, problem: Problem, h: float, arithmetic: str,
+        self, method: Method, problem: Problem, y0: np.ndarray, h: float, arithmetic: str,
         solver: str, threads: int, width: int | None, cancel: Callable[[], bool] | None,
     ) -> None:  # fmt: skip
         self.method, self.problem, self.h, self.threads = method, expressed(problem), h, threads
         self.cancel, self.cancelled = cancel, False
         self.t0 = float(problem.t_span[0])
-        self.engine = stepper(method, problem)
+        self.engine = stepper_of(method, problem)
+        # the solver is chosen where the ensemble starts, not where the problem does
+        self.first = self.problem
+        if problem.context is None and tuple(y0) != tuple(problem.y0):
+            self.first = replace(self.problem, y0=tuple(y0), initial=None)
         self.build(arithmetic, solver, width)
 
     def build(self, arithmetic: str, solver: str, width: int | None) -> None:
@@ -204,19 +206,32 @@ class Lanes(Runner):
     """Blocks of lanes."""
 
     def build(self, arithmetic: str, solver: str, width: int | None) -> None:
-        """See :class:`Runner`."""
+        """See :class:`Runner`.
+
+        Raises
+        ------
+        Unsupported
+            Where trajectories have to go one by one, or, without a width asked for, should.
+        """
         begin = time.perf_counter()
         self.form, self.shape = choose_form(self.method, self.problem, form_of(arithmetic))
         options = prepare_options(self, arithmetic, solver)
-        self.source: LaneSource
-        for choice in (width,) if width else reversed(WIDTHS):
-            self.source = lane_source(self.form, self.shape, options, int(choice or 0))
+        vectors = in_vectors(self.shape)
+        for choice in (width,) if width else WIDTHS[:1] if vectors else reversed(WIDTHS):
+            given, about = (self.form, self.shape), (options, choice)
+            write = partial(lane_source, *given, *about)
+            self.source = kept_source(LaneSource, *given, about, write)
             if self.source.work_size * 8 <= _FAST_MEMORY:
                 break
+        large = self.source.work_size * 8 > _VECTOR_MEMORY and not self.shape.pairwise
+        if vectors and width is None and large:
+            raise Unsupported("a block of lanes leaves the cache")
         self.width, self.options = self.source.width, options
-        self.built = compiled.build(
-            self.source.text, LANE_ARGUMENTS, tuning=Tuning(wide=True, fuse=options.fused)
-        )
+        tuning = Tuning(wide=True, fuse=options.fused)
+        arguments = LANE_ARGUMENTS
+        if self.source.vectors:
+            tuning, arguments = replace(tuning, lanes=self.width), {**arguments, "x": "v*"}
+        self.built = compiled.build(self.source.text, arguments, tuning=tuning)
         self.build_seconds = time.perf_counter() - begin
 
     @property
@@ -288,8 +303,7 @@ class Lanes(Runner):
     def read(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
         """See :class:`Runner`."""
         d = self.shape.dimension
-        rows = max(self.form.r, getattr(self.form, "r_hat", 0))
-        inner = np.stack([self._get(f"y{k}", d) for k in range(rows)], axis=1)
+        inner = np.stack([self._get(f"y{k}", d) for k in range(self.form.rows)], axis=1)
         values = self.form.back(inner)
         if isinstance(self.form, PairForm) and self.form.kick:
             m, p = self.shape.half, slice(0, self.form.r_hat)
@@ -302,7 +316,8 @@ class Lanes(Runner):
         status, steps = self._get("status", 1)[:, 0], self._get("done", 1)[:, 0]
         explicit, per_round = self._costs()
         rounds = float(self._get("rounds", 1).sum())
-        evaluations = self.initial_evaluations + int(explicit * steps.sum() + per_round * rounds)
+        begun = steps.sum() + np.count_nonzero(status)  # one more where a step failed
+        evaluations = self.initial_evaluations + int(explicit * begun + per_round * rounds)
         return values, status.astype(int), steps.astype(int), evaluations
 
     def _costs(self) -> tuple[int, int]:
@@ -315,18 +330,25 @@ class Lanes(Runner):
 
 
 def prepare_options(runner: Lanes, arithmetic: str, solver: str) -> Any:
-    """Options of a lane kernel: the solver by the rule for single runs, as far as lanes have it."""
+    """Options of a lane kernel: the solver by the rule for single runs, as far as lanes have it.
+
+    Raises
+    ------
+    UsageError
+        For a solver that lanes do not have, asked for by name.
+    Unsupported
+        For a large system with Newton's method.
+    """
     check_arithmetic(arithmetic)
     options = Options.of(arithmetic)
     form, shape = runner.form, runner.shape
     if runner.method.parts == 2:
         return options
     assert isinstance(form, StepForm)
-    chosen = choose_solver(form, shape, runner.problem, runner.h, solver)
-    unknowns = shape.half if shape.halved else shape.dimension
-    single = all(len(b.stages) == 1 for b in form.blocks if b.implicit)
-    inline = single and unknowns <= INLINE_LIMIT and shape.jacobian is not None
-    if chosen == "newton" and not inline:
+    chosen = choose_solver(form, shape, runner.first, runner.h, solver)
+    if chosen == "newton" and in_vectors(shape):
+        raise Unsupported("Newton's method in vectors of lanes")
+    if chosen == "newton" and not written_out(form, shape):
         if solver == "newton":
             raise UsageError(
                 "lanes have Newton's method for single stages of at most "
@@ -342,7 +364,7 @@ class Singles(Runner):
     def build(self, arithmetic: str, solver: str, width: int | None) -> None:
         """See :class:`Runner`."""
         self.kernel: Kernel = prepare(
-            self.method, self.problem, h=self.h, arithmetic=arithmetic, solver=solver
+            self.method, self.first, h=self.h, arithmetic=arithmetic, solver=solver
         )
         self.build_seconds = self.kernel.seconds
         if self.kernel.built.engine == "python":

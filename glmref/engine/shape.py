@@ -103,8 +103,6 @@ class Shape:
         Formula of the Jacobian (d, d), or ``None``.
     jacobian_body, jacobian_name : str
         Source and name of a loop body for it, or ``""``.
-    band : Band or None
-        Order of the unknowns of Newton's method in which their matrix has few diagonals.
     parameters : tuple[str, ...]
         Names handed to expressions.
     values : np.ndarray
@@ -170,6 +168,13 @@ class Shape:
         """Whether a part can be called on arrays only: a long loop body, or a callable."""
         parts = (part for part in self.parts if part.formula is None and not part.identity)
         return any(not part.straight for part in parts)
+
+    @property
+    def pairwise(self) -> bool:
+        """Whether a body has a loop inside a loop: many operations for each component."""
+        nodes = [x for part in self.parts for x in ast.walk(ast.parse(part.body))]
+        bodies = [line for node in nodes if isinstance(node, ast.For) for line in node.body]
+        return any(isinstance(x, ast.For) for line in bodies for x in ast.walk(line))
 
     @property
     def uses_time(self) -> bool:
@@ -259,7 +264,7 @@ def _part(
     place = (role, start, stop, source, source_stop)
     if isinstance(function, Formula):
         identity = role == "velocity" and function.outputs == tuple(
-            f"p[{i}]" for i in range(stop - start)
+            f"p[{i}]" for i in range(len(function.outputs))
         )
         return Part(*place, formula=function, identity=identity)
     if isinstance(function, Loops):

@@ -12,7 +12,7 @@ import numpy as np
 from ..errors import UsageError
 from ..method import Method
 from ..problems.model import Problem
-from .inspection import inspected
+from .function_checks import inspected
 from .kept import stepper_of
 from .outcome import Solution, StartFailed
 from .plan import check_arithmetic, notices_of, plan_of, resolved, step_size

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 from .emit import Target
 from .forms import StepForm
 from .newton import REFRESH_ROUNDS, NewtonWriter
-from .positions import PositionRounds, SingleRounds
+from .positions import Bases, PositionRounds, SingleRounds
 from .shape import Part, Shape
 from .tableau import lagrange_weights
 from .updates import Term, Values, balanced, linear
@@ -34,8 +34,6 @@ ROUNDS = 200
 
 PREDICTOR_NODES = 3  # slopes a single stage is extrapolated from
 PREDICTOR_GAP = 0.02  # abscissae closer than this count as one node
-
-Bases = dict[int, tuple[str, str]]
 
 
 class StageWriter(NewtonWriter):
@@ -56,12 +54,12 @@ class StageWriter(NewtonWriter):
                 running=form.running, compensated=options.compensated,
             )  # fmt: skip
         #: Rounds on positions alone, where the stages allow it.
-        self.positions: PositionRounds | None = None
-        if PositionRounds.fits(form, shape, options):
-            self.positions = PositionRounds(form, shape, options, target)
-        self.single: SingleRounds | None = None
-        if SingleRounds.fits(form, shape, options):
-            self.single = SingleRounds(form, target, shape.half, shape.parts[0])
+        self.rounds: PositionRounds | SingleRounds | None = None
+        for kind in (PositionRounds, SingleRounds):
+            if self.rounds is None and kind.fits(form, shape, options):
+                self.rounds = kind(form, shape, options, target)
+        #: The same of stages that are solved together.
+        self.positions = self.rounds if isinstance(self.rounds, PositionRounds) else None
 
     # --- what a stage starts from ---------------------------------------------------------------
 
@@ -126,6 +124,7 @@ class StageWriter(NewtonWriter):
 
     def _explicit(self, i: int, base: tuple[str, str]) -> None:
         z, a = base
+        self.t.local[f"Y{i}"] = range(*self.all)
         self.t.vec([f"@Y{i} = {z}" if a == "0.0" else f"@Y{i} = {z} + {a}"])
         for part in self.shape.parts:
             self._evaluate(part, (i,))
@@ -235,20 +234,16 @@ class StageWriter(NewtonWriter):
         give the same f again, so the last, confirming, evaluation is never made.
         """
         w = self.w
-        if self.positions is not None:
-            self.positions.bases()
-        if self.single is not None:
-            self.single.base(stages[0], *bases[stages[0]])
+        if self.rounds is not None:
+            self.rounds.bases(stages, bases)
         self._sizes(stages, [bases[i][0] for i in stages])
         w("last_change = 1e300", "stalls = 0", "rounds = 0")
         with w.block("while True:"):
             for part in self.shape.parts:
                 here = (part.source, part.source_stop)
                 if part is self.shape.counted:
-                    if self.positions is not None:
-                        self.positions.stage_values("N", "b")
-                    elif self.single is not None:
-                        self.single.stage_value(stages[0], "N")
+                    if self.rounds is not None:
+                        self.rounds.stage_values(stages, "N", "b")
                     else:
                         self._stage_values(stages, bases, here, "N")
                     self._compare(stages)
@@ -258,22 +253,16 @@ class StageWriter(NewtonWriter):
                     self._evaluate(part, stages)
                     if self.options.solver == "newton":
                         self._newton_update(stages)
-                    elif self.positions is not None or self.single is not None:
-                        self.t.vec([f"@H{i} = @F{i}" for i in stages], self.inner)
                     else:
-                        self.t.vec([f"@L{i} = hw{i}*@F{i}" for i in stages], self.inner)
+                        self.t.vec([f"{x} = {y}" for x, y in self._slopes(stages)], self.inner)
                     if self.quick:
                         with w.block("if settled:"):
                             w("break")
-                elif self.positions is None and self.single is None:
+                elif self.rounds is None:
                     self._velocities(part, stages, bases)
             if self.positions is not None:
                 self.positions.after_first()
-        if self.positions is not None:
-            self.positions.increments()
-        if self.single is not None:
-            self.single.increment(stages[0])
-            self._velocities(self.shape.parts[0], stages, bases)
+        self._settled(stages, bases)
         w("iterations += rounds")
         self._count(len(stages), "rounds", len(stages))
         with w.block("if outcome != 0:"):
@@ -281,6 +270,19 @@ class StageWriter(NewtonWriter):
         if self.factored_newton:
             with w.block(f"if rounds > {REFRESH_ROUNDS}:"):
                 w("slow = True")
+
+    def _slopes(self, stages: Sequence[int]) -> list[tuple[str, str]]:
+        """What a round of the fixed point makes of the slopes F."""
+        if self.rounds is not None:
+            return [(f"@H{i}", f"@F{i}") for i in stages]
+        return [(f"@L{i}", f"hw{i}*@F{i}") for i in stages]
+
+    def _settled(self, stages: Sequence[int], bases: Bases) -> None:
+        """What rounds on positions leave to the end: increments."""
+        if self.rounds is not None:
+            self.t.vec([f"@L{i} = hw{i}*@H{i}" for i in stages], self.inner)
+            if self.positions is None:
+                self._velocities(self.shape.parts[0], stages, bases)
 
     def _velocities(self, part: Part, stages: Sequence[int], bases: Bases) -> None:
         """Of a separable problem: P, the velocities there, and what they add to q."""

@@ -5,6 +5,10 @@ and integers, entries and slices of arrays of doubles, ``if``, ``while``, ``for`
 calls of ``abs``, ``sqrt``, ``sin`` and their like and of other functions of the module. Anything
 else raises :class:`Unsupported`, and the source goes to numba.
 
+The same source becomes one for lanes where an array of the kernel has the kind ``v*``: each of its
+entries is a vector with one number for each lane, and so is all that is computed from them. A
+choice ``a if c else b`` is then made in each lane; a branch on such a condition is unsupported.
+
 A function is translated once for each combination of argument kinds it is called with. Every
 variable is a stack slot, which LLVM turns into registers. Arrays that are arguments of one call do
 not overlap; generated calls and loop bodies keep to that.
@@ -19,7 +23,9 @@ from typing import Any
 from .expressions import Array, Expressions, Unsupported, is_slice
 
 
-def translated(source: str, arguments: Mapping[str, str], *, fuse: bool = False) -> str:
+def translated(
+    source: str, arguments: Mapping[str, str], *, fuse: bool = False, lanes: int = 0
+) -> str:
     """LLVM assembly of a module's function ``kernel`` and of what it calls.
 
     Parameters
@@ -27,15 +33,17 @@ def translated(source: str, arguments: Mapping[str, str], *, fuse: bool = False)
     source : str
         Module text.
     arguments : Mapping[str, str]
-        Name -> kind: ``d*`` or ``i*`` for arrays, ``d`` or ``i`` for numbers.
+        Name -> kind: ``d*``, ``i*`` or ``v*`` for arrays, ``d`` or ``i`` for numbers.
     fuse : bool
         Whether a product and a sum may become one operation.
+    lanes : int
+        Numbers in a vector of the kind ``v``.
     """
     tree = ast.parse(source)
     functions = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
     if "kernel" not in functions:
         raise Unsupported("there is no kernel")
-    module = _Module(functions, ("contract",) if fuse else ())
+    module = _Module(functions, ("contract",) if fuse else (), lanes)
     names = [argument.arg for argument in functions["kernel"].args.args]
     if names != list(arguments):
         raise Unsupported(f"arguments {names}")
@@ -46,12 +54,16 @@ def translated(source: str, arguments: Mapping[str, str], *, fuse: bool = False)
 class _Module:
     """The module that is being built, and the functions translated so far."""
 
-    def __init__(self, functions: Mapping[str, ast.FunctionDef], flags: tuple[str, ...]) -> None:
+    def __init__(
+        self, functions: Mapping[str, ast.FunctionDef], flags: tuple[str, ...], lanes: int
+    ) -> None:
         from llvmlite import ir
 
         self.ir, self.module, self.functions = ir, ir.Module("glmref"), functions
         self.double, self.integer, self.bit = ir.DoubleType(), ir.IntType(64), ir.IntType(1)
         self.flags = flags  # of operations on doubles
+        self.vector = ir.VectorType(self.double, lanes) if lanes else None
+        self.bits = ir.VectorType(self.bit, lanes) if lanes else None
         self.done: dict[tuple[str, tuple[str, ...]], Any] = {}
 
     def function(self, name: str, kinds: tuple[str, ...]) -> Any:
@@ -65,7 +77,7 @@ class _Module:
 
 
 class _Function(Expressions):
-    """Translates one function; kinds ``d1`` and ``d2`` are arrays passed with their shape."""
+    """Translates one function; kinds ``d1``, ``v2`` .. are arrays passed with their shape."""
 
     def __init__(
         self, module: _Module, name: str, node: ast.FunctionDef, kinds: tuple[str, ...]
@@ -75,13 +87,11 @@ class _Function(Expressions):
         types, names = [], [argument.arg for argument in node.args.args]
         if len(names) != len(kinds):
             raise Unsupported(f"{name} takes {len(names)} arguments")
-        pointer = self.double.as_pointer()
+        numbers = {"d": self.double, "i": self.integer, "v": module.vector}
         for kind in kinds:
-            types += {
-                "d": [self.double], "i": [self.integer], "d*": [pointer],
-                "i*": [self.integer.as_pointer()], "d1": [pointer, self.integer],
-                "d2": [pointer, self.integer, self.integer],
-            }[kind]  # fmt: skip
+            number, sizes = numbers[kind[0]], int(kind[1:].strip("*") or 0)
+            types.append(number.as_pointer() if kind[1:] else number)
+            types += [self.integer] * sizes
         self.function = self.ir.Function(
             module.module, self.ir.FunctionType(self.integer, types), name=name
         )
@@ -89,12 +99,14 @@ class _Function(Expressions):
         first = self.function.append_basic_block("body")
         self.b = self.ir.IRBuilder(first)
         self.slots: dict[str, Any] = {}
+        given_wide = [x for x, kind in zip(names, kinds, strict=True) if kind[0] == "v"]
+        self.wide = _reached(node.body, given_wide)
         self.arrays: dict[str, Array] = {}
         self.exits: list[Any] = []
         given = iter(self.function.args)
         for argument, kind in zip(names, kinds, strict=True):
             value = next(given)
-            if kind in ("d", "i"):
+            if not kind[1:]:
                 self._assign(argument, value)
                 continue
             value.add_attribute("noalias")
@@ -134,7 +146,8 @@ class _Function(Expressions):
             self._assign(target.id, value)
         elif isinstance(target, ast.Subscript):
             place = self._place(target)
-            self.b.store(self._as(value, place.type.pointee), place)
+            value = self._as(value, place.type.pointee)
+            self.b.store(value, place, align=self._alignment(place))
         else:
             raise Unsupported(ast.unparse(target))
 
@@ -211,3 +224,27 @@ class _Function(Expressions):
     def _Return(self, node: ast.Return) -> None:
         value = self.integer(0) if node.value is None else self._value(node.value)
         self.b.ret(self._as(value, self.integer))
+
+
+def _reached(body: Sequence[ast.stmt], names: Sequence[str]) -> set[str]:
+    """Variables that are computed from these, which are among them: from their entries, lanes."""
+
+    def read(node: ast.AST) -> set[str]:
+        if isinstance(node, ast.Call) and ast.unparse(node.func) in ("len", "lanes_with"):
+            return set()
+        own = {node.id} if isinstance(node, ast.Name) else set()
+        return own.union(*(read(child) for child in ast.iter_child_nodes(node)))
+
+    steps = [
+        (target.id, read(node.value))
+        for statement in body
+        for node in ast.walk(statement)
+        if isinstance(node, ast.Assign | ast.AugAssign)
+        for target in (node.targets if isinstance(node, ast.Assign) else [node.target])
+        if isinstance(target, ast.Name)
+    ]
+    found, before = set(names), -1
+    while names and len(found) > before:
+        before = len(found)
+        found |= {name for name, sources in steps if sources & found}
+    return found

@@ -189,7 +189,7 @@ def _writes_into_argument(problem: Problem, t0: Any, y0: np.ndarray) -> None:
         function = getattr(problem, name)
         if not isinstance(function, Loops) or function.context is not None:
             continue
-        own = function.body.__module__.partition(".")[0] == __name__.partition(".")[0]
+        own = (function.body.__module__ or "").partition(".")[0] == __name__.partition(".")[0]
         if own or len(y0) > _LOOPS_UP_TO:
             continue
         *times, state = point
