@@ -50,11 +50,6 @@ _STATIC = re.compile(r"static\s+const\s+double\s+(\w+)\s*(?:\[\s*\w*\s*\])?\s*=\
 def gsl(text: str) -> Iterator[Table]:
     """The table of a stepper: rows b21, b3, b4, .., weights c1, .. or Abar, abscissae ah.
 
-    Parameters
-    ----------
-    text : str
-        The source.
-
     Yields
     ------
     Table
@@ -107,11 +102,6 @@ _BASE = re.compile(
 
 def odeint(text: str) -> Iterator[Table]:
     """The table of a stepper: one struct for each row, or constants with a name each.
-
-    Parameters
-    ----------
-    text : str
-        The source.
 
     Yields
     ------

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from math import isfinite
+from numbers import Integral, Number
 from typing import Any
 
 from ..errors import DataError, GlmrefError
@@ -28,11 +30,15 @@ from .orders import (
     w_method,
 )
 
-#: Names of what a tableau may be made of, by the letters of a document.
-KEYS = {
-    *("A", "b", "c", "order", "embedded", "error", "digits", "name", "parts"),
-    *("b_prime", "A_prime", "alpha", "gamma", "w_order", "dense", "dense_order"),
+#: Keys of a document by the kind of method; a key of another kind would say nothing.
+_ALWAYS = {"name", "digits", "order"}
+_KEYS: Mapping[str, set[str]] = {
+    "an additive method": _ALWAYS | {"parts", "c", "embedded"},
+    "a Rosenbrock method": _ALWAYS | {"alpha", "gamma", "b", "w_order", "embedded"},
+    "a Nystrom method": _ALWAYS | {"A", "b", "c", "b_prime", "A_prime"},
+    "a Runge-Kutta method": _ALWAYS | {"A", "b", "c", "embedded", "dense", "dense_order"},
 }
+KEYS = set[str]().union(*_KEYS.values())
 
 
 #: A residual of trees through order 8 that says that c is A 1 but for rounding.
@@ -146,7 +152,12 @@ def _document(A: Any, b: Any, c: Any, **said: Any) -> dict[str, Any]:
         given = dict(A)
     elif hasattr(A, "A") and b is None:
         given = {"A": A.A, "b": getattr(A, "b", None), "c": getattr(A, "c", None)}
-        if given["b"] is None and hasattr(A, "B") and len(getattr(A, "V", ())) == 1:
+        if given["b"] is None and hasattr(A, "B") and hasattr(A, "V"):
+            if len(A.V) != 1:
+                raise DataError(
+                    f"the method carries {len(A.V)} values; a tableau of one has A and b: "
+                    f"`glmref.analyze` computes the order of any method"
+                )
             given["b"] = A.B[0]
     else:
         given["A"] = A
@@ -179,6 +190,11 @@ def examine(document: Mapping[str, Any]) -> tuple[Finding, ...]:
         raise DataError("this is a method file; `glmref verify FILE` recomputes its claims")
     if unknown:
         raise DataError(f"the key {unknown[0]!r} is not known; known are {', '.join(sorted(KEYS))}")
+    kind = _kind(document)
+    idle = [x for x in document if x not in _KEYS[kind]]
+    if idle:
+        known = ", ".join(sorted(_KEYS[kind]))
+        raise DataError(f"`{idle[0]}` is no key of {kind}, whose keys are {known}")
     reader = Reader(_whole(document, "digits", 1, 300))
     rows, more = _rows(document, reader)
     if not (rows or more):
@@ -197,6 +213,23 @@ def examine(document: Mapping[str, Any]) -> tuple[Finding, ...]:
     return (*findings, *(make(name) for make in more))
 
 
+def _kind(document: Mapping[str, Any]) -> str:
+    """Which kind of method a document is, by the key that the other kinds have not."""
+    additive, rosenbrock, nystrom, plain = _KEYS
+    if "parts" in document:
+        return additive
+    if "alpha" in document or "gamma" in document:
+        return rosenbrock
+    return nystrom if "b_prime" in document else plain
+
+
+def _only(given: Mapping[str, Any], keys: Sequence[str], where: str) -> None:
+    """Refuse a key, of which nothing would be checked."""
+    other = [x for x in given if x not in keys]
+    if other:
+        raise DataError(f"`{where}` has the key {other[0]!r}; its keys are {', '.join(keys)}")
+
+
 def _as_written(row: _Row) -> str:
     """The order of decimals that are taken for the numbers themselves, with the tree that fails."""
     found = merged([reach(x, min(row.declared, _LITERAL), stop=0.0) for x in row.schemes])
@@ -204,7 +237,14 @@ def _as_written(row: _Row) -> str:
         return f"the decimals as written have order {found.proved} or more"
     n = found.refuted
     tree, size = found.first[n - 1], found.sizes[n - 1]
-    return f"the decimals as written have order {n - 1} (tree {tree} has residual {size:.2g})"
+    return (
+        f"the decimals as written have order {n - 1} (tree {tree} has residual {_shown(size, 2)})"
+    )
+
+
+def _shown(size: float, digits: int = 3) -> str:
+    """A size, which of numbers beyond the range of doubles is infinite."""
+    return f"{size:.{digits}g}" if isfinite(size) else "above 1e308"
 
 
 def _whole(document: Mapping[str, Any], key: str, least: int, most: int) -> int | None:
@@ -213,7 +253,7 @@ def _whole(document: Mapping[str, Any], key: str, least: int, most: int) -> int 
         return None
     try:
         whole = int(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         whole = least - 1
     if isinstance(value, bool) or whole != value or not least <= whole <= most:
         raise DataError(f"`{key}` must be a whole number from {least} to {most}, got {value!r}")
@@ -228,9 +268,10 @@ _Rows = tuple[list[_Row], list[Callable[[str], Finding]]]
 
 
 def _rows(document: Mapping[str, Any], reader: Reader) -> _Rows:
-    if "parts" in document:
+    kind = _kind(document)
+    if kind == "an additive method":
         return _additive(document, reader)
-    if "alpha" in document or "gamma" in document:
+    if kind == "a Rosenbrock method":
         return _rosenbrock(document, reader)
     if "A" not in document or "b" not in document:
         missing = "A" if "A" not in document else "b"
@@ -241,17 +282,16 @@ def _rows(document: Mapping[str, Any], reader: Reader) -> _Rows:
     c = reader.vector(document["c"], "c", s) if "c" in document else None
     if "b_prime" in document:
         return _nystrom(document, reader, A, b, c), []
-    rows, more = [], []
+    rows = []
     order = _order(document)
     if order is not None:
         remark = "" if c is None else _abscissae(A, c)
         rows.append(_Row("order", order, [runge_kutta(A, b, c)], remark))
-    for k, (weights, low) in enumerate(_embedded(document, reader, b), 1):
-        title = f"order of embedded row {k}"
-        if low is None:
-            more.append(_difference(k, b, weights))
-        else:
-            rows.append(_Row(title, low, [runge_kutta(A, weights, c)]))
+    more = _rows_beside(
+        rows, _embedded(document, reader, b), b, lambda weights: runge_kutta(A, weights, c)
+    )
+    if "dense_order" in document and "dense" not in document:
+        raise DataError("`dense` is missing, of which `dense_order` says something")
     if "dense" in document:
         wanted = _order(document, "dense_order") or order or 1
         table = reader.table(document["dense"], "dense", s)
@@ -261,17 +301,25 @@ def _rows(document: Mapping[str, Any], reader: Reader) -> _Rows:
     return rows, more
 
 
+_ROW = 'a row with its order, as ([1, 0], 1) or {"b": [1, 0], "order": 1}'
+
+
+def _row_with_order(given: Any) -> bool:
+    """Whether this is a row and its order, not a row of two numbers nor a list of two rows."""
+    pair = isinstance(given, (list, tuple)) and len(given) == 2
+    return pair and isinstance(given[1], Integral) and not isinstance(given[0], (Number, str))
+
+
 def _embedded(
     document: Mapping[str, Any], reader: Reader, b: Vector
 ) -> list[tuple[Vector, int | None]]:
     given = document.get("embedded")
     if given is None:
         return []
-    if isinstance(given, Mapping) or (
-        isinstance(given, (list, tuple)) and len(given) == 2 and isinstance(given[1], int)
-        and not isinstance(given[0], (int, float, str))
-    ):  # fmt: skip
+    if isinstance(given, Mapping) or _row_with_order(given):
         given = [given]
+    if isinstance(given, str) or not isinstance(given, Iterable):
+        raise DataError(f"`embedded` must be {_ROW}, got {str(given)[:40]!r}")
     found: list[tuple[Vector, int | None]] = []
     for k, x in enumerate(given, 1):
         where = f"embedded[{k}]"
@@ -281,17 +329,15 @@ def _embedded(
                     f"`{where}` needs either b or error, and an order, as "
                     f'{{"b": [1, 0], "order": 1}}; it has {", ".join(map(str, x)) or "no key"}'
                 )
+            _only(x, ("b", "error", "order"), where)
             low = _order(x)
             weights = reader.vector(x.get("b", x.get("error")), where, len(b))
             if "error" in x:
                 weights = tuple(p - q for p, q in zip(b, weights, strict=True))
-        elif isinstance(x, (list, tuple)) and len(x) == 2 and not isinstance(x[0], (int, str)):
+        elif _row_with_order(x):
             weights, low = reader.vector(x[0], where, len(b)), _order({"order": x[1]})
         else:
-            raise DataError(
-                f"`{where}` must be a row with its order, as ([1, 0], 1) or "
-                f'{{"b": [1, 0], "order": 1}}'
-            )
+            raise DataError(f"`{where}` must be {_ROW}")
         found.append((weights, low))
     return found
 
@@ -326,12 +372,10 @@ def _rosenbrock(document: Mapping[str, Any], reader: Reader) -> _Rows:
         rows.append(_Row("order", order, [rosenbrock(alpha, gamma, b)]))
     if w_order is not None:
         rows.append(_Row("W-order", w_order, [w_method(alpha, gamma, b)]))
-    for k, (weights, low) in enumerate(_embedded(document, reader, b), 1):
-        if low is not None:
-            rows.append(
-                _Row(f"order of embedded row {k}", low, [rosenbrock(alpha, gamma, weights)])
-            )
-    return rows, []
+    more = _rows_beside(
+        rows, _embedded(document, reader, b), b, lambda weights: rosenbrock(alpha, gamma, weights)
+    )
+    return rows, more
 
 
 def _additive(document: Mapping[str, Any], reader: Reader) -> _Rows:
@@ -342,6 +386,7 @@ def _additive(document: Mapping[str, Any], reader: Reader) -> _Rows:
     for k, part in enumerate(given, 1):
         if not isinstance(part, Mapping) or not {"A", "b"} <= part.keys():
             raise DataError(f"`parts[{k}]` needs A and b")
+        _only(part, ("A", "b", "c", "order"), f"parts[{k}]")
         A = reader.matrix(part["A"], f"parts[{k}].A")
         if parts and len(A) != len(parts[0][0]):
             raise DataError(f"`parts[{k}].A` has {len(A)} stages and the first part another number")
@@ -355,18 +400,35 @@ def _additive(document: Mapping[str, Any], reader: Reader) -> _Rows:
     order = _order(document)
     if order is not None:
         rows.append(_Row("order", order, [additive(parts, times)]))
-    for k, (weights, low) in enumerate(_embedded(document, reader, parts[0][1]), 1):
-        if low is not None:
-            rows.append(
-                _Row(f"order of embedded row {k}", low,
-                     [additive([(A, weights) for A, _ in parts], times)])
-            )  # fmt: skip
-    return rows, []
+    b = parts[0][1]
+    more = _rows_beside(
+        rows, _embedded(document, reader, b), b,
+        lambda weights: additive([(A, weights) for A, _ in parts], times),
+    )  # fmt: skip
+    return rows, more
+
+
+def _rows_beside(
+    rows: list[_Row],
+    embedded: Sequence[tuple[Vector, int | None]],
+    b: Vector,
+    scheme: Callable[[Vector], Scheme],
+) -> list[Callable[[str], Finding]]:
+    """Add the orders of embedded rows, and return the sums of those that say none."""
+    more = []
+    for k, (weights, low) in enumerate(embedded, 1):
+        if low is None:
+            more.append(_difference(k, b, weights))
+        else:
+            rows.append(_Row(f"order of embedded row {k}", low, [scheme(weights)]))
+    return more
 
 
 def _difference(k: int, b: Vector, weights: Vector) -> Callable[[str], Finding]:
     total = sum((x - y for x, y in zip(b, weights, strict=True)), Exact(0))
-    said = f"b and the row differ in sum by {total.magnitude():.3g}" if total.magnitude() else ""
+    said = (
+        f"b and the row differ in sum by {_shown(total.magnitude())}" if total.magnitude() else ""
+    )
     return lambda name: vanishing(total, said).finding(name, f"error weights of row {k} sum to", 0)
 
 
@@ -437,7 +499,7 @@ def _judged(row: _Row, name: str, remark: str, digits: int | None) -> Finding:
     elif found.refuted is not None and found.refuted <= row.declared:
         n = found.refuted
         tree, size = found.first[n - 1], found.sizes[n - 1]
-        parts = [f"tree {tree} of order {n} has residual {size:.3g}", found.staircase(),
+        parts = [f"tree {tree} of order {n} has residual {_shown(size)}", found.staircase(),
                  row.remark, remark]  # fmt: skip
     elif looked < row.declared:
         parts = [f"trees of order {looked} or less were looked at, and no condition fails"]

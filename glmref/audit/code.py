@@ -175,6 +175,7 @@ def _c(text: str) -> Iterator[Statement]:
     start, depth, inside, quote = 0, 0, 0, ""
     line = 1
     first = 1
+    head = 0  # where the statement begins
     blank = True  # whether nothing of a statement has been seen; its text is not looked at again
     k = 0
     while k < len(text):
@@ -191,7 +192,7 @@ def _c(text: str) -> Iterator[Statement]:
         elif x == ")":
             depth = max(0, depth - 1)
         elif x == "{":
-            before = text[start:k].rstrip()
+            before = "" if inside else text[start:k].rstrip()
             if inside or (
                 before.endswith(("=", "(", ",", "]", "return")) and "ARK_BUTCHER" not in before
             ):
@@ -207,8 +208,8 @@ def _c(text: str) -> Iterator[Statement]:
                 start, depth = k + 1, 0
         elif x == "\n":
             line += 1
-            row = text[start:k].strip()
-            if row.startswith("#"):
+            if not blank and text[head] == "#":
+                row = text[head:k].rstrip()
                 made = re.fullmatch(r"#\s*define\s+(\w+)\s+(\(?.*[\d(].*)", row)
                 if made:
                     yield Statement(rewritten(f"{made[1]} = {made[2]}"), line - 1)
@@ -216,6 +217,8 @@ def _c(text: str) -> Iterator[Statement]:
         if x == ";" and not quote and not inside and depth == 0:
             yield from (Statement(x, first) for x in _declarations(text[start:k]))
             start = k + 1
+        if blank and not x.isspace():
+            head = k
         blank = k < start or (blank and x.isspace())
         if blank:
             first = line

@@ -61,13 +61,6 @@ def constants(text: str, declared: Mapping[str, int] | None = None) -> Iterator[
 
     Two conventions are known: ``a21, b1, c2`` with ``d1`` (second weights) or ``e1`` (error), and
     ``b21, c1, a2`` with ``dc1`` (error), where without ``c1`` the last row holds the weights.
-
-    Parameters
-    ----------
-    text : str
-        The source.
-    declared : mapping, optional
-        Orders by the name of the class.
     """
     text = bare(text)
     first = re.search(r"\b[ab]21\s*=", text)

@@ -15,7 +15,9 @@ from ..exact import Ball, Exact, Scalar
 from ..exact.expression import parse
 from ..exact.linalg import Matrix, Vector
 
-_DECIMAL = re.compile(r"(?:\d+\.\d*|\.\d+|\d+(?=[eE]))(?:[eE][-+]?\d{1,3})?")
+_DECIMAL = re.compile(r"(?:\d+\.\d*|\.\d+|\d+(?=[eE]))(?:[eE][-+]?\d{1,3}(?!\d))?")
+#: Powers of numbers of sympy that are written as products.
+_POWER = 20
 #: A double with a larger power of 2 below it is taken for a rounded number in a hint.
 _DYADIC = 2**12
 
@@ -35,6 +37,29 @@ class Double(float):
 def rational_text(text: str) -> str:
     """Write the decimals of an expression as the fractions that they are."""
     return _DECIMAL.sub(lambda m: f"({Fraction(m[0])})", text)
+
+
+def _plain(value: Any) -> Any:
+    """An array of numpy, or a matrix of sympy or mpmath, as lists; anything else as it is."""
+    return value.tolist() if hasattr(value, "tolist") else value
+
+
+def _of_sympy(x: Any) -> str | None:
+    """A number of sympy as an expression; ``None`` where it is none in real radicals."""
+    if x.is_Rational:
+        return f"({x})"
+    if x.is_Add or x.is_Mul:
+        terms = [_of_sympy(y) for y in x.args]
+        sign = "+" if x.is_Add else "*"
+        return None if None in terms else f"({sign.join(str(y) for y in terms)})"
+    if x.is_Pow and x.exp.is_Rational and abs(x.exp.p) <= _POWER:
+        base = _of_sympy(x.base)
+        if base is None or (x.exp.q > 1 and not x.base.is_nonnegative):
+            return None
+        root = base if x.exp.q == 1 else f"root({base}, {x.exp.q})"
+        power = "*".join([root] * abs(x.exp.p))
+        return f"(1/({power}))" if x.exp.p < 0 else f"({power})"
+    return None
 
 
 @dataclass
@@ -58,6 +83,7 @@ class Reader:
 
     def matrix(self, rows: Any, name: str) -> Matrix:
         """A square matrix."""
+        rows = _plain(rows)
         if isinstance(rows, (int, float, str, Fraction)):
             rows = [[rows]]
         found = tuple(
@@ -67,8 +93,8 @@ class Reader:
         for i, row in enumerate(found):
             if len(row) != len(found):
                 raise DataError(
-                    f"`{name}` must be square: it has {len(found)} rows, and row {i + 1} has "
-                    f"{len(row)} entries"
+                    f"`{name}` must be square, {len(found)} by {len(found)}: the length of row "
+                    f"{i + 1} is {len(row)}"
                 )
         return found
 
@@ -83,12 +109,15 @@ class Reader:
         return found
 
     def vector(self, entries: Any, name: str, s: int) -> Vector:
-        """A vector of s entries."""
+        """A vector of s entries; a matrix with one row or one column stands for one."""
+        entries = _plain(entries)
         if isinstance(entries, (int, float, str, Fraction)):
             entries = [entries]
-        found = tuple(
-            self.number(x, f"{name}[{i + 1}]") for i, x in enumerate(self._list(entries, name))
-        )
+        entries = [_plain(x) for x in self._list(entries, name)]
+        rows = [list(x) for x in entries if isinstance(x, (list, tuple))]
+        if rows and len(rows) == len(entries) and (len(rows) == 1 or {len(x) for x in rows} == {1}):
+            entries = [x for row in rows for x in row]
+        found = tuple(self.number(x, f"{name}[{i + 1}]") for i, x in enumerate(entries))
         if len(found) != s:
             raise DataError(
                 f"`{name}` must have {s} entries, as `A` has {s} rows, got {len(found)}"
@@ -105,7 +134,7 @@ class Reader:
 
     @staticmethod
     def _list(value: Any, name: str) -> list[Any]:
-        value = value.tolist() if hasattr(value, "tolist") else value
+        value = _plain(value)
         if isinstance(value, (str, bytes, dict)) or not isinstance(value, Iterable):
             raise DataError(f"`{name}` must be a list of numbers, got {str(value)[:60]!r}")
         return list(value)
@@ -132,7 +161,8 @@ class Reader:
                 return self._refuse(x, where)
             return self._binary(Fraction(int(man)) * Fraction(2) ** power * (-1) ** sign, x, where)
         if module == "sympy" and getattr(x, "is_number", False):
-            return self._text(str(x), where)
+            text = _of_sympy(x)
+            return self._refuse(x, where) if text is None else self._text(text, where)
         if hasattr(x, "as_integer_ratio") and not isinstance(x, bool):  # numpy's long double
             return self._binary(Fraction(*map(int, x.as_integer_ratio())), x, where)
         return self._refuse(x, where)

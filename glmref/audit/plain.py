@@ -101,7 +101,7 @@ def _read(document: Mapping[str, Any], name: str, line: int) -> Table:
     unknown = [x for x in document if x not in KEYS]
     if unknown:
         raise Unread(f"the key {unknown[0]!r} is not known")
-    for key in ("dense", "w_order", "error"):
+    for key in ("dense", "w_order"):
         if key in document:
             raise Unread(f"the key {key!r} is read by `glmref check` only")
     table = Table(name, line, order=_whole(document.get("order")))

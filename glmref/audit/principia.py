@@ -25,11 +25,6 @@ _HAT, _PRIME = "\N{COMBINING CIRCUMFLEX ACCENT}", "\N{MODIFIER LETTER PRIME}"
 def structs(text: str) -> Iterator[Table]:
     """Tables of a header.
 
-    Parameters
-    ----------
-    text : str
-        The source.
-
     Yields
     ------
     Table

@@ -13,7 +13,7 @@ from ..compute import Executor, in_order
 from ..compute.executors import Here
 from ..errors import GlmrefError, UsageError
 from .judge import judge
-from .nearest import Library
+from .nearest_method import Library
 from .readers import FORMATS, SUFFIXES, declared_orders, read
 from .table import Table
 

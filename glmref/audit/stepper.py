@@ -124,6 +124,8 @@ class _Step:
             if isinstance(node.op, ast.Mult):
                 return _product(x, y)
             if isinstance(node.op, ast.Div) and set(y) == {"1"}:
+                if y["1"].value == 0:
+                    raise Unread("a quotient has the divisor 0")
                 return {k: v.of(v.value / y["1"].value, y["1"]) for k, v in x.items()}
             raise Unread("an operator is not read")
         return {"1": evaluate(node, self.scope)}

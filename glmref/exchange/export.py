@@ -13,14 +13,14 @@ from ..catalogue.reader import load_document
 from ..errors import UsageError
 from ..method import GLM, AdditiveGLM, PartitionedGLM
 from ..system.files import write_text
+from .header import COMPLETE, LANGUAGES
 from .numbers import check_digits
 from .steppers import stepper
 from .tables import blocks_of, method_document, table
 
-_LANGUAGES = ("c", "c++", "fortran", "julia", "rust", "python", "jax")
 #: What a method can be exported to: steppers, then tables.
 TARGETS = (
-    *_LANGUAGES,
+    *LANGUAGES,
     *("latex", "sundials", "petsc", "diffrax", "ordinarydiffeq", "rungekutta.jl", "json", "csv"),
 )
 
@@ -42,11 +42,6 @@ def export(
         have the shortest decimals that give the nearest doubles, tables 34 digits where a number is
         no quotient, and JSON, CSV and LaTeX exact expressions.
 
-    Returns
-    -------
-    str
-        The text of the file.
-
     Raises
     ------
     UsageError
@@ -60,7 +55,7 @@ def export(
         raise UsageError(f"there is no export to {to!r}; {hint}")
     check_digits(digits)
     method = method_of(method)
-    if to in ("json", "csv"):
+    if to in COMPLETE:
         return table(method, to, digits)
     if method.rosenbrock:
         raise UsageError(
@@ -73,7 +68,7 @@ def export(
             f"{method.name} is additive: petsc, sundials, json and csv hold its tableaux, and {to} "
             f"single methods and pairs; export its parts, glmref.export(method.part(1), to={to!r})"
         )
-    if to in _LANGUAGES:
+    if to in LANGUAGES:
         return stepper(method, to, digits)
     return table(method, to, digits)
 
@@ -91,11 +86,6 @@ def save(
         The file, which is replaced where there is one.
     digits : int or None
         Digits after the point, instead of exact expressions.
-
-    Returns
-    -------
-    Path
-        The path.
 
     Raises
     ------

@@ -34,13 +34,6 @@ def is_zero(x: Scalar) -> bool:
 def decimal_of(x: Scalar, digits: int) -> str:
     """Round to so many significant digits; a whole number stays one.
 
-    Parameters
-    ----------
-    x : Scalar
-        A real number.
-    digits : int
-        Significant digits.
-
     Returns
     -------
     str

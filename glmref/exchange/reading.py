@@ -180,6 +180,7 @@ class _Writer:
         texts = [x for rows in entries.values() for row in rows for x in row]
         ours = self.form in ("json", "csv")
         weights = [entries.pop(x)[0] for x in ("d", "dt") if not ours and x in entries]
+        error = None if ours else entries.pop("e", None)
         embedded = {x: entries.pop(x) for x in list(entries) if ours and _EMBEDDED.match(x)}
         document: dict[str, Any] = {"format": "", "name": self._name()}
         document["class"] = shapes
@@ -209,7 +210,8 @@ class _Writer:
                 *outer, letter = block.split(".")
                 inside = document.setdefault(outer[0], {}) if outer else document
                 name = "c" if letter == "abscissae" else letter
-                inside[name] = rows[0] if name in ("b", "b_prime", "c", "u", "u_hat") else rows
+                vectors = ("b", "b_prime", "c", "u", "u_hat", "output")
+                inside[name] = rows[0] if name in vectors else rows
         for key in ("q", "p", "starting", "finishing"):
             if isinstance(document.get(key), dict) and not document[key]:
                 del document[key]
@@ -219,6 +221,8 @@ class _Writer:
             document["embedded"] = [
                 {"name": "embedded", "b": weights if shapes == "additive" else weights[0]}
             ]
+        if error is not None and set(error[0]) != {"0"}:
+            document["embedded"] = [{"name": "embedded", "error": error[0]}]
         if embedded:
             document["embedded"] = [self._row(x, rows, shapes) for x, rows in embedded.items()]
         document["format"] = FORMATS_OF_METHODS[bool(of_second(document))]
@@ -559,6 +563,8 @@ def _diffrax(text: str) -> Found:
     A = [[*row, diagonal[i], *["0"] * (s - i - 1)] for i, row in enumerate([[], *rows])]
     first = ast.get_source_segment(text, given["c1"]) if "c1" in given else "0"
     found = Found({"A": A, "b": [texts(given["b_sol"])], "c": [[first or "0", *texts(given["c"])]]})
+    if "b_error" in given:
+        found.blocks["e"] = [texts(given["b_error"])]
     found.about = about
     for node in ast.walk(tree):
         if isinstance(node, ast.FunctionDef) and node.name == "order":

@@ -160,7 +160,7 @@ def stepper(method: GLM | PartitionedGLM, language: str, digits: int | None) -> 
     source = files("glmref.exchange") / "templates" / chosen.template
     values = {
         "name": name,
-        "header": header(method, chosen.comment, remark),
+        "header": header(method, language, chosen.comment, remark),
         "tables": chosen.tables(scheme, Numbers(digits)),
         "r": str(scheme.r),
         "heads": str(len(scheme.heads)),

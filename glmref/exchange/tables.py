@@ -26,11 +26,12 @@ from ..exact import Ball, Exact, Scalar
 from ..exact.expression import parse, to_text
 from ..exact.linalg import Matrix, Vector
 from ..method import GLM, AdditiveGLM, Method, PartitionedGLM
+from ..method.embedded import EmbeddedRow
 from ..method.families import splitting
 from ..method.solution_value import stage_times
-from ..verification.analysis import analyze
-from .header import Comment, header
-from .latex import latex
+from ..prove.analysis import analyze
+from ..views.notation import LATEX
+from .header import ONE_ROW, Comment, header
 from .numbers import decimal_of, is_zero, rounded
 from .steppers import identifier, wrapped
 
@@ -64,6 +65,11 @@ class Butcher:
         """A, b, c and, where there are embedded weights, d, in the letters of SUNDIALS."""
         found: dict[str, Matrix] = {"A": self.A, "b": (self.b,), "c": (self.c,)}
         return found if self.row is None else {**found, "d": (self.row,)}
+
+    @property
+    def error(self) -> Vector:
+        """Weights of the error estimate; zero where there are no embedded weights."""
+        return tuple(x - y for x, y in zip(self.b, self.row or self.b, strict=True))
 
     @property
     def s(self) -> int:
@@ -159,12 +165,13 @@ def _exact_lines(rows: Mapping[str, Matrix]) -> list[str]:
 
 
 def _head(
-    method: GLM | PartitionedGLM, tableau: Butcher, comment: Comment, digits: int,
-    *, embedded: bool = False,
+    method: GLM | PartitionedGLM, target: str, tableau: Butcher, comment: Comment, digits: int
 ) -> str:  # fmt: skip
     remark = f"Numbers that are not quotients have {digits} significant digits."
-    rows = {x: m for x, m in tableau.rows.items() if x != "d" or embedded}
-    return header(method, comment, remark, exact=_exact_lines(rows))
+    rows = {x: m for x, m in tableau.rows.items() if x != "d" or target in ONE_ROW}
+    if target == "diffrax" and rows.pop("d", None):
+        rows["e"] = (tableau.error,)
+    return header(method, target, comment, remark, exact=_exact_lines(rows))
 
 
 # --- C: SUNDIALS and PETSc -----------------------------------------------------------------------
@@ -230,7 +237,7 @@ def _imex(
         lines += _c_array(kind, letter, texts)
     said = f"A, b, c: part {e + 1}, explicit; At, bt, ct: part {i + 1}, implicit. "
     said += f"Numbers that are not quotients have {digits} significant digits."
-    return header(method, _C, said, exact=_exact_lines(rows)), lines, _order(method), lower
+    return header(method, target, _C, said, exact=_exact_lines(rows)), lines, _order(method), lower
 
 
 def _is_lower(A: Matrix, above: int) -> bool:
@@ -264,7 +271,7 @@ def _sprk(method: GLM | PartitionedGLM, digits: int) -> str | None:
     name = identifier(method.name)
     remark = f"Numbers that are not quotients have {digits} significant digits. "
     remark += "f1 is the force k(q), f2 the velocity f(p)."
-    lines = [header(method, _C, remark, exact=_exact_lines(rows))]
+    lines = [header(method, "sundials", _C, remark, exact=_exact_lines(rows))]
     lines += ["#include <arkode/arkode_sprk.h>", "", f"ARKodeSPRKTable {name}_table(void) {{"]
     for letter, matrix in rows.items():
         texts = [_c_number(x, digits, lambda text: f"SUN_RCONST({text})") for x in matrix[0]]
@@ -334,7 +341,7 @@ def _sundials(method: GLM | PartitionedGLM | AdditiveGLM, digits: int) -> str:
 
     name = identifier(method.name)
     lines = [
-        _head(method, tab, _C, digits, embedded=True),
+        _head(method, "sundials", tab, _C, digits),
         "#include <arkode/arkode_butcher.h>",
         "",
     ]
@@ -389,7 +396,7 @@ def _petsc(method: GLM | PartitionedGLM | AdditiveGLM, digits: int) -> str:
     explicit = method.is_explicit
     call = f'{"TSRKRegister" if explicit else "TSDIRKRegister"}("{method.name or name}", '
     call += f"{tab.order}, {tab.s}, A, b, c, {'NULL' if tab.row is None else 'd'}, 1, b)"
-    lines = [_head(method, tab, _C, digits, embedded=True), "#include <petscts.h>", ""]
+    lines = [_head(method, "petsc", tab, _C, digits), "#include <petscts.h>", ""]
     lines += [f"PetscErrorCode {name}_register(void)", "{"]
     for letter, rows in tab.rows.items():
         lines += _c_array("const PetscReal", letter, [[number(x) for x in row] for row in rows])
@@ -420,10 +427,14 @@ def _diffrax(method: GLM | PartitionedGLM, digits: int) -> str:
         return ["np.array(", "        [", *lines, "        ]", "    )"]
 
     name = "".join(x.capitalize() for x in identifier(method.name).split("_"))
-    lines = [_head(method, tab, _HASH, digits), "import diffrax", "import numpy as np", ""]
+    lines = [
+        _head(method, "diffrax", tab, _HASH, digits),
+        "import diffrax",
+        "import numpy as np",
+        "",
+    ]
     lines += ["_tableau = diffrax.ButcherTableau("]
-    zeros = [x * 0 for x in tab.b]
-    for key, values in (("c", tab.c[1:]), ("b_sol", tab.b), ("b_error", zeros)):
+    for key, values in (("c", tab.c[1:]), ("b_sol", tab.b), ("b_error", tab.error)):
         first, *rest = array(values)
         lines += [f"    {key}={first}", *rest[:-1], rest[-1] + ","]
     lines += ["    a_lower=("]
@@ -431,9 +442,12 @@ def _diffrax(method: GLM | PartitionedGLM, digits: int) -> str:
         lines += [f"    {x}" for x in array(tab.A[i][:i])]
         lines[-1] += ","
     lines[-1:] = [lines[-1], "    ),", ")", "", ""]
+    said = "No embedded method, so no error estimate: use it with ConstantStepSize."
+    if tab.row is not None:
+        said = f"The error estimate is the difference to a solution of order {tab.lower}."
     lines += [
         f"class {name}(diffrax.AbstractERK):",
-        '    """No embedded method, so no error estimate: use it with ConstantStepSize."""',
+        f'    """{said}"""',
         "",
         "    tableau = _tableau",
         "    interpolation_cls = diffrax.ThirdOrderHermitePolynomialInterpolation.from_k",
@@ -476,7 +490,7 @@ def _ordinarydiffeq(method: GLM | PartitionedGLM, digits: int) -> str:
             f"implicit; rungekutta.jl holds it"
         )
     name = identifier(method.name)
-    lines = [_head(method, tab, _HASH, digits, embedded=True), "import DiffEqBase", ""]
+    lines = [_head(method, "ordinarydiffeq", tab, _HASH, digits), "import DiffEqBase", ""]
     lines += [f"# solve(problem, ExplicitRK(tableau = {name}_tableau()); dt = h, adaptive = false)"]
     lines += [f"function {name}_tableau(T::Type = Float64)"]
     lines += _julia_arrays(tab, digits, "T", ("A", "α", "c", "αEEst"))
@@ -489,7 +503,7 @@ def _rungekutta(method: GLM | PartitionedGLM, digits: int) -> str:
     tab = butcher(method, "rungekutta.jl")
     name = identifier(method.name)
     title = "".join(x.capitalize() for x in name.split("_"))
-    lines = [_head(method, tab, _HASH, digits), "using RungeKutta", ""]
+    lines = [_head(method, "rungekutta.jl", tab, _HASH, digits), "using RungeKutta", ""]
     lines += [f"function Tableau{title}(::Type{{T}} = Float64) where {{T}}"]
     lines += _julia_arrays(tab, digits, "BigFloat", ("a", "b", "c"))
     lines += [f"    return Tableau{{T}}(:{name}, {tab.order}, {tab.s}, a, b, c)", "end"]
@@ -540,7 +554,7 @@ def _fixed(x: Scalar, places: int) -> str:
     return decimal(x.ball(), places)
 
 
-def _form_blocks(method: GLM | PartitionedGLM | AdditiveGLM) -> Iterator[tuple[str, Matrix]]:
+def _form_blocks(method: Method) -> Iterator[tuple[str, Matrix]]:
     """The forms and the outputs that a method gives, by their names in a method file."""
     names = {"G": "G", "D": "D", "D_P": "D_P", "D_Q": "D_Q", "output": "output"}
     if method.parts == 2:
@@ -636,15 +650,6 @@ def blocks_of(
     more: Mapping[str, Matrix] | None = None,
 ) -> tuple[dict[str, Rows], int | None]:
     """The blocks of a method as rows of expressions, and the digits of its decimals, if any.
-
-    Parameters
-    ----------
-    method : GLM or PartitionedGLM or AdditiveGLM
-        Any method.
-    digits : int or None
-        Digits after the point, for decimals instead of expressions.
-    more : Mapping[str, Matrix] or None
-        Further blocks.
 
     Returns
     -------
@@ -750,6 +755,7 @@ def _held(method: Method) -> dict[str, Matrix]:
         blocks = dict(_all_blocks(method))
         if rows and method.parts == 2:
             raise UsageError(f"{method.name} is a pair, and its embedded rows have no block here")
+        blocks |= {name: rows for name, rows in _form_blocks(method) if "output" in name}
     c, dense = (getattr(method, x, None) for x in ("abscissae_given", "dense"))
     blocks |= {} if c is None else {"abscissae": (c,)}
     blocks |= {} if dense is None else {"dense": dense}
@@ -764,7 +770,7 @@ def _check_one_value(method: Method) -> None:
 
 
 #: Blocks of JSON that are a vector, not rows.
-_VECTORS = ("b", "b_prime", "c", "u", "u_hat", "abscissae")
+_VECTORS = ("b", "b_prime", "c", "u", "u_hat", "abscissae", "output")
 
 
 def _json(method: Method, digits: int | None) -> str:
@@ -801,45 +807,46 @@ def _latex(method: GLM | PartitionedGLM, digits: int | None) -> str:
         if digits is None:
             found = _expression(x)
             if found is not None:
-                return latex(found)
+                return LATEX.of(found)
         if not x.is_real():
             raise UsageError(f"{method.name} is complex and has no decimals in LaTeX here")
-        return latex(decimal_of(x, digits or 10))
+        return LATEX.of(decimal_of(x, digits or 10))
 
-    comment = header(method, Comment("", "% ", ""))
-    halves: list[tuple[str, Any, Vector | None]] = []
-    if method.parts == 2:
-        pairs = zip("qp", method.components, strict=True)
-        halves = [(f"{method.name}: {part}", c.matrices, None) for part, c in pairs]
-    else:
-        c = tuple(sum(row[1:], row[0]) for row in method.A) if method.r == 1 else None
-        halves = [(method.name, method.components[0].matrices, c)]
-    lines = [comment]
-    for title, (A, U, B, V), c in halves:
-        lines += ["", f"% {title}"]
-        lines += _array(A, U, B, V, c, cell, plain=c is not None and _is_one(V[0][0]))
+    lines = [header(method, "latex", Comment("", "% ", ""))]
+    c = stage_times(method) if method.parts == 1 and method.r == 1 else None
+    for n, (A, U, B, V) in enumerate(x.matrices for x in method.components):
+        plain = c is not None and _is_one(V[0][0])
+        more = [
+            (x, x.weights[n], (*V[0],) if x.values is None else x.values) for x in method.embedded
+        ]
+        lines += ["", f"% {method.name}" + (f": {'qp'[n]}" if method.parts == 2 else "")]
+        lines += _array(A, U, B, V, c if plain else None, more, cell)
     return "\n".join(lines) + "\n"
 
 
 def _array(
-    A: Matrix, U: Matrix, B: Matrix, V: Matrix, c: Vector | None, cell: Callable[[Scalar], str], *,
-    plain: bool,
+    A: Matrix, U: Matrix, B: Matrix, V: Matrix, c: Vector | None,
+    more: Sequence[tuple[EmbeddedRow, Vector, Vector]], cell: Callable[[Scalar], str],
 ) -> list[str]:  # fmt: skip
-    """One tableau: c | A over b for a Runge-Kutta method, [A U; B V] for others."""
+    """One tableau: c | A over b for a Runge-Kutta method, [A U; B V] for others; embedded rows."""
 
-    def row(*parts: Sequence[Scalar] | None) -> str:
-        cells = [cell(x) for part in parts for x in (part or ())]
-        return "  " + " & ".join(cells) + r" \\"
+    def row(*parts: Sequence[Scalar]) -> str:
+        return "  " + " & ".join(cell(x) for part in parts for x in part) + r" \\"
 
-    if plain and c is not None:
-        lines = [rf"\begin{{array}}{{c|{'c' * len(A)}}}"]
-        lines += [row((x,), line) for x, line in zip(c, A, strict=True)]
-        lines += [r"  \hline", "  & " + row(B[0]).strip()]
-    else:
+    def weights(b: Vector, v: Vector) -> str:
+        return row(b, v) if c is None else "  & " + row(b).strip()
+
+    if c is None:
         lines = [rf"\left[\begin{{array}}{{{'c' * len(A[0])}|{'c' * len(U[0])}}}"]
         lines += [row(a, u) for a, u in zip(A, U, strict=True)]
-        lines += [r"  \hline", *(row(b, v) for b, v in zip(B, V, strict=True))]
-    return [*lines, r"\end{array}" + ("" if plain else r"\right]")]
+    else:
+        lines = [rf"\begin{{array}}{{c|{'c' * len(A)}}}"]
+        lines += [row((x,), line) for x, line in zip(c, A, strict=True)]
+    lines += [r"  \hline", *(weights(b, v) for b, v in zip(B, V, strict=True))]
+    for x, b, v in more:
+        what = "weights of the error estimate" if x.difference else "embedded row"
+        lines += [r"  \hline", f"  % {what} {x.name}", weights(b, v)]
+    return [*lines, r"\end{array}" + (r"\right]" if c is None else "")]
 
 
 def _with_digits(write: Callable[[Any, int], str]) -> Callable[[Any, int | None], str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from ..catalogue.claims import meant_order
 from ..catalogue.lookup import load, names
 from ..errors import GlmrefError
 from ..exact.expression import shown_number
@@ -12,20 +13,28 @@ from .table import Table
 
 #: Entries nearer than this are the same, printed shorter.
 NEAR = 1e-9
+#: Steps of a flow that say of which splitting they are: fewer stand in several.
+STEPS = 3
 #: A table is compared with a method that agrees in at least this part of its nonzero entries.
 ALIKE = 0.6
 
 
 class Library:
-    """Runge-Kutta methods of the catalogue by their number of stages."""
+    """Runge-Kutta methods of the catalogue by their number of stages, and its splittings."""
 
     def __init__(self) -> None:
+        #: Name, a and b of each splitting, and its order on second-order systems.
+        self.splittings: list[tuple[str, list[complex], list[complex], int]] = []
         self.methods: dict[int, list[tuple[str, int, Any, list[list[complex]]]]] = {}
         for name in names():
             try:
                 method = load(name)
             except GlmrefError:  # a file beyond what is read here
                 continue
+            document = method.document or {}
+            if document.get("class") == "splitting":
+                a, b = ([complex(x) for x in x.B[0]] for x in method.components)
+                self.splittings.append((name, a, b, meant_order(document["claims"]) or 0))
             c = method.components[0]
             if len(method.components) == len(c.V) == 1 and c.V[0][0] == 1:
                 rows = [*c.A, c.B[0]]
@@ -33,6 +42,20 @@ class Library:
                 claimed = int(claims.get("order", 99))
                 values = [[complex(x) for x in row] for row in rows]
                 self.methods.setdefault(len(c.A), []).append((name, claimed, rows, values))
+
+    def steps(self, table: Table, order: int) -> str:
+        """Say which splitting of an order has the steps of one flow, and those of the other."""
+        found = [[complex(x.value) for x in row] for row in table.b]
+        for name, a, b, reached in self.splittings:
+            for k, (word, right, other) in enumerate((("a", a, b), ("b", b, a))):
+                same = found[k]
+                alike = STEPS <= len(same) == len(right) and all(
+                    abs(x - y) < NEAR for x, y in zip(same, right, strict=True)
+                )
+                if alike and reached >= order and len(found[1 - k]) != len(other):
+                    shown = ", ".join(f"{x.real:.12g}" for x in other)
+                    return f"{word} is that of {name}, which has {len(other)} {'ba'[k]}: {shown}"
+        return ""
 
     def nearest(self, table: Table, order: int = 0) -> dict[str, Any]:
         """Name of the nearest method of an order, and the entries that differ; or nothing."""

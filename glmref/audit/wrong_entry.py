@@ -1,0 +1,362 @@
+"""Which entry of a table of a public code is wrong, and what would mend it.
+
+A *correction* is one entry, or two of a row, that put right makes all conditions through the
+declared order hold; it is found by Gauss-Newton steps on that entry alone, and given only where it
+does. Beside it stand mistakes of other kinds: rows that are exchanged, an error that is added where
+it is subtracted, an abscissa that is not the sum of its row, a weight of the estimate.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+from typing import Any
+
+from ..errors import BudgetError, DataError
+from ..exact import Ball, Exact, Scalar
+from ..exact.linalg import Matrix, Vector
+from ..system.budget import limited
+from . import orders
+from .orders import Scheme, reach
+from .table import Table
+from .values import SHORT, Number
+
+#: Residuals: what doubles cannot see, relative to the largest entry; and what is no rounding at
+#: all, in tables of decimals and of fractions.
+FINE, COARSE, EXACT = 2e-14, 1e-8, 1e-10
+#: Seconds of processor time for the search of a wrong entry.
+SEARCH = 20.0
+
+_Numbers = Sequence[Sequence[Number]]
+_Slot = tuple[str, list[Any], int, int | None]
+
+
+def _is_rounded(x: Number) -> bool:
+    """Whether a number is a decimal of eight digits or more after the point."""
+    q = x.value.as_fraction()
+    short = q is not None and q.denominator >= 10**7 and 10**SHORT % q.denominator == 0
+    return x.places is not None or short
+
+
+def _ball(x: Number) -> Ball:
+    return x.value.ball()
+
+
+def _matrix(rows: _Numbers) -> Matrix:
+    return tuple(tuple(_ball(x) for x in row) for row in rows)
+
+
+def vector(row: Sequence[Number]) -> Vector:
+    """A row as balls."""
+    return tuple(_ball(x) for x in row)
+
+
+class Trial:
+    """The numbers of a table, as the schemes take them; one entry may be replaced."""
+
+    def __init__(self, table: Table) -> None:
+        self.kind = table.kind
+        self.A = [[list(row) for row in _matrix(A)] for A in table.A]
+        self.b = [list(vector(b)) for b in table.b]
+        self.c: list[list[Scalar] | None] = []
+        self.gap = 0.0
+        self.gap_row = self.gap_part = 0
+        for k, given in enumerate(table.c or [None] * len(table.A)):
+            c = None if given is None else list(vector(given))
+            if c is not None and k < len(self.A) and table.kind != "nystrom":
+                gaps = [
+                    abs(complex(sum(row, Exact(0)) - x))
+                    for row, x in zip(self.A[k], c, strict=True)
+                ]
+                if max(gaps) > self.gap:
+                    self.gap, self.gap_row, self.gap_part = max(gaps), gaps.index(max(gaps)), k
+                if max(gaps) < 1e-12:
+                    c = None
+            self.c.append(c)
+        entries = [x for M in (*self.A, self.b) for row in M for x in row]
+        self.scale = max([1.0, *(abs(complex(x)) for x in entries)])
+        printed = [x for M in (*table.A, table.b) for row in M for x in row]
+        rounded = any(_is_rounded(x) for x in printed)
+        self.quadratic = False
+        self.kick_first = False  # codes differ in which of a_1 and b_1 is the first step
+        if table.kind == "splitting":
+            drift = reach(self.scheme(), table.order or 4, stop=0.5 * self.scale)
+            self.kick_first = True
+            kick = reach(self.scheme(), table.order or 4, stop=0.5 * self.scale)
+            self.kick_first = kick.to(COARSE) > drift.to(COARSE)
+            if table.order and max(kick.to(COARSE), drift.to(COARSE)) < table.order:
+                self.quadratic = True
+                nystrom = reach(self.scheme(), table.order, stop=0.5 * self.scale)
+                self.quadratic = nystrom.to(COARSE) >= table.order
+        self.fine, self.coarse = FINE * self.scale, COARSE if rounded else EXACT
+
+    def scheme(self, weights: Sequence[Sequence[Scalar]] | None = None) -> Scheme:
+        """The scheme whose order is asked for, with other weights where they are given."""
+        A = [tuple(map(tuple, M)) for M in self.A]
+        b = [tuple(x) for x in (self.b if weights is None else weights)]
+        if self.kind == "additive":
+            return orders.additive(list(zip(A, b, strict=True)), self.c)
+        if self.kind == "rosenbrock":
+            return orders.rosenbrock(A[0], A[1], b[0])
+        if self.kind == "nystrom":
+            c = self.c[0]
+            if c is None:
+                raise DataError("a Nystrom method needs c")
+            return orders.nystrom(A[0], b[0], b[1], tuple(c), *A[1:])
+        if self.kind == "glm":
+            return orders.general_linear(A[0], b)
+        if self.kind == "splitting":
+            return orders.splitting(
+                b[0], b[1], kick_first=self.kick_first, quadratic=self.quadratic
+            )
+        return orders.runge_kutta(A[0], b[0], self.c[0] if self.c else None, apart=True)
+
+    def slots(self) -> Iterator[tuple[str, list[Any], int]]:
+        """Entries that may be wrong: how they are called, where they are, and their index."""
+        names = {"rk": ("a",), "additive": ("a", "a_implicit"), "rosenbrock": ("alpha", "gamma"),
+                 "nystrom": ("a", "a_prime")}  # fmt: skip
+        for name, M in zip(names.get(self.kind, ()), self.A, strict=False):
+            for i, row in enumerate(M):
+                for j, x in enumerate(row):
+                    if complex(x) != 0 or j < i:
+                        yield f"{name}[{i + 1}][{j + 1}]", row, j
+        words = {"splitting": ("a", "b"), "nystrom": ("b", "b_prime")}.get(
+            self.kind, ("b", "b_implicit")
+        )
+        for k, b in enumerate(self.b):
+            if k and any(b is x for x in self.b[:k]):
+                continue
+            for j, _ in enumerate(b):
+                yield f"{words[min(k, 1)]}[{j + 1}]", b, j
+
+
+def _pairs(method: Trial) -> Iterator[tuple[str, list[Any], int, int]]:
+    """Two entries of a row of A that may be wrong with the sum of the row right."""
+    if method.kind != "rk" or len(method.b[0]) > 8:
+        return
+    for i, row in enumerate(method.A[0]):
+        for j in range(len(row)):
+            for k in range(j):
+                if complex(row[j]) != 0 and complex(row[k]) != 0:
+                    yield f"a[{i + 1}][{k + 1}], a[{i + 1}][{j + 1}]", row, j, k
+
+
+def correction(method: Trial, declared: int) -> list[dict[str, str]]:
+    """Entries each of which, changed alone, gives the declared order; then pairs in one row."""
+    if method.kind == "glm":  # its rows of weights are sums of rows of B
+        return []
+    better = abscissa(method, declared)
+    if better or declared > 8 or len(method.b[0]) > 16:
+        return better
+    start = _residuals(method, declared)
+    single = [(name, row, j, None) for name, row, j in method.slots()]
+    try:
+        with limited(SEARCH):
+            for slots in (single, list(_pairs(method))):
+                for name, row, j, k in _ranked(method, declared, start, slots)[:14]:
+                    before = [row[j], *([] if k is None else [row[k]])]
+                    after = _solved(method, declared, row, j, k)
+                    if after is not None:
+                        better.append({
+                            "entry": name,
+                            "is": ", ".join(map(_short, reversed(before))),
+                            "should be": ", ".join(map(_short, reversed(after))),
+                        })  # fmt: skip
+                if better:
+                    break
+    except BudgetError:
+        pass
+    return better[:3]
+
+
+def abscissa(method: Trial, declared: int) -> list[dict[str, str]]:
+    """An abscissa that is not the sum of its row, where the sum gives the declared order."""
+    if method.kind != "rk" or not method.c or method.c[0] is None:
+        return []
+    given, k = method.c[0], method.gap_row
+    sums = [sum(row, Exact(0)) for row in method.A[0]]
+    wrong = [i for i, x in enumerate(sums) if abs(complex(x - given[i])) > 1e-9]
+    if wrong != [k]:
+        return []
+    method.c[0] = None
+    got = reach(method.scheme(), declared, stop=0.5 * method.scale)
+    method.c[0] = given
+    if got.size(min(declared, len(got.sizes))) > method.coarse:
+        return []
+    return [{"entry": f"c[{k + 1}]", "is": _short(given[k]), "should be": _short(sums[k])}]
+
+
+def digit(method: Trial, declared: int, size: float) -> list[dict[str, str]]:
+    """The one entry of the row whose sum is not c that, put right, makes all conditions exact.
+
+    That is, their residuals, at most ``size``, shrink to a millionth; of entries of a rounded row
+    each one mends the sum, and none the conditions of higher order.
+    """
+    k, part = method.gap_row, method.gap_part
+    c = method.c[part] if method.kind in ("rk", "additive") and method.c else None
+    if c is None or declared > 8 or len(method.b[0]) > 16:
+        return []
+    row, found = method.A[part][k], []
+    for j, x in enumerate(row):
+        if complex(x) == 0:
+            continue
+        row[j] = x + c[k] - sum(row, Exact(0))
+        left = reach(method.scheme(), declared, stop=0.5 * method.scale).size(declared)
+        if left < 1e-6 * size:
+            name = "a_implicit" if part else "a"
+            found.append(
+                {"entry": f"{name}[{k + 1}][{j + 1}]", "is": _long(x), "should be": _long(row[j])}
+            )
+        row[j] = x
+    return found if len(found) == 1 else []
+
+
+def beside_weights(method: Trial, k: int) -> list[dict[str, str]]:
+    """The entry in which a row differs from b, where all others agree: the row is b then."""
+    pairs = list(enumerate(zip(method.A[0][k], method.b[0], strict=True)))
+    unlike = [(j, x, y) for j, (x, y) in pairs if abs(complex(x - y)) > 1e-9]
+    if len(unlike) != 1 or len(pairs) < 3:
+        return []
+    ((j, x, y),) = unlike
+    return [{"entry": f"a[{k + 1}][{j + 1}]", "is": _short(x), "should be": _short(y)}]
+
+
+def empty_rows(table: Table) -> list[str]:
+    """Rows of A that are zero though their abscissa is not."""
+    if table.kind != "rk" or not table.c or table.c[0] is None:
+        return []
+    bad = [
+        i + 1
+        for i, (row, x) in enumerate(zip(table.A[0], table.c[0], strict=True))
+        if complex(x.value) != 0 and all(complex(y.value) == 0 for y in row)
+    ]
+    return [f"the rows {bad[0]} to {bad[-1]} of A are zero"] if len(bad) > 2 else []
+
+
+def enters_nothing(method: Trial, k: int) -> bool:
+    """Whether a stage has no weight and no other stage needs it, as the last one of FSAL pairs."""
+    column = [row[k] for i, row in enumerate(method.A[0]) if i != k]
+    return method.kind == "rk" and all(complex(x) == 0 for x in (method.b[0][k], *column))
+
+
+def exchanged(method: Trial, error: Sequence[Scalar], declared: int) -> list[str]:
+    """Whether b minus or plus the weights of the error estimate has the declared order."""
+    b = method.b[0]
+    error = [*error, *([Exact(0)] * (len(b) - len(error)))]
+    if len(error) != len(b):
+        return []
+    for word, sign in (("minus", -1), ("plus", 1)):
+        row = [x + sign * y for x, y in zip(b, error, strict=True)]
+        got = reach(method.scheme([row] * len(method.b)), declared, stop=0.5 * method.scale)
+        if len(got.sizes) >= declared and got.size(declared) < method.coarse:
+            return [
+                f"b {word} the error weights has order {declared}: b holds the embedded weights"
+            ]
+    return []
+
+
+def mirrored(method: Trial, row: Sequence[Scalar], declared: int) -> list[str]:
+    """Whether 2 b minus a row has its order: the error was added where it is subtracted."""
+    other = [2 * x - y for x, y in zip(method.b[0], row, strict=True)]
+    got = reach(method.scheme([other] * len(method.b)), declared, stop=0.5 * method.scale)
+    if len(got.sizes) < declared or got.size(declared) > method.coarse:
+        return []
+    return [f"2 b minus this row has order {declared}: its difference from b has the wrong sign"]
+
+
+def estimate(method: Trial, error: list[Scalar]) -> list[str]:
+    """The error weight that, changed so that the sum is zero, gives the best embedded row."""
+    b = method.b[0]
+    error += [Exact(0)] * (len(b) - len(error))
+    if len(error) != len(b):
+        return []
+    total = sum(error, Exact(0))
+    found: list[tuple[int, int, Scalar]] = []
+    for k, x in enumerate(error):
+        changed = [*error[:k], x - total, *error[k + 1 :]]
+        for sign in (-1, 1):
+            row = [p + sign * q for p, q in zip(b, changed, strict=True)]
+            got = reach(method.scheme([row] * len(method.b)), 5, stop=0.5 * method.scale)
+            found.append((got.to(method.coarse), k, x - total))
+    order, k, value = max(found, key=lambda x: x[0])
+    if order < 2 or len({i for n, i, _ in found if n == order}) > 1:
+        return []
+    said = f"with error weight {k + 1} = {_short(value)} in place of {_short(error[k])}"
+    return [f"{said} the sum is 0 and the embedded row has order {order}"]
+
+
+def _residuals(method: Trial, order: int) -> list[float]:
+    got = reach(method.scheme(), order)
+    return [complex(x).real for level in got.residuals for x in level.values()]
+
+
+def _ranked(
+    method: Trial, declared: int, start: list[float], slots: Sequence[_Slot]
+) -> list[_Slot]:
+    """Slots by what the best step along each leaves of the residuals."""
+    size = sum(x * x for x in start)
+    found: list[tuple[float, int]] = []
+    small = Fraction(1, 1024)
+    for n, (_, row, j, k) in enumerate(slots):
+        before = list(row)
+        _shift(row, j, k, small)
+        moved = _residuals(method, declared)
+        row[:] = before
+        slope = [(y - x) * 1024 for x, y in zip(start, moved, strict=True)]
+        norm = sum(x * x for x in slope)
+        if norm:
+            step = sum(x * y for x, y in zip(start, slope, strict=True)) / norm
+            found.append((size - step * step * norm, n))
+    return [slots[n] for _, n in sorted(found)]
+
+
+def _solved(
+    method: Trial, declared: int, row: list[Any], j: int, k: int | None
+) -> list[Scalar] | None:
+    """The entries at which all conditions hold, by secant Gauss-Newton steps along one slot."""
+    before = list(row)
+
+    def at(x: Scalar) -> list[float]:
+        row[:] = before
+        _shift(row, j, k, x)
+        return _residuals(method, declared)
+
+    try:
+        x0, x1 = Exact(0).ball(), Exact(Fraction(1, 997)).ball()
+        r0 = at(x0)
+        for _ in range(18):
+            r1 = at(x1)
+            if max(map(abs, r1)) < 1e-15 * method.scale:
+                return [row[j], *([] if k is None else [row[k]])]
+            width = complex(x1 - x0).real
+            slope = [(b - a) / width for a, b in zip(r0, r1, strict=True)] if width else []
+            norm = sum(x * x for x in slope)
+            step = sum(a * b for a, b in zip(r1, slope, strict=True)) / norm if norm else 1e9
+            if abs(step) > 50 * method.scale:
+                return None
+            x0, r0 = x1, r1
+            x1 = (x1 - Fraction(step)).midpoint()
+        return None
+    finally:
+        row[:] = before
+
+
+def _shift(row: list[Any], j: int, k: int | None, step: Scalar | Fraction) -> None:
+    row[j] = row[j] + step
+    if k is not None:
+        row[k] = row[k] - step
+
+
+def _short(x: Scalar) -> str:
+    """A number as a fraction where a short one is near enough, else as a decimal."""
+    value = Fraction(x.ball().decimal_text(60)) if complex(x) else Fraction(0)
+    for bound in (100, 10**4, 10**6, 10**9):
+        near = value.limit_denominator(bound)
+        if abs(near - value) < Fraction(1, 10**15) / max(1, bound // 10**4):
+            return str(near)
+    return f"{float(value):.16g}"
+
+
+def _long(x: Scalar) -> str:
+    """A number with the digits of a double."""
+    return f"{complex(x).real:.17g}"
