@@ -29,9 +29,9 @@ if TYPE_CHECKING:
     from .method.families import runge_kutta as from_rk
     from .method.families import splitting as from_splitting
     from .problems import Problem, problem
+    from .prove.analysis import Analysis, analyze
+    from .prove.verifier import verify
     from .scenes.comparing import Comparison, compare
-    from .verification.analysis import Analysis, analyze
-    from .verification.verifier import verify
     from .views.bibtex import cite
     from .views.plot import plot
     from .views.show import show
@@ -56,8 +56,8 @@ _HOMES = {
     ),
     "problems": ("Problem", "problem"),
     "scenes.comparing": ("Comparison", "compare"),
-    "verification.analysis": ("Analysis", "analyze"),
-    "verification.verifier": ("verify",),
+    "prove.analysis": ("Analysis", "analyze"),
+    "prove.verifier": ("verify",),
     "views.bibtex": ("cite",),
     "views.plot": ("plot",),
     "views.show": ("show",),

@@ -36,17 +36,6 @@ class BudgetError(GlmrefError):
 def did_you_mean(word: object, known: Iterable[str], before: str = "", otherwise: str = "") -> str:
     """Ask for the nearest of some names.
 
-    Parameters
-    ----------
-    word : object
-        What was given instead of a name.
-    known : iterable of str
-        The names there are.
-    before : str
-        What stands before the question.
-    otherwise : str
-        What is said where nothing is near.
-
     Returns
     -------
     str

@@ -83,24 +83,41 @@ def _text(file: str) -> str:
         raise UsageError(f"{file} cannot be read ({error.strerror})") from None
 
 
-def _document(file: str) -> dict[str, Any]:
+def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """An object of JSON whose keys differ; of two with one name only the last would be checked."""
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        names = [name for name, _ in pairs]
+        twice = next(x for x in names if names.count(x) > 1)
+        raise DataError(f"the key {twice!r} stands twice; keep one of them")
+    return found
+
+
+def _parsed(text: str) -> Any:
+    """JSON, or TOML where it is none; what begins as an object of JSON is meant as one."""
     import json
 
     from ..audit.numbers import Double
 
-    text = _text(file)
+    try:
+        return json.loads(text, parse_float=Double, object_pairs_hook=_unique)
+    except ValueError:
+        if text.lstrip().startswith("{"):
+            raise
+    import tomllib
+
+    return tomllib.loads(text, parse_float=Double)
+
+
+def _document(file: str) -> dict[str, Any]:
+    text = _text(file).removeprefix("\ufeff")  # a mark that some shells and editors write first
     where = "the standard input" if file == "-" else file
     if not text.strip():
         raise DataError(f"{where} is empty; {_EXAMPLE}")
     if len(text) > _MOST_TEXT:
         raise DataError(f"{where} has more than {_MOST_TEXT} characters, which no tableau has")
     try:
-        if text.lstrip()[:1] == "{":
-            document = json.loads(text, parse_float=Double)
-        else:
-            import tomllib
-
-            document = tomllib.loads(text, parse_float=Double)
+        document = _parsed(text)
     except (ValueError, RecursionError) as error:
         shown = str(error).splitlines()[0] if str(error) else "brackets nested too deep"
         raise DataError(

@@ -74,8 +74,8 @@ def _row(doc: Mapping[str, Any]) -> dict[str, Any]:
 def show(name: str, decimal: int | None, plot: Path | None) -> int:
     """Show a method's tableau as one reads it in a paper, with its source."""
     from ..catalogue.lookup import load, path_of
+    from ..prove.verifier import budget_of
     from ..system.budget import limited
-    from ..verification.verifier import budget_of
     from ..views.show import show as page
 
     if plot is not None and plot.suffix != ".svg":

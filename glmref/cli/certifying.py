@@ -42,8 +42,8 @@ def certify(name: str, output: str | None) -> int:
 def _certificates(name: str) -> Iterator[tuple[str, dict[str, Any] | str]]:
     from ..catalogue.lookup import path_of, read_method
     from ..prove.certificate import certificates_of
+    from ..prove.verifier import budget_of, claims_of, facts_for
     from ..system.budget import limited
-    from ..verification.verifier import budget_of, claims_of, facts_for
 
     path = path_of(name)
     doc, method = read_method(path)

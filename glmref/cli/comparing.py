@@ -27,10 +27,10 @@ def problems(names: tuple[str, ...], form: str) -> int:
 
     A FILE is a problem of your own: a table with `H`, `f` or `file` in TOML, or a scene.
     """
-    from .. import problems as room
+    from .. import problems as collection
     from ..views.problem_page import c_source, described, kind_of, page
 
-    chosen = [_found(name) for name in names] or [_found(name) for name in room.names()]
+    chosen = [_found(name) for name in names] or [_found(name) for name in collection.names()]
     if form == "c":
         if len(names) != 1:
             raise UsageError("--format c writes one problem; name one")
@@ -53,11 +53,11 @@ def problems(names: tuple[str, ...], form: str) -> int:
 
 def _found(name: str) -> tuple[Any, str]:
     """A problem by name or file, and one line on it."""
-    from .. import problems as room
+    from .. import problems as collection
 
     if name.endswith(".toml"):
-        return room.from_path(name), ""
-    return room.problem(name), room.about(name)
+        return collection.from_path(name), ""
+    return collection.problem(name), collection.about(name)
 
 
 @click.command(short_help="Measure methods on a problem, recommend one.")
@@ -84,7 +84,7 @@ def compare(
     A FILE is a problem of your own in TOML: `H = "p**2/2 - cos(q)"` and `y0 = { q = 1, p = 0 }`, or
     `f`, or `file = "mine.py:make"`, which is executed. Takes less than a minute.
     """
-    from ..problems.own import time_of
+    from ..problems.from_expressions import time_of
     from ..scenes.comparing import compare as measure
 
     chosen = None if methods is None else [x.strip() for x in methods.split(",") if x.strip()]

@@ -32,7 +32,8 @@ def analyze(name: str, form: str) -> int:
     Exit code 3 when something could not be decided.
     """
     from ..catalogue.lookup import load
-    from ..verification.analysis import analyze as examine
+    from ..prove.analysis import analyze as examine
+    from ..prove.analysis import plain_ends
 
     try:
         with _at_work(name):
@@ -40,12 +41,14 @@ def analyze(name: str, form: str) -> int:
     except BudgetError as error:
         complain(f"{name}: {error}, and what the method is was not decided")
         return INTERNAL
+    measured = _measured(load(name), record["stability"])
+    if measured and form != "table":
+        record["stability_measured"] = plain_ends(measured)
     if form == "json":
         say(json_text(record))
     elif form == "csv":
         say(csv_text([("fact", "value"), *record.items()]))
     else:
-        measured = _measured(load(name), record["stability"])
         say(_page(record, measured, Style.of(sys.stdout)))
     decisions = [record["g_symplectic"]["holds"], record["symmetric"]["holds"]]
     decisions += [

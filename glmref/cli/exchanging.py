@@ -9,7 +9,7 @@ import click
 from ..errors import UsageError
 from ..system.files import write_text
 from ..views.tables import one_line
-from .output import HOLDS, Word, complete_method, say
+from .output import HOLDS, Word, complain, complete_method, say
 
 #: Repeated from :data:`glmref.exchange.export.TARGETS` and :data:`glmref.exchange.reading.FORMATS`,
 #: so that ``--help`` loads neither; a test compares them.
@@ -41,11 +41,17 @@ def export(name: str, target: str, digits: int | None, output: Path | None) -> i
     """Write a method as a stepper without dependencies, or in the syntax of another package.
 
     The languages give functions start, step, finish and integrate; pairs and splittings take the
-    two halves of the right-hand side separately. A format that cannot hold the method says so.
+    two halves of the right-hand side separately. A format that cannot hold the method says so, and
+    what is left out is said on stderr.
     """
+    from ..catalogue.lookup import method_of
     from ..exchange.export import export as write
+    from ..exchange.header import left_out
 
     _write(write(name, to=target, digits=digits), output)
+    absent = left_out(method_of(name), target)
+    if absent:
+        complain(f"{name}: left out of what is written: {', '.join(absent)}")
     return HOLDS
 
 

@@ -15,8 +15,8 @@ from ..compute.choosing import ENVIRONMENT
 from ..compute.executors import Local
 from ..errors import GlmrefError
 from ..findings import Finding
+from ..prove.verdict_cache import keep_findings, look_up, question
 from ..system.files import noting
-from ..verification.kept import keep_findings, look_up, question
 from ..views.tables import plain
 from .output import internal_sentence
 
@@ -63,7 +63,7 @@ def check(
     known = None if asked is None else look_up(asked)
     if known is not None:
         return Checked(name, known)
-    from ..verification.verifier import verify_file
+    from ..prove.verifier import verify_file
 
     try:
         with noting() as read:
@@ -109,7 +109,7 @@ def check_all(
         Where, see :mod:`glmref.compute.executors`.
     budget : float or None
         Seconds of processor time for the proofs of each file, see
-        :func:`~glmref.verification.verifier.verify_file`.
+        :func:`~glmref.prove.verifier.verify_file`.
     keep : bool
         See :func:`check`.
     function : Function

@@ -70,17 +70,17 @@ def run(
     JSON in the output folder, one file a scene: a run that was stopped, or killed, goes on where it
     was. Delete the file to measure anew. Exit code 3 when a run ended in an error.
     """
-    from .. import scenes as rooms
+    from .. import scenes as scenery
     from ..compute import executor
 
     if listed:
-        _list(rooms, form)
+        _list(scenery, form)
         return HOLDS
-    asked = [*dict.fromkeys(names), *(n for n in rooms.names() if every and n not in names)]
+    asked = [*dict.fromkeys(names), *(n for n in scenery.names() if every and n not in names)]
     if not asked:
-        raise UsageError(f"name a scene, or --all; the scenes are {', '.join(rooms.names())}")
-    loaded = [rooms.load_scene(name, quick=quick) for name in asked]
-    plans = [rooms.plan(scene) for scene in loaded]
+        raise UsageError(f"name a scene, or --all; the scenes are {', '.join(scenery.names())}")
+    loaded = [scenery.load_scene(name, quick=quick) for name in asked]
+    plans = [scenery.plan(scene) for scene in loaded]
     if planned:
         _show_plans(plans, form)
         return HOLDS
@@ -104,7 +104,7 @@ def run(
         say(json_text(documents[0] if len(documents) == 1 else documents))
     elif form == "csv":
         _write_csv(plans, documents)
-    refused = [r for d in documents for r in d["records"] if r["outcome"] == rooms.SYSTEM_REFUSED]
+    refused = [r for d in documents for r in d["records"] if r["outcome"] == scenery.SYSTEM_REFUSED]
     if refused:
         more = f" (and {len(refused) - 1} tasks more)" if len(refused) > 1 else ""
         complain(
@@ -115,8 +115,8 @@ def run(
     return INTERNAL if bad else HOLDS
 
 
-def _list(rooms: Any, form: str) -> None:
-    scenes = [rooms.load_scene(name) for name in rooms.names()]
+def _list(scenery: Any, form: str) -> None:
+    scenes = [scenery.load_scene(name) for name in scenery.names()]
     cells = [[scene.name, scene.question] for scene in scenes]
     if form == "json":
         say(json_text([{"name": name, "question": question} for name, question in cells]))
@@ -159,7 +159,7 @@ def _show_plans(plans: Sequence[Plan], form: str) -> None:
 
 def _carry_out(plan: Plan, output: Path, where: Executor, *, quick: bool) -> dict[str, Any]:
     """Run what is missing, write the pictures, and return everything as one document."""
-    from .. import scenes as rooms
+    from .. import scenes as scenery
     from ..compute import RecordFile
 
     scene = plan.scene
@@ -170,12 +170,12 @@ def _carry_out(plan: Plan, output: Path, where: Executor, *, quick: bool) -> dic
         def advance(task: Mapping[str, Any], record: Mapping[str, Any]) -> None:
             progress.advance(_who(record), failed=record["outcome"] in _FAILURES)
 
-        records = rooms.run(plan, store, advance=advance, on=where)
+        records = scenery.run(plan, store, advance=advance, on=where)
     missing = progress.done
     notices = [f"{package} is not installed; its runs are left out" for package in plan.absent]
     notices += store.notices
     notices += [text for record in records for text in record.get("notices", ())]
-    notices += rooms.mixed_machines(scene, records)
+    notices += scenery.mixed_machines(scene, records)
     pictures: list[str] = []
     if "picture" in scene.ask:
         pictures, missed = _draw(scene, records, output, stem)
@@ -184,7 +184,7 @@ def _carry_out(plan: Plan, output: Path, where: Executor, *, quick: bool) -> dic
         "format": "glmref-run-1",
         "scene": scene.name,
         "question": scene.question,
-        "answer": rooms.answer(scene, records),
+        "answer": scenery.answer(scene, records),
         "measured": missing,
         "resumed": len(records) - missing,
         "pictures": pictures,
@@ -205,17 +205,17 @@ def _draw(
 
     A folder that cannot be written costs the pictures and not the answer.
     """
-    from .. import scenes as rooms
-    from ..views import chart, plane
+    from .. import scenes as scenery
+    from ..views import chart, paths
 
     names: list[str] = []
     notices: list[str] = []
     drawn: list[tuple[Any, str, Any, Any]] = [
-        (chart, one.suffix, one, one.series) for one in rooms.charts(scene, records)
+        (chart, one.suffix, one, one.series) for one in scenery.charts(scene, records)
     ]
-    paths = rooms.orbits(scene, records)
-    if paths is not None:
-        drawn.append((plane, "-orbit", paths, paths.clouds))
+    orbits = scenery.orbits(scene, records)
+    if orbits is not None:
+        drawn.append((paths, "-orbit", orbits, orbits.clouds))
     for room, suffix, one, data in drawn:
         words = {"title": one.title, "x_label": one.x_label, "y_label": one.y_label}
         path = output / f"{stem}{suffix}.svg"
@@ -236,13 +236,13 @@ def _draw(
 
 def _page(scene: Scene, document: Mapping[str, Any], output: Path) -> str:
     """Return what a terminal shows of one scene."""
-    from .. import scenes as rooms
+    from .. import scenes as scenery
     from ..views.chart import text
 
     style = Style.of(sys.stdout)
     records = document["records"]
     width = style.width if sys.stdout.isatty() else WIDTH
-    table, left_out = _narrowed(rooms.rows(scene, records), width)
+    table, left_out = _narrowed(scenery.rows(scene, records), width)
     head = list(table[0]) if table else []
     parts = [
         style.paint(one_line(scene.title), "bold"),
@@ -260,7 +260,7 @@ def _page(scene: Scene, document: Mapping[str, Any], output: Path) -> str:
     parts += [""] if failed else []
     parts += [_wrapped(f"{_who(r)}: {one_line(r['message'])}", width) for r in failed]
     if "picture" in scene.ask:
-        for chart in rooms.charts(scene, records)[:1]:
+        for chart in scenery.charts(scene, records)[:1]:
             parts += ["", text(chart.series, x_label=chart.x_label, y_label=chart.y_label)]
         named = ", ".join(document["pictures"]) or "nothing to draw"
         parts += ["", _wrapped(f"pictures in {one_line(output)}: {named}", width)]
@@ -311,11 +311,11 @@ def _who(record: Mapping[str, Any]) -> str:
 
 
 def _write_csv(plans: Sequence[Plan], documents: Sequence[Mapping[str, Any]]) -> None:
-    from .. import scenes as rooms
+    from .. import scenes as scenery
 
     last: tuple[str, ...] = ()
     for plan, document in zip(plans, documents, strict=True):
-        table = rooms.rows(plan.scene, document["records"], raw=True)
+        table = scenery.rows(plan.scene, document["records"], raw=True)
         head = ("scene", *table[0]) if table else ()
         lines = [[plan.scene.name, *row.values()] for row in table]
         say(csv_text([*([head] if head != last else []), *lines]))

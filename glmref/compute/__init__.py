@@ -1,7 +1,7 @@
 """Many tasks: where they are carried out, under which limits, and records that survive.
 
 A task is a mapping that JSON can hold, and so is its result. Functions that carry out tasks are
-given by the rooms above.
+given by the subpackages above.
 
 Public names::
 

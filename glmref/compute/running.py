@@ -45,7 +45,7 @@ def measure(
     advance: Callable[[Task, Record], None] | None = None,
     stop: Callable[[], bool] = lambda: False,
 ) -> int:
-    """Carry out the tasks that a store lacks.
+    """Carry out the tasks that a store lacks, and return their number.
 
     This process alone writes. Results that have ended together are written together, with one call
     that brings them to the disk, and are counted after it.
@@ -64,11 +64,6 @@ def measure(
         Called with each task and its record when it is on the disk.
     stop : callable
         Asked before a task is handed out: whether no more shall be.
-
-    Returns
-    -------
-    int
-        How many tasks were carried out.
 
     Raises
     ------

@@ -19,7 +19,7 @@ from ..findings import Finding, Verdict
 from ..system.process import guarded
 from ..views import tables
 from .adapter import load_adapter
-from .known import read_known_failures
+from .expected_failures import read_known_failures
 from .subject import Subject
 
 HOLDS, FAILED, BAD_ADAPTER = 0, 1, 2

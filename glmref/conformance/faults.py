@@ -119,17 +119,7 @@ def wrong_steps(
     engine: Stepper, method: GLM | PartitionedGLM, problem: Problem,
     t: Any, values: np.ndarray, h: Any,
 ) -> Iterator[Wrong]:  # fmt: skip
-    """Carry out every bug that can happen in one step of this method; some may give the right end.
-
-    Parameters
-    ----------
-    engine : Stepper
-        Stepper of the right method on the problem.
-    problem : Problem
-        In double precision form.
-    t, values, h
-        The step.
-    """
+    """Carry out every bug that one step of this method can have; some may give the right end."""
     right = engine.step(t, values, h).values
     if isinstance(method, PartitionedGLM):
         variants = _pair_variants(method)

@@ -101,15 +101,6 @@ def checksums(folder: Path) -> str:
 def write(folder: Path, names: Sequence[str] = METHODS, on: str | None = None) -> None:
     """Make the files of these methods anew, and the list of hashes.
 
-    Parameters
-    ----------
-    folder : Path
-        Where they belong.
-    names : sequence of str
-        Methods.
-    on : str, optional
-        Where they are made, see :mod:`glmref.compute.choosing`.
-
     Raises
     ------
     DataError

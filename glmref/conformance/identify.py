@@ -17,7 +17,7 @@ from ..exact import Ball
 from ..exact.expression import parse
 from ..method import GLM, Method, PartitionedGLM
 from ..method.solution_value import stage_times
-from ..verification.analysis import analyze
+from ..prove.analysis import analyze
 from .probe import read
 from .readings import Reading, clean, needed
 from .subject import Subject
@@ -222,11 +222,6 @@ def as_method(reading: Reading, name: str = "read") -> tuple[Method, bool]:
     """Make a method of what was read.
 
     Numbers with a closed form become exact, the others balls of :data:`DIGITS` digits.
-
-    Returns
-    -------
-    tuple[Method, bool]
-        The method, and whether every number has a closed form.
     """
     complete = True
 

@@ -10,11 +10,11 @@ import numpy as np
 
 from ..errors import UsageError
 from .probe import read
+from .read_orders import HIGHEST, first_defect, nearest
 from .subject import Subject
 from .taylor import taylor_states
 from .vectors import TestProblem, array, problems
 from .verdicts import Judgement, errors_of, floor_of, order_judgement
-from .weights import HIGHEST, first_defect, nearest
 
 #: Length of the runs that measure an order.
 _TIME = 4.0

@@ -15,7 +15,7 @@ import pytest
 
 from ..errors import GlmrefError
 from .adapter import load_adapter
-from .known import read_known_failures
+from .expected_failures import read_known_failures
 from .subject import Subject
 
 if TYPE_CHECKING:

@@ -45,15 +45,6 @@ from .subject import AdapterError, NotOffered, Subject
 def read_glm(box: Box, r: int, *, t: float = 0.0) -> Reading:
     """Read A, U, B, V of an integrator that carries r values and calls f(t, y).
 
-    Parameters
-    ----------
-    box : Box
-        One step of the integrator.
-    r : int
-        Number of values it carries.
-    t : float
-        Time at which it steps.
-
     Raises
     ------
     UsageError

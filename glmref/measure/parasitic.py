@@ -237,13 +237,7 @@ def _propagators(
 def start_amplitude(
     method: GLM, problem: Problem, *, h: float, mode: Mode, start: Any = None
 ) -> np.ndarray:
-    """Amplitude phi(0) of a mode that a start leaves, shape (d,): its starting error.
-
-    Parameters
-    ----------
-    start : Any
-        As in :func:`glmref.solve`.
-    """
+    """Amplitude phi(0) of a mode that a start leaves, shape (d,): its starting error."""
     engine = stepper(method, problem)
     y0 = np.array(problem.y0)
     values = starting_values(engine, start, t=0.0, y0=y0, h=h).values
@@ -260,13 +254,6 @@ def predicted_loss(
 
     The starting error of every mode is carried on by ``phi' = mu f'(y) phi`` along the periodic
     solution: one period's propagator gives all of them.
-
-    Parameters
-    ----------
-    period : float
-        Period of the solution.
-    start : Any
-        As in :func:`glmref.solve`.
     """
     level = LOST * float(np.linalg.norm(problem.y0))
     pieces = 64

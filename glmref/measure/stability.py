@@ -28,13 +28,6 @@ GROWTH = 1e-7
 def amplification(method: GLM, z: Any) -> np.ndarray:
     """Stability matrix M(z) in double precision.
 
-    Parameters
-    ----------
-    method : GLM
-        A GLM.
-    z : Any
-        Complex numbers of any shape.
-
     Returns
     -------
     np.ndarray

@@ -52,13 +52,6 @@ class Jacobian:
 def differentiated(formula: Formula, dimension: int) -> Formula:
     """Return the formula of all derivatives by the components of the last variable.
 
-    Parameters
-    ----------
-    formula : Formula
-        The function, of shape (n,) or ().
-    dimension : int
-        Number d of components.
-
     Returns
     -------
     Formula

@@ -12,8 +12,8 @@ import numpy as np
 from ..errors import UsageError
 from .derivative import Jacobian
 from .formula import Formula, Number, exact_number, functions, short, to_number
+from .from_expressions import equation_entries, hamiltonian_entries
 from .loops import Loops, PhaseSpace, QuadraticForm, join
-from .own import equation_entries, hamiltonian_entries
 from .precision import on_context
 from .reference import Reference, references_of
 from .user import UserFunction, plain
@@ -203,7 +203,7 @@ class Problem:
 
     @staticmethod
     def from_hamiltonian(H: str, y0: Any, **options: Any) -> Problem:
-        """Return Hamilton's equations of H, see :func:`.own.hamiltonian_entries`.
+        """Return Hamilton's equations of H, see :func:`.from_expressions.hamiltonian_entries`.
 
         Parameters
         ----------
@@ -218,7 +218,7 @@ class Problem:
 
     @staticmethod
     def from_equations(f: Any, y0: Any, **options: Any) -> Problem:
-        """Return y' = f from expressions in names, see :func:`.own.equation_entries`.
+        """Return y' = f from expressions in names, see :func:`.from_expressions.equation_entries`.
 
         Parameters
         ----------

@@ -1,7 +1,7 @@
 """A problem as a table of plain data: in a scene, in a TOML file of its own, or from Python.
 
-The keys are those of :mod:`.own`, or ``file = "mine.py:make"`` for a Python file with a function
-that makes the problem. That file is executed, and only because its name was given.
+The keys are those of :mod:`.from_expressions`, or ``file = "mine.py:make"`` for a Python file with
+a function that makes the problem. That file is executed, and only because its name was given.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from typing import Any
 
 from ..errors import DataError, UsageError
 from ..system.files import read_text
+from .from_expressions import equation_entries, hamiltonian_entries, time_of
 from .model import Problem
-from .own import equation_entries, hamiltonian_entries, time_of
 
 #: Keys that say what the equations are; a table has one of them.
 OWN = ("H", "f", "file")
@@ -40,10 +40,6 @@ def from_table(table: Mapping[str, Any], folder: Path | None = None) -> Problem:
         Keys of :data:`KEYS`; exactly one of ``H``, ``f`` and ``file``.
     folder : Path, optional
         Where the path in ``file`` starts; the working folder by default.
-
-    Returns
-    -------
-    Problem
 
     Raises
     ------
@@ -130,7 +126,7 @@ def from_file(
         made = make(**(parameters or {}))
     except UsageError:
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:  # which would end the command as if it were done
         said = " ".join(str(error).split())[:200]
         raise UsageError(
             f"`file`: {maker} of {path.name} raised {type(error).__name__}: {said}"

@@ -83,7 +83,7 @@ def recorded(function: Any, variables: tuple[str, ...], size: int) -> Recorded |
         outputs = tuple(trace.text(x) for x in entries)
     except (Untraceable, RecursionError):
         return None
-    except Exception:  # whatever it raises on symbols, it may not raise on numbers
+    except (Exception, SystemExit):  # whatever it raises on symbols, it may not raise on numbers
         return None
     return (tuple(trace.lines), outputs) if len(outputs) == size else None
 
@@ -102,10 +102,6 @@ def traced(
         Arguments at which formula and function are compared.
     operations : (operations, outputs), optional
         What :func:`recorded` found.
-
-    Returns
-    -------
-    Formula or None
     """
     found = operations or recorded(function, variables, len(points[0][-1]))
     if found is None:
@@ -114,7 +110,7 @@ def traced(
     try:
         formula = shared(Formula(outputs, common, variables))
         return formula if all(_agree(formula, function, point) for point in points) else None
-    except Exception:  # a function that fails at one of the points is left to tell so itself
+    except (Exception, SystemExit):  # a function that fails is left to tell so itself
         return None
 
 

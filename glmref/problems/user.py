@@ -47,17 +47,8 @@ def _sentence(error: BaseException) -> str:
     return f"{name}: {text[:200]}" if text else name
 
 
-def raised(name: str, error: Exception, arguments: tuple[Any, ...] = ()) -> FunctionFailed:
+def raised(name: str, error: BaseException, arguments: tuple[Any, ...] = ()) -> FunctionFailed:
     """Return what stands for an exception that a user's function raised.
-
-    Parameters
-    ----------
-    name : str
-        What the problem calls the function.
-    error : Exception
-        What it raised.
-    arguments : tuple
-        What it was called with, where that is known.
 
     Returns
     -------
@@ -158,7 +149,7 @@ class UserFunction:
             return self.function(*arguments)
         except GlmrefError:
             raise
-        except Exception as error:
+        except (Exception, SystemExit) as error:  # which would end a run as if it were done
             if self.context is not None and isinstance(error, TypeError | AttributeError):
                 raise UsageError(
                     f"{self.__name__} works in double precision only ({error}); give it as "
@@ -175,6 +166,8 @@ class UserFunction:
             raise FunctionFailed(
                 f"`{self.name}` must return shape {self.shape}, got {_kind(found)}"
             )
+        if isinstance(found, np.ma.MaskedArray) and found.mask.any():  # the array has lost its mask
+            raise FunctionFailed(f"`{self.name}` must return numbers, got masked entries")
         letter = array.dtype.kind
         if kind.kind == "O" or (letter == "c" and kind.kind == "c"):
             return array if self.shape else array[()]

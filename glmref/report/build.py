@@ -13,12 +13,12 @@ from ..catalogue.canonical import canonical
 from ..catalogue.lookup import names, path_of
 from ..errors import UsageError
 from ..system.files import make_folder, printable, reason, write_bytes, write_text
-from .looks import looks
+from .line_styles import looks
 from .markup import Page, Site
 from .measurements import measurement_pages
 from .methods import by_class, is_shipped_name, method_page, overview
-from .others import errata_page, history_page, measured_page
 from .runs import run_page
+from .side_pages import errata_page, history_page, measured_page
 from .store import MARK, Results
 
 _SAID = "Pages of `glmref report`. This folder is written anew; keep nothing else in it.\n"
@@ -54,11 +54,6 @@ def build(
         Methods with a page of their own; all of the catalogue by default.
     docs : str
         Where the documentation lies, a folder seen from the pages or an address of the web.
-
-    Returns
-    -------
-    list[Path]
-        The files that were written.
 
     Raises
     ------

@@ -35,17 +35,7 @@ _PICTURES, _LINES = 60, 24
 
 
 def campaign_page(campaign: Campaign, records: Iterable[Record], path: Path) -> None:
-    """Write the page of a campaign.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        What was asked.
-    records : iterable of mapping
-        What is known so far.
-    path : Path
-        The HTML file.
-    """
+    """Write the page of a campaign."""
     outcomes: Counter[str] = Counter()
     machines: Counter[str] = Counter()
     messages: dict[str, str] = {}
@@ -173,11 +163,6 @@ def write_parquet(records: Iterable[Record], again: Iterable[Record], path: Path
         The records, twice: first their columns are found, then they are written.
     path : Path
         The file.
-
-    Returns
-    -------
-    int
-        How many rows.
 
     Raises
     ------

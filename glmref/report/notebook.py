@@ -14,7 +14,7 @@ from markupsafe import Markup
 from ..engine.outcome import Solution
 from ..errors import UsageError
 from ..method import GLM, AdditiveGLM, PartitionedGLM
-from ..verification.analysis import Analysis
+from ..prove.analysis import Analysis
 from ..views.facts import analysis_rows
 from ..views.plot import plot
 from ..views.show import parts

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ..views.plane import Cloud, one_each, ranging
+from ..views.paths import Cloud, one_each, ranging
 from .markup import Column, Figure, Table, number
 from .store import Record, RunFile, is_number, method_of
 
@@ -54,15 +54,7 @@ class Orbits:
 
 
 def orbits(run: RunFile, title: str, far: str = "") -> Orbits | None:
-    """Return what a page shows of the orbits of a run; nothing where none is stored.
-
-    Parameters
-    ----------
-    title : str
-        Of the page.
-    far : str
-        A sentence of how far the runs go, for the caption.
-    """
+    """Return what a page shows of the orbits of a run; nothing where none is stored."""
     found = [one for one in map(_orbit, run.records) if one is not None]
     room = MOST - len(run.records)
     shown = _fitting(_one_each([x for x in found if x.axes == found[0].axes]), room)
@@ -99,7 +91,7 @@ def orbits(run: RunFile, title: str, far: str = "") -> Orbits | None:
 
 
 def _one_each(found: Sequence[_Orbit]) -> list[_Orbit]:
-    """One orbit a method, as :func:`..plane.one_each` chooses."""
+    """One orbit a method, as :func:`..views.paths.one_each` chooses."""
     clouds = [one.cloud for one in found]
     chosen = one_each(clouds)
     return [next(x for x, y in zip(found, clouds, strict=True) if y is cloud) for cloud in chosen]

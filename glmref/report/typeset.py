@@ -10,68 +10,11 @@ import re
 from markupsafe import Markup, escape
 
 from ..errors import DataError
-from ..exact.expression import (
-    Exponential,
-    Name,
-    Negative,
-    Node,
-    Number,
-    Product,
-    Root,
-    Sum,
-    syntax_tree,
-)
+from ..views.notation import Notation
 from .markup import render
 
 _MOST_ENTRIES = 150  # of a tableau that is shown at once
 _SHOWN = 12  # digits of a decimal before it is cut
-
-
-def _written(node: Node) -> str:
-    match node:
-        case Number(text):
-            shown = text if len(text) <= _SHOWN + 2 else text[: _SHOWN + 2] + "…"
-            return f"<mn>{shown}</mn>"
-        case Name(name):
-            return _name(name)
-        case Negative(operand):
-            return f"<mo>−</mo>{_factor(operand)}"
-        case Sum(terms):
-            (_, first), *others = terms
-            signs = {"+": "<mo>+</mo>", "-": "<mo>−</mo>"}
-            return _written(first) + "".join(signs[sign] + _factor(x) for sign, x in others)
-        case Product(factors):
-            return _product(factors)
-        case Root(radicand, 2):
-            return f"<msqrt>{_written(radicand)}</msqrt>"
-        case Root(radicand, degree):
-            return f"<mroot><mrow>{_written(radicand)}</mrow><mn>{degree}</mn></mroot>"
-        case Exponential(angle):
-            return f"<msup><mi>e</mi><mrow>{_written(angle)}</mrow></msup>"
-    raise AssertionError(node)
-
-
-def _product(factors: tuple[tuple[str, Node], ...]) -> str:
-    """Write factors from the left; the sign of the first stands before all of them."""
-    (_, first), *others = factors
-    sign, first = ("<mo>−</mo>", first.operand) if isinstance(first, Negative) else ("", first)
-    written = _written(first) if others[0][0] == "/" else _factor(first)
-    for operator, factor in others:
-        if operator == "/":
-            below = _written(factor)
-            written = f"<mfrac><mrow>{written}</mrow><mrow>{below}</mrow></mfrac>"
-        else:
-            # a dot where two numbers, or a number and a fraction, would be read as one
-            apart = isinstance(factor, Number | Product)
-            dot = "<mo>·</mo>" if apart else "<mo>&#x2062;</mo>"
-            written = f"{written}{dot}{_factor(factor)}"
-    return sign + written
-
-
-def _factor(node: Node) -> str:
-    if isinstance(node, Sum | Negative):
-        return f"<mrow><mo>(</mo>{_written(node)}<mo>)</mo></mrow>"
-    return _written(node)
 
 
 def _name(token: str) -> str:
@@ -88,6 +31,25 @@ def _letter(name: str) -> str:
     return greek.get(name, name)
 
 
+def _number(text: str) -> str:
+    return f"<mn>{text if len(text) <= _SHOWN + 2 else text[: _SHOWN + 2] + '…'}</mn>"
+
+
+_MATHML = Notation(
+    number=_number,
+    name=_name,
+    plus="<mo>+</mo>",
+    minus="<mo>−</mo>",
+    dot="<mo>·</mo>",
+    times="<mo>&#x2062;</mo>",
+    group="<mrow><mo>(</mo>{}<mo>)</mo></mrow>",
+    fraction="<mfrac><mrow>{}</mrow><mrow>{}</mrow></mfrac>",
+    square_root="<msqrt>{}</msqrt>",
+    root="<mroot><mrow>{}</mrow><mn>{}</mn></mroot>",
+    exponential="<msup><mi>e</mi><mrow>{}</mrow></msup>",
+)
+
+
 def typeset(text: str) -> Markup:
     """Return an entry as MathML, or as it is where it follows no grammar.
 
@@ -98,7 +60,7 @@ def typeset(text: str) -> Markup:
     if not text:
         return Markup()
     try:
-        found = _written(syntax_tree(text, exponents=True))
+        found = _MATHML.of(text)
     except DataError:
         return Markup("<code>{}</code>").format(text)
     return Markup(f'<math displaystyle="true">{found}</math>')

@@ -40,15 +40,6 @@ def duration(seconds: float) -> str:
 def seconds_at(records: Sequence[Record], error: str, at: float) -> float | None:
     """Seconds one method needs to reach an error, on straight lines through its log-log points.
 
-    Parameters
-    ----------
-    records : Sequence[Record]
-        Of one method at several step sizes.
-    error : str
-        ``"state"`` or ``"energy"``.
-    at : float
-        The error to reach.
-
     Returns
     -------
     float or None

@@ -18,8 +18,8 @@ from .. import __version__
 from ..catalogue.lookup import document, load
 from ..compute.child import Function, Task
 from ..compute.records import key_of
-from ..derive.parcels import PARCEL, carry_out, tasks_of
 from ..derive.partitioned import PairAnsatz
+from ..derive.search_tasks import PARCEL, carry_out, tasks_of
 from ..errors import UsageError
 from ..measure.longtime import follow
 from ..measure.parasitic import parasitic_size, solution_direction

@@ -257,10 +257,6 @@ def compare(
     budget : float
         Seconds for all runs together, compilation included.
 
-    Returns
-    -------
-    Comparison
-
     Raises
     ------
     UsageError

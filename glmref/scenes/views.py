@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..views.chart import Series
-from ..views.plane import Cloud, one_each
+from ..views.paths import Cloud, one_each
 from .answers import duration
 from .labels import grouped, method_of
 from .model import Scene

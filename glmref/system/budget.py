@@ -79,13 +79,6 @@ def spend() -> None:
 def fits(unknowns: int, equations: int, what: str) -> None:
     """Look whether a linear system is small enough to be written down.
 
-    Parameters
-    ----------
-    unknowns, equations : int
-        Its size.
-    what : str
-        What it is for.
-
     Raises
     ------
     UndecidedError

@@ -56,12 +56,6 @@ def _writable(folder: Path, *, private: bool = False) -> bool:
 
 
 def private_folder(name: str) -> Path | None:
-    """Folder of that name in :func:`cache_folder` which nobody else can write; ``None`` for none.
-
-    Parameters
-    ----------
-    name : str
-        Last part of its path.
-    """
+    """Folder of that name in :func:`cache_folder` that nobody else can write, or ``None``."""
     base = cache_folder()
     return base / name if base is not None and _writable(base / name, private=True) else None

@@ -81,11 +81,6 @@ def read_bytes(path: Path, most: int) -> bytes:
     most : int
         Largest number of bytes that is read.
 
-    Returns
-    -------
-    bytes
-        The content.
-
     Raises
     ------
     DataError

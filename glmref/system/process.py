@@ -46,6 +46,10 @@ class Terminated(KeyboardInterrupt):
         self.number = number
 
 
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_groups.clear)  # they are those of the parent
+
+
 def remember_group(group: int) -> None:
     """Have a process group ended when this process is."""
     _groups.add(group)
@@ -71,7 +75,8 @@ def end_children() -> None:
         from multiprocessing import active_children  # in memory already
 
         for child in active_children():
-            child.kill()
+            if child._parent_pid == os.getpid():  # type: ignore[attr-defined]
+                child.kill()
 
 
 def end_with_parent() -> None:
@@ -292,11 +297,20 @@ def within(name: str, seconds: float, program: Callable[[], int]) -> int:
         print(f"{name}: this system has no time limits; leave it out", file=sys.stderr)  # noqa: T201
         return TOO_LONG_CODE
     open_streams()
+    # a child would wait for ever for the thread of a timer that runs, which it does not have
+    faulthandler.cancel_dump_traceback_later()
     child = os.fork()
     if child == 0:
-        # this timer, which needs no interpreter, serves where the parent is gone
-        faulthandler.dump_traceback_later(2 * seconds + 1, exit=True, file=open(os.devnull, "w"))  # noqa: SIM115
-        os._exit(program())
+        code = 1
+        try:
+            nowhere = open(os.devnull, "w")  # noqa: SIM115
+            # this timer, which needs no interpreter, serves where the parent is gone
+            faulthandler.dump_traceback_later(2 * seconds + 1, exit=True, file=nowhere)
+            code = program()
+        except BaseException as error:
+            sys.excepthook(type(error), error, error.__traceback__)
+        finally:
+            os._exit(code)  # nothing of the caller may run a second time
     killed = False
 
     def over(number: int, frame: FrameType | None) -> None:

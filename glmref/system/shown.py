@@ -1,6 +1,6 @@
 """What a record does for a person: shown in a notebook, drawn, saved.
 
-Methods, analyses and solutions lie below the rooms that draw and write them. They ask those rooms
+Methods, analyses and solutions lie below the subpackages that draw and write them. They ask those
 by name, here and nowhere else, and only when a person asks them.
 """
 
@@ -21,7 +21,7 @@ DARK = (
     "filter: invert(.91) hue-rotate(180deg); background: #171717 } }</style>"
 )
 
-#: What records ask of the rooms above: module and function.
+#: What records ask of the subpackages above: module and function.
 ABOVE = (
     ("report.notebook", "html"),
     ("views.plot", "plot"),

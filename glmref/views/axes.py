@@ -1,7 +1,7 @@
 """Axes of pictures in SVG: where a point stands, ticks of linear and logarithmic ranges, frames.
 
 All pictures of the package are drawn with these: log-log charts (:mod:`.chart`), paths in a plane
-(:mod:`.plane`), portraits (:mod:`.portrait`), and stability regions on the pages of the report.
+(:mod:`.paths`), portraits (:mod:`.portrait`), and stability regions on the pages of the report.
 Elements carry their colours; their classes let the style sheet of a page choose others.
 """
 
@@ -52,20 +52,7 @@ def decades(values: Sequence[float]) -> Point:
 
 
 def log_ticks(low: float, high: float, most: int = 8) -> Ticks:
-    """Return ticks at powers of ten, thinned, or at 1, 2, 5 times these in a short range.
-
-    Parameters
-    ----------
-    low, high : float
-        log10 limits of the range.
-    most : int
-        Number of ticks at the most.
-
-    Returns
-    -------
-    Ticks
-        log10 positions and texts.
-    """
+    """Return ticks at powers of ten, thinned, or at 1, 2, 5 times these in a short range."""
     whole = range(math.ceil(low - 1e-9), math.floor(high + 1e-9) + 1)
     at = [float(k) for k in whole if k % max(1, math.ceil(len(whole) / most)) == 0]
     if len(whole) < 3:

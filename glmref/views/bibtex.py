@@ -43,11 +43,6 @@ def escape(text: str) -> str:
 def source_entry(method: Mapping[str, Any]) -> str:
     """Return the BibTeX entry of a method's source: that of its file, or one made of its citation.
 
-    Parameters
-    ----------
-    method : Mapping[str, Any]
-        A method document.
-
     Raises
     ------
     DataError

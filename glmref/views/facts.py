@@ -90,7 +90,7 @@ def _stability(key: str, value: Any, measured: Mapping[str, float]) -> str:
         return shown_value(value)
     if value is None and key in measured:
         return f"{_interval(key, measured[key])}, measured"
-    return shown_value(value) if value is None else _interval(key, value)
+    return shown_value(value) if value is None else _interval(key, float(value))
 
 
 def _interval(key: str, end: float) -> str:

@@ -32,13 +32,6 @@ def kind_of(problem: Problem) -> str:
 def described(problem: Problem, about: str = "") -> dict[str, Any]:
     """Everything about a problem that JSON can hold.
 
-    Parameters
-    ----------
-    problem : Problem
-        The problem.
-    about : str
-        One line on it.
-
     Returns
     -------
     dict
@@ -106,11 +99,6 @@ def page(problem: Problem, about: str = "") -> list[tuple[str, str]]:
 
 def c_source(problem: Problem) -> str:
     """Return the right-hand side as C, as the steppers of ``glmref export --to c`` call it.
-
-    Parameters
-    ----------
-    problem : Problem
-        One that is given by expressions.
 
     Returns
     -------

@@ -178,7 +178,8 @@ def _sentence(finding: Finding) -> str:
     declared, found = shown_value(finding.declared), shown_value(finding.value)
     if finding.verdict is Verdict.HOLDS and not finding.claim.startswith("refutes "):
         return declared
-    because = f"; {finding.witness}" if finding.witness else ""
+    more = finding.witness not in ("", f"found {found}")
+    because = f"; {finding.witness}" if more else ""
     if finding.value is None and finding.verdict is not Verdict.OPEN and because:
         return one_line(f"declared {declared}{because}")  # the reason says what was found
     return one_line(f"declared {declared}, found {found}{because}")

@@ -20,11 +20,6 @@ MAX_BYTES = 1_000_000
 def read_known_failures(path: str | Path, ids: Iterable[str]) -> dict[str, str]:
     """Read the file; return id -> reason.
 
-    Parameters
-    ----------
-    ids : Iterable[str]
-        The ids of the checks there are.
-
     Raises
     ------
     UsageError

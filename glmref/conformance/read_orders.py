@@ -126,16 +126,6 @@ def nearest(reading: Reading) -> str:
     """Name the method of the catalogue that differs at the fewest entries, or ``""``.
 
     It must agree in more than half of the entries that are not zero.
-
-    Parameters
-    ----------
-    reading : Reading
-        Coefficients that were read.
-
-    Returns
-    -------
-    str
-        Its name and the entries at which the reading differs.
     """
     mine = _entries(reading)
     best: tuple[int, str, list[str]] | None = None
