@@ -30,8 +30,6 @@ from glmref.measure.timing import circumstances
 from glmref.problems.model import Problem
 from tests.suite.real_defects import DEFECTS, mended, published
 
-__all__ = ["PACKAGES", "PLACE", "TABLES", "observed", "row", "table"]
-
 ROOT = Path(__file__).parents[1]
 PLACE = ROOT / "data" / "measurements" / "audit-orders.json"
 PAGE = ROOT / "docs" / "audit.md"

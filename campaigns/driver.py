@@ -27,8 +27,6 @@ from glmref.compute.records import key_of
 from glmref.errors import UsageError
 from glmref.measure.timing import circumstances
 
-__all__ = ["ORDERS", "TIMED", "arguments", "carried_out", "complete", "fingerprint", "renew"]
-
 #: Claims of order, on which the runs and the numbers depend.
 ORDERS = ("order", "order-identity", "effective-order")
 #: What is timed has a core of its own, but for ``here``.

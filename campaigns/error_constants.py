@@ -21,8 +21,6 @@ from glmref.prove.facts import facts_of
 from glmref.theory.error_constants import error_norm
 from glmref.theory.order import OrderResult, highest_order, order_of
 
-__all__ = ["LARGEST", "main", "row"]
-
 #: So many trees are named, those with the largest residuals.
 LARGEST = 8
 

@@ -38,19 +38,6 @@ from glmref.method import PartitionedGLM
 from glmref.problems import problem
 from glmref.problems.model import Problem
 
-__all__ = [
-    "PAGE",
-    "PROBLEMS",
-    "RENEW",
-    "TABLES",
-    "followed",
-    "main",
-    "row",
-    "surveyed",
-    "table",
-    "verdict",
-]
-
 STEPS = 1_000_000
 #: Steps between samples.
 EVERY = 2500

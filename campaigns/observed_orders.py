@@ -25,8 +25,6 @@ from glmref.method import Method, PartitionedGLM
 from glmref.problems import problem
 from glmref.problems.model import Problem
 
-__all__ = ["KINDS", "Case", "cases", "main", "observe", "row"]
-
 #: Claims that are seen in runs.
 KINDS = ORDERS
 

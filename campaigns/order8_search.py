@@ -20,8 +20,6 @@ from glmref.derive.ansatz import Ansatz, Value
 from glmref.derive.search import search
 from glmref.prove.system import SweepSystem
 
-__all__ = ["ANSATZES", "attempt", "main"]
-
 SOLVED, LARGEST = 1e-11, 10.0
 STARTS, SCALE, SEED = 128, 0.7, 1
 

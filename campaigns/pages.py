@@ -6,8 +6,6 @@ import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-__all__ = ["filled", "write"]
-
 
 def filled(text: str, tables: Mapping[str, Callable[[], str]]) -> str:
     """Return a page with its tables computed anew.

@@ -8,10 +8,6 @@ of the steps and again at the end: the difference is what the rest of the run to
 
 All values are kept after 1000 * 4^k steps and at the end. These *checkpoints* are ends of
 stretches, which do not depend on the length of the run: a shorter run passes through the same.
-
-Public names::
-
-    long_run(method, steps) -> mapping          main(path)
 """
 
 from __future__ import annotations
@@ -34,8 +30,6 @@ from glmref.measure.parasitic import parasitic_size, solution_direction
 from glmref.measure.timing import circumstances
 from glmref.problems import problem
 
-__all__ = ["long_run", "main"]
-
 STEPS = 10**8
 RUNS = (("g6245", 0.05), ("g6245", 0.1), ("g6245-w3", 0.1), ("gauss-3", 0.1), ("rk4", 0.1))
 ANGLE = "23/10"
@@ -45,15 +39,6 @@ CHECKPOINTS = tuple(ROWS * 4**k for k in range(20))
 
 def long_run(name: str, *, steps: int, h: float) -> dict[str, Any]:
     """Run one method for many steps and say how its energy fared.
-
-    Parameters
-    ----------
-    name : str
-        Of a method.
-    steps : int
-        How many.
-    h : float
-        Step size.
 
     Returns
     -------

@@ -36,8 +36,6 @@ from glmref.method import GLM
 from glmref.problems import problem
 from glmref.problems.model import Problem
 
-__all__ = ["METHODS", "VARIANTS", "RoundOff", "bodies", "options_of", "round_off", "rows"]
-
 #: Samples over the run.
 SAMPLES = 8192
 #: How the same method is computed: structurally exact coefficients (the sweep of a G-symplectic
@@ -205,17 +203,6 @@ def rows(
 
     The exact form, compensated, is measured on eight bodies, because the exponent of a random walk
     takes many of them; the others, which drift or are far larger, on three.
-
-    Parameters
-    ----------
-    methods : Sequence[str]
-        names.
-    steps : int
-        Number of steps.
-    known : Sequence[Row]
-        Rows that exist; they are passed on as they are.
-    beside : Path, optional
-        See :func:`.driver.carried_out`.
     """
     done = {(row["method"], row["variant"], row["steps"][-1]): row for row in known}
     wanted = [(name, variant, steps) for name in methods for variant in VARIANTS]

@@ -18,8 +18,6 @@ from typing import Any
 from campaigns.pages import write
 from glmref.catalogue.lookup import data_root
 
-__all__ = ["PAGE", "TABLES", "main", "measured", "renew"]
-
 PAGE = Path(__file__).parents[1] / "docs" / "scene-results.md"
 FOLDER = data_root() / "measurements"
 

@@ -30,8 +30,6 @@ from glmref.theory.stability import oscillator
 #: Classes that have no region of one variable, or whose linear form is a method of its own.
 WITHOUT = ("additive", "rosenbrock")
 
-__all__ = ["FORMAT", "main", "row", "simplified"]
-
 FORMAT = "glmref-stability-1"
 #: Points of the grid along a side: even, so that none lies on an axis.
 GRID = 120

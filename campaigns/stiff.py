@@ -31,8 +31,6 @@ from glmref.method import GLM
 from glmref.problems import problem
 from glmref.problems.model import Problem
 
-__all__ = ["CASES", "Matrices", "StiffCost", "main", "matrices_of", "peer_cost", "stiff_cost"]
-
 #: Problem, its parameters, end, and the numbers of steps that are tried.
 CASES: tuple[tuple[str, dict[str, Any], float, tuple[int, ...]], ...] = (
     ("fput-stiff", {"omega": 5000}, 1.0, (100, 5000, 20000)),

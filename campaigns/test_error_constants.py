@@ -50,9 +50,9 @@ def test_what_is_stored_is_what_is_computed(name):
 
 
 def test_only_what_has_changed_is_computed_again(tmp_path, monkeypatch):
-    import campaigns.error_constants as room
+    import campaigns.error_constants as module
 
-    monkeypatch.setattr(room, "names", lambda kind: ["euler", "heun-2"])
+    monkeypatch.setattr(module, "names", lambda kind: ["euler", "heun-2"])
     rows = [dict(ROWS["euler"]), dict(ROWS["heun-2"])]
     rows[0] |= {"fingerprint": "of another tableau", "norm": 7.0}
     path = tmp_path / "constants.json"

@@ -53,10 +53,10 @@ def test_every_claim_of_an_order_is_stored_for_the_coefficients_as_they_are():
 
 
 def test_only_what_has_changed_is_measured_again(tmp_path, monkeypatch):
-    import campaigns.observed_orders as room
+    import campaigns.observed_orders as module
 
     wanted = [case for case in cases() if case.method in ("euler", "heun-2")]
-    monkeypatch.setattr(room, "cases", lambda: iter(wanted))
+    monkeypatch.setattr(module, "cases", lambda: iter(wanted))
     rows = [dict(STORED[case.method, case.claim]) for case in wanted]
     rows[0] |= {"fingerprint": "of another tableau", "observed": 7.0}
     path = tmp_path / "orders.json"

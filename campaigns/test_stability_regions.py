@@ -115,9 +115,9 @@ def test_what_is_stored_is_what_is_measured(name):
 
 
 def test_only_what_has_changed_is_measured_again(tmp_path, monkeypatch):
-    import campaigns.stability_regions as room
+    import campaigns.stability_regions as module
 
-    monkeypatch.setattr(room, "names", lambda kind: ["euler", "heun-2"])
+    monkeypatch.setattr(module, "names", lambda kind: ["euler", "heun-2"])
     rows = {name: dict(STORED["methods"][name]) for name in ("euler", "heun-2")}
     rows["euler"] |= {"fingerprint": "of another tableau", "rings": []}
     path = tmp_path / "stability.json"

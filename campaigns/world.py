@@ -10,10 +10,6 @@ stays below it (:mod:`campaigns.partitioned.work`).
 Peers: heyoka, IAS15 of rebound (gravitating bodies only), DOP853 of scipy, CVODE of SUNDIALS with
 Adams formulas through scikit-sundae. heyoka and rebound are compiled, DOP853 and CVODE call a
 function of numpy arrays, whose time is most of theirs: compare their evaluations.
-
-Public names::
-
-    CASES, METHODS, PEERS, main(path), table(document) -> str, winners(document) -> {name: count}
 """
 
 from __future__ import annotations
@@ -37,8 +33,6 @@ from campaigns.partitioned.work import Case, case_of, need_of, need_row, per_ste
 from glmref.errors import UsageError
 from glmref.measure.peers import measure_peer, runner
 from glmref.measure.timing import circumstances
-
-__all__ = ["CASES", "METHODS", "PEERS", "main", "table", "winners"]
 
 GOAL = 1e-9
 METHODS = (

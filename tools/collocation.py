@@ -16,8 +16,6 @@ import numpy as np
 from glmref.errors import UsageError
 from glmref.problems.model import Problem
 
-__all__ = ["collocation_states"]
-
 MAX_STEPS = 20_000
 MAX_ITERATIONS = 40
 GUARD_DIGITS = 30  # slopes of a stiff problem lose log10(h |J|) digits to cancellation

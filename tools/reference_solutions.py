@@ -9,8 +9,6 @@ from typing import Any
 from glmref.problems.model import Problem
 from glmref.problems.reference import FORMAT
 
-__all__ = ["solution_document", "solution_entries"]
-
 MOST_DIGITS = 40  # stored, however many agree
 
 

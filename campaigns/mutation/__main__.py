@@ -17,17 +17,19 @@ from pathlib import Path
 from .inprocess import ROOT, SILENT, Bench, collected
 from .mutants import Mutant, mutants
 
-#: Room -> its modules: of a folder, or some files of one; ``-`` leaves one out.
-ROOMS: dict[str, str] = {
+#: Subpackage -> its modules: of a folder, or some files of one; ``-`` leaves one out.
+SUBPACKAGES: dict[str, str] = {
     "exact": "exact/*",
     "readers": "catalogue/reader catalogue/strict_json catalogue/entries catalogue/keys "
     "scenes/reading",
-    "prove": "prove/* -prove/kernel -prove/growth_rules -prove/stability_rules",
-    "kernel": "prove/kernel prove/growth_rules prove/stability_rules",
+    "prove": "prove/* -prove/kernel -prove/growth_rules -prove/stability_rules "
+    "-prove/implications -prove/rows -prove/ranges",
+    "kernel": "prove/kernel prove/growth_rules prove/stability_rules prove/implications "
+    "prove/rows prove/ranges",
     "theory": "theory/*",
     "engine": "engine/*",
 }
-#: Quick tests that are collected, and beginnings of those that concern other rooms.
+#: Quick tests that are collected, and beginnings of those that concern other subpackages.
 TESTS = ("tests/unit", "tests/laws", "tests/adversary", "tests/literature", "tests/attack",
          "tests/suite/test_bad_input.py", "tests/suite/test_checker.py",
          "tests/suite/test_checker_catalogue.py", "tests/repo/test_coq.py")  # fmt: skip
@@ -38,25 +40,25 @@ OTHERS = (
 LEFT_OUT = (".git", "__pycache__", ".pytest_cache", ".ruff_cache", "docs/images", "site")
 
 
-def modules(room: str) -> list[Path]:
-    """Modules of a room, as paths in the tree."""
-    names = ROOMS[room].split()
+def modules(subpackage: str) -> list[Path]:
+    """Modules of a subpackage, as paths in the tree."""
+    names = SUBPACKAGES[subpackage].split()
     without = {ROOT / "glmref" / f"{x[1:]}.py" for x in names if x[0] == "-"}
     found = [p for x in names for p in sorted((ROOT / "glmref").glob(f"{x}.py"))]
     return [p.relative_to(ROOT) for p in found if p.stem != "__init__" and p not in without]
 
 
-def drawn(rooms: Sequence[str], count: int, seed: int) -> Iterator[tuple[str, Path, Mutant]]:
-    """Draw mutants by turns of the rooms; within a room each is as likely as any other."""
+def drawn(subpackages: Sequence[str], count: int, seed: int) -> Iterator[tuple[str, Path, Mutant]]:
+    """Draw mutants by turns of the subpackages; within one each is as likely as any other."""
     by_turns = []
-    for room in rooms:
+    for subpackage in subpackages:
         every = [
-            (room, module, mutant)
-            for module in modules(room)
+            (subpackage, module, mutant)
+            for module in modules(subpackage)
             for mutant in mutants((ROOT / module).read_text(encoding="utf-8"))
         ]
-        most = min(-(-count // len(rooms)), len(every))
-        by_turns.append(random.Random(f"{seed} {room}").sample(every, most))
+        most = min(-(-count // len(subpackages)), len(every))
+        by_turns.append(random.Random(f"{seed} {subpackage}").sample(every, most))
     for turn in range(max(map(len, by_turns))):
         yield from (x[turn] for x in by_turns if turn < len(x))
 
@@ -95,7 +97,7 @@ def run(bench: Bench, chosen: Sequence[tuple[str, Path, Mutant]], output: Path |
         done = {(x["module"], x["line"], x["before"], x["after"]): x for x in rows}
     with tempfile.TemporaryDirectory() as name:
         tree = Path(name) / "glmref"
-        for room, module, mutant in chosen:
+        for subpackage, module, mutant in chosen:
             key = (str(module), mutant.line, mutant.before[:300], mutant.after[:300])
             row = done.get(key)
             if row is None:
@@ -105,37 +107,37 @@ def run(bench: Bench, chosen: Sequence[tuple[str, Path, Mutant]], output: Path |
                         shutil.copytree(ROOT, tree, ignore=shutil.ignore_patterns(*LEFT_OUT))
                     tests = bench.tests(module, mutant.function)
                     outcome, first = anew(tree, module, mutant, tests)
-                row = {"room": room, "kind": mutant.kind, "function": mutant.function,
+                row = {"subpackage": subpackage, "kind": mutant.kind, "function": mutant.function,
                        **dict(zip(("module", "line", "before", "after"), key, strict=True)),
                        "outcome": outcome, "by": first, "seconds": round(seconds, 2)}  # fmt: skip
                 if output is not None:
                     with output.open("a", encoding="utf-8") as stream:
                         stream.write(json.dumps(row) + "\n")
-            counts.setdefault(room, Counter())[row["outcome"]] += 1
+            counts.setdefault(subpackage, Counter())[row["outcome"]] += 1
             if row["outcome"] == "survived":
                 say(f"{module}:{mutant.line}: {mutant.before!r} -> {mutant.after!r}")
-    for room, found in counts.items():
+    for subpackage, found in counts.items():
         noticed = found["killed"] + found["time"]
-        say(f"{room}: {noticed} of {found.total()} noticed, {noticed / found.total():.1%}")
+        say(f"{subpackage}: {noticed} of {found.total()} noticed, {noticed / found.total():.1%}")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a campaign; the exit code is that of pytest."""
     parser = argparse.ArgumentParser(prog="python -m campaigns.mutation", description=__doc__)
-    parser.add_argument("--rooms", default="exact", help=f"some of {', '.join(ROOMS)}")
+    parser.add_argument("--subpackages", default="exact", help=f"some of {', '.join(SUBPACKAGES)}")
     parser.add_argument("--count", type=int, default=100, help="mutants to draw")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--output", type=Path, default=None, help="file of JSON Lines")
     parser.add_argument("--calls", type=Path, default=None, help="file that keeps what tests call")
     given = parser.parse_args(arguments)
-    rooms = given.rooms.split(",")
-    unknown = [x for x in rooms if x not in ROOMS]
+    subpackages = given.subpackages.split(",")
+    unknown = [x for x in subpackages if x not in SUBPACKAGES]
     if unknown:
-        parser.error(f"there is no room {unknown[0]!r}; known are {', '.join(ROOMS)}")
+        parser.error(f"there is no subpackage {unknown[0]!r}; known are {', '.join(SUBPACKAGES)}")
     os.chdir(ROOT)
     os.environ["CI"] = "1"  # the same examples for every mutant
-    chosen = list(drawn(rooms, given.count, given.seed))
-    watched = [x for room in ROOMS for x in modules(room)]
+    chosen = list(drawn(subpackages, given.count, given.seed))
+    watched = [x for subpackage in SUBPACKAGES for x in modules(subpackage)]
     left = [f"--ignore-glob=*/test_{x}*" for x in OTHERS]
     with tempfile.TemporaryDirectory() as name:
         os.environ.setdefault("GLMREF_CACHE", name)

@@ -28,19 +28,20 @@ from typing import Any
 
 import pytest
 
-from .mutants import Mutant
+from glmref.engine.kept import ByIdentity
 
-__all__ = ["Bench", "collected", "exchange"]
+from .mutants import Mutant
 
 #: Seconds of processor time that the tests of one mutant take at most where nothing is changed,
 #: and how many times as long a mutant may take before it counts as one that loops.
 MOST, PATIENCE, LEAST = 30.0, 2.0, 10.0
+#: Seconds of the tests that are run first, so that what loops is ended soon.
+FIRST = 4.0
 MEMORY = 6 << 30
 #: Whose functions forget what they remember before a test.
 PACKAGES = ("glmref", "tests")
 REMEMBERED = (
     *("glmref.engine.kept._origins", "glmref.engine.kept._formulas"),
-    *("glmref.engine.kernel._sources", "glmref.engine.kernel._bands"),
     "glmref.engine.compiled._around",
 )
 #: The package is a plugin of pytest, which would compile its modules with other asserts: a function
@@ -169,6 +170,8 @@ def _forget() -> None:
     for name in REMEMBERED:
         module, _, variable = name.rpartition(".")
         getattr(sys.modules.get(module), variable, {}).clear()
+    for x in _every(ByIdentity):
+        x.known.clear()
     for path in Path(os.environ.get("GLMREF_CACHE", os.devnull)).glob("*.json"):
         path.unlink(missing_ok=True)
 
@@ -259,6 +262,17 @@ class Bench:
     def judged(self, module: Path, mutant: Mutant) -> tuple[str, str, float]:
         """Run the tests of a mutant; what came of it, the first that failed, seconds."""
         tests = self.tests(module, mutant.function)
+        spent, soon = 0.0, 0
+        while soon < len(tests) and spent < FIRST:
+            spent += self.calls[tests[soon]]["seconds"]
+            soon += 1
+        outcome, first, seconds = self._judged(module, mutant, tests[:soon])
+        if outcome == "survived" and soon < len(tests):
+            outcome, first, more = self._judged(module, mutant, tests[soon:])
+            seconds += more
+        return outcome, first, seconds
+
+    def _judged(self, module: Path, mutant: Mutant, tests: Sequence[str]) -> tuple[str, str, float]:
         most = PATIENCE * sum(self.calls[x]["seconds"] for x in tests) + LEAST
         with tempfile.TemporaryDirectory() as name:
             kept = Path(name) / "outcome.json"
@@ -339,7 +353,7 @@ def collected(
                 raise session.Interrupted("tests cannot be collected")
             for module in modules:
                 importlib.import_module(_spelled(module))
-            for kind in (FunctionType, _lru_cache_wrapper):
+            for kind in (FunctionType, _lru_cache_wrapper, ByIdentity):
                 _every(kind)
             use(session)
             return True

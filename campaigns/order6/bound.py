@@ -11,10 +11,6 @@ is what would be left of its time if every stage took one iteration. It is no th
 kernel lowers the time of an evaluation, and other coefficients lower the number of steps.
 
     python -m campaigns.order6.bound data/measurements/order8-bound.json
-
-Public names::
-
-    CASES, METHODS, UNIT, bound(row, stages, unit) -> float, main(path), table(document) -> str
 """
 
 from __future__ import annotations
@@ -32,8 +28,6 @@ from glmref.catalogue.lookup import load
 from glmref.measure.timing import circumstances
 from glmref.method import GLM
 from glmref.problems import problem
-
-__all__ = ["CASES", "METHODS", "UNIT", "bound", "main", "table"]
 
 METHODS = ("g6245-w3", *compare.METHODS["order 8, general linear"], "gauss-3", "gauss-4")
 #: In whose time the others are given.

@@ -36,18 +36,6 @@ from glmref.method import GLM
 from glmref.problems import problem
 from glmref.problems.model import Problem
 
-__all__ = [
-    "CASES",
-    "METHODS",
-    "TARGETS",
-    "Case",
-    "Comparison",
-    "Track",
-    "at_error",
-    "bracket",
-    "main",
-]
-
 #: Errors at which methods are compared: relative, Euclidean, of the last state.
 TARGETS = (1e-6, 1e-9)
 ROUNDS = 15

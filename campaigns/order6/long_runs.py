@@ -34,8 +34,6 @@ from glmref.method import GLM
 from glmref.problems import problem
 from glmref.problems.model import Problem
 
-__all__ = ["RUNS", "LongRun", "growth_rate", "long_run", "main", "parasitic_part", "scan_rate"]
-
 STEPS = 10_000_000
 #: Samples of each stretch at which the parasitic part is formed.
 LOOKS = 40
@@ -127,17 +125,7 @@ def parasitic_part(engine: Stepper, values: np.ndarray, h: float) -> tuple[np.nd
 
 
 def long_run(name: str, run: str, *, h: float = 0.1, steps: int = STEPS) -> LongRun:
-    """Run one method on one of :data:`RUNS`.
-
-    Parameters
-    ----------
-    name : str
-        Of a method with a starting method.
-    run : str
-        Key of RUNS.
-    h, steps
-        How far.
-    """
+    """Run one method on one of :data:`RUNS`."""
     subject, method = RUNS[run](), load(name)
     assert isinstance(method, GLM)
     engine = stepper(method, subject)

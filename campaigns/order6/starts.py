@@ -30,8 +30,6 @@ from glmref.measure.work_precision import reference_state, state_error
 from glmref.method import GLM
 from glmref.problems import problem
 
-__all__ = ["amplitudes", "begin", "final_errors", "loss_times", "main"]
-
 IDENTITY = ("g6245", "g6245-w3", "c2-3-10-w3")
 CONJUGATION = ("s5i1-w3", "s3-w3", "t115a-i")
 STEP_SIZES = (0.2, 0.1, 0.05)

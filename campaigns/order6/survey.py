@@ -35,8 +35,6 @@ from glmref.theory.error_constants import conjugate_error, error_norm
 from glmref.theory.order import order_of
 from glmref.theory.periodicity import periodicity
 
-__all__ = ["NEIGHBOURS", "frequencies", "main", "methods", "record"]
-
 #: One-step methods that the others are compared with.
 NEIGHBOURS = ("gauss-3", "gauss-4", "yoshida-6-midpoint", "triple-jump-6")
 

@@ -17,8 +17,6 @@ from campaigns.pages import write
 from campaigns.partitioned.long_runs import kepler_table
 from glmref.catalogue.lookup import data_root
 
-__all__ = ["BASE", "PAGES", "RECOMMENDED", "TABLES", "main", "measured"]
-
 TARGETS = ("1e-06", "1e-09")
 BASE = "gauss-3"
 

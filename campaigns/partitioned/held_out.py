@@ -12,12 +12,6 @@ Rows are kept as they end, so that the same command goes on where it was stopped
 counts the evaluations of one more method of :data:`GROUPS` and keeps the rest of the file. It takes
 no times, which mean something only beside those of the same run. With the name of a problem in
 place of the method, that problem is measured, with times, and put in its place.
-
-Public names::
-
-    CASES, GROUPS, methods_for(case), case_row(task), main(path)
-    add(path, method), renew(path, problem)
-    summary(document) -> str          table(document, measure) -> str       singles(document) -> str
 """
 
 from __future__ import annotations
@@ -38,19 +32,6 @@ from campaigns.partitioned.work import Case, Need, case_of, mean, needed, needs,
 from glmref.engine.solve import solve
 from glmref.measure.timing import circumstances
 
-__all__ = [
-    "CASES",
-    "GROUPS",
-    "add",
-    "case_row",
-    "main",
-    "methods_for",
-    "renew",
-    "singles",
-    "summary",
-    "table",
-]
-
 TOLERANCES = ("1e-06", "1e-09")
 NYSTROM = "Runge-Kutta-Nyström"
 #: What is compared, by group and by whether T is quadratic.
@@ -63,7 +44,10 @@ GROUPS: Mapping[bool, Mapping[str, Sequence[str]]] = {
         "pair": ("pair-rkn-6-7b", "pair-rkn-6-8b"),
         NYSTROM: ("dormand-prince-rkn-12-10",),
         "published multistep": SYMMETRIC,
-        "new": ("multistep-rkn-8", "multistep-rkn-10", "multistep-rkn-12"),
+        "new": (
+            *("multistep-rkn-8", "multistep-rkn-10", "multistep-rkn-12"),
+            "multivalue-rkn-12",
+        ),
     },
     False: {
         "splitting": ("blanes-moan-6", "kahan-li-8", "mclachlan-ss17-8", "sofroniou-spaletta-8-21"),

@@ -4,10 +4,6 @@ Hamiltonians as text, with initial values: orbits and galaxies, wells, molecules
 and bodies up to 64, thirty-one with T = p^T p / 2 or with masses and nine with another T. They were
 chosen before any of them was run. Kepler's problem is here with other eccentricities than those
 of training, Hénon-Heiles with other energies, and a Toda chain that is closed to a ring.
-
-Public names::
-
-    PROBLEMS, Held                    problem_of(name) -> Problem
 """
 
 from __future__ import annotations
@@ -21,8 +17,6 @@ from typing import Any
 from glmref.problems import problem
 from glmref.problems.model import Problem
 from glmref.problems.table import from_table
-
-__all__ = ["PROBLEMS", "Held", "problem_of"]
 
 
 @dataclass(frozen=True)

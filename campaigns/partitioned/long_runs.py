@@ -15,12 +15,6 @@ The second form runs one pair and keeps the runs of the others.
 runs Kepler's problem with three eccentricities, each method from its default start: all explicit
 partitioned methods, the general linear methods of order 6 and 8, Gauss methods and splittings.
 Runs that the file has already are kept.
-
-Public names::
-
-    follow_pair(name, case, steps) -> Long          CASES, main(path), add(path, pair)
-    follow_method(name, case, steps) -> Long        KEPLER, kepler(path)
-    grown(runs) -> {method: text}                   kepler_table(runs) -> str
 """
 
 from __future__ import annotations
@@ -49,24 +43,6 @@ from glmref.measure.timing import circumstances
 from glmref.method import Method, PartitionedGLM
 from glmref.problems import problem
 from glmref.problems.model import Problem
-
-__all__ = [
-    "CASES",
-    "KEPLER",
-    "Case",
-    "Long",
-    "add",
-    "follow_at",
-    "follow_method",
-    "follow_pair",
-    "grown",
-    "kepler",
-    "kepler_methods",
-    "kepler_table",
-    "main",
-    "pair_names",
-    "three_digits",
-]
 
 STEPS = 10_000_000
 #: Steps between samples: no divisor of a period in view.
@@ -197,15 +173,7 @@ def step_size(name: str, case: Case) -> float:
 
 
 def follow_pair(name: str, case: Case, steps: int = STEPS, *, start: str | None = "zero") -> Long:
-    """Run a pair and record energy and carried values.
-
-    Parameters
-    ----------
-    steps : int
-        A power of ten from 10^4 on.
-    start : str or None
-        ``"zero"`` values, or ``None`` for the starting method of the file.
-    """
+    """Run a pair and record energy and carried values."""
     h = case.per_evaluation * load(name).n_Q  # type: ignore[union-attr]
     return _followed(name, case, h, steps, start=start)
 
@@ -398,18 +366,7 @@ def kepler(path: Path, cases: Sequence[Case] = KEPLER, steps: int = STEPS) -> No
 
 
 def grown(runs: Sequence[Mapping[str, Any]]) -> dict[str, str]:
-    """Say of each method with a run that is not bounded at which eccentricities that is so.
-
-    Parameters
-    ----------
-    runs
-        The rows ``runs`` of data/measurements/kepler-long.json.
-
-    Returns
-    -------
-    dict
-        Method -> text, such as ``"0.1 and 0.3 (the orbit is lost at 0.1)"``.
-    """
+    """Say of each method with a run that is not bounded at which eccentricities that is so."""
     grows: dict[str, list[str]] = {}
     lost: dict[str, list[str]] = {}
     for run in runs:
@@ -430,15 +387,7 @@ def _listed(texts: Sequence[str]) -> str:
 
 
 def kepler_table(runs: Sequence[Mapping[str, Any]], methods: Sequence[str]) -> str:
-    """Energy errors after 10^5, 10^6, .. steps, one line for each method, in Markdown.
-
-    Parameters
-    ----------
-    runs
-        Rows of data/measurements/kepler-long.json.
-    methods
-        Names of the methods shown, in order.
-    """
+    """Energy errors after 10^5, 10^6, .. steps, one line for each method, in Markdown."""
     orbits = list(dict.fromkeys(run["eccentricity"] for run in runs))
     marks = [n for n in runs[0]["marks"] if n >= 100_000]
     shown = ", ".join(f"$10^{len(str(n)) - 1}$" for n in marks)

@@ -1,20 +1,15 @@
 """Multistep methods in one-step form against pairs and splittings: evaluations, long runs, holes.
 
     python -m campaigns.partitioned.multistep data/measurements/multistep.json
+    python -m campaigns.partitioned.multistep data/measurements/multistep.json METHOD
     python -m campaigns.partitioned.multistep long data/measurements/multistep-long.json
     python -m campaigns.partitioned.multistep resonances data/measurements/multistep-resonances.json
 
-The first counts force evaluations as :mod:`.work` does, each multistep method from its own start;
-the second follows 10^7 steps as :mod:`.long_runs` does; the third runs 4,000 step sizes up to the
+The first counts force evaluations as :mod:`.work` does, each multistep method from its own start,
+the second those of one method more;
+the third follows 10^7 steps as :mod:`.long_runs` does; the last runs 4,000 step sizes up to the
 end of the periodicity interval. Times stand in the records of :mod:`.held_out` and of
 :mod:`campaigns.world`.
-
-Public names::
-
-    ROWS, evaluations(path), table(document, tolerance) -> str
-    cosines(name), twin(name) -> Method
-    LONG, long_runs(path), long_table(document) -> str
-    scan(name, case, sizes, steps) -> Scan, resonances(path), scan_table(document) -> str
 """
 
 from __future__ import annotations
@@ -35,7 +30,7 @@ from campaigns.driver import TIMED, arguments, carried_out, complete
 from campaigns.partitioned import work
 from campaigns.partitioned.long_runs import EVERY, RESTART, Case, case_of, three_digits
 from campaigns.partitioned.long_runs import follow_at as follow
-from campaigns.partitioned.work import CASES, mean, need_of, need_row, needed, task_of
+from campaigns.partitioned.work import CASES, mean, need_of, need_row, needed, per_step, task_of
 from glmref.catalogue.lookup import load, names
 from glmref.catalogue.reader import load_document
 from glmref.compute import Limits
@@ -48,23 +43,6 @@ from glmref.method import Method, PartitionedGLM
 from glmref.problems import problem
 from glmref.problems.model import Problem
 from glmref.theory.periodicity import periodicity
-
-__all__ = [
-    "LONG",
-    "ROWS",
-    "Scan",
-    "cosines",
-    "evaluations",
-    "long_runs",
-    "long_table",
-    "mean_table",
-    "resonances",
-    "scan",
-    "scan_table",
-    "seconds_per_step",
-    "table",
-    "twin",
-]
 
 #: Published symmetric multistep methods.
 SYMMETRIC = (
@@ -133,21 +111,31 @@ def evaluations(path: Path, cases: Sequence[work.Case] = COUNTED) -> None:
     record["cases"] = []
     for case in cases:
         found = [need_of(x) for _ in methods for x in next(counted)]
-        record["cases"].append(
-            {
-                "case": case.name,
-                "measure": case.measure,
-                "methods": [
-                    {
-                        "method": need.method,
-                        "start_evaluations": need.start_evaluations,
-                        "needed": {f"{t:.0e}": round(n) for t, n in need.needed.items()},
-                    }
-                    for need in found
-                    if need.start != "enhanced"
-                ],
-            }
-        )
+        counts = [_counted(need) for need in found if need.start != "enhanced"]
+        record["cases"].append({"case": case.name, "measure": case.measure, "methods": counts})
+    complete(path, record)
+
+
+def _counted(need: work.Need) -> dict[str, Any]:
+    return {
+        "method": need.method,
+        "start_evaluations": need.start_evaluations,
+        "needed": {f"{t:.0e}": round(n) for t, n in need.needed.items()},
+    }
+
+
+def add(path: Path, method: str) -> None:
+    """Count one more method in all cases of a file."""
+    record = json.loads(path.read_text(encoding="utf-8"))
+    record["groups"] = rows()
+    entries = {x["case"]: x for x in record["cases"]}
+    cases = [x for x in COUNTED if x.name in entries]
+    for case, found in zip(
+        cases, carried_out(need_row, (task_of(x, method) for x in cases), beside=path), strict=True
+    ):
+        entry = entries[case.name]
+        others = [x for x in entry["methods"] if x["method"] != method]
+        entry["methods"] = [*others, *(_counted(need_of(x)) for x in found)]
     complete(path, record)
 
 
@@ -264,11 +252,16 @@ LONG_NOTE = (
 PUBLISHED = tuple(f"quinlan-tremaine-{order}" for order in (8, 10, 12, 14))
 
 
+def step_of(name: str, case: Case) -> float:
+    """Step size of a method on a case, by its evaluations."""
+    return case.per_evaluation * per_step(name)
+
+
 def long_row(task: Mapping[str, Any]) -> dict[str, Any]:
     """Follow a method on a case in JSON."""
     case, restart = case_of(task), task["restart"]
     return follow(
-        task["method"], case, case.per_evaluation, task["steps"], restart=restart
+        task["method"], case, step_of(task["method"], case), task["steps"], restart=restart
     ).as_json()
 
 
@@ -276,7 +269,7 @@ def nanoseconds(task: Mapping[str, Any]) -> float | None:
     """Time of a step of a method on a case in JSON."""
     case = case_of(task)
     target = problem(case.problem, **dict(case.parameters))
-    each = seconds_per_step(task["method"], target, case.per_evaluation)
+    each = seconds_per_step(task["method"], target, step_of(task["method"], case))
     return None if each is None else three_digits(1e9 * each)
 
 
@@ -297,7 +290,7 @@ def long_runs(path: Path, steps: int = 10_000_000, cases: Sequence[Case] = LONG)
     rows: list[dict[str, Any]] = []
     for name in (*SHIPPED, *PUBLISHED):
         for case in cases:
-            same = (name, case.problem, case.per_evaluation, dict(case.parameters))
+            same = (name, case.problem, step_of(name, case), dict(case.parameters))
             mine: dict[str, Any] = dict(zip(SAME, same, strict=True))
             rows.append(next((x for x in known if {**x, **mine} == x), mine))
             tasks.append({"method": name, "steps": steps, "restart": 0, **asdict(case)})
@@ -470,4 +463,9 @@ def scan_table(document: Mapping[str, Any]) -> str:
 if __name__ == "__main__":
     kinds = {"long": long_runs, "resonances": resonances}
     words = arguments(sys.argv[1:])
-    kinds.get(words[0], evaluations)(Path(words[-1]))
+    if words[0] in kinds:
+        kinds[words[0]](Path(words[1]))
+    elif words[1:]:
+        add(Path(words[0]), words[1])
+    else:
+        evaluations(Path(words[0]))

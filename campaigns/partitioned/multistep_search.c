@@ -265,3 +265,121 @@ double stages(int kind, int d, int s, int m, const double *phi, const double *b,
     memcpy(end, q, sizeof(double) * d);
     return lost ? INFINITY : last / (first + 1e-13);
 }
+
+/* Two kicks a step, with the output in the middle of the first: see two_kicks_search.py. */
+
+static double energy(int kind, int d, const double *q, const double *p)
+{
+    double sum = 0;
+    for (int c = 0; c < d; c++)
+        sum += p[c] * p[c] / 2;
+    if (kind == KEPLER)
+        return sum - 1 / sqrt(q[0] * q[0] + q[1] * q[1]);
+    if (kind == HENON_HEILES)
+        return sum + (q[0] * q[0] + q[1] * q[1]) / 2 + q[0] * q[0] * q[1] - q[1] * q[1] * q[1] / 3;
+    if (kind == PENDULUM)
+        return sum - cos(q[0]);
+    for (int i = 0; i < d; i++)
+        sum += exp(q[i] - q[i + 1 < d ? i + 1 : 0]);
+    return sum;
+}
+
+/* Forces at the points t + i spacing h, |i| <= reach, from positions and velocities at t. */
+static void forces_around(int kind, int d, const double *q0, const double *p0, double gap, int reach,
+                          int substeps, long double f[][MOST])
+{
+    for (int way = -1; way <= 1; way += 2) {
+        long double q[MOST], p[MOST];
+        for (int c = 0; c < d; c++) {
+            q[c] = q0[c];
+            p[c] = p0[c];
+        }
+        long_force(kind, d, q, f[reach]);
+        for (int i = 1; i <= reach; i++) {
+            reference(kind, d, q, p, way * (long double)gap / substeps, substeps);
+            long_force(kind, d, q, f[reach + way * i]);
+        }
+    }
+}
+
+/* State after so many steps of length h. rows: the values but the first from the 2 reach + 1 forces
+ * around the start, spacing h apart. weights: of the drift to the second kick, of the drift to the
+ * end, and of the velocity, 3 rows. kicks: 2 rows, of the first, half of which is made at either end
+ * of the step, and of the second, after the turns. errors: largest error of the energy, relative, in
+ * samples of every so many steps. Returns the growth of the roughness of the first drift. */
+double two_kicks(int kind, int d, int m, const double *rows, int reach, double spacing,
+                 const double *weights, const double *kicks, const double *turns, const double *q0,
+                 const double *p0, double h, long steps, long every, int substeps, double *end,
+                 double *errors)
+{
+    static const double binomial[ORDER + 1] = {1, -8, 28, -56, 70, -56, 28, -8, 1};
+    int r = 1 + 2 * m, lost = 0;
+    double x[VALUES][MOST], q[MOST], e[MOST], p[MOST], f[MOST], past[ORDER + 1][MOST] = {{0}};
+    double first = 0, last = 0, H = energy(kind, d, q0, p0), most_energy = 0;
+    long double around[2 * VALUES][MOST];
+    forces_around(kind, d, q0, p0, spacing * h, reach, substeps, around);
+    for (int c = 0; c < d; c++) {
+        double sum = p0[c];
+        for (int a = 1; a < r; a++) {
+            long double value = 0;
+            for (int i = 0; i < 2 * reach + 1; i++)
+                value += rows[(a - 1) * (2 * reach + 1) + i] * around[i][c];
+            x[a][c] = (double)(h * value);
+            sum -= weights[2 * r + a] * x[a][c];
+        }
+        x[0][c] = sum;
+        q[c] = q0[c];
+        e[c] = 0;
+    }
+    force(kind, d, q, f);
+    for (long n = 1; n <= steps && !lost; n++) {
+        for (int a = 0; a < r; a++)
+            for (int c = 0; c < d; c++)
+                x[a][c] += h / 2 * kicks[a] * f[c];
+        for (int i = 0; i < 2; i++) {
+            for (int c = 0; c < d; c++) {
+                double sum = 0;
+                for (int a = 0; a < r; a++)
+                    sum += weights[i * r + a] * x[a][c];
+                if (i == 0)
+                    past[n % (ORDER + 1)][c] = sum;
+                double more = h * sum + e[c], next = q[c] + more;
+                e[c] = more - (next - q[c]);
+                q[c] = next;
+            }
+            force(kind, d, q, f);
+            for (int j = 0; i == 0 && j < m; j++)
+                for (int c = 0; c < d; c++) {
+                    double u = x[1 + 2 * j][c], v = x[2 + 2 * j][c];
+                    x[1 + 2 * j][c] = turns[2 * j] * u - turns[2 * j + 1] * v;
+                    x[2 + 2 * j][c] = turns[2 * j + 1] * u + turns[2 * j] * v;
+                }
+            for (int a = 0; a < r; a++)
+                for (int c = 0; c < d; c++)
+                    x[a][c] += i ? h / 2 * kicks[a] * f[c] : h * kicks[r + a] * f[c];
+        }
+        if (every && n % every == 0) {
+            for (int c = 0; c < d; c++) {
+                p[c] = 0;
+                for (int a = 0; a < r; a++)
+                    p[c] += weights[2 * r + a] * x[a][c];
+            }
+            most_energy = fmax(most_energy, fabs((energy(kind, d, q, p) - H) / H));
+        }
+        if (n > ORDER && (n < 2000 || n > steps - 2000)) {
+            double size = 0;
+            for (int c = 0; c < d; c++) {
+                double rough = 0;
+                for (int i = 0; i <= ORDER; i++)
+                    rough += binomial[i] * past[(n - i) % (ORDER + 1)][c];
+                size += rough * rough;
+            }
+            double *most = n < 2000 ? &first : &last;
+            *most = fmax(*most, sqrt(size));
+        }
+        lost = !(fabs(q[0]) < 1e4);
+    }
+    memcpy(end, q, sizeof(double) * d);
+    *errors = lost ? INFINITY : most_energy;
+    return lost ? INFINITY : last / (first + 1e-13);
+}

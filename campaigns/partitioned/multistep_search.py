@@ -8,10 +8,6 @@ needed at 1e-9 (weight 0.6) and 1e-6 (0.4) on the training problems :data:`CASES
 :data:`PENALTY` unless another is asked for, for each factor ten by which the roughness of the
 velocities grows at six step sizes near those needed. A random descent from evenly spread or given
 angles, the same for a seed.
-
-Public names::
-
-    CASES, coefficients(q, p) -> (a, b)          descend(kind, pairs, seed=.., tries=..) -> Found
 """
 
 from __future__ import annotations
@@ -35,8 +31,6 @@ import numpy as np
 from campaigns.driver import arguments, carried_out
 from glmref.derive.multistep import Half
 from glmref.problems import problem
-
-__all__ = ["CASES", "Found", "Training", "coefficients", "descend", "objective"]
 
 DENOMINATOR = 256
 TOLERANCES = (1e-6, 1e-9)

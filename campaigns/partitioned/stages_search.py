@@ -19,13 +19,6 @@ tries and, unless 2, kicks) solves for unknowns with which the drifts match furt
 on among the solutions; the third (end, order, seed, tries) goes on from one of the ends. Minimized
 is the mean logarithm of the evaluations that are needed on :data:`CASES`, training problems, plus a
 penalty for growth.
-
-Public names::
-
-    CASES, Stages, doubled(angles), drifts(stages) -> (phi, b), interval(stages) -> float
-    objective(stages, bound=inf) -> float         descend(stages, seed=.., tries=..) -> Stages
-    resonances(path), growth_table(document) -> str
-    front(path), front_table(document) -> str
 """
 
 from __future__ import annotations
@@ -50,20 +43,6 @@ from campaigns.partitioned.multistep_search import Training
 from glmref.catalogue.lookup import load
 from glmref.measure.timing import circumstances
 from glmref.method import PartitionedGLM
-
-__all__ = [
-    "CASES",
-    "Stages",
-    "descend",
-    "doubled",
-    "drifts",
-    "front",
-    "front_table",
-    "growth_table",
-    "interval",
-    "objective",
-    "resonances",
-]
 
 #: Terms of the power series.
 LENGTH = 22
@@ -113,11 +92,12 @@ def doubled(angles: Sequence[float]) -> Stages:
     return Stages(turned, np.array([-0.25, 0.25]), np.array([kick, kick.conj()]))
 
 
-def _exponential(rate: float) -> np.ndarray:
+def exponential(rate: float) -> np.ndarray:
+    """Coefficients of exp(rate x)."""
     return np.array([rate**k / math.factorial(k) for k in range(LENGTH)])
 
 
-def _times(a: np.ndarray) -> np.ndarray:
+def times(a: np.ndarray) -> np.ndarray:
     """The matrix that multiplies a power series by another."""
     return toeplitz(a, np.zeros(LENGTH))
 
@@ -135,11 +115,11 @@ def drifts(stages: Stages) -> tuple[np.ndarray, np.ndarray]:
 def _series(stages: Stages) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """:func:`drifts`, and what they leave of each power of x, (s, LENGTH), about their middles."""
     s, m, theta = stages.s, len(stages.angles), stages.angles
-    forces = [_shifted(_exponential(c), 2) for c in stages.abscissae]  # x^2 exp(x c)
-    step = _times(_exponential(1.0))
+    forces = [_shifted(exponential(c), 2) for c in stages.abscissae]  # x^2 exp(x c)
+    step = times(exponential(1.0))
     # the values before the first kick of a step: y = exp(i theta - x) (y + sum of kicks)
     sums = np.linalg.solve(
-        _times(np.append(_exponential(1.0)[1:], 0)),
+        times(np.append(exponential(1.0)[1:], 0)),
         np.append(sum(forces)[1:] / s, 0),  # type: ignore[index]
     )
     values = [sums.astype(complex)]
@@ -158,9 +138,9 @@ def _series(stages: Stages) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
             1 + stages.abscissae[0] if last else stages.abscissae[i + 1],
         )
         middle = (here + there) / 2
-        moved = _exponential(there - middle) - _exponential(here - middle)
+        moved = exponential(there - middle) - exponential(here - middle)
         turn = np.exp(0.5j * theta) if last else np.ones(m)
-        centred = _times(_exponential(-middle))
+        centred = times(exponential(-middle))
         seen = [centred @ v for v in values]
         pairs = [t * v for t, v in zip(turn, seen[1:], strict=True)]
         mirrored = last or 2 * (i + 1) == s
@@ -446,12 +426,22 @@ def resonances(path: Path, count: int = 4000, steps: int = 5000) -> None:
 
 
 def growth_row(task: Mapping[str, Any]) -> dict[str, Any]:
-    """Look for growth of one method on one orbit."""
-    count, stages = task["count"], of_file(task["method"])
+    """Look for growth of one method with one kick on one orbit."""
+    stages = of_file(task["method"])
+    method = compiled(stages)
+    return scanned(
+        task, interval(stages, 1000), lambda case, h: method.run(case, h, task["steps"])[0]
+    )
+
+
+def scanned(
+    task: Mapping[str, Any], end: float, run: Callable[[Training, float], float]
+) -> dict[str, Any]:
+    """The step sizes for one evaluation, up to the end of an interval, at which a method grows."""
+    count = task["count"]
     orbit, case, frequency = next(x for x in ORBITS if x[0] == task["orbit"])
-    method, end = compiled(stages), interval(stages, 1000)
     sizes = end / count * np.arange(count // 20 + 1, count + 1)
-    grown = [method.run(case, float(h) / frequency, task["steps"])[0] > GROWN for h in sizes]
+    grown = [run(case, float(h) / frequency) > GROWN for h in sizes]
     return {
         "method": task["method"],
         "orbit": orbit,

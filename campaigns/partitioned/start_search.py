@@ -24,24 +24,12 @@ from glmref.derive.search import Found, evaluate, search
 from glmref.errors import UsageError
 from glmref.prove.starting import Target, starting_function, starting_system
 
-__all__ = ["fixed_start", "general_start", "search_start"]
-
 #: Width of the random coefficients: the solutions found have them between 0.05 and 1.
 WIDTH = 0.4
 
 
 def general_start(pairs: int) -> dict[str, list[list[str]]]:
     """One stage of each pair of every explicit start, for :func:`.parity_start.expanded`.
-
-    Parameters
-    ----------
-    pairs : int
-        Of stages Q, and as many of stages P.
-
-    Returns
-    -------
-    dict[str, list[list[str]]]
-        Every coefficient a decimal of its own, which stands for an unknown.
 
     Raises
     ------
@@ -83,17 +71,7 @@ def _weighted(pairs: int, target: Target) -> tuple[Any, int]:
 def search_start(
     target: Target, pairs: int, *, seed: int, starts: int, iterations: int = 300
 ) -> Iterator[Found]:
-    """Solve the conditions from random coefficients, reproducibly.
-
-    Parameters
-    ----------
-    target : Target
-        Of a pair that carries two values of q and two of p.
-    pairs : int
-        See :func:`general_start`.
-    seed, starts, iterations : int
-        See :func:`~glmref.derive.search.search`.
-    """
+    """Solve the conditions from random coefficients, reproducibly."""
     residuals, size = _weighted(pairs, target)
 
     def draw(generator: np.random.Generator) -> np.ndarray:
@@ -111,11 +89,6 @@ def fixed_start(
     ----------
     point : Sequence[float]
         A solution that :func:`search_start` found.
-
-    Returns
-    -------
-    dict[str, list[list[str]]]
-        What :func:`~glmref.derive.parity_start.complete` polishes and proves.
     """
     residuals, _ = _weighted(pairs, target)
     _, jacobians = evaluate(residuals, np.array([point], dtype=float))

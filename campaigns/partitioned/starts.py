@@ -8,11 +8,6 @@ is log2 of the ratio between h = 1/32 and 1/64. In double precision: the runs of
 again, from the starting method.
 
     python -m campaigns.partitioned.starts data/measurements/pairs-starts.json
-
-Public names::
-
-    misses(name, h, of=.., end=1) -> Misses        observed(name, of=..) -> dict        main(path)
-    starts_table(document) -> str           runs_table(document, zero) -> str
 """
 
 from __future__ import annotations
@@ -43,8 +38,6 @@ from glmref.measure.timing import circumstances
 from glmref.measure.underlying import Underlying
 from glmref.method import PartitionedGLM
 from glmref.problems import problem
-
-__all__ = ["Misses", "main", "misses", "observed", "runs_table", "starts_table"]
 
 DIGITS = 50
 #: Where orders are observed, by problem: the first is measured, the second a further witness.
@@ -202,15 +195,7 @@ def starts_table(document: Mapping[str, Any]) -> str:
 
 
 def runs_table(document: Mapping[str, Any], zero: Mapping[str, Any]) -> str:
-    """Ten million steps from both starts: energy error and carried values, in Markdown.
-
-    Parameters
-    ----------
-    document : Mapping[str, Any]
-        Of :func:`main`.
-    zero : Mapping[str, Any]
-        Of :mod:`.long_runs`.
-    """
+    """Ten million steps from both starts: energy error and carried values, in Markdown."""
     lines = [
         "| pair | problem | energy: zero | own | carried: zero | own | bounded: zero | own |",
         "|---|---|---|---|---|---|---|---|",

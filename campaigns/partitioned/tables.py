@@ -3,19 +3,6 @@
     python -m campaigns.partitioned.tables
 
 computes them anew from the files in data/measurements and data/methods/partitioned.
-
-Public names::
-
-    needs_table(document, tolerance) -> str      evaluations of the best of each group, by case
-    time_table(document, tolerance) -> str       time of the best of each group, by case
-    long_table(document) -> str                  ten million steps
-    one_pair_table(document, names, tolerance)   ratios of single pairs to the best other method
-    start_table(document, cases, tolerance) -> str       zero and enhanced starts
-    shipped_table(records) -> str                every pair: cost, and where it grows
-    growth_table() -> str                        parasitic growth of second order
-    best(case, names, tolerance, key) -> (name, number) or None
-    ratios(case, name, tolerance)
-    PAGES                                        page -> name of a table -> what writes it
 """
 
 from __future__ import annotations
@@ -40,23 +27,6 @@ from glmref.catalogue.lookup import data_root, load
 from glmref.catalogue.lookup import document as file_of
 from glmref.theory.periodicity import periodicity
 from glmref.theory.stability import parasitic_curvature
-
-__all__ = [
-    "GROUPS",
-    "PAGES",
-    "RECOMMENDED",
-    "best",
-    "growth_table",
-    "long_table",
-    "main",
-    "needs_table",
-    "one_pair_table",
-    "ratios",
-    "record",
-    "shipped_table",
-    "start_table",
-    "time_table",
-]
 
 ROOT = Path(__file__).resolve().parents[2]
 #: Column -> the methods it stands for; the best of them is shown.

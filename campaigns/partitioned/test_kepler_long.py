@@ -200,7 +200,15 @@ def test_the_counts_of_the_pages_are_those_of_the_data():
     several = {x for x in kepler_methods() if x not in pair_names() and load(x).r > 1}
     assert len(several) == 20
     assert all("lost at 0.1" in texts[x] for x in several)
-    assert "all of them lose the orbit of eccentricity 0.1" in words(CHOOSE)
+    stalled = {
+        x["method"]
+        for x in stored["runs"]
+        if x["method"] in several and x["eccentricity"] == "0.1" and x["outcome"] != "completed"
+    }
+    said = (
+        "at eccentricity 0.1 each loses the orbit, or its stage equations can no longer be solved"
+    )
+    assert set(named(CHOOSE, said, r"\)")) == stalled
     early = {
         x["method"]
         for x in stored["runs"]

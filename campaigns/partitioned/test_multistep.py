@@ -44,6 +44,7 @@ from campaigns.partitioned.stages_search import (
 from glmref.catalogue.lookup import data_root, document, load
 from glmref.compute.choosing import ENVIRONMENT
 from glmref.derive.recipes.multistep import SHIPPED
+from glmref.derive.recipes.record import survey_notes
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "multivalue.md"
@@ -179,7 +180,7 @@ def test_files_say_where_they_grow():
     for name, shipped in SHIPPED.items():
         (said,) = shipped.notes
         assert ("grow on" if name in grown else "stays bounded") in said
-        assert document(name)["notes"] == list(shipped.notes)
+        assert document(name)["notes"] == [*shipped.notes, *survey_notes(name)]
 
 
 def test_the_best_of_some_is_found():
@@ -195,7 +196,7 @@ def test_a_long_run_is_repeated(name):
         x for x in record("multistep-long")["runs"]
         if (x["method"], x["problem"]) == (name, case.problem)
     )  # fmt: skip
-    again = follow(name, case, case.per_evaluation, 100_000).as_json()
+    again = follow(name, case, stored["h"], 100_000).as_json()
     # a run of another length looks at other points of an orbit whose error has sharp peaks
     for found, known in zip(again["energy"][:2], stored["energy"][:2], strict=True):
         assert known / 10 < found < known * 10

@@ -11,12 +11,6 @@ methods in turn, several rounds.
 
 The second form counts evaluations of one more method and keeps the rest of the file: counts do not
 depend on the run. It takes no times, which mean something only beside those of the same run.
-
-Public names::
-
-    needs(case, methods) -> list of Need          timed(case, needs) -> list of Need
-    CASES, METHODS, PAIRS                         write(path, needs by case), main(path)
-                                                  add(path, method)
 """
 
 from __future__ import annotations
@@ -47,22 +41,6 @@ from glmref.measure.work_precision import energy_error, reference_state, state_e
 from glmref.method import PartitionedGLM
 from glmref.problems import problem
 from glmref.problems.model import Problem
-
-__all__ = [
-    "CASES",
-    "METHODS",
-    "PAIRS",
-    "Case",
-    "Need",
-    "add",
-    "main",
-    "mean",
-    "needed",
-    "needs",
-    "per_step",
-    "timed",
-    "write",
-]
 
 TOLERANCES = (1e-6, 1e-9)
 #: Grid points to an octave of step sizes.

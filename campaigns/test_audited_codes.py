@@ -1,0 +1,62 @@
+"""The tables of docs/audit.md are those of the records, and the records hold the known defects."""
+
+from __future__ import annotations
+
+import pytest
+
+from campaigns.audited_codes import PAGE, TABLES, named, records
+from campaigns.pages import filled
+
+RECORDS = records()
+#: Tables that a first reading by hand found wrong or oddly named, and what the audit names.
+KNOWN = [
+    ("petsc", "TSARKIMEXBPR3", "wrong", "`a[5][3]` is 3/5, should be 3/4"),
+    ("petsc", "TSROSWGRK4T", "question", "a2 = 2 gamma = 0.462"),
+    ("petsc", "TSROSWSHAMP4", "question", "a2 = 2 gamma = 1"),
+    ("petsc", "TSROSWVELDD4", "question", "a2 = 2 gamma = 0.451416229645136"),
+    ("petsc", "TSROSW4L", "question", "a2 = 2 gamma = 1.14564"),
+    ("petsc", "TSARKIMEX1BEE", "question", ""),
+    ("petsc", "TSGLEE25I", "question", ""),
+    ("openmodelica", "RK1214", "wrong", "the rows 2 to 13 of A are zero"),
+    ("openmodelica", "FEHLBERG45", "wrong", "`fehlberg-5-4` has `b[1]` = 16/135, `b[2]` = 0,"),
+    ("openmodelica", "FEHLBERG12", "wrong", "the rows may be exchanged"),
+    ("torchdiffeq", "_TSITOURAS_TABLEAU", "wrong", "b holds the embedded weights"),
+    ("ordinarydiffeq.jl", "Feagin12", "wrong", "`c[2]` is 2, should be 1/5"),
+    ("diffeqdevtools.jl", "constructFeagin12", "wrong", "`c[2]` is 2, should be 1/5"),
+    ("ordinarydiffeq.jl", "SIR54ConstantCache", "wrong", "error weight 4 = 1.788803890902483"),
+    ("ordinarydiffeq.jl", "McAte42ConstantCache", "wrong", "mclachlan-rkn-4, which has 6 a"),
+    ("diffrax", "_implicit_tableau", "wrong", "`a[7][6]` is -0.54553377422597815"),
+    ("ariadne", "CooperSayfy5", "wrong", "`a[2][1]` is 1.303389193851135, should be 0.44624"),
+    ("tudat", "RungeKuttaFehlberg89", "wrong", "its difference from b has the wrong sign"),
+    ("nodepy", "Lambert65", "wrong", "`a[3][1], a[3][2]` is 1/8, 1/8, should be 3/16, 1/16"),
+    ("nodepy", "SSP53", "digits", ""),
+    ("rklib", "rks5", "question", ""),
+    ("rklib", "rk8_10", "question", ""),
+    ("desolver", "BABs9o7HSolver", "question", ""),
+    ("desolver", "ABAs5o6HSolver", "question", ""),
+]
+
+
+def test_the_tables_of_the_page_are_those_of_the_records() -> None:
+    page = PAGE.read_text("utf-8")
+    assert filled(page, TABLES) == page
+
+
+@pytest.mark.parametrize(("code", "name", "status", "said"), KNOWN, ids=[x[1] for x in KNOWN])
+def test_a_known_defect_is_found_with_its_entry(
+    code: str, name: str, status: str, said: str
+) -> None:
+    found = [x for x in RECORDS[code]["tables"] if x["name"] == name and x["status"] == status]
+    assert found and said in named(found[0])
+    assert "\n" not in named(found[0])
+
+
+@pytest.mark.parametrize("code", ["sundials", "rklib", "gsl", "scipy", "kpp"])
+def test_a_code_without_a_defect_has_no_wrong_table(code: str) -> None:
+    assert "wrong" not in RECORDS[code]["counts"]
+
+
+def test_the_one_wrong_method_of_principia_has_a_row_that_is_not_c() -> None:
+    """-243/128 with its digits exchanged; no other table of that code is called wrong."""
+    wrong = [x["name"] for x in RECORDS["principia"]["tables"] if x["status"] == "wrong"]
+    assert {x.partition(",")[0] for x in wrong} == {"Fine1987RKNG34"}
