@@ -39,14 +39,10 @@ __all__ = [
 
 @cache
 def coproduct(t: Tree) -> tuple[tuple[Tree, tuple[Tree, ...], int], ...]:
-    """Cut ``t`` in all ways that keep its root.
+    """Cut ``t`` in all ways that keep its root: triples (kept, removed, multiplicity).
 
-    Returns
-    -------
-    tuple[tuple[Tree, tuple[Tree, ...], int], ...]
-        Triples (kept, removed, multiplicity): a subtree with the root of ``t``, the sorted tuple of
-        the trees cut off, and how often this happens. The first is ``(t, (), 1)``. The term in
-        which nothing is kept is not among them.
+    The removed trees are sorted. The first triple is ``(t, (), 1)``; the term in which nothing is
+    kept is not among them.
 
     References
     ----------
@@ -249,24 +245,7 @@ def elementary_weights(
     *,
     u: Coefficient = 1,
 ) -> Series:
-    """Return the series of ``Y = y + h A f(Y)``, ``x = u y + h B f(Y)``.
-
-    Parameters
-    ----------
-    A : Sequence[Sequence[Any]]
-        (m, m) stages; m may be 0.
-    B : Sequence[Any]
-        (m,) weights of one value, or (r, m) weights of r values.
-    order : int
-        Largest order of a tree.
-    u : Coefficient
-        Multiple of y: a number for one value, a tuple of r numbers for r values.
-
-    Returns
-    -------
-    Series
-        A scalar series, or a vector-valued one when ``u`` is a tuple.
-    """
+    """Return the series of ``Y = y + h A f(Y)``, ``x = u y + h B f(Y)``."""
     outputs = B if isinstance(u, tuple) else (B,)
     rows, weights = _needed([_nonzero(row) for row in A], [_nonzero(row) for row in outputs])
     values = _weights({"o": rows}, {"o": weights}, order, ROOTED)
@@ -276,22 +255,7 @@ def elementary_weights(
 
 
 def values_series(method: Method, order: int, palette: Palette | None = None) -> Series:
-    """Return the series of the values that a starting or finishing method makes.
-
-    Parameters
-    ----------
-    method : Method
-        A start or a finish.
-    order : int
-        Largest order of a tree.
-    palette : Palette or None
-        Colours below each vertex, those of the method that is started; by default its own.
-
-    Returns
-    -------
-    Series
-        Vectors with one entry for each value; the component of a tree is that of its root.
-    """
+    """Return the series of the values that a starting or finishing method makes."""
     palette = method.palette if palette is None else palette
     rows = {c.colour: [_nonzero(row) for row in c.A] for c in method.components}
     outputs = {c.colour: [_nonzero(row) for row in c.B] for c in method.components}

@@ -10,7 +10,7 @@ from zlib import crc32
 import pytest
 from hypothesis import HealthCheck, settings
 
-from glmref.verification import kept
+from glmref.prove import verdict_cache as kept
 
 #: Examples of a property in the quick run, of a hundred in the whole one; see `examples.py`.
 QUICK = 20

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from hypothesis import settings
 
-__all__ = ["examples"]
-
 
 def examples(whole: int) -> settings:
     """Return settings with so many examples, or their share where `conftest.py` asks for fewer."""

@@ -29,8 +29,6 @@ from glmref.errors import UsageError
 from glmref.method import GLM
 from glmref.problems import problem
 
-__all__ = ["ObservedOrder", "observed_order", "smooth_start"]
-
 
 @dataclass(frozen=True)
 class ObservedOrder:

@@ -1,7 +1,7 @@
 """What is in the shipped files, each read once: from here the cases of a family are chosen.
 
 Tests are collected by every worker before the first one runs; to read the whole catalogue for each
-family would take longer than the quick tests of several rooms.
+family would take longer than the quick tests of several subpackages.
 """
 
 from __future__ import annotations
@@ -12,8 +12,6 @@ from types import MappingProxyType
 from typing import Any
 
 from glmref.catalogue.files import document
-
-__all__ = ["shipped"]
 
 
 @cache

@@ -9,8 +9,6 @@ from pathlib import Path
 
 import glmref
 
-__all__ = ["PACKAGE", "SOURCES", "nodes", "text"]
-
 PACKAGE = Path(glmref.__file__).parent
 SOURCES = tuple(sorted(PACKAGE.rglob("*.py")))
 

@@ -11,7 +11,7 @@ from glmref.catalogue.lookup import document
 from glmref.catalogue.reader import load_document
 from glmref.errors import DataError, ExactnessError
 from glmref.findings import Finding, Proof, Verdict
-from glmref.verification.verifier import verify
+from glmref.prove.verifier import verify
 
 SOURCE = {"citation": "an adversary", "where": "nowhere", "status": "derived"}
 

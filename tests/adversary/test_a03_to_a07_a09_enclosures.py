@@ -180,7 +180,7 @@ def test_a_broken_file_proves_its_zeros_too(name: str, tmp_path) -> None:
     """Equations of a file are proved also where it says that a claim fails."""
     import json
 
-    from glmref.verification.verifier import verify_file
+    from glmref.prove.verifier import verify_file
 
     d = shipped(name)
     d["broken"] = {"claim": "symmetric", "why": "it does not", "flag": "SymmetryOverclaimed"}

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from glmref.catalogue.reader import load_document
-from glmref.verification.analysis import analyze
+from glmref.prove.analysis import analyze
 
 from .deceive import doc, findings, shipped
 from .test_verdicts_have_certificates import rounded, without_a_certificate

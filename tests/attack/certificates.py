@@ -19,7 +19,7 @@ from checker import glmref_check as check
 from glmref.catalogue.reader import load_document
 from glmref.cli.certifying import write_certificates
 from glmref.errors import GlmrefError
-from glmref.verification.verifier import verify
+from glmref.prove.verifier import verify
 
 from .tally import Tally
 from .texts import attack as attacked
@@ -46,7 +46,8 @@ def judge(draw: random.Random) -> tuple[str, Iterable[str]]:
         path = Path(name) / "x.json"
         path.write_bytes(content)
         try:
-            accepted, sentence = check.check_file(path)
+            (text,) = check.read(str(path))
+            accepted, sentence = check.check(text)
         except check.Unreadable as error:
             return "unreadable", _sentence(str(error))
     if not accepted:

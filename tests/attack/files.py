@@ -35,9 +35,9 @@ from glmref.catalogue.lookup import load
 from glmref.errors import GlmrefError
 from glmref.findings import Finding, Verdict
 from glmref.method import GLM
+from glmref.prove.analysis import analyze
+from glmref.prove.verifier import verify_file
 from glmref.system.budget import READING, limited
-from glmref.verification.analysis import analyze
-from glmref.verification.verifier import verify_file
 
 from .tally import Tally
 

@@ -28,8 +28,6 @@ from glmref.engine.outcome import Outcome, Solution
 
 from .tally import Tally
 
-__all__ = ["FUNCTIONS", "PARTS", "Case", "attack", "cases", "violations"]
-
 #: Seconds of processor time for one case, and of the clock: a machine may be busy with others.
 LIMIT, PATIENCE = 60, 900
 

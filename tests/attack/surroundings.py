@@ -18,8 +18,8 @@ from pathlib import Path
 from unittest.mock import patch
 
 from glmref.cli import main as glmref
+from glmref.prove import verdict_cache as kept
 from glmref.system import cache
-from glmref.verification import kept
 
 from .files import SENTENCE
 from .tally import Tally

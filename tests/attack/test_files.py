@@ -13,9 +13,9 @@ from glmref.errors import BudgetError, DataError
 from glmref.exact import Exact
 from glmref.exact.expression import parse, weigh
 from glmref.findings import Verdict
+from glmref.prove.analysis import analyze
+from glmref.prove.verifier import budget_of, verify, verify_file
 from glmref.system.budget import limited, spend
-from glmref.verification.analysis import analyze
-from glmref.verification.verifier import budget_of, verify, verify_file
 
 from . import files
 

@@ -24,8 +24,8 @@ import numpy as np
 from glmref.catalogue.reader import load_document
 from glmref.errors import GlmrefError
 from glmref.findings import Proof, Verdict
+from glmref.prove.verifier import verify
 from glmref.system.budget import limited
-from glmref.verification.verifier import verify
 from tests.adversary.test_verdicts_have_certificates import without_a_certificate
 
 from .tally import Tally

@@ -5,8 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-__all__ = ["visit"]
-
 
 def visit(
     driver: Any, path: Path, *, width: int = 1200, dark: bool = False, script: bool = True

@@ -27,9 +27,9 @@ from glmref.method.solution_value import (
     outputs,
     preconsistency_vector,
 )
+from glmref.prove.analysis import analyze
 from glmref.prove.facts import facts_of
 from glmref.prove.finders import proposal_for
-from glmref.verification.analysis import analyze
 
 SMALL = st.integers(-2, 2)
 LAWS = settings(max_examples=3, deadline=None, suppress_health_check=[HealthCheck.too_slow])

@@ -15,7 +15,7 @@ from glmref.exact.linalg import Matrix
 from glmref.exchange.export import export
 from glmref.exchange.reading import FORMATS, read_table
 from glmref.method import GLM, AdditiveGLM, PartitionedGLM
-from glmref.verification.verifier import verify
+from glmref.prove.verifier import verify
 from tests.shipped import shipped
 
 #: Formats of Runge-Kutta tableaux; the others hold every method.
@@ -29,7 +29,7 @@ EVERY = tuple(glmref.names("methods"))
 NAMES = [x for x in EVERY if shipped(x)["class"] not in ("additive", "rosenbrock")]
 ADDITIVE = [x for x in glmref.names("methods") if shipped(x)["class"] == "additive"]
 #: Formats that hold the first embedded row.
-WITH_ROWS = ("sundials", "petsc", "ordinarydiffeq")
+WITH_ROWS = ("sundials", "petsc", "diffrax", "ordinarydiffeq")
 SPLITTINGS = [x for x in NAMES if shipped(x)["class"] == "splitting"]
 
 
@@ -51,6 +51,8 @@ def blocks(
     yield from ((x, getattr(method, x)) for x in letters if hasattr(method, x))
     if not everything:
         return
+    outputs = (getattr(method, x, None) for x in ("output", "output_hat"))
+    yield "outputs", tuple(x or () for x in outputs)
     starting, finishing = method.starting, getattr(method, "finishing", None)
     if starting is not None:
         names = ("A", "B", "A_hat", "B_hat")

@@ -208,12 +208,12 @@ def test_the_law_has_teeth():
 
 
 def test_defects_of_the_engine_are_not_hidden(monkeypatch):
-    import glmref.measure.attempt as room
+    import glmref.measure.attempt as module
 
     def broken(*args, **options):
         raise KeyError("a defect")
 
-    monkeypatch.setattr(room, "solve", broken)
+    monkeypatch.setattr(module, "solve", broken)
     with pytest.raises(KeyError, match="a defect"):
         attempt(subject("preset", "no field"), load("rk4"), h=0.1, steps=1)
     assert issubclass(GlmrefError, Exception)

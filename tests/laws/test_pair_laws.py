@@ -15,7 +15,7 @@ from glmref.catalogue.lookup import document, load, names
 from glmref.catalogue.reader import load_document
 from glmref.errors import GlmrefError
 from glmref.findings import Verdict
-from glmref.verification.verifier import verify
+from glmref.prove.verifier import verify
 from tests.shipped import shipped
 
 PAIRS = [x for x in names("methods") if shipped(x)["class"] == "pair-sweep"]

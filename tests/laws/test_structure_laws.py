@@ -3,6 +3,7 @@
 And: methods built from the sweep identities are G-symplectic, and stop being so when disturbed.
 """
 
+from dataclasses import FrozenInstanceError, fields
 from fractions import Fraction
 
 import pytest
@@ -13,11 +14,15 @@ import glmref
 from glmref.exact import Exact, exact, linalg
 from glmref.method import GLM, as_matrix
 from glmref.method.families import linear_multistep
-from glmref.theory.consistency import consistency, is_zero_stable
+from glmref.theory.consistency import consistency, zero_stability
 from glmref.theory.equivalence import equivalence, reduce
-from glmref.theory.parasitism import growth_parameters
+from glmref.theory.order import order_of
+from glmref.theory.parasitism import growth, growth_parameters
 from glmref.theory.periodicity import periodicity
-from glmref.theory.stability import stability_polynomial
+from glmref.theory.reduction import reduction
+from glmref.theory.spectrum import power_bounded
+from glmref.theory.stability import at_infinity, stability_polynomial
+from glmref.theory.stability_interval import real_interval
 from glmref.theory.symmetry import adjoint, symmetry
 from glmref.theory.symplectic import find_forms, g_symplectic, g_symplectic_residual
 from tests.examples import examples
@@ -53,7 +58,7 @@ def test_structure_does_not_depend_on_values_or_order_of_stages(name, data):
     other = m.transform(T).permute_stages(order)
     assert g_symplectic(other).holds is g_symplectic(m).holds
     assert symmetry(other).holds is symmetry(m).holds
-    assert is_zero_stable(other) is is_zero_stable(m) is True
+    assert zero_stability(other).holds is zero_stability(m).holds is True
     assert growth_parameters(other) == growth_parameters(m)
     assert stability_polynomial(other) == stability_polynomial(m)
 
@@ -202,3 +207,16 @@ def test_reduction_undoes_added_passengers_and_copies(data):
     big = GLM(A=A, U=U, B=B, V=V)
     small = reduce(big)
     assert (small.s, small.r) == (m.s, m.r) and equivalence(small, m) is not None
+
+
+@pytest.mark.parametrize("name", ["gsymplectic-n", "gauss-2", "pair-4-4"])
+def test_what_was_found_cannot_be_changed(name):
+    m = glmref.load(name)
+    found = [order_of(m), symmetry(m), growth(m), g_symplectic(m), reduction(m), find_forms(m)]
+    if isinstance(m, GLM):
+        found += [consistency(m), power_bounded(m.V), at_infinity(m), real_interval(m)]
+        found += [equivalence(m, m), *growth(m).growths]
+    for result in found:
+        for field in fields(result):
+            with pytest.raises(FrozenInstanceError):
+                setattr(result, field.name, None)

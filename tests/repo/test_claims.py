@@ -18,7 +18,7 @@ from glmref.method import families
 from glmref.prove.facts import facts_of
 from glmref.prove.finders import proposal_for
 from glmref.prove.kernel import Kernel
-from glmref.verification.verifier import verify
+from glmref.prove.verifier import verify
 from tests.sources import PACKAGE, SOURCES, nodes, text
 from tools.method_schema import CONTRACT, SCHEMA, SECOND, second_schema, with_claims, with_table
 
@@ -28,7 +28,7 @@ DOCUMENTS = "derive/"
 #: Modules with vocabularies of their own that share words: the rules of certificates, JSON of
 #: `analyze`, and what the terminal shows of it.
 SAME_WORDS = {
-    *("prove/certificate.py", "verification/analysis.py"),
+    *("prove/certificate.py", "prove/analysis.py"),
     *("cli/describing.py", "views/facts.py"),
 }
 #: Keys that are no words of another vocabulary: these can be looked for in the source.

@@ -244,14 +244,3 @@ def test_an_audit_counts_its_tables_and_names_its_commit(path):
     for table in document["tables"]:
         said = table.get("remarks") or table.get("correction") or table.get("nearest")
         assert said or table["status"] not in ("wrong", "question", "unread")
-
-
-def test_the_page_of_the_audit_has_the_counts_of_the_records():
-    page = (DATA.parent / "docs" / "audit.md").read_text(encoding="utf-8")
-    for path in AUDITS:
-        counts = read(path)["counts"]
-        row = [
-            counts.get(x, 0) for x in ("right", "digits", "found", "wrong", "question", "unread")
-        ]
-        cells = " | ".join(map(str, [path.stem, sum(row), *row]))
-        assert f"| {cells} |" in page, path.stem

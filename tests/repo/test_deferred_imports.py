@@ -1,6 +1,6 @@
 """An import inside a function has a reason that can be told.
 
-The reasons: the room loads on demand (``ON_DEMAND`` says why); the import brings in a package from
+The reasons: the subpackage loads on demand (``ON_DEMAND`` says why); the import brings in a package from
 outside that the module does without until then, which is computed from the files; or a comment at
 the line says it.
 """
@@ -15,7 +15,7 @@ from tests.sources import PACKAGE, SOURCES, nodes, text
 
 ROOT = PACKAGE.parent
 
-#: Rooms that import inside functions as a rule, and why.
+#: Subpackages that import inside functions as a rule, and why.
 ON_DEMAND = {
     "cli": "a command loads what it runs, and help nothing",
 }

@@ -1,7 +1,7 @@
 """What may import what: one table of layers; no import cycle among modules; the two witnesses apart.
 
-A *room* is a package directly inside ``glmref``. ``LAYERS`` lists them from the ground up. A room may
-import rooms of the rows above its own, and rooms to its left in its own row.
+A *subpackage* is a package directly inside ``glmref``. ``LAYERS`` lists them from the ground up. A subpackage may
+import subpackages of the rows above its own, and subpackages to its left in its own row.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from pathlib import Path
 import pytest
 
 import glmref
-from glmref.verification.kept import ROOMS
+from glmref.prove.verdict_cache import SUBPACKAGES
 from tests.sources import PACKAGE, SOURCES, nodes, text
 
 LAYERS = [
     "errors findings system",
     "exact method",
     "catalogue theory compute",
-    "prove verification derive",
+    "prove derive",
     "problems engine",
     "measure views",
     "scenes conformance exchange audit",
@@ -33,15 +33,15 @@ LAYERS = [
     "__main__ __init__",
 ]
 HEIGHT = {
-    room: (row, column)
+    subpackage: (row, column)
     for row, line in enumerate(LAYERS)
-    for column, room in enumerate(line.split())
+    for column, subpackage in enumerate(line.split())
 }
 
-#: Rooms that ask the package for its version, the one import that points up.
+#: Subpackages that ask the package for its version, the one import that points up.
 VERSION = {"compute", "views", "scenes", "exchange", "report", "cli"}
 
-#: Packages that are not part of Python, and the rooms that import them.
+#: Packages that are not part of Python, and the subpackages that import them.
 OUTSIDE: dict[str, str] = {
     "click": "cli",
     "diffrax": "conformance",
@@ -80,7 +80,7 @@ def nodes_of(path: Path) -> tuple[ast.AST, ...]:
     return tuple(node for node in nodes(path) if isinstance(node, kinds))
 
 
-def room_of(path: Path) -> str:
+def subpackage_of(path: Path) -> str:
     return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
 
 
@@ -101,20 +101,20 @@ def imported(path: Path) -> Iterator[tuple[str, ...]]:
 
 @cache
 def uses() -> tuple[dict[str, set[str]], dict[str, set[str]]]:
-    """Rooms each room imports, and rooms that import each outside package."""
+    """Subpackages each subpackage imports, and subpackages that import each outside package."""
     inside: dict[str, set[str]] = {}
     outside: dict[str, set[str]] = {}
-    rooms = {room_of(path) for path in SOURCES}
+    subpackages = {subpackage_of(path) for path in SOURCES}
     for path in SOURCES:
-        room = room_of(path)
-        inside.setdefault(room, set())
+        subpackage = subpackage_of(path)
+        inside.setdefault(subpackage, set())
         for module in imported(path):
             if module[0] == "glmref":
-                target = module[1] if len(module) > 1 and module[1] in rooms else "__init__"
-                if target != room:
-                    inside[room].add(target)
+                target = module[1] if len(module) > 1 and module[1] in subpackages else "__init__"
+                if target != subpackage:
+                    inside[subpackage].add(target)
             elif module[0] not in sys.stdlib_module_names:
-                outside.setdefault(module[0], set()).add(room)
+                outside.setdefault(module[0], set()).add(subpackage)
     return inside, outside
 
 
@@ -125,23 +125,29 @@ def inside() -> dict[str, set[str]]:
 def test_every_room_stands_in_the_table_and_no_other() -> None:
     assert set(HEIGHT) == set(inside())
     assert len(LAYERS) <= 9
+    packages = {path.name for path in PACKAGE.iterdir() if (path / "__init__.py").is_file()}
+    assert len(packages) <= 18
 
 
-def upward(room: str, targets: set[str]) -> set[str]:
-    """What a room imports from its own height or above, its version apart."""
-    allowed = {"__init__"} if room in VERSION else set()
-    return {x for x in targets - allowed if HEIGHT[x] >= HEIGHT[room]}
+def test_contributing_has_the_table() -> None:
+    assert "\n".join(LAYERS) in (PACKAGE.parent / "CONTRIBUTING.md").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("room", HEIGHT)
-def test_a_room_imports_from_below_only(room: str) -> None:
-    assert upward(room, inside()[room]) == set()
+def upward(subpackage: str, targets: set[str]) -> set[str]:
+    """What a subpackage imports from its own height or above, its version apart."""
+    allowed = {"__init__"} if subpackage in VERSION else set()
+    return {x for x in targets - allowed if HEIGHT[x] >= HEIGHT[subpackage]}
+
+
+@pytest.mark.parametrize("subpackage", HEIGHT)
+def test_a_subpackage_imports_from_below_only(subpackage: str) -> None:
+    assert upward(subpackage, inside()[subpackage]) == set()
 
 
 def test_what_decides_a_verdict_is_in_the_checksum_of_those_that_are_kept() -> None:
-    rooms = {x.removesuffix(".py") for x in ROOMS if "/" not in x}
-    assert "verification" in rooms and all((PACKAGE / x).exists() for x in ROOMS)
-    assert {x: inside()[x] - rooms for x in rooms if inside()[x] - rooms} == {}
+    subpackages = {x.removesuffix(".py") for x in SUBPACKAGES if "/" not in x}
+    assert "prove" in subpackages and all((PACKAGE / x).exists() for x in SUBPACKAGES)
+    assert {x: inside()[x] - subpackages for x in subpackages if inside()[x] - subpackages} == {}
 
 
 def test_an_import_from_above_is_seen() -> None:
@@ -235,7 +241,7 @@ def test_a_cycle_is_seen() -> None:
 
 
 def test_an_outside_package_is_imported_by_exactly_its_rooms() -> None:
-    assert {x: " ".join(sorted(rooms)) for x, rooms in uses()[1].items()} == OUTSIDE
+    assert {x: " ".join(sorted(subpackages)) for x, subpackages in uses()[1].items()} == OUTSIDE
 
 
 def test_exact_numbers_and_theory_never_see_a_float_array() -> None:
@@ -243,9 +249,9 @@ def test_exact_numbers_and_theory_never_see_a_float_array() -> None:
     assert OUTSIDE["flint"] == "exact"
 
 
-@pytest.mark.parametrize(("room", "other"), APART)
-def test_the_two_witnesses_stay_apart(room: str, other: str) -> None:
-    reached, waiting = set(), {room}
+@pytest.mark.parametrize(("subpackage", "other"), APART)
+def test_the_two_witnesses_stay_apart(subpackage: str, other: str) -> None:
+    reached, waiting = set(), {subpackage}
     while waiting:
         reached |= waiting
         # the public names of the package are resolved lazily: `glmref` itself leads nowhere
@@ -265,24 +271,26 @@ def loaded_by(code: str) -> set[str]:
 HEAVY = {"numpy", "mpmath", "numba", "llvmlite", "flint", "matplotlib", "scipy"}
 
 
-def test_importing_the_package_loads_nothing_heavy_and_no_command_line() -> None:
-    loaded = loaded_by("import glmref")
-    assert not loaded & (HEAVY | {"click", "tqdm"})
-    assert "glmref" in loaded
+NUMERICS = {"numpy", "numba", "matplotlib", "scipy", "click"}
+KEPLER = "import glmref\np = glmref.problem('kepler')\np.f(0.0, p.y0)\np.jacobian(0.0, p.y0)"
 
 
-def test_help_loads_nothing_heavy() -> None:
-    code = "from glmref.cli import main\nassert main(['--help']) == 0"
+@pytest.mark.parametrize(
+    ("code", "needed", "absent"),
+    [
+        ("import glmref", "glmref", HEAVY | {"click", "tqdm"}),
+        ("from glmref.cli import main\nassert main(['--help']) == 0", "click", HEAVY),
+        ("import glmref\nglmref.verify(glmref.load('gsymplectic-n'))", "flint", NUMERICS),
+        ("import glmref.catalogue.errata as e\ne.load_errata()", "glmref", HEAVY),
+        ("import glmref.conformance.plugin", "glmref", HEAVY | {"click"}),
+        (KEPLER, "numpy", HEAVY - {"numpy"}),
+    ],
+    ids=["package", "help", "proofs", "errata", "plugin", "problem"],
+)
+def test_nothing_is_loaded_that_is_not_needed(code: str, needed: str, absent: set[str]) -> None:
     loaded = loaded_by(code)
-    assert not loaded & HEAVY
-    assert "click" in loaded
-
-
-def test_proofs_load_no_numerics() -> None:
-    code = "import glmref\nglmref.verify(glmref.load('gsymplectic-n'))"
-    loaded = loaded_by(code)
-    assert not loaded & {"numpy", "numba", "matplotlib", "scipy", "click"}
-    assert "flint" in loaded
+    assert not loaded & absent
+    assert needed in loaded
 
 
 def test_every_public_name_is_found_and_every_unknown_one_is_not() -> None:
@@ -294,8 +302,10 @@ def test_every_public_name_is_found_and_every_unknown_one_is_not() -> None:
 
 
 def test_a_module_lists_names_only_where_it_offers_imports() -> None:
-    for path in SOURCES:
-        if path.name == "__init__.py" or "__all__" not in text(path):
+    others = ("campaigns", "tools", "benchmarks", "tests")
+    paths = [*SOURCES, *(x for y in others for x in (PACKAGE.parent / y).rglob("*.py"))]
+    for path in paths:
+        if path.name == "__init__.py" or "\n__all__ = " not in text(path):
             continue
         tree = ast.parse(text(path))
         listed = next(

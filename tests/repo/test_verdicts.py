@@ -72,7 +72,7 @@ def test_findings_are_read_back_where_they_are_kept_only() -> None:
         for node in nodes(path)
         if isinstance(node, ast.Attribute) and node.attr == "from_json"
     ]
-    assert set(readers) == {"verification/kept.py"}
+    assert set(readers) == {"prove/verdict_cache.py"}
 
 
 def test_the_constructors_are_sealed() -> None:

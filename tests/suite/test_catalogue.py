@@ -8,8 +8,8 @@ from glmref.catalogue.lookup import document, load, names
 from glmref.findings import Proof, Verdict
 from glmref.method import GLM
 from glmref.prove.facts import facts_of
+from glmref.prove.verifier import facts_for, verify_file
 from glmref.theory.order import highest_order
-from glmref.verification.verifier import facts_for, verify_file
 
 from .stored import RENEW, same, stored
 
@@ -42,7 +42,7 @@ def test_a_broken_file_is_refuted_for_the_declared_reason(name: str) -> None:
     assert same(stored(name), [finding.as_json()]), RENEW
 
 
-@pytest.mark.sampled(6, besides=("s5t", "s5i", "multistep-"))
+@pytest.mark.sampled(6, besides=("s5t", "s5i", "multistep-", "multivalue-"))
 @pytest.mark.parametrize("name", names("methods"))
 def test_the_order_is_exact_and_one_more_fails_at_a_named_tree(name: str) -> None:
     method = load(name)

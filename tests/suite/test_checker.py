@@ -329,6 +329,25 @@ def test_twins_and_floats_are_refused(tmp_path, text):
     assert run(path).returncode == 1
 
 
+def test_a_file_may_hold_one_certificate_on_each_line(tmp_path):
+    """As ``glmref certify NAME`` prints them; one that is refused decides the exit code."""
+    good = json.dumps(CERTIFICATES["rk4 order"])
+    bad = json.dumps(changed(*REFUSED["another order"]))
+    path = tmp_path / "lines.json"
+    path.write_text(f"{good}\n\n{good}\n")
+    found = run(path)
+    assert (found.returncode, found.stdout.count(": yes: rk4: order = 4")) == (0, 2)
+    path.write_text(f"{good}\n{bad}\n")
+    found = run(path)
+    assert (found.returncode, found.stdout.count(": yes: "), found.stdout.count(": no: ")) == (
+        1,
+        1,
+        1,
+    )
+    path.write_text(f"{good}\n{{}} }}\n")
+    assert run(path).returncode == 2
+
+
 def test_nothing_but_the_standard_library_is_imported():
     lines = Path(check.__file__).read_text(encoding="utf-8").splitlines()
     modules = {line.split()[1] for line in lines if line.startswith(("import ", "from "))}

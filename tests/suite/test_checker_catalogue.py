@@ -19,7 +19,7 @@ from glmref.catalogue.lookup import data_root, document
 from glmref.catalogue.reader import load_document
 from glmref.cli.certifying import write_certificates
 from glmref.findings import Verdict
-from glmref.verification.verifier import verify
+from glmref.prove.verifier import verify
 
 #: One file of each kind: sweeps with one and several values, pairs, splittings, an exact method with
 #: a start in decimals; files that are wrong; the reduced method; a matrix search over intervals; an additive method.

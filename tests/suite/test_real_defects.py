@@ -9,8 +9,8 @@ import pytest
 
 from glmref.conformance.checks import Suite
 from glmref.conformance.probe import read
+from glmref.conformance.read_orders import first_defect
 from glmref.conformance.subject import Subject
-from glmref.conformance.weights import first_defect
 from glmref.errors import UsageError
 from glmref.findings import Finding, Verdict
 

@@ -7,7 +7,7 @@ Here: every claim as it is declared, and some methods of each class word for wor
 import pytest
 
 from glmref.catalogue.lookup import document, names
-from glmref.verification.verifier import verify_file
+from glmref.prove.verifier import verify_file
 
 from .stored import RENEW, STORED, same, stored
 

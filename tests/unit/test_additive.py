@@ -1,15 +1,21 @@
 """Additive methods: k parts on shared stages, by the trees in k colours; a problem as a sum."""
 
+import copy
+import json
 from fractions import Fraction
 
 import numpy as np
 import pytest
 
 import glmref
+from checker.glmref_check import verdict as checked
 from glmref import GLM, AdditiveGLM, PartitionedGLM, UsageError
+from glmref.catalogue.lookup import document
 from glmref.catalogue.reader import load_document
 from glmref.errors import DataError
 from glmref.findings import Verdict
+from glmref.prove.certificate import certificates_of
+from glmref.prove.verifier import facts_for
 from glmref.theory.order import order_of, order_residuals
 from glmref.theory.trees import parse_tree, trees
 
@@ -95,6 +101,16 @@ def test_a_run_has_the_order_that_is_proved():
     assert abs(float(far[0]) - imex(1 / 32, 32, method)[0]) < 1e-13
 
 
+@pytest.mark.parametrize("first", [0, 1])
+def test_every_part_of_a_coupled_stage_is_settled(first):
+    # y' = 3/2 + (1 - 2 y), one part constant: y+ = (y + h (3/2 + 1))/(1 + 2 h) by Euler's implicit rule
+    terms = [("3/2",), ("1 - 2*y[0]",)]
+    problem = glmref.Problem(terms=terms if not first else terms[::-1], y0=(2.0,))
+    implicit = AdditiveGLM([[["1"]]] * 2, [[["1"]]] * 2)
+    end = glmref.solve(problem, implicit, h=0.25, steps=1).y[-1, 0]
+    assert end == pytest.approx((2 + 0.25 * 2.5) / 1.5, abs=4e-16)
+
+
 def test_callables_are_summed_too():
     problem = glmref.Problem(terms=[lambda t, y: -y, lambda t, y: 0 * y + t], y0=(1.0,))
     assert problem.f(2.0, np.array([3.0])) == pytest.approx(-1.0)
@@ -145,3 +161,34 @@ def test_the_order_is_seen_in_runs(name, order):
     assert seen[-1] == pytest.approx(order, abs=0.15), seen
     run = glmref.solve(problem, name, h=0.1, steps=2)
     assert "the reference engine" in " ".join(run.notices)
+
+
+@pytest.mark.parametrize(
+    ("row", "order"),
+    [(("11/30", "2/5"), 2), (("4/15", "2/5"), 3), (("11/30", "3/10"), 3)],
+)
+def test_two_entries_would_mend_the_printed_imkg_354a(row, order):
+    """The sum of its fourth row must be 2/3, and the print does not say which of two is wrong."""
+    explicit, implicit = copy.deepcopy(document("imkg-354a-printed")["parts"])
+    implicit["A"][3][2:4] = row
+    found = load_document({**EULER, "parts": [explicit, implicit], "claims": {"order": order}})
+    assert verdicts(found)["order"] is Verdict.HOLDS
+
+
+def test_the_abscissae_of_the_parts_stand_one_after_another():
+    for declared, expected in (
+        (["0", "1", "0", "1"], Verdict.HOLDS),
+        (["0", "1", "0", "1/2"], Verdict.FAILS),
+        (["0", "1"], Verdict.FAILS),
+    ):
+        method = load_document({**EULER, "claims": {"abscissae": declared}})
+        assert verdicts(method) == {"abscissae": expected}
+        facts = facts_for(method)
+        found = facts.judge("abscissae", method.claims["abscissae"])
+        ((_, proof),) = certificates_of(facts, {"abscissae": (declared, found)})
+        assert checked(json.loads(json.dumps(proof)))[0], proof
+    parts = copy.deepcopy(EULER["parts"])
+    parts[1]["b"] = ["0", "1/2"]
+    method = load_document({**EULER, "parts": parts, "claims": {"abscissae": ["0", "1", "0", "1"]}})
+    (found,) = glmref.verify(method)
+    assert found.verdict is Verdict.FAILS and "no abscissae" in found.witness

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import json
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ import pytest
 
 from glmref.audit import code
 from glmref.audit.judge import judge
+from glmref.audit.nearest_method import Library
 from glmref.audit.readers import declared_orders, read
 from glmref.audit.table import Table
 from glmref.audit.values import Unread, evaluate
@@ -334,11 +336,27 @@ def test_exchanged_rows_are_said_to_be_exchanged() -> None:
     assert "the rows may be exchanged" in swapped["remarks"][0]
 
 
+def test_a_row_of_its_own_order_is_not_said_to_be_exchanged() -> None:
+    """The weights of Fehlberg's order 5 with a digit wrong, beside his row of order 4."""
+    table = with_abscissae("fehlberg-5-4")
+    b = ["17/135", *table["b"][1:]]
+    low = [document("fehlberg-5-4")["embedded"][0]["b"], 4]
+    record = judged(json.dumps({**table, "b": b, "embedded": [low]}), "json")["fehlberg-5-4"]
+    assert (record["status"], record["found"], record["remarks"]) == ("wrong", 0, [])
+    assert {"entry": "b[1]", "is": "17/135", "should be": "16/135"} in record["correction"]
+
+
 def test_arrays_of_eigen_and_steps_of_fortran() -> None:
     found = judged(EIGEN, "eigen")
     assert found["Heun"]["status"] == "right"
     heun = judged(FORTRAN, "rklib")["heun"]
     assert heun["status"] == "right" and heun["declared"] == 2 and heun["stages"] == 2
+
+
+def test_a_quotient_by_zero_leaves_a_step_unread() -> None:
+    heun = judged(FORTRAN.replace("/ 2.0_wp", "/ 0.0_wp"), "rklib")["heun"]
+    assert heun["status"] == "unread"
+    assert "a quotient has the divisor 0" in heun["remarks"][0]
 
 
 def test_rosenbrock_methods_in_the_transformed_form() -> None:
@@ -405,6 +423,38 @@ def test_plain_json_holds_one_table_or_many() -> None:
     named = judged('{"Euler": {"A": [[0]], "b": [1], "order": 2}}', "json")
     assert one["table 1"]["status"] == "right" and named["Euler"]["found"] == 1
     assert judged("{", "json")[""]["status"] == "unread"
+
+
+def with_abscissae(name: str) -> dict[str, Any]:
+    """A table of the catalogue as plain fractions, with c = A 1."""
+    doc = document(name)
+    A = [[Fraction(x) for x in row] for row in doc["A"]]
+    c = [str(sum(row)) for row in A]
+    return {"name": name, "A": doc["A"], "b": doc["b"], "c": c, "order": doc["claims"]["order"]}
+
+
+def test_a_wrong_digit_far_behind_is_named_and_a_rounded_row_is_not() -> None:
+    table = with_abscissae("dormand-prince-5-4")
+    A = [list(row) for row in table["A"]]
+    A[4][2] = str(Fraction(A[4][2]) + Fraction(1, 10**11))
+    record = judged(json.dumps({**table, "A": A}), "json")["dormand-prince-5-4"]
+    assert (record["status"], record["found"]) == ("wrong", 5)
+    (named,) = record["correction"]
+    assert named["entry"] == "a[5][3]" and float(named["should be"]) == 64448 / 6561
+    A[4] = [f"{float(Fraction(x)):.11f}" for x in table["A"][4]]  # each digit of the row is lost
+    record = judged(json.dumps({**table, "A": A}), "json")["dormand-prince-5-4"]
+    assert record["status"] == "digits" and not record["correction"]
+
+
+def test_a_row_that_adds_the_error_instead_is_said_to() -> None:
+    table = with_abscissae("fehlberg-5-4")
+    low, high = document("fehlberg-5-4")["embedded"][0]["b"], table["b"]
+    mirrored = [str(2 * Fraction(x) - Fraction(y)) for x, y in zip(low, high, strict=True)]
+    for row, status in ((high, "right"), (mirrored, "wrong")):
+        text = json.dumps({**table, "b": low, "order": 4, "embedded": [[row, 5]]})
+        record = judged(text, "json")["fehlberg-5-4"]
+        assert record["status"] == status, record
+    assert any("2 b minus this row has order 5" in x for x in record["remarks"])
 
 
 def test_a_stage_that_only_estimates_see_is_judged_by_its_row() -> None:
@@ -913,6 +963,12 @@ def test_a_statement_of_any_length_is_looked_at_a_few_times() -> None:
     assert text.taken < 4 * len(text)
 
 
+def test_an_array_of_c_of_any_length_is_looked_at_a_few_times() -> None:
+    text = Counted("double a[] = {\n" + "    {0.25, 1},\n" * 300 + "};\n#define B 1\nint c = 2;\n")
+    assert [x.line for x in code._c(text)] == [1, 303, 304]
+    assert text.taken < 4 * len(text)
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [
@@ -931,3 +987,29 @@ def test_comprehensions_of_another_form_are_unread(text: str, said: str) -> None
         evaluate(ast.parse(text, mode="eval").body, {})
     found = evaluate(ast.parse("[2 * x for x in span(1, 3)]", mode="eval").body, {})
     assert [x.whole() for x in found] == [2, 4, 6]
+
+
+def test_a_splitting_that_lacks_a_step_is_compared_with_the_catalogue(monkeypatch: Any) -> None:
+    """McLachlan's Nystrom splitting with five steps of the position, as though they summed so."""
+    monkeypatch.setattr("glmref.audit.nearest_method.names", lambda: ["ruth-3", "mclachlan-rkn-4"])
+    text = """
+function Shortened4ConstantCache(T::Type, T2::Type)
+    a1 = convert(T, big"0.40518861839525227722")
+    a2 = convert(T, big"-0.28714404081652408900")
+    a3 = 1 - 2a1 - 2a2
+    b1 = convert(T, -3 // 73)
+    b2 = convert(T, 17 // 59)
+    b3 = 1 - 2b1 - 2b2
+    return SymplecticTableau((a1, a2, a3, a2, a1), (b1, b2, b3, b2, b1))
+end
+"""
+    (table,) = read(text, "julia")
+    assert table.kind == "splitting"
+    table, library = replace(table, order=4), Library()
+    (said,) = judge(table, library)["remarks"]
+    assert said == (
+        "b is that of mclachlan-rkn-4, which has 6 a: 0.405188618395, -0.287144040817, "
+        "0.381955422421, 0.381955422421, -0.287144040817, 0.405188618395"
+    )
+    other = replace(table, b=[table.b[0], table.b[1][:4]])
+    assert library.steps(other, 4) == ""

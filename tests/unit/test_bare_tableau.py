@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 import glmref
-from glmref.catalogue.keys import BLOCKS
+from glmref.catalogue.keys import BLOCKS, FORMATS, SECOND, completed, of_second
 from glmref.catalogue.lookup import document
 from glmref.catalogue.reader import load_document
 from glmref.cli import main
@@ -27,7 +27,8 @@ def write(folder: Path, content: Any, name: str = "mine.json") -> Path:
 @pytest.mark.sampled(4, besides=("g6245",))
 @pytest.mark.parametrize(
     "name",
-    ["gsymplectic-n", "rk4", "ab-2", "bdf-2-one-leg", "suzuki-verlet-4", "g6245-w3", "pair-4-4"],
+    ["gsymplectic-n", "rk4", "ab-2", "bdf-2-one-leg", "suzuki-verlet-4", "g6245-w3", "pair-4-4",
+     "ros34pw2", "ars-2-3-2", "nystrom-5"],
 )  # fmt: skip
 def test_the_class_is_told_from_the_keys(name: str, tmp_path: Path) -> None:
     whole = document(name)
@@ -156,3 +157,12 @@ def test_what_a_whole_document_lacks_is_said_by_its_key(
     with pytest.raises(glmref.DataError) as caught:
         load_document(doc)
     assert says in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["ros34pw2", "nystrom-5", "ars-2-3-2", "rk4", "gauss-2"])
+def test_the_format_is_the_first_that_has_the_class(name: str) -> None:
+    blocks = {k: x for k, x in document(name).items() if k not in (*SAID, "embedded", "dense")}
+    found = completed(blocks, "it.json")
+    assert found["class"] == document(name)["class"]
+    assert found["format"] == FORMATS[found["class"] in SECOND]
+    assert not of_second(found) or found["format"] == FORMATS[1]

@@ -10,7 +10,6 @@ from glmref.exact.linalg import identity, matmul, matvec, sub, transpose
 from glmref.method import GLM, as_matrix
 from glmref.theory.blocks import (
     NotPreconsistent,
-    apply,
     as_scalar,
     equal,
     kernel,
@@ -20,6 +19,7 @@ from glmref.theory.blocks import (
     seen,
     tidy,
 )
+from glmref.theory.coefficients import apply
 
 
 def block_of(method):

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import random
+from fractions import Fraction
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import jsonschema
@@ -12,8 +15,15 @@ from click.testing import CliRunner
 
 from checker import glmref_check
 from glmref.catalogue.lookup import data_root
+from glmref.catalogue.reader import load_document
 from glmref.cli.certifying import certify, write_certificates
+from glmref.findings import Verdict
+from glmref.prove import certificate_enclosed
+from glmref.prove.certificate import certificates_of
 from glmref.prove.field import Tower, radicals_of
+from glmref.prove.krawczyk import Outcome
+from glmref.prove.verifier import facts_for
+from glmref.theory.symplectic import GSymplecticity
 from tests.adversary.deceive import shipped
 
 SCHEMA = data_root() / "schema" / "glmref-certificate-1.schema.json"
@@ -257,3 +267,228 @@ def test_order_2_is_refuted_where_values_may_be_exchanged(
     assert accepted and not missing, why
     assert found["statement"]["verdict"] == ("holds" if order == 1 else "fails")
     assert set(found["parts"][-1]["witness"]["n"]) == {"[o]"}
+
+
+SOURCE = {"citation": "made", "where": "here", "status": "derived"}
+
+
+def certified(d: dict[str, Any], claim: str, facts: Any = None) -> dict[str, Any]:
+    """The certificate of a claim, which the checker accepts."""
+    facts = facts or facts_for(load_document(d))
+    declared = d["claims"][claim]
+    ((_, found),) = certificates_of(facts, {claim: (declared, facts.judge(claim, declared))})
+    assert isinstance(found, dict), found
+    found = json.loads(json.dumps(found))
+    accepted, why = glmref_check.verdict(found)
+    assert accepted, why
+    return found
+
+
+def growing_pair(third: str, w: tuple[int, int] = (-2, 2), v: int = 3) -> dict[str, Any]:
+    """P Q P, whose value at -1 grows by 4 and 9, and an idle value at another eigenvalue."""
+    V = [["1", "0", "0"], ["0", "-1", "0"], ["0", "0", third]]
+    q = {"A": [[f"{1 + v * w[0]}/2", "0"]], "U": [["1", str(-v), "0"]], "V": V,
+         "B": [["1/2", "1/2"], [f"{w[0]}/2", f"{w[1]}/2"], ["0", "0"]]}  # fmt: skip
+    p = {"A": [["0"], [str(1 + w[1] * v)]], "U": [["1", str(-x), "0"] for x in w], "V": V,
+         "B": [["1"], [str(v)], ["0"]]}  # fmt: skip
+    return {"format": "glmref-method-1", "name": "x", "class": "partitioned", "separable": True,
+            "field": "complex", "q": q, "p": p, "source": SOURCE}  # fmt: skip
+
+
+@pytest.mark.parametrize(("third", "part"), [("i", 1), ("-i", 0), ("1/2", 0)])
+@pytest.mark.parametrize("claim", ["growth", "parasitism-free"])
+def test_the_eigenvalue_at_which_a_pair_grows_is_named(claim: str, third: str, part: int) -> None:
+    zeros = ["0"] * (2 if third == "1/2" else 4)
+    d = {**growing_pair(third), "claims": {claim: zeros if claim == "growth" else True}}
+    found = certified(d, claim)
+    assert found["statement"]["verdict"] == "fails"
+    assert found["parts"][-1] == {"rule": "grows", "witness": {"part": part}}
+    for other in {0, 1, 2, -1} - {part}:
+        found["parts"][-1]["witness"]["part"] = other
+        assert not glmref_check.verdict(found)[0], other
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4])
+def test_growth_of_a_pair_with_shared_stages_has_two_numbers_for_each_eigenvalue(
+    count: int,
+) -> None:
+    """Those of a half alone are no growth parameters; `parasitism-free` is about them too."""
+    half = {k: shipped("g4123")[k] for k in "AUBV"}
+    d = {"format": "glmref-method-1", "name": "x", "class": "partitioned", "separable": False,
+         "q": half, "p": half, "claims": {"growth": ["0"] * count}, "source": SOURCE}  # fmt: skip
+    found = certified(d, "growth")
+    holds = count == 2
+    assert found["statement"]["verdict"] == ("holds" if holds else "fails")
+    found["statement"]["verdict"] = "fails" if holds else "holds"
+    if holds:
+        found["parts"][-1] = {"rule": "grows", "witness": {"part": -1}}
+    else:
+        found["parts"][-1] = {"rule": "growth", "witness": {"list": []}}
+    assert not glmref_check.verdict(found)[0]
+
+
+@pytest.mark.parametrize(
+    "name", ["gauss-2", "gsymplectic-n", "g4123", "gsymplectic-n-pair", "stormer-verlet", "rk4"]
+)
+def test_a_form_that_nothing_proposes_is_found_by_elimination(name: str) -> None:
+    d = {k: v for k, v in shipped(name).items() if k not in ("G", "D", "D_P", "D_Q")}
+    d["claims"] = {"g-symplectic": True}
+    facts = facts_for(load_document(d))
+    facts.__dict__["g_symplecticity"] = GSymplecticity(None)  # as where the search gives up
+    rules = [x["rule"] for x in certified(d, "g-symplectic", facts)["parts"]]
+    assert rules == ["preconsistent", "no-form" if name == "rk4" else "form"]
+
+
+@pytest.mark.parametrize("name", ["gsymplectic-n", "g4123"])
+@pytest.mark.parametrize("declared", [True, False])
+def test_a_form_without_d_of_a_method_without_u_is_refuted(name: str, declared: bool) -> None:
+    d = {**shipped(name), "claims": {"g-symplectic": declared}}
+    for key in ("D", "starting", "finishing"):
+        d.pop(key, None)
+    rules = [x["rule"] for x in certified(d, "g-symplectic")["parts"]]
+    assert rules == (["preconsistent", "form"] if declared else rules)
+    d["U"][0][0] = "2"
+    found = certified(d, "g-symplectic")
+    assert [x["rule"] for x in found["parts"]] == ["not-preconsistent"]
+    assert found["statement"]["verdict"] == ("fails" if declared else "holds")
+
+
+def test_a_form_that_ignores_the_solution_is_refuted() -> None:
+    """u^* G u is 0: the identities hold, and nothing is conserved."""
+    d = {**shipped("gsymplectic-n"), "claims": {"g-symplectic": True}}
+    d |= {"G": [["0", "0"], ["0", "0"]], "D": ["0", "0"]}
+    d.pop("starting", None)
+    found = certified(d, "g-symplectic")
+    assert found["parts"][-1]["witness"] == {"identity": "solution"}
+    d["G"][0][0] = "1"
+    assert certified(d, "g-symplectic")["parts"][-1]["witness"]["identity"] != "solution"
+
+
+def test_where_every_start_is_right_no_value_is_named() -> None:
+    d = shipped("g4123")
+    found = certified({**d, "claims": {"starting-order": d["claims"]["starting-order"]}},
+                      "starting-order")  # fmt: skip
+    at_most = found["parts"][-1]["witness"]
+    assert (at_most["tree"] == "") == ("value" not in at_most)
+
+
+def test_growth_that_is_found_is_shown() -> None:
+    facts = facts_for(load_document({**growing_pair("1/2"), "claims": {}}))
+    found = facts.judge("growth", ["4", "9"])
+    assert (found.verdict, found.value) == (Verdict.OPEN, ["4", "9"])
+    assert facts.judge("growth", ["0", "0"]).value == ["4", "9"]
+
+
+def beside_idle_values(seed: int) -> dict[str, Any]:
+    """A method of order 2 or 3 with values beside the solution that V = 1 keeps."""
+    draw = random.Random(seed)
+
+    def some() -> Fraction:
+        return Fraction(draw.choice((-1, 0, 1, 1, 2)), draw.choice((1, 2, 3)))
+
+    x = Fraction(draw.choice((1, 2, 3)), draw.choice((2, 3)))
+    A: list[list[Any]] = [[0, 0], [x, 0]]
+    b: list[Any] = [1 - 1 / (2 * x), 1 / (2 * x)]
+    if draw.choice((True, False)):
+        A = [[0, 0, 0], [Fraction(1, 3), 0, 0], [0, Fraction(2, 3), 0]]
+        b = [Fraction(1, 4), 0, Fraction(3, 4)]
+    r, s = draw.choice((2, 2, 3)), len(b)
+    U = [[1, *(some() for _ in range(r - 1))] for _ in range(s)]
+    B = [b]
+    for _ in range(r - 1):
+        m = draw.choice((0, 0, 1)) * some()
+        B.append([m, *[0] * (s - 2), -m])
+    V = [[int(i == j) for j in range(r)] for i in range(r)]
+    blocks = {
+        k: [[str(x) for x in row] for row in M] for k, M in zip("AUBV", (A, U, B, V), strict=True)
+    }
+    return {"format": "glmref-method-1", "class": "glm", "name": "x", **blocks, "source": SOURCE}
+
+
+@pytest.mark.parametrize("seed", range(16))
+def test_what_refutes_an_order_of_several_values_sees_no_unknown(seed: int) -> None:
+    """The next order is refuted by one tree or by several, of which none can be left out."""
+    d = {**beside_idle_values(seed), "claims": {"order": 4}}
+    found = certified(d, "order")
+    assert found["statement"]["verdict"] == "fails"
+    order = found["parts"][0]["witness"]["order"]
+    assert certified({**d, "claims": {"order": order}}, "order")["statement"]["verdict"] == "holds"
+    n = found["parts"][-1]["witness"]["n"]
+    for tree in tuple(n):
+        kept = n.pop(tree)
+        assert not glmref_check.verdict(found)[0], tree
+        n[tree] = kept
+
+
+def test_a_finish_without_unknowns_has_no_test(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Only what is enclosed is tested: a start in decimals, and a finish that is."""
+    digits = "0.14433756729740644112728719512548936391"
+    d = shipped("gsymplectic-n")
+    d["starting"]["B"][1] = ["0", f"-{digits}", digits]
+    monkeypatch.setattr(certificate_enclosed, "_test", lambda *given: {})
+    monkeypatch.setattr(
+        certificate_enclosed, "krawczyk",
+        lambda function, published, radius: SimpleNamespace(outcome=Outcome.UNIQUE, box=published),
+    )  # fmt: skip
+    method = load_document(shipped("gsymplectic-n"))
+    finishes = {"0": None, "1/3": None, "0.33333333333333333333": "finishing"}
+    for entry, more in finishes.items():
+        d["finishing"] = {"A": [["0", "0"], [entry, "0"]], "b": ["1", "-1"]}
+        found = certificate_enclosed.start_proofs(d, method)
+        assert list(found) == ["starting"] + [more] * (more is not None), entry
+    d["starting"]["B"] = [["0"] * 3] * 2
+    assert certificate_enclosed.start_proofs(d, method) == {}
+
+
+@pytest.mark.parametrize(
+    ("first", "V", "rows"),
+    [
+        (["1.000000", "1.000000", "0.500000"], ["1", "1/2"], [2, 0]),
+        (["1.000000", "0.500000", "1.000000"], ["1", "1/2"], [1, 0]),
+        (["0.500000", "1.000000", "1.000000"], ["1", "-1"], [1, 0]),
+        (["1.000000", "1.000000", "1.000000"], ["1/2", "-1"], [0, 0]),
+    ],
+)
+def test_two_stages_in_decimals_that_differ_refute_preconsistency(
+    first: list[str], V: list[str], rows: list[int]
+) -> None:
+    """V keeps one vector, and U u has two values; or V keeps none."""
+    d = {"format": "glmref-method-1", "class": "glm", "name": "x", "digits": 6,
+         "A": [["0"] * 3] * 3, "U": [[x, "0"] for x in first], "B": [["1", "0", "0"]] * 2,
+         "V": [[V[0], "0"], ["0", V[1]]], "claims": {"preconsistent": False},
+         "source": SOURCE}  # fmt: skip
+    found = certified(d, "preconsistent")
+    (part,) = found["parts"]
+    assert part["witness"]["rows"] == rows
+    same = [i for i in (1, 2) if rows != [0, 0] and first[i] == first[0]]
+    for i in same:
+        part["witness"]["rows"] = [i, 0]
+        assert not glmref_check.verdict(found)[0]
+
+
+@pytest.mark.parametrize("mu", [("5/2", "1/2"), ("-1", "9/10"), ("3", "3/2")])
+def test_growth_at_a_multiple_eigenvalue_1_is_shown_without_the_principal_value(
+    mu: tuple[str, str],
+) -> None:
+    a, b = mu
+    d = {"format": "glmref-method-1", "class": "glm", "name": "x", "A": [["0"] * 3] * 3,
+         "U": [["1", "0", "0"], ["1", "1", "0"], ["1", "0", "1"]],
+         "B": [["1", "0", "0"], [f"-({a})", a, "0"], [f"-({b})", "0", b]],
+         "V": [["1", "0", "0"], ["0", "1", "0"], ["0", "0", "1"]],
+         "claims": {"growth": [a, b]}, "source": SOURCE}  # fmt: skip
+    shown = facts_for(load_document(d)).judge("growth", [a, b])
+    value: Any = shown.value
+    numbers = sorted(map(float, value))
+    assert shown.verdict is Verdict.HOLDS
+    assert numbers == pytest.approx(sorted(float(Fraction(x)) for x in mu), abs=1e-9)
+    assert certified(d, "growth")["statement"]["verdict"] == "holds"
+
+
+@pytest.mark.parametrize(("b", "q"), [("1", 1), ("1/2", 0)])
+def test_the_start_of_a_method_of_order_one_or_none_is_certified(b: str, q: int) -> None:
+    start = {"A": [["0"]], "u": ["1"], "B": [["0"]], "order": q}
+    d = {**shipped("euler"), "b": [b], "starting": start, "claims": {"starting-order": q}}
+    found = certified(d, "starting-order")
+    assert found["statement"]["verdict"] == "holds"
+    rules = [x["rule"] for x in found["parts"]]
+    assert ("no-order-1" in rules) == (q == 0)

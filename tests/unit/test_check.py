@@ -158,18 +158,32 @@ def test_dense_output_is_a_polynomial_of_the_step() -> None:
         glmref.check(said | {"dense": [[1, "-1/3"], [0, "1/3"]]}, dense_order=2)
 
 
+SAID = {"A": HEUN, "b": ["1/2", "1/2"], "order": 2}
+
+
 @pytest.mark.parametrize(
     ("document", "said"),
     [
         ({"A": HEUN}, "`b` is missing"),
         ({"A": HEUN, "b": [1, 2, 3], "order": 1}, "`b` must have 2 entries"),
-        ({"A": [[0, 0], [1]], "b": [1, 2], "order": 1}, "row 2 has 1 entries"),
+        ({"A": [[0, 0], [1]], "b": [1, 2], "order": 1}, "2 by 2: the length of row 2 is 1"),
         ({"A": HEUN, "b": ["1/2", "x"], "order": 1}, "`b\\[2\\]`: the name 'x' is not known"),
         ({"A": HEUN, "b": [0.5, float("nan")], "order": 1}, "`b\\[2\\]` is 'nan'"),
         ({"A": HEUN, "b": [True, 1], "order": 1}, "'True' of type bool"),
         ({"A": HEUN, "b": ["1/2", "1/2"]}, "give `order`"),
         ({"A": HEUN, "b": ["1/2", "1/2"], "order": "five"}, "`order` must be a whole number"),
         ({"A": HEUN, "b": ["1/2", "1/2"], "ordre": 2}, "the key 'ordre' is not known"),
+        (SAID | {"order": float("inf")}, "`order` must be a whole number from 1 to 100, got inf"),
+        (SAID | {"embedded": 3}, "`embedded` must be a row with its order"),
+        (SAID | {"embedded": [1, 0]}, "`embedded\\[1\\]` must be a row with its order"),
+        (SAID | {"embedded": {"b": [1, 0], "ordr": 2}}, "`embedded\\[1\\]` has the key 'ordr'"),
+        (SAID | {"w_order": 3}, "`w_order` is no key of a Runge-Kutta method"),
+        (SAID | {"dense_order": 3}, "`dense` is missing"),
+        (SAID | {"parts": []}, "`A` is no key of an additive method"),
+        ({"alpha": [[0]], "gamma": [[1]], "A": [[0]], "b": [1]}, "`A` is no key of a Rosenbrock"),
+        (SAID | {"c": [0, 1], "b_prime": [1, 0], "embedded": ([1, 0], 1)}, "no key of a Nystrom"),
+        ({"parts": [{"A": [[0]], "b": [1], "p": 1}] * 2}, "`parts\\[1\\]` has the key 'p'"),
+        ({"A": [[0]], "b": ["1e999999"], "order": 1}, "'e999999' is out of place"),
     ],
 )
 def test_what_is_no_tableau_is_one_sentence(document: dict[str, Any], said: str) -> None:
@@ -185,6 +199,13 @@ def test_what_is_no_tableau_is_one_sentence(document: dict[str, Any], said: str)
         ('{"A": [[0,0],[1,0]], "b": ["1/2","1/3"], "order": 2}', 1, "tree o of order 1"),
         ('{"A": [[0,0],[1,0]], "b": [0.333, 0.667], "digits": 3, "order": 1}', 3, "within the 3"),
         ("{]", 2, "neither a JSON object nor TOML"),
+        ('\ufeff{"A": [[0]], "b": [1], "order": 1}', 0, "order 1 holds"),
+        ('{"A": [[0]], "b": [1], "b": [2], "order": 1}', 2, "the key 'b' stands twice"),
+        ('[{"A": [[0]], "b": [1], "order": 1}]', 2, "must hold one object with A and b"),
+        ("[[0]]", 2, "must hold one object with A and b"),
+        ("null", 2, "must hold one object with A and b"),
+        ("A = [[0]]\nb = [1]\n[[embedded]]\nb = [1]\norder = 2\n", 1, "embedded row 1 2 fails"),
+        ('{"A": [[0]], "b": ["1e400"], "order": 1}', 1, "residual above 1e308"),
     ],
 )
 def test_the_command_reads_a_pipe(
@@ -230,3 +251,55 @@ def test_the_steps_of_the_workflow_pass(tmp_path: Any, monkeypatch: Any) -> None
 def test_decimals_in_strings_with_digits() -> None:
     findings = glmref.check(A=[["0", "0"], ["1.00", "0"]], b=["0.500", "0.5"], order=2, digits=3)
     assert "within the 3 digits" in str(findings[0].witness)
+
+
+def test_vectors_may_be_matrices_and_orders_numbers_of_numpy() -> None:
+    np, mpmath, sympy = map(pytest.importorskip, ("numpy", "mpmath", "sympy"))
+    half = sympy.Rational(1, 2)
+    for A, b in (
+        (np.array(HEUN), np.array([[0.5, 0.5]])),
+        (mpmath.matrix(HEUN), mpmath.matrix([0.5, 0.5])),
+        (sympy.Matrix(HEUN), sympy.Matrix([half, half])),
+        (sympy.Matrix(HEUN), sympy.Matrix([[half, half]])),
+    ):
+        row = (np.array([1, 0]), np.int64(1))
+        found = glmref.check(A, b, order=np.int64(2), embedded=row)
+        assert [str(x.verdict) for x in found] == ["holds", "holds"]
+    assert verdicts(np.array(0.5), np.array(1), order=2) == ["holds"]
+    with pytest.raises(DataError, match="`b` must have 2 entries"):
+        glmref.check(HEUN, [[1], [2], [3]], order=1)
+
+
+def test_radicals_of_sympy_are_exact() -> None:
+    """McLachlan's and Yoshida's cube root, nested roots, and what is no number with radicals."""
+    sympy = pytest.importorskip("sympy")
+    root, x = sympy.cbrt(2), sympy.Symbol("x")
+    w = 1 / (2 - root)
+    b = [w, 1 - 2 * w, w]
+    assert verdicts([[0] * 3, [w, 0, 0], [w, 1 - 2 * w, 0]], b, order=1) == ["holds"]
+    nested = sympy.sqrt(2 + sympy.sqrt(2))
+    assert verdicts([[0, 0], [nested, 0]], [1 - half(nested), half(nested)], order=1) == ["holds"]
+    square = (1 - sympy.sqrt(2)) ** 2
+    assert verdicts([[0, 0], [0, 0]], [square, 1 - sympy.expand(square)], order=1) == ["holds"]
+    for bad in (x, sympy.pi, sympy.I, sympy.nan, sympy.CRootOf(x**3 - 3 * x + 1, 0)):
+        with pytest.raises(DataError, match="write a number, a fraction"):
+            glmref.check([[0]], [bad], order=1)
+
+
+def half(x: Any) -> Any:
+    """1 / (2 x)."""
+    return 1 / (2 * x)
+
+
+def test_an_embedded_row_without_an_order_is_a_difference_of_any_kind() -> None:
+    part = {"A": [[0, 0], [1, 0]], "b": ["1/2", "1/2"]}
+    rosenbrock = {"alpha": HEUN, "gamma": [["1/2", 0], [0, "1/2"]], "b": ["1/2", "1/2"]}
+    for said in ({"parts": [part, part]}, rosenbrock):
+        assert verdicts(said, order=1, embedded={"b": [1, 0]}) == ["holds", "holds"]
+        with pytest.raises(glmref.CheckFailed, match="error weights of row 1 sum to 0 fails"):
+            glmref.check(said, order=1, embedded={"b": [1, 1]})
+
+
+def test_a_method_of_several_values_is_said_to_be_one() -> None:
+    with pytest.raises(DataError, match="carries 2 values"):
+        glmref.check(glmref.load("dimsim-2-type-1"), order=2)

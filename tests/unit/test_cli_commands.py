@@ -17,7 +17,7 @@ from glmref.catalogue.files import data_root
 from glmref.catalogue.lookup import document, names
 from glmref.cli import group, main
 from glmref.findings import Finding, Verdict
-from glmref.verification import verifier as verification
+from glmref.prove import verifier as verification
 
 
 class Run:
@@ -187,6 +187,23 @@ def test_analyze_table_and_csv_say_the_same(run: Run) -> None:
     rows = dict(list(csv.reader(io.StringIO(text)))[1:])
     assert json.loads(rows["order"]) == 4
     assert json.loads(rows["symmetric"])["holds"] is True
+
+
+def test_analyze_says_the_same_interval_in_every_format(run: Run) -> None:
+    """An end that is not proved is null in the proved part, and its measured value stands apart."""
+    _, table, _ = run("analyze", "t115-i")
+    record = json.loads(run("analyze", "t115-i", "--format", "json")[1])
+    assert record["stability_measured"]
+    for key, end in record["stability_measured"].items():
+        assert record["stability"][key] is None
+        assert f"{end:.12g}" in table and ", measured" in table
+    assert "stability_measured" not in json.loads(run("analyze", "rk4", "--format", "json")[1])
+    whole = json.loads(run("analyze", "gauss-2", "--format", "json")[1])["stability"]
+    assert (whole["real"], whole["imaginary"]) == (
+        "infinity",
+        "infinity",
+    )  # not null: JSON has no inf
+    assert "the negative real axis" in run("analyze", "gauss-2")[1]
 
 
 def test_analyze_leaves_with_3_where_something_is_not_decided(run: Run) -> None:

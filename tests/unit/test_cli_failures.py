@@ -8,9 +8,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections import deque
-from collections.abc import Callable, Mapping
-from itertools import repeat
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
@@ -18,9 +16,8 @@ import pytest
 from glmref.cli import main
 from glmref.cli.parallel import Checked, check, check_all
 from glmref.findings import Finding, Verdict
-from glmref.system import process
+from glmref.prove import verifier as verification
 from glmref.system.process import guarded, within
-from glmref.verification import verifier as verification
 
 COMMAND = [sys.executable, "-m", "glmref"]
 posix = pytest.mark.skipif(os.name != "posix", reason="uses POSIX signals and devices")
@@ -157,31 +154,82 @@ def test_ctrl_c_reaches_the_program_once_and_no_child_complains() -> None:
     assert "0 fail, 0 open" in out
 
 
-def endless() -> int:
+#: A process of its own: a fork of that of the tests has none of their threads, and all their locks.
+LIMITED = """
+import faulthandler, multiprocessing, os, signal, sys, time
+from collections import deque
+from itertools import repeat
+from glmref.system import process
+from glmref.system.process import guarded, within
+
+process.GRACE = 0.4
+
+def over():
     print("found", flush=True)
+    os.kill(os.getppid(), process.TIME_OVER)  # as when the time is over now, on any machine
+
+def endless():
+    over()
     deque(repeat(0), maxlen=0)  # hears no signal, and no other thread runs meanwhile
-    return 0
 
-
-def slow() -> int:
-    print("found", flush=True)
+def slow():
+    over()
     time.sleep(60)
-    return 0
+
+def ends():
+    raise KeyboardInterrupt
+"""
+
+
+def limited(script: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-c", LIMITED + script],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
 
 
 @posix
-@pytest.mark.filterwarnings("ignore:os.fork")  # of a library that another test loaded
-@pytest.mark.parametrize("program", [endless, slow])
-def test_a_time_limit_ends_what_cannot_be_stopped_in_one_sentence(
-    program: Callable[[], int], monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(process, "GRACE", 0.4)
-    begun = time.monotonic()
-    assert within("glmref", 4, lambda: guarded("glmref", program, 2)) == 2
-    assert time.monotonic() - begun < 30
-    assert capfd.readouterr() == (
-        "found\n", "glmref: the time limit is over; what was finished is printed or kept\n"
+@pytest.mark.parametrize("program", ["endless", "slow"])
+def test_a_time_limit_ends_what_cannot_be_stopped_in_one_sentence(program: str) -> None:
+    done = limited(f"sys.exit(within('glmref', 900, lambda: guarded('glmref', {program}, 2)))")
+    assert (done.returncode, done.stdout, done.stderr) == (
+        2, "found\n", "glmref: the time limit is over; what was finished is printed or kept\n",
     )  # fmt: skip
+
+
+@posix
+def test_a_timer_that_runs_already_does_not_stop_the_program() -> None:
+    timer = "faulthandler.dump_traceback_later(900, exit=True, file=open(os.devnull, 'w'))\n"
+    done = limited(timer + "sys.exit(within('glmref', 5, lambda: guarded('glmref', int, 2)))")
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@posix
+def test_nothing_of_the_caller_runs_again_where_the_program_fails() -> None:
+    done = limited(
+        "try:\n    code = within('x', 60, lambda: 1 // 0)\n"
+        "finally:\n    print('after', flush=True)\nsys.exit(code)"
+    )
+    assert (done.returncode, done.stdout) == (1, "after\n")
+    assert done.stderr.endswith("ZeroDivisionError: integer division or modulo by zero\n")
+
+
+@posix
+def test_the_children_of_the_caller_outlive_a_program_that_is_ended() -> None:
+    done = limited(
+        "child = multiprocessing.get_context('fork').Process(target=time.sleep, args=(60,))\n"
+        "child.start()\n"
+        "group = os.posix_spawn('/bin/sleep', ['sleep', '60'], os.environ, setpgroup=0)\n"
+        "process.remember_group(group)\n"
+        "code = within('glmref', 60, lambda: guarded('glmref', ends, 2))\n"
+        "time.sleep(0.2)\n"
+        "print(code, child.is_alive(), os.waitpid(group, os.WNOHANG)[0])\n"
+        "child.kill(); process.end_groups()"
+    )
+    assert done.stdout == "130 True 0\n"
 
 
 @posix

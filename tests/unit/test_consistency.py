@@ -13,8 +13,8 @@ from glmref.method.solution_value import abscissae
 from glmref.theory.consistency import (
     consistency,
     consistency_residual,
-    is_zero_stable,
     preconsistency_residual,
+    zero_stability,
 )
 
 
@@ -55,7 +55,7 @@ def test_weights_that_do_not_sum_to_one_are_inconsistent():
 def test_double_root_at_one_is_neither_consistent_nor_zero_stable():
     m = linear_multistep(["1", "-2", "1"], ["0", "1", "0"])
     assert consistency(m).consistent is False
-    assert is_zero_stable(m) is False
+    assert zero_stability(m).holds is False
 
 
 def test_unscaled_one_leg_weights_give_another_u():

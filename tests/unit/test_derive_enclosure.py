@@ -25,8 +25,8 @@ from glmref.prove.equations import starting_series
 from glmref.prove.facts import facts_of
 from glmref.prove.implications import implied_by
 from glmref.prove.krawczyk import Outcome, krawczyk
+from glmref.prove.verifier import verify
 from glmref.theory.trees import parse_tree, single, trees
-from glmref.verification.verifier import verify
 
 TINY = Fraction(1, 10**60)
 ONE = ((Exact(1),),)

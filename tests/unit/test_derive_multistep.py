@@ -14,7 +14,7 @@ from glmref.catalogue.canonical import canonical
 from glmref.catalogue.lookup import load, path_of
 from glmref.catalogue.reader import load_document
 from glmref.derive import recipes
-from glmref.derive.multistep import multistep_document
+from glmref.derive.multistep import TwoKicks, multistep_document, two_kick_document
 from glmref.derive.recipes.multistep import SHIPPED, claims_of
 from glmref.engine.solve import solve
 from glmref.errors import UsageError
@@ -22,6 +22,9 @@ from glmref.findings import Verdict
 from glmref.problems import problem
 from glmref.prove import kernel
 from glmref.prove.facts import Facts, facts_of
+
+#: Two kicks a step, of order 6.
+TWO = {"p": "-1/2 1/4", "slopes": "1/2 -2/3", "weight": "3/8"}
 
 Cosines = tuple[Sequence[str], Sequence[str]]
 
@@ -149,3 +152,60 @@ def test_any_cosines_can_be_derived() -> None:
         recipes.run("multistep", {"p": "x"})
     with pytest.raises(UsageError, match="`name` must be"):
         recipes.run("multistep", {"name": "multistep-3"})
+
+
+def two_kicks() -> dict[str, Any]:
+    return dict(recipes.run("multistep", TWO).documents[0])
+
+
+def test_any_two_kicks_give_a_method_of_the_order_of_the_number_of_pairs() -> None:
+    found = two_kicks()  # the recipe proves order, start, symmetry and the rest
+    assert found["name"] == "multivalue-rkn-6-found"
+    judged = facts_of(load_document(found))
+    assert judged.judge("nystrom-order", 7).verdict is Verdict.FAILS
+    assert judged.judge("nystrom-starting-order", 7).verdict is Verdict.FAILS
+
+
+def test_two_steps_with_one_kick_are_one_with_two() -> None:
+    c = [Fraction(309, 1000), Fraction(-1, 2)]
+    one = load_document(multistep_document("one", [], c))
+    twice = TwoKicks([2 * x * x - 1 for x in c], [1 - 2 * x for x in c], Fraction(1, 2))
+    two = load_document(two_kick_document("two", twice))
+    target = problem("henon-heiles")
+    a = solve(target, one, h=0.05, steps=100).y[-1]
+    b = solve(target, two, h=0.1, steps=50).y[-1]
+    assert np.allclose(a, b, rtol=0, atol=1e-10)  # round-off of the weights of the start
+
+
+def test_two_forces_are_evaluated_in_a_step_with_two_kicks() -> None:
+    method, target = load_document(two_kicks()), problem("henon-heiles")
+    run = solve(target, method, h=0.05, steps=100)
+    assert run.evaluations == 200
+    slow = solve(target, method, h=0.05, steps=100, engine="reference")
+    assert np.allclose(run.y[-1], slow.y[-1], rtol=0, atol=1e-13)
+
+
+def test_the_order_of_two_kicks_is_seen_in_runs_there_and_back() -> None:
+    method, target = load_document(two_kicks()), problem("kepler", eccentricity="1/5")
+    errors = []
+    for steps in (100, 200):
+        end = solve(target, method, h=2 * math.pi / steps, steps=steps).y[-1]
+        errors.append(float(np.abs(np.asarray(end) - np.asarray(target.y0)).max()))
+    assert math.log2(errors[0] / errors[1]) == pytest.approx(6, abs=0.5)
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"slopes": "1"}, "one slope"),
+        ({"p": "1/2 1/2"}, "different"),
+        ({"p": "1/2 2"}, "between -1 and 1"),
+        ({"weight": "x"}, "fractions"),
+        ({"q": "1/3 1/5"}, "no `q`"),
+    ],
+)
+def test_numbers_of_no_method_with_two_kicks_are_refused(
+    changed: dict[str, str], words: str
+) -> None:
+    with pytest.raises(UsageError, match=words):
+        recipes.run("multistep", {**TWO, **changed})

@@ -62,6 +62,8 @@ def test_newton_says_when_there_is_no_root_or_a_double_one() -> None:
         polish(lambda v: [v[0] * v[0] + 1], [ball(Fraction("0.3"))])
     with pytest.raises(ConvergenceError, match=r"multiple|singular"):
         polish(lambda v: [v[0] * v[0]], [ball(Fraction("0.3"))], digits=130)
+    with pytest.raises(ConvergenceError, match="did not converge"):  # far away after one step
+        polish(lambda v: [v[0] * v[0] - 1], [ball(Fraction(1, 10**14))])
 
 
 @pytest.mark.slow

@@ -8,6 +8,8 @@ from fractions import Fraction
 from typing import Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from checker.glmref_check import verdict
 from glmref.catalogue.claims import EMBEDDED_DIFFERENCE, EMBEDDED_ORDER, ORDER_TO_DIGITS
@@ -20,13 +22,14 @@ from glmref.exchange.reading import read_table
 from glmref.findings import Verdict
 from glmref.method import GLM
 from glmref.method.embedded import EmbeddedRow
+from glmref.prove.analysis import analyze
 from glmref.prove.certificate import certificates_of
-from glmref.verification.analysis import analyze
-from glmref.verification.verifier import facts_for
+from glmref.prove.verifier import facts_for
 from tests.adversary.deceive import doc, findings
 
 KEY = EMBEDDED_ORDER.key
 TO_DIGITS = ORDER_TO_DIGITS.key
+DIFFERENCE = EMBEDDED_DIFFERENCE.key
 NAME = "dimsim-2-type-1"
 
 
@@ -189,17 +192,132 @@ def test_a_row_that_doubles_the_solution_has_no_order_to_digits(v: str, expected
         )
 
 
-def test_sums_of_weights_say_nothing_of_a_row_with_weights_of_the_values() -> None:
-    """Those of the midpoint rule and of Euler's are 1, but the row is twice the solution."""
-    row = {"name": "other", "b": ["1", "0"], "v": ["2"]}
-    d = doc("glm", {EMBEDDED_DIFFERENCE.key: True}, **MIDPOINT, embedded=[row])
-    found = findings(d | {"format": "glmref-method-2"})
-    assert found[EMBEDDED_DIFFERENCE.key].verdict is Verdict.OPEN
+def difference(d: dict[str, Any]) -> tuple[Verdict, str, bool]:
+    """Whether the estimates are differences, why not, and whether the checker accepts the proof."""
+    accepted = []
+    facts = facts_for(load_document({**d, "claims": {}}))
+    for declared in (True, False):
+        d = {**d, "claims": {DIFFERENCE: declared}}
+        found = facts_for(load_document(d)).judge(DIFFERENCE, declared)
+        if found.verdict is Verdict.OPEN:
+            continue
+        ((_, good),) = certificates_of(facts_for(load_document(d)), {DIFFERENCE: (declared, found)})
+        assert isinstance(good, dict), good
+        accepted.append(verdict(json.loads(json.dumps(good))))
+    found = facts.judge(DIFFERENCE, True)
+    assert len(accepted) == (0 if found.verdict is Verdict.OPEN else 2)
+    return found.verdict, found.reason, all(x for x, _ in accepted)
 
 
-def test_sums_of_weights_say_nothing_where_several_values_are_carried() -> None:
-    facts = facts_for(load_document({**changed(), "claims": {EMBEDDED_DIFFERENCE.key: True}}))
-    assert facts.judge(EMBEDDED_DIFFERENCE.key, True).verdict is Verdict.OPEN
+@pytest.mark.parametrize(
+    ("row", "expected"),
+    [
+        ({}, Verdict.HOLDS),
+        ({"b": ["5/4", "1/4"], "v": ["1/2", "1/2"]}, Verdict.HOLDS),  # the solution itself
+        ({"b": ["1", "1/5"], "v": ["4/5", "1/5"]}, Verdict.HOLDS),
+        ({"b": ["5/4", "1/4"], "v": ["5/6", "1/6"]}, Verdict.FAILS),  # sums of b alone agree
+        ({"b": ["3/4", "5/13"]}, Verdict.FAILS),
+        ({"v": ["5/6", "1/16"]}, Verdict.FAILS),
+    ],
+)
+def test_an_estimate_of_several_values_is_a_difference(
+    row: dict[str, Any], expected: Verdict
+) -> None:
+    found, why, accepted = difference(changed(**row))
+    assert (found, accepted) == (expected, True), why
+
+
+def test_an_estimate_that_is_a_multiple_of_the_solution_is_none() -> None:
+    """The weights of the stages of the midpoint rule and of Euler's agree, those of y do not."""
+    for v, expected in (("2", Verdict.FAILS), ("1", Verdict.HOLDS)):
+        row = {"name": "other", "b": ["0", "1"], "v": [v]}
+        d = doc("glm", {}, **MIDPOINT, embedded=[row]) | {"format": "glmref-method-2"}
+        found, why, accepted = difference(d)
+        assert (found, accepted) == (expected, True), why
+        assert (
+            expected is Verdict.HOLDS or "for y' = 0 the solution less the row other is -1" in why
+        )
+
+
+@pytest.mark.parametrize(
+    ("keys", "row", "expected"),
+    [
+        # u = (1, x): B 1 = u where V is the unit matrix, and v is any vector
+        ({"B": [["1"], ["1"]]}, {"b": ["1"], "v": ["1", "0"]}, Verdict.HOLDS),
+        ({"B": [["1"], ["1"]]}, {"b": ["1"], "v": ["0", "1"]}, Verdict.FAILS),  # no v annihilates
+        ({"B": [["1"], ["1"]]}, {"b": ["2"], "v": ["1", "0"]}, Verdict.FAILS),
+        ({"B": [["2"], ["1"]]}, {"b": ["2"], "v": ["1", "0"]}, Verdict.FAILS),  # not consistent
+        ({"B": [["1"], ["1"]], "output": ["0", "1"]}, {"b": ["1"], "v": ["0", "1"]}, Verdict.HOLDS),
+        # u = (x, 1): the first value is the solution for x = 1 alone
+        ({"U": [["0", "1"]], "B": [["1"], ["1"]]}, {"b": ["1"], "v": ["0", "1"]}, Verdict.OPEN),
+        ({"U": [["0", "1"]], "B": [["1"], ["1"]], "output": ["0", "1"]},
+         {"b": ["1"], "v": ["0", "1"]}, Verdict.HOLDS),
+    ],
+)  # fmt: skip
+def test_an_estimate_where_u_is_not_unique(keys: Any, row: Any, expected: Verdict) -> None:
+    d = doc("glm", {}, **{**UNSEEN, **keys, "embedded": [{"name": "other", **row}]})
+    found, why, accepted = difference(d | {"format": "glmref-method-2"})
+    assert (found, accepted) == (expected, True), why
+    assert expected is not Verdict.OPEN or "give `output`" in why
+
+
+def test_a_forged_certificate_of_a_difference_is_refused() -> None:
+    d = {**changed(), "claims": {DIFFERENCE: True}}
+    facts = facts_for(load_document(d))
+    ((_, good),) = certificates_of(facts, {DIFFERENCE: (True, facts.judge(DIFFERENCE, True))})
+    assert isinstance(good, dict)
+    for key, value in (("v", ["2/3", "1/3"]), ("b", ["3/4", "2/5"]), ("v", ["1"])):
+        bad = json.loads(json.dumps(good))
+        bad["document"]["embedded"][0][key] = value
+        assert not verdict(bad)[0]
+    other = json.loads(json.dumps(good))
+    other["parts"] = [{"rule": "no-differences", "witness": {}}]
+    assert not verdict(other)[0]
+
+
+@given(st.integers(1, 3), st.data())
+def test_a_row_with_an_order_and_no_other_gives_a_difference(r: int, data: st.DataObject) -> None:
+    """Random consistent methods with random rows: a difference exactly where the row has order 1.
+
+    V = u w + N with w N = 0 and N nilpotent, u = e_1 in other values; then the estimate is summed
+    up for y' = 1 from values that are exact, too.
+    """
+    number = st.integers(-3, 3).map(lambda n: Fraction(n, 2))
+
+    def matrix(rows: int, columns: int) -> list[list[Fraction]]:
+        return [[data.draw(number) for _ in range(columns)] for _ in range(rows)]
+
+    A, B, extra = matrix(2, 2), matrix(r, 2), matrix(2, r - 1)
+    U = [[Fraction(1), *row] for row in extra]
+    B[0][1] = 1 - B[0][0]
+    V = [[Fraction(int(i == 0 and j == 0)) if j <= i else data.draw(number) for j in range(r)]
+         for i in range(r)]  # fmt: skip
+    V[0][1:] = [Fraction(0)] * (r - 1)
+    # v = B 1 + V v - u with v_1 = 0: N is nilpotent, so that it ends
+    v = [Fraction(0)] * r
+    for _ in range(r):
+        v = [Fraction(0)] + [sum(B[i]) + sum(V[i][j] * v[j] for j in range(r)) for i in range(1, r)]
+    b, w = [data.draw(number) for _ in range(2)], [data.draw(number) for _ in range(r)]
+    kind = data.draw(st.sampled_from(["as drawn", "u", "u and slope"]))
+    if kind != "as drawn":
+        w[0] = Fraction(1)
+    if kind == "u and slope":
+        b[1] += 1 - sum(b) - sum(x * y for x, y in zip(w, v, strict=True))
+    right = w[0] == 1 and sum(b) + sum(x * y for x, y in zip(w, v, strict=True)) == 1
+
+    def shown(M: list[list[Fraction]]) -> list[list[str]]:
+        return [[str(x) for x in row] for row in M]
+
+    row = {"name": "other", "b": [str(x) for x in b], "v": [str(x) for x in w]}
+    d = doc("glm", {}, A=shown(A), U=shown(U), B=shown(B), V=shown(V), embedded=[row])
+    d |= {"format": "glmref-method-2"}
+    found, why, accepted = difference(d)
+    assert accepted and (found is Verdict.HOLDS) == right, (why, d)
+    assert found is not Verdict.OPEN
+    moved = load_document({**d, "claims": {}}).transform(  # type: ignore[union-attr]
+        [[int(i == j) + int(j > i) for j in range(r)] for i in range(r)]
+    )
+    assert facts_for(moved).judge(DIFFERENCE, True).verdict is found
 
 
 def test_rows_follow_a_change_of_values_and_of_stages() -> None:
@@ -229,3 +347,22 @@ def test_the_values_are_moved_along_u_until_the_output_is_the_row() -> None:
     assert isinstance(other, GLM) and other.B[0] == row.weights[0] and other.V[0] == row.values
     first, second = linalg.sub(other.V, method.V)
     assert first == second and (other.A, other.U) == (method.A, method.U)
+
+
+def test_decimals_beside_exact_coefficients() -> None:
+    """Where they do not decide the verdict has a proof, which is called enclosed; of outputs open."""
+    V = [["1", "0"], ["0", "1/2"]]
+    keys = {**UNSEEN, "B": [["1"], ["0"]], "V": V, "digits": 20}
+    for v, expected in ((["1", "0.5"], Verdict.HOLDS), (["2", "0.5"], Verdict.FAILS)):
+        d = doc("glm", {}, **keys, embedded=[{"name": "other", "b": ["1"], "v": v}])
+        found, why, accepted = difference(d | {"format": "glmref-method-2"})
+        assert (found, accepted) == (expected, True), why
+        rows = [{"name": "exact", "b": ["1"], "v": ["1", "0"]}, *d["embedded"]]
+        found, why, accepted = difference(d | {"format": "glmref-method-2", "embedded": rows})
+        assert (found, accepted) == (expected, True), why
+    row = {"name": "other", "b": ["1"], "v": ["1", "0"]}
+    d = doc("glm", {}, **keys, output=["1", "0.5"], embedded=[row])
+    found, why, _ = difference(d | {"format": "glmref-method-2"})
+    assert (found, why) == (
+        Verdict.OPEN, "estimates of several values are judged of exact coefficients",
+    )  # fmt: skip

@@ -8,8 +8,9 @@ import pytest
 from glmref import Problem, load, problem, solve
 from glmref.engine import newton
 from glmref.engine.band import band_of, loop_structure, stays_within
-from glmref.engine.kernel import choose_solver, newton_bytes, prepare, with_band
+from glmref.engine.kernel import prepare
 from glmref.engine.shape import banded, shape_of
+from glmref.engine.solver_choice import choose_solver, newton_bytes, with_band
 from glmref.engine.sweep import step_form
 from glmref.errors import UsageError
 
@@ -92,6 +93,18 @@ def test_the_structure_of_a_loop():
 def test_what_depends_on_values_has_no_structure(line):
     body = f"def f(v, params, out):\n    {line}"
     assert loop_structure(body, "f", 2, 2, [], timed=False) is None
+
+
+def test_a_component_that_reads_many_others_is_no_part_of_a_band():
+    # 8 others, or an eighth of a large system
+    for size, most in ((24, 8), (64, 8), (80, 10)):
+        for reach in (most, most + 1):
+            body = f"def f(v, params, out):\n    for j in range({reach}):\n        out[0] += v[j]"
+            found = loop_structure(body, "f", size, size, [], timed=False)
+            if reach == most:
+                assert found == [frozenset(range(most)), *[frozenset()] * (size - 1)]
+            else:
+                assert found is None
 
 
 def test_the_order_is_a_band_of_the_graph():
@@ -186,7 +199,7 @@ def test_stages_that_cannot_be_separated_are_solved_together(monkeypatch):
 def prepare_anew():
     from glmref.engine import kernel
 
-    kernel._sources.clear()
+    kernel._sources.known.clear()
     return kernel._prepared.__wrapped__
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import itertools
 import math
 from collections.abc import Callable
@@ -13,12 +14,14 @@ import numpy as np
 import pytest
 
 from glmref import Problem, load, problem, solve
-from glmref.engine import kernel as module
+from glmref.engine import kept, solver_choice
+from glmref.engine import kernel as kernel_module
 from glmref.engine.codegen import Options
 from glmref.engine.compiled import Built
-from glmref.engine.kernel import Kernel, choose_solver, prepare
+from glmref.engine.kernel import Kernel, prepare
 from glmref.engine.outcome import Outcome
 from glmref.engine.shape import banded, shape_of
+from glmref.engine.solver_choice import choose_solver
 from glmref.engine.sweep import step_form
 from glmref.problems.user import NoValue
 
@@ -32,15 +35,19 @@ def test_operations_are_weighted_by_their_latency() -> None:
     )
     # sin 15, two additions, product; root 5, subtraction, division 4; power 10, addition; the sine
     # of the last line is that of the first
-    assert module._latency(of.f) == (15 + 1 + 1) + (5 + 1 + 4) + (10 + 1)
+    assert solver_choice._latency(of.f) == (15 + 1 + 1) + (5 + 1 + 4) + (10 + 1)
     pair = Problem(dq=("2*p[0]",), dp=("-3*q[0]*q[0]",), y0=(1.0, 1.0))
     # K = -(6 q), V = 2, a round is 12 and the two right-hand sides
-    once, jacobian = module._latencies(shape_of(pair))
+    once, jacobian = solver_choice._latencies(shape_of(pair))
     assert once == 12 + 1 + 2
-    k = module._latency(module.jacobian_block(shape_of(pair), range(1, 2), range(1)))
-    v = module._latency(module.jacobian_block(shape_of(pair), range(1), range(1, 2)))
+    k = solver_choice._latency(solver_choice.jacobian_block(shape_of(pair), range(1, 2), range(1)))
+    v = solver_choice._latency(solver_choice.jacobian_block(shape_of(pair), range(1), range(1, 2)))
     assert jacobian == k + v and k >= 1
-    assert module._latencies(shape_of(problem("pendulum")))[0] == 12 + 15
+    assert solver_choice._latencies(shape_of(problem("pendulum")))[0] == 12 + 15
+    # q' = p: the block of the velocity costs nothing
+    henon = shape_of(problem("henon-heiles"))
+    k = solver_choice._latency(solver_choice.jacobian_block(henon, range(2, 4), range(2)))
+    assert solver_choice._latencies(henon)[1] == k > 0
 
 
 @pytest.mark.parametrize("d", [1, 2, 3])
@@ -50,20 +57,67 @@ def test_a_small_system_takes_newton_where_its_rounds_cost_less(
     """2.3 rounds, the Jacobian and the solution against 1 + 10 / -log10(rho) rounds."""
     of = Problem(f=tuple(f"-y[{k}]*y[{k}]" for k in range(d)), y0=(1.0,) * d)
     shape, form = shape_of(of), step_form(load("implicit-midpoint"))
-    once, jacobian = module._latencies(shape)
+    once, jacobian = solver_choice._latencies(shape)
     assert once == 12 + d
     rounds = (2.3 * once + jacobian + {1: 6, 2: 14, 3: 40}[d]) / once
     edge = 10 ** (-10 / (rounds - 1))
     for rho, wanted in ((edge * 0.97, "fixed-point"), (edge * 1.03, "newton"), (0.3, "newton")):
-        monkeypatch.setattr(module, "contraction", lambda *_, rho=rho: rho)
+        monkeypatch.setattr(solver_choice, "contraction", lambda *_, rho=rho: rho)
         assert choose_solver(form, shape, of, 0.1) == wanted
     # a block of two stages is not written out: the fixed point up to its slow rounds
     for rho, wanted in ((0.25, "fixed-point"), (0.26, "newton")):
-        monkeypatch.setattr(module, "contraction", lambda *_, rho=rho: rho)
+        monkeypatch.setattr(solver_choice, "contraction", lambda *_, rho=rho: rho)
         assert choose_solver(step_form(load("gauss-2")), shape, of, 0.1) == wanted
     for rho in (0.0, math.nan, math.inf):
-        monkeypatch.setattr(module, "contraction", lambda *_, rho=rho: rho)
+        monkeypatch.setattr(solver_choice, "contraction", lambda *_, rho=rho: rho)
         assert choose_solver(form, shape, of, 0.1) == "fixed-point"
+
+
+def chain(solver: str) -> int:
+    """Operations from a force to the next position, in a round of a stage on q'' = g(q)."""
+    kernel = prepare(load("g6245-w3"), problem("kepler"), h=0.05, solver=solver)
+    rounds = kernel.source.text.split("while True:\n")[1].split("change = ")[0].splitlines()
+    held = "H1_2" if "H1_2" in "".join(rounds) else "L1_2"
+    depth = {held: int(held[0] == "L")}  # an increment is h w times the force
+    for line in rounds:
+        name, _, text = line.strip().partition(" = ")
+        if not text:
+            continue
+        depth[name] = max(_depths(ast.parse(text, mode="eval").body, depth))
+    return depth["N1_0"]
+
+
+def _depths(tree: ast.AST, depth: dict[str, int]) -> list[int]:
+    """Depths of what an expression reads, plus the operations that are done with it."""
+    if isinstance(tree, ast.Name):
+        return [depth.get(tree.id, -99)]
+    if isinstance(tree, ast.BinOp):
+        return [x + 1 for side in (tree.left, tree.right) for x in _depths(side, depth)]
+    return [-99]
+
+
+def test_rounds_of_a_stage_alone_are_priced_by_their_operations(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    assert (chain("newton"), chain("fixed-point")) == (8, 2)
+    assert solver_choice._LONE_STAGE_SAVES == 8 - 2
+    of = problem("henon-heiles")
+    shape, form = shape_of(of), step_form(load("g6245-w3"))
+    once, jacobian = solver_choice._latencies(shape)
+    rounds = (2.3 * once + jacobian + 14) / (once - 6)
+    edge = 10 ** (-10 / (rounds - 1))
+    for rho, wanted in ((edge * 0.97, "fixed-point"), (edge * 1.03, "newton")):
+        monkeypatch.setattr(solver_choice, "contraction", lambda *_, rho=rho: rho)
+        assert choose_solver(form, shape, of, 0.1) == wanted
+    # where q' is not p a round has the two sums
+    apart = Problem(dq=("2*p[0]",), dp=("-sin(q[0])",), y0=(1.0, 0.0))
+    shape = shape_of(apart)
+    once, jacobian = solver_choice._latencies(shape)
+    rounds = (2.3 * once + jacobian + 6) / once
+    edge = 10 ** (-10 / (rounds - 1))
+    for rho, wanted in ((edge * 0.97, "fixed-point"), (edge * 1.03, "newton")):
+        monkeypatch.setattr(solver_choice, "contraction", lambda *_, rho=rho: rho)
+        assert choose_solver(form, shape, apart, 0.1) == wanted
 
 
 def operations(method: str, shape: Any) -> tuple[float, float]:
@@ -93,28 +147,28 @@ def test_a_large_system_takes_newton_where_its_matrices_cost_less(method: str, b
     once, newton = operations(method, shape)
     edge = 10 ** (-10 / (newton / once - 1))
     assert edge < 0.9
-    assert not module._newton_pays(form, shape, 0.99 * edge)
-    assert module._newton_pays(form, shape, 1.01 * edge)
-    assert module._newton_pays(form, shape, 0.9), "the fixed point all but diverges"
+    assert not solver_choice._newton_pays(form, shape, 0.99 * edge)
+    assert solver_choice._newton_pays(form, shape, 1.01 * edge)
+    assert solver_choice._newton_pays(form, shape, 0.9), "the fixed point all but diverges"
     small = shape_of(Problem(f=rows[:1] * 64, y0=(1.0,) * 64))
-    assert module._newton_pays(form, small, 1e-9)
+    assert solver_choice._newton_pays(form, small, 1e-9)
 
 
 def test_norm_of_a_jacobian_from_differences() -> None:
     diagonal = Problem(f=("t*y[0]", "-5*y[1]", "2*y[2]"), y0=(1.0, -2.0, 3.0), t_span=(3.0, 4.0))
-    assert module._norm_estimate(shape_of(diagonal), diagonal) == pytest.approx(5, rel=1e-6)
+    assert solver_choice._norm_estimate(shape_of(diagonal), diagonal) == pytest.approx(5, rel=1e-6)
     timed = Problem(f=("t*y[0]", "y[1]"), y0=(1.0, 1.0), t_span=(7.0, 8.0))
-    assert module._norm_estimate(shape_of(timed), timed) == pytest.approx(7, rel=1e-6)
+    assert solver_choice._norm_estimate(shape_of(timed), timed) == pytest.approx(7, rel=1e-6)
     pair = Problem(dq=("2*p[0]", "p[1]"), dp=("-3*q[0]", "-7*q[1]"), y0=(1.0, 2.0, 0.5, 0.25))
-    assert module._norm_estimate(shape_of(pair), pair) == pytest.approx(7, rel=1e-6)
+    assert solver_choice._norm_estimate(shape_of(pair), pair) == pytest.approx(7, rel=1e-6)
     second = Problem(force=("-3*q[0]", "-4*q[1]"), y0=(1.0, 2.0, 0.5, 0.25))
-    assert module._norm_estimate(shape_of(second), second) == pytest.approx(4, rel=1e-6)
+    assert solver_choice._norm_estimate(shape_of(second), second) == pytest.approx(4, rel=1e-6)
     # the row of ones is met by the second vector: its signs are those of the first product
     rows = ("y[0] + y[1] + y[2]", "0.001*y[0] + y[1]", "0.001*y[0] + y[2]")
     full = Problem(f=rows, y0=(1.0, 1.0, 1.0))
-    assert module._norm_estimate(shape_of(full), full) <= 3 * (1 + 1e-6)
+    assert solver_choice._norm_estimate(shape_of(full), full) <= 3 * (1 + 1e-6)
     nowhere = Problem(f=("log(y[0])",), y0=(-1.0,))
-    assert math.isnan(module._norm_estimate(shape_of(nowhere), nowhere))
+    assert math.isnan(solver_choice._norm_estimate(shape_of(nowhere), nowhere))
 
 
 def test_a_jacobian_that_is_not_given_is_differenced() -> None:
@@ -125,17 +179,17 @@ def test_a_jacobian_that_is_not_given_is_differenced() -> None:
         raise NoValue("none")
 
     of = Problem(f=f, y0=(3.0, -2.0), t_span=(2.0, 3.0))
-    np.testing.assert_allclose(module._jacobian(of), [[-2, 3], [0, 2]], atol=1e-6)
-    assert module._norm(shape_of(of), of) == pytest.approx(5, abs=1e-6)
-    assert module._jacobian(Problem(f=none, y0=(1.0,))) is None
-    assert math.isnan(module._norm(shape_of(of), Problem(f=none, y0=(1.0,))))
+    np.testing.assert_allclose(solver_choice._jacobian(of), [[-2, 3], [0, 2]], atol=1e-6)
+    assert solver_choice._norm(shape_of(of), of) == pytest.approx(5, abs=1e-6)
+    assert solver_choice._jacobian(Problem(f=none, y0=(1.0,))) is None
+    assert math.isnan(solver_choice._norm(shape_of(of), Problem(f=none, y0=(1.0,))))
     for d, known in ((64, True), (65, False)):
         large = Problem(f=lambda t, y: -np.asarray(y), y0=(1.0,) * d)
-        assert (module._jacobian(large) is not None) == known
+        assert (solver_choice._jacobian(large) is not None) == known
     given = Problem(f=f, y0=(3.0, -2.0), jacobian=lambda t, y: [[t, 0], [0, 1]], t_span=(2.0, 3.0))
-    np.testing.assert_array_equal(module._jacobian(given), [[2, 0], [0, 1]])
+    np.testing.assert_array_equal(solver_choice._jacobian(given), [[2, 0], [0, 1]])
     pair = Problem(dq=("2*p[0]",), dp=("-3*q[0]",), y0=(1.0, 2.0))
-    assert module._norm(shape_of(pair), pair) == 6
+    assert solver_choice._norm(shape_of(pair), pair) == 6
 
 
 # --- kernels that are kept ------------------------------------------------------------------------
@@ -143,24 +197,24 @@ def test_a_jacobian_that_is_not_given_is_differenced() -> None:
 
 def test_a_source_is_kept_by_form_and_shape(monkeypatch: pytest.MonkeyPatch) -> None:
     form, shape = step_form(load("rk4")), shape_of(problem("kepler"))
-    monkeypatch.setattr(module, "_sources", {})
-    monkeypatch.setattr(module, "_MOST_SOURCES", 2)
-    first = module._source_of(form, shape, Options())
-    assert module._source_of(form, shape, Options()) is first
-    assert module._source_of(replace(form), shape, Options()) is not first
-    assert len(module._sources) == 2
-    module._source_of(form, replace(shape), Options())
-    assert len(module._sources) == 1, "at the most so many are kept"
+    monkeypatch.setattr(kernel_module, "_sources", kept.ByIdentity())
+    monkeypatch.setattr(kept, "_MOST", 2)
+    first = kernel_module._source_of(form, shape, Options())
+    assert kernel_module._source_of(form, shape, Options()) is first
+    assert kernel_module._source_of(replace(form), shape, Options()) is not first
+    assert len(kernel_module._sources.known) == 2
+    kernel_module._source_of(form, replace(shape), Options())
+    assert len(kernel_module._sources.known) == 1, "at the most so many are kept"
 
 
 def test_a_band_is_kept_by_the_shape() -> None:
     shape = shape_of(problem("fput", sites=16))
     assert shape.dimension == 32
-    found = module.with_band(shape)
-    assert found.band is not None and module.with_band(shape) is found
-    assert module.with_band(found) is found
+    found = kernel_module.with_band(shape)
+    assert found.band is not None and kernel_module.with_band(shape) is found
+    assert kernel_module.with_band(found) is found
     small = shape_of(problem("fput", sites=15))
-    assert module.with_band(small) is small
+    assert kernel_module.with_band(small) is small
 
 
 def test_kernels_say_what_they_are() -> None:
@@ -181,10 +235,10 @@ def test_kernels_say_what_they_are() -> None:
 
 def test_seconds_are_those_that_passed(monkeypatch: pytest.MonkeyPatch) -> None:
     clock = itertools.count(1000)
-    monkeypatch.setattr(module, "time", SimpleNamespace(perf_counter=lambda: next(clock)))
+    monkeypatch.setattr(kernel_module, "time", SimpleNamespace(perf_counter=lambda: next(clock)))
     made = prepare(load("rk4"), Problem(f=("2*y[0]",), y0=(1.0,)), h=0.1, interpreted=True)
     assert 0 < made.seconds < 100
-    assert 0 < module.with_newton(
+    assert 0 < kernel_module.with_newton(
         prepare(load("gauss-2"), Problem(f=("2*y[0]",), y0=(1.0,)), h=0.1, interpreted=True)
     ).seconds < 100  # fmt: skip
 
@@ -218,7 +272,7 @@ def advanced(
     stepping: Stepping, monkeypatch: pytest.MonkeyPatch, last: int, *, engine: str = "native",
     every: int = 0, pause: Callable[[int], bool] = lambda _: False, opaque: bool = False,
 ) -> tuple[Any, float, Any]:  # fmt: skip
-    monkeypatch.setattr(module, "time", SimpleNamespace(perf_counter=lambda: stepping.clock))
+    monkeypatch.setattr(kernel_module, "time", SimpleNamespace(perf_counter=lambda: stepping.clock))
     of: Any = Problem(f=lambda t, y: [1.0 for _ in y], y0=(1.0,)) if opaque else problem("pendulum")
     made = prepare(load("rk4"), of, h=0.5, interpreted=True)
     made = Kernel(made.form, made.shape, made.options, made.source, Built(stepping, engine), 0.0)
@@ -301,7 +355,7 @@ def test_an_exception_leaves_the_last_step_before_it(monkeypatch: pytest.MonkeyP
 def test_a_second_kernel_goes_on_from_the_state_of_the_first() -> None:
     of, method = problem("pendulum"), load("g6245")
     first = prepare(method, of, h=0.1, interpreted=True, solver="fixed-point")
-    second = module.with_newton(first)
+    second = kernel_module.with_newton(first)
     assert second.options.solver == "newton"
     y = np.array(of.y0, dtype=float)
     values = np.array([y * (0.01**k) for k in range(method.r)])
@@ -319,3 +373,35 @@ def test_a_second_kernel_goes_on_from_the_state_of_the_first() -> None:
             for x in ("fixed-point", "newton")]  # fmt: skip
     second.advance(other, 6, t0=0.0, h=0.1, every=0, out=out)
     assert np.abs(second.values(other)[0] - ends[1]).max() < 1e-12
+
+
+def test_a_function_that_computes_otherwise_when_compiled_is_told_by_its_value() -> None:
+    def f(t: float, y: Any) -> list[float]:
+        return [y[1] + t, -y[0]]
+
+    def raises(t: float, y: Any) -> list[float]:
+        raise ZeroDivisionError
+
+    of = Problem(f=f, y0=(1.0, 2.0), t_span=(0.5, 1.0))
+
+    def said(compiled: Callable[..., Any]) -> str:
+        built = SimpleNamespace(functions={"full": compiled})
+        kernel: Any = SimpleNamespace(shape=shape_of(of), built=built)
+        return kernel_module._computes_otherwise(kernel, of)
+
+    # in the ninth digit, of the largest component
+    assert not said(f) and not said(raises)
+    for change, told in ((2e-9, False), (3e-9, True), (math.inf, True)):
+        for sign in (1, -1):
+            assert bool(said(lambda t, y, x=sign * change: [y[1] + t, -y[0] + x])) == told
+    assert "gives another value when it is compiled" in said(lambda t, y: [2.5, -1.0, 0.0][:1])
+
+
+def test_the_norm_of_a_jacobian_is_found_by_the_signs_of_its_products() -> None:
+    # the signs of the first row come from the column beside it: no fixed vector meets them
+    n = 101
+    signs = np.where(np.arange(n) % 2, -1.0, 1.0)
+    J = np.zeros((n, n))
+    J[0], J[:, 0] = signs, signs
+    of = Problem(f=lambda t, y: J @ y, y0=(0.0,) * n)
+    assert solver_choice._norm_estimate(shape_of(of), of) == pytest.approx(n, rel=1e-6)

@@ -1,17 +1,19 @@
 """Step sizes, times, states and sizes at the edge: an outcome or one sentence, never a traceback."""
 
 import math
+import os
 import time
 
 import numpy as np
 import pytest
 
 from glmref import GLM, Problem, UsageError, load, problem, solve
-from glmref.engine import arithmetic, kernel, run
-from glmref.engine.kernel import contraction, newton_bytes
+from glmref.engine import arithmetic, kernel, run, solver_choice
+from glmref.engine.memory import memory
 from glmref.engine.outcome import Outcome
 from glmref.engine.plan import Grid
 from glmref.engine.shape import shape_of
+from glmref.engine.solver_choice import contraction, newton_bytes
 from glmref.engine.sweep import step_form
 
 REST = Problem(f=("0*y[0]", "0*y[1]"), y0=("1/3", "-2/7"), name="rest")
@@ -115,6 +117,10 @@ def test_a_basis_that_overflows_ends_the_run_before_it(monkeypatch):
     assert ended.outcome is Outcome.NOT_FINITE and ended.steps == 2
     np.testing.assert_array_equal(ended.y, plain.y[:3])
     np.testing.assert_array_equal(ended.values, plain.y[2:3])
+    # at the first step the given values are what is left
+    at_once = solve(growth, "rk4", h=4.0, steps=1, every=1)
+    assert at_once.outcome is Outcome.NOT_FINITE and at_once.steps == 0
+    assert at_once.values.tolist() == at_once.y.tolist() == [[1.0]]
 
 
 # --- sizes --------------------------------------------------------------------------------------
@@ -124,11 +130,11 @@ def test_the_norm_of_a_large_jacobian_is_estimated_without_it(monkeypatch):
     gauss, chain = step_form(load("gauss-3")), problem("fput", sites=200)
     shape = shape_of(chain)
     estimated = contraction(gauss, shape, chain, 0.1)
-    monkeypatch.setattr(kernel, "_DENSE_UP_TO", 1000)
+    monkeypatch.setattr(solver_choice, "_DENSE_UP_TO", 1000)
     assert estimated == pytest.approx(contraction(gauss, shape, chain, 0.1), rel=0.1)
     whole = shape_of(chain, split=False)
     dense = contraction(gauss, whole, chain, 0.1)
-    monkeypatch.setattr(kernel, "_DENSE_UP_TO", 1)
+    monkeypatch.setattr(solver_choice, "_DENSE_UP_TO", 1)
     assert contraction(gauss, whole, chain, 0.1) == pytest.approx(dense, rel=0.1)
 
 
@@ -141,7 +147,7 @@ def test_a_large_chain_starts_at_once_in_little_memory():
 
 
 def test_the_memory_of_newton_is_what_its_work_array_takes(monkeypatch):
-    monkeypatch.setattr(kernel, "_BANDED_FROM", 1000)
+    monkeypatch.setattr(solver_choice, "_BANDED_FROM", 1000)
     form, chain = step_form(load("gauss-3")), problem("fput", sites=30)
     shape = shape_of(chain)
     taken = kernel.prepare(load("gauss-3"), chain, h=0.1, solver="newton").source.work_size
@@ -149,10 +155,25 @@ def test_the_memory_of_newton_is_what_its_work_array_takes(monkeypatch):
     assert newton_bytes(form, shape) == pytest.approx(8 * (taken - least), rel=0.1)
 
 
+def test_memory_is_that_of_the_machine_or_of_the_process(monkeypatch):
+    resource = pytest.importorskip("resource")
+    free = (resource.RLIM_INFINITY, resource.RLIM_INFINITY)
+    monkeypatch.setattr(os, "sysconf", {"SC_PAGE_SIZE": 4096, "SC_PHYS_PAGES": 1000}.__getitem__)
+    monkeypatch.setattr(resource, "getrlimit", lambda _: free)
+    assert memory() == 4096 * 1000
+    for limit in (4096 * 1000 - 1, 4096 * 1000 + 1):
+        monkeypatch.setattr(resource, "getrlimit", lambda _, limit=limit: (limit, limit))
+        assert memory() == min(limit, 4096 * 1000)
+    # a system that does not say
+    monkeypatch.delattr(os, "sysconf")
+    monkeypatch.setattr(resource, "getrlimit", lambda _: free)
+    assert memory() == 2**36
+
+
 def test_newton_beyond_the_limit_is_not_tried(monkeypatch):
     stiff = Problem(f=("-1000*(y[0] - cos(t))",), y0=(1.0,), name="stiff")
-    for room in (kernel, run, arithmetic):
-        monkeypatch.setattr(room, "NEWTON_BYTES", 8)
+    for module in (solver_choice, run, arithmetic):
+        monkeypatch.setattr(module, "NEWTON_BYTES", 8)
     for engine in ENGINES:
         ended = solve(stiff, "gauss-2", h=0.5, steps=10, engine=engine)
         assert ended.outcome is Outcome.STAGE_SOLVE_FAILED

@@ -3,6 +3,8 @@
 import math
 import time
 from functools import partial
+from math import cos, sin
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ from glmref.engine.kernel import prepare
 from glmref.engine.outcome import Outcome
 from glmref.engine.reference import stepper
 from glmref.engine.start import zero_start
+from glmref.problems.loops import Loops
 
 STEPS = 12
 DRIVEN = Problem(f=("y[1]", "-sin(y[0]) + cos(t)/2 - y[1]/8"), y0=("6/5", "-1/3"), name="driven")
@@ -143,17 +146,146 @@ def test_an_infinite_jacobian_stops_its_lane_alone():
     assert [x is Outcome.STAGE_SOLVE_FAILED for x in found.outcomes] == [False, True, False]
 
 
+def swing(t, y, params, out):
+    """A driven chain with a library function: p_i' = sin(q_{i-1} - 2 q_i + q_{i+1}) + cos(t)/8."""
+    n = len(y) // 2
+    for i in range(n):
+        pull = -2 * y[i]
+        if i > 0:
+            pull += y[i - 1]
+        if i + 1 < n:
+            pull += y[i + 1]
+        out[i] = y[n + i]
+        out[n + i] = sin(pull) + cos(t) / params[0]
+
+
+SWING = Problem(f=Loops(swing, (24,), (8,)), y0=tuple(i / 8 for i in range(24)), name="swing")
+PRODUCTS = Problem(  # no loops, and more components than local variables are made for
+    force=tuple(f"q[{(i + 1) % 11}]*q[{(i + 2) % 11}]/4 - q[{i}]" for i in range(11)),
+    y0=(*(1 + i / 16 for i in range(11)), *(0,) * 11), name="products",
+)  # fmt: skip
+LARGE = {
+    "fput": (problem("fput", sites=11), 0.05),
+    "bodies": (problem("n-body", bodies=4), 1e-3),
+    "solar": (problem("outer-solar-system"), 50.0),
+    "toda": (problem("toda", sites=11), 0.05),
+    "chain": (problem("nonseparable-chain", sites=11), 0.01),
+    "swing": (SWING, 0.05),
+    "products": (PRODUCTS, 0.05),
+}
+SEPARABLE = (
+    "stormer-verlet", "pair-rkn-6-8b", "multistep-rkn-8", "kahan-li-8", "pair-6-8",
+    "yoshida-verlet-6",
+)  # fmt: skip
+ANY = ("rk4", "ab-3", "gauss-2", "gauss-3", "g6245-w3", "s4-symmetric", "lobatto-iiia-3", "sdirk-3")
+
+
+@pytest.mark.sampled(4, besides=())
+@pytest.mark.parametrize("method", [*SEPARABLE, *ANY])
+@pytest.mark.parametrize("name", LARGE)
+def test_lanes_of_large_systems_have_the_bits_of_single_runs(name, method):
+    of, h = LARGE[name]
+    if method in SEPARABLE and not of.separable:
+        pytest.skip("a pair needs separate parts")
+    y0 = np.array(of.y0) * (1 + np.random.default_rng(5).uniform(-0.01, 0.01, (11, of.dimension)))
+    options = {"h": h, "steps": STEPS, "start": "zero", "solver": "fixed-point", "threads": 1}
+    found = solve_ensemble(of, method, y0, width=8, **options)
+    alone = solve_ensemble(of, method, y0, width=1, **options)
+    assert (found.width, alone.width) == (8, 1)
+    assert found.completed and np.isfinite(found.values).all()
+    np.testing.assert_array_equal(found.values, alone.values)
+    assert found.evaluations == alone.evaluations
+
+
+def test_a_lane_of_a_large_system_that_fails_is_named_and_stands_still():
+    growth = Problem(f=tuple(f"y[{i}]*y[{i}]" for i in range(21)), y0=(1.0,) * 21, name="growth")
+    y0 = np.array([-1.0, 4.0, 1.0, 0.25])[:, None] * np.linspace(0.9, 1, 21)
+    for method, h in (("rk4", 0.1), ("implicit-midpoint", 0.25), ("gauss-2", 0.25)):
+        options = {"h": h, "steps": 12, "solver": "fixed-point", "threads": 1}
+        found = solve_ensemble(growth, method, y0, width=8, **options)
+        alone = solve_ensemble(growth, method, y0, width=1, **options)
+        assert found.width == 8 and not found.completed and found.outcomes[0] is Outcome.COMPLETED
+        assert found.outcomes.tolist() == alone.outcomes.tolist()
+        np.testing.assert_array_equal(found.steps, alone.steps)
+        np.testing.assert_array_equal(found.values, alone.values)
+        assert np.isfinite(found.values).all()
+
+
+@pytest.mark.parametrize("d", [1, 12])
+@pytest.mark.parametrize("method", ["multistep-rkn-8", "stormer-verlet"])
+def test_kicked_values_of_a_run_that_fails_are_those_of_its_last_step(method, d):
+    """Here the force is the first that is no number: velocities are read with the one before."""
+    force = tuple(f"6*q[{i}]*q[{i}]" for i in range(d))
+    growth = Problem(force=force, y0=(1.5,) * d + (0.1,) * d, name="growth")
+    y0 = np.array([growth.y0])
+    options = {"h": 0.01, "start": "zero", "threads": 1}
+    for width in (1, 8):
+        found = solve_ensemble(growth, method, y0, steps=170, width=width, **options)
+        assert found.outcomes[0] is Outcome.NOT_FINITE
+        before = solve_ensemble(growth, method, y0, steps=int(found.steps[0]), **options)
+        assert before.completed and np.isfinite(found.values).all()
+        np.testing.assert_array_equal(found.values, before.values)
+
+
+def branching(t, y, params, out):
+    """A body whose course depends on the state."""
+    for i in range(len(y)):
+        out[i] = -y[i]
+        if y[i] > 0:
+            out[i] = -2 * y[i]
+
+
+@pytest.mark.parametrize(("steps", "cancel"), [(4, None), (0, None), (4, lambda: True)])
+def test_a_function_is_called_again_at_the_end_of_the_first_trajectory(steps, cancel, monkeypatch):
+    ends = []
+
+    def again(t, y):
+        ends.append((t, y.tolist()))
+        return ["changed"]
+
+    seen = SimpleNamespace(seen=True, afterwards=again)
+    monkeypatch.setattr("glmref.engine.ensemble.inspected", lambda *_: seen)
+    found = solve_ensemble(DRIVEN, "rk4", [[1.0, 2.0]], h=0.5, steps=steps, every=2, cancel=cancel)
+    assert found.notices == ("changed",)
+    assert ends == [(found.t[-1], found.y[-1, 0].tolist())]
+
+
 def test_what_has_no_lanes_goes_one_by_one():
-    solar = problem("outer-solar-system")
-    y0 = initial(solar, 2)
-    found = solve_ensemble(solar, "stormer-verlet", y0, h=10.0, steps=4)
-    assert found.width == 1
-    for k, y in enumerate(y0):
-        start = zero_start(stepper(load("stormer-verlet"), solar), y)
-        kernel = prepare(load("stormer-verlet"), solar, h=10.0)
-        state = kernel.state(start, np.asarray(solar.f(0.0, y)), 10.0)
-        kernel.advance(state, 4, t0=0.0, h=10.0, every=0, out=np.zeros((1, 1, 36)))
-        np.testing.assert_array_equal(found.values[k], kernel.values(state))
+    def width(of, method, h=0.01, **options):
+        y0 = np.array([of.y0])
+        return solve_ensemble(of, method, y0, h=h, steps=1, start="zero", **options).width
+
+    branch = Problem(f=Loops(branching, (24,)), y0=(1.0,) * 24, name="branch")
+    assert width(branch, "rk4") == width(branch, "rk4", width=8) == 1
+    assert width(Problem(f=lambda t, y: [-x if x > 0 else x for x in y], y0=(1.0,)), "rk4") == 1
+    chain = problem("nonseparable-chain", sites=16)
+    assert width(chain, "gauss-2") == 8
+    assert width(chain, "gauss-2", solver="newton") == 1
+    assert width(chain, "gauss-2", 0.4, width=8) == 1, "a single run takes Newton's method there"
+
+
+def test_lanes_that_leave_the_cache_are_taken_for_pairs_of_bodies_only():
+    def width(of, **options):
+        return solve_ensemble(
+            of, "rk4", np.array([of.y0]), h=1e-4, steps=1, solver="fixed-point", **options
+        ).width
+
+    large = problem("fput", sites=512)
+    assert width(large) == 1 and width(large, width=8) == 8
+    assert width(problem("fput", sites=32)) == 8
+    assert width(problem("n-body", bodies=96)) == 8
+
+
+def test_the_source_of_lanes_is_kept(monkeypatch):
+    of, h = LARGE["fput"]
+    y0 = np.array([of.y0, of.y0])
+    first = solve_ensemble(of, "gauss-2", y0, h=h, steps=2)
+    written = []
+    monkeypatch.setattr("glmref.engine.runners.lane_source", lambda *given: written.append(given))
+    monkeypatch.setattr("glmref.engine.kernel.shape_of", lambda *given, **_: written.append(given))
+    moved = y0 + 1.0 / 64
+    assert solve_ensemble(of, "gauss-2", moved, h=h, steps=2).width == first.width == 8
+    assert not written, "the shape and the source do not depend on the initial values"
 
 
 def test_cancelling_keeps_what_was_done():
@@ -242,3 +374,12 @@ def test_interpreted_kernels_are_stepped_in_one_thread(monkeypatch):
     assert found.kernel.startswith("python") and found.threads == 1
     factor = sum((-0.1) ** k / math.factorial(k) for k in range(5)) ** 3
     assert found.y[-1].ravel().tolist() == pytest.approx([factor, -2 * factor], rel=1e-14)
+
+
+@pytest.mark.parametrize("method", ["rk4", "lobatto-iiia-2", "implicit-midpoint"])
+def test_the_evaluations_of_a_step_that_fails_are_counted(method):
+    growth = Problem(f=("y[0]*y[0]",), y0=(1.0,), name="growth")
+    y0, options = np.array([[100.0], [0.1]]), {"h": 0.5, "steps": 12, "solver": "fixed-point"}
+    alone, lanes = (solve_ensemble(growth, method, y0, width=w, **options) for w in (1, 8))
+    assert lanes.outcomes[0] is not Outcome.COMPLETED
+    assert lanes.evaluations == alone.evaluations

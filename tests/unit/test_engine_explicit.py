@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 
-from glmref import load, problem, solve
+from glmref import Problem, load, problem, solve
 from glmref.engine.codegen import Options, kernel_source
 from glmref.engine.ensemble import solve_ensemble
 from glmref.engine.kernel import prepare
 from glmref.engine.shape import shape_of
 from glmref.engine.sweep import step_form
 from glmref.engine.unroll import placed, unrolled
+from glmref.problems.loops import Loops
 
 
 @pytest.mark.sampled(6, besides=("outer",))
@@ -36,8 +37,6 @@ def test_runge_kutta_needs_no_stages_of_the_velocity():
 @pytest.mark.parametrize("whole", [False, True])
 def test_the_weights_lose_nothing_to_rounding(whole):
     """Constant slopes: y = n h f exactly, to the rounding of n steps compensated."""
-    from glmref import Problem
-
     n, h = 100_000, 0.1
     flat = Problem(force=("1.0",), y0=(0.0, 0.0)) if not whole else Problem(f=("1.0",), y0=(0.0,))
     run = solve(flat, "rk4", h=h, steps=n)
@@ -107,6 +106,19 @@ def test_what_is_not_known_before_stays_a_loop(line):
 
 def test_a_long_body_stays_a_loop():
     assert unrolled(BODY, (100, 1, 100), 500) == ""
+
+
+def test_a_body_without_a_source_is_called_as_a_function():
+    names = {}
+    exec("def f(t, y, params, out):\n    out[0] = -y[0]\n"
+         "def J(t, y, params, out):\n    out[0, 0] = -1.0\n", names)  # fmt: skip
+    of = Problem(f=Loops(names["f"], (1,)), jacobian=Loops(names["J"], (1, 1)), y0=(1.0,))
+    shape = shape_of(of)
+    assert shape.opaque and shape.parts[0].body == shape.jacobian_body == ""
+    assert shape.differenced and not shape.banded_body
+    run = solve(of, "gauss-2", h=0.1, steps=5, engine="interpreted")
+    expected = solve(Problem(f=("-y[0]",), y0=(1.0,)), "gauss-2", h=0.1, steps=5)
+    assert run.y[-1, 0] == pytest.approx(expected.y[-1, 0], abs=1e-15)
 
 
 def test_an_unrolled_body_is_placed_under_other_names():

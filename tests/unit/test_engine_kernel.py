@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from glmref import Problem, load, problem, solve
-from glmref.engine.kernel import choose_solver, contraction, prepare
+from glmref.engine.kernel import prepare
 from glmref.engine.shape import shape_of
+from glmref.engine.solver_choice import choose_solver, contraction
 from glmref.engine.sweep import step_form
 
 

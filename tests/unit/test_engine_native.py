@@ -114,7 +114,7 @@ def test_memory_is_flat_over_a_million_steps():
 
 def test_memory_is_flat_in_lanes():
     of = problem("henon-heiles")
-    runner = Lanes(load("rk4"), of, 0.01, "strict", "auto", 1, 32, None)
+    runner = Lanes(load("rk4"), of, np.array(of.y0), 0.01, "strict", "auto", 1, 32, None)
     runner.load(np.repeat(np.array(of.y0)[None, None, :], 32, axis=0))
     runner.advance(0, 1000)
     before = peak()

@@ -9,7 +9,7 @@ import pytest
 from glmref import UsageError, load, problem, solve
 from glmref.engine.codegen import Options
 from glmref.engine.compiled import interpret
-from glmref.engine.kernel import Kernel, prepare
+from glmref.engine.kernel import PACKED_STAGES, Kernel, prepare
 from glmref.engine.outcome import Outcome
 from glmref.engine.partitioned import pair_source
 from glmref.engine.partitioned_forms import pair_form
@@ -137,6 +137,21 @@ def test_a_kick_is_taken_back_without_loss():
     assert np.abs(form.unkicked(moved, rest, force, 0.1) - p).max() <= 2.0**-52
 
 
+@pytest.mark.parametrize("compensated", [True, False])
+@pytest.mark.parametrize("name", ["stormer-verlet", "blanes-moan-rkn-6-11", "multistep-rkn-8"])
+def test_the_state_before_the_first_step_is_kicked_and_keeps_what_rounding_lost(name, compensated):
+    of, form = problem("toda", sites=30), pair_form(load(name))
+    values = np.random.default_rng(2).uniform(0.5, 1.0, (form.rows, 60))
+    kernel = interpreted(name, of, target="array", compensated=compensated)
+    slope = np.asarray(of.f(0.0, values[0]))
+    p, rest, force = kernel._kept(kernel.state(values, slope, H))
+    kicked, lost = form.kicked(values[: form.r_hat, 30:], slope[30:], H)
+    np.testing.assert_array_equal(force, slope[30:])
+    np.testing.assert_array_equal(p, kicked)
+    np.testing.assert_array_equal(rest, lost if compensated else 0.0 * lost)
+    assert lost.any()
+
+
 def test_only_equal_kicks_at_both_ends_are_put_together():
     assert not pair_form(load("yoshida-verlet-6")).kick  # begins with an update of q
     assert not pair_form(load("pair-6-8")).kick  # two values
@@ -196,3 +211,16 @@ def test_a_pair_without_a_sweep_form_says_which_identity_is_missing():
         pair_form(replace(pair, D_P=[0 * x for x in pair.D_P]), "sweep")
     with pytest.raises(UsageError, match="must be auto, sweep or standard, got 'other'"):
         pair_form(pair, "other")
+
+
+def test_values_of_a_multistep_method_go_side_by_side_with_the_same_bits():
+    for name, together in (("multistep-rkn-8", 7), ("pair-rkn-6-8b", 1), ("stormer-verlet", 1)):
+        form = pair_form(load(name))
+        source = pair_source(form, shape_of(problem("henon-heiles"), split=True), Options())
+        assert source.side_by_side == together
+    assert 1 < PACKED_STAGES <= 7
+    runs = [
+        solve("henon-heiles", "multistep-rkn-8", h=0.05, steps=50, engine=engine)
+        for engine in ("compiled", "interpreted")
+    ]
+    np.testing.assert_array_equal(runs[0].values, runs[1].values)

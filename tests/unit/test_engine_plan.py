@@ -188,3 +188,11 @@ def test_a_step_size_is_a_number_that_is_not_zero(h: Any, sentence: str) -> None
         step_size(h)
     assert str(found.value) == sentence
     assert step_size("0.5") == 0.5 and step_size(-5e-324) == -5e-324
+
+
+def test_so_many_steps_as_can_be_counted_are_counted():
+    span = math.ldexp(1.0, 53)
+    of = Problem(f=("y[0]",), y0=(1.0,), t_span=(0.0, 1.0))
+    assert planned(1.0, of, t_end=span) == (MOST_STEPS, 0, [MOST_STEPS], False)
+    with pytest.raises(UsageError, match="can be counted"):
+        planned(1.0, of, t_end=math.nextafter(span, math.inf))

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from glmref import Problem, solve
-from glmref.engine.outcome import Outcome
+from glmref.engine.outcome import Outcome, StartFailed, outcome_of
 from glmref.engine.run import _picks
+from glmref.problems.user import FunctionFailed, NoValue
 
 GROWTH = Problem(f=("y[0]*y[0]",), y0=(1.0,), name="growth")  # y = 1/(1 - t)
 
@@ -142,3 +143,25 @@ def test_a_basis_that_picks_values_cannot_overflow() -> None:
     assert not _picks((0.5, 0.5)), "a sum"
     assert not _picks((0.0, 1.5)), "larger"
     assert not _picks(((1.0, 0.0), (0.5, 0.5)))
+
+
+@pytest.mark.parametrize(
+    ("error", "outcome", "why"),
+    [
+        (StartFailed("no start"), Outcome.STAGE_SOLVE_FAILED, ""),
+        (FunctionFailed("no function"), Outcome.FUNCTION_FAILED, ": no function"),
+        (NoValue("no value"), Outcome.NOT_FINITE, ": no value"),
+        (ZeroDivisionError("by zero"), Outcome.NOT_FINITE, ": by zero"),
+    ],
+)
+def test_an_exception_says_how_a_run_ends(error: Exception, outcome: Outcome, why: str) -> None:
+    assert outcome_of(error) == (outcome, why)
+
+
+@ENGINES
+def test_iterations_and_factorisations_are_counted_apart(engine: str) -> None:
+    decay = Problem(f=("-y[0]",), y0=(1.0,), name="decay")
+    fixed = solve(decay, "implicit-midpoint", h=0.1, steps=4, solver="fixed-point", engine=engine)
+    assert fixed.iterations > 0 and fixed.factorisations == 0
+    # every round of the fixed point evaluates once
+    assert fixed.iterations <= fixed.evaluations <= fixed.iterations + 8

@@ -9,7 +9,7 @@ import pytest
 
 from glmref import GLM, Problem, UsageError, load, problem, solve
 from glmref.engine.ensemble import solve_ensemble
-from glmref.engine.inspection import CALLS
+from glmref.engine.function_checks import CALLS
 from glmref.engine.kernel import prepare
 from glmref.engine.outcome import Outcome
 

@@ -180,3 +180,13 @@ def test_values_that_cannot_start_are_refused_in_a_sentence():
     growth = stepper(load("bdf-2"), Problem(f=("y[0]*y[0]",), y0=(1.0,)))
     with pytest.raises(StartFailed, match="a trial step of the enhanced start failed; use a small"):
         starting_values(growth, None, t=0.0, y0=np.ones(1), h=2.0)
+
+
+def test_a_complex_method_starts_from_complex_values():
+    run = solve("kepler", "g6245-w3-complex", h=0.01, steps=4, engine="reference")
+    assert np.iscomplexobj(run.values)
+    onward = solve(
+        "kepler", "g6245-w3-complex", h=0.01, steps=4, engine="reference", start=run.values
+    )
+    whole = solve("kepler", "g6245-w3-complex", h=0.01, steps=8, engine="reference")
+    np.testing.assert_allclose(onward.values, whole.values, rtol=0, atol=1e-13)

@@ -132,6 +132,7 @@ def test_integer_arithmetic_of_indices():
         "y = [1.0, 2.0]\nx[0] = y[0]",
         "k = 1\nk = x[0]",
         "if n:\n    x[0] = 1.0",
+        "k = not n",
         "x[0] = unknown",
         "x[0] = float(n)",
         "for i in x:\n    x[0] = i",

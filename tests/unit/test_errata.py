@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -123,12 +121,3 @@ def test_records_are_frozen() -> None:
     record = Erratum("1-x", "here", "a", "right", "b", "reading")
     with pytest.raises(AttributeError):
         record.verdict = "wrong"
-
-
-def test_import_loads_nothing_heavy() -> None:
-    code = (
-        "import sys, glmref.catalogue.errata as e; e.load_errata(); "
-        "print([m for m in ('numpy', 'mpmath', 'numba') if m in sys.modules])"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"

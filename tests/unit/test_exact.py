@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import cmath
 import copy
+import operator
 import pickle
 from fractions import Fraction
+from typing import Any
 
 import mpmath
 import pytest
@@ -210,3 +212,34 @@ def test_numbers_and_balls_of_complex_value_keep_both_parts() -> None:
 def test_roots_of_unity_lie_where_they_should(n: int) -> None:
     for k in range(-n, 2 * n):
         assert complex(root_of_unity(k, n)) == pytest.approx(cmath.exp(2j * cmath.pi * k / n))
+
+
+@pytest.mark.parametrize("n", [2, 3, 5])
+def test_signs_of_numbers_that_are_nearly_zero_are_right(n: int) -> None:
+    p, q = {2: (1, 1), 3: (2, 1), 5: (2, 1)}[n]
+    root = exact(n).sqrt()
+    for _ in range(12):  # Newton's iteration: from above, with twice as many digits each time
+        p, q = p * p + n * q * q, 2 * p * q
+        difference = Fraction(p, q) - root
+        assert difference.sign() == 1
+        assert (-difference).sign() == -1
+
+
+@pytest.mark.parametrize("other", [True, False, 1.5, "1", None, 1j])
+@pytest.mark.parametrize("x", [exact(3), exact(2).sqrt()])
+def test_what_is_no_exact_number_is_not_computed_with(x: Exact, other: object) -> None:
+    operations: list[Any] = [operator.add, operator.sub, operator.mul, operator.truediv]
+    for operation in operations:
+        for pair in ((x, other), (other, x)):
+            with pytest.raises(TypeError):
+                operation(*pair)
+
+
+def test_a_ball_does_not_depend_on_what_was_asked_before() -> None:
+    for n in (2, 3, 7):
+        root = exact(n).sqrt()
+        asked, plain = root * root / 3, exact(Fraction(n, 3))
+        asked.ball()
+        assert asked.as_fraction() == Fraction(n, 3)
+        assert repr(asked.ball()) == repr(plain.ball())
+        assert asked.ball().magnitude() == plain.ball().magnitude()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import dataclasses
 from fractions import Fraction
 from pathlib import Path
 
@@ -16,11 +17,11 @@ from glmref.exact import exact
 from glmref.exchange import reading
 from glmref.exchange.export import TARGETS, export
 from glmref.exchange.header import Comment, header
-from glmref.exchange.latex import latex
 from glmref.exchange.numbers import decimal_of, lost, rounded
 from glmref.exchange.scheme import scheme_of
 from glmref.exchange.steppers import LANGUAGES, fill, identifier
 from glmref.method import GLM, AdditiveGLM
+from glmref.views.notation import LATEX
 
 
 def test_the_command_line_offers_what_the_package_writes_and_reads() -> None:
@@ -61,6 +62,63 @@ def test_what_a_format_cannot_hold_is_refused_in_one_sentence(
         export(name, to=target)
     assert name in str(refusal.value)
     assert "\n" not in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "target", "absent"),
+    [
+        ("dormand-prince-8-5-3", "sundials", ["the embedded row order-3"]),
+        ("dormand-prince-5-4", "c", ["the embedded row embedded", "the dense output"]),
+        ("dormand-prince-5-4", "rungekutta.jl", ["the embedded row embedded", "the dense output"]),
+        ("dormand-prince-5-4", "latex", ["the dense output"]),
+        ("dormand-prince-5-4", "json", []),
+        ("multistep-10", "latex", ["the starting method", "the output of q", "the output of p"]),
+        ("rk4", "petsc", []),
+    ],
+)
+def test_what_is_left_out_is_named_in_the_comment_and_on_stderr(
+    name: str, target: str, absent: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["export", name, "--to", target]) == 0
+    out, err = capsys.readouterr()
+    comment = " ".join(out.replace("*", "").replace("#", "").replace("%", "").split())
+    assert (f"Left out: {', '.join(absent)}." in comment) == bool(absent)
+    said = f"glmref: {name}: left out of what is written: {', '.join(absent)}\n"
+    assert err == (said if absent else "")
+
+
+def test_latex_has_the_abscissae_and_the_embedded_rows_of_the_file() -> None:
+    mine = GLM(A=[["0", "0"], ["1", "0"]], U=[["1"], ["1"]], B=[["1/2", "1/2"]], V=[["1"]])
+    mine = dataclasses.replace(mine, abscissae_given=(exact(0), exact(3) / 4))
+    assert r"\frac{3}{4} & 1 & 0" in export(mine, to="latex")
+    rows = export("dormand-prince-5-4", to="latex").split(r"\hline")
+    assert len(rows) == 3 and r"\frac{5179}{57600}" in rows[2]
+
+
+@pytest.mark.parametrize("form", ["json", "csv"])
+def test_which_combination_is_the_solution_survives_json_and_csv(form: str) -> None:
+    method = glmref.load("multistep-10")
+    back = load_document(reading.read_table(export(method, to=form), form))
+    assert method.output_hat is not None
+    assert (back.output, back.output_hat) == (method.output, method.output_hat)
+
+
+def test_diffrax_gets_the_error_estimate() -> None:
+    text = export("bogacki-shampine-3-2", to="diffrax")
+    assert (
+        "b_error=np.array(\n        [\n            -5.0 / 72, 1.0 / 12, 1.0 / 9, -1.0 / 8" in text
+    )
+    assert "difference to a solution of order 2" in text
+    for name in ("bogacki-shampine-3-2", "dormand-prince-8-5-3"):
+        method = glmref.load(name)
+        document = reading.read_table(export(method, to="diffrax"), "diffrax")
+        (row,) = load_document(document).embedded
+        (given, *_) = method.embedded
+        ((own,),), ((other,),) = row.estimate(method.weights), given.estimate(method.weights)
+        assert all((x - y).is_zero() is True for x, y in zip(own, other, strict=True))
+    plain = reading.read_table(export("heun-3", to="diffrax"), "diffrax")
+    assert "embedded" not in plain
+    assert "No embedded method" in export("heun-3", to="diffrax")
 
 
 def test_additive_methods_go_where_they_can_be_held() -> None:
@@ -145,7 +203,7 @@ def test_a_citation_cannot_end_a_comment_nor_add_lines_to_it() -> None:
         "status": "derived",
     }
     method = GLM(A=[["0"]], U=[["1"]], B=[["1"]], V=[["1"]], name="sly", source=source)
-    body = header(method, Comment("/*", " * ", " */"))
+    body = header(method, "c", Comment("/*", " * ", " */"))
     assert body.count("*/") == 1
     assert body.count("/*") == 1
     assert "\\" not in body
@@ -222,6 +280,7 @@ def test_a_solution_that_several_values_make_is_carried_as_one_of_them() -> None
 
 
 def test_expressions_in_latex() -> None:
+    latex = LATEX.of
     assert latex("(3-sqrt(3))/6") == r"\frac{3-\sqrt{3}}{6}"
     assert latex("-1/2") == r"-\frac{1}{2}"
     assert latex("2*sqrt(5)/5") == r"\frac{2 \sqrt{5}}{5}"
@@ -432,4 +491,4 @@ def test_the_commands_write_files_and_say_what_is_wrong(
     ],
 )
 def test_the_head_of_a_file_states_the_order_that_is_claimed(name: str, said: str) -> None:
-    assert said in header(glmref.load(name), Comment("", "# ", ""))
+    assert said in header(glmref.load(name), "c", Comment("", "# ", ""))

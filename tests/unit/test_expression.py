@@ -19,6 +19,7 @@ from glmref.exact.expression import (
     Text,
     parse,
     shown_number,
+    syntax_tree,
     to_text,
     weigh,
 )
@@ -258,8 +259,9 @@ def test_a_number_is_shown_exactly_where_it_has_a_text_and_in_decimals_elsewhere
     seventh = root_of_unity(1, 7)
     assert shown_number(parse("sqrt(2)/2")) == "sqrt(2)/2"
     assert float(shown_number(seventh.real)) == pytest.approx(math.cos(2 * math.pi / 7))
-    turned = complex(shown_number(seventh.real + exact(-1).sqrt()))
-    assert turned == pytest.approx(math.cos(2 * math.pi / 7) + 1j)
+    assert shown_number(exact(Fraction(1, 3**9000)) + exact(-1).sqrt()) == "0+1j"
+    turned = seventh.real + exact(-1).sqrt()
+    assert parse(shown_number(turned)) == turned
     assert shown_number(seventh) == "exp(2*pi*i/7)"
     assert shown_number(Ball.decimal("0.5", 1)) == "0.5"
 
@@ -278,3 +280,43 @@ def test_decimals_need_no_digit_on_one_side_of_the_point(text: str, value: float
     found = parse(text, digits=2)
     assert isinstance(found, Ball) and float(found) == value
     assert found.radius() == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize("text", ["exp(2*pi*i/7)", "exp(2*pi*i/5)", "exp(4*pi*i/9)"])
+def test_conjugates_of_roots_of_unity_are_written(text: str) -> None:
+    z = parse(text)
+    assert isinstance(z, Exact)
+    for x in (z.conjugate(), 2 * z.conjugate() + z):
+        assert parse(to_text(x)) == x
+
+
+@pytest.mark.parametrize("length", [1, 57, 59, 60, 61, 62, 400])
+def test_a_message_shows_an_entry_whole_or_sixty_letters_of_it(length):
+    entry = "1" * (length - 1) + "?"
+    with pytest.raises(DataError) as said:
+        parse(entry)
+    shown = str(said.value).partition(" in the entry '")[2].partition("'")[0]
+    assert len(shown) == min(length, 60)
+    assert shown == entry if length <= 60 else shown == entry[:57] + "..."
+
+
+@pytest.mark.parametrize("before", ["", "(1)+", "sqrt(4)+", "root(8,3)+", "-1+", "exp(2*pi*i/3)+"])
+def test_what_was_read_before_leaves_the_allowed_depth_as_it_is(before):
+    for count in (1, 12):
+        for depth in (40, 41):
+            entry = before * count + "(" * depth + "1" + ")" * depth
+            if depth <= 40:
+                parse(entry)
+            else:
+                with pytest.raises(DataError, match="nested"):
+                    parse(entry)
+
+
+@pytest.mark.parametrize("entry", ["1e5", "(1e5)", "1.5e-8", "2E+3*sqrt(2)", "-1e0", "1/2e1"])
+def test_entries_of_files_have_no_exponents_and_shown_numbers_may(entry):
+    for digits in (None, 10):
+        with pytest.raises(DataError):
+            parse(entry, digits=digits)
+    with pytest.raises(DataError):
+        syntax_tree(entry)
+    syntax_tree(entry, exponents=True)

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from glmref.cli import main
-from glmref.conformance.known import read_known_failures
+from glmref.conformance.expected_failures import read_known_failures
 from glmref.errors import DataError, UsageError
 from glmref.report import read
 from glmref.system.files import Lock, read_bytes, started, write_bytes

@@ -19,7 +19,7 @@ from glmref.errors import DataError
 from glmref.findings import Finding, Verdict
 from glmref.report import build, read
 from glmref.system.shown import DARK
-from glmref.views import chart, plane
+from glmref.views import chart, paths
 from glmref.views.bibtex import source_entry
 from glmref.views.tables import csv_text, findings_csv, findings_junit
 
@@ -70,14 +70,14 @@ def test_texts_in_figures_of_matplotlib_are_no_formulas(tmp_path: Path) -> None:
     series = [chart.Series(text, ((1.0, 1.0), (2.0, 0.5)))]
     words = {"title": text, "x_label": text, "y_label": text}
     assert chart.write_figures(tmp_path / "a.png", series, **words) is None
-    cloud = plane.Cloud(text, ((0.0, 0.0), (1.0, 1.0)), ended=text)
-    assert plane.write_figures(tmp_path / "b.png", [cloud], **words) is None
+    cloud = paths.Cloud(text, ((0.0, 0.0), (1.0, 1.0)), ended=text)
+    assert paths.write_figures(tmp_path / "b.png", [cloud], **words) is None
     assert {path.name for path in tmp_path.iterdir()} == {"a.png", "a.pdf", "b.png", "b.pdf"}
 
 
 def test_texts_in_orbits_are_no_markup() -> None:
-    cloud = plane.Cloud(HOSTILE, ((0.0, 0.0), (1.0, 1.0)), ended=HOSTILE)
-    drawn(plane.svg([cloud], title=HOSTILE, x_label=HOSTILE, y_label=HOSTILE))
+    cloud = paths.Cloud(HOSTILE, ((0.0, 0.0), (1.0, 1.0)), ended=HOSTILE)
+    drawn(paths.svg([cloud], title=HOSTILE, x_label=HOSTILE, y_label=HOSTILE))
 
 
 # --- pages ----------------------------------------------------------------------------------------

@@ -6,9 +6,11 @@ from types import SimpleNamespace
 
 import pytest
 
+from glmref.catalogue.claims import EMBEDDED_DIFFERENCE, ORDER, STAGE_ORDER, W_ORDER
 from glmref.catalogue.files import document
 from glmref.errors import DataError
 from glmref.exact import Exact, linalg
+from glmref.prove import implications
 from glmref.prove.classes import Family, classes
 from glmref.prove.implications import (
     _all_growths,
@@ -175,3 +177,19 @@ def test_the_sentence_about_the_first_row_names_no_component_of_one_method():
     doc["X"] = [["1+1/1" + "0" * 80, *doc["X"][0][1:]], *doc["X"][1:]]
     with pytest.raises(DataError, match="the first row of `X` must be 1"):
         implied_by(doc, None)
+
+
+@pytest.mark.parametrize(
+    ("orders", "difference"),
+    [({"": 5}, False), ({"": 5, "x": 1, "y": 0}, False), ({"": 5, "x": 1, "y": 2}, True)],
+)
+@pytest.mark.parametrize("kind", ["rk", "rosenbrock"])
+def test_estimates_sum_to_zero_where_every_row_is_consistent(kind, orders, difference, monkeypatch):
+    """An order 0 of a row says that no equation is about its sum."""
+    monkeypatch.setattr(implications, "prove_runge_kutta", lambda document: (orders, 3))
+    found = implications.implied_by({"class": kind, "enclosure": {}, "claims": {"order": 5}}, None)
+    assert found is not None
+    assert (EMBEDDED_DIFFERENCE.key in found.true) == difference
+    assert found.of_row("y").at_least == {ORDER.key: orders.get("y", 0)}
+    assert found.at_least.get(W_ORDER.key) == (3 if kind == "rosenbrock" else None)
+    assert found.at_least.get(STAGE_ORDER.key) == (1 if kind == "rk" else None)

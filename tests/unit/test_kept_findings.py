@@ -10,9 +10,9 @@ import pytest
 from glmref.catalogue.files import path_of
 from glmref.cli import main, parallel
 from glmref.findings import Finding, Verdict
+from glmref.prove import verdict_cache as kept
+from glmref.prove.verifier import verify_file
 from glmref.system import cache
-from glmref.verification import kept
-from glmref.verification.verifier import verify_file
 
 NAMES = ["rk4", "suzuki-4", "rkf45-3554"]
 
@@ -57,14 +57,14 @@ def test_the_output_is_the_same_with_the_cache_and_without(form, folder, own, ca
     assert not folder.exists()
     first = output()
     assert len(list(folder.iterdir())) == len(names)
-    monkeypatch.setattr("glmref.verification.verifier.verify_file", unanswered)
+    monkeypatch.setattr("glmref.prove.verifier.verify_file", unanswered)
     assert without == first == output()
     assert output("--only", "order") != first  # another question
 
 
 def test_no_cache_reads_nothing_that_was_kept(folder, own, monkeypatch, capsys):
     checked(own)
-    monkeypatch.setattr("glmref.verification.verifier.verify_file", unanswered)
+    monkeypatch.setattr("glmref.prove.verifier.verify_file", unanswered)
     assert main(["verify", str(own), "--no-cache"]) == 3
     assert "it was computed" in capsys.readouterr().err
 
@@ -98,7 +98,7 @@ def test_another_code_and_other_libraries_answer_for_themselves(folder, own, mon
 
 def test_code_that_changes_asks_another_question(own, monkeypatch):
     before = asked(own).asked["code"]
-    monkeypatch.setattr(kept, "ROOMS", kept.ROOMS[1:])
+    monkeypatch.setattr(kept, "SUBPACKAGES", kept.SUBPACKAGES[1:])
     kept._code.cache_clear()
     assert asked(own).asked["code"] != before
     kept._code.cache_clear()
@@ -179,7 +179,7 @@ def test_a_file_that_changes_while_it_is_checked_is_not_kept(folder, own, monkey
         own.write_text(text)
         return found
 
-    monkeypatch.setattr("glmref.verification.verifier.verify_file", changing)
+    monkeypatch.setattr("glmref.prove.verifier.verify_file", changing)
     assert any(x.verdict is Verdict.FAILS for x in checked(own))
     assert not list(folder.iterdir())
 

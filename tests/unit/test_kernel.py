@@ -12,7 +12,7 @@ from glmref.findings import Proof, Verdict
 from glmref.method import PartitionedGLM
 from glmref.prove.facts import facts_of
 from glmref.prove.kernel import Kernel, Reach
-from glmref.verification.verifier import verify
+from glmref.prove.verifier import verify
 from tests.adversary.deceive import shipped
 
 

@@ -8,7 +8,7 @@ import xml.etree.ElementTree as ElementTree
 import pytest
 
 from glmref.catalogue.lookup import load
-from glmref.views import chart, plane
+from glmref.views import chart, paths
 from glmref.views.portrait import portrait
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -56,6 +56,6 @@ def test_a_chart_with_long_texts_is_as_wide_as_they_are() -> None:
 
 def test_the_panels_of_paths_keep_their_texts() -> None:
     clouds = [
-        plane.Cloud("triple-jump-6", ((0.02515, 1e-7), (0.02516, 2e-7)), "not finite", 0.02515)
+        paths.Cloud("triple-jump-6", ((0.02515, 1e-7), (0.02516, 2e-7)), "not finite", 0.02515)
     ]
-    assert outside(plane.svg(clouds, title="long " * 30, x_label="q1", y_label="q2")) == []
+    assert outside(paths.svg(clouds, title="long " * 30, x_label="q1", y_label="q2")) == []

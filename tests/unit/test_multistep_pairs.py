@@ -51,6 +51,11 @@ PRINTED = {
 DIFFERENCES = [
     Fraction(x) for x in ("1", "0", "1/12", "1/12", "19/240", "3/40", "863/12096", "275/4032")
 ]
+#: Those in Cowell's implicit one, of the new force: ibid., table III.10.2.
+IMPLICIT = [
+    Fraction(x)
+    for x in ("1", "-1", "1/12", "0", "-1/240", "-1/240", "-221/60480", "-19/6048")
+]  # fmt: skip
 
 
 def positions(name, forces):
@@ -94,6 +99,59 @@ def test_the_positions_obey_stoermers_recurrence():
             row = [b - a for a, b in pairwise(row)]
         right = sum(c * d for c, d in zip(DIFFERENCES, differences, strict=True))
         assert q[n + 1] - 2 * q[n] + q[n - 1] == right
+
+
+def steps(name, forces):
+    """The q and the positions of the stages of each step, from arbitrary values.
+
+    ``forces`` holds for each step what the force is at each of its stages.
+    """
+    m: Any = load(name)
+    q, p = m.components
+    fractions = [[[x.as_fraction() for x in row] for row in M]
+                 for M in (q.A, q.U, q.B, q.V, p.A, p.U, p.B, p.V)]  # fmt: skip
+    A, U, B, V, A_p, U_p, B_p, V_p = fractions
+    assert U == [[1]] * len(U) and V == [[1]]
+
+    def times(M, x):
+        return [sum(a * b for a, b in zip(row, x, strict=True)) for row in M]
+
+    y, z = Fraction(3, 7), [Fraction(k + 2, 5 * k + 3) for k in range(len(V_p))]
+    for force in forces:
+        velocities = [a + b for a, b in zip(times(A_p, force), times(U_p, z), strict=True)]
+        places = [y + x for x in times(A, velocities)]
+        y += times(B, velocities)[0]
+        z = [a + b for a, b in zip(times(B_p, force), times(V_p, z), strict=True)]
+        yield y, places
+
+
+def weighted(coefficients, forces):
+    """Sum of coefficients times the backward differences at the last force."""
+    row, total = list(forces), Fraction(0)
+    for c in coefficients:
+        total += c * row[-1]
+        row = [b - a for a, b in pairwise(row)]
+    return total
+
+
+@pytest.mark.parametrize(
+    ("name", "k", "predicts"),
+    [("numerov", 4, False), ("cowell-8", 8, False), ("stoermer-cowell-8", 8, True)],
+)
+def test_the_positions_obey_cowells_recurrence(name, k, predicts):
+    """The force at the position predicted, where there is one, is another than that kept."""
+    kept = [Fraction(n * n + 1, 2 * n + 3) for n in range(3 * k)]
+    guessed = [x + Fraction(1, n + 7) for n, x in enumerate(kept)] if predicts else kept
+    forces = list(zip(guessed, kept, strict=True)) if predicts else [(x,) for x in kept]
+    found = list(steps(name, forces))
+    q = [y for y, _ in found]
+    for n in range(k + 1, len(q)):  # behind what the arbitrary values say
+        before = 2 * q[n - 1] - q[n - 2]
+        past = kept[n - k + 1 : n]
+        assert q[n] == before + weighted(IMPLICIT[:k], [*past, guessed[n]])
+        assert found[n][1][-1] == q[n]
+        if predicts:
+            assert found[n][1][0] == before + weighted(DIFFERENCES, kept[n - k : n])
 
 
 def test_paths_decide_as_all_trees_of_second_order_systems_do():

@@ -7,8 +7,9 @@ import sys
 
 import pytest
 
-from campaigns.mutation.inprocess import NothingChanged, _every, exchange
+from campaigns.mutation.inprocess import NothingChanged, _every, _forget, exchange
 from campaigns.mutation.mutants import mutants
+from glmref.engine.kept import ByIdentity
 
 SOURCE = '''"""A module."""
 from functools import lru_cache
@@ -79,3 +80,12 @@ def test_a_mutant_that_changes_no_function_is_no_survivor(module):
     wrong = next(x for x in mutants(SOURCE) if x.after == "(x <= most)")
     with pytest.raises(NothingChanged):
         exchange(module, wrong.source)
+
+
+def test_what_is_kept_by_identity_is_forgotten(tmp_path, monkeypatch):
+    monkeypatch.setenv("GLMREF_CACHE", str(tmp_path))
+    kept, given = ByIdentity(), object()
+    _every.cache_clear()
+    assert kept((given,), None, lambda: 1) == kept((given,), None, lambda: 2) == 1
+    _forget()
+    assert kept((given,), None, lambda: 2) == 2

@@ -1,11 +1,22 @@
 """Order on second-order systems: fewer trees, and never fewer than there are."""
 
+import copy
+import json
+from typing import Any
+
 import pytest
 
-from glmref.catalogue.lookup import load
+from checker.glmref_check import verdict
+from glmref.catalogue.lookup import document, load
+from glmref.catalogue.reader import load_document
+from glmref.errors import DataError
+from glmref.findings import Verdict
 from glmref.method.component import SEPARABLE
 from glmref.method.families import splitting
-from glmref.theory.nystrom import is_nystrom, nystrom_order_of, nystrom_trees
+from glmref.prove.certificate import certificates_of
+from glmref.prove.rows import nystrom_gaps
+from glmref.prove.verifier import facts_for
+from glmref.theory.nystrom import is_nystrom, nystrom_order_of
 from glmref.theory.order import order_of
 from glmref.theory.trees import parse_tree, trees
 
@@ -14,6 +25,10 @@ def test_a_vertex_f_with_two_children_does_not_count():
     assert is_nystrom(parse_tree("k[f[k]f]"))
     assert not is_nystrom(parse_tree("f[kk]"))
     assert not is_nystrom(parse_tree("k[f[kk]]"))
+
+
+def nystrom_trees(order):
+    return [t for t in trees(order, SEPARABLE) if is_nystrom(t)]
 
 
 def test_there_are_as_many_trees_as_nystrom_series_have():
@@ -25,7 +40,6 @@ def test_there_are_as_many_trees_as_nystrom_series_have():
     }
     assert by_root["k"] == counts
     assert by_root["f"] == [1, *counts[:-1]]  # f has one child at most
-    assert all(len(nystrom_trees(n)) <= len(trees(n, SEPARABLE)) for n in range(1, 9))
 
 
 def test_the_trees_that_count_are_closed_under_cutting():
@@ -65,3 +79,42 @@ def test_shared_stages_and_no_end_of_the_search():
     found = nystrom_order_of(load("lobatto-iiia-iiib-3"))  # q' = p, p' = k(q, p)
     assert (found.order, str(found.failing_tree)) == (4, "f[k[fff]]")
     assert nystrom_order_of(load("stormer-verlet"), max_order=1).at_least
+
+
+#: Störmer-Verlet's step in Nystrom's form, g at both ends, c = (0, 1).
+VERLET = {
+    "format": "glmref-method-2", "name": "verlet", "title": "Verlet", "class": "nystrom",
+    "A": [["0", "0"], ["1/2", "0"]], "b": ["1/2", "0"], "b_prime": ["1/2", "1/2"], "c": ["0", "1"],
+    "claims": {}, "source": {"citation": "c", "where": "w", "status": "derived"},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("keys", "expected"),
+    [
+        ({}, True),
+        ({"A": [["0", "0"], ["1/3", "1/6"]]}, True),
+        ({"A": [["0", "0"], ["1/3", "0"]]}, False),
+        ({"A_prime": [["0", "0"], ["1", "0"]]}, True),
+        ({"A_prime": [["0", "0"], ["1/2", "1/2"]]}, True),
+        ({"A_prime": [["0", "0"], ["1/2", "0"]]}, False),
+        ({"A_prime": [["0", "0"], ["1", "0"]], "A": [["0", "0"], ["1/3", "0"]]}, False),
+    ],
+)
+def test_rows_of_a_nystrom_method_sum_to_what_its_abscissae_say(keys, expected):
+    for declared in (True, False):
+        facts = facts_for(load_document({**VERLET, **keys, "claims": {"row-sums": declared}}))
+        found = facts.judge("row-sums", declared)
+        assert (found.verdict is Verdict.HOLDS) == (declared == expected), found.reason
+        ((_, proof),) = certificates_of(facts, {"row-sums": (declared, found)})
+        assert verdict(json.loads(json.dumps(proof)))[0], proof
+
+
+def test_other_pairs_cannot_claim_row_sums():
+    doc = copy.deepcopy(dict(document("stormer-verlet")))
+    with pytest.raises(DataError, match="row-sums"):
+        load_document({**doc, "claims": {"row-sums": True}})
+    for name in ("stormer-verlet", "ruth-3", "pair-4-4"):
+        method: Any = load(name)
+        assert facts_for(method).judge("row-sums", True).verdict is Verdict.OPEN
+        assert nystrom_gaps(method) is None

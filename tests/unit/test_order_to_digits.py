@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import dataclasses
 import json
+import random
 from fractions import Fraction
 from typing import Any
 
@@ -15,10 +16,14 @@ from glmref.catalogue.claims import ORDER_TO_DIGITS, stated_orders
 from glmref.catalogue.lookup import document
 from glmref.catalogue.reader import load_document
 from glmref.errors import DataError
+from glmref.exact import Exact
 from glmref.findings import Verdict
+from glmref.prove import digits
 from glmref.prove.certificate import certificates_of
-from glmref.prove.digits import rounded_up, step_below
-from glmref.verification.verifier import facts_for
+from glmref.prove.digits import LARGE, MANY, _Fixed, _Vector, rounded_up, step_below
+from glmref.prove.kernel import Kernel
+from glmref.prove.verifier import facts_for
+from glmref.theory.trees import Tree, parse_tree, trees
 
 KEY = ORDER_TO_DIGITS.key
 #: Heun's method of order 3 with thirds of four digits, and an embedded row of order 2.
@@ -68,6 +73,16 @@ def test_order_and_size_are_decided(claimed: Any, expected: Verdict, reason: str
     found = judged(doc)
     assert (found.verdict, reason in found.reason) == (expected, True), found.reason
     assert verdict(certified(doc))[0]
+
+
+def test_largest_residual_is_named_as_it_is() -> None:
+    doc = without_rows(1, "6.0e-11")
+    doc["b"] = ["1/4", "0", "3/4 + 1/20000000000"]
+    assert judged(doc).reason == "the residuals through order 1 are at most 5.0e-11"
+    doc["b"] = ["1/4", "0", "3/4 + 1/20000000001"]
+    assert judged(doc).reason == "the residuals through order 1 are at most 5.0e-11"
+    doc["b"] = ["1/4", "0", "3/4 + 1/19999999999"]
+    assert judged(doc).reason == "the residuals through order 1 are at most 5.1e-11"
 
 
 @pytest.mark.parametrize(
@@ -286,3 +301,117 @@ def test_orders_that_are_stated() -> None:
     assert stated_orders(ROUNDED["claims"]) == {"b": 3, "low": 1}
     assert stated_orders({"order": 4, "embedded-order": {"low": 3}}) == {"b": 4, "low": 3}
     assert stated_orders({"symmetric": True}) == {}
+
+
+def slopes(A: list[list[Fraction]], t: Tree) -> list[Fraction]:
+    """Phi(t) at the stages, by definition."""
+    value = [Fraction(1)] * len(A)
+    for child in t.children:
+        value = [x * y for x, y in zip(value, stages(A, child), strict=True)]
+    return value
+
+
+def stages(A: list[list[Fraction]], t: Tree) -> list[Fraction]:
+    """A Phi(t)."""
+    inner = slopes(A, t)
+    return [sum(map(Fraction.__mul__, row, inner), Fraction(0)) for row in A]
+
+
+def residual(A: list[list[Fraction]], b: list[Fraction], t: Tree) -> Fraction:
+    """``|b Phi(t) - 1 / gamma(t)|``."""
+    return abs(sum(map(Fraction.__mul__, b, slopes(A, t)), Fraction(0)) - Fraction(1, t.density))
+
+
+def rounded_method(seed: int) -> tuple[list[list[Fraction]], list[Fraction]]:
+    """Heun's method of order 3, or the midpoint rule, with entries off by up to 9e-6."""
+    draw = random.Random(seed)
+
+    def off(x: Fraction) -> Fraction:
+        return x + Fraction(draw.choice((-1, 1)) * draw.randint(1, 9), 10 ** draw.randint(6, 9))
+
+    third = Fraction(1, 3)
+    if seed % 2:
+        return [[off(Fraction(1, 2))]], [off(Fraction(1))]
+    A = [[Fraction(0)] * 3, [off(third), Fraction(0), Fraction(0)],
+         [Fraction(0), off(2 * third), Fraction(0)]]  # fmt: skip
+    return A, [off(Fraction(1, 4)), Fraction(0), off(Fraction(3, 4))]
+
+
+def kernel_of(A: list[list[Fraction]], b: list[Fraction]) -> Kernel:
+    table = {"A": [[str(x) for x in row] for row in A], "b": [str(x) for x in b], "claims": {}}
+    doc = {k: v for k, v in ROUNDED.items() if k != "embedded"} | table
+    return facts_for(load_document(doc)).kernel
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_sizes_are_those_of_fractions(seed: int) -> None:
+    A, b = rounded_method(seed)
+    found = kernel_of(A, b).sizes_to_digits()["b"]
+    wanted, n = [Fraction(0)], 0
+    while wanted[-1] <= LARGE and n < MANY:
+        n += 1
+        wanted.append(max(wanted[-1], *(residual(A, b, t) for t in trees(n))))
+    assert [rounded_up(x) for x in found] == [rounded_up(x) for x in wanted]
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2, 4])
+def test_beyond_the_last_order_sizes_end_with_the_next(
+    seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    A, b = rounded_method(seed)
+    last = 1 if seed % 2 else 2
+    monkeypatch.setattr(Kernel, "_most", lambda self, *, nystrom: last)
+    found = kernel_of(A, b).sizes_to_digits()["b"]
+    wanted = [max((residual(A, b, t) for m in range(1, n + 1) for t in trees(m)), default=0)
+              for n in range(last + 2)]  # fmt: skip
+    assert [rounded_up(x) for x in found] == [rounded_up(Fraction(x)) for x in wanted]
+
+
+def test_of_many_trees_no_residual_above_a_rounding_goes_on(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    half = Fraction(1, 2)
+    for many, off, length in ((1, 8, 3), (1, 10, 4), (2, 8, 4)):
+        monkeypatch.setattr(digits, "MANY", many)
+        kernel = kernel_of([[half + Fraction(1, 10**off)]], [Fraction(1)])
+        assert len(kernel.sizes_to_digits()["b"]) == length, (many, off)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_near_misses_on_both_sides_of_the_bound(seed: int) -> None:
+    """A size of two digits is refused one unit below and one above that of the fractions."""
+    A, b = rounded_method(seed)
+    order = 2 if seed % 2 else 3
+    size = max(residual(A, b, t) for n in range(1, order + 1) for t in trees(n))
+    right = rounded_up(size)
+    unit = Fraction(10) ** (int(right.partition("e")[2]) - 1)
+    rows = {"A": [[str(x) for x in row] for row in A], "b": [str(x) for x in b]}
+    above = rounded_up(Fraction(right) + unit)
+    below = rounded_up(step_below(right))
+    for claimed, expected in ((right, "holds"), (above, "fails"), (below, "fails")):
+        found = accepted({**without_rows(order, claimed), **rows})
+        assert str(found.verdict) == expected, claimed
+
+
+@pytest.mark.parametrize("s", [1, 2, 5, 9])
+@pytest.mark.parametrize("bits", [6, 12])
+def test_radii_bound_what_few_bits_lose(s: int, bits: int) -> None:
+    """Every entry loses nearly a unit; numbers are as large as a unit is small, or larger."""
+    draw, unit = random.Random(s), Fraction(1, 1 << bits)
+
+    def entries(largest: int) -> list[Fraction]:
+        return [(draw.randint(-largest, largest) + Fraction(999, 1000)) * unit for _ in range(s)]
+
+    for largest in (1, 1 << bits, 4 << bits):
+        A, b = [entries(largest) for _ in range(s)], entries(largest)
+        fixed = _Fixed(kernel_of(A, b).timed, bits)
+        weights = _Vector(fixed.scaled([Exact(x) for x in b]), 1)
+        for t in (t for n in range(1, 5) for t in fixed.trees.level(n)):
+            tree = parse_tree(fixed.trees.text[t])
+            for found, exact in ((fixed.weights(t), slopes(A, tree)),
+                                 (fixed.below(t), stages(A, tree))):  # fmt: skip
+                lost = [abs(x - y / unit) for x, y in zip(found.values, exact, strict=True)]
+                assert max(lost) <= found.radius, tree
+                assert found.size == max(map(abs, found.values))
+            low, high = fixed.residual(t, weights)
+            assert low <= residual(A, b, tree) / unit <= high

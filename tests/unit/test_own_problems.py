@@ -236,6 +236,9 @@ def wrong():
 
 def fails():
     raise KeyError("no")
+
+def leaves():
+    raise SystemExit(0)
 """
 
 
@@ -247,7 +250,7 @@ def test_a_python_file_is_executed_by_name(tmp_path):
     named = from_table({"file": "mine.py:ready", "name": "mine", "t_end": "pi"}, tmp_path)
     assert named.name == "mine" and named.t_span[1] == np.pi
     for maker, message in (("wrong", "must return a Problem"), ("fails", "raised KeyError"),
-                           ("none", "no function 'none'")):  # fmt: skip
+                           ("leaves", "raised SystemExit: 0"), ("none", "no function 'none'")):  # fmt: skip
         with pytest.raises(UsageError, match=message):
             from_table({"file": f"mine.py:{maker}"}, tmp_path)
 

@@ -19,8 +19,8 @@ from glmref.prove.kernel import Kernel
 from glmref.prove.starting import Target, prove_starting, starting_system
 from glmref.prove.system import SweepSystem
 from glmref.prove.tableau_series import TableauSeries
+from glmref.prove.verifier import verify
 from glmref.theory.trees import trees
-from glmref.verification.verifier import verify
 from tests.bseries import values_series
 from tests.shipped import shipped
 

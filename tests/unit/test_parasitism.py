@@ -1,13 +1,17 @@
 """Growth parameters of parasitic components."""
 
+from fractions import Fraction as F
+
 import pytest
 
 import glmref
 from glmref.errors import ExactnessError
 from glmref.exact import exact, root_of_unity
+from glmref.exact.linalg import diagonal
 from glmref.method import GLM, PartitionedGLM
 from glmref.method.families import linear_multistep, partitioned_runge_kutta
 from glmref.theory.parasitism import (
+    _parasitic,
     growth,
     growth_parameters,
 )
@@ -103,3 +107,17 @@ def test_coupled_growth_of_a_separable_pair():
     (g,) = found.growths
     assert g.mu_q == ((4,),) and g.mu_p == ((9,),) and len(g.matrices) == 2
     assert growth(separable_pair([exact(0)] * 2, [exact(0)])).free is True
+
+
+@pytest.mark.parametrize(
+    ("values", "expected"),
+    [((1, -1), [-1]), ((1, -1, -1), [-1]), ((-1, -1), [-1]), ((1, F(1, 2)), []), ((1, 1), None),
+     ((1, 1, -1), None)],
+)  # fmt: skip
+def test_parasitic_values_of_a_half_are_all_but_a_simple_one(values, expected):
+    V = diagonal([exact(x) for x in values])
+    if expected is None:
+        with pytest.raises(ExactnessError, match="1 is a multiple eigenvalue of V"):
+            _parasitic(V)
+    else:
+        assert _parasitic(V) == [exact(x) for x in expected]

@@ -160,3 +160,44 @@ def test_a_root_off_the_circle_is_proved_and_one_on_it_is_not():
     assert verlet._alternates(Fraction(1), Fraction(1, 8)) is True
     assert verlet._alternates(Fraction(3, 2), Fraction(1, 8)) is False
     assert verlet._alternates(Fraction(1), Fraction(1)) is False
+
+
+@pytest.mark.parametrize(
+    ("alpha", "beta"),
+    [(["-1", "0", "1"], ["0", "2", "0"]), (["-1", "0", "1"], ["1/3", "4/3", "1/3"])],
+)
+def test_a_method_on_every_other_point_has_half_the_interval(alpha, beta):
+    def spread(values, factor):
+        found = []
+        for x in values:
+            found += ["0"] if found else []
+            found.append(str(factor * Fraction(x)))
+        return found
+
+    once = periodicity(linear_multistep(alpha, beta))
+    # every other coefficient of the characteristic polynomial is 0 for every y
+    other = periodicity(linear_multistep(spread(alpha, 1), spread(beta, 2)))
+    assert once.value is not None and other.value == pytest.approx(once.value / 2, rel=1e-9)
+
+
+def test_eigenvalues_that_leave_the_circle_before_the_first_point_are_said_to():
+    # Stormer and Verlet's method with the force backwards: (w - 1)^2 = y^2 w, from a double root
+    found = periodicity(splitting(["1/2", "1/2"], ["-1"]))
+    assert found.witness == "at y = 1/64 an eigenvalue of M(iy) is off the circle"
+    assert found.value is None and not found.infinite and found.proven == 0
+    assert found.end is not None and found.end.is_zero() is None
+
+
+def test_eigenvalues_that_cross_are_not_decided():
+    # the leapfrog method, whose eigenvalues move, beside a value that turns by a sixth of a circle
+    m = linear_multistep(["-1", "0", "1"], ["0", "2", "0"])
+    turn = ((exact(0), exact(-1)), (exact(1), exact(1)))
+    none = (exact(0),) * 2
+    beside = m.bare(
+        U=tuple((*row, *none) for row in m.U),
+        B=(*m.B, *(((exact(0),) * m.s,) * 2)),
+        V=(*((*row, *none) for row in m.V), *((*((exact(0),) * m.r), *row) for row in turn)),
+    )
+    found = periodicity(beside)
+    assert found.end is None and not found.infinite and found.value is None
+    assert 0 < found.proven < 1 and "what they do there is not decided" in found.witness

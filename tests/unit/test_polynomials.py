@@ -174,3 +174,22 @@ def test_newton_s_form_and_the_derivative():
     )
     assert not poly.share_only_one(P(-1, 0, 1), P(-1, 0, 1))
     assert not poly.share_only_one(P(1, -2, 1), P(-1, 1))
+
+
+def test_a_product_with_nothing_is_nothing():
+    for p in (P(), P(3), P(1, 2, 3)):
+        assert poly.mul(p, ()) == poly.mul((), p) == ()
+        assert poly.mul(p, P(1)) == p
+
+
+@pytest.mark.parametrize("zeros", [1, 3])
+@pytest.mark.parametrize("roots", [[], [1], [1, 2], [0, 1, 1], [2, 2, 2, SQRT2]])
+@pytest.mark.parametrize("others", [[], [1], [2, 5], [0, 1, SQRT2]])
+def test_zeros_at_the_end_change_no_common_divisor(roots, others, zeros):
+    p, q = (poly.from_roots([x * exact(1) for x in of]) for of in (roots, others))
+    padded = [(*x, *(exact(0),) * zeros) for x in (p, q)]
+    common = {*map(str, roots)} & {*map(str, others)}
+    assert len(poly.gcd(p, q)) == 1 + len(common)
+    assert poly.gcd(*padded) == poly.gcd(p, q) == poly.gcd(q, p)
+    assert poly.squarefree(padded[0]) == poly.squarefree(p)
+    assert len(poly.squarefree(p)) == 1 + len({*map(str, roots)})

@@ -207,3 +207,22 @@ def test_the_solution_that_is_twice_the_value_has_the_order() -> None:
         "glm", {"order": 12}, A=texts(A), U=[["2"]] * 11, B=texts([[x / 2 for x in b]]), V=[["1"]]
     )
     assert findings(d)["order"].verdict is HOLDS
+
+
+@pytest.mark.parametrize(("q", "expected"), [(0, FAILS), (1, OPEN), (2, OPEN)])
+def test_below_the_last_order_a_start_is_right_though_the_order_is_open(
+    q: int, expected: Verdict, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """No tree refutes a coefficient of one digit: of order 1 it is, and so is y0 as a start."""
+    monkeypatch.setattr(rules, "HIGHEST", 4)
+    start = {"A": [["0"]], "B": [["0"]], "u": ["1"]}
+    d = doc("rk", {"order": 2, "starting-order": q}, A=[["0.5"]], b=["1"], digits=1, starting=start)
+    found = findings(d)
+    assert (found["order"].verdict, found["starting-order"].verdict) == (OPEN, expected)
+
+
+def test_abscissae_are_open_where_it_is_open_whether_there_is_a_solution() -> None:
+    """An eigenvalue may be 1 beside the one that is: no starting series was made."""
+    V = [["1", "0.5"], ["0", "0.99999999999999999999"]]
+    near: dict[str, Any] = {"U": [["1", "0"]], "B": [["1"], ["1"]], "V": V}
+    assert verdict("abscissae", ["0"], A=[["0"]], digits=20, **near) is OPEN

@@ -1,8 +1,5 @@
 """Problems by name: glmref.problem and glmref.problems.names."""
 
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 
@@ -57,12 +54,3 @@ def test_wrong_requests_are_one_sentence(name, given, says):
     with pytest.raises(UsageError) as error:
         problem(name, **given)
     assert says in str(error.value) and "\n" not in str(error.value)
-
-
-def test_building_a_problem_loads_neither_mpmath_nor_numba_nor_flint():
-    code = (
-        "import sys, glmref; p = glmref.problem('kepler'); p.f(0.0, p.y0); p.jacobian(0.0, p.y0);"
-        "print(sorted({'mpmath', 'numba', 'flint', 'scipy'} & set(sys.modules)))"
-    )
-    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert run.stdout.strip() == "[]"

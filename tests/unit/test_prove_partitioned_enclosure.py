@@ -10,7 +10,7 @@ from glmref.errors import DataError, ExactnessError
 from glmref.findings import Proof, Verdict
 from glmref.prove.enclosure import WIDTH, prove
 from glmref.prove.implications import implied_by
-from glmref.verification.verifier import verify
+from glmref.prove.verifier import verify
 from tests.shipped import shipped
 
 ENCLOSED = [x for x in names("methods") if "enclosure" in shipped(x)]

@@ -15,8 +15,8 @@ from glmref.exact import Exact, linalg
 from glmref.findings import Verdict
 from glmref.prove.implications import implied_by
 from glmref.prove.simplifying import RungeKuttaSystem, _column, _weights
+from glmref.prove.verifier import verify
 from glmref.theory.trees import single, tree, trees
-from glmref.verification.verifier import verify
 
 NAME = "tsitouras-5-4"
 

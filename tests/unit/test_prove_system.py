@@ -3,22 +3,30 @@
 from __future__ import annotations
 
 import copy
+import itertools
+from fractions import Fraction
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from glmref import DataError
 from glmref.catalogue.lookup import load
+from glmref.exact import Exact, linalg
 from glmref.exact.expression import parse
 from glmref.method import as_matrix
 from glmref.prove import simplifying
 from glmref.prove.certificate import _Writer
 from glmref.prove.certificate_enclosed import method_proof
+from glmref.prove.classes import Family, reduce_tree
+from glmref.prove.equations import _products
 from glmref.prove.kernel import Kernel
+from glmref.prove.order_conditions import abscissae
 from glmref.prove.ranges import Range
 from glmref.prove.simplifying import RungeKuttaSystem
+from glmref.prove.starting import _check_even
 from glmref.prove.system import Affine, Equation, SweepSystem
-from glmref.theory.trees import parse_tree
+from glmref.theory.trees import parse_tree, trees, trees_up_to
 from tests.adversary.deceive import shipped
 
 SWEEP = {
@@ -202,3 +210,53 @@ def test_series_end_where_no_residual_needs_them() -> None:
     series = s.series(form, principal, 4)
     assert max(t.order for t in series.eta) == 3
     assert max(t.order for t in series.residual) == 4
+
+
+def test_the_first_stage_begins_at_0_where_it_is_explicit_and_starts_at_order_two() -> None:
+    """Each of the two equations alone says nothing, nor do they about another stage."""
+    said = ("explicit 1", "explicit 2", "start 2 o", "abscissa 2 = 1/3")
+    for k in range(len(said) + 1):
+        for equations in itertools.combinations(said, k):
+            found = abscissae(system(enclosure={"equations": list(equations)}))
+            if "abscissa 2 = 1/3" in equations:
+                both = {"explicit 1", "start 2 o"} <= set(equations)
+                assert found == ([0, Fraction(1, 3)] if both else [Fraction(2, 3), Fraction(1, 3)])
+            else:
+                assert found == ([0, 1] if {"explicit 1", "start 2 o"} <= set(equations) else None)
+
+
+@pytest.mark.parametrize("stage_order", [2, 3])
+def test_products_over_classes_of_trees_are_those_over_all(stage_order: int) -> None:
+    """The value at a tree is that at its class times the factor."""
+    listed = trees_up_to(5)
+    at_class = {
+        t: (Exact(k + 2), Exact(Fraction(1, 2 * k + 3)))
+        for k, t in enumerate(listed) if reduce_tree(t, stage_order)[0] is t
+    }  # fmt: skip
+    everywhere = {}
+    for t in listed:
+        reduced, factor = reduce_tree(t, stage_order)
+        everywhere[t] = tuple(x * factor for x in at_class[reduced])
+    for t in trees(6):
+        wanted = tuple(Exact(1) for _ in range(2))
+        for child in t.children:
+            wanted = tuple(x * y for x, y in zip(wanted, everywhere[child], strict=True))
+        assert _products(t, at_class, 2, stage_order) == wanted
+        assert _products(t, everywhere, 2, 1) == wanted
+
+
+def test_an_even_start_asks_for_first_values_below_its_order() -> None:
+    """Of order n at the trees of order n - 1 and less, for each family of trees."""
+    one = linalg.identity(1)
+    known = {Family.SEPARABLE: 3, Family.SECOND_ORDER: 5}
+    pair: Any = SimpleNamespace(
+        V={"f": one, "k": one}, signs=lambda: ((1,), (1,)),
+        identity_through=lambda n, family: n <= known[family],
+    )  # fmt: skip
+    for n, m in itertools.product(range(1, 7), range(1, 9)):
+        orders = ((n, Family.SEPARABLE), (m, Family.SECOND_ORDER))
+        if n <= 4 and m <= 6:
+            _check_even(pair, orders)
+        else:
+            with pytest.raises(DataError, match="add equations `start`"):
+                _check_even(pair, orders)

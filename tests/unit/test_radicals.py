@@ -1,4 +1,4 @@
-"""Numbers as elements of towers of roots, and as elements of the fields of certificates.
+"""Numbers as elements of the fields of certificates and of proofs for Coq.
 
 What an element means is computed here in another way: every generator is the principal root of its
 radicand, as complex numbers with 40 digits.
@@ -17,7 +17,6 @@ from glmref.errors import ExactnessError
 from glmref.exact import Exact
 from glmref.exact.expression import parse
 from glmref.prove import field
-from glmref.prove.radicals import Element, Tower
 
 NUMBERS = (
     "3/7", "sqrt(2)", "1/(1+sqrt(2))", "sqrt(2/3)-sqrt(6)", "root(2,3)/(1+sqrt(5))", "i*sqrt(3)-1",
@@ -43,23 +42,6 @@ def number(text: str, **names: Any) -> Any:
     return eval(re.sub(r"(?<![\w])(\d+)", r"mpf(\1)", text), {"__builtins__": {}}, names)
 
 
-def value(x: Element) -> Any:
-    roots: list[Any] = []
-    for n, radicand in x.tower.levels:
-        roots.append(mpmath.root(polynomial(radicand, roots), n))
-    return polynomial(x, roots)
-
-
-def polynomial(x: Element, roots: list[Any]) -> Any:
-    total = mpmath.mpc(0)
-    for power, factor in x.terms.items():
-        term = mpmath.mpf(factor.numerator) / factor.denominator
-        for root, k in zip(roots, power, strict=False):
-            term *= root**k
-        total += term
-    return total
-
-
 @pytest.fixture(autouse=True)
 def digits() -> Any:
     with mpmath.workdps(40):
@@ -67,58 +49,37 @@ def digits() -> Any:
 
 
 @pytest.mark.parametrize("text", NUMBERS)
-def test_an_element_is_the_number_it_was_made_of(text: str) -> None:
-    x = Tower().number(parse(text))
-    assert close(value(x), number(text))
-    assert (x.as_fraction() is None) == (text != "3/7")
+@pytest.mark.parametrize("restricted", [False, True])
+def test_coordinates_are_those_of_the_number(text: str, restricted: bool) -> None:
+    """Products of principal roots with these weights; and in a field with more radicals than it."""
+    radicals = field.radicals_of(text)
+    others = ["sqrt(7)"] if restricted else []
+    tower = field.Tower([*others, *radicals], conjugates=False)
+    found = tower.coordinates(parse(text), radicals if restricted else ())
+    total = mpmath.mpc(0)
+    for powers, weight in found.items():
+        term = mpmath.mpf(weight.numerator) / weight.denominator
+        for x, k in zip(tower.values, powers, strict=True):
+            term *= mpmath.mpmathify(complex(x)) ** k
+        total += term
+    assert abs(total - number(text)) < 1e-12
+    exact = Exact(0)
+    for powers, weight in found.items():
+        product = Exact(weight)
+        for x, k in zip(tower.values, powers, strict=True):
+            product = product * x**k
+        exact = exact + product
+    assert (exact - parse(text)).is_zero() is True
 
 
-def test_elements_are_added_multiplied_and_divided_as_numbers_are() -> None:
-    """Over a tower of degree 4 with a cubic root: exponents stay below the degrees."""
-    tower = Tower()
-    elements = [tower.number(parse(x)) for x in ("sqrt(2)-1/3", "root(2,3)+1", "i-root(2,3)")]
-    degrees = [n for n, _ in tower.levels]
-    assert sorted(degrees) == [2, 2, 3]
-    for x in elements:
-        assert close(value(2 - x), 2 - value(x))
-        assert close(value(x * 3 + Fraction(1, 2)), value(x) * 3 + 0.5)
-        assert close(value(1 / x), 1 / value(x))
-        for y in elements:
-            assert close(value(x * y - x), value(x) * (value(y) - 1))
-            assert close(value(x / y), value(x) / value(y))
-            assert (x / y * y - x).is_zero()
-            assert all(k < n for p in (x * y).terms for k, n in zip(p, degrees, strict=False))
-    assert not elements[0].is_zero()
-
-
-def test_dependent_square_roots_share_levels() -> None:
-    tower = Tower()
-    two, three, six, eighth = (
-        tower.number(parse(x)) for x in ("sqrt(2)", "sqrt(3)", "sqrt(6)", "sqrt(1/8)")
-    )
-    assert (two * three - six).is_zero()
-    assert (eighth * 4 - two).is_zero()
-    assert (tower.number(parse("i*sqrt(6)")) / two / three).terms == {(0, 0, 1): 1}
-    assert len(tower.levels) == 3
-    assert tower.radical(tower.number(0), 2).is_zero()
-    minus = tower.radical(tower.number(-4), 2)
-    assert (minus * minus + 4).is_zero()
-    nested = tower.radical(two + 1, 3)
-    assert (tower.radical(two + 1, 3) - nested).is_zero()
-    assert len(tower.levels) == 4
-
-
-def test_zero_and_zero_divisors_have_no_inverse() -> None:
-    tower = Tower()
-    with pytest.raises(ZeroDivisionError):
-        tower.number(0).inverse()
-    x = tower.radical(tower.number(4), 4)  # x^4 - 4 = (x^2 - 2)(x^2 + 2): no field
-    with pytest.raises(ZeroDivisionError):
-        (x * x - 2).inverse()
-    assert (x.inverse() * x - 1).is_zero()
-
-
-# -- the fields of certificates
+def test_large_weights_are_found_with_more_bits() -> None:
+    tower = field.Tower(["sqrt(2)", "root(3,3)"])
+    value = Exact(2).sqrt() * Fraction(10**400 + 7, 3**300) + parse("root(3,3)") / 11
+    found = tower.coordinates(value)
+    assert found[1, 0] == Fraction(10**400 + 7, 3**300)
+    assert found[0, 1] == Fraction(1, 11)
+    with pytest.raises(ExactnessError, match="outside the field"):
+        tower.coordinates(Exact(5).sqrt())
 
 
 FIELDS = (

@@ -422,3 +422,20 @@ def test_claimed_lists_are_read_up_to_the_largest_size() -> None:
     values["abscissae"] = ["0"] * (MAX_SIZE + 1)
     with pytest.raises(DataError, match=f"has {MAX_SIZE + 1} entries and at most {MAX_SIZE}"):
         load_document(doc("rk", claims=values, **euler))
+
+
+@pytest.mark.parametrize("n", [1, 2, 3])
+def test_rows_and_parts_are_counted_from_1_in_messages(n: int) -> None:
+    heun = {"A": [["0", "0"], ["1", "0"]], "b": ["1/2", "1/2"]}
+    rows: list[Any] = [{"name": f"row {k}", "b": ["1", "0"]} for k in (1, 2, 3)]
+    for wrong in (3, {"name": "it"}, {"name": "it", "b": ["x", "0"]}):
+        rows[n - 1] = wrong
+        with pytest.raises(DataError) as said:
+            load_document(doc("rk", **heun, embedded=rows, format="glmref-method-2"))
+        assert f"embedded[{n}]" in str(said.value)
+    for wrong in ({**heun, "c": []}, {**heun, "A": [["x"]]}):
+        parts = [heun] * 3
+        parts[n - 1] = wrong
+        with pytest.raises(DataError) as said:
+            load_document(doc("additive", parts=parts))
+        assert f"parts[{n}]" in str(said.value)

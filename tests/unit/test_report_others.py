@@ -10,7 +10,7 @@ from glmref.catalogue.errata import load_errata
 from glmref.report.asv_results import Cell
 from glmref.report.markup import Site
 from glmref.report.measurements import measurement_pages
-from glmref.report.others import errata_page, history_page, measured_page
+from glmref.report.side_pages import errata_page, history_page, measured_page
 from glmref.report.store import Odd, Results, RunFile
 
 

@@ -125,7 +125,7 @@ def test_a_quick_run_says_how_far_its_records_go(tmp_path: Path, records) -> Non
 
 
 def test_a_method_has_one_look_in_all_pictures() -> None:
-    from glmref.report.looks import looks
+    from glmref.report.line_styles import looks
 
     methods = {f"m{n}" for n in range(30)}
     some = [f"m{n}" for n in range(7)]

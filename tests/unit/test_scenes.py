@@ -376,24 +376,24 @@ def test_a_run_over_its_budget_is_a_record(tmp_path):
 
 
 def test_an_error_nobody_expected_is_a_record(tmp_path, monkeypatch):
-    import glmref.scenes.running as room
+    import glmref.scenes.running as module
 
     def broken(*args, **options):
         raise ZeroDivisionError("by design")
 
-    monkeypatch.setattr(room, "measure", broken)
+    monkeypatch.setattr(module, "measure", broken)
     records = run(load_scene(write(tmp_path)))
     assert {record["outcome"] for record in records} == {"internal error"}
     assert records[0]["message"] == "ZeroDivisionError: by design"
 
 
 def test_an_interruption_is_obeyed(tmp_path, monkeypatch):
-    import glmref.scenes.running as room
+    import glmref.scenes.running as module
 
     def interrupted(*args, **options):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(room, "measure", interrupted)
+    monkeypatch.setattr(module, "measure", interrupted)
     with pytest.raises(KeyboardInterrupt):
         run(load_scene(write(tmp_path)))
 
@@ -477,10 +477,10 @@ def test_an_orbit_is_kept_where_it_is_asked_for(tmp_path):
 
 
 def test_a_scene_that_does_not_ask_takes_no_points(tmp_path, monkeypatch):
-    import glmref.scenes.running as room
+    import glmref.scenes.running as module
 
     asked = []
-    monkeypatch.setattr(room, "orbit", lambda *a, **k: asked.append(k) or 1 / 0)
+    monkeypatch.setattr(module, "orbit", lambda *a, **k: asked.append(k) or 1 / 0)
     records = run(load_scene(write(tmp_path)))
     assert not asked and all("orbit" not in record for record in records)
     # and where it is asked, that is what runs
@@ -796,11 +796,15 @@ z.a=7
 [w.x]
 y = 8
 not a key
+m = [ # rows that look like tables
+[1]
+]
+n = 9
 """
     found = {
         ("a",): 1, ("b",): 2, ("b", "c"): 2, ("b", "c", "d"): 2, ("q r",): 5, ("s",): 6,
         ("t",): 7, ("v",): 11, ("w", "x"): 12, ("w", "x", "y"): 13, ("w", "x", "z"): 14,
-        ("w", "x", "z", "a"): 14,
+        ("w", "x", "z", "a"): 14, ("w", "x", "m"): 18, ("w", "x", "n"): 21,
     }  # fmt: skip
     assert reading._lines(text) == found
     assert reading._lines(f"k = '{'x' * (reading._LONGEST_LINE - 6)}'") == {("k",): 1}
@@ -838,3 +842,10 @@ def test_words_that_are_offered_are_listed_up_to_a_number(tmp_path):
         with pytest.raises(DataError) as error:
             reader.choice(("nowhere",), value, ("a", "b"))
         assert str(error.value).endswith(said) and "line 1: `nowhere` must be" in str(error.value)
+
+
+def test_what_a_scene_leaves_out_is_what_the_page_says(tmp_path):
+    text = "\n".join(x for x in SMALL.splitlines() if not x.startswith(("repeats", "at =")))
+    scene = load_scene(write(tmp_path, text))
+    assert (scene.repeats, scene.budget, scene.renew, scene.start) == (3, 10, 0, None)
+    assert (scene.answer.error, scene.answer.at) == ("state", 1e-9)

@@ -18,9 +18,9 @@ from glmref.catalogue.lookup import data_root
 from glmref.catalogue.reader import load_document
 from glmref.errors import DataError, UsageError
 from glmref.method import PartitionedGLM, RosenbrockGLM
+from glmref.prove.analysis import analyze
 from glmref.prove.certificate import certificates_of
-from glmref.verification.analysis import analyze
-from glmref.verification.verifier import claims_of, facts_for, verify
+from glmref.prove.verifier import claims_of, facts_for, verify
 from glmref.views.show import show
 
 CERTIFICATE = json.loads(

@@ -7,6 +7,7 @@ import pytest
 
 from glmref.errors import ExactnessError
 from glmref.exact import Ball, exact, root_of_unity
+from glmref.exact.expression import parse
 from glmref.exact.linalg import block_diagonal, diagonal, dot, matvec, vecmat
 from glmref.method import as_matrix
 from glmref.method.classical import bdf
@@ -174,3 +175,20 @@ def test_mirrored_eigenvalues_off_the_circle_are_left_out():
     ]
     with pytest.raises(ExactnessError, match="6 eigenvalues of modulus 1 that are neither"):
         unimodular_eigenvalues(block_diagonal(*turns))
+
+
+@pytest.mark.parametrize("turns", [
+    ["3+4*i"], ["3+4*i", "3-4*i"], ["3+4*i", "3+4*i"], ["3+4*i", "5-12*i"],
+    ["3+4*i", "3-4*i", "5+12*i", "5-12*i"],
+])  # fmt: skip
+def test_values_of_modulus_one_that_were_put_in_are_found(turns):
+    values = [x / (x * x.conjugate()).sqrt() for x in map(parse, turns)]
+    V = [list(row) for row in diagonal([exact(1), exact(F(1, 2)), *values])]
+    V[0][2] = exact(7)  # not diagonal, with the same eigenvalues
+    found = unimodular_eigenvalues(as_matrix(V, "V"))
+    assert sum(e.multiplicity for e in found) == 1 + len(values)
+    for e in found:
+        assert e.multiplicity == [exact(1), *values].count(e.value) > 0
+    assert power_bounded(as_matrix(V, "V")).holds is True
+    V[2][0] = exact(2)  # with 7 beyond the diagonal, an eigenvalue outside of the circle
+    assert power_bounded(as_matrix(V, "V")).holds is False

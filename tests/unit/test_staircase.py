@@ -10,7 +10,7 @@ import pytest
 
 from glmref.catalogue.lookup import document as shipped
 from glmref.catalogue.reader import load_document
-from glmref.verification.analysis import analyze
+from glmref.prove.analysis import analyze
 
 SOURCE = {"citation": "c", "where": "w", "status": "derived"}
 
@@ -128,3 +128,19 @@ def test_a_size_that_is_a_short_decimal_is_not_rounded_up() -> None:
     texts = [str(Fraction(x)) for x in weights]
     found = analyze(load_document({**doc, "b": texts}))
     assert "order 2 to 1.0e-9, order 0 exactly" in found.order_witness
+
+
+def test_residuals_beyond_the_range_of_doubles_are_analyzed() -> None:
+    huge = "9" * 600
+    b = ["sqrt(2)/2", "(2-sqrt(2))/2"]  # which is measured, where rational numbers are bounded
+    parts = [{"A": [["0", "0"], ["1", "0"]], "b": b}, {"A": [["1", "0"], [huge, "0"]], "b": b}]
+    content = {
+        "format": "glmref-method-1", "name": "huge", "class": "additive", "parts": parts,
+        "claims": {}, "source": SOURCE,
+    }  # fmt: skip
+    assert analyze(load_document(content)).order == 1
+
+
+def test_an_analysis_is_shown_by_name_order_and_proof() -> None:
+    found = analyze(load_document(shipped("rk4")))
+    assert repr(found) == f"<Analysis rk4: order 4, {found.proof}>"

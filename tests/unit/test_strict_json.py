@@ -125,3 +125,9 @@ def test_integers_are_read_up_to_20_digits(reading) -> None:
     assert reading(f"[{'9' * 20}]") == [10**20 - 1]
     with pytest.raises(DataError, match=r"999999999999\.\.\. is too long"):
         reading(f"[{'9' * 21}]")
+
+
+@pytest.mark.parametrize("length", [2, 57, 59, 60, 61, 62, 400])
+def test_a_value_is_shown_whole_or_in_sixty_letters(length: int) -> None:
+    text = '"' + "x" * (length - 2) + '"'
+    assert shown("x" * (length - 2)) == (text if length <= 60 else text[:57] + "...")

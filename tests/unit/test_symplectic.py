@@ -169,6 +169,28 @@ def test_symplectic_is_a_question_for_one_step_methods():
         symplectic_residual(glmref.load("gsymplectic-n"))
 
 
+@pytest.mark.parametrize("half", ["1/2", "1", "-3/7"])
+def test_method_that_is_not_preconsistent_has_the_diagonal_of_its_form(half):
+    # y+ = -y + h b F with Y = u y + h a F: D u = -b G and 2 a D = b^2 G, so that u = -2 a / b
+    a, b = Fraction(half), Fraction(2, 3)
+    m = GLM(A=[[a]], U=[[-2 * a / b]], B=[[b]], V=[[-1]])
+    space, found = find_forms(m), g_symplectic(m)
+    assert len(space.forms) == 1 and not space.principal
+    assert found.holds is True and found.dimension == 1
+    assert found.D[0] == found.G[0][0] * b * b / (2 * a)
+    pair = glmref.PartitionedGLM(m.A, m.U, m.B, m.V, m.A, m.U, m.B, m.V)
+    assert g_symplectic(pair).holds is True
+    assert check_g_symplectic(pair, found.G, found.D, found.D).holds is True
+
+
+def test_stages_that_nothing_reads_have_a_form_of_their_own():
+    m = GLM(A=[["0", "0"], ["0", "1"]], U=[["0"], ["0"]], B=[["0", "0"]], V=[["2"]])
+    space = find_forms(m)
+    assert len(space.forms) == 1  # the first stage is 0 for ever: any weight of it is conserved
+    assert space.forms[0].G == ((0,),) and space.forms[0].D[0][0] != 0
+    assert g_symplectic(m).holds is False
+
+
 def test_method_that_is_not_preconsistent_needs_a_nonsingular_form():
     m = GLM(A=[["1/2"]], U=[["2"]], B=[["1/2"]], V=[["-1"]])
     assert g_symplectic(m).holds is False  # D A + A D = B^2 G and D U = B G V: signs clash

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import dataclasses
 import io
 import json
 from xml.etree import ElementTree
@@ -165,6 +166,12 @@ def test_table_with_a_line_for_each_method_shows_what_does_not_hold() -> None:
     assert good == "  holds  exact     m  2 claims"
     one = findings_table([REFUTED], style=Style(), every=False)
     assert one == ("  holds  exact     b  refutes order: declared 5, found 1; tree [o] of order 2")
+
+
+def test_what_was_found_is_said_once() -> None:
+    bad = dataclasses.replace(BAD, claim="stage-order", declared=3, value=0, witness="found 0")
+    line = findings_table([bad], style=Style()).splitlines()[1]
+    assert line.endswith("declared 3, found 0")
 
 
 def test_a_method_is_called_by_its_worst_verdict_and_weakest_proof() -> None:

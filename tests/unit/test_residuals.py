@@ -2,7 +2,7 @@
 
 from glmref.exact import Ball, exact
 from glmref.exact.linalg import independent_rows, solve_affine
-from glmref.theory.affine import Residual, verdict_of
+from glmref.theory.residuals import Residual, verdict_of
 
 
 def M(*rows):

@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 import pytest
 
 from glmref.views.axes import round_ticks
-from glmref.views.plane import Cloud, box_of, one_each, svg, write_figures
+from glmref.views.paths import Cloud, box_of, one_each, svg, write_figures
 
 CIRCLE = tuple((x / 10, y / 10) for x, y in ((10, 0), (0, 10), (-10, 0), (0, -10)))
 WORDS = {"title": "Two & more", "x_label": "q_1", "y_label": "q_2"}

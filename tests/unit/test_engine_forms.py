@@ -1,0 +1,196 @@
+"""Forms mean what their description says, also for methods that miss a structure by one number."""
+
+from __future__ import annotations
+
+import ast
+import math
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import pytest
+
+from glmref import GLM, PartitionedGLM, load, problem
+from glmref.engine.codegen import Options, kernel_source
+from glmref.engine.compiled import interpret
+from glmref.engine.forms import StepForm
+from glmref.engine.kernel import Kernel
+from glmref.engine.partitioned import pair_source
+from glmref.engine.partitioned_forms import PairForm, pair_form
+from glmref.engine.reference import stepper
+from glmref.engine.shape import Shape, shape_of
+from glmref.engine.sweep import step_form
+from glmref.exact import ball
+
+H, ROUNDS = 1 / 64, 40
+#: Those that carry p + kick h dp(q) are in ``test_engine_pairs``.
+PAIRS = ("pair-4-4", "yoshida-verlet-6", "lobatto-iiia-iiib-3", "symplectic-euler-a")
+METHODS = ("rk4", "ab-3", "gauss-2", "sdirk-3", "gsymplectic-n", "g6245", "s4-symmetric")
+
+
+def shipped(name: str) -> GLM | PartitionedGLM:
+    method = load(name)
+    assert isinstance(method, GLM | PartitionedGLM)
+    return method
+
+
+def form_of(method: GLM | PartitionedGLM) -> StepForm | PairForm:
+    return pair_form(method) if isinstance(method, PartitionedGLM) else step_form(method)
+
+
+def source(form: StepForm | PairForm, of: Any, options: Options) -> tuple[Shape, Any]:
+    """The shape of a problem for a form, and the generated source."""
+    if isinstance(form, PairForm):
+        shape = shape_of(of, split=True)
+        return shape, pair_source(form, shape, options)
+    return shape_of(of), kernel_source(form, shape_of(of), options)
+
+
+def values_of(method: GLM | PartitionedGLM, of: Any) -> np.ndarray:
+    """Values with every component in play; what one half of a pair does not carry is zero."""
+    r, d = max(len(c.V) for c in method.components), of.dimension
+    values = np.random.default_rng(3).uniform(-0.1, 0.1, (r, d))
+    values[0] += np.array(of.y0, dtype=float)
+    if isinstance(method, PartitionedGLM):
+        values[method.r :, : d // 2] = values[method.r_hat :, d // 2 :] = 0.0
+    return values
+
+
+# --- the equations of the description -----------------------------------------------------------
+
+
+def halves(form: StepForm | PairForm, of: Any) -> list[tuple[Any, ...]]:
+    """(U, M, R, residue, V, weights, columns read, columns updated, function), stages by stages."""
+    if isinstance(form, StepForm):
+        every = slice(None)
+        return [(form.U, form.M, form.R, form.R_residue, form.V, form.weights, every, every,
+                 lambda y: of.f(0.0, y))]  # fmt: skip
+    m, Q, P = of.dimension // 2, form.Q, form.P
+    q, p = slice(0, m), slice(m, None)
+    return [
+        (Q.U, Q.M, Q.R, Q.R_residue, form.V_hat, Q.weights, q, p, of.dp),
+        (P.U, P.M, P.R, P.R_residue, form.V, P.weights, p, q, of.dq),
+    ]
+
+
+def described(form: StepForm | PairForm, of: Any, values: np.ndarray) -> np.ndarray:
+    """Values after a step Y = U x + M L, y+ = V y + (R + residue) L, of stages found by iteration."""
+    x, parts = form.into(values), halves(form, of)
+    increments: list[np.ndarray] = [np.zeros((len(row[0]), x[:, row[7]].shape[1])) for row in parts]
+    placed = [(k, i) for k, row in enumerate(parts) for i in range(len(row[0]))]
+    order = [placed[node] for block in form.blocks for node in block.stages]
+    bases = []
+    for k, row in enumerate(parts):
+        V = (form.V, form.V_hat)[k] if isinstance(form, PairForm) else form.V
+        bases.append(x[: len(V), row[6]])
+        if form.running:
+            bases[-1] = np.array(V) @ bases[-1]
+    for _ in range(ROUNDS):
+        for k, i in order:
+            U, M, _, _, _, weights, _, _, f = parts[k]
+            before = len(parts) - 1 - k  # whose increments the stages of this half read
+            known = bases[k].copy()
+            if form.running:  # with the increments of the stages before, in the order of the blocks
+                for other, j in order[: order.index((k, i))]:
+                    if other == before:
+                        known += np.outer(np.array(parts[other][2])[:, j], increments[other][j])
+            Y = np.array(U[i]) @ known + np.array(M[i]) @ increments[before]
+            increments[k][i] = H * weights[i] * np.asarray(f(Y))
+    out = np.zeros_like(x)
+    for k, (_, _, R, residue, V, _, _, updated, _) in enumerate(parts):
+        out[: len(V), updated] = (
+            np.array(V) @ x[: len(V), updated] + (np.array(R) + np.array(residue)) @ increments[k]
+        )
+    return form.back(out)
+
+
+@pytest.mark.parametrize("name", [*METHODS, *PAIRS])
+def test_a_form_is_the_step_of_its_method(name: str) -> None:
+    method, of = shipped(name), problem("henon-heiles")
+    values, form = values_of(method, of), form_of(method)
+    expected = stepper(method, of).step(0.0, values, H).values
+    assert np.abs(described(form, of, values) - expected).max() < 2e-15 * max(
+        1.0, *(abs(x) for row in form.V for x in row)
+    )
+
+
+@pytest.mark.parametrize("name", ["gauss-2", "gauss-3", "gauss-4", "gauss-5"])
+def test_a_mu_form_is_symplectic_exactly_and_rounded_once(name: str) -> None:
+    method = shipped(name)
+    assert isinstance(method, GLM)
+    form = step_form(method, "mu")
+    b = [ball(x) for x in method.B[0]]
+    for i, row in enumerate(form.M):
+        for j, found in enumerate(row):
+            assert Fraction(found) + Fraction(form.M[j][i]) == 1
+            value = float(ball(method.A[i][j]) / b[j])
+            unit = math.ulp(max(abs(value), abs(1 - value), 0.5))
+            assert abs(found - value) <= unit / 2
+
+
+# --- methods that miss a structure by one number -------------------------------------------------
+
+
+def near(method: GLM | PartitionedGLM) -> list[GLM | PartitionedGLM]:
+    """The methods with one coefficient that is half as large, or 1/2 where it is zero."""
+    found: list[GLM | PartitionedGLM] = []
+    letters = "A U B V A_hat U_hat B_hat V_hat" if isinstance(method, PartitionedGLM) else "A U B V"
+    for letter in letters.split():
+        matrix = getattr(method, letter)
+        for i, row in enumerate(matrix):
+            for j, x in enumerate(row):
+                new = [list(line) for line in matrix]
+                new[i][j] = x / 2 if x else Fraction(1, 2)
+                given = {"G": None, "D_P": None, "D_Q": None} if "_hat" in letters else {"G": None}
+                found.append(replace(method, **{letter: new, **given}))
+    return found
+
+
+def by_kernel(method: GLM | PartitionedGLM, of: Any, values: np.ndarray, target: str) -> np.ndarray:
+    form = form_of(method)
+    options = Options(target=target)
+    shape, text = source(form, of, options)
+    kernel = Kernel(form, shape, options, text, interpret(text.text, {}), 0.0)
+    state = kernel.state(values, np.asarray(of.f(0.0, values[0])), H)
+    out = np.zeros((1, 1, of.dimension))
+    assert kernel.advance(state, 2, t0=0.0, h=H, every=0, out=out)[0] == "completed"
+    return kernel.values(state)
+
+
+@pytest.mark.parametrize("target", ["scalar", "array"])
+@pytest.mark.parametrize("name", ["stormer-verlet", "rk4", "ab-2", "symplectic-euler-a"])
+def test_a_method_that_misses_a_structure_by_one_number_is_stepped_as_given(
+    name: str, target: str
+) -> None:
+    method, of = shipped(name), problem("henon-heiles")
+    values = values_of(method, of)
+    for k, other in enumerate(near(method)):
+        engine, expected = stepper(other, of), values
+        for n in range(2):
+            expected = engine.step(n * H, expected, H).values
+        found = by_kernel(other, of, values, target)
+        assert np.abs(found - expected).max() < 1e-14, k
+
+
+# --- generated text ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("compensated", [True, False])
+@pytest.mark.parametrize("history", [True, False])
+@pytest.mark.parametrize("of", ["pendulum", "outer-solar-system"])
+def test_a_kernel_computes_nothing_that_it_does_not_read(
+    of: str, history: bool, compensated: bool
+) -> None:
+    options = Options(compensated=compensated, history=history, target="scalar")
+    for name in ("rk4", "ab-3", "gauss-2", "g6245", "stormer-verlet", "multistep-rkn-8"):
+        _, text = source(form_of(shipped(name)), problem(of), options)
+        (kernel,) = (
+            x for x in ast.parse(text.text).body
+            if isinstance(x, ast.FunctionDef) and x.name == "kernel"
+        )  # fmt: skip
+        names = [x for x in ast.walk(kernel) if isinstance(x, ast.Name)]
+        written = {x.id for x in names if isinstance(x.ctx, ast.Store)}
+        read = {x.id for x in names if isinstance(x.ctx, ast.Load)}
+        # constants of a body whose loops are undone are unpacked for those that are not
+        assert written - read <= {"constants"}, name

@@ -1,0 +1,66 @@
+"""Files that are checked by name: of a wrong one the claim that fails, for the reason it says."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from glmref.errors import DataError
+from glmref.findings import Verdict
+from glmref.prove.verifier import verify_file
+from tests.adversary.deceive import shipped
+
+WHY = {"flag": "OrderOverclaimed", "why": "It is the classical method."}
+
+
+def written(folder: Path, **changes: Any) -> Path:
+    path = folder / "own.json"
+    path.write_text(json.dumps({**shipped("rk4"), "name": "own", **changes}), encoding="utf-8")
+    return path
+
+
+def test_a_shipped_name_is_checked_claim_by_claim() -> None:
+    found = verify_file("rk4")
+    assert {x.claim for x in found} == set(shipped("rk4")["claims"])
+    assert {x.verdict for x in found} == {Verdict.HOLDS}
+    assert [x.claim for x in verify_file("rk4", only=("order",))] == ["order"]
+
+
+@pytest.mark.parametrize(
+    ("found", "verdict", "reason"),
+    [
+        ("right", Verdict.HOLDS, ""),
+        ("another", Verdict.FAILS, "it fails for another reason than `broken.found`: "),
+    ],
+)
+def test_the_claim_of_a_wrong_file_is_refuted_for_the_reason_it_gives(
+    found: str, verdict: Verdict, reason: str, tmp_path: Path
+) -> None:
+    claims = {"order": 5, "explicit": True}
+    (plain,) = verify_file(written(tmp_path, claims={"order": 5}))
+    assert plain.verdict is Verdict.FAILS
+    found = plain.witness if found == "right" else found
+    broken = {"claim": "order", **WHY, "found": found}
+    path = written(tmp_path, claims=claims, broken=broken)
+    (refuted,) = verify_file(path)
+    assert (refuted.claim, refuted.verdict) == ("refutes order", verdict)
+    assert refuted.witness == reason + plain.witness
+    assert verify_file(path, only=("explicit",)) == []
+    assert verify_file(path, only=("order",)) == [refuted]
+
+
+def test_a_claim_that_holds_is_not_refuted(tmp_path: Path) -> None:
+    broken = {"claim": "order", **WHY, "found": ""}
+    (found,) = verify_file(written(tmp_path, claims={"order": 4}, broken=broken))
+    assert found.verdict is Verdict.FAILS
+
+
+def test_what_cannot_be_checked_is_named(tmp_path: Path) -> None:
+    with pytest.raises(DataError, match=r"own\.json: there is nothing to verify"):
+        verify_file(written(tmp_path, claims={}))
+    broken = {"claim": "symmetric", **WHY, "found": ""}
+    with pytest.raises(DataError, match=r"own\.json.*symmetric"):
+        verify_file(written(tmp_path, claims={"order": 4}, broken=broken))
