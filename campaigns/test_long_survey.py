@@ -18,8 +18,7 @@ from campaigns.long_survey import (
     verdict,
 )
 from campaigns.pages import filled
-from campaigns.partitioned.long_runs import ONE_VALUE
-from glmref.catalogue.lookup import document, names
+from campaigns.partitioned.long_runs import ONE_VALUE, labels
 from glmref.derive.recipes.record import GROWS_IN_SURVEY, survey_notes
 
 ROWS = json.loads(FILE.read_text(encoding="utf-8"))["rows"]
@@ -49,17 +48,6 @@ def test_recommended_methods_stay_on_every_problem_at_every_step_size():
     assert Counter(kept) == {(10**6, "bounded"): each, (10**7, "bounded"): each}
 
 
-def labels():
-    """Notes of the method files that name the record."""
-    found = {}
-    for name in names("methods"):
-        said = document(name).get("notes", [])
-        for note in [said] if isinstance(said, str) else said:
-            if "long-survey.json" in note:
-                found.setdefault(name, []).append(note)
-    return found
-
-
 def test_a_file_is_labelled_exactly_where_ten_million_steps_are_not_bounded():
     where = {}
     for x in ROWS:
@@ -67,8 +55,10 @@ def test_a_file_is_labelled_exactly_where_ten_million_steps_are_not_bounded():
         if x["steps"] == 10**7 and ("lost" in ends or "grows" in ends):
             said = x["problem"] + (" (lost)" if "lost" in ends else "")
             where.setdefault(x["method"], []).append(said)
-    assert labels() == {name: [GROWS_IN_SURVEY.format("; ".join(x))] for name, x in where.items()}
-    assert {name: survey_notes(name) for name in where} == labels()  # what recipes write
+    assert labels(FILE.name) == {
+        name: [GROWS_IN_SURVEY.format("; ".join(x))] for name, x in where.items()
+    }
+    assert {name: survey_notes(name) for name in where} == labels(FILE.name)  # what recipes write
     assert survey_notes("gauss-3") == []
 
 

@@ -330,6 +330,17 @@ def kepler_methods() -> list[str]:
     return [*pair_names(), *(x for group in groups for x in METHODS[group]), *ONE_VALUE]
 
 
+def labels(record: str) -> dict[str, list[str]]:
+    """Notes of the method files that name a record, by method."""
+    found: dict[str, list[str]] = {}
+    for name in names("methods"):
+        notes = document(name).get("notes", [])
+        for note in [notes] if isinstance(notes, str) else notes:
+            if record in note:
+                found.setdefault(name, []).append(note)
+    return found
+
+
 def kepler(path: Path, cases: Sequence[Case] = KEPLER, steps: int = STEPS) -> None:
     """Run what the file lacks of Kepler's problem, and write it."""
     old = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}

@@ -73,12 +73,25 @@ void solution(int kind, int d, const double *q0, const double *p0, double t, lon
         end[c] = (double)q[c];
 }
 
+/* The difference of order ORDER of the values at step n and before it, in a ring of rows. */
+static double roughness(int d, const double *values, long ring, int stride, long n)
+{
+    static const double binomial[ORDER + 1] = {1, -8, 28, -56, 70, -56, 28, -8, 1};
+    double size = 0;
+    for (int c = 0; c < d; c++) {
+        double rough = 0;
+        for (int i = 0; i <= ORDER; i++)
+            rough += binomial[i] * values[((n - i) % ring) * stride + c];
+        size += rough * rough;
+    }
+    return sqrt(size);
+}
+
 /* Positions after `steps` steps; returns the growth of the roughness of v, the size of its eighth
  * difference in the last 2,000 steps over that in the first, and infinity for a lost orbit. */
 double run(int kind, int d, int k, const double *a, const double *b, const double *q0,
            const double *p0, double h, long steps, int substeps, double *end)
 {
-    static const double binomial[ORDER + 1] = {1, -8, 28, -56, 70, -56, 28, -8, 1};
     long ring = k + ORDER + 2;
     double *v = calloc((size_t)ring * d, sizeof *v), *f = calloc((size_t)ring * d, sizeof *f);
     double q[MOST], e[MOST], first = 0, last = 0;
@@ -118,15 +131,8 @@ double run(int kind, int d, int k, const double *a, const double *b, const doubl
             q[c] = next;
         }
         if (n > k + ORDER && (n < 2000 || n > steps - 2000)) {
-            double size = 0;
-            for (int c = 0; c < d; c++) {
-                double x = 0;
-                for (int i = 0; i <= ORDER; i++)
-                    x += binomial[i] * v[((n - i) % ring) * d + c];
-                size += x * x;
-            }
             double *most = n < 2000 ? &first : &last;
-            *most = fmax(*most, sqrt(size));
+            *most = fmax(*most, roughness(d, v, ring, d, n));
         }
         lost = !(fabs(q[0]) < 1e4);
     }
@@ -210,7 +216,6 @@ double stages(int kind, int d, int s, int m, const double *phi, const double *b,
               const double *turns, const double *abscissae, const double *q0, const double *p0,
               double h, long steps, int substeps, double *end)
 {
-    static const double binomial[ORDER + 1] = {1, -8, 28, -56, 70, -56, 28, -8, 1};
     int r = 1 + 2 * m, lost = 0;
     double x[VALUES][MOST], q[MOST], e[MOST], f[MOST], past[ORDER + 1][MOST] = {{0}};
     double first = 0, last = 0;
@@ -250,15 +255,8 @@ double stages(int kind, int d, int s, int m, const double *phi, const double *b,
                 x[2 + 2 * j][c] = turns[2 * j + 1] * u + turns[2 * j] * v;
             }
         if (n > ORDER && (n < 2000 || n > steps - 2000)) {
-            double size = 0;
-            for (int c = 0; c < d; c++) {
-                double rough = 0;
-                for (int i = 0; i <= ORDER; i++)
-                    rough += binomial[i] * past[(n - i) % (ORDER + 1)][c];
-                size += rough * rough;
-            }
             double *most = n < 2000 ? &first : &last;
-            *most = fmax(*most, sqrt(size));
+            *most = fmax(*most, roughness(d, past[0], ORDER + 1, MOST, n));
         }
         lost = !(fabs(q[0]) < 1e4);
     }
@@ -312,7 +310,6 @@ double two_kicks(int kind, int d, int m, const double *rows, int reach, double s
                  const double *p0, double h, long steps, long every, int substeps, double *end,
                  double *errors)
 {
-    static const double binomial[ORDER + 1] = {1, -8, 28, -56, 70, -56, 28, -8, 1};
     int r = 1 + 2 * m, lost = 0;
     double x[VALUES][MOST], q[MOST], e[MOST], p[MOST], f[MOST], past[ORDER + 1][MOST] = {{0}};
     double first = 0, last = 0, H = energy(kind, d, q0, p0), most_energy = 0;
@@ -367,15 +364,8 @@ double two_kicks(int kind, int d, int m, const double *rows, int reach, double s
             most_energy = fmax(most_energy, fabs((energy(kind, d, q, p) - H) / H));
         }
         if (n > ORDER && (n < 2000 || n > steps - 2000)) {
-            double size = 0;
-            for (int c = 0; c < d; c++) {
-                double rough = 0;
-                for (int i = 0; i <= ORDER; i++)
-                    rough += binomial[i] * past[(n - i) % (ORDER + 1)][c];
-                size += rough * rough;
-            }
             double *most = n < 2000 ? &first : &last;
-            *most = fmax(*most, sqrt(size));
+            *most = fmax(*most, roughness(d, past[0], ORDER + 1, MOST, n));
         }
         lost = !(fabs(q[0]) < 1e4);
     }

@@ -20,10 +20,11 @@ from campaigns.partitioned.long_runs import (
     grown,
     kepler,
     kepler_methods,
+    labels,
     pair_names,
     step_size,
 )
-from glmref.catalogue.lookup import data_root, document, load, names
+from glmref.catalogue.lookup import data_root, load
 from glmref.derive.recipes.record import (
     GROWS_LATER_ON_KEPLER,
     GROWS_ON_KEPLER,
@@ -74,17 +75,6 @@ def test_every_method_is_run_at_every_eccentricity():
             assert 1e-14 < early < 1e-5 or x["method"] in ("s3i1-w3",), x
 
 
-def labels():
-    """Notes of the method files that name the record."""
-    found = {}
-    for name in names("methods"):
-        notes = document(name).get("notes", [])
-        for note in [notes] if isinstance(notes, str) else notes:
-            if "kepler-long.json" in note:
-                found.setdefault(name, []).append(note)
-    return found
-
-
 def expected_labels(stored):
     found = {}
     for text, key in ((GROWS_ON_KEPLER, "runs"), (GROWS_LATER_ON_KEPLER, "further")):
@@ -94,8 +84,10 @@ def expected_labels(stored):
 
 
 def test_a_file_is_labelled_exactly_where_a_run_is_not_bounded():
-    assert labels() == expected_labels(record())
-    assert {name: kepler_notes(name) for name in labels()} == labels()  # what recipes write
+    assert labels("kepler-long.json") == expected_labels(record())
+    assert {name: kepler_notes(name) for name in labels("kepler-long.json")} == labels(
+        "kepler-long.json"
+    )  # what recipes write
     assert kepler_notes("gauss-3") == []
 
 
@@ -108,7 +100,7 @@ def test_a_file_is_labelled_exactly_where_a_run_is_not_bounded():
     ],
 )
 def test_a_label_that_differs_from_the_data_is_seen(method, eccentricity, values):
-    assert labels() != expected_labels(changed(method, eccentricity, **values))
+    assert labels("kepler-long.json") != expected_labels(changed(method, eccentricity, **values))
 
 
 def words(path):

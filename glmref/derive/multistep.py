@@ -50,7 +50,7 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -483,19 +483,8 @@ def multistep_document(
     ended, other = (half_p, half_q) if second else (half_q, half_p)
     middle, ends = _halves(ended, other)
     block_q, block_p = (ends, middle) if second else (middle, ends)
-    return _written({
-        "format": "glmref-method-1",
-        "name": name,
-        "title": title,
-        "class": "partitioned",
-        "separable": True,
-        "q": block_q,
-        "p": block_p,
-        "starting": {
-            **_start({"q": half_q, "p": half_p}, ended, rounds, SPACING),
-            "order": 2 if second else 2 * rounds,
-        },
-    })  # fmt: skip
+    start = _start({"q": half_q, "p": half_p}, ended, rounds, SPACING)
+    return _partitioned(name, title, block_q, block_p, start, 2 if second else 2 * rounds)
 
 
 def two_kick_document(name: str, half: TwoKicks, *, title: str = "") -> dict[str, Any]:
@@ -503,16 +492,7 @@ def two_kick_document(name: str, half: TwoKicks, *, title: str = "") -> dict[str
     q, p = half.blocks()
     rounds = half.m + 1
     start = _start({"q": Half([]), "p": half}, half, rounds, TWO_KICK_SPACING)
-    return _written({
-        "format": "glmref-method-1",
-        "name": name,
-        "title": title,
-        "class": "partitioned",
-        "separable": True,
-        "q": q,
-        "p": p,
-        "starting": {**start, "order": 2},
-    })  # fmt: skip
+    return _partitioned(name, title, q, p, start, 2)
 
 
 def _written(value: Any) -> Any:
@@ -522,3 +502,24 @@ def _written(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: _written(x) for key, x in value.items()}
     return [_written(x) for x in value] if isinstance(value, list | tuple) else value
+
+
+def _partitioned(
+    name: str,
+    title: str,
+    q: Mapping[str, Any],
+    p: Mapping[str, Any],
+    start: Mapping[str, Any],
+    order: int,
+) -> dict[str, Any]:
+    """The document of two blocks and a start of an order on separable problems."""
+    return _written({
+        "format": "glmref-method-1",
+        "name": name,
+        "title": title,
+        "class": "partitioned",
+        "separable": True,
+        "q": q,
+        "p": p,
+        "starting": {**start, "order": order},
+    })  # fmt: skip
