@@ -91,6 +91,14 @@ SHIPPED: Mapping[str, Shipped] = {
     "multistep-rkn-12": Shipped(
         (), (102, 146, 53, -96, -232), notes=(_GROWS.format("toda and kepler at 1/10"),)
     ),
+    "multivalue-rkn-10": Shipped(
+        (),
+        (1156, -935, -1116, -2003),
+        notes=(_GROWS.format("kepler at 1/10 and kepler at 3/10"),),
+        slopes=(5757, 4153, -367, 1589),
+        weight=1038,
+        over=2048,
+    ),
     "multivalue-rkn-12": Shipped(
         (),
         (1267, -569, -1398, -1525, -1874),
