@@ -84,7 +84,7 @@ class Entries:
                         f"digits and _, but none of {', '.join(sorted(RESERVED))}"
                     )
                 if name in self.constants:
-                    raise self.error(f"the constant {name!r} stands twice; keep one of them")
+                    raise self.error(f"the constant {name!r} occurs twice; keep one of them")
                 value = self.scalar(text, f"{key}.{name}")
                 self.weights[name] = weigh(text, self.weights)
                 self.constants[name] = value
@@ -98,7 +98,7 @@ class Entries:
             if name not in used:
                 raise self.error(
                     f"the constant {name!r} is never used; take it out, or correct the name "
-                    f"where it should stand"
+                    f"where it is meant"
                 )
 
     def scalar(self, text: object, where: str) -> Scalar:

@@ -30,36 +30,18 @@ PROOFS = ("exact", "enclosed", "measured", "reading")
 
 @dataclass(frozen=True, slots=True)
 class Erratum:
-    """One statement of the thesis and what became of it.
+    """One statement of the thesis and what became of it."""
 
-    Attributes
-    ----------
-    id : str
-        The record's name, unique, beginning with the section.
-    where : str
-        Section, and equation number where there is one.
-    printed : str
-        What is printed, in words or plain formulas.
-    verdict : str
-        One of :data:`VERDICTS`.
-    right : str
-        What holds instead, or under which condition; why it is right where it is.
-    proof : str
-        One of :data:`PROOFS`.
-    method : tuple[str, ...]
-        Names of the data files that carry the printed or the corrected form.
-    test : str or None
-        The test that proves it, ``"tests/literature/test_x.py::test_y"``, or ``None`` where there
-        is nothing to compute.
-    """
-
-    id: str
-    where: str
-    printed: str
-    verdict: str
-    right: str
-    proof: str
+    id: str  #: The record's name, unique, beginning with the section.
+    where: str  #: Section, and equation number where there is one.
+    printed: str  #: What is printed, in words or plain formulas.
+    verdict: str  #: One of :data:`VERDICTS`.
+    right: str  #: What holds instead, or under which condition; why it is right where it is.
+    proof: str  #: One of :data:`PROOFS`.
+    #: Names of the data files that carry the printed or the corrected form.
     method: tuple[str, ...] = ()
+    #: The test that proves it, ``"tests/literature/test_x.py::test_y"``, or ``None`` where there is
+    #: nothing to compute.
     test: str | None = None
 
     def as_json(self) -> dict[str, object]:
@@ -97,7 +79,7 @@ def _load(path: Path) -> tuple[Erratum, ...]:
     seen: set[str] = set()
     for record in records:
         if record.id in seen:
-            raise DataError(f"{path.name}: the id {record.id!r} stands twice; rename one record")
+            raise DataError(f"{path.name}: the id {record.id!r} occurs twice; rename one record")
         seen.add(record.id)
     return records
 

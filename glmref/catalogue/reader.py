@@ -29,7 +29,7 @@ from ..method import (
 )
 from ..method.additive import MAX_PARTS
 from ..method.embedded import EmbeddedRow
-from ..method.solution_value import output
+from ..method.preconsistency import output
 from .claims import SIZE, SOLUTION
 from .entries import Entries
 from .files import document, names

@@ -16,7 +16,7 @@ from .field import BALL_BITS, LIBRARY
 from .jet import Jet, jets, lift
 from .number import Exact, exact, root_of_unity
 from .products import BallMatrix, sum_of_products
-from .relations import box, cyclotomic, factorization, rational_combination
+from .relations import RationalCombinations, box, cyclotomic, factorization
 from .to_decimals import rounded_decimal
 
 __all__ = [
@@ -26,6 +26,7 @@ __all__ = [
     "BallMatrix",
     "Exact",
     "Jet",
+    "RationalCombinations",
     "Scalar",
     "ball",
     "box",
@@ -34,7 +35,6 @@ __all__ = [
     "factorization",
     "jets",
     "lift",
-    "rational_combination",
     "root_of_unity",
     "rounded_decimal",
     "sum_of_products",

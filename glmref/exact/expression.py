@@ -19,6 +19,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import lru_cache
 from math import isfinite, isqrt, prod
 from typing import NamedTuple
@@ -259,7 +260,7 @@ def parse(
     except ExactnessError as error:
         raise _error(text, f"{error}, so there is no exact value") from None
     if isinstance(value, Ball) and not isfinite(value.magnitude()):
-        raise _error(text, "a quotient, a root or a size that its decimals do not bound stands")
+        raise _error(text, "the decimals do not bound a quotient, a root or a size")
     return value
 
 
@@ -326,7 +327,7 @@ class _Parser:
 
     def read(self) -> Node:
         if not self.tokens:
-            raise self._error("an empty string stands for no number")
+            raise self._error("an empty string is no number")
         tree = self._sum()
         if self.position < len(self.tokens):
             raise self._error(f"{self.tokens[self.position]!r} is out of place")
@@ -464,7 +465,7 @@ class _Evaluator:
         if degree == 2:
             return radicand.sqrt()
         if not radicand.is_real() or radicand.sign() <= 0:
-            raise self._error("root(x, n) takes a positive real x; something else stands")
+            raise self._error("root(x, n) needs a positive real x")
         return radicand.root(degree)
 
     def _number(self, token: str) -> Scalar:
@@ -490,12 +491,35 @@ class _Evaluator:
         angle = _Evaluator(self.text, {"pi": Exact(1)}, self.digits).value(argument)
         turns = (angle / (Exact(-1).sqrt() * 2)) if isinstance(angle, Exact) else None
         fraction = turns.as_fraction() if turns is not None else None
+        if fraction and _powers_of_pi(argument) != {1}:
+            fraction = None
         if fraction is None or fraction.denominator > MAX_TURN_DENOMINATOR:
             raise self._error(
                 f"exp() takes a rational multiple of pi*i with denominator at most "
                 f"{MAX_TURN_DENOMINATOR}, as exp(2*pi*i/3),"
             )
         return root_of_unity(fraction.numerator, fraction.denominator)
+
+
+def _powers_of_pi(node: Node) -> set[Fraction]:
+    """Powers of pi in an expression; where there is one, it is a number times this power."""
+    match node:
+        case Name("pi"):
+            return {Fraction(1)}
+        case Negative(inner):
+            return _powers_of_pi(inner)
+        case Sum(terms):
+            return {n for _, x in terms for n in _powers_of_pi(x)}
+        case Product(factors):
+            found = {Fraction(0)}
+            for sign, factor in factors:
+                own = _powers_of_pi(factor)
+                found = {m + n if sign == "*" else m - n for m in found for n in own}
+            return found
+        case Root(radicand, degree):
+            return {n / degree for n in _powers_of_pi(radicand)}
+        case _:
+            return {Fraction(0)}
 
 
 _GENERATOR = re.compile(
@@ -507,6 +531,7 @@ _QUADRATIC = re.compile(
     r"(?:(?P<a>\d+)\*)?(?P<name>[a-z]\d*)\^2"
     r"(?:(?P<sign>[-+])(?:(?P<b>\d+)\*)?(?P=name))?(?P<c>[-+]\d+)$"
 )
+_RADICAL = re.compile(r"(?:(?P<a>\d+)\*)?(?P<name>[a-z]\d*)\^(?P<degree>\d+)-(?P<c>\d+)$")
 _POWER = re.compile(r"([a-z]\d*)\^(\d+)")
 
 
@@ -528,6 +553,9 @@ def to_text(value: Scalar) -> str:
                 f"a fraction with more than {MAX_LENGTH} digits is not written out"
             )
         return str(fraction)
+    text = value.text_of_roots()
+    if text is not None and _stands_for(text, value):
+        return text
     description = value.description()
     body, _, where = description[description.index("{") + 1 : -1].partition(" where ")
     complex_root = re.fullmatch(r"[^,\[]*\[[^\],]*\^2[-+](?:\d+\*)?[a-z]\+\d+=0\]", where)
@@ -562,10 +590,13 @@ def _rational_and_root(value: Exact) -> str | None:
 def shown_number(x: Scalar) -> str:
     """Return a number as an exact expression where it has one, else as a decimal."""
     try:
-        return to_text(x) if isinstance(x, Exact) else f"{complex(x).real:.17g}"
+        text = to_text(x) if isinstance(x, Exact) else ""
+        if text and not ("exp(" in text and x.is_real()):  # decimals say more of a real number
+            return text
     except (ExactnessError, DataError):
-        z = complex(x)
-        return f"{z.real:.17g}" if z.imag == 0 else f"{z:.17g}"
+        pass
+    z = complex(x)
+    return f"{z.real:.17g}" if z.imag == 0 or isinstance(x, Ball) else f"{z:.17g}"
 
 
 def _tidy(text: str) -> str:
@@ -605,6 +636,10 @@ def _generator_text(match: re.Match[str], names: Mapping[str, str], value: Exact
         return power if int(part) > 0 else f"(1/({power}))"
     if match["conjugate"] is not None and value.imag.is_zero() is not True:  # of a root of unity
         return f"(1/({_substitute(match['conjugate'], names, value)}))"
+    radical = _RADICAL.match(match["minpoly"] or "")
+    if radical is not None and radical["name"] == match["name"] and int(radical["degree"]) > 2:
+        below = f"/{radical['a']}" if radical["a"] else ""
+        return f"root({radical['c']}{below},{radical['degree']})"
     quadratic = _QUADRATIC.match(match["minpoly"] or "")
     if quadratic is None or quadratic["name"] != match["name"]:
         raise ExactnessError(f"no square-root form found for {value!r}")

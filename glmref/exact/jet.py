@@ -32,13 +32,6 @@ class Jet:
     """A value and its partial derivatives with respect to n unknowns.
 
     Made by :func:`jets` and :func:`lift`.
-
-    Attributes
-    ----------
-    value : Exact or Ball
-        The number.
-    size : int
-        n.
     """
 
     __slots__ = ("_row", "size", "value")

@@ -233,24 +233,13 @@ def nullspace(a: Matrix) -> list[Vector]:
 
 @dataclass(frozen=True, eq=False)
 class Affine:
-    """Solutions ``point + sum t_k directions[k]`` of a linear system.
+    """Solutions ``point + sum t_k directions[k]`` of a linear system."""
 
-    Attributes
-    ----------
-    point : Vector
-        (n,), the solution with every free unknown zero.
-    directions : tuple[Vector, ...]
-        Basis of the homogeneous solutions.
-    failed : int or None
-        Index of the row (from 0) that contradicts those before it, or ``None``.
-    undecided : bool
-        Whether balls around zero were left out of the decision.
-    """
-
-    point: Vector
-    directions: tuple[Vector, ...]
+    point: Vector  #: (n,), the solution with every free unknown zero.
+    directions: tuple[Vector, ...]  #: Basis of the homogeneous solutions.
+    #: Index of the row (from 0) that contradicts those before it, or ``None``.
     failed: int | None = None
-    undecided: bool = False
+    undecided: bool = False  #: Whether balls around zero were left out of the decision.
 
 
 def _pivot(row: Sequence[Scalar], used: set[int]) -> int | None:

@@ -23,6 +23,7 @@ from .field import (
     as_fmpq,
     enclose,
 )
+from .roots import BeyondError, Roots, roots_of
 
 if TYPE_CHECKING:
     from .ball import Ball
@@ -46,17 +47,18 @@ class Exact(Arithmetic):
         For a float or any other type whose value is not exact.
     """
 
-    __slots__ = ("_ball", "_gr", "_q")
+    __slots__ = ("_ball", "_gr", "_q", "_roots")
     _q: flint.fmpq | None
     _gr: Any
+    _roots: Roots | bool | None  # as one made of roots; ``False`` where that was not asked yet
     _ball: Ball | None  # of the working precision, once it was asked for
 
     def __init__(self, value: int | Fraction | flint.fmpq | Exact = 0) -> None:
-        self._ball = None
+        self._ball, self._roots = None, False
         if type(value) is int:
             self._q, self._gr = flint.fmpq(value), None
         elif isinstance(value, Exact):
-            self._q, self._gr = value._q, value._gr
+            self._q, self._gr, self._roots = value._q, value._gr, value._roots
         elif isinstance(value, bool) or not isinstance(value, int | Fraction | flint.fmpq):
             raise ExactnessError(
                 f"an exact number must be an integer, a Fraction or an expression string, "
@@ -70,19 +72,29 @@ class Exact(Arithmetic):
     def _wrap(cls, element: Any) -> Exact:
         """Wrap a field element; whether it is rational is found only when asked: `_settle`."""
         self = _new(cls)
-        self._q, self._gr, self._ball = None, element, None
+        self._q, self._gr, self._ball, self._roots = None, element, None, False
+        return self
+
+    @classmethod
+    def _made(cls, roots: Roots) -> Exact:
+        """Wrap a number made of roots; flint's element is made where it is asked for."""
+        q = roots.as_rational()
+        if q is not None:
+            return cls._of(q)
+        self = _new(cls)
+        self._q, self._gr, self._ball, self._roots = None, None, None, roots
         return self
 
     @classmethod
     def _of(cls, value: flint.fmpq) -> Exact:
         """Wrap a rational."""
         self = _new(cls)
-        self._q, self._gr, self._ball = value, None, None
+        self._q, self._gr, self._ball, self._roots = value, None, None, False
         return self
 
     def _settle(self) -> None:
         """Notice a rational value. It costs a printing, ten operations: never in arithmetic."""
-        if self._q is None:
+        if self._q is None and not self._roots:
             match = RATIONAL_TEXT.search(repr(self._gr))
             if match is not None:
                 numerator, _, denominator = (match[1] or match[2]).partition("/")
@@ -93,8 +105,30 @@ class Exact(Arithmetic):
     @property
     def _element(self) -> Any:
         if self._gr is None:
-            self._gr = FIELD(self._q)
+            self._gr = self._roots.element() if isinstance(self._roots, Roots) else FIELD(self._q)
         return self._gr
+
+    def _as_roots(self) -> Roots | None:
+        """The number as one made of roots, where it is one."""
+        if isinstance(self._roots, bool):
+            self._roots = roots_of(repr(self._gr)) if self._q is None else Roots.rational(self._q)
+        return self._roots
+
+    def _among_roots(self, other: Exact, operation: Any) -> Exact | None:
+        """The operation among numbers made of roots, where one of them is kept so."""
+        if not (isinstance(self._roots, Roots) and self._q is None) and not (
+            isinstance(other._roots, Roots) and other._q is None
+        ):
+            return None
+        first, second = self._as_roots(), other._as_roots()
+        if first is None or second is None:
+            return None
+        try:
+            if operation is operator.truediv:
+                return Exact._made(first * second.inverse())
+            return Exact._made(operation(first, second))
+        except BeyondError:
+            return None
 
     def _binary(self, other: object, operation: Any) -> Any:
         if not isinstance(other, Exact):
@@ -104,6 +138,9 @@ class Exact(Arithmetic):
         if self._q is not None and other._q is not None:
             return Exact._of(operation(self._q, other._q))
         spend()
+        found = self._among_roots(other, operation)
+        if found is not None:
+            return found
         try:
             return Exact._wrap(operation(self._element, other._element))
         except AssertionError:  # flint's way to say that there is no quotient
@@ -132,6 +169,8 @@ class Exact(Arithmetic):
             For zero.
         """
         plain = Exact(1)._binary(self, operator.truediv)
+        if isinstance(plain._roots, Roots):
+            return plain
         if not re.search("[a-z]", repr(plain._element).partition(" where ")[0].partition("/")[2]):
             return plain
         try:
@@ -173,8 +212,13 @@ class Exact(Arithmetic):
         """
         if self._q is not None:
             return not self._q
+        if isinstance(self._roots, Roots):
+            return not self._roots.terms
         spend()
         answer = self._gr.is_zero()
+        if answer is None:
+            roots = self._as_roots()
+            answer = None if roots is None else not roots.terms
         if answer is None:
             raise UndecidedError(f"flint could not decide whether {self._brief()} is zero")
         return bool(answer)
@@ -196,6 +240,8 @@ class Exact(Arithmetic):
         """Real part."""
         if self._q is not None:
             return self
+        if isinstance(self._roots, Roots):
+            return (self + self.conjugate()) * Fraction(1, 2)
         # flint's own Re() is a new generator of the field, on which zero may stay undecided
         element = self._element
         return Exact._wrap((element + element.conjugate()) / 2)
@@ -205,11 +251,16 @@ class Exact(Arithmetic):
         """Imaginary part."""
         if self._q is not None:
             return Exact(0)
+        if isinstance(self._roots, Roots):
+            turned = Exact._made(Roots.of_unity(Fraction(-1, 4)))
+            return (self - self.conjugate()) * turned * Fraction(1, 2)
         element = self._element
         return Exact._wrap((element - element.conjugate()) / (2 * FIELD(-1).sqrt()))
 
     def conjugate(self) -> Exact:
         """Complex conjugate."""
+        if isinstance(self._roots, Roots) and self._q is None:
+            return Exact._made(self._roots.conjugate())
         return self if self._q is not None else Exact._wrap(self._element.conjugate())
 
     def is_real(self) -> bool:
@@ -222,7 +273,12 @@ class Exact(Arithmetic):
 
     def root(self, degree: int) -> Exact:
         """Positive root of a positive number."""
-        return Exact._wrap(self._element ** flint.fmpq(1, degree))
+        part = flint.fmpq(1, degree)
+        if self._q is not None:
+            # by its minimal polynomial: the powers of a power are not reduced, and numbers grow
+            # until a division takes seconds and zero cannot be decided
+            return Exact._wrap(FIELD(MINIMAL(self._q) ** part))
+        return Exact._wrap(self._element**part)
 
     def as_fraction(self) -> Fraction | None:
         """Return the value as a Fraction, or ``None`` when it is irrational."""
@@ -245,7 +301,7 @@ class Exact(Arithmetic):
             raise ExactnessError(f"only a real number has a sign, got {self._brief()}")
         bits = 64
         while bits <= MAX_BITS:
-            part = enclose(self._element, bits).real
+            part = self._acb(bits).real
             if part > 0:
                 return 1
             if part < 0:
@@ -266,10 +322,15 @@ class Exact(Arithmetic):
 
         if self._q is not None and bits == BALL_BITS:
             return Ball._wrap(flint.acb(self._q))
-        enclosed = enclose(self._element, bits)
+        enclosed = self._acb(bits)
         if not enclosed.imag.is_zero() and self.is_real():  # written with roots of unity
             enclosed = flint.acb(enclosed.real)
         return Ball._wrap(enclosed)
+
+    def _acb(self, bits: int) -> flint.acb:
+        if isinstance(self._roots, Roots) and self._q is None:
+            return self._roots.enclosed(bits)
+        return enclose(self._element, bits)
 
     def to_mpf(self) -> Any:
         """Return the mpmath number nearest in its current working precision."""
@@ -286,6 +347,16 @@ class Exact(Arithmetic):
     def magnitude(self) -> float:
         """Absolute value as a float, for residuals and reports."""
         return abs(complex(self))
+
+    @property
+    def cyclotomic_order(self) -> int | None:
+        """Some n for which it lies in Q(zeta_n), but for real roots; ``None``: not known."""
+        roots = self._as_roots()
+        return None if roots is None else roots.order
+
+    def text_of_roots(self) -> str | None:
+        """An entry for a number that is kept as one made of roots, where there is one."""
+        return self._roots.text() if isinstance(self._roots, Roots) and self._q is None else None
 
     def description(self) -> str:
         """Return flint's own text: a value and the field it lives in."""
@@ -325,4 +396,4 @@ def root_of_unity(numerator: int, denominator: int) -> Exact:
     }.get(turn.denominator)
     if first is not None:
         return first**turn.numerator
-    return Exact._wrap(FIELD(-1) ** flint.fmpq(2 * turn.numerator, turn.denominator))
+    return Exact._made(Roots.of_unity(turn))

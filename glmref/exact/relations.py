@@ -23,37 +23,56 @@ def cyclotomic(n: int) -> list[int]:
     return [int(x) for x in flint.fmpz_poly.cyclotomic(n).coeffs()]
 
 
-def rational_combination(
-    value: Exact, basis: Sequence[Exact], *, bits: int = BITS
-) -> list[Fraction] | None:
-    """Rational weights with ``value = sum weights * basis``, or ``None`` where none were found.
+class RationalCombinations:
+    """Numbers as rational combinations of the same basis; its lattice is reduced once.
 
-    What is returned holds exactly; ``None`` proves nothing: large weights need more bits.
+    Parameters
+    ----------
+    basis : Sequence[Exact]
+        Linearly independent numbers.
+    bits : int
+        Of the numbers whose relation is looked for; large weights need more.
     """
-    columns = [value, *basis]
-    size, rows, parts = len(columns), [], list[int]()
-    before, flint.ctx.prec = flint.ctx.prec, 2 * bits
-    try:
-        for k, x in enumerate(columns):
-            ball = x.ball(bits + 64)._acb
-            for part in (ball.real, ball.imag):
-                scaled = (flint.arb(2) ** bits * part.mid()).floor().unique_fmpz()
-                if scaled is None:  # a part so large that its last bit is unknown
-                    return None
-                parts.append(int(scaled))
-            rows.append([*(int(k == j) for j in range(size)), *parts[-2:]])
-    finally:
-        flint.ctx.prec = before
-    first = flint.fmpz_mat(rows).lll()
-    lead = int(first[0, 0])
-    if not lead:
-        return None
-    weights = [Fraction(-int(first[0, j]), lead) for j in range(1, size)]
-    total: Any = Exact(0)
-    for w, x in zip(weights, basis, strict=True):
-        if w:
-            total = total + x * w
-    return weights if (total - value).is_zero() else None
+
+    def __init__(self, basis: Sequence[Exact], bits: int = BITS) -> None:
+        self.basis, self.bits = tuple(basis), bits
+        n, parts = len(self.basis), [self._parts(x) for x in basis]
+        self._reduced: list[list[Any]] | None = None
+        if None not in parts:
+            rows = [[0, *(int(k == j) for j in range(n)), *(x or ())] for k, x in enumerate(parts)]
+            self._reduced = flint.fmpz_mat(rows).lll().tolist()
+
+    def _parts(self, x: Exact) -> list[int] | None:
+        """Real and imaginary part times 2^bits; ``None`` where a last bit is unknown."""
+        before, flint.ctx.prec = flint.ctx.prec, 2 * self.bits
+        try:
+            ball = x.ball(self.bits + 64)._acb
+            parts = [
+                (flint.arb(2) ** self.bits * part.mid()).floor().unique_fmpz()
+                for part in (ball.real, ball.imag)
+            ]
+        finally:
+            flint.ctx.prec = before
+        return None if None in parts else [int(x) for x in parts]  # type: ignore[arg-type]
+
+    def weights(self, value: Exact) -> list[Fraction] | None:
+        """Rational weights with ``value = sum weights * basis``, or ``None`` if none were found.
+
+        What is returned holds exactly; ``None`` proves nothing.
+        """
+        parts = self._parts(value)
+        if parts is None or self._reduced is None:
+            return None
+        new = [1, *[0] * len(self.basis), *parts]
+        lead, *row = map(int, flint.fmpz_mat([new, *self._reduced]).lll().tolist()[0])
+        if not lead:
+            return None
+        weights = [Fraction(-x, lead) for x in row[: len(self.basis)]]
+        total: Any = Exact(0)
+        for w, x in zip(weights, self.basis, strict=True):
+            if w:
+                total = total + x * w
+        return weights if (total - value).is_zero() else None
 
 
 def box(value: Exact) -> tuple[list[Fraction], list[Fraction]]:

@@ -36,7 +36,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from ..exact import Exact, linalg
 from ..exact.linalg import Matrix, Vector
-from . import solution_value, stage_order
+from . import preconsistency, stage_order
 
 if TYPE_CHECKING:
     from .embedded import EmbeddedRow
@@ -75,7 +75,7 @@ class Component:
         of one.
     output : Vector or None
         (r,) functional that reads the solution off the values, ``None`` where the method says
-        nothing: see :mod:`glmref.method.solution_value`.
+        nothing: see :mod:`glmref.method.preconsistency`.
     """
 
     colour: str
@@ -187,7 +187,7 @@ class Method:
         """Where in a step the stages of each part stand, in steps; zeros for y = (q, p)."""
         if self.parts > 1:
             return tuple((Exact(0),) * len(c.U) for c in self.components)
-        return (solution_value.stage_times(self.components[0]),)
+        return (preconsistency.stage_times(self.components[0]),)
 
     @property
     def carried(self) -> int:

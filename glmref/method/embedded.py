@@ -14,6 +14,12 @@ from ..exact import linalg
 from ..exact.linalg import Matrix, Vector
 
 
+def quoted(name: str) -> str:
+    """The name of a row in a message, however long it is."""
+    text = repr(name)
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
 @dataclass(frozen=True)
 class EmbeddedRow:
     """One embedded row.

@@ -17,10 +17,10 @@ from ..errors import DataError, ExactnessError
 from ..exact import Ball, Exact, Scalar, exact, linalg
 from ..exact.expression import parse
 from ..exact.linalg import Matrix, Vector
-from . import solution_value
+from . import preconsistency
 from .base import Array, Own, as_list, of_float
 from .component import GENERAL, SEPARABLE, Method, Palette
-from .embedded import EmbeddedRow
+from .embedded import EmbeddedRow, quoted
 from .rounding import FloatGLM, FloatPair, rounded_blocks
 from .starting import FinishingMethod, PairStartingMethod, StartingMethod
 
@@ -104,18 +104,19 @@ def check_embedded(method: Method) -> None:
     for row in method.embedded:
         if row.values is None and not method.is_one_step:
             raise DataError(
-                f"`embedded` {row.name!r} needs weights `v` of the {method.carried} values carried"
+                f"`embedded` {quoted(row.name)} needs weights `v` of the {method.carried} values "
+                f"carried"
             )
         if row.values is not None and len(row.values) != method.carried:
             raise DataError(
-                f"`embedded` {row.name!r} must have r = {method.carried} entries in `v`, got "
+                f"`embedded` {quoted(row.name)} must have r = {method.carried} entries in `v`, got "
                 f"{len(row.values)}"
             )
         for weights, component in zip(row.weights, method.components, strict=True):
             if len(weights) != len(component.B[0]):
                 raise DataError(
-                    f"`embedded` {row.name!r} must have s = {len(component.B[0])} entries, got "
-                    f"{len(weights)}"
+                    f"`embedded` {quoted(row.name)} must have s = {len(component.B[0])} entries, "
+                    f"got {len(weights)}"
                 )
 
 
@@ -129,15 +130,15 @@ def _take_output(method: GLM | PartitionedGLM, name: str, r: int) -> None:
         raise DataError(f"`{name}` must have {r} entries, one for each value, got {len(declared)}")
 
 
-def _moved_output(m: solution_value.Block, back: Matrix) -> Vector | None:
+def _moved_output(m: preconsistency.Block, back: Matrix) -> Vector | None:
     """The output ``w T^-1`` after a change of values; ``None`` where there is no solution to read.
 
     Written down even where the method declares none, because the rule that finds an undeclared one
     looks at the values by number.
     """
-    if m.output is None and solution_value.preconsistency_vector(m) is None:
+    if m.output is None and preconsistency.preconsistency_vector(m) is None:
         return None
-    return linalg.vecmat(solution_value.output(m), back)
+    return linalg.vecmat(preconsistency.output(m), back)
 
 
 def _without_file(method: Any, outputs: Mapping[str, str], changes: Mapping[str, Any]) -> Any:
@@ -193,7 +194,7 @@ class GLM(Own, Method):
         Finishing method, or ``None`` where the output is the solution itself.
     output : Vector or None
         (r,) functional w: the solution is ``w y``, what a finishing method begins from. ``None``:
-        the first value that carries the solution, see :mod:`glmref.method.solution_value`.
+        the first value that carries the solution, see :mod:`glmref.method.preconsistency`.
     claims : Mapping[str, Any]
         What its file claims, by key; empty for a method that was computed. A change of values or of
         the order of stages keeps them.
@@ -312,7 +313,7 @@ class GLM(Own, Method):
         """
         if row.values is None:
             return super().with_row(row)
-        found, w = solution_value.preconsistency_of(self), solution_value.output(self)
+        found, w = preconsistency.preconsistency_of(self), preconsistency.output(self)
         if (u := found.u) is None or not found.unique:
             count = "more than one" if u else "none"
             raise ExactnessError(

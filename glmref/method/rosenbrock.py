@@ -22,7 +22,7 @@ from ..errors import DataError
 from ..exact import Exact
 from ..exact.linalg import Matrix, Vector, add
 from .additive import AdditiveGLM
-from .embedded import EmbeddedRow
+from .embedded import EmbeddedRow, quoted
 from .families import runge_kutta
 from .glm import GLM, check_shape
 
@@ -69,7 +69,9 @@ class RosenbrockGLM(AdditiveGLM):
         rows = (*alpha, *add(alpha, gamma))
         for name, row in embedded:
             if len(row) != s:
-                raise DataError(f"`embedded` {name!r} must have s = {s} entries, got {len(row)}")
+                raise DataError(
+                    f"`embedded` {quoted(name)} must have s = {s} entries, got {len(row)}"
+                )
         return cls(
             A=(tuple((*x, *nothing) for x in rows), tuple((*nothing, *x) for x in rows)),
             B=(((*b, *nothing),), ((*nothing, *b),)),

@@ -22,18 +22,10 @@ Needs = Callable[[int, int], bool]
 
 @dataclass(frozen=True)
 class StageBlock:
-    """Stages that are computed together.
+    """Stages that are computed together."""
 
-    Attributes
-    ----------
-    stages : tuple[int, ...]
-        Stage numbers from 0, in order.
-    implicit : bool
-        Whether an equation has to be solved for them.
-    """
-
-    stages: tuple[int, ...]
-    implicit: bool
+    stages: tuple[int, ...]  #: Stage numbers from 0, in order.
+    implicit: bool  #: Whether an equation has to be solved for them.
 
 
 def reached(first: Iterable[int], needs: Callable[[int], Iterable[int]]) -> set[int]:

@@ -135,7 +135,7 @@ class FinishingMethod(Method):
     """Runge-Kutta-like finish on the output z = w y: ``Y = z + h A f(Y)``, ``y = z + h b f(Y)``.
 
     The output is the first value where the method declares none and the first value is the
-    solution; see :mod:`glmref.method.solution_value`.
+    solution; see :mod:`glmref.method.preconsistency`.
 
     Attributes
     ----------

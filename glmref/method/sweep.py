@@ -75,30 +75,17 @@ _LONGEST_WORD = 400
 
 @dataclass(frozen=True, eq=False)
 class SweepForm:
-    """The numbers of a method in the sweep form, over any scalar of :mod:`glmref.exact`.
+    """The numbers of a method in the sweep form, over any scalar of :mod:`glmref.exact`."""
 
-    Attributes
-    ----------
-    D : Mapping[str, Sequence[Any]]
-        (n,) weights by colour.
-    X : Mapping[str, Matrix]
-        (r, n) columns by colour.
-    V : Mapping[str, Matrix]
-        (r, r) by colour.
-    G : Matrix
-        (r, r), of two components (r, r^): rows for the first colour, columns for the last.
-    word : Sequence[tuple[str, int]]
-        All stages in their order, each the colour evaluated there and its number from 0.
-    explicit : Collection[int]
-        Numbers (from 1) of the stages whose diagonal entry of A is known to be zero; it is then
-        written as an exact zero, not as a ball around it.
-    """
-
-    D: Mapping[str, Sequence[Any]]
-    X: Mapping[str, Matrix]
-    V: Mapping[str, Matrix]
+    D: Mapping[str, Sequence[Any]]  #: (n,) weights by colour.
+    X: Mapping[str, Matrix]  #: (r, n) columns by colour.
+    V: Mapping[str, Matrix]  #: (r, r) by colour.
+    #: (r, r), of two components (r, r^): rows for the first colour, columns for the last.
     G: Matrix
+    #: All stages in their order, each the colour evaluated there and its number from 0.
     word: Sequence[tuple[str, int]]
+    #: Numbers (from 1) of the stages whose diagonal entry of A is known to be zero; it is then
+    #: written as an exact zero, not as a ball around it.
     explicit: Collection[int] = ()
 
     def partner(self, colour: str) -> str:

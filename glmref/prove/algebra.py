@@ -437,9 +437,7 @@ def in_right_half(p: Any) -> bool:
     p = poly.trim(p)
     if poly.evaluate(p, -1).is_zero() is not False:
         return False  # x = 0, which reversal below would lose
-    moved = poly.compose_moebius(p, 1, 1, 1, -1)
-    padded = (*moved, *((_ZERO,) * (len(p) - len(moved))))
-    return is_schur(poly.trim(padded[::-1]))
+    return is_schur(poly.compose_moebius(p, 1, 1, 1, -1)[::-1])
 
 
 def leaves_disc(q: Sequence[Any]) -> tuple[str | None, bool]:

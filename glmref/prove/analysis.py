@@ -41,7 +41,8 @@ from ..theory.order import order_of
 from ..theory.periodicity import periodicity
 from ..theory.stability_interval import imaginary_interval, real_interval
 from .digits import rounded_up
-from .facts import Facts
+from .facts import Facts, facts_of
+from .finders import proposal_for
 from .kernel import SMALL, Kernel
 from .ranges import Range
 from .verifier import budget_of, facts_for
@@ -101,6 +102,8 @@ class Analysis(Shown):
         ``[{"eigenvalue", "mu"}, ...]``.
     proof : Proof
         The kind of proof all of this has.
+    undecided : dict[str, str] or None
+        What was not decided, and why: a budget was spent, or a zero of a number was not decided.
     """
 
     method: str
@@ -133,6 +136,7 @@ class Analysis(Shown):
     order_embedded: dict[str, int] | None = None
     order_dense: int | None = None
     order_w: int | None = None
+    undecided: dict[str, str] | None = None
 
     def __repr__(self) -> str:
         return f"<Analysis {self.method or '(unnamed)'}: order {self.order}, {self.proof}>"
@@ -141,7 +145,7 @@ class Analysis(Shown):
         """Return the record, with its format, as JSON-ready values."""
         found = {"format": FORMAT, **asdict(self), "proof": str(self.proof)}
         found["stability"] = plain_ends(self.stability)
-        for key in ("order_parts", "order_embedded", "order_dense", "order_w"):
+        for key in ("order_parts", "order_embedded", "order_dense", "order_w", "undecided"):
             if found[key] is None:  # of methods that have such parts only
                 del found[key]
         return found
@@ -165,7 +169,7 @@ def analyze(method: Method | str | Path, *, budget: float | None = None) -> Anal
     Raises
     ------
     BudgetError
-        When they are spent.
+        When they are spent before anything can be said.
     UsageError, DataError
         For a name or a file that cannot be read.
     """
@@ -173,39 +177,93 @@ def analyze(method: Method | str | Path, *, budget: float | None = None) -> Anal
         budget = budget_of(path_of(method), budget)
     method = method_of(method)
     with limited(budget):
-        return _analyzed(facts_for(method))
+        return _analyzed(_Questions(facts_for(method), budget))
 
 
-def _shared(facts: Facts) -> dict[str, Any]:
-    kernel, m = facts.kernel, facts.method
-    order, identity = kernel.range(ORDER.key), kernel.range(ORDER_IDENTITY.key)
-    same = order.value == identity.value or facts.is_one_step
-    stages = kernel.range(STAGE_ORDER.key)
-    constants = facts.classical_order.residuals
+class _Questions:
+    """Questions about a method, each with a share of the budget, and why one has no answer.
+
+    Parameters
+    ----------
+    facts : Facts
+        Of the method.
+    budget : float or None
+        Seconds of processor time for all questions.
+    """
+
+    def __init__(self, facts: Facts, budget: float | None) -> None:
+        self.facts = facts
+        self.share = None if budget is None else budget / SHARES
+        self.undecided: dict[str, str] = {}
+
+    def ask(
+        self,
+        name: str,
+        what: Callable[[Facts], Any],
+        nothing: Any = None,
+        seconds: float | None = None,
+    ) -> Any:
+        """The answer; where there is none, that is noted, and what stands for nothing returned."""
+        try:
+            with limited(seconds or self.share):
+                return what(self.facts)
+        except (BudgetError, ExactnessError) as error:
+            self.undecided[name] = str(error)
+            # a search that was left half-way is not to be gone on with
+            self.facts = facts_of(self.facts.method, implied=self.facts.implied)
+            return nothing
+
+    def truth(self, claim: str, seconds: float | None = None) -> bool | None:
+        """Whether a claim that is true or false is true."""
+        known = self.ask(
+            claim, lambda f: f.kernel.known(claim, proposal_for(f, claim)), None, seconds
+        )
+        if known is not None and known.truth is None:
+            self.undecided[claim] = known.reason or "the digits do not decide it"
+        return None if known is None else known.truth
+
+    def range(self, claim: str) -> Range:
+        """Proved bounds of an order; no upper bound and the reason where none was found."""
+        found = self.ask(claim, lambda f: f.kernel.range(claim))
+        return found or Range(0, None, exact=False, reason=self.undecided[claim])
+
+
+def _shared(q: _Questions) -> dict[str, Any]:
+    order, identity = q.range(ORDER.key), q.range(ORDER_IDENTITY.key)
+    stages = q.range(STAGE_ORDER.key)
+    same = order.value == identity.value or q.facts.is_one_step
+    constants, norm = q.ask("error-constants", _constants, ({}, 0.0))
     settled = order.lower == order.upper
+    consistencies = q.ask("consistency", lambda f: f.consistencies, ())
+    why = q.ask("staircase", staircase, "")
     return {
-        "method": facts.method.name,
-        "explicit": facts.truth(EXPLICIT.key) is True,
-        "preconsistent": facts.truth(PRECONSISTENT.key),
-        "consistent": facts.truth(CONSISTENT.key),
-        "zero_stable": facts.truth(ZERO_STABLE.key),
+        "method": q.facts.method.name,
+        "explicit": q.truth(EXPLICIT.key) is True,
+        "preconsistent": q.truth(PRECONSISTENT.key),
+        "consistent": q.truth(CONSISTENT.key),
+        "zero_stable": q.truth(ZERO_STABLE.key),
         "order": order.value,
         "order_proved": [order.lower, order.upper],
         "principal": "identity" if same else "free",
         "order_identity": identity.value,
         "stage_order": stages.value,
         "order_witness": "; ".join(
-            x for x in (staircase(facts), "" if settled else _open(order), order.sentence) if x
+            x for x in (why, "" if settled else _open(order), order.sentence) if x
         ),
-        "error_constants": {str(t): _real(x) for t, x in constants.items()},
-        "parasitism_free": None if m.additive else facts.truth(PARASITISM_FREE.key),
-        "proof": facts.proof,
+        "error_constants": constants,
+        "parasitism_free": None if q.facts.method.additive else q.truth(PARASITISM_FREE.key),
+        "proof": q.facts.proof,
         "consistency_witness": "; ".join(
-            dict.fromkeys(x.witness for x in facts.consistencies if x.witness)
+            dict.fromkeys(x.witness for x in consistencies if x.witness)
         ),
-        "error_norm": error_norm(facts.classical_order),
-        "order_embedded": _row_orders(kernel),
+        "error_norm": norm,
+        "order_embedded": q.ask("order-embedded", lambda f: _row_orders(f.kernel)),
     }
+
+
+def _constants(facts: Facts) -> tuple[dict[str, float], float]:
+    order = facts.classical_order
+    return {str(t): _real(x) for t, x in order.residuals.items()}, error_norm(order)
 
 
 def _row_orders(kernel: Kernel) -> dict[str, int] | None:
@@ -216,29 +274,24 @@ def _row_orders(kernel: Kernel) -> dict[str, int] | None:
         return None
 
 
-def _stability(facts: Facts) -> dict[str, Any]:
+def _stability(q: _Questions) -> dict[str, Any]:
     """A- and L-stability and the intervals of a single method or of one that is one if linear."""
     return {
-        "A": _decided(lambda: facts.truth(A_STABLE.key)),
-        "L": _decided(lambda: facts.truth(L_STABLE.key)),
-        "real": _decided(lambda: real_interval(facts.linear).end),
-        "imaginary": _decided(lambda: imaginary_interval(facts.linear).end),
+        "A": q.truth(A_STABLE.key, STABILITY),
+        "L": q.truth(L_STABLE.key, STABILITY),
+        "real": q.ask("real interval", lambda f: real_interval(f.linear).end, None, STABILITY),
+        "imaginary": q.ask(
+            "imaginary interval", lambda f: imaginary_interval(f.linear).end, None, STABILITY
+        ),
     }
-
-
-def _decided(what: Callable[[], Any]) -> Any:
-    """The answer to a question of stability; ``None`` where it takes longer than is worth it."""
-    try:
-        with limited(STABILITY):
-            return what()
-    except (BudgetError, ExactnessError):
-        return None
 
 
 def _open(order: Range) -> str:
     return f"order {order.lower} is proved"
 
 
+#: The share of the budget that one question may take is one in so many.
+SHARES = 4
 #: Seconds of processor time for each question of stability.
 STABILITY = 2.0
 #: A step of the staircase is a jump of the residuals by this factor.
@@ -284,12 +337,12 @@ def _steps(sizes: Sequence[Fraction], proved: int) -> str:
     return ", ".join([*steps, f"order {proved} exactly"]) if steps else ""
 
 
-def _analyzed_sum(facts: Facts) -> Analysis:
+def _analyzed_sum(q: _Questions) -> Analysis:
     """An additive method: the whole by trees in the colours of its parts, and each part alone."""
-    m = facts.method
+    m = q.facts.method
     nothing = {"holds": None}
     return Analysis(
-        **_shared(facts),
+        **_shared(q),
         stages=len(m.b) if m.rosenbrock else m.s,
         values=m.r,
         implicit_stages=[i for i, row in enumerate(m.gamma, 1) if row[i - 1].is_zero() is not True]
@@ -299,60 +352,75 @@ def _analyzed_sum(facts: Facts) -> Analysis:
         symmetric={**nothing, "L": None, "P": None},
         growth=[],
         abscissae=None,
-        stability=_stability(facts) if m.rosenbrock else {},
+        stability=_stability(q) if m.rosenbrock else {},
         order_nystrom=None,
         quadrature_constant=None,
-        order_w=facts.kernel.range(W_ORDER.key).value if m.rosenbrock else None,
+        order_w=q.range(W_ORDER.key).value if m.rosenbrock else None,
         order_parts=None
         if m.rosenbrock
-        else [order_of(m.part(n), principal="identity").order for n in range(1, m.k + 1)],
+        else q.ask(
+            "order-parts",
+            lambda f: [order_of(m.part(n), principal="identity").order for n in range(1, m.k + 1)],
+        ),
+        undecided=q.undecided or None,
     )
 
 
-def _analyzed(facts: Facts) -> Analysis:
-    if facts.method.additive:
-        return _analyzed_sum(facts)
-    form, symmetry, m = facts.g_symplecticity, facts.symmetry, facts.method
-    single = facts.is_single
+def _analyzed(q: _Questions) -> Analysis:
+    m = q.facts.method
+    if m.additive:
+        return _analyzed_sum(q)
+    single = q.facts.is_single
     stages, values = [len(c.A) for c in m.components], [len(c.V) for c in m.components]
-    held = {"holds": facts.truth(SYMMETRIC.key), "L": _matrix(symmetry.L)}
-    if not single:
-        held["L_hat"] = _matrix(symmetry.L_hat)
+    shared = _shared(q)
+
+    def form(name: str, write: Callable[[Any], Any]) -> Any:
+        return q.ask(G_SYMPLECTIC.key, lambda f: write(getattr(f.g_symplecticity, name)))
+
+    def symmetry(name: str, write: Callable[[Any], Any]) -> Any:
+        return q.ask(SYMMETRIC.key, lambda f: write(getattr(f.symmetry, name)))
+
+    held = {"L": symmetry("L", _matrix)} | ({} if single else {"L_hat": symmetry("L_hat", _matrix)})
+    exchanges = [symmetry(x, _stages) for x in (("P",) if single else ("P_P", "P_Q"))]
+    nystrom = not single and (not m.shared or (m.document or {}).get("class") == "nystrom")
+    quadrature = q.ask("quadrature-constant", _quadrature) if single else None
+    stability = _stability(q) if single else {}
+    stability["periodicity"] = q.ask("periodicity interval", _periodicity, None, STABILITY)
     return Analysis(
-        **_shared(facts),
+        **shared,
         stages=stages[0] if single else stages,
         values=values[0] if single else values,
-        implicit_stages=list(m.implicit_stages) if single else [],
+        implicit_stages=q.ask("implicit stages", lambda f: list(f.method.implicit_stages), [])
+        if single
+        else [],
         g_symplectic={
-            "holds": facts.truth(G_SYMPLECTIC.key),
-            "G": _matrix(form.G),
-            "D": _vector(form.D)
-            if single
-            else {"D_P": _vector(form.D_P), "D_Q": _vector(form.D_Q)},
+            "holds": q.truth(G_SYMPLECTIC.key),
+            "G": form("G", _matrix),
+            "D": form("D", _vector) if single else {x: form(x, _vector) for x in ("D_P", "D_Q")},
         },
-        symmetric=held
-        | {"P": _stages(symmetry.P) if single else [_stages(symmetry.P_P), _stages(symmetry.P_Q)]},
-        growth=[
-            {"eigenvalue": shown_number(g.eigenvalue)}
-            | (
-                {"mu": shown_number(g.mu) if g.mu is not None else _matrix(g.matrix)}
-                if single
-                else {"mu_q": _matrix(g.mu_q), "mu_p": _matrix(g.mu_p)}
-            )
-            for g in facts.parasitism.growths
-        ],
-        abscissae=_vector(facts.abscissae),
-        stability={"periodicity": _decided(lambda: _periodicity(facts))}
-        if not single
-        else {**_stability(facts), "periodicity": _decided(lambda: _periodicity(facts))},
-        order_nystrom=facts.kernel.range(NYSTROM_ORDER.key).value
-        if not single and (not m.shared or (m.document or {}).get("class") == "nystrom")
-        else None,
-        quadrature_constant=_quadrature(facts) if single else None,
-        order_dense=facts.kernel.range(DENSE_ORDER.key).value
-        if single and m.dense is not None
-        else None,
+        symmetric={"holds": q.truth(SYMMETRIC.key)}
+        | held
+        | {"P": exchanges[0] if single else exchanges},
+        growth=q.ask("growth", lambda f: _growth(f, single), []),
+        abscissae=q.ask("abscissae", lambda f: _vector(f.abscissae)),
+        stability=stability,
+        order_nystrom=q.range(NYSTROM_ORDER.key).value if nystrom else None,
+        quadrature_constant=quadrature,
+        order_dense=q.range(DENSE_ORDER.key).value if single and m.dense is not None else None,
+        undecided=q.undecided or None,
     )
+
+
+def _growth(facts: Facts, single: bool) -> list[dict[str, Any]]:
+    return [
+        {"eigenvalue": shown_number(g.eigenvalue)}
+        | (
+            {"mu": shown_number(g.mu) if g.mu is not None else _matrix(g.matrix)}
+            if single
+            else {"mu_q": _matrix(g.mu_q), "mu_p": _matrix(g.mu_p)}
+        )
+        for g in facts.parasitism.growths
+    ]
 
 
 def _periodicity(facts: Facts) -> float | None:

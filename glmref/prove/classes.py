@@ -64,9 +64,12 @@ class Family(Enum):
         return ROOTED if self is Family.ROOTED else SEPARABLE
 
     def __contains__(self, t: object) -> bool:
-        if not isinstance(t, Tree) or t.colour not in self.palette:
-            return False
-        return _fits(t, self) and (self is not Family.SECOND_ORDER or second_order(t))
+        return (
+            isinstance(t, Tree)
+            and t.colour in self.palette
+            and _fits(t, self)
+            and (self is not Family.SECOND_ORDER or second_order(t))
+        )
 
 
 @cache
@@ -166,7 +169,7 @@ def _spread(pair: Pair, index: dict[Tree, int], q: int, size: int) -> list[Fract
 
 
 class _Span:
-    """A growing set of independent rational rows, kept in echelon form."""
+    """A growing set of independent rational rows; each is 0 where those before it lead."""
 
     def __init__(self) -> None:
         self.rows: dict[int, list[Fraction]] = {}
@@ -182,10 +185,6 @@ class _Span:
         if lead is None:
             return False
         rest = [x / rest[lead] for x in rest]
-        for other, known in self.rows.items():
-            if known[lead]:
-                factor = known[lead]
-                self.rows[other] = [x - factor * y for x, y in zip(known, rest, strict=True)]
         self.rows[lead] = rest
         return True
 

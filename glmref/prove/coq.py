@@ -30,7 +30,7 @@ from ..exact import Exact, linalg
 from ..exact.expression import to_text
 from ..exact.linalg import Matrix, Vector, solve_affine
 from ..method import GLM, Method, PartitionedGLM
-from ..method.solution_value import preconsistency_vector
+from ..method.preconsistency import preconsistency_vector
 from ..theory.coefficients import is_zero
 from ..theory.order import OrderResult, order_of
 from ..theory.symmetry import symmetry
@@ -46,7 +46,7 @@ MAX_PAIR_ORDER = 8
 _HEADER = """\
 (* {title}
 
-   Written by `glmref certify --format coq {name}`, checked with the library in checker/coq. *)
+   Written by `python -m glmref.prove.coq {name}`, checked with the library in checker/coq. *)
 From Coq Require Import List QArith.
 From Glmref Require Import Trees Field GLM Symplectic NotOrder.
 Import ListNotations.
@@ -99,7 +99,7 @@ class _Writer:
     def __init__(self, method: Method) -> None:
         self.method = method
         self.name = file_stem(method.name)
-        self.tower = Tower([])
+        self.tower: Tower
         self.roots: dict[str, None] | None = {}
         self.definitions: list[str] = []
         self.theorems: list[tuple[str, str]] = []
@@ -190,6 +190,14 @@ class _Writer:
         A, U, B, V = (f"\n    {self.matrix(x)}" for x in blocks)
         value = f"@Build_glm (in_tower T){A}{U}{B}{V} {len(blocks[2][0])}"
         self.define(letter, "glm (in_tower T)", value)
+
+    def best_order(self, most: int) -> OrderResult:
+        """The order with the solution as first value, unless free principal parts give more."""
+        same = order_of(self.method, max_order=most, principal="identity")
+        if self.method.is_one_step:
+            return same
+        found = order_of(self.method, max_order=most, principal="free")
+        return same if same.order == found.order else found
 
     def starting_series(self, found: OrderResult, palette: str, method: str, method_K: str) -> None:
         """The order, with the starting series as witness; trees left out have no weight."""
@@ -294,9 +302,7 @@ class _One(_Writer):
             self.one_step(order_of(m, max_order=MAX_ORDER, principal="identity"))
         else:
             self.block("M", (m.A, m.U, m.B, m.V))
-            found = order_of(m, max_order=MAX_ORDER, principal="free")
-            same = order_of(m, max_order=found.order + 1, principal="identity")
-            best = same if same.order == found.order else found
+            best = self.best_order(MAX_ORDER)
             self.starting_series(best, "rooted", "fun _ : rooted => method F x T M", "(fun _ => M)")
         self.form()
         self.symmetry()
@@ -405,9 +411,7 @@ class _Pair(_Writer):
         for name, component in zip(("Mq", "Mp"), m.components, strict=True):
             self.block(name, component.matrices)
         self.define("M", f"{palette} -> glm (in_tower T)", "fun c => if c then Mp else Mq")
-        found = order_of(m, max_order=MAX_PAIR_ORDER, principal="identity")
-        best = order_of(m, max_order=max(found.order, 1), principal="free")
-        choice = found if m.is_one_step or found.order >= best.order else best
+        choice = self.best_order(MAX_PAIR_ORDER)
         self.starting_series(choice, palette, f"fun c : {palette} => method F x T (M c)", "M")
         form = g_symplectic(m)
         G, D_P, D_Q = form.G, form.D_P, form.D_Q

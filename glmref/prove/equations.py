@@ -165,7 +165,7 @@ def starting_series(
             residual[t] = right[0] - Fraction(1, t.density)
             if needed or starts:
                 reduced, factor = reduce_tree(t, stage_order)
-                above = linalg.matvec(resolvents[t.colour], right[1:]) if len(right) > 1 else ()
+                above = linalg.matvec(resolvents[t.colour], right[1:])
                 zeta[t] = (first.get(reduced, zero) * factor, *above)
             if needed:
                 stages, values = linalg.matvec(c.A, derivative), linalg.matvec(c.U, zeta[t])

@@ -12,11 +12,11 @@ import re
 from collections.abc import Collection, Iterable, Mapping
 from fractions import Fraction
 from itertools import product
-from math import isqrt
+from math import gcd, isqrt
 from typing import Any
 
 from ..errors import ExactnessError
-from ..exact import Exact, box, cyclotomic, factorization, rational_combination
+from ..exact import Exact, RationalCombinations, box, cyclotomic, factorization
 from ..exact.expression import parse
 from ..exact.relations import BITS
 
@@ -38,11 +38,7 @@ def radicals_of(text: str) -> list[str]:
     """Texts of the radicals in an entry, inner ones first; ``i`` outside exp is one."""
     found: list[str] = []
     at = 0
-    while at < len(text):
-        match = _NAME.match(text, at)
-        if match is None:
-            at += 1
-            continue
+    while match := _NAME.search(text, at):
         name = match[1]
         if name in _FUNCTIONS:
             end, depth = match.end(), 0
@@ -53,7 +49,7 @@ def radicals_of(text: str) -> list[str]:
                     break
             if name != "exp":
                 found += radicals_of(text[match.end() + 1 : end - 1])
-            found.append(text[at:end])
+            found.append(text[match.start() : end])
             at = end
         else:
             if name == "i":
@@ -85,6 +81,7 @@ class Tower:
         self.values: list[Exact] = []
         self.radicals: dict[str, str] = {}
         self._basis: dict[tuple[int, ...], Exact] = {(): Exact(1)}
+        self._lattices: dict[tuple[int, frozenset[int]], RationalCombinations] = {}
         self._primes: dict[int, int] = {}
         texts = list(texts)
         plain = [(t, self._radicand(t)) for t in texts]
@@ -171,6 +168,7 @@ class Tower:
         for k in range(1, degree):
             monomials = {x: y * value for x, y in monomials.items()}
             self._basis |= {(*x, k): y for x, y in monomials.items()}
+        self._lattices = {}
         if conjugate and self._conjugates:
             other = self._inside(value.conjugate())
             if other is None:
@@ -193,8 +191,24 @@ class Tower:
             return self._add(value, [f"-({inner})", *(["0"] * (int(n) - 1))])
         for n in range(1, 61):  # a root of unity
             if (value**n - 1).is_zero():
-                return self._add(value, cyclotomic(n)[:-1], conjugate=True)
+                return self._add(value, self._least_polynomial(value, n), conjugate=True)
         raise ExactnessError(f"{text} is not written out")
+
+    def _least_polynomial(self, value: Exact, n: int) -> list[Any]:
+        """Of a root of unity over the field made so far, which may have some of its powers."""
+        whole = cyclotomic(n)[:-1]
+        basis, powers = dict(self._basis), [Exact(1)]
+        apart = all(gcd(x.cyclotomic_order or n, n) <= 2 for x in self.values)
+        for degree in range(1, 1 if apart else len(whole)):
+            powers.append(powers[-1] * value)
+            if len(whole) % degree == 0:
+                columns = [(k, x) for k in range(degree) for x in basis]
+                products = [powers[k] * basis[x] for k, x in columns]
+                weights = RationalCombinations(products).weights(powers[degree])
+                if weights is not None:
+                    found = dict(zip(columns, weights, strict=True))
+                    return [self._written({x: -found[k, x] for x in basis}) for k in range(degree)]
+        return whole
 
     def element(self, value: Any) -> str:
         """A number of the field as a sum of products of generators.
@@ -219,7 +233,7 @@ class Tower:
         value : Exact
             The number.
         radicals : Iterable[str]
-            Those of the field of which it is made; all by default.
+            Those of which it is made, and what stands in them; all by default.
 
         Raises
         ------
@@ -231,7 +245,8 @@ class Tower:
             new = {int(x) - 1 for x in re.findall(r"g(\d+)", waiting.pop())} - used
             used |= new
             waiting += (x for k in new for x in self.generators[k]["polynomial"])
-        for bits in (BITS, 4 * BITS, 16 * BITS):
+        first = max(BITS, 64 * len(self._basis))  # weights of 15 digits need some 50 bits each
+        for bits in (first, 4 * first, 16 * first):
             found = self._coordinates(value, bits, used)
             if found is not None:
                 return found
@@ -248,13 +263,19 @@ class Tower:
             for powers, x in self._basis.items()
             if not used or all(k in used for k, n in enumerate(powers) if n)
         }
-        weights = rational_combination(value, list(basis.values()), bits=bits)
+        key = bits, frozenset(used)
+        if key not in self._lattices:
+            self._lattices[key] = RationalCombinations(list(basis.values()), bits)
+        weights = self._lattices[key].weights(value)
         return None if weights is None else dict(zip(basis, weights, strict=True))
 
     def _inside(self, value: Exact) -> str | None:
         found = self._coordinates(value, BITS)
-        if found is None:
-            return None
+        return None if found is None else self._written(found)
+
+    @staticmethod
+    def _written(found: Mapping[tuple[int, ...], Fraction]) -> str:
+        """The sum of weights times products of generators, by their exponents."""
         terms = []
         for powers in sorted(x for x, w in found.items() if w):
             names = [f"g{i + 1}" for i, k in enumerate(powers) for _ in range(k)]

@@ -143,13 +143,8 @@ def eigen_witness(V: Matrix) -> tuple[list[Any], poly.Polynomial]:
 
 
 def _eigen(facts: Facts) -> dict[str, Any]:
-    m, found = facts.method, {}
     try:
-        for c in sorted(m.components, key=lambda c: len(c.V)):
-            found[c.colour] = parts, _ = eigen_witness(c.V)
-            if m.parts == 2 and not m.shared and all((zeta - 1).is_zero() for zeta, *_ in parts):
-                break  # the other half shares no eigenvalue with this one
-        return {c.colour: found[c.colour] for c in m.components if c.colour in found}
+        return {c.colour: eigen_witness(c.V) for c in facts.method.components}
     except ExactnessError as error:
         return {"why": f"the growth parameters are open: {error}"}
 

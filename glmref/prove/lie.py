@@ -105,7 +105,7 @@ def verlet_logarithm(degree: int, outer: str = "f") -> Mapping[str, Fraction]:
     power: dict[str, Fraction] = {"": Fraction(1)}
     for n in range(1, degree + 1):
         power = _times(power, step, degree)
-        total = _plus(total, power, Fraction((-1) ** (n + 1), n))
+        total = _plus(total, power, Fraction(1 if n % 2 else -1, n))
     return MappingProxyType(total)
 
 

@@ -45,7 +45,7 @@ from typing import Any
 from ..errors import ExactnessError
 from ..exact import Exact, linalg
 from ..exact.linalg import Matrix, Vector
-from ..method.solution_value import first_functional
+from ..method.preconsistency import first_functional
 from ..system.budget import spend
 from ..theory.coefficients import Rows, apply, is_zero, plus, sparse, times, weighted
 from .algebra import scalars

@@ -113,8 +113,8 @@ class Affine:
             if not other._is_constant():
                 if not self._is_constant():
                     raise DataError(
-                        "the entries must be affine in the unknowns, and a product of two of them "
-                        "stands there; give the product a name of its own"
+                        "the entries must be affine in the unknowns; give the product of two of "
+                        "them a name of its own"
                     )
                 return other * self
             other = other.coefficients.get("", Exact(0))
@@ -230,7 +230,7 @@ class SweepSystem:
         self.equations = tuple(Equation.read(x, len(self.colours)) for x in texts)
         self.principal = {parse_tree(t): x for t, x in enclosure.get("xi", {}).items()}
         claims = document.get("claims", {})
-        self.claimed = max((claims.get(x, 0) for x in (ORDER.key, ORDER_IDENTITY.key)), default=0)
+        self.claimed = max(claims.get(x, 0) for x in (ORDER.key, ORDER_IDENTITY.key))
         self.claimed_second_order = claims.get(NYSTROM_ORDER.key, 0) if self.is_partitioned else 0
         self.V, self.G = self._forms(kind)
         self.word = self._stages(kind)

@@ -15,7 +15,7 @@ from ..errors import ExactnessError
 from ..exact import Exact, Scalar, linalg
 from ..exact.linalg import Matrix, Vector
 from ..method import Component
-from ..method.solution_value import first_functional, preconsistency
+from ..method.preconsistency import first_functional, preconsistency
 from .coefficients import Rows, apply, is_zero, plus, sparse, times
 
 
@@ -25,44 +25,22 @@ class NotPreconsistent(Exception):
 
 @dataclass(frozen=True, eq=False)
 class Block:
-    """One colour's method, prepared: the eigenvectors of V to 1 and a solution of (I - V) x = R.
+    """One colour's method, prepared: the eigenvectors of V to 1 and a solution of (I - V) x = R."""
 
-    Attributes
-    ----------
-    A, U, B : Rows
-        Nonzero entries by row.
-    stages : int
-        Number of stage values X.
-    slopes : int
-        Number of F.
-    u : Vector
-        (r,) with V u = u, U u = 1.
-    N : tuple[Vector, ...]
-        Eigenvectors of V to the eigenvalue 1, the first is u when it is the only one.
-    W : Rows
-        Left eigenvectors, one row each, with W N = I where the eigenvalue is semisimple.
-    output : Vector
-        (r,) functional with output u = 1 that reads off the solution.
-    lift : Rows
-        (r, r), R -> the solution x of (I - V) x = R with output x = 0.
-    semisimple : bool
-        Whether the eigenvalue 1 has as many eigenvectors as its multiplicity.
-    certain : bool
-        Whether ranks were decided (False where balls only leave them possible).
-    """
-
+    #: Nonzero entries by row.
     A: Rows
     U: Rows
     B: Rows
-    stages: int
-    slopes: int
-    u: Vector
+    stages: int  #: Number of stage values X.
+    slopes: int  #: Number of F.
+    u: Vector  #: (r,) with V u = u, U u = 1.
+    #: Eigenvectors of V to the eigenvalue 1, the first is u when it is the only one.
     N: tuple[Vector, ...]
-    W: Rows
-    output: Vector
-    lift: Rows
-    semisimple: bool
-    certain: bool
+    W: Rows  #: Left eigenvectors, one row each, with W N = I where the eigenvalue is semisimple.
+    output: Vector  #: (r,) functional with output u = 1 that reads off the solution.
+    lift: Rows  #: (r, r), R -> the solution x of (I - V) x = R with output x = 0.
+    semisimple: bool  #: Whether the eigenvalue 1 has as many eigenvectors as its multiplicity.
+    certain: bool  #: Whether ranks were decided (False where balls only leave them possible).
 
 
 def kernel(matrix: Matrix) -> tuple[list[Vector], bool]:
@@ -134,7 +112,7 @@ def principal_vectors(
 ) -> tuple[Vector, Matrix, Matrix, bool]:
     """Find u, the right and the left eigenvectors of V to 1, and whether ranks are certain.
 
-    The vector u is that of :func:`glmref.method.solution_value.preconsistency`.
+    The vector u is that of :func:`glmref.method.preconsistency.preconsistency`.
 
     Raises
     ------
@@ -180,7 +158,7 @@ def make_block(A: Matrix, U: Matrix, B: Matrix, V: Matrix, output: Vector | None
     ----------
     output : Vector or None
         Functional that reads the solution off the values, ``None`` for the first value that carries
-        it: see :mod:`glmref.method.solution_value`.
+        it: see :mod:`glmref.method.preconsistency`.
 
     Raises
     ------

@@ -2,7 +2,7 @@
 
 ``V u = u, U u = 1`` (pre-consistency) lets the method reproduce constants, and
 ``B 1 + V v = u + v`` (consistency) the solution of y' = 1. Then ``c = A 1 + U v`` are the
-abscissae. The vectors themselves come from :mod:`glmref.method.solution_value`; here it is decided
+abscissae. The vectors themselves come from :mod:`glmref.method.preconsistency`; here it is decided
 whether they satisfy the conditions.
 """
 
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from ..exact import Exact, linalg
 from ..exact.linalg import Matrix, Vector
-from ..method.solution_value import (
+from ..method.preconsistency import (
     Block,
     abscissae,
     consistency_vector,
@@ -27,35 +27,21 @@ _NO_V = "no vector v has B 1 + V v = u + v: the weights along the eigenvalue 1 o
 
 @dataclass(frozen=True, eq=False)
 class Consistency:
-    """Pre-consistency and consistency of a method.
+    """Pre-consistency and consistency of a method."""
 
-    Attributes
-    ----------
-    preconsistent, consistent : bool or None
-        The decisions; ``None`` where balls leave them open.
-    u : Vector or None
-        (r,) with V u = u, U u = 1, or ``None``.
-    v : Vector or None
-        (r,) with B 1 + V v = u + v, or ``None``. It is fixed up to multiples of u: the output
-        functional w has w v = 0, so that the solution w y stands at the time of the step.
-    c : Vector or None
-        (s,) abscissae A 1 + U v, or ``None``.
-    unique : bool
-        Whether u is the only solution (1 is then a simple eigenvalue where it matters).
-    residual : float
-        Largest entry of the conditions that fail or stay open, 0.0 when all hold.
-    witness : str
-        One sentence naming the condition that fails, or ``""``.
-    """
-
+    #: The decisions; ``None`` where balls leave them open.
     preconsistent: bool | None
     consistent: bool | None
-    u: Vector | None = None
+    u: Vector | None = None  #: (r,) with V u = u, U u = 1, or ``None``.
+    #: (r,) with B 1 + V v = u + v, or ``None``. It is fixed up to multiples of u: the output
+    #: functional w has w v = 0, so that the solution w y stands at the time of the step.
     v: Vector | None = None
-    c: Vector | None = None
+    c: Vector | None = None  #: (s,) abscissae A 1 + U v, or ``None``.
+    #: Whether u is the only solution (1 is then a simple eigenvalue where it matters).
     unique: bool = True
+    #: Largest entry of the conditions that fail or stay open, 0.0 when all hold.
     residual: float = 0.0
-    witness: str = ""
+    witness: str = ""  #: One sentence naming the condition that fails, or ``""``.
 
 
 def _column(values: Vector) -> Matrix:

@@ -23,18 +23,10 @@ MAX_MATCHINGS = 50
 
 @dataclass(frozen=True, eq=False)
 class Equivalence:
-    """How one method becomes another: ``m1.transform(T).permute_stages(stages)`` is m2.
+    """How one method becomes another: ``m1.transform(T).permute_stages(stages)`` is m2."""
 
-    Attributes
-    ----------
-    T : Matrix
-        (r, r) nonsingular.
-    stages : tuple[int, ...]
-        (s,) old number of each new stage, from 0.
-    """
-
-    T: Matrix
-    stages: tuple[int, ...]
+    T: Matrix  #: (r, r) nonsingular.
+    stages: tuple[int, ...]  #: (s,) old number of each new stage, from 0.
 
 
 def _markov(m: GLM, count: int) -> list[Matrix]:

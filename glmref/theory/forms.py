@@ -29,25 +29,14 @@ class Form:
 
 @dataclass(frozen=True, eq=False)
 class FormSpace:
-    """All forms that satisfy the identities.
+    """All forms that satisfy the identities."""
 
-    Attributes
-    ----------
-    forms : tuple[Form, ...]
-        A basis over the real numbers. Where a form sees the principal solution the first one has
-        the value 1 on it and the others 0.
-    principal : bool
-        Whether the first form has that value 1.
-    residual : float
-        Size of the entry named in ``witness``, for the last candidate.
-    witness : str
-        The entry that left no form with a principal part, or ``""``.
-    """
-
+    #: A basis over the real numbers. Where a form sees the principal solution the first one has the
+    #: value 1 on it and the others 0.
     forms: tuple[Form, ...]
-    principal: bool
-    residual: float = 0.0
-    witness: str = ""
+    principal: bool  #: Whether the first form has that value 1.
+    residual: float = 0.0  #: Size of the entry named in ``witness``, for the last candidate.
+    witness: str = ""  #: The entry that left no form with a principal part, or ``""``.
 
 
 #: The identities of a form: pairs of a name and a residual matrix.

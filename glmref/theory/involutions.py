@@ -11,18 +11,12 @@ from ..exact.linalg import Matrix
 
 @dataclass(frozen=True, eq=False)
 class Relation:
-    """Ask for ``A[i][j] + A[P i][P j] = target[i][j]``, in a common numbering of all stages.
+    """Ask for ``A[i][j] + A[P i][P j] = target[i][j]``, in a common numbering of all stages."""
 
-    Attributes
-    ----------
-    A, target : Matrix
-        (n, m).
-    row_offset, column_offset : int
-        Number of the first row and column.
-    """
-
+    #: (n, m).
     A: Matrix
     target: Matrix
+    #: Number of the first row and column.
     row_offset: int
     column_offset: int
 

@@ -3,7 +3,7 @@
 A method has order p when there is a starting series eta with ``M S = S E + O(h^(p+1))``. With
 ``principal="free"`` any series will do (for r = 1 this is Butcher's effective order); with
 ``principal="identity"`` the output must be the solution itself, ``w eta(t) = 0`` for every tree
-(w = (1, 0, ..) where a method declares no other, see :mod:`glmref.method.solution_value`), so that
+(w = (1, 0, ..) where a method declares no other, see :mod:`glmref.method.preconsistency`), so that
 no finishing method is needed. A method of k components has a starting series for each, over trees
 in k colours: a tree with root ``f`` belongs to q, one with root ``k`` to p, and one with root ``1``
 to the first right-hand side of an additive method. With ``principal="free"`` symplectic Euler has
@@ -45,66 +45,40 @@ _LONGEST_REASON = 200
 
 @dataclass(frozen=True, eq=False)
 class OrderResult:
-    """What is known about the order of a method or a pair.
+    """What is known about the order of a method or a pair."""
 
-    Attributes
-    ----------
-    order : int
-        The order p; 0 for a method that is not consistent (``reason`` says why).
-    principal : Principal
-        ``"free"`` or ``"identity"``.
-    failing_tree : Tree or None
-        First tree of order p + 1 whose condition fails, or ``None``.
-    residual : Scalar or None
-        Its residual ``w R(t)`` (w the left eigenvector, w u = 1), or ``None``.
-    residuals : Mapping[Tree, Scalar]
-        Residuals of all trees of order p + 1, the error constants. For a method that needs no
-        finishing these are the coefficients of the local error, by tree. With a free principal part
-        the parts of order p are chosen so that the trees with a leaf at the root have none: see
-        :mod:`.error_constants` for the least choice.
-    eta : Series or None
-        The starting series through order p, vectors with r entries; ``None`` at order 0. Principal
-        parts of order p are free, and are zero here.
-    outputs : Mapping[str, Vector]
-        The functional that reads the solution off the values, by root colour; empty for a method
-        that is not preconsistent.
-    abscissae : Mapping[str, Vector]
-        c = A 1 + U v by root colour (``"o"``; ``"f"`` for Q and ``"k"`` for P); empty at order 0.
-    stage_order : int
-        Largest q <= p such that every stage is the solution at time c_i h, ``xi(t) = c^|t| /
-        gamma(t)`` for all trees of order <= q, for this starting series (at q = p for some choice
-        of its free principal parts, where several values are carried).
-    proof : Proof
-        Exact, or enclosed where balls took part.
-    largest_residual : float
-        Upper bound of the residuals of all trees of order <= p; 0.0 when exact.
-    undecided : tuple[Tree, ...]
-        Trees of order <= p whose residual is a ball that contains zero.
-    decided : bool
-        Whether failing at order p + 1 excludes every starting series.
-    at_least : bool
-        Whether the search ended at ``max_order`` without a failing tree.
-    reason : str
-        One sentence for what is not the usual case, or ``""``.
-    multiplicity : int
-        Number of eigenvectors of V to the eigenvalue 1, 0 where there is none.
-    """
-
-    order: int
-    principal: Principal
+    order: int  #: The order p; 0 for a method that is not consistent (``reason`` says why).
+    principal: Principal  #: ``"free"`` or ``"identity"``.
+    #: First tree of order p + 1 whose condition fails, or ``None``.
     failing_tree: Tree | None = None
+    #: Its residual ``w R(t)`` (w the left eigenvector, w u = 1), or ``None``.
     residual: Scalar | None = None
+    #: Residuals of all trees of order p + 1, the error constants. For a method that needs no
+    #: finishing these are the coefficients of the local error, by tree. With a free principal part
+    #: the parts of order p are chosen so that the trees with a leaf at the root have none: see
+    #: :mod:`.error_constants` for the least choice.
     residuals: Mapping[Tree, Scalar] = field(default_factory=dict)
+    #: The starting series through order p, vectors with r entries; ``None`` at order 0. Principal
+    #: parts of order p are free, and are zero here.
     eta: Series | None = None
+    #: The functional that reads the solution off the values, by root colour; empty for a method
+    #: that is not preconsistent.
     outputs: Mapping[str, Vector] = field(default_factory=dict)
+    #: c = A 1 + U v by root colour (``"o"``; ``"f"`` for Q and ``"k"`` for P); empty at order 0.
     abscissae: Mapping[str, Vector] = field(default_factory=dict)
+    #: Largest q <= p such that every stage is the solution at time c_i h, ``xi(t) = c^|t| /
+    #: gamma(t)`` for all trees of order <= q, for this starting series (at q = p for some choice of
+    #: its free principal parts, where several values are carried).
     stage_order: int = 0
-    proof: Proof = Proof.EXACT
+    proof: Proof = Proof.EXACT  #: Exact, or enclosed where balls took part.
+    #: Upper bound of the residuals of all trees of order <= p; 0.0 when exact.
     largest_residual: float = 0.0
+    #: Trees of order <= p whose residual is a ball that contains zero.
     undecided: tuple[Tree, ...] = ()
-    decided: bool = True
-    at_least: bool = False
-    reason: str = ""
+    decided: bool = True  #: Whether failing at order p + 1 excludes every starting series.
+    at_least: bool = False  #: Whether the search ended at ``max_order`` without a failing tree.
+    reason: str = ""  #: One sentence for what is not the usual case, or ``""``.
+    #: Number of eigenvectors of V to the eigenvalue 1, 0 where there is none.
     multiplicity: int = 0
 
     @property

@@ -21,7 +21,7 @@ from ..errors import ExactnessError
 from ..exact import Exact, Scalar, linalg
 from ..exact.linalg import Matrix, Vector
 from ..method import GLM, Method
-from ..method.solution_value import preconsistency_vector
+from ..method.preconsistency import preconsistency_vector
 from . import polynomials as poly
 from .residuals import verdict_of
 from .spectrum import Eigenvalue, eigenvectors, unimodular_eigenvalues
@@ -29,22 +29,13 @@ from .spectrum import Eigenvalue, eigenvectors, unimodular_eigenvalues
 
 @dataclass(frozen=True, eq=False)
 class Growth:
-    """Growth at one eigenvalue.
+    """Growth at one eigenvalue."""
 
-    Attributes
-    ----------
-    eigenvalue : Exact
-        Zeta, of modulus one; of several components, one that their V share.
-    multiplicity : int
-        Of zeta; beyond the principal component where zeta = 1.
-    matrices : Mapping[str, Matrix]
-        Growth matrices ``zeta^-1 W B U X`` in bases of eigenvectors, (multiplicity, multiplicity),
-        by name: ``mu`` of a single method, ``mu_q`` and ``mu_p`` of a partitioned one, with
-        ``mu_qq`` and ``mu_pp`` where its stages are shared.
-    """
-
-    eigenvalue: Exact
-    multiplicity: int
+    eigenvalue: Exact  #: Zeta, of modulus one; of several components, one that their V share.
+    multiplicity: int  #: Of zeta; beyond the principal component where zeta = 1.
+    #: Growth matrices ``zeta^-1 W B U X`` in bases of eigenvectors, (multiplicity, multiplicity),
+    #: by name: ``mu`` of a single method, ``mu_q`` and ``mu_p`` of a partitioned one, with
+    #: ``mu_qq`` and ``mu_pp`` where its stages are shared.
     matrices: Mapping[str, Matrix]
 
     @property
@@ -70,23 +61,14 @@ class Growth:
 
 @dataclass(frozen=True, eq=False)
 class Parasitism:
-    """Growth at all parasitic eigenvalues, by increasing argument in (0, 2 pi).
+    """Growth at all parasitic eigenvalues, by increasing argument in (0, 2 pi)."""
 
-    Attributes
-    ----------
-    free : bool or None
-        Whether every growth parameter is zero; ``None`` where that is not decided.
-    growths : tuple[Growth, ...]
-        One record for each eigenvalue; a multiple eigenvalue 1 comes first.
-    residual : float
-        Largest growth parameter, 0.0 when free.
-    witness : str
-        One sentence naming the eigenvalue that grows, or why the question is open.
-    """
-
+    #: Whether every growth parameter is zero; ``None`` where that is not decided.
     free: bool | None
+    #: One record for each eigenvalue; a multiple eigenvalue 1 comes first.
     growths: tuple[Growth, ...] = ()
-    residual: float = 0.0
+    residual: float = 0.0  #: Largest growth parameter, 0.0 when free.
+    #: One sentence naming the eigenvalue that grows, or why the question is open.
     witness: str = ""
 
 

@@ -44,27 +44,15 @@ TURNS = tuple(
 
 @dataclass(frozen=True, eq=False)
 class Periodicity:
-    """Periodicity interval of a method.
+    """Periodicity interval of a method."""
 
-    Attributes
-    ----------
-    end : Ball or None
-        Ball around y_max; the exact 0 where there is no interval; ``None`` if not known.
-    infinite : bool
-        Whether the whole axis belongs to it, by proof.
-    proven : Fraction
-        Every y in (start, proven) belongs to the interval.
-    start : Fraction
-        0, or where the proof begins for a method whose V has repeated eigenvalues (every pair has:
-        one of q and one of p).
-    witness : str
-        What happens at the end, or why it is not known.
-    """
-
+    #: Ball around y_max; the exact 0 where there is no interval; ``None`` if not known.
     end: Ball | None
-    infinite: bool
-    proven: Fraction
-    witness: str = ""
+    infinite: bool  #: Whether the whole axis belongs to it, by proof.
+    proven: Fraction  #: Every y in (start, proven) belongs to the interval.
+    witness: str = ""  #: What happens at the end, or why it is not known.
+    #: 0, or where the proof begins for a method whose V has repeated eigenvalues (every pair has:
+    #: one of q and one of p).
     start: Fraction = Fraction(0)
 
     @property

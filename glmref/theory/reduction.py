@@ -22,29 +22,20 @@ from dataclasses import dataclass
 from ..exact import linalg
 from ..exact.linalg import Matrix
 from ..method import Method
-from ..method.solution_value import Block, preconsistency_vector
+from ..method.preconsistency import Block, preconsistency_vector
 from .blocks import kernel
 
 
 @dataclass(frozen=True)
 class Reduction:
-    """Which values of a method are needed.
+    """Which values of a method are needed."""
 
-    Attributes
-    ----------
-    reducible : bool or None
-        Whether some value is never reached or never seen; ``None`` where balls leave the ranks
-        open.
-    reached, seen : tuple[int, ...]
-        Dimensions for each component.
-    witness : str
-        One sentence naming what can be left out, or ``""``.
-    """
-
+    #: Whether some value is never reached or never seen; ``None`` where balls leave the ranks open.
     reducible: bool | None
+    #: Dimensions for each component.
     reached: tuple[int, ...]
     seen: tuple[int, ...]
-    witness: str = ""
+    witness: str = ""  #: One sentence naming what can be left out, or ``""``.
 
 
 def reached_rows(m: Block) -> Matrix:

@@ -12,20 +12,12 @@ from ..exact.linalg import Matrix
 
 @dataclass(frozen=True)
 class Residual:
-    """What a residual matrix says: all zero, some entry not zero, or open.
+    """What a residual matrix says: all zero, some entry not zero, or open."""
 
-    Attributes
-    ----------
-    holds : bool or None
-        ``True``, ``False``, or ``None`` where only balls around zero keep it open.
-    residual : float
-        Upper bound of the largest entry, 0.0 when all are zero.
-    entry : tuple[int, int] or None
-        (row, column) of the largest entry that is not zero, or ``None``.
-    """
-
+    #: ``True``, ``False``, or ``None`` where only balls around zero keep it open.
     holds: bool | None
-    residual: float = 0.0
+    residual: float = 0.0  #: Upper bound of the largest entry, 0.0 when all are zero.
+    #: (row, column) of the largest entry that is not zero, or ``None``.
     entry: tuple[int, int] | None = None
 
 

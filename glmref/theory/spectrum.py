@@ -29,18 +29,10 @@ class Eigenvalue:
 
 @dataclass(frozen=True)
 class Boundedness:
-    """Whether all powers of a matrix stay below one bound.
+    """Whether all powers of a matrix stay below one bound."""
 
-    Attributes
-    ----------
-    holds : bool or None
-        The decision, ``None`` where balls leave it open.
-    witness : str
-        One sentence on what decides.
-    """
-
-    holds: bool | None
-    witness: str
+    holds: bool | None  #: The decision, ``None`` where balls leave it open.
+    witness: str  #: One sentence on what decides.
 
 
 def _require_exact(V: Matrix) -> None:

@@ -30,24 +30,12 @@ Bivariate = tuple[Polynomial, ...]
 
 @dataclass(frozen=True, eq=False)
 class AtInfinity:
-    """What the eigenvalues of M(z) tend to as z grows.
+    """What the eigenvalues of M(z) tend to as z grows."""
 
-    Attributes
-    ----------
-    polynomial : Polynomial
-        Coefficients of the polynomial whose roots are the finite limits.
-    unbounded : int
-        Number of eigenvalues that grow without bound.
-    matrix : Matrix or None
-        The limit V - B A^-1 U of M(z), or ``None`` for singular A.
-    nilpotent : bool or None
-        Whether all limits are zero.
-    """
-
-    polynomial: Polynomial
-    unbounded: int
-    matrix: Matrix | None
-    nilpotent: bool | None
+    polynomial: Polynomial  #: Coefficients of the polynomial whose roots are the finite limits.
+    unbounded: int  #: Number of eigenvalues that grow without bound.
+    matrix: Matrix | None  #: The limit V - B A^-1 U of M(z), or ``None`` for singular A.
+    nilpotent: bool | None  #: Whether all limits are zero.
 
 
 def stability_matrix(m: GLM, z: Scalar | int | Fraction) -> Matrix:

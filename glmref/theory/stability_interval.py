@@ -41,18 +41,11 @@ FARTHEST = Fraction(10**9)
 
 @dataclass(frozen=True)
 class Interval:
-    """Stability interval [0, end] along an axis.
+    """Stability interval [0, end] along an axis."""
 
-    Attributes
-    ----------
-    end : float or None
-        The end, rounded to double; infinity for a whole half-axis; ``None`` if not known.
-    witness : str
-        What happens there, or why it is not known.
-    """
-
+    #: The end, rounded to double; infinity for a whole half-axis; ``None`` if not known.
     end: float | None
-    witness: str = ""
+    witness: str = ""  #: What happens there, or why it is not known.
 
 
 def real_interval(m: GLM) -> Interval:

@@ -39,32 +39,20 @@ Named = list[tuple[str, Matrix]]
 
 @dataclass(frozen=True, eq=False)
 class Symmetry:
-    """Whether a method is symmetric, and under which involutions.
+    """Whether a method is symmetric, and under which involutions."""
 
-    Attributes
-    ----------
-    holds : bool or None
-        The decision; ``None`` where balls, or a search that ended, leave it open.
-    involutions : Mapping[str, Matrix or None]
-        (r, r) involution of the values of each component, by colour, or ``None``. Where the method
-        failed it is the only matrix that the linear conditions allow, if there is one.
-    exchanges : Mapping[str, tuple[int, ...]]
-        How the stages of each component are exchanged, by colour: stage i with stage P[i], from 0.
-        Empty where there is none.
-    residual : float
-        Largest entry of the conditions, 0.0 when all hold exactly.
-    witness : str
-        One sentence naming the condition that fails, or ``""``.
-    reduced : bool
-        Whether L and P belong to the reduced method (:func:`equivalence.reduce`), as for a
-        multistep method that carries derivatives it could do without.
-    """
-
+    #: The decision; ``None`` where balls, or a search that ended, leave it open.
     holds: bool | None
+    #: (r, r) involution of the values of each component, by colour, or ``None``. Where the method
+    #: failed it is the only matrix that the linear conditions allow, if there is one.
     involutions: Mapping[str, Matrix | None] = field(default_factory=dict)
+    #: How the stages of each component are exchanged, by colour: stage i with stage P[i], from 0.
+    #: Empty where there is none.
     exchanges: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
-    residual: float = 0.0
-    witness: str = ""
+    residual: float = 0.0  #: Largest entry of the conditions, 0.0 when all hold exactly.
+    witness: str = ""  #: One sentence naming the condition that fails, or ``""``.
+    #: Whether L and P belong to the reduced method (:func:`equivalence.reduce`), as for a multistep
+    #: method that carries derivatives it could do without.
     reduced: bool = False
 
     @property

@@ -36,7 +36,7 @@ from ..errors import ExactnessError, UsageError
 from ..exact import Exact, Scalar, linalg
 from ..exact.linalg import Matrix, Vector
 from ..method import GLM, Component, Method
-from ..method.solution_value import preconsistency_vector
+from ..method.preconsistency import preconsistency_vector
 from .forms import Form, FormSpace, choose_form, cut_down, invariant_matrices, is_nondegenerate
 from .residuals import verdict_of
 
@@ -45,32 +45,19 @@ _ZERO, _ONE = Exact(0), Exact(1)
 
 @dataclass(frozen=True, eq=False)
 class GSymplecticity:
-    """Whether a method is G-symplectic, and with which form.
+    """Whether a method is G-symplectic, and with which form."""
 
-    Attributes
-    ----------
-    holds : bool or None
-        The decision; ``None`` where balls leave it open.
-    G, diagonals
-        The form that was checked or found, scaled to ``u^* G u^ = 1`` when found. Of a single
-        method there is one diagonal D, of a partitioned one there are D_P and D_Q.
-    dimension : int or None
-        Of the space of all forms, or ``None`` where a given form was checked.
-    nondegenerate : bool or None
-        Whether G is square and nonsingular and no entry of a diagonal is zero.
-    residual : float
-        Largest entry of the identities, 0.0 when they hold exactly.
-    witness : str
-        One sentence naming the entry that decides, or ``""``.
-    """
-
-    holds: bool | None
+    holds: bool | None  #: The decision; ``None`` where balls leave it open.
+    #: The form that was checked or found, scaled to ``u^* G u^ = 1`` when found. Of a single method
+    #: there is one diagonal D, of a partitioned one there are D_P and D_Q.
     G: Matrix | None = None
     diagonals: tuple[Vector, ...] = ()
+    #: Of the space of all forms, or ``None`` where a given form was checked.
     dimension: int | None = None
+    #: Whether G is square and nonsingular and no entry of a diagonal is zero.
     nondegenerate: bool | None = None
-    residual: float = 0.0
-    witness: str = ""
+    residual: float = 0.0  #: Largest entry of the identities, 0.0 when they hold exactly.
+    witness: str = ""  #: One sentence naming the entry that decides, or ``""``.
 
     @property
     def D(self) -> Vector | None:

@@ -38,27 +38,14 @@ class Tree:
 
     Trees are interned: two equal trees are the same object, so comparison and hashing cost nothing.
     Make them with :func:`tree`, :func:`parse_tree` or :func:`trees`.
-
-    Attributes
-    ----------
-    colour : str
-        Colour of the root.
-    children : tuple[Tree, ...]
-        Subtrees of the root, in ascending order (see :attr:`key`).
-    order : int
-        Number of vertices, ``|t|``.
-    density : int
-        ``gamma(t)``, the product over all vertices of the order of the subtree there.
-    symmetry : int
-        ``sigma(t)``, the order of the automorphism group.
     """
 
     __slots__ = ("_repeat", "children", "colour", "density", "order", "symmetry")
-    colour: str
-    children: tuple[Tree, ...]
-    order: int
-    density: int
-    symmetry: int
+    colour: str  #: Colour of the root.
+    children: tuple[Tree, ...]  #: Subtrees of the root, in ascending order (see :attr:`key`).
+    order: int  #: Number of vertices, ``|t|``.
+    density: int  #: ``gamma(t)``, the product over all vertices of the order of the subtree there.
+    symmetry: int  #: ``sigma(t)``, the order of the automorphism group.
     _repeat: int  # how many of the last children are equal
 
     def __new__(cls) -> NoReturn:

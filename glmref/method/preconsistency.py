@@ -76,24 +76,12 @@ class Block(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Preconsistency:
-    """Solution of ``V u = u, U u = 1``.
+    """Solution of ``V u = u, U u = 1``."""
 
-    Attributes
-    ----------
-    u : Vector or None
-        (r,), or ``None`` where there is none.
-    unique : bool
-        Whether u is the only solution.
-    certain : bool
-        Whether no ball around zero was left out of the decision.
-    witness : str
-        One sentence naming the row that contradicts the others, or ``""``.
-    """
-
-    u: Vector | None
-    unique: bool = True
-    certain: bool = True
-    witness: str = ""
+    u: Vector | None  #: (r,), or ``None`` where there is none.
+    unique: bool = True  #: Whether u is the only solution.
+    certain: bool = True  #: Whether no ball around zero was left out of the decision.
+    witness: str = ""  #: One sentence naming the row that contradicts the others, or ``""``.
 
 
 # --- u --------------------------------------------------------------------------------------------
