@@ -17,7 +17,7 @@ from glmref.engine.kernel import prepare
 from glmref.engine.native import compile_kernel
 from glmref.engine.reference import stepper
 from glmref.engine.shape import shape_of
-from glmref.engine.start import starting_values, zero_start
+from glmref.engine.starting_values import starting_values, zero_start
 from glmref.engine.sweep import step_form
 from glmref.problems import problem
 

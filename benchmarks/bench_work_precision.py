@@ -7,7 +7,7 @@ import numpy as np
 from glmref.catalogue.lookup import load
 from glmref.engine.kernel import prepare
 from glmref.engine.reference import stepper
-from glmref.engine.start import zero_start
+from glmref.engine.starting_values import zero_start
 from glmref.measure.work_precision import measure
 from glmref.problems import problem
 

@@ -28,10 +28,10 @@ import numpy as np
 
 from benchmarks.timing import interleaved, quartiles, ratios
 from glmref.catalogue.lookup import load
+from glmref.engine.forms import StepForm
 from glmref.engine.kernel import Kernel, prepare
-from glmref.engine.partitioned_forms import PairForm
 from glmref.engine.reference import stepper
-from glmref.engine.start import zero_start
+from glmref.engine.starting_values import zero_start
 from glmref.problems import problem
 from glmref.problems.model import Problem
 
@@ -145,7 +145,7 @@ def fastest(
     return loops[level], level, spent[level] / PILOT_STEPS
 
 
-def sweep_table(form: PairForm) -> str:
+def sweep_table(form: StepForm) -> str:
     """The file ``table.h`` for ``sweep.c``: the stages of a pair, numbers in hexadecimal.
 
     Raises
@@ -154,15 +154,16 @@ def sweep_table(form: PairForm) -> str:
         For a pair that ``sweep.c`` is not written for.
     """
     signs = ((1.0,),) if form.r == 1 else ((1.0, 0.0), (0.0, -1.0))
-    ones = all(U[0] == 1.0 for U in form.Q.U + form.P.U)
-    if form.kind != "sweep" or form.keeps_force or not form.V == form.V_hat == signs or not ones:
+    q, p = form.components
+    ones = all(U[0] == 1.0 for U in q.U + p.U)
+    if form.kind != "sweep" or form.keeps_force or not q.V == p.V == signs or not ones:
         raise ValueError("sweep.c is written for V = 1 or diag(1, -1) and first couplings of one")
     stages = []
     for block in form.blocks:
         (node,) = block.stages
-        half, i = (form.Q, node) if node < form.Q.n else (form.P, node - form.Q.n)
-        coupling = half.U[i][1] if form.r == 2 else 0.0
-        stages.append(f"{half.letter}({i}, {half.weights[i].hex()}, {coupling.hex()})")
+        k, i = form.place(node)
+        half, coupling = form.components[k], form.components[k].U[i][1] if form.r == 2 else 0.0
+        stages.append(f"{'QP'[k]}({i}, {half.weights[i].hex()}, {coupling.hex()})")
     return f"#define VALUES {form.r}\n#define TABLE " + " \\\n    ".join(stages) + "\n"
 
 
@@ -182,7 +183,6 @@ class Case:
         own.mkdir()
         source = name.replace("-", "_")
         if name in SWEEPS:
-            assert isinstance(self.kernel.form, PairForm)
             source = "sweep"
             (own / "table.h").write_text(sweep_table(self.kernel.form), encoding="utf-8")
         self.stepper = stepper(self.method, self.problem)

@@ -24,7 +24,7 @@ from glmref.engine.kernel import prepare
 from glmref.engine.outcome import StartFailed
 from glmref.engine.reference import stepper
 from glmref.engine.solve import solve
-from glmref.engine.start import starting_values
+from glmref.engine.starting_values import starting_values
 from glmref.measure.longtime import along
 from glmref.method import GLM, PartitionedGLM
 from glmref.method.classical import collocation

@@ -26,7 +26,7 @@ from glmref.engine.ensemble import solve_ensemble
 from glmref.engine.kernel import prepare
 from glmref.engine.reference import stepper
 from glmref.engine.runners import Lanes, Runner, Singles
-from glmref.engine.start import zero_start
+from glmref.engine.starting_values import zero_start
 from glmref.problems import problem
 
 LANES, STEPS, SAMPLE = 10_000, 1000, 25

@@ -27,7 +27,8 @@ from benchmarks.timing import interleaved
 from glmref import load, problem
 from glmref.engine.kernel import Kernel, State, prepare
 from glmref.engine.reference import stepper
-from glmref.engine.start import starting_values
+from glmref.engine.starting_values import starting_values
+from glmref.exact import Scalar
 from glmref.method import GLM, PartitionedGLM
 from glmref.method.component import SEPARABLE
 
@@ -39,6 +40,9 @@ METHODS = {
     "pair-rkn-6-8b": "PAIR",
     "multistep-rkn-8": "MULTISTEP",
     "multistep-rkn-10": "MULTISTEP",
+    "multistep-rkn-12": "MULTISTEP",
+    "multivalue-rkn-10": "TWO_KICKS",
+    "multivalue-rkn-12": "TWO_KICKS",
     "g6245-w3": "GLM",
 }
 #: Steps of one run.
@@ -110,21 +114,44 @@ def table(pair: PartitionedGLM) -> str:
 def multistep_table(method: PartitionedGLM) -> str:
     """The file ``table.h``: numbers of a multistep method of :mod:`glmref.derive.multistep`."""
     places = range(1, method.r_hat, 2)
-    numbers = {
-        "TWICE": [float(method.V_hat[j][j]) for j in places],
-        "ALPHA": [float(method.U_hat[0][j]) for j in places],
-    }
+    return pairs_of_roots(
+        TWICE=[method.V_hat[j][j] for j in places],
+        ALPHA=[method.U_hat[0][j] for j in places],
+    )
+
+
+def two_kicks_table(method: PartitionedGLM) -> str:
+    """The file ``table.h``: numbers of a :class:`glmref.derive.multistep.TwoKicks`."""
+    places = range(1, method.r_hat, 2)
+    first, kicks, V = method.U_hat[0], method.B_hat, method.V_hat
+    weight = float(2 * kicks[0][2]).hex()
+    return f"static const double W = {weight};\n" + pairs_of_roots(
+        TWICE=[V[j][j] for j in places],
+        FIRST_X=[first[j] for j in places],
+        FIRST_Z=[first[j + 1] for j in places],
+        # the second drift is the mirror image of the first
+        SECOND_X=[first[j] for j in places],
+        SECOND_Z=[-(V[j][j] * first[j] + first[j + 1]) for j in places],
+        KICK_X=[kicks[j][1] for j in places],
+        KICK_Z=[kicks[j + 1][1] for j in places],
+    )
+
+
+def pairs_of_roots(**numbers: Sequence[Scalar]) -> str:
+    """Arrays of C with one number for each pair, and how many pairs there are."""
     rows = (
-        f"static const double {key}[PAIRS] = {{{', '.join(x.hex() for x in found)}}};\n"
+        f"static const double {key}[PAIRS] = {{{', '.join(float(x).hex() for x in found)}}};\n"
         for key, found in numbers.items()
     )
-    return f"enum {{ PAIRS = {len(places)} }};\n{''.join(rows)}"
+    count = len(next(iter(numbers.values())))
+    return f"enum {{ PAIRS = {count} }};\n{''.join(rows)}"
 
 
 #: Macro of a C source -> what writes its numbers.
 TABLES: dict[str, Callable[[Any], str]] = {
     "PAIR": table,
     "MULTISTEP": multistep_table,
+    "TWO_KICKS": two_kicks_table,
     "GLM": glm_table,
 }
 

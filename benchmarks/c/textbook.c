@@ -266,6 +266,59 @@ long run(double *restrict y, const double *restrict par, double h, long steps)
     return finished(y, D, steps);
 }
 
+#elif defined TWO_KICKS
+/* A symmetric multivalue method with two kicks a step, see glmref.derive.multistep.TwoKicks: q moves
+   by h/2 v, v a sum over the values, before and after the force in the middle; the pairs are turned
+   between. Between the points s and x hold the whole kick of the last force, at the points half. */
+#include "table.h"
+
+long run(double *restrict y, const double *restrict par, double h, long steps)
+{
+    double q[M], s[M], x[PAIRS][M], z[PAIRS][M], g[M];
+    LOST(lost_q);
+    LOST(lost_s);
+    EACH q[c] = y[c];
+    force(q, par, g);
+    EACH s[c] = y[M + c] + h / 2 * (W * g[c]);
+    for (int k = 0; k < PAIRS; k++)
+        EACH {
+            x[k][c] = y[(2 * k + 1) * D + M + c] + h / 2 * g[c];
+            z[k][c] = y[(2 * k + 2) * D + M + c];
+        }
+    for (long n = 0; n < steps; n++) {
+        EACH {
+            double v = s[c];
+            for (int k = 0; k < PAIRS; k++)
+                v += FIRST_X[k] * x[k][c] + FIRST_Z[k] * z[k][c];
+            ADD(q[c], OF(lost_q), h / 2 * v);
+        }
+        force(q, par, g);
+        EACH {
+            double kick = h * g[c], v = 0;
+            ADD(s[c], OF(lost_s), (1 - W) * kick);
+            for (int k = 0; k < PAIRS; k++) {
+                double to = (TWICE[k] * x[k][c] - z[k][c]) + KICK_X[k] * kick;
+                z[k][c] = x[k][c] + KICK_Z[k] * kick;
+                x[k][c] = to;
+                v += SECOND_X[k] * to + SECOND_Z[k] * z[k][c];
+            }
+            ADD(q[c], OF(lost_q), h / 2 * (s[c] + v));
+        }
+        force(q, par, g);
+        EACH {
+            double kick = h * g[c];
+            ADD(s[c], OF(lost_s), W * kick);
+            for (int k = 0; k < PAIRS; k++)
+                x[k][c] += kick;
+        }
+    }
+    EACH {
+        y[c] = q[c];
+        y[M + c] = s[c] - h / 2 * (W * g[c]);
+    }
+    return finished(y, D, steps);
+}
+
 #elif defined GLM
 /* A general linear method with diagonally implicit stages, Butcher, Numerical Methods for Ordinary
    Differential Equations, 5: Y_i = sum u_ij y_j + h sum a_ij F_j, then y_i = sum v_ij y_j +

@@ -14,9 +14,11 @@ import numpy as np
 from ..exact.linalg import Matrix
 from ..problems.model import Problem
 from .memory import NEWTON_BYTES
+from .outcome import is_finite
 
 _ROUNDS = 200  # fixed-point rounds before Newton takes over, Newton rounds before giving up
 _STALLS = 3  # rounds without decrease that end an iteration which is not yet at round-off
+_NOISE = 30 / 52  # of the digits: a change below that which has stalled is what cancellation leaves
 
 
 class Arithmetic:
@@ -134,10 +136,6 @@ def size(x: np.ndarray) -> Any:
     return max((abs(v) for v in x.ravel()), default=0)
 
 
-def _finite(x: Any) -> bool:
-    return bool(x == x and abs(x) != float("inf"))
-
-
 class StageSolver:
     """Solves x = F(x), x the slopes of one block, to round-off."""
 
@@ -167,8 +165,13 @@ class StageSolver:
     def _settle(
         self, update: Callable[[np.ndarray], np.ndarray], x: np.ndarray, scale: Any
     ) -> tuple[bool, np.ndarray]:
-        """Apply ``update`` until the change is zero, or is round-off and no longer decreases."""
+        """Apply ``update`` until the change is zero, or is round-off and no longer decreases.
+
+        A change that has stalled is settled up to the limit of the compiled engine, 2^-30 in
+        double precision: a right-hand side that cancels leaves no fewer digits.
+        """
         round_off = 64 * self.arithmetic.epsilon * scale
+        noise = self.arithmetic.epsilon**_NOISE * scale
         last, stalls = None, 0
         for _ in range(_ROUNDS):
             try:
@@ -178,7 +181,7 @@ class StageSolver:
             self.iterations += 1
             change = size(new - x)
             x = new
-            if not _finite(change):
+            if not is_finite(change):
                 return False, x
             if change == 0:
                 return True, x
@@ -187,7 +190,7 @@ class StageSolver:
                     return True, x
                 stalls += 1
                 if stalls > _STALLS:
-                    return False, x
+                    return bool(change <= noise), x
             last = change
         return False, x
 

@@ -27,22 +27,13 @@ Structure = list[frozenset[int]]
 
 @dataclass(frozen=True)
 class Band:
-    """An order of the unknowns in which a matrix has few diagonals.
+    """An order of the unknowns in which a matrix has few diagonals."""
 
-    Attributes
-    ----------
-    order : tuple of int
-        ``order[k]`` is the unknown at position k.
-    lower, upper : int
-        Diagonals below and above the main one.
-    entries : int
-        Entries of the matrix that are not zero.
-    """
-
-    order: tuple[int, ...]
+    order: tuple[int, ...]  #: ``order[k]`` is the unknown at position k.
+    #: Diagonals below and above the main one.
     lower: int
     upper: int
-    entries: int
+    entries: int  #: Entries of the matrix that are not zero.
 
     @property
     def width(self) -> int:

@@ -21,11 +21,11 @@ from typing import Any
 from ..problems.formula import Formula
 from .band import Band
 from .emit import TARGETS, ScalarTarget, Writer, length_check
-from .explicit import ExplicitWriter
 from .forms import StepForm
+from .kicks import KickWriter
 from .newton import COMPLEX_HELPERS, HELPERS
 from .shape import Part, Shape, inlined, jacobian_block, parameter_names, used_parameters
-from .updates import Values, linear
+from .updates import linear
 
 #: Arguments of every generated kernel, in order; see :mod:`.compiled` for their types.
 ARGUMENTS = {
@@ -40,33 +40,17 @@ SCALAR_STAGE_LIMIT = 256  # and at most this many stage components
 
 @dataclass(frozen=True)
 class Options:
-    """What to generate besides the form and the shape.
+    """What to generate besides the form and the shape."""
 
-    Attributes
-    ----------
-    compensated : bool
-        Compensated summation of the values.
-    solver : str
-        ``"fixed-point"`` or ``"newton"``.
-    target : str
-        ``"scalar"``, ``"array"`` or ``"auto"``.
-    history : bool
-        Whether all values are recorded, not only the solution.
-    interpreted : bool
-        Whether the source is for the interpreter: arithmetic errors end the run by name instead of
-        raising.
-    fused : bool
-        Whether the compiler may fuse products and sums.
-    quick : bool
-        Whether rounds of the fixed point end where the next change would be below rounding.
-    """
-
-    compensated: bool = True
-    solver: str = "fixed-point"
-    target: str = "auto"
-    history: bool = False
+    compensated: bool = True  #: Compensated summation of the values.
+    solver: str = "fixed-point"  #: ``"fixed-point"`` or ``"newton"``.
+    target: str = "auto"  #: ``"scalar"``, ``"array"`` or ``"auto"``.
+    history: bool = False  #: Whether all values are recorded, not only the solution.
+    #: Whether the source is for the interpreter: arithmetic errors end the run by name instead of
+    #: raising.
     interpreted: bool = False
-    fused: bool = False
+    fused: bool = False  #: Whether the compiler may fuse products and sums.
+    #: Whether rounds of the fixed point end where the next change would be below rounding.
     quick: bool = False
 
     @classmethod
@@ -80,27 +64,17 @@ class Options:
 
 @dataclass(frozen=True)
 class KernelSource:
-    """A generated kernel.
+    """A generated kernel."""
 
-    Attributes
-    ----------
-    text : str
-        Module source; defines ``kernel``.
-    work_size : int
-        Length of the work array ``x``. Its head is the state that lasts from step to step:
-        ``value_rows`` rows of d values y, as many rounding errors e (if compensated), and
-        ``memory_rows`` rows L that the predictor starts from.
-    target : str
-        ``"scalar"`` or ``"array"``.
-    side_by_side : int
-        Stages of the largest block that is solved together, or values that a step turns.
-    """
-
-    text: str
+    text: str  #: Module source; defines ``kernel``.
+    #: Length of the work array ``x``. Its head is the state that lasts from step to step:
+    #: ``value_rows`` rows of d values y, as many rounding errors e (if compensated), and
+    #: ``memory_rows`` rows L that the predictor starts from.
     work_size: int
     value_rows: int
     memory_rows: int
-    target: str
+    target: str  #: ``"scalar"`` or ``"array"``.
+    #: Stages of the largest block that is solved together, or values that a step turns.
     side_by_side: int = 1
 
 
@@ -123,12 +97,15 @@ def kernel_source(form: StepForm, shape: Shape, options: Options) -> KernelSourc
     builder.kernel()
     head = header(shape, kind, newton=builder.factored_newton)
     title = (
-        f'"""Generated kernel: {form.kind} form, {form.s} stages, {form.r} values, '
+        f'"""Generated kernel: {form.kind} form, {form.s} stages, {form.rows} values, '
         f'd = {shape.dimension}."""\n\n'
     )
-    widest = max((len(block.stages) for block in form.blocks), default=1)
+    if len(form.components) == 1:
+        widest = max((len(block.stages) for block in form.blocks), default=1)
+    else:  # values of a multistep method turn independently of each other: vectors fit them
+        widest = form.rows if len(form.kick) > 1 else 1
     return KernelSource(
-        title + head + writer.text, target.work_size, form.r, len(form.memory), kind, widest
+        title + head + writer.text, target.work_size, form.rows, len(form.memory), kind, widest
     )
 
 
@@ -267,7 +244,7 @@ def _differences(w: Writer, shape: Shape) -> None:
                     w(f"out[{part.start} + c, k] = (scratch[{d} + c] - scratch[c])/step")
 
 
-class Builder(ExplicitWriter):
+class Builder(KickWriter):
     """Writes one kernel: the loop over steps and what happens to the values."""
 
     # --- skeleton -------------------------------------------------------------------------------
@@ -307,8 +284,8 @@ class Builder(ExplicitWriter):
 
     def _blocks(self) -> None:
         """All stages of a step."""
-        if self.direct:
-            self._direct_stages()
+        if self.direct or self.leaps:
+            (self._direct_stages if self.direct else self._leap)()
             return
         if self.factored_newton:
             self.w("slow = False")
@@ -332,10 +309,13 @@ class Builder(ExplicitWriter):
     def _scaled_weights(self) -> None:
         if self.direct:
             self._direct_coefficients()
-        for i, weight in enumerate(self.form.weights if not self.direct else ()):
+        weights = [w for one in self.form.components for w in one.weights]
+        for i, weight in enumerate(weights if not self.direct else ()):
             self.w(f"hw{i} = h" if weight == 1.0 else f"hw{i} = h*{weight!r}")
         if self.rounds is not None:
             self.rounds.coefficients(self._guesses)
+        recorded = self.form.kick if self.options.history else self.form.kick[:1]
+        self.w(*(f"hk{k} = {kick!r}*h" for k, kick in enumerate(recorded) if kick))
         if self.shape.uses_time:
             for i, c in enumerate(self.form.c):
                 if c:
@@ -345,6 +325,7 @@ class Builder(ExplicitWriter):
         """Give a value to local variables that the first round of a solver reads."""
         if isinstance(self.t, ScalarTarget):
             implicit = [i for b in self.form.blocks if b.implicit for i in b.stages]
+            implicit = self._at(self.shape.counted, implicit)
             names = [self.t.ref(f"Y{i}", c) for i in implicit for c in range(*self.watched)]
             self.w(*(f"{name} = 0.0" for name in names + self._newton_names()))
 
@@ -355,9 +336,12 @@ class Builder(ExplicitWriter):
         return names + [name for name, _ in self.form.memory]
 
     def _record(self) -> None:
-        for k in range(self.form.r) if self.options.history else range(1):
-            text = linear([(x, f"@y{j}") for j, x in enumerate(self.form.from_form[k])])
-            self._output(k, text, self.all)
+        for one, values in zip(self.form.components, self.sides, strict=True):
+            for k in range(values.r if self.options.history else 1):
+                text = linear([(x, f"@y{j}") for j, x in enumerate(one.from_form[k])])
+                if values is not self.values and self.form.kick and self.form.kick[k]:
+                    text = f"@y{k} + ({f'@e{k} - ' if values.kept[k] else '-'}hk{k}*@G)"
+                self._output(k, text, values.part)
 
     def _output(self, k: int, text: str, part: tuple[int, int]) -> None:
         """Write value k to the current row of ``out``, an array (rows, values, d) laid flat."""
@@ -374,13 +358,17 @@ class Builder(ExplicitWriter):
 
     def _begin(self) -> None:
         """Start a step: the values that stages read, and what the predictor needs."""
-        self.values.begin()
+        for values in self.sides if not self.leaps else ():
+            values.begin()
         copies = [f"@K{j} = @L{j}" for j in self._remembered()]
         if copies:
             self.t.vec(copies, self.inner)
 
     def _commit(self) -> None:
         """New values, their rounding errors, and the check that they are numbers."""
+        if self.leaps or self.in_place or self.one_pass:
+            self._commit_kicks()
+            return
         if self.direct:
             self._direct_values()
         elif self.positions is not None:
@@ -389,18 +377,18 @@ class Builder(ExplicitWriter):
             self.positions.commit()
             self.t.vec(values.finishing([f"@L{i}" for i in range(self.form.s)]), (half, 2 * half))
         else:
-            self.values.finish([f"@L{i}" for i in range(self.form.s)])
-        self.values.check("check")
-        self._finite("check")
-        self._accept(self.values)
+            for values, increments in zip(self.sides, self.moving, strict=True):
+                values.finish(increments)
+        checks = [f"check{k or ''}" for k in range(len(self.sides))]
+        for values, check in zip(self.sides, checks, strict=True):
+            values.check(check)
+        self._finite(" + ".join(checks))
+        for values in self.sides:
+            self._take(self._pairs(values), [], values.part)
 
     def _finite(self, total: str) -> None:
         with self.w.block(f"if not (abs({total}) < 1e300):"):
             self.w("outcome = 2", "break")
-
-    def _accept(self, values: Values) -> None:
-        """The step is good: its values become the state."""
-        self.t.vec(self._taking(values.pairs()), values.part)
 
     def _taking(self, pairs: Sequence[tuple[str, str]], condition: str = "good") -> list[str]:
         """Statements by which old becomes new; in lanes, where the condition holds."""

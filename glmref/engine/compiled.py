@@ -65,29 +65,15 @@ def _numba_head(signature: str, *, cache: bool, fuse: bool) -> str:
 
 @dataclass(frozen=True)
 class Built:
-    """A kernel ready to be called.
+    """A kernel ready to be called."""
 
-    Attributes
-    ----------
-    kernel : Callable[..., int]
-        The function, with the arguments of :mod:`.codegen`.
-    engine : str
-        ``"native"`` (llvmlite), ``"numba"`` or ``"python"``.
-    path : Path or None
-        The generated module, or ``None`` where it was not written.
-    notice : str
-        Why the interpreter runs it, or ``""``.
-    functions : Mapping[str, Callable[..., Any]]
-        A user's functions as numba compiled them, by the names the source calls.
-    trouble : list[Exception]
-        Arithmetic and value errors that ended a call of an interpreted kernel.
-    """
-
-    kernel: Callable[..., int]
-    engine: str
-    path: Path | None = None
-    notice: str = ""
+    kernel: Callable[..., int]  #: The function, with the arguments of :mod:`.codegen`.
+    engine: str  #: ``"native"`` (llvmlite), ``"numba"`` or ``"python"``.
+    path: Path | None = None  #: The generated module, or ``None`` where it was not written.
+    notice: str = ""  #: Why the interpreter runs it, or ``""``.
+    #: A user's functions as numba compiled them, by the names the source calls.
     functions: Mapping[str, Callable[..., Any]] = field(default_factory=dict)
+    #: Arithmetic and value errors that ended a call of an interpreted kernel.
     trouble: list[Exception] = field(default_factory=list)
 
 

@@ -207,29 +207,16 @@ class ScalarTarget(_Unrolled):
 
 @dataclass
 class _Loop:
-    """A loop over components as it stands in the source.
+    """A loop over components as it stands in the source."""
 
-    Attributes
-    ----------
-    head, end : int
-        Number of its line ``while``, and of the line after it.
-    depth : int
-        indentation.
-    start, stop : int
-        components.
-    counter : str
-        name.
-    statements : list[str]
-        As they were asked for.
-    """
-
+    #: Number of its line ``while``, and of the line after it.
     head: int
     end: int
     depth: int
     start: int
     stop: int
     counter: str
-    statements: list[str]
+    statements: list[str]  #: As they were asked for.
 
 
 class ArrayTarget(Target):

@@ -22,10 +22,11 @@ from ..method import Method
 from ..problems.model import Problem
 from .expressions import Unsupported
 from .function_checks import inspected
+from .kept import stepper_of
 from .plan import notices_of, plan_of, resolved, step_size
 from .reference import Stepper
 from .runners import WIDTHS, EnsembleSolution, Lanes, Runner, Singles, rows_at, slopes_at
-from .start import corrector, default_passes, zero_start
+from .starting_values import corrector, default_passes, zero_start
 
 
 def solve_ensemble(
@@ -63,6 +64,9 @@ def solve_ensemble(
         raise UsageError(
             f"`initial` must have shape (N, d) with d = {problem.dimension}, got {y0.shape}"
         )
+    if not np.isfinite(y0).all():
+        row = int(np.flatnonzero(~np.isfinite(y0).all(axis=1))[0])
+        raise UsageError(f"`initial` must be finite, got {y0[row]} in row {row}")
     if width is not None and width not in (1, *WIDTHS):
         raise UsageError(f"`width` must be 1 or one of {WIDTHS}, got {width!r}")
     if arithmetic == "quick":
@@ -74,14 +78,20 @@ def solve_ensemble(
         raise UsageError(f"`threads` must be a positive whole number, got {threads!r}")
     given = (method, problem, y0[0], h, arithmetic, solver, workers, width, cancel)
     runner: Runner | None = None
-    if width != 1:
-        with suppress(Unsupported, ImportError):
-            runner = Lanes(*given)
-    runner = runner or Singles(*given)
     with np.errstate(all="ignore"):
-        seen = inspected(runner.engine, float(problem.t_span[0]), y0[0])
+        # before anything is compiled: numba ends the process on some functions that give no state
+        seen = inspected(stepper_of(method, problem), float(problem.t_span[0]), y0[0])
+        if width != 1:
+            with suppress(Unsupported, ImportError):
+                runner = Lanes(*given)
+        runner = runner or Singles(*given)
         values, evaluations = _starts(runner, method, problem, y0, h, start)
         found = runner.run(values, evaluations, plan)
+        # whose start, or first kick, has overflowed: no step is taken
+        lost = ~(np.isfinite(values).all(axis=(1, 2)) & np.isfinite(found.y[0]).all(axis=1))
+        if lost.any():
+            found.y[:, lost] = y0[lost]
+            found.values[lost] = zero_start(runner.engine, y0[lost])
         notices = seen.afterwards(found.t[-1], found.y[-1, 0]) if seen.seen else ()
     return replace(found, notices=(*found.notices, *notices_of(method), *notices))
 

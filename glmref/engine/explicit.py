@@ -16,7 +16,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 
-from .forms import StepForm
 from .positions import SPLITTER, halves
 from .stages import StageWriter
 from .updates import linear
@@ -29,7 +28,7 @@ class ExplicitWriter(StageWriter):
     def direct(self) -> bool:
         """Whether the form is A, U, B, V with explicit stages."""
         form = self.form
-        if not isinstance(form, StepForm) or form.running or form.implicit_stages:
+        if len(form.components) > 1 or form.running or form.implicit_stages:
             return False
         return all(x == 1.0 for x in form.weights)
 
@@ -116,7 +115,7 @@ class ExplicitWriter(StageWriter):
                     if part.timed:
                         self._time(i)
                     self.t.call(part, source, f"F{i}", f"s{i}")
-            self._count(1)
+            self._count([i])
 
     def _earlier(self, i: int) -> list[int]:
         """Stages that stage i of Nyström's form reads."""

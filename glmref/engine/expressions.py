@@ -30,33 +30,18 @@ class Expressions:
     """Values of expressions: numbers (double, integer, bit), one for each lane, and arrays.
 
     Where an operation meets a vector, a number beside it is taken in every lane.
-
-    Attributes
-    ----------
-    m : Any
-        The module: its types, its functions.
-    b : Any
-        Where instructions go.
-    entry : Any
-        Block of the stack slots.
-    slots : dict[str, Any]
-        Stack slot of each number variable.
-    wide : set[str]
-        Variables that have a number for each lane.
-    arrays : dict[str, Array]
-        The array variables.
     """
 
-    m: Any
+    m: Any  #: The module: its types, its functions.
     ir: Any
-    b: Any
-    entry: Any
+    b: Any  #: Where instructions go.
+    entry: Any  #: Block of the stack slots.
     double: Any
     integer: Any
     bit: Any
-    slots: dict[str, Any]
-    wide: set[str]
-    arrays: dict[str, Array]
+    slots: dict[str, Any]  #: Stack slot of each number variable.
+    wide: set[str]  #: Variables that have a number for each lane.
+    arrays: dict[str, Array]  #: The array variables.
 
     def _assign(self, name: str, value: Any) -> None:
         if name not in self.slots:

@@ -18,14 +18,16 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 
 from ..exact import Scalar, linalg
 from ..exact.linalg import Matrix
 from ..method import GLM
+from ..method.component import SEPARABLE
+from ..method.preconsistency import preconsistency_vector, stage_times
 from ..method.rounding import split_float
-from ..method.solution_value import preconsistency_vector, stage_times
 from ..method.stage_order import StageBlock, dependency_blocks
 from .tableau import as_balls
 
@@ -35,106 +37,193 @@ CLOSE = 1e-40
 Row = tuple[float, ...]
 
 
-class Form:
-    """What the coefficients of all methods have."""
+@dataclass(frozen=True)
+class Rows:
+    """One component in double precision: the stages read from its values, and its values."""
 
+    U: tuple[Row, ...]  #: (n, r) of the stages.
+    M: tuple[Row, ...]  #: (n, n') from the increments that move the component.
+    weights: Row  #: (n,), the w of the module docstring.
+    V: tuple[Row, ...]  #: (r, r).
+    R: tuple[Row, ...]  #: (r, n') updates of the values; R_residue what their rounding lost.
+    R_residue: tuple[Row, ...]
+    large: tuple[bool, ...]  #: Values that are multiples of y (u_k != 0); the others are O(h).
+    #: (r, r), change of basis: x = to_form @ y and back.
+    to_form: tuple[Row, ...]
+    from_form: tuple[Row, ...]
+
+
+def _first(field: str) -> Any:
+    """A field of the first component, which is the only one of a single method."""
+    return property(lambda form: getattr(form.components[0], field))
+
+
+@dataclass(frozen=True)
+class StepForm:
+    """Double precision coefficients of one step, ready for code generation.
+
+    Of two components the first is q, moved by the increments of the stages of the second, where
+    q' = dq(p) is evaluated; and the other way round.
+    """
+
+    kind: str  #: ``"sweep"``, ``"mu"`` or ``"standard"``.
+    running: bool  #: Whether the updates R L are added to x as the stages go (sweep).
+    #: One, or two; U, M, weights, V, R, R_residue, large, to_form and from_form are the first's.
+    components: tuple[Rows, ...]
+    #: Stages in the order of computation, numbered through the components.
     blocks: tuple[StageBlock, ...]
-    r: int
+    c: Row = ()  #: (s,) abscissae of a single method.
+    #: (r, r) form that a running form conserves, in its basis, or ``None``.
+    G: tuple[Row, ...] | None = None
+    M_residue: Row = ()  #: (s,), what rounding took from M_ii (sweep; below 1e-20 it is left out).
+    #: What is carried in place of value k of p is p_k + kick_k h dp(q), see :func:`.sweep.merged`
+    #: and :func:`.sweep.merged_multistep`; empty where values are carried as they are.
+    kick: Row = ()
+
+    U, M, weights, V = map(_first, ("U", "M", "weights", "V"))
+    R, R_residue, large = map(_first, ("R", "R_residue", "large"))
+    to_form, from_form = map(_first, ("to_form", "from_form"))
+
+    @property
+    def s(self) -> int:
+        """Number of stages of all components."""
+        return sum(len(one.U) for one in self.components)
+
+    @property
+    def r(self) -> int:
+        """Number of values of the first component."""
+        return len(self.V)
 
     @property
     def rows(self) -> int:
-        """Rows of values in the state of a kernel."""
-        return self.r
+        """Rows of values in the state of a kernel: of the longest component."""
+        return max(len(one.V) for one in self.components)
 
     @property
     def implicit_stages(self) -> int:
         """Number of stages that need an equation solved."""
         return sum(len(block.stages) for block in self.blocks if block.implicit)
 
+    @property
+    def forces(self) -> int:
+        """Forces evaluated in a step by stages that need no equation solved."""
+        single = [b.stages[0] for b in self.blocks if not b.implicit]
+        return sum(1 for stage in single if stage < len(self.U)) - self.reuses_force
 
-@dataclass(frozen=True)
-class StepForm(Form):
-    """Double precision coefficients of one step, ready for code generation.
+    @property
+    def reuses_force(self) -> bool:
+        """Whether the first stage Q of a step is the last one of the step before.
 
-    Attributes
-    ----------
-    kind : str
-        ``"sweep"``, ``"mu"`` or ``"standard"``.
-    s, r : int
-        Numbers of stages and values.
-    running : bool
-        Whether the updates R L are added to x as the stages go (sweep).
-    U : tuple[Row, ...]
-        (s, r).
-    M : tuple[Row, ...]
-        (s, s).
-    R : tuple[Row, ...]
-        (r, s).
-    V : tuple[Row, ...]
-        (r, r).
-    weights : Row
-        (s,), the w of the module docstring.
-    R_residue : tuple[Row, ...]
-        (r, s), exact minus rounded update coefficients (zero in the structural forms).
-    M_residue : Row
-        (s,), what rounding took from M_ii (sweep; below 1e-20 it is left out).
-    c : Row
-        (s,) abscissae.
-    blocks : tuple[StageBlock, ...]
-        Stages in the order of computation.
-    large : tuple[bool, ...]
-        Values that are multiples of y (u_k != 0); the others are O(h).
-    to_form, from_form : tuple[Row, ...]
-        (r, r), change of basis: x = to_form @ y and back.
-    exact_V : bool
-        Whether V is integral, so that V^T G V = G holds without rounding.
-    G : tuple[Row, ...] or None
-        (r, r) form that a running form conserves, in its basis, or ``None``.
-    """
+        So it is for one value each where a step begins and ends with an update of p, and for one
+        value of q and several of p where the last stage is the new q.
+        """
+        if len(self.components) == 1 or self.V != ((1.0,),) or self.implicit_stages:
+            return False
+        q, p = self.components
+        first, last = self.blocks[0].stages[0], self.blocks[-1].stages[0]
+        if len(q.U) < 2 or max(first, last) >= len(q.U):
+            return False
+        if not q.U[first] == q.U[last] == (1.0,):
+            return False
+        if self.running:
+            return p.V == ((1.0,),)
+        return not any(q.M[first]) and q.M[last] == q.R[0]
 
-    kind: str
-    s: int
-    r: int
-    running: bool
-    U: tuple[Row, ...]
-    M: tuple[Row, ...]
-    R: tuple[Row, ...]
-    V: tuple[Row, ...]
-    weights: Row
-    R_residue: tuple[Row, ...]
-    c: Row
-    blocks: tuple[StageBlock, ...]
-    large: tuple[bool, ...]
-    to_form: tuple[Row, ...]
-    from_form: tuple[Row, ...]
-    exact_V: bool
-    G: tuple[Row, ...] | None = None
-    M_residue: Row = ()
+    @property
+    def keeps_force(self) -> bool:
+        """Whether the last force of a step is kept: for the next step, or to read p from it."""
+        return bool(self.kick) or self.reuses_force
 
-    def into(self, values: np.ndarray) -> np.ndarray:
-        """(..., r, d) values of the method in the basis of this form."""
-        return changed_basis(self.to_form, values)
+    @property
+    def leaps(self) -> bool:
+        """Whether a step is q+ = q + h p, p+ = p + h dp(q+) in the values carried.
 
-    def back(self, x: np.ndarray) -> np.ndarray:
-        """(..., r, d) values of this form in the basis of the method."""
-        return changed_basis(self.from_form, x)
+        Then, with q' = p, what q moves by in the coming step is kept in the left half of the row
+        of the force, see :class:`.kicks.KickWriter`.
+        """
+        ones = ((1.0,),)
+        return len(self.kick) == 1 and all(x.U == x.V == x.R == ones for x in self.components)
 
     @property
     def memory(self) -> tuple[tuple[str, float | None], ...]:
-        """What the predictor keeps from step to step: names of increments L and their weights."""
+        """What is kept from step to step: increments and weights, or a force (weight ``None``)."""
+        if self.keeps_force:
+            return (("G", None),)
         if not self.implicit_stages:
             return ()
-        return tuple((f"L{i}", weight) for i, weight in enumerate(self.weights))
+        weights = [w for one in self.components for w in one.weights]
+        return tuple((f"L{i}", weight) for i, weight in enumerate(weights))
 
+    def place(self, stage: int) -> tuple[int, int]:
+        """The component that a stage is read from, and its row there."""
+        n = len(self.U)
+        return (0, stage) if stage < n else (1, stage - n)
 
-def changed_basis(matrix: tuple[Row, ...], values: np.ndarray) -> np.ndarray:
-    """``matrix @ values`` over the last two axes, term by term: the same bits for any shape."""
-    out = np.zeros_like(values, dtype=float)
-    for k, row in enumerate(matrix):
-        for j, factor in enumerate(row):
-            if factor:
-                out[..., k, :] += factor * values[..., j, :]
-    return out
+    def increments(self, stage: int, among: Sequence[int]) -> list[tuple[float, str]]:
+        """Terms of a stage: those of the given stages' increments that it reads."""
+        k, row = self.place(stage)
+        moving = len(self.components) - 1 - k
+        places = [(j, *self.place(j)) for j in among]
+        return [(self.components[k].M[row][i], f"@L{j}") for j, m, i in places if m == moving]
+
+    def kept(self, component: int) -> tuple[bool, ...]:
+        """Which values of a component are kept together with their rounding errors.
+
+        All but those that oscillate in a multistep method with merged kicks. Their sums V y have
+        factors like 2 cos(theta), whose products are rounded and not put back, so that the error
+        of the last addition alone is not worth its operations; no multiple of the solution is
+        among them, and their errors do not add up.
+        """
+        V = self.components[component].V
+        kept = [True] * len(V)
+        for k, row in enumerate(V) if component and len(self.kick) > 1 else ():
+            before = [j for j, x in enumerate(row) if x]
+            kept[k] = all(abs(row[j]) == 1.0 and (j == k or kept[j]) for j in before)
+        return tuple(kept)
+
+    def kicked(self, p: np.ndarray, force: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
+        """p + kick h force and what its rounding lost (Knuth's TwoSum).
+
+        Parameters
+        ----------
+        p : np.ndarray
+            (..., r^, m) values of p.
+        force : np.ndarray
+            (..., m).
+        """
+        more = self._kicks(force, h)
+        total = p + more
+        share = total - p
+        lost = (p - (total - share)) + (more - share)
+        return total, np.where(np.array(self.kept(1))[:, None], lost, 0.0)
+
+    def unkicked(
+        self, p: np.ndarray, rest: np.ndarray | float, force: np.ndarray, h: float
+    ) -> np.ndarray:
+        """Take :meth:`kicked` back."""
+        return p + (rest - self._kicks(force, h))
+
+    def _kicks(self, force: np.ndarray, h: float) -> np.ndarray:
+        return h * np.array(self.kick)[:, None] * force[..., None, :]
+
+    def into(self, values: np.ndarray) -> np.ndarray:
+        """(..., r, d) values of the method in the basis of this form."""
+        return self._moved(values, "to_form")
+
+    def back(self, x: np.ndarray) -> np.ndarray:
+        """(..., r, d) values of this form in the basis of the method."""
+        return self._moved(x, "from_form")
+
+    def _moved(self, values: np.ndarray, which: str) -> np.ndarray:
+        """``matrix @ values``, component by component, term by term: the same bits in any shape."""
+        width, out = values.shape[-1] // len(self.components), np.zeros_like(values, dtype=float)
+        for n, component in enumerate(self.components):
+            here = slice(n * width, (n + 1) * width)
+            for k, row in enumerate(getattr(component, which)):
+                for j, factor in enumerate(row):
+                    if factor:
+                        out[..., k, here] += factor * values[..., j, here]
+        return out
 
 
 def vanishes(x: Scalar) -> bool:
@@ -192,28 +281,27 @@ def mu_form(method: GLM) -> StepForm:
             M[j][i] = 1.0 - M[i][j]
     rounded = consistent_weights([float(x) for x in b], [1.0] * s)
     blocks = dependency_blocks(s, lambda i, j: M[i][j] != 0)
-    return StepForm(
-        kind="mu", s=s, r=1, running=False, U=((1.0,),) * s,
-        M=tuple(tuple(row) for row in M), R=((1.0,) * s,), V=((1.0,),), weights=rounded,
-        R_residue=((0.0,) * s,), c=floats(stage_times(method)), blocks=blocks,
-        large=(True,), to_form=((1.0,),), from_form=((1.0,),), exact_V=True, G=((1.0,),),
+    one = Rows(
+        U=((1.0,),) * s, M=tuple(tuple(row) for row in M), weights=rounded, V=((1.0,),),
+        R=((1.0,) * s,), R_residue=((0.0,) * s,), large=(True,),
+        to_form=((1.0,),), from_form=((1.0,),),
     )  # fmt: skip
+    return StepForm("mu", False, (one,), blocks, floats(stage_times(method)), G=((1.0,),))
 
 
-def standard_form(method: GLM) -> StepForm:
+def standard_form(method: Any) -> StepForm:
     """A, U, B, V as given, with what rounding B lost."""
-    s, r = method.s, method.r
-    identity = float_rows(linalg.identity(r))
-    R, residue = split_rows(method.B)
-    V = float_rows(method.V)
-    return StepForm(
-        kind="standard", s=s, r=r, running=False, U=float_rows(method.U),
-        M=float_rows(method.A), R=R, V=V, weights=(1.0,) * s, R_residue=residue,
-        c=floats(stage_times(method)), blocks=method.stage_blocks(),
-        large=large(preconsistency_vector(method), r),
-        to_form=identity, from_form=identity,
-        exact_V=all(x == int(x) for row in V for x in row),
-    )  # fmt: skip
+    components = []
+    for one in method.components:
+        R, residue = split_rows(one.B)
+        r, identity = len(one.V), float_rows(linalg.identity(len(one.V)))
+        components.append(Rows(
+            float_rows(one.U), float_rows(one.A), (1.0,) * len(one.U), float_rows(one.V), R,
+            residue, large(preconsistency_vector(one), r), identity, identity,
+        ))  # fmt: skip
+    c = floats(stage_times(method)) if method.parts == 1 else ()
+    blocks = method.stage_blocks(SEPARABLE if method.parts > 1 else None)
+    return StepForm("standard", False, tuple(components), blocks, c)
 
 
 def large(u: Sequence[Scalar] | None, r: int) -> tuple[bool, ...]:

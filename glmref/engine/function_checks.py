@@ -4,11 +4,13 @@ A right-hand side must depend on t and y alone and give all the digits of a doub
 the start, one more there and two at the end of the run show what does not: random numbers, a
 counter, a clock, 32-bit results. What is wrong at the start is refused; what comes to light later,
 or costs accuracy only, becomes a notice of the solution. Computing in place, or handing out one
-array every time, needs no check: :class:`..problems.user.UserFunction` and the kernels copy.
+array every time, needs no check, as :class:`..problems.user.UserFunction` copies; a loop body
+that writes into its argument is refused.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -41,16 +43,10 @@ class _Seen:
 
 @dataclass
 class Inspection:
-    """What the calls at the start showed.
-
-    Attributes
-    ----------
-    notices : list of str
-        Sentences for the solution.
-    """
+    """What the calls at the start showed."""
 
     engine: Stepper
-    notices: list[str] = field(default_factory=list)
+    notices: list[str] = field(default_factory=list)  #: Sentences for the solution.
     seen: list[_Seen] = field(default_factory=list)
 
     def afterwards(self, t: Any, y: np.ndarray) -> list[str]:
@@ -127,20 +123,21 @@ def _functions(engine: Stepper) -> list[UserFunction]:
     """The user's functions that a run can call, each once."""
     problem, found = engine.problem, []
     pair = engine.method.parts == 2
-    names = ("dq", "dp") if problem.separable and pair else ("f", "dq", "dp")
-    for name in names:
-        function = getattr(problem, name)
+    parts = [problem.dq, problem.dp]
+    if not (problem.separable and pair):
+        parts = [problem.f, *parts, *problem.terms]
+    for function in parts:
         if isinstance(function, UserFunction) and function not in found:
             found.append(function)
     return found
 
 
 def _point(function: UserFunction, engine: Stepper, t: Any, y: np.ndarray) -> tuple[Any, ...]:
-    """Arguments of f, of dq(p) or of dp(q) at a point, as copies."""
+    """Arguments of f, of a term, of dq(p) or of dp(q) at a point, as copies."""
     m = len(y) // 2
-    if function.name == "f":
-        return t, np.array(y)
-    return (np.array(y[m:] if function.name == "dq" else y[:m]),)
+    if function.name in ("dq", "dp", "force"):
+        return (np.array(y[m:] if function.name == "dq" else y[:m]),)
+    return t, np.array(y)
 
 
 def _value(function: UserFunction, point: tuple[Any, ...]) -> Any:
@@ -202,24 +199,27 @@ def _writes_into_argument(problem: Problem, t0: Any, y0: np.ndarray) -> None:
 
 
 def _parts_agree(engine: Stepper, t0: Any, y0: np.ndarray) -> None:
-    """Refuse an f that is not (dq, dp): the engines evaluate the one or the other."""
-    problem = engine.problem
-    if not problem.separable or not isinstance(problem.f, UserFunction | Formula):
+    """Refuse an f that is not (dq, dp) or the sum of the terms: engines evaluate one of them."""
+    problem, m = engine.problem, len(y0) // 2
+    if problem.context is not None or not isinstance(problem.f, UserFunction | Formula):
         return
-    if problem.context is not None:
-        return
-    m = len(y0) // 2
-    try:
-        whole = np.asarray(problem.f(t0, y0))
-        parts = np.concatenate([np.asarray(problem.dq(y0[m:])), np.asarray(problem.dp(y0[:m]))])
-    except (FunctionFailed, ArithmeticError):
-        return
-    if not (np.isfinite(whole).all() and np.isfinite(parts).all()):
-        return
-    apart, scale = np.abs(whole - parts), np.abs(whole) + np.abs(parts)
-    if (apart > _PARTS_AGREE * max(float(scale.max()), 1e-300)).any():
-        k = int(np.argmax(apart))
-        raise UsageError(
-            f"`f` and its parts `dq`, `dp` disagree at the start: component {k} is "
-            f"{whole[k]:.6g} in f and {parts[k]:.6g} in the parts"
-        )
+    given: list[tuple[str, Callable[[], Any]]] = []
+    if problem.separable:
+        halves = lambda: np.concatenate([problem.dq(y0[m:]), problem.dp(y0[:m])])  # noqa: E731
+        given.append(("parts `dq`, `dp`", halves))
+    if problem.terms:
+        given.append(("`terms`", lambda: np.sum([term(t0, y0) for term in problem.terms], axis=0)))
+    for name, others in given:
+        try:
+            whole, parts = np.asarray(problem.f(t0, y0)), others()
+        except (FunctionFailed, ArithmeticError):
+            continue
+        if not (np.isfinite(whole).all() and np.isfinite(parts).all()):
+            continue
+        apart, scale = np.abs(whole - parts), np.abs(whole) + np.abs(parts)
+        if (apart > _PARTS_AGREE * max(float(scale.max()), 1e-300)).any():
+            k = int(np.argmax(apart))
+            raise UsageError(
+                f"`f` and its {name} disagree at the start: component {k} is "
+                f"{whole[k]:.6g} in f and {parts[k]:.6g} in the {name.split()[0].strip('`')}"
+            )

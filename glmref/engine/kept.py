@@ -31,8 +31,7 @@ from ..problems.tracing import Recorded, recorded, traced
 from ..problems.user import NoValue, UserFunction
 from ..system.cache import cache_folder
 from . import native
-from .forms import StepForm
-from .partitioned_forms import Half, PairForm, pair_form
+from .forms import Rows, StepForm
 from .reference import Stepper, stepper
 from .sweep import step_form
 
@@ -77,17 +76,17 @@ _origins: dict[int, tuple[Method, str]] = {}
 
 
 @lru_cache(maxsize=_MOST)
-def form_of_method(method: Method, form: str) -> StepForm | PairForm:
+def form_of_method(method: Method, form: str) -> StepForm:
     """The coefficients a kernel steps with, kept on disk for a method that came from a file.
 
     Roundings for which a quadratic form is conserved are searched for, which takes up to a second;
     what was found depends on the file and on the code alone, and both are in the name of the entry.
     """
-    compute = pair_form if method.parts == 2 else step_form
     known, digest = _origins.get(id(method), (None, ""))
     if known is not method:
-        return compute(method, form)  # type: ignore[arg-type]
-    return recalled("form", f"{digest} {form}", lambda: compute(method, form), _form_read, _fields)  # type: ignore[arg-type]
+        return step_form(method, form)
+    compute: Callable[[], StepForm] = lambda: step_form(method, form)  # noqa: E731
+    return recalled("form", f"{digest} {form}", compute, _form_read, asdict)
 
 
 class ByIdentity:
@@ -142,18 +141,11 @@ def recalled(
     return found
 
 
-def _fields(found: StepForm | PairForm) -> dict[str, Any]:
-    return {"class": type(found).__name__, **asdict(found)}
-
-
-def _form_read(fields: dict[str, Any]) -> StepForm | PairForm:
-    """A form as :func:`_fields` gave it."""
-    kind = {"StepForm": StepForm, "PairForm": PairForm}[fields.pop("class")]
+def _form_read(fields: dict[str, Any]) -> StepForm:
+    """A form as JSON holds it."""
     fields["blocks"] = [StageBlock(tuple(x["stages"]), x["implicit"]) for x in fields["blocks"]]
-    for half in ("Q", "P"):
-        if half in fields:
-            fields[half] = Half(**{k: _tuples(v) for k, v in fields[half].items()})
-    return kind(**{k: _tuples(v) for k, v in fields.items()})
+    rows = [Rows(**{k: _tuples(v) for k, v in x.items()}) for x in fields["components"]]
+    return StepForm(**{k: _tuples(v) for k, v in {**fields, "components": rows}.items()})
 
 
 def _tuples(value: Any) -> Any:

@@ -19,8 +19,6 @@ from .codegen import ARGUMENTS, KernelSource, Options, kernel_source
 from .forms import StepForm
 from .kept import ByIdentity, T, form_of_method, recalled
 from .outcome import KERNEL_OUTCOMES, Outcome
-from .partitioned import pair_source
-from .partitioned_forms import PairForm
 from .plan import check_arithmetic
 from .shape import Shape, shape_of
 from .solver_choice import choose_solver, with_band
@@ -40,25 +38,16 @@ _shapes, _sources = ByIdentity(), ByIdentity()
 
 @dataclass
 class State:
-    """What a kernel works on, carried from one chunk of steps to the next.
+    """What a kernel works on, carried from one chunk of steps to the next."""
 
-    Attributes
-    ----------
-    work : np.ndarray
-        The work array; ``y`` (r, d) and ``memory`` (rows, d) are views of its head.
-    tally : np.ndarray
-        Evaluations, velocity evaluations, iterations, factorisations, steps, rows.
-    trouble : Exception or None
-        What the right-hand side raised in the step that ended the run, or ``None``.
-    h : float
-        Step size.
-    """
-
+    #: The work array; ``y`` (r, d) and ``memory`` (rows, d) are views of its head.
     work: np.ndarray
     y: np.ndarray
     memory: np.ndarray
-    h: float
+    h: float  #: Step size.
+    #: Evaluations, velocity evaluations, iterations, factorisations, steps, rows.
     tally: np.ndarray = field(default_factory=lambda: np.zeros(6, dtype=np.int64))
+    #: What the right-hand side raised in the step that ended the run, or ``None``.
     trouble: Exception | None = None
 
     def take_back(self, work: np.ndarray, tally: np.ndarray) -> None:
@@ -73,30 +62,14 @@ class State:
 
 @dataclass(frozen=True)
 class Kernel:
-    """A compiled method on a problem.
+    """A compiled method on a problem."""
 
-    Attributes
-    ----------
-    form : StepForm or PairForm
-        coefficients.
-    shape : Shape
-        problem.
-    options : Options
-        What was generated.
-    source : KernelSource
-        The generated module.
-    built : compiled.Built
-        The callable and where it came from.
-    seconds : float
-        Time it took to generate and compile or load.
-    """
-
-    form: StepForm | PairForm
+    form: StepForm
     shape: Shape
-    options: Options
-    source: KernelSource
-    built: compiled.Built
-    seconds: float
+    options: Options  #: What was generated.
+    source: KernelSource  #: The generated module.
+    built: compiled.Built  #: The callable and where it came from.
+    seconds: float  #: Time it took to generate and compile or load.
 
     @property
     def description(self) -> str:
@@ -133,7 +106,7 @@ class Kernel:
         for row, (_, weight) in zip(memory, self.form.memory, strict=True):
             row[:] = remembered(slope, weight, h)
         state = State(work, y, memory, h)
-        if isinstance(self.form, PairForm) and self.form.kick:
+        if self.form.kick:
             p, rest, force = self._kept(state)
             p[:], lost = self.form.kicked(p, force, h)
             if self.options.compensated:
@@ -144,8 +117,8 @@ class Kernel:
 
     def _kept(self, state: State) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The values of p, their rounding errors (zero without them), and the force."""
-        assert isinstance(self.form, PairForm)
-        half, rows = slice(self.shape.half, self.shape.dimension), self.form.r_hat
+        half = slice(self.shape.half, self.shape.dimension)
+        rows = len(self.form.components[1].V)
         p = state.y[:rows, half]
         if not self.options.compensated:
             return p, np.zeros_like(p), state.memory[0, half]
@@ -167,9 +140,9 @@ class Kernel:
     def values(self, state: State) -> np.ndarray:
         """(r, d) values in the method's basis."""
         values = self.form.back(state.y)
-        if isinstance(self.form, PairForm) and self.form.kick:
-            rows = slice(0, self.form.r_hat)
-            values[rows, self.shape.half :] = self.form.unkicked(*self._kept(state), state.h)
+        if self.form.kick:
+            p = self.form.unkicked(*self._kept(state), state.h)
+            values[: len(p), self.shape.half :] = p
         return values
 
     def advance(
@@ -229,6 +202,8 @@ class Kernel:
         if self.built.engine == "native":
             return kernel(state.work, self.shape.par, *numbers, flat, row, state.tally)
         held = state.work.copy(), state.tally.copy()
+        if abs(h) < np.finfo(float).tiny:  # a weight times h may be 0, and Python divides by it
+            numbers = (t0, np.float64(h), first, until, mark, every)
         self.built.trouble.clear()
         try:
             code = kernel(state.work, self.shape.par, *numbers, flat, row, state.tally)
@@ -314,7 +289,7 @@ def _prepared(
     """Kernel for a method, a problem and a step size, kept for the next run with the same ones."""
     begin = time.perf_counter()
     coefficients, shape = choose_form(method, problem, form)
-    if isinstance(coefficients, StepForm):
+    if len(coefficients.components) == 1:
         options = replace(options, solver=choose_solver(coefficients, shape, problem, h, solver))
         if options.solver == "newton":
             shape = with_band(shape)
@@ -358,7 +333,7 @@ def form_of(arithmetic: str) -> str:
     return "auto" if arithmetic in ("strict", "fused", "quick") else "standard"
 
 
-def choose_form(method: Any, problem: Problem, form: str) -> tuple[StepForm | PairForm, Shape]:
+def choose_form(method: Any, problem: Problem, form: str) -> tuple[StepForm, Shape]:
     """Coefficients in the form asked for, and the shape of the problem.
 
     Raises
@@ -376,7 +351,7 @@ def choose_form(method: Any, problem: Problem, form: str) -> tuple[StepForm | Pa
 
 
 def _assembled(
-    form: StepForm | PairForm, shape: Shape, options: Options, begin: float, notice: str = ""
+    form: StepForm, shape: Shape, options: Options, begin: float, notice: str = ""
 ) -> Kernel:
     source = _source_of(form, shape, options)
     functions = {part.role: part.function for part in shape.parts if part.function is not None}
@@ -393,13 +368,13 @@ def _assembled(
     return Kernel(form, shape, options, source, built, time.perf_counter() - begin)
 
 
-def _source_of(form: StepForm | PairForm, shape: Shape, options: Options) -> KernelSource:
-    write: Any = pair_source if isinstance(form, PairForm) else kernel_source
-    return kept_source(KernelSource, form, shape, options, lambda: write(form, shape, options))
+def _source_of(form: StepForm, shape: Shape, options: Options) -> KernelSource:
+    given = (form, shape, options)
+    return kept_source(KernelSource, *given, lambda: kernel_source(*given))
 
 
 def kept_source(
-    kind: type[T], form: StepForm | PairForm, shape: Shape, about: Hashable, write: Callable[[], T]
+    kind: type[T], form: StepForm, shape: Shape, about: Hashable, write: Callable[[], T]
 ) -> T:
     """A generated module of a kind, kept in the process and on disk.
 

@@ -12,14 +12,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
 
 from .codegen import SCALAR_LIMIT, Builder, Options, header
 from .emit import LaneTarget, VectorTarget, Writer
 from .expressions import Unsupported
 from .forms import StepForm
-from .partitioned import PairBuilder
-from .partitioned_forms import PairForm
 from .shape import Shape
 from .stages import NOISE, ROUND_OFF, ROUNDS, STALLS
 
@@ -30,27 +27,13 @@ LANE_ARGUMENTS = {
 
 @dataclass(frozen=True)
 class LaneSource:
-    """A generated kernel for a block of lanes.
+    """A generated kernel for a block of lanes."""
 
-    Attributes
-    ----------
-    text : str
-        Module source; defines ``kernel``.
-    rows : dict[str, int]
-        Name -> first row of the work array (of ``width`` entries each).
-    work_size : int
-        Length of the work array.
-    width : int
-        Lanes in a block.
-    vectors : bool
-        Whether the work array is one of vectors.
-    """
-
-    text: str
-    rows: dict[str, int]
-    work_size: int
-    width: int
-    vectors: bool
+    text: str  #: Module source; defines ``kernel``.
+    rows: dict[str, int]  #: Name -> first row of the work array (of ``width`` entries each).
+    work_size: int  #: Length of the work array.
+    width: int  #: Lanes in a block.
+    vectors: bool  #: Whether the work array is one of vectors.
 
 
 def in_vectors(shape: Shape) -> bool:
@@ -58,9 +41,7 @@ def in_vectors(shape: Shape) -> bool:
     return shape.arrays or shape.dimension > SCALAR_LIMIT
 
 
-def lane_source(
-    form: StepForm | PairForm, shape: Shape, options: Options, width: int
-) -> LaneSource:
+def lane_source(form: StepForm, shape: Shape, options: Options, width: int) -> LaneSource:
     """Generate the module for blocks of ``width`` lanes.
 
     Raises
@@ -68,19 +49,18 @@ def lane_source(
     Unsupported
         For a right-hand side that is a Python callable, and for an implicit pair.
     """
-    if shape.opaque or (isinstance(form, PairForm) and form.implicit_stages):
+    if shape.opaque or (len(form.components) > 1 and form.implicit_stages):
         raise Unsupported("neither Python callables nor implicit pairs have lanes")
     writer, vectors = Writer(), in_vectors(shape)
     target = VectorTarget(shape, writer) if vectors else LaneTarget(shape, writer, width)
-    kind: Any = _LanePairBuilder if isinstance(form, PairForm) else _LaneBuilder
-    kind(form, shape, options, target).kernel()
+    _LaneBuilder(form, shape, options, target).kernel()
     head = header(shape, "vector" if vectors else "scalar", newton=False)
     text = f'"""Generated kernel: {width} lanes."""\n\n{head}{writer.text}'
     rows = {name: place // target.width for name, place in target.places.items()}
     return LaneSource(text, rows, target.work_size // target.width * width, width, vectors)
 
 
-class _LaneKernel(Builder):
+class _LaneBuilder(Builder):
     """The control flow of a block of lanes around the statements of a step."""
 
     t: LaneTarget | VectorTarget
@@ -139,7 +119,7 @@ class _LaneKernel(Builder):
                 w("n += 1")
             w("return 0")
 
-    def _count(self, stages: int, rounds: str = "", extra: int = 0) -> None:
+    def _count(self, stages: Sequence[int], rounds: str = "") -> None:
         """Rounds are counted per lane in the loop itself; explicit stages are known."""
 
     def _finite(self, total: str) -> None:
@@ -225,9 +205,7 @@ class _LaneKernel(Builder):
                 w(f"{status} = 1.0 if {active} != 0.0 else {status}")
             w("break")
 
-
-class _LaneBuilder(_LaneKernel):
-    """Lanes of one method."""
+    # --- solving --------------------------------------------------------------------------------
 
     @property
     def inline_newton(self) -> bool:
@@ -287,10 +265,3 @@ class _LaneBuilder(_LaneKernel):
         pairs = self._slopes(stages)
         plain = [f"{old} = {new}" for old, new in pairs]
         self.t.vec(self._taking(pairs, "go") if masked else plain, self.inner)
-
-
-class _LanePairBuilder(_LaneKernel, PairBuilder):
-    """Lanes of an explicit pair."""
-
-    def _evaluations_of_explicit_stages(self) -> None:
-        """Known from the form."""

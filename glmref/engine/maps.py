@@ -20,7 +20,7 @@ from ..problems.model import Problem
 from . import compiled, native
 from .codegen import ARGUMENTS, Builder, Options, choose_kind, header
 from .emit import TARGETS, ScalarTarget, Writer
-from .forms import StepForm, float_rows, floats
+from .forms import Rows, StepForm, float_rows, floats
 from .kept import expressed, recalled
 from .native import Tuning
 from .shape import Shape, shape_of
@@ -85,12 +85,13 @@ class Map:
         A, B, V = component.A, component.B, component.V
         s, r = len(A), len(V)
         zero = ((0.0,) * s,) * r
-        form = StepForm(
-            kind="standard", s=s, r=r, running=False, U=((1.0,),) * s, M=float_rows(A),
-            R=float_rows(B) if s else zero, V=float_rows(V), weights=(1.0,) * s, R_residue=zero,
-            c=floats(method.times[0]), blocks=method.stage_blocks(),
-            large=tuple(bool(x) for (x,) in float_rows(V)), to_form=(), from_form=(), exact_V=True,
+        rows = Rows(
+            U=((1.0,),) * s, M=float_rows(A), weights=(1.0,) * s, V=float_rows(V),
+            R=float_rows(B) if s else zero, R_residue=zero,
+            large=tuple(bool(x) for (x,) in float_rows(V)), to_form=(), from_form=(),
         )  # fmt: skip
+        times = floats(method.times[0])
+        form = StepForm("standard", False, (rows,), method.stage_blocks(), times)
         options = Options(compensated=False, interpreted=interpreted)
         kind = choose_kind(s, shape, options)
 

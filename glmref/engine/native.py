@@ -49,27 +49,18 @@ def target_name() -> str:
 
 @dataclass(frozen=True)
 class Tuning:
-    """What the compiler may do.
+    """What the compiler may do."""
 
-    Attributes
-    ----------
-    pack : bool
-        Whether independent operations of straight-line code are packed into vectors. That helps
-        where several stages go side by side and hurts a single chain of operations.
-    wide : bool
-        Whether loops may use the widest vectors of the processor, which LLVM avoids by default
-        where short bursts of them do not pay; loops over lanes are no short bursts.
-    fuse : bool
-        Whether a product and a sum may become one operation with one rounding. The bits then depend
-        on the processor.
-    lanes : int
-        Numbers in a vector of the kind ``v*``.
-    """
-
+    #: Whether independent operations of straight-line code are packed into vectors. That helps
+    #: where several stages go side by side and hurts a single chain of operations.
     pack: bool = False
+    #: Whether loops may use the widest vectors of the processor, which LLVM avoids by default where
+    #: short bursts of them do not pay; loops over lanes are no short bursts.
     wide: bool = False
+    #: Whether a product and a sum may become one operation with one rounding. The bits then depend
+    #: on the processor.
     fuse: bool = False
-    lanes: int = 0
+    lanes: int = 0  #: Numbers in a vector of the kind ``v*``.
 
 
 PLAIN = Tuning()

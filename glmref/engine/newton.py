@@ -170,18 +170,11 @@ class Split:
     With it the equations (I - C x J) L = R of a block become one of the size of J for each value:
     real ones, and a complex one for each conjugate pair (Butcher, On the implementation of implicit
     Runge-Kutta methods, BIT 16 (1976)).
-
-    Attributes
-    ----------
-    values : tuple of complex
-    into : tuple of tuples of complex
-        Rows of T^-1 that belong to the values.
-    back : tuple of tuples of complex
-        Columns of T, twice as large for a value that stands for a pair.
     """
 
     values: tuple[complex, ...]
-    into: tuple[tuple[complex, ...], ...]
+    into: tuple[tuple[complex, ...], ...]  #: Rows of T^-1 that belong to the values.
+    #: Columns of T, twice as large for a value that stands for a pair.
     back: tuple[tuple[complex, ...], ...]
 
 
@@ -207,31 +200,20 @@ def split_of(coupling: Sequence[Sequence[float]]) -> Split | None:
 
 @dataclass(frozen=True)
 class System:
-    """One of the matrices that Newton's method factors, and where its entries are.
+    """One of the matrices that Newton's method factors, and where its entries are."""
 
-    Attributes
-    ----------
-    name : str
-        Of its place in the work array; equal matrices share one.
-    value : complex
-        The matrix is I - value h J (h^2 K J_f on a separable problem); of a whole block: nan.
-    size, lower, upper : int
-        Rows, and diagonals.
-    stride, offset, length : int
-        Entry (i, j) is ``offset + j*stride + i``, below ``length``.
-    padded : bool
-        Whether zeros stand around it, as :data:`HELPERS` asks for.
-    """
-
-    name: str
+    name: str  #: Of its place in the work array; equal matrices share one.
+    #: The matrix is I - value h J (h^2 K J_f on a separable problem); of a whole block: nan.
     value: complex
+    #: Rows, and diagonals.
     size: int
     lower: int
     upper: int
+    #: Entry (i, j) is ``offset + j*stride + i``, below ``length``.
     stride: int
     offset: int
     length: int
-    padded: bool = False
+    padded: bool = False  #: Whether zeros stand around it, as :data:`HELPERS` asks for.
 
     @property
     def numbers(self) -> str:

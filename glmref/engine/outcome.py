@@ -6,12 +6,15 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Any
 
 import numpy as np
 
 from ..errors import UsageError
 from ..problems.user import FunctionFailed, NoValue
 from ..system.shown import Drawing, Shown, above
+
+LARGEST_EXPONENT = 65536
 
 
 class StartFailed(UsageError):
@@ -38,10 +41,23 @@ KERNEL_OUTCOMES = (
 )
 
 
+def is_finite(x: Any) -> bool:
+    """Whether a number is no NaN and not infinite, as one of mpmath above 2^65536 counts.
+
+    A run that diverges squares its numbers from round to round, and the sine of one with a million
+    digits before the point takes for ever.
+    """
+    parts = getattr(x, "_mpf_", None)
+    if parts is None:
+        return bool(x == x and abs(x) != math.inf)
+    _, mantissa, exponent, bits = parts
+    return exponent + bits <= LARGEST_EXPONENT if mantissa else not exponent
+
+
 def all_finite(values: np.ndarray) -> bool:
-    """Whether no value is a NaN or infinite, in double precision or of mpmath."""
+    """Whether every number is finite, in double precision or of mpmath."""
     if values.dtype == object:
-        return all(x == x and abs(x) != math.inf for x in values.ravel())
+        return all(is_finite(x) for x in values.ravel())
     return bool(np.isfinite(values).all())
 
 
@@ -124,7 +140,8 @@ class Solution(Shown):
 
     def __repr__(self) -> str:
         return (
-            f"<Solution of {self.problem} by {self.method}: {self.outcome}, {self.steps} steps, "
+            f"<Solution of {self.problem} by {self.method or '(unnamed)'}: {self.outcome}, "
+            f"{self.steps} steps, "
             f"t = {self.t[-1] if len(self.t) else float('nan'):g}>"
         )
 

@@ -53,24 +53,12 @@ class Grid(Sequence[int]):
 
 @dataclass(frozen=True)
 class Plan:
-    """Which steps are taken and which are kept.
+    """Which steps are taken and which are kept."""
 
-    Attributes
-    ----------
-    steps : int
-        How many steps.
-    every : int
-        Record every so many, 0 for none.
-    rows : Sequence[int]
-        Step numbers to keep, in order.
-    limited : bool
-        Whether a step limit cut the run short.
-    """
-
-    steps: int
-    every: int
-    rows: Sequence[int]
-    limited: bool
+    steps: int  #: How many steps.
+    every: int  #: Record every so many, 0 for none.
+    rows: Sequence[int]  #: Step numbers to keep, in order.
+    limited: bool  #: Whether a step limit cut the run short.
 
 
 def check_arithmetic(arithmetic: str) -> None:
@@ -105,7 +93,10 @@ def resolved(problem: Any, method: Any) -> tuple[Problem, Any]:
         method = kept.method_of(method)
     method = method_of(method)
     if not isinstance(problem, Problem):
-        raise UsageError(f"`problem` must be a Problem or its name, got {type(problem).__name__}")
+        raise UsageError(
+            f"`problem` must be a Problem or its name, got {type(problem).__name__}; "
+            f"glmref.Problem(f=..., y0=...) makes one of a function f(t, y)"
+        )
     if problem.context is not None:
         raise UsageError("`problem` must be the one in double precision; give `digits` instead")
     return problem, method
@@ -220,7 +211,8 @@ def _total(problem: Problem, h: float, t_end: Any, steps: Any) -> int:
 
 def _marks(times: Any, t0: float, h: float) -> tuple[int, ...]:
     """Step numbers of the times asked for."""
-    if isinstance(times, str) or not isinstance(times, Iterable):
+    alone = isinstance(times, np.ndarray) and times.ndim == 0  # which Python calls iterable
+    if isinstance(times, str) or alone or not isinstance(times, Iterable):
         raise UsageError(f"`times` must be a list of numbers, got {times!r:.60}")
     wanted = [_time(t, "times") for t in times]
     marks = tuple(_whole(t, t0, f"t = {t!r}", h) for t in wanted)

@@ -82,11 +82,10 @@ class PositionRounds:
         ]
 
     @staticmethod
-    def fits(form: object, shape: Shape, options: Options) -> bool:
+    def fits(form: StepForm, shape: Shape, options: Options) -> bool:
         """Whether the form is a Gauss method's, and the system q'' = g(q)."""
         return (
-            isinstance(form, StepForm)
-            and form.kind == "mu"
+            form.kind == "mu"
             and form.U == ((1.0,),) * form.s
             and (form.R, form.V) == (((1.0,) * form.s,), ((1.0,),))
             and options.solver == "fixed-point"
@@ -215,10 +214,10 @@ class SingleRounds:
         target.local |= {"T": range(half), "W": range(half, 2 * half)}
 
     @staticmethod
-    def fits(form: object, shape: Shape, options: Options) -> bool:
+    def fits(form: StepForm, shape: Shape, options: Options) -> bool:
         """Whether implicit stages stand alone, and the system is q'' = g(q)."""
         return (
-            isinstance(form, StepForm)
+            len(form.components) == 1
             and all(len(block.stages) == 1 for block in form.blocks)
             and options.solver == "fixed-point"
             and shape.halved

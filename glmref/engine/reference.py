@@ -21,7 +21,7 @@ import numpy as np
 from ..errors import UsageError
 from ..method import Component, FinishingMethod, Method
 from ..method.component import GENERAL, SEPARABLE, Palette
-from ..method.solution_value import output, unit_place
+from ..method.preconsistency import output, unit_place
 from ..method.stage_order import is_shared
 from ..problems.formula import Formula
 from ..problems.model import Problem
@@ -30,69 +30,36 @@ from .outcome import StartFailed
 
 
 class Reader(NamedTuple):
-    """How the solution of one component is read off its values.
+    """How the solution of one component is read off its values."""
 
-    Attributes
-    ----------
-    columns : slice
-        Of the state, those of the component.
-    place : int or None
-        Of the value that is the solution, or ``None`` where several values are combined.
-    weights : np.ndarray
-        (r,) output functional in the arithmetic of the run.
-    """
-
-    columns: slice
+    columns: slice  #: Of the state, those of the component.
+    #: Of the value that is the solution, or ``None`` where several values are combined.
     place: int | None
-    weights: np.ndarray
+    weights: np.ndarray  #: (r,) output functional in the arithmetic of the run.
 
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """One step and what happened inside it.
+    """One step and what happened inside it."""
 
-    Attributes
-    ----------
-    values : np.ndarray
-        (r, d) values after the step; for a pair see :class:`.outcome.Solution`.
-    stages : Any
-        (s, d) the Y_i; for a pair (n_Q, d/2) of Q followed by (n_P, d/2) of P as a tuple.
-    slopes : Any
-        The right-hand side at the stages, in the same shape.
-    evaluations, velocity_evaluations, iterations : int
-        As in :class:`.outcome.Solution`.
-    converged : bool
-        Whether every stage equation was solved to round-off.
-    """
-
-    values: np.ndarray
+    values: np.ndarray  #: (r, d) values after the step; for a pair see :class:`.outcome.Solution`.
+    #: (s, d) the Y_i; for a pair (n_Q, d/2) of Q followed by (n_P, d/2) of P as a tuple.
     stages: Any
-    slopes: Any
+    slopes: Any  #: The right-hand side at the stages, in the same shape.
+    #: As in :class:`.outcome.Solution`.
     evaluations: int
     velocity_evaluations: int
     iterations: int
-    converged: bool
+    converged: bool  #: Whether every stage equation was solved to round-off.
 
 
 class Coupled(NamedTuple):
-    """Equations of m coupled stages: ``Y = base + h inner F``, ``F_i = f(times_i, Y_i)``.
+    """Equations of m coupled stages: ``Y = base + h inner F``, ``F_i = f(times_i, Y_i)``."""
 
-    Attributes
-    ----------
-    h : Any
-        Step size.
-    inner : np.ndarray
-        (m, m).
-    times : list[Any]
-        (m,).
-    base : np.ndarray
-        (m, d).
-    """
-
-    h: Any
-    inner: np.ndarray
-    times: list[Any]
-    base: np.ndarray
+    h: Any  #: Step size.
+    inner: np.ndarray  #: (m, m).
+    times: list[Any]  #: (m,).
+    base: np.ndarray  #: (m, d).
 
 
 #: ``settle(rhs, F, coupled)``: slopes (m, d) of coupled stages. ``rhs(F)`` is f at the stages

@@ -13,7 +13,6 @@ from ..errors import UsageError
 from ..method import Method
 from ..problems.model import Problem
 from ..problems.user import FunctionFailed
-from .forms import StepForm
 from .kept import expressed
 from .kernel import Kernel, State, prepare, with_newton
 from .maps import Map, map_of
@@ -22,7 +21,7 @@ from .outcome import Outcome, Solution, StartFailed, all_finite, outcome_of
 from .plan import Plan
 from .reference import Stepper, apply_finish
 from .solver_choice import newton_bytes, with_band
-from .start import Start, starting_values
+from .starting_values import Start, starting_values
 
 
 def _picks(basis: Any) -> bool:
@@ -265,7 +264,7 @@ class Run:
         the given ones are what is left.
         """
         last = self.done if all_finite(self.values) else self.done - 1
-        if not _picks(kernel.form.from_form):
+        if not all(_picks(one.from_form) for one in kernel.form.components):
             written = self.rows[: self.kept]
             wrong = ~np.isfinite(written).all(axis=(1, 2))
             if wrong.any():
@@ -315,7 +314,7 @@ class Run:
         self, kernel: Kernel, state: State, mark: int, t0: float, out: np.ndarray
     ) -> tuple[Kernel, State]:
         """The fixed point failed: go on from the same step with Newton."""
-        if kernel.options.solver == "newton" or not isinstance(kernel.form, StepForm):
+        if kernel.options.solver == "newton" or len(kernel.form.components) > 1:
             return kernel, state
         needed = newton_bytes(kernel.form, with_band(kernel.shape))
         if needed > NEWTON_BYTES:

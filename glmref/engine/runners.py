@@ -17,14 +17,12 @@ from ..problems.model import Problem
 from . import compiled, native
 from .codegen import Options
 from .expressions import Unsupported
-from .forms import StepForm
 from .kept import expressed, stepper_of
 from .kernel import Kernel, choose_form, form_of, kept_source, prepare, remembered
 from .lanes import LANE_ARGUMENTS, LaneSource, in_vectors, lane_source
 from .native import Tuning
 from .newton import INLINE_LIMIT, written_out
 from .outcome import KERNEL_OUTCOMES, Outcome
-from .partitioned_forms import PairForm
 from .plan import check_arithmetic
 from .solver_choice import choose_solver
 
@@ -258,8 +256,8 @@ class Lanes(Runner):
             self._put(f"y{k}", inner[:, k])
         for name, weight in self.form.memory:
             self._put(name, remembered(slopes, weight, self.h))
-        if isinstance(self.form, PairForm) and self.form.kick:
-            m, rows = self.shape.half, self.form.r_hat
+        if self.form.kick:
+            m, rows = self.shape.half, len(self.form.components[1].V)
             found = self.form.kicked(inner[:, :rows, m:], slopes[:, m:], self.h)
             for name, moved in zip("ye"[: 1 + self.options.compensated], found, strict=False):
                 for k in range(rows):
@@ -305,11 +303,11 @@ class Lanes(Runner):
         d = self.shape.dimension
         inner = np.stack([self._get(f"y{k}", d) for k in range(self.form.rows)], axis=1)
         values = self.form.back(inner)
-        if isinstance(self.form, PairForm) and self.form.kick:
-            m, p = self.shape.half, slice(0, self.form.r_hat)
+        if self.form.kick:
+            m, p = self.shape.half, slice(0, len(self.form.components[1].V))
             rest: Any = 0.0
             if self.options.compensated:
-                errors = [self._get(f"e{k}", d)[:, m:] for k in range(self.form.r_hat)]
+                errors = [self._get(f"e{k}", d)[:, m:] for k in range(p.stop)]
                 rest = np.stack(errors, axis=1)
             force = self._get("G", d)[:, m:]
             values[:, p, m:] = self.form.unkicked(inner[:, p, m:], rest, force, self.h)
@@ -322,11 +320,8 @@ class Lanes(Runner):
 
     def _costs(self) -> tuple[int, int]:
         """Counted evaluations of the explicit stages of a step, and of one solver round."""
-        if isinstance(self.form, PairForm):
-            return self.form.forces, 0
-        explicit = sum(1 for b in self.form.blocks if not b.implicit)
         sizes = {len(b.stages) for b in self.form.blocks if b.implicit}
-        return explicit, max(sizes, default=0)
+        return self.form.forces, max(sizes, default=0)
 
 
 def prepare_options(runner: Lanes, arithmetic: str, solver: str) -> Any:
@@ -344,7 +339,6 @@ def prepare_options(runner: Lanes, arithmetic: str, solver: str) -> Any:
     form, shape = runner.form, runner.shape
     if runner.method.parts == 2:
         return options
-    assert isinstance(form, StepForm)
     chosen = choose_solver(form, shape, runner.first, runner.h, solver)
     if chosen == "newton" and in_vectors(shape):
         raise Unsupported("Newton's method in vectors of lanes")

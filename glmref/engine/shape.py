@@ -36,41 +36,21 @@ _EXPAND_UP_TO = 8
 
 @dataclass(frozen=True)
 class Part:
-    """One function of a right-hand side.
+    """One function of a right-hand side."""
 
-    Attributes
-    ----------
-    role : str
-        ``"full"`` for f(t, y), ``"force"`` for dp(q), ``"velocity"`` for dq(p).
-    start, stop : int
-        Components of y that it fills.
-    source, source_stop : int
-        Components of y that it reads are ``range(source, source_stop)``.
-    formula : Formula or None
-        Its expressions, or ``None``.
-    body : str
-        Source text of a plain loop body, or ``None``.
-    body_name : str
-        Name of that body.
-    straight : str
-        The body for this size without its loops, or ``""`` where that is long.
-    function : Callable[..., Any] or None
-        A Python callable, where neither is there.
-    identity : bool
-        q' = p.
-    """
-
-    role: str
+    role: str  #: ``"full"`` for f(t, y), ``"force"`` for dp(q), ``"velocity"`` for dq(p).
+    #: Components of y that it fills.
     start: int
     stop: int
+    #: Components of y that it reads are ``range(source, source_stop)``.
     source: int
     source_stop: int
-    formula: Formula | None = None
-    body: str = ""
-    body_name: str = ""
-    straight: str = ""
-    function: Callable[..., Any] | None = None
-    identity: bool = False
+    formula: Formula | None = None  #: Its expressions, or ``None``.
+    body: str = ""  #: Source text of a plain loop body, or ``None``.
+    body_name: str = ""  #: Name of that body.
+    straight: str = ""  #: The body for this size without its loops, or ``""`` where that is long.
+    function: Callable[..., Any] | None = None  #: A Python callable, where neither is there.
+    identity: bool = False  #: q' = p.
 
     @property
     def timed(self) -> bool:
@@ -89,37 +69,19 @@ class Part:
 
 @dataclass(frozen=True)
 class Shape:
-    """A problem as code generation sees it; two problems of one shape share a kernel.
-
-    Attributes
-    ----------
-    dimension : int
-        d.
-    halved : bool
-        Whether q and p parts are evaluated apart (separable).
-    parts : tuple[Part, ...]
-        The full right-hand side, or (velocity, force).
-    jacobian : Formula or None
-        Formula of the Jacobian (d, d), or ``None``.
-    jacobian_body, jacobian_name : str
-        Source and name of a loop body for it, or ``""``.
-    parameters : tuple[str, ...]
-        Names handed to expressions.
-    values : np.ndarray
-        Their values, then the constants of a loop body: the kernel's ``par``.
-    band : Band or None
-        Order of the unknowns of Newton's method in which their matrix has few diagonals, or
-        ``None``.
-    """
+    """A problem as code generation sees it; two problems of one shape share a kernel."""
 
     dimension: int
-    halved: bool
-    parts: tuple[Part, ...]
-    jacobian: Formula | None
-    parameters: tuple[str, ...]
-    values: np.ndarray
+    halved: bool  #: Whether q and p parts are evaluated apart (separable).
+    parts: tuple[Part, ...]  #: The full right-hand side, or (velocity, force).
+    jacobian: Formula | None  #: Formula of the Jacobian (d, d), or ``None``.
+    parameters: tuple[str, ...]  #: Names handed to expressions.
+    values: np.ndarray  #: Their values, then the constants of a loop body: the kernel's ``par``.
+    #: Source and name of a loop body for it, or ``""``.
     jacobian_body: str = ""
     jacobian_name: str = ""
+    #: Order of the unknowns of Newton's method in which their matrix has few diagonals, or
+    #: ``None``.
     band: Band | None = None
 
     @cached_property

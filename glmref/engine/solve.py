@@ -14,11 +14,11 @@ from ..method import Method
 from ..problems.model import Problem
 from .function_checks import inspected
 from .kept import stepper_of
-from .outcome import Solution, StartFailed
+from .outcome import Solution, StartFailed, all_finite
 from .plan import check_arithmetic, notices_of, plan_of, resolved, step_size
 from .reference import Stepper, stepper
 from .run import Run
-from .start import problem_start, starting_values
+from .starting_values import problem_start, starting_values
 
 ENGINES = ("compiled", "reference", "interpreted")
 
@@ -65,7 +65,7 @@ def solve(
     times : Sequence[float] or None
         Instead of ``every``, the times to keep, on the grid t0 + n h.
     start : Any
-        See :func:`.start.starting_values`; by default the method's own starting method.
+        See :func:`.starting_values.starting_values`; by default the method's own starting method.
     renew : int
         Make the carried values anew from the solution, by the starting method ``start``, after
         every so many steps; 0 for never. A parasitic part that grows starts from nothing each time,
@@ -104,8 +104,15 @@ def solve(
     problem, chosen = resolved(problem, method)
     if engine not in ENGINES:
         raise UsageError(f"`engine` must be one of {', '.join(ENGINES)}, got {engine!r}")
-    if digits is not None and (engine != "reference" or digits < 1):
-        raise UsageError("`digits` must be positive and goes with engine='reference' only")
+    if digits is not None and (
+        engine != "reference" or not isinstance(digits, int | np.integer) or digits < 1
+    ):
+        raise UsageError(
+            "`digits` must be a positive whole number and goes with engine='reference' only"
+        )
+    for name, given in (("cancel", cancel), ("progress", progress)):
+        if given is not None and not callable(given):
+            raise UsageError(f"`{name}` must be a function, got {given!r:.60}")
     check_arithmetic(arithmetic)
     h = step_size(h)
     if not isinstance(renew, int | np.integer) or isinstance(renew, bool) or renew < 0:
@@ -116,7 +123,7 @@ def solve(
     else:
         reference = stepper(chosen, problem, digits=digits)
     t0, y0 = problem_start(problem, reference)
-    if digits is None and not np.isfinite(y0).all():
+    if not all_finite(y0):
         raise UsageError(f"`y0` must be finite, got {y0}")
     with np.errstate(all="ignore"):
         seen = inspected(reference, t0, y0)
@@ -126,7 +133,7 @@ def solve(
             raise StartFailed(
                 f"the starting values could not be computed ({error}); use a smaller h"
             ) from error
-        if digits is None and not np.isfinite(given.values).all():
+        if not all_finite(given.values):
             raise StartFailed("the starting values are not finite; use a smaller h")
         if renew and given.kind == "given":  # they are those of y0, at every renewal
             raise UsageError(

@@ -20,7 +20,7 @@ from .newton import REFRESH_ROUNDS, NewtonWriter
 from .positions import Bases, PositionRounds, SingleRounds
 from .shape import Part, Shape
 from .tableau import lagrange_weights
-from .updates import Term, Values, balanced, linear
+from .updates import Term, Values, balanced, differences, linear
 
 if TYPE_CHECKING:
     from .codegen import Options
@@ -48,11 +48,18 @@ class StageWriter(NewtonWriter):
         self.unknowns = self.inner[1] - self.inner[0]
         # the components the counted function reads: those whose change is watched
         self.watched = (shape.counted.source, shape.counted.source_stop)
-        if isinstance(form, StepForm):
-            self.values = Values(
-                target, form.V, form.R, form.R_residue, form.large, self.all,
-                running=form.running, compensated=options.compensated,
-            )  # fmt: skip
+        two = len(form.components) > 1
+        places = ((0, shape.half), (shape.half, shape.dimension)) if two else (self.all,)
+        #: The values of each component; those of a single method are also ``values``.
+        self.sides = tuple(
+            Values(
+                target, one.V, one.R, one.R_residue, one.large, part, running=form.running,
+                kept=form.kept(k) if options.compensated else (False,) * len(one.V),
+                ahead=two,
+            )
+            for k, (one, part) in enumerate(zip(form.components, places, strict=True))
+        )  # fmt: skip
+        self.values = self.sides[0]
         #: Rounds on positions alone, where the stages allow it.
         self.rounds: PositionRounds | SingleRounds | None = None
         for kind in (PositionRounds, SingleRounds):
@@ -63,6 +70,16 @@ class StageWriter(NewtonWriter):
 
     # --- what a stage starts from ---------------------------------------------------------------
 
+    def _due(self, i: int) -> tuple[Part, ...]:
+        """The parts of the right-hand side that are evaluated at a stage."""
+        if len(self.sides) == 1:
+            return self.shape.parts
+        return (self.shape.parts[1 - self.form.place(i)[0]],)
+
+    def _at(self, part: Part, stages: Sequence[int]) -> list[int]:
+        """Those of some stages at which a part is evaluated."""
+        return [i for i in stages if any(part is due for due in self._due(i))]
+
     def _time(self, i: int) -> None:
         """Set ``time`` to that of stage i."""
         if self.shape.uses_time:
@@ -72,10 +89,13 @@ class StageWriter(NewtonWriter):
 
     def _base(self, i: int, done: Sequence[int]) -> tuple[str, str]:
         """References to z and a of stage i, after writing what they need."""
-        alone = not any(self.form.M[i])
-        big, small = self.values.read(self.form.U[i], alone=alone)
-        small += [(self.form.M[i][j], f"@L{j}") for j in done]
-        return self._named(i, big, small, self.all)
+        side, row = self.form.place(i)
+        rows, values = self.form.components[side], self.sides[side]
+        big, small = values.read(rows.U[row], alone=not any(rows.M[row]))
+        small += self.form.increments(i, done)
+        if len(self.form.kick) > 1:
+            small = differences(small)
+        return self._named(i, big, small, values.part)
 
     def _named(
         self, i: int, big: list[Term], small: list[Term], part: tuple[int, int]
@@ -107,13 +127,13 @@ class StageWriter(NewtonWriter):
     def _stage_values(
         self, stages: Sequence[int], bases: Bases, part: tuple[int, int], name: str = "Y"
     ) -> None:
-        """Y = z + (a + M L) for the stages of a block."""
-        lines = []
+        """Y = z + (a + M L) for stages of the block that has these bases."""
+        lines, total = [], balanced if len(self.sides) == 1 else linear
         for i in stages:
             z, a = bases[i]
-            terms = [(self.form.M[i][j], f"@L{j}") for j in stages]
+            terms = self.form.increments(i, list(bases))
             terms = terms if a == "0.0" else [(1.0, a), *terms]
-            lines.append(f"@{name}{i} = {z} + ({balanced(terms)})")
+            lines.append(f"@{name}{i} = {z} + ({total(terms)})")
         self.t.vec(lines, part)
 
     def _evaluate(self, part: Part, stages: Sequence[int]) -> None:
@@ -122,22 +142,45 @@ class StageWriter(NewtonWriter):
                 self._time(i)
             self.t.call(part, f"Y{i}", f"F{i}", f"s{i}")
 
-    def _explicit(self, i: int, base: tuple[str, str]) -> None:
-        z, a = base
-        self.t.local[f"Y{i}"] = range(*self.all)
-        self.t.vec([f"@Y{i} = {z}" if a == "0.0" else f"@Y{i} = {z} + {a}"])
-        for part in self.shape.parts:
-            self._evaluate(part, (i,))
-        self.t.vec([f"@L{i} = hw{i}*@F{i}"])
-        self._count(1)
+    def _explicit(self, i: int, base: tuple[str, str], slope: str = "") -> None:
+        """An explicit stage: its value, what is due there, its increment.
 
-    def _count(self, stages: int, rounds: str = "", extra: int = 0) -> None:
-        """Count evaluations: the stages of a block, times the rounds of its solver."""
-        factors = [str(stages)] if stages > 1 or not rounds else []
-        product = "*".join(factors + ([rounds] if rounds else []))
-        self.w(f"evaluations += {product}")
-        if self.shape.halved and not self.shape.parts[0].identity:
-            self.w(f"velocities += {product}" + (f" + {extra}" if extra else ""))
+        Parameters
+        ----------
+        slope : str
+            What is evaluated into; by default a vector of the stage.
+        """
+        z, a = base
+        source, slope = z.removeprefix("@"), slope or f"F{i}"
+        self.t.local[f"Y{i}"] = range(*self.all)
+        if a != "0.0" or source == z or not source.isidentifier():
+            source = f"Y{i}"
+            text = z if a == "0.0" else f"{z} + {a}"
+            self.t.vec([f"@{source} = {text}"], self.sides[self.form.place(i)[0]].part)
+        for part in self._due(i):
+            if part.timed:
+                self._time(i)
+            self.t.call(part, source, slope, f"s{i}")
+        self._increment(i, slope)
+        self._count([i])
+
+    def _increment(self, i: int, slope: str) -> None:
+        """L of a stage, and what it adds to running values."""
+        side, row = self.form.place(i)
+        moved = self.sides[-1 - side]
+        lines = moved.adding(row, f"@L{i}") if self.form.running else []
+        self.t.vec([f"@L{i} = hw{i}*@{slope}", *lines], moved.part)
+
+    def _count(self, stages: Sequence[int], rounds: str = "") -> None:
+        """Count evaluations at stages, times the rounds of their solver."""
+        first, last = self.shape.parts[0], self.shape.counted
+        for name, part in (("evaluations", last), ("velocities", first)):
+            n = len(self._at(part, stages))
+            if not n or (name == "velocities" and (first is last or first.identity)):
+                continue
+            factors = [str(n)] if n > 1 or not rounds else []
+            extra = f" + {n}" if rounds and part is not last else ""
+            self.w(f"{name} += {'*'.join(factors + ([rounds] if rounds else []))}{extra}")
 
     # --- predictor ------------------------------------------------------------------------------
 
@@ -177,6 +220,8 @@ class StageWriter(NewtonWriter):
 
     def _remembered(self) -> list[int]:
         """Stages whose L of the step before is needed after L has been overwritten."""
+        if len(self.sides) > 1:
+            return []
         flat = [j for block in self.form.blocks for j in block.stages]
         needed = set()
         for block in self.form.blocks:
@@ -195,6 +240,8 @@ class StageWriter(NewtonWriter):
         return [self._prediction(i, stages) for i in stages]
 
     def _predict(self, stages: tuple[int, ...]) -> None:
+        if len(self.sides) > 1:
+            return  # from the increments as they were
         if self.positions is not None:
             self.positions.predict(self._guesses())
             return
@@ -221,11 +268,10 @@ class StageWriter(NewtonWriter):
             bases = {i: self._with_residue(i, *bases[i]) for i in stages}
         if implicit:
             self._solve(stages, bases)
+            for i in stages if self.form.running else ():
+                self.values.add(i, f"@L{i}")
         else:
             self._explicit(stages[0], bases[stages[0]])
-        if self.form.running:
-            for i in stages:
-                self.values.add(i, f"@L{i}")
 
     def _solve(self, stages: tuple[int, ...], bases: Bases) -> None:
         """Rounds Y from L, f at Y, L from f, until Y is settled.
@@ -236,7 +282,8 @@ class StageWriter(NewtonWriter):
         w = self.w
         if self.rounds is not None:
             self.rounds.bases(stages, bases)
-        self._sizes(stages, [bases[i][0] for i in stages])
+        read = self._at(self.shape.counted, stages)
+        self._sizes(self._at(self.shape.parts[0], stages), [bases[i][0] for i in read])
         w("last_change = 1e300", "stalls = 0", "rounds = 0")
         with w.block("while True:"):
             for part in self.shape.parts:
@@ -245,16 +292,16 @@ class StageWriter(NewtonWriter):
                     if self.rounds is not None:
                         self.rounds.stage_values(stages, "N", "b")
                     else:
-                        self._stage_values(stages, bases, here, "N")
-                    self._compare(stages)
+                        self._stage_values(read, bases, here, "N")
+                    self._compare(read)
                     if self.options.solver == "newton":
                         with w.block("if rounds == 1:"):
                             self._prepare_newton(stages)
-                    self._evaluate(part, stages)
+                    self._evaluate(part, read)
                     if self.options.solver == "newton":
                         self._newton_update(stages)
                     else:
-                        self.t.vec([f"{x} = {y}" for x, y in self._slopes(stages)], self.inner)
+                        self.t.vec([f"{x} = {y}" for x, y in self._slopes(read)], self.inner)
                     if self.quick:
                         with w.block("if settled:"):
                             w("break")
@@ -264,7 +311,7 @@ class StageWriter(NewtonWriter):
                 self.positions.after_first()
         self._settled(stages, bases)
         w("iterations += rounds")
-        self._count(len(stages), "rounds", len(stages))
+        self._count(stages, "rounds")
         with w.block("if outcome != 0:"):
             w("break")
         if self.factored_newton:
@@ -286,6 +333,7 @@ class StageWriter(NewtonWriter):
 
     def _velocities(self, part: Part, stages: Sequence[int], bases: Bases) -> None:
         """Of a separable problem: P, the velocities there, and what they add to q."""
+        stages = self._at(part, stages)
         self._stage_values(stages, bases, (part.source, part.source_stop))
         self._evaluate(part, stages)
         self.t.vec([f"@L{i} = hw{i}*@F{i}" for i in stages], (part.start, part.stop))

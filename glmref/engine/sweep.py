@@ -8,26 +8,40 @@ changes <x, x>_G by exactly 2 <Y_i, L_i>, whatever R was rounded to, if
 
 hold for the rounded numbers. So V is put into an integral basis where it has one, and
 :func:`_nudge` picks roundings of R for which the first two hold to about 1e-20.
+
+Of a partitioned method for q' = dq(p), p' = dp(q), with stages Q where dp is evaluated and P where
+dq is, L = h d k(Q) and L = h d f(P), the sweep is
+
+    x = V q;  z = V^ p;   at Q_j:  z += w^_j L, L from Q_j = w^_j . x
+                          at P_i:  x += w_i L,  L from P_i = w_i . z
+
+In a basis where the bilinear form is the identity it changes <x, z> by exactly Q . L or L . P for
+any rounded w, w^, and needs neither A nor U.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 
 from ..errors import UsageError
 from ..exact import Scalar, ball, exact, linalg
 from ..exact.linalg import Matrix
-from ..method import GLM
-from ..method.solution_value import preconsistency_vector, stage_times
+from ..method import GLM, PartitionedGLM
+from ..method.component import SEPARABLE
+from ..method.preconsistency import preconsistency_vector, stage_times
 from ..method.stage_order import StageBlock
 from .forms import (
     CLOSE,
+    Row,
+    Rows,
     StepForm,
+    all_vanish,
     consistent_weights,
     failing,
     float_rows,
@@ -52,13 +66,13 @@ _SMALL_DEFECT = Fraction(1, 2**66)
 _GOOD_ENOUGH = 2.0**-68
 
 
-def step_form(method: GLM, form: str = "auto") -> StepForm:
+def step_form(method: Any, form: str = "auto") -> StepForm:
     """Choose and compute the form a kernel steps in.
 
     Parameters
     ----------
-    method : GLM
-        Real GLM.
+    method : GLM or PartitionedGLM
+        With real coefficients.
     form : str
         One of :data:`FORMS`, or ``"auto"``: the first of them that applies.
 
@@ -67,66 +81,80 @@ def step_form(method: GLM, form: str = "auto") -> StepForm:
     UsageError
         When the form asked for does not apply, saying why.
     """
+    name = method.name or "the method"
     if not method.is_real:
         raise UsageError(
-            f"{method.name or 'the method'} has complex coefficients; give its real form or use "
-            f'engine="reference"'
+            f'{name} has complex coefficients; give its real form or use engine="reference"'
         )
     if form not in ("auto", *FORMS):
         raise UsageError(f"`form` must be auto, {', '.join(FORMS)}, got {form!r}")
     if form in ("auto", "sweep"):
         reason = _sweep_obstacle(method)
         if not reason:
-            return _sweep(method)
+            return (_sweep if method.parts == 1 else _dual_sweep)(method)
         if form == "sweep":
-            raise UsageError(f"{method.name or 'the method'} has no sweep form: {reason}")
+            raise UsageError(f"{name} has no sweep form: {reason}")
     if form in ("auto", "mu"):
-        if is_symplectic_rk(method):
+        if method.parts == 1 and is_symplectic_rk(method):
             return mu_form(method)
         if form == "mu":
             raise UsageError(
-                f"{method.name or 'the method'} has no mu-form: it is not a symplectic "
-                f"Runge-Kutta method with nonzero weights"
+                f"{name} has no mu-form: it is not a symplectic Runge-Kutta method with nonzero "
+                f"weights"
             )
-    return standard_form(method)
+    found = standard_form(method)
+    return found if method.parts == 1 else merged_multistep(found, method)
 
 
-def _quadratic_form(method: GLM) -> tuple[Matrix, Sequence[Scalar]] | None:
-    """(G, D) of the method: as its file gives it, or (1, b) for one value."""
-    if method.G is not None and method.D is not None:
-        return method.G, method.D
-    if method.r == 1:
-        return ((exact(1),),), method.B[0]
+def _bilinear(method: Any) -> tuple[Matrix, Sequence[Sequence[Scalar]]] | None:
+    """G and D at the stages of each component: as given, or 1 and weights of one value each."""
+    given = [method.D] if method.parts == 1 else [method.D_Q, method.D_P]
+    known = [D for D in given if D is not None]
+    if method.G is not None and len(known) == len(given):
+        return method.G, known
+    if all(len(c.V) == 1 for c in method.components):
+        # the weights at the stages of a component are those that move the other one
+        return ((exact(1),),), [c.B[0] for c in method.components[::-1]]
     return None
 
 
-def _sweep_obstacle(method: GLM) -> str:
+def _sweep_obstacle(method: Any) -> str:
     """Return why the method has no sweep form, or ``""``.
 
     The identities are tested in ball arithmetic on the coefficients as given: a file whose G or D
     is wrong is stepped with its own A and U, never with others.
     """
-    if not linalg.is_lower_triangular(method.A):
+    pair = method.parts == 2
+    if pair and any(block.implicit for block in method.stage_blocks(SEPARABLE)):
+        return "its stages depend on each other"
+    if not pair and not linalg.is_lower_triangular(method.A):
         return "A is not lower triangular"
-    pair = _quadratic_form(method)
-    if pair is None:
-        return "G and D are not given"
-    G, D = as_balls(pair[0]), tuple(ball(x) for x in pair[1])
-    if any(vanishes(x) for x in D):
+    found = _bilinear(method)
+    if found is None:
+        return "G, D_P and D_Q are not given" if pair else "G and D are not given"
+    if len(method.components[0].V) != len(method.components[-1].V):
+        return "the numbers of values of q and p differ"
+    G, D = as_balls(found[0]), [[ball(x) for x in row] for row in found[1]]
+    D_Q, D_P = D[0], D[-1]
+    if any(vanishes(x) for x in (*D_Q, *D_P)):
         return "D has a zero"
-    if not all(x.is_real() for row in pair[0] for x in row):
+    if not all(x.is_real() for row in found[0] for x in row):
         return "G is not real"
-    A, U, B, V = (as_balls(x) for x in (method.A, method.U, method.B, method.V))
-    Bt, Vt = linalg.transpose(B), linalg.transpose(V)
-    DA, DU = scaled_rows(D, A), scaled_rows(D, U)
-    checks = {
-        "G = V^T G V": linalg.sub(G, linalg.matmul(Vt, G, V)),
-        "D U = B^T G V": linalg.sub(DU, linalg.matmul(Bt, G, V)),
-        "D A + A^T D = B^T G B": linalg.sub(
-            linalg.add(DA, linalg.transpose(DA)), linalg.matmul(Bt, G, B)
-        ),
-    }
-    return failing(checks)
+    first, last = method.components[0], method.components[-1]
+    (A, U, B, V), (A_, U_, B_, V_) = (map(as_balls, c.matrices) for c in (first, last))
+    T, product = linalg.transpose, linalg.matmul
+    left = linalg.add(scaled_rows(D_P, A_), T(scaled_rows(D_Q, A)))
+    defects = [
+        linalg.sub(product(T(V), G, V_), G),
+        linalg.sub(scaled_rows(D_P, U_), product(T(B), G, V_)),
+        linalg.sub(scaled_rows(D_Q, U), product(T(B_), T(G), V)),
+        linalg.sub(left, product(T(B), G, B_)),
+    ]
+    names = ["V^T G V = G", "D U = B^T G V", "D U = B^T G^T V", "D A + A^T D = B^T G B"]
+    if pair:
+        names = ["V^T G V^ = G", "D_P U^ = B^T G V^", "D_Q U = B^^T G^T V"]
+        names.append("D_P A^ + A^T D_Q = B^T G B^")
+    return failing(dict(zip(names, defects, strict=True)))
 
 
 # --- the basis in which V is integral -----------------------------------------------------------
@@ -229,9 +257,9 @@ def _rounded(method: GLM, G0: Matrix, D: Sequence[Scalar], tilt: Fraction) -> _R
 
 
 def _sweep(method: GLM) -> StepForm:
-    pair = _quadratic_form(method)
-    assert pair is not None
-    G0, D = as_balls(pair[0]), [ball(x) for x in pair[1]]
+    found = _bilinear(method)
+    assert found is not None
+    G0, D = as_balls(found[0]), [ball(x) for x in found[1][0]]
     candidates = []
     for tilt in _TILTS:
         candidates.append(_rounded(method, G0, D, tilt))
@@ -240,19 +268,20 @@ def _sweep(method: GLM) -> StepForm:
     x = min(candidates, key=lambda candidate: candidate.defect)
     s, r = method.s, method.r
     u = preconsistency_vector(method)
-    return StepForm(
-        kind="sweep", s=s, r=r, running=True,
+    rows = Rows(
         U=tuple(tuple(float(_dot(g, w)) for g in x.G) for w in x.omega),
         M=tuple(tuple(x.half[i] if i == j else 0.0 for j in range(s)) for i in range(s)),
-        R=tuple(tuple(float(w[k]) for w in x.omega) for k in range(r)),
-        V=tuple(tuple(float(e) for e in row) for row in x.V),
         weights=consistent_weights([float(d) for d in D], [float(w[0]) for w in x.omega]),
+        V=tuple(tuple(float(e) for e in row) for row in x.V),
+        R=tuple(tuple(float(w[k]) for w in x.omega) for k in range(r)),
         R_residue=((0.0,) * s,) * r,
-        c=floats(stage_times(method)),
-        blocks=tuple(StageBlock((i,), x.half[i] != 0.0) for i in range(s)),
         large=large(None if u is None else linalg.matvec(x.to_form, u), r),
         to_form=float_rows(x.to_form), from_form=float_rows(x.back),
-        exact_V=all(e.denominator == 1 for row in x.V for e in row),
+    )  # fmt: skip
+    return StepForm(
+        kind="sweep", running=True, components=(rows,),
+        blocks=tuple(StageBlock((i,), x.half[i] != 0.0) for i in range(s)),
+        c=floats(stage_times(method)),
         G=tuple(tuple(float(e) for e in row) for row in x.G),
         M_residue=tuple(float(e) if abs(e) > _SMALL_DEFECT else 0.0 for e in x.residue),
     )  # fmt: skip
@@ -336,3 +365,89 @@ def _best_shift(
     cost = np.maximum(distance, _GOOD_ENOUGH) + _GOOD_ENOUGH * 1e-6 * size
     place = np.unravel_index(np.argmin(cost), cost.shape)
     return tuple(int(axis[i]) for i in place)
+
+
+# --- two components -----------------------------------------------------------------------------
+
+
+def _dual_sweep(pair: PartitionedGLM) -> StepForm:
+    """The sweep of a partitioned method, which needs neither A nor U."""
+    found = _bilinear(pair)
+    assert found is not None
+    G, (D_Q, D_P) = as_balls(found[0]), [[ball(x) for x in D] for D in found[1]]
+    # q in a basis where V is integral (unscaled: the form pairs q with p), p in the dual one
+    back = integral_basis(as_balls(pair.V), linalg.identity(pair.r))
+    to_q, to_p = linalg.inverse(back), linalg.matmul(linalg.transpose(back), G)
+    bases = ((to_q, back), (to_p, linalg.inverse(to_p)))
+    updates = [
+        float_rows(tuple(
+            tuple(x / d for x, d in zip(row, D, strict=True))
+            for row in linalg.matmul(to, as_balls(c.B))
+        ))
+        for (to, _), c, D in zip(bases, pair.components, (D_P, D_Q), strict=True)
+    ]  # fmt: skip
+    components = []
+    for k, ((to, of), c, D) in enumerate(zip(bases, pair.components, (D_Q, D_P), strict=True)):
+        u, moved, n = preconsistency_vector(c), len(updates[k][0]), len(D)
+        components.append(Rows(
+            U=tuple(zip(*updates[1 - k], strict=True)), M=((0.0,) * moved,) * n, weights=floats(D),
+            V=float_rows(linalg.matmul(to, as_balls(c.V), of)), R=updates[k],
+            R_residue=((0.0,) * moved,) * len(c.V),
+            large=large(None if u is None else linalg.matvec(to, u), len(c.V)),
+            to_form=float_rows(to), from_form=float_rows(of),
+        ))  # fmt: skip
+    return merged(StepForm("sweep", True, tuple(components), pair.stage_blocks(SEPARABLE)))
+
+
+def merged(form: StepForm) -> StepForm:
+    """Put the last update of p of a step and the first one of the next together, where both are.
+
+    The step then begins with an update of q, and what it carries is p + kick h dp(q): one operation
+    less for every component, and a shorter chain from step to step. Positions are those of the
+    method, up to rounding; p is read by taking the kick back.
+    """
+    bases = [basis for one in form.components for basis in (one.to_form, one.from_form)]
+    if not form.reuses_force or any(basis != ((1.0,),) for basis in bases):
+        return form
+    q, p = form.components
+    first, last = form.blocks[0].stages[0], form.blocks[-1].stages[0]
+    kick = q.weights[first]
+    if q.weights[last] != kick or first != 0 or set(p.R[0]) != {1.0}:
+        return form
+    weights = tuple(w + kick if j == last else w for j, w in enumerate(q.weights))
+    return _without_first(form, replace(q, weights=weights), p, (kick,))
+
+
+def _without_first(form: StepForm, q: Rows, p: Rows, kick: Row) -> StepForm:
+    """The form without its first stage Q, whose force is in the values that are carried."""
+
+    def rest(rows: tuple[Row, ...]) -> tuple[Row, ...]:
+        return tuple(row[1:] for row in rows)
+
+    q = replace(q, U=q.U[1:], M=q.M[1:], weights=q.weights[1:])
+    p = replace(p, M=rest(p.M), R=rest(p.R), R_residue=rest(p.R_residue))
+    blocks = tuple(replace(b, stages=tuple(j - 1 for j in b.stages)) for b in form.blocks[1:])
+    return replace(form, components=(q, p), blocks=blocks, kick=kick)
+
+
+def merged_multistep(form: StepForm, pair: PartitionedGLM) -> StepForm:
+    """:func:`merged` for one value of q and several of p, as a symmetric multistep method has them.
+
+    Let k be what the last force adds to the values of p. Where the first one adds V^ k to them, and
+    U^ k to every stage P, the values p + k h dp(q) are carried by V^ and 2 k h dp(q) alone, and
+    the stages P are read from them as they stand: a step is a rotation and a kick.
+    """
+    q, p = form.components
+    if len(p.V) == 1 or not form.reuses_force:
+        return form
+    first, last = form.blocks[0].stages[0], form.blocks[-1].stages[0]
+    A, U, B, V = map(as_balls, pair.components[1].matrices)
+    k = tuple((row[last],) for row in B)
+    begins = linalg.sub(linalg.matmul(V, k), tuple((row[first],) for row in B))
+    read = linalg.sub(linalg.matmul(U, k), tuple((row[first],) for row in A))
+    kick = tuple(row[last] for row in p.R)
+    exactly = not any(row[last] for row in p.R_residue)
+    if first != 0 or not exactly or not all_vanish(begins) or not all_vanish(read):
+        return form
+    R = tuple((*row[:last], 2 * row[last], *row[last + 1 :]) for row in p.R)
+    return _without_first(form, q, replace(p, R=R), kick)

@@ -73,8 +73,8 @@ class Values:
         Components of the state that these values are.
     running : bool
         Whether increments are added as they come, to V y.
-    compensated : bool or Sequence[bool]
-        Whether rounding errors are kept, of all values or of each.
+    kept : Sequence[bool]
+        Whether rounding errors are kept, of each.
     ahead : bool
         Whether small values are also kept together with the increments so far, so that a stage
         waits for one sum less; an operation more for each increment.
@@ -83,12 +83,12 @@ class Values:
     def __init__(
         self, target: Target, V: tuple[Row, ...], R: tuple[Row, ...], residue: tuple[Row, ...],
         large: Sequence[bool], part: tuple[int, int], *, running: bool,
-        compensated: bool | Sequence[bool], ahead: bool = False,
+        kept: Sequence[bool], ahead: bool = False,
     ) -> None:  # fmt: skip
         self.t, self.V, self.R, self.residue = target, V, R, residue
         self.large, self.part = large, part
         self.running, self.ahead = running, ahead
-        self.kept = (compensated,) * len(V) if isinstance(compensated, bool) else compensated
+        self.kept = kept
         self.x: list[Term] = []
         self.u: list[Term | None] = []
         self.grown: set[int] = set()

@@ -19,7 +19,7 @@ import numpy as np
 from ..catalogue.claims import G_SYMPLECTIC, ORDER, SYMMETRIC
 from ..errors import UsageError
 from ..method import Component, Method
-from ..method.solution_value import preconsistency_vector
+from ..method.preconsistency import preconsistency_vector
 from ..problems.model import Problem
 from .outcome import StartFailed
 from .reference import Reader, Stepper, apply_start
