@@ -10,7 +10,7 @@ from numbers import Integral, Number
 from typing import Any
 
 from ..errors import DataError, GlmrefError
-from ..exact import Exact
+from ..exact import Exact, linalg
 from ..exact.linalg import Matrix, Vector, row_sums
 from ..findings import Finding, Verdict
 from ..prove.digits import rounded_up
@@ -35,7 +35,7 @@ _ALWAYS = {"name", "digits", "order"}
 _KEYS: Mapping[str, set[str]] = {
     "an additive method": _ALWAYS | {"parts", "c", "embedded"},
     "a Rosenbrock method": _ALWAYS | {"alpha", "gamma", "b", "w_order", "embedded"},
-    "a Nystrom method": _ALWAYS | {"A", "b", "c", "b_prime", "A_prime"},
+    "a Nystrom method": _ALWAYS | {"A", "b", "c", "b_prime", "A_prime", "embedded"},
     "a Runge-Kutta method": _ALWAYS | {"A", "b", "c", "embedded", "dense", "dense_order"},
 }
 KEYS = set[str]().union(*_KEYS.values())
@@ -61,10 +61,12 @@ class CheckFailed(GlmrefError, AssertionError):
 def sentence(x: Finding) -> str:
     """One finding in words."""
     head = f"{x.method}: " if x.method else ""
+    row = x.claim.removeprefix("order of ")
+    head += f"{x.claim} {x.declared}" if row == x.claim else f"order {x.declared} of {row}"
     if x.verdict is Verdict.HOLDS:
-        return f"{head}{x.claim} {x.declared} holds" + (f" ({x.witness})" if x.witness else "")
+        return f"{head} holds" + (f" ({x.witness})" if x.witness else "")
     word = "is not decided" if x.verdict is Verdict.OPEN else "fails"
-    return f"{head}{x.claim} {x.declared} {word}: {x.witness}"
+    return f"{head} {word}: {x.witness}"
 
 
 def check(
@@ -94,7 +96,8 @@ def check(
         The order that the tableau is said to have, at least.
     embedded : (array_like, int) or mapping or list of these, optional
         Further rows of weights, each with its order: ``([1, 0], 1)`` or ``{"b": .., "order": 1}``;
-        ``{"error": .., "order": ..}`` gives b minus the row.
+        ``{"error": .., "order": ..}`` gives b minus the row. A row of a Nystrom method has
+        ``b_prime`` beside ``b``, or ``error_prime`` beside ``error``.
     digits : int, optional
         Digits after the point to which floats and decimals are known; no verdict is drawn from
         what lies within them.
@@ -265,6 +268,8 @@ def _order(document: Mapping[str, Any], key: str = "order") -> int | None:
 
 
 _Rows = tuple[list[_Row], list[Callable[[str], Finding]]]
+#: What b and b_prime of a Nystrom method are the weights of.
+_POSITION_VELOCITY = ("the position", "the velocity")
 
 
 def _rows(document: Mapping[str, Any], reader: Reader) -> _Rows:
@@ -281,15 +286,13 @@ def _rows(document: Mapping[str, Any], reader: Reader) -> _Rows:
     b = reader.vector(document["b"], "b", s)
     c = reader.vector(document["c"], "c", s) if "c" in document else None
     if "b_prime" in document:
-        return _nystrom(document, reader, A, b, c), []
+        return _nystrom(document, reader, A, b, c)
     rows = []
     order = _order(document)
     if order is not None:
         remark = "" if c is None else _abscissae(A, c)
         rows.append(_Row("order", order, [runge_kutta(A, b, c)], remark))
-    more = _rows_beside(
-        rows, _embedded(document, reader, b), b, lambda weights: runge_kutta(A, weights, c)
-    )
+    more = _rows_beside(rows, document, reader, [b], lambda row: [runge_kutta(A, row, c)])
     if "dense_order" in document and "dense" not in document:
         raise DataError("`dense` is missing, of which `dense_order` says something")
     if "dense" in document:
@@ -311,50 +314,64 @@ def _row_with_order(given: Any) -> bool:
 
 
 def _embedded(
-    document: Mapping[str, Any], reader: Reader, b: Vector
-) -> list[tuple[Vector, int | None]]:
+    document: Mapping[str, Any], reader: Reader, main: Sequence[Vector]
+) -> list[tuple[list[Vector], int | None]]:
+    """Weights of each embedded row, as many vectors as the method itself has, and its order."""
     given = document.get("embedded")
     if given is None:
         return []
-    if isinstance(given, Mapping) or _row_with_order(given):
+    keys = ("b", "b_prime")[: len(main)]
+    errors = ("error", "error_prime")[: len(main)]
+    example = '{"b": [1, 0], "b_prime": [1, 0], "order": 1}' if len(main) > 1 else _ROW
+    plain = len(main) == 1  # the weights of such a row need no key
+    if isinstance(given, Mapping) or (plain and _row_with_order(given)):
         given = [given]
     if isinstance(given, str) or not isinstance(given, Iterable):
-        raise DataError(f"`embedded` must be {_ROW}, got {str(given)[:40]!r}")
-    found: list[tuple[Vector, int | None]] = []
+        raise DataError(f"`embedded` must be {example}, got {str(given)[:40]!r}")
+    found: list[tuple[list[Vector], int | None]] = []
     for k, x in enumerate(given, 1):
         where = f"embedded[{k}]"
         if isinstance(x, Mapping):
-            if ("b" in x) == ("error" in x):
+            _only(x, (*keys, *errors, "order"), where)
+            used = errors if "error" in x else keys
+            if x.keys() - {"order"} != set(used):
                 raise DataError(
-                    f"`{where}` needs either b or error, and an order, as "
-                    f'{{"b": [1, 0], "order": 1}}; it has {", ".join(map(str, x)) or "no key"}'
+                    f"`{where}` needs either {' and '.join(keys)} or {' and '.join(errors)}, and "
+                    f"an order, as {example.rpartition(' or ')[2]}; it has "
+                    f"{', '.join(map(str, x)) or 'no key'}"
                 )
-            _only(x, ("b", "error", "order"), where)
             low = _order(x)
-            weights = reader.vector(x.get("b", x.get("error")), where, len(b))
-            if "error" in x:
-                weights = tuple(p - q for p, q in zip(b, weights, strict=True))
-        elif _row_with_order(x):
-            weights, low = reader.vector(x[0], where, len(b)), _order({"order": x[1]})
+            weights = [
+                reader.vector(x[key], where if plain else f"{where}.{key}", len(b))
+                for key, b in zip(used, main, strict=True)
+            ]
+            if used is errors:
+                weights = [linalg.sub((b,), (e,))[0] for b, e in zip(main, weights, strict=True)]
+        elif plain and _row_with_order(x):
+            weights, low = [reader.vector(x[0], where, len(main[0]))], _order({"order": x[1]})
         else:
-            raise DataError(f"`{where}` must be {_ROW}")
+            raise DataError(f"`{where}` must be {example}")
         found.append((weights, low))
     return found
 
 
 def _nystrom(
     document: Mapping[str, Any], reader: Reader, A: Matrix, b: Vector, c: Vector | None
-) -> list[_Row]:
+) -> _Rows:
     if c is None:
         raise DataError("a Nystrom method needs `c`, beside A, b and b_prime")
     order = _order(document)
     b_prime = reader.vector(document["b_prime"], "b_prime", len(b))
     inner = reader.matrix(document["A_prime"], "A_prime") if "A_prime" in document else None
-    if order is None:
-        return []
-    schemes = [nystrom(A, b, b_prime, c, inner, roots=x) for x in "fk"]
-    return [_Row("order of the position", order, schemes[:1]),
-            _Row("order of the velocity", order, schemes[1:])]  # fmt: skip
+
+    def schemes(b: Vector, b_prime: Vector) -> list[Scheme]:
+        return [nystrom(A, b, b_prime, c, inner, roots=x) for x in "fk"]
+
+    rows = []
+    if order is not None:
+        for what, scheme in zip(_POSITION_VELOCITY, schemes(b, b_prime), strict=True):
+            rows.append(_Row(f"order of {what}", order, [scheme]))
+    return rows, _rows_beside(rows, document, reader, [b, b_prime], schemes)
 
 
 def _rosenbrock(document: Mapping[str, Any], reader: Reader) -> _Rows:
@@ -372,10 +389,9 @@ def _rosenbrock(document: Mapping[str, Any], reader: Reader) -> _Rows:
         rows.append(_Row("order", order, [rosenbrock(alpha, gamma, b)]))
     if w_order is not None:
         rows.append(_Row("W-order", w_order, [w_method(alpha, gamma, b)]))
-    more = _rows_beside(
-        rows, _embedded(document, reader, b), b, lambda weights: rosenbrock(alpha, gamma, weights)
+    return rows, _rows_beside(
+        rows, document, reader, [b], lambda row: [rosenbrock(alpha, gamma, row)]
     )
-    return rows, more
 
 
 def _additive(document: Mapping[str, Any], reader: Reader) -> _Rows:
@@ -400,36 +416,38 @@ def _additive(document: Mapping[str, Any], reader: Reader) -> _Rows:
     order = _order(document)
     if order is not None:
         rows.append(_Row("order", order, [additive(parts, times)]))
-    b = parts[0][1]
-    more = _rows_beside(
-        rows, _embedded(document, reader, b), b,
-        lambda weights: additive([(A, weights) for A, _ in parts], times),
+    return rows, _rows_beside(
+        rows, document, reader, [parts[0][1]],
+        lambda row: [additive([(A, row) for A, _ in parts], times)],
     )  # fmt: skip
-    return rows, more
 
 
 def _rows_beside(
     rows: list[_Row],
-    embedded: Sequence[tuple[Vector, int | None]],
-    b: Vector,
-    scheme: Callable[[Vector], Scheme],
+    document: Mapping[str, Any],
+    reader: Reader,
+    main: Sequence[Vector],
+    schemes: Callable[..., Sequence[Scheme]],
 ) -> list[Callable[[str], Finding]]:
     """Add the orders of embedded rows, and return the sums of those that say none."""
     more = []
-    for k, (weights, low) in enumerate(embedded, 1):
+    parts = [f"{x} of " for x in _POSITION_VELOCITY] if len(main) > 1 else [""]
+    for k, (weights, low) in enumerate(_embedded(document, reader, main), 1):
         if low is None:
-            more.append(_difference(k, b, weights))
+            for what, b, row in zip(parts, main, weights, strict=True):
+                more.append(_difference(f"{what}row {k}", b, row))
         else:
-            rows.append(_Row(f"order of embedded row {k}", low, [scheme(weights)]))
+            for what, scheme in zip(parts, schemes(*weights), strict=True):
+                rows.append(_Row(f"order of {what}embedded row {k}", low, [scheme]))
     return more
 
 
-def _difference(k: int, b: Vector, weights: Vector) -> Callable[[str], Finding]:
+def _difference(row: str, b: Vector, weights: Vector) -> Callable[[str], Finding]:
     total = sum((x - y for x, y in zip(b, weights, strict=True)), Exact(0))
     said = (
         f"b and the row differ in sum by {_shown(total.magnitude())}" if total.magnitude() else ""
     )
-    return lambda name: vanishing(total, said).finding(name, f"error weights of row {k} sum to", 0)
+    return lambda name: vanishing(total, said).finding(name, f"error weights of {row} sum to", 0)
 
 
 def _abscissae(A: Matrix, c: Vector) -> str:

@@ -26,20 +26,11 @@ _MOST = 60_000_000  # characters of a source
 
 @dataclass(frozen=True)
 class Statement:
-    """One statement.
+    """One statement."""
 
-    Attributes
-    ----------
-    text : str
-        As Python, where it could be rewritten; of a header the words before its block.
-    line : int
-        Where it begins.
-    kind : str
-        ``"do"``, ``"open"`` and ``"close"`` of a block with braces or ``function .. end``.
-    """
-
-    text: str
-    line: int
+    text: str  #: As Python, where it could be rewritten; of a header the words before its block.
+    line: int  #: Where it begins.
+    #: ``"do"``, ``"open"`` and ``"close"`` of a block with braces or ``function .. end``.
     kind: str = "do"
 
     def parsed(self) -> ast.stmt | None:

@@ -64,21 +64,13 @@ def _of_sympy(x: Any) -> str | None:
 
 @dataclass
 class Reader:
-    """Reads entries, and remembers what has to be said of them.
+    """Reads entries, and remembers what has to be said of them."""
 
-    Attributes
-    ----------
-    digits : int or None
-        Digits after the point to which decimals and floats are known; ``None`` where they are the
-        numbers that they write.
-    floats : int
-        How many entries were binary numbers taken as they are.
-    hints : list[tuple[str, str, str]]
-        Of those that are near a short fraction, ``(place, number, fraction)``.
-    """
-
+    #: Digits after the point to which decimals and floats are known; ``None`` where they are the
+    #: numbers that they write.
     digits: int | None = None
-    floats: int = 0
+    floats: int = 0  #: How many entries were binary numbers taken as they are.
+    #: Of those that are near a short fraction, ``(place, number, fraction)``.
     hints: list[tuple[str, str, str]] = field(default_factory=list)
 
     def matrix(self, rows: Any, name: str) -> Matrix:

@@ -51,29 +51,16 @@ HIGH = 90.0
 
 @dataclass(frozen=True)
 class Scheme:
-    """A scheme as coloured stages.
+    """A scheme as coloured stages."""
 
-    Attributes
-    ----------
-    palette : tuple[tuple[str, str], ...]
-        Colours with the colours their children may have.
-    blocks : Mapping[str, tuple[Matrix, Vector]]
-        (A, b) by colour.
-    roots : str
-        Colours whose trees are conditions.
-    counts : Callable[[Forest], Callable[[int], bool]] or None
-        Which trees the systems have, or ``None`` for all.
-    written : tuple[tuple[str, str], ...]
-        Pattern and replacement that write a tree for a reader.
-    autonomous : Scheme or None
-        The scheme on ``y' = f(y)``, where time is a colour of its own.
-    """
-
-    palette: tuple[tuple[str, str], ...]
-    blocks: Mapping[str, tuple[Matrix, Vector]]
-    roots: str
+    palette: tuple[tuple[str, str], ...]  #: Colours with the colours their children may have.
+    blocks: Mapping[str, tuple[Matrix, Vector]]  #: (A, b) by colour.
+    roots: str  #: Colours whose trees are conditions.
+    #: Which trees the systems have, or ``None`` for all.
     counts: Callable[[Forest], Callable[[int], bool]] | None = None
+    #: Pattern and replacement that write a tree for a reader.
     written: tuple[tuple[str, str], ...] = ()
+    #: The scheme on ``y' = f(y)``, where time is a colour of its own.
     autonomous: Scheme | None = None
 
     @property

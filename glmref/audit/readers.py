@@ -12,6 +12,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
+from ..catalogue.keys import MAX_SIZE
 from ..exact import Exact
 from .arrays import gsl, odeint
 from .code import Statement, statements
@@ -573,6 +574,19 @@ def _esdirk(run: _Run, call: ast.Call, name: str, order: int | None) -> Table:
 _ENTRY = re.compile(r"(a|b|c|btilde|bhat)_?(\d+)$")
 
 
+def _stages(number: int) -> int:
+    """A number of stages, which a name or an index can make as large as it likes.
+
+    Raises
+    ------
+    Unread
+        Beyond what a method file may have.
+    """
+    if number > MAX_SIZE:
+        raise Unread(f"a coefficient of more than {MAX_SIZE} stages, by its name or index")
+    return number
+
+
 def _of_names(run: _Run, name: str, order: int | None) -> Table | None:
     """Coefficients under names of their own: a21, a0201 or, from 0, a0100, b1, c2, btilde1."""
     if any(re.fullmatch(r"bbar_?\d+", key) for key in run.scope):
@@ -600,8 +614,9 @@ def _of_names(run: _Run, name: str, order: int | None) -> Table | None:
         entries[i, j] = value
     if any(j == 0 for _, j in entries):  # stages are numbered from 0
         entries = {(i + 1, j + 1): value for (i, j), value in entries.items()}
-    s = max(i for i, _ in entries)
     b = {int(k): v for k, v in found.get("b", {}).items()}
+    s = max(i for i, _ in entries)
+    _stages(max([s, *b, *map(int, found.get("btilde", ()))]))
     if any(re.fullmatch(r"(?:α|alpha)_?\d+", key) for key in run.scope):
         raise Unread("weights under the names `α` are not read")
     s = max([s, *b])
@@ -930,7 +945,7 @@ def _of_rk(run: _Run, name: str, line: int) -> Table:
     A, b, c, error = (_need(run.scope.get(x)) for x in ("rkA", "rkB", "rkC", "rkE"))
     if not isinstance(A, Sparse) or not isinstance(b, Sparse | list):
         raise Unread("the entries of rkA and rkB do not stand one by one")
-    s = max(k for key in A.entries for k in key)
+    s = _stages(max(k for key in A.entries for k in key))
 
     def row(x: Sparse | list[Any]) -> list[Number]:  # as a column or as a row
         if isinstance(x, list):

@@ -13,43 +13,28 @@ Rows = list[list[Number]]
 
 @dataclass
 class Table:
-    """A table that was found.
+    """A table that was found."""
 
-    Attributes
-    ----------
-    name, line
-        What the code calls it, and where it begins.
-    kind : str
-        ``"rk"``, ``"additive"``, ``"rosenbrock"``, ``"splitting"``, ``"nystrom"``, ``"glm"``.
-    A, b, c
-        Of each part; of a Rosenbrock method alpha and gamma are two entries of ``A``, of a Nystrom
-        method A, maybe A', and b, b'; of a general linear method b holds F B and the weights of r -
-        1 other values that are the solution.
-    order : int or None
-        The order that the code declares, or ``None``.
-    rows : list[tuple[str, list[Number], int or None]]
-        Further weights, each with what it is called and its declared order.
-    errors : list[list[Number]]
-        Weights of error estimates, which sum to zero.
-    unread : str
-        Why nothing could be read, or ``""``.
-    named : bool
-        Whether entries stand under names of their own, so that one may have none.
-    identities : list[tuple[str, float]]
-        Equations beside the conditions, as "U S = 1", each with its largest residual.
-    """
-
+    #: What the code calls it, and where it begins.
     name: str
     line: int
+    #: ``"rk"``, ``"additive"``, ``"rosenbrock"``, ``"splitting"``, ``"nystrom"``, ``"glm"``.
     kind: str = "rk"
+    #: Of each part; of a Rosenbrock method alpha and gamma are two entries of ``A``, of a Nystrom
+    #: method A, maybe A', and b, b'; of a general linear method b holds F B and the weights of r -
+    #: 1 other values that are the solution.
     A: list[Rows] = field(default_factory=list)
     b: list[list[Number]] = field(default_factory=list)
     c: list[list[Number] | None] = field(default_factory=list)
-    order: int | None = None
+    order: int | None = None  #: The order that the code declares, or ``None``.
+    #: Further weights, each with what it is called and its declared order.
     rows: list[tuple[str, list[Number], int | None]] = field(default_factory=list)
+    #: Weights of error estimates, which sum to zero.
     errors: list[list[Number]] = field(default_factory=list)
-    unread: str = ""
+    unread: str = ""  #: Why nothing could be read, or ``""``.
+    #: Whether entries stand under names of their own, so that one may have none.
     named: bool = False
+    #: Equations beside the conditions, as "U S = 1", each with its largest residual.
     identities: list[tuple[str, float]] = field(default_factory=list)
 
 

@@ -24,13 +24,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..catalogue.claims import ORDER
-from ..engine.start import renewal_of
+from ..engine.starting_values import renewal_of
 from ..engine.tableau import as_balls
 from ..errors import UsageError
 from ..exact import Scalar, exact, linalg
 from ..exact.linalg import Matrix, Vector
 from ..method import GLM, PartitionedGLM
-from ..method.solution_value import outputs, preconsistency, stage_times, unit_place
+from ..method.preconsistency import outputs, preconsistency, stage_times, unit_place
 from ..method.stage_order import dependency_blocks
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 #: A coefficient this close to zero is zero, as for the engine (:data:`glmref.engine.forms.CLOSE`).
 CLOSE = 1e-40
-#: Passes of the enhanced start, as the engine takes them (:mod:`glmref.engine.start`).
+#: Passes of the enhanced start, as the engine takes them (:mod:`glmref.engine.starting_values`).
 _DEFAULT_PASSES, _MOST_PASSES = 4, 8
 
 _ZERO, _ONE = exact(0), exact(1)
@@ -46,33 +46,17 @@ _ZERO, _ONE = exact(0), exact(1)
 
 @dataclass(frozen=True)
 class Table:
-    """One tableau of the form in the module's docstring.
+    """One tableau of the form in the module's docstring."""
 
-    Attributes
-    ----------
-    A : Matrix
-        (s, s).
-    U : Matrix
-        (s, n).
-    B : Matrix
-        (m, s).
-    V : Matrix
-        (m, n).
-    c : Vector
-        (s,) abscissae.
-    blocks : tuple[int, ...]
-        The stages in the order of computation: 1 for an explicit stage, -b for b stages that are
-        solved for together.
-    half : tuple[int, ...]
-        (s,) for a pair: 1 where the stage is a Q, at which k is evaluated, else 0.
-    """
-
-    A: Matrix
-    U: Matrix
-    B: Matrix
-    V: Matrix
-    c: Vector
+    A: Matrix  #: (s, s).
+    U: Matrix  #: (s, n).
+    B: Matrix  #: (m, s).
+    V: Matrix  #: (m, n).
+    c: Vector  #: (s,) abscissae.
+    #: The stages in the order of computation: 1 for an explicit stage, -b for b stages that are
+    #: solved for together.
     blocks: tuple[int, ...]
+    #: (s,) for a pair: 1 where the stage is a Q, at which k is evaluated, else 0.
     half: tuple[int, ...]
 
     @property
@@ -88,44 +72,31 @@ class Table:
 
 @dataclass(frozen=True)
 class Scheme:
-    """Everything a stepper needs.
+    """Everything a stepper needs."""
 
-    Attributes
-    ----------
-    pair : bool
-        Whether f and k are given separately.
-    heads : tuple[int, ...]
-        Numbers of the values that are the solution: one, or one of q and one of p.
-    step : Table
-        The tableau of one step.
-    start : Table or None
-        The starting method, or ``None`` where the method is started by ``zero`` and passes.
-    finish : Table or None
-        The finishing method, or ``None``.
-    zero : Matrix
-        (r, heads), the start u y0.
-    correct : Matrix
-        (r, r), the matrix K^-1 of the enhanced start, see :mod:`glmref.engine.start`.
-    passes : int
-        Passes of the enhanced start; 0 where ``zero`` is all there is.
-    renew : int
-        Steps after which a long run makes the values anew from the solution, 0 for never.
-    """
-
-    pair: bool
+    pair: bool  #: Whether f and k are given separately.
+    #: Numbers of the values that are the solution: one, or one of q and one of p.
     heads: tuple[int, ...]
-    step: Table
+    step: Table  #: The tableau of one step.
+    #: The starting method, or ``None`` where the method is started by ``zero`` and passes.
     start: Table | None
-    finish: Table | None
-    zero: Matrix
+    finish: Table | None  #: The finishing method, or ``None``.
+    zero: Matrix  #: (r, heads), the start u y0.
+    #: (r, r), the matrix K^-1 of the enhanced start, see :mod:`glmref.engine.starting_values`.
     correct: Matrix
-    passes: int
+    passes: int  #: Passes of the enhanced start; 0 where ``zero`` is all there is.
+    #: Steps after which a long run makes the values anew from the solution, 0 for never.
     renew: int
 
     @property
     def r(self) -> int:
         """Number of values carried."""
         return len(self.step.V)
+
+    @property
+    def newton(self) -> bool:
+        """Whether the stepper has Newton's method."""
+        return self.implicit and not self.pair
 
     @property
     def tables(self) -> tuple[tuple[str, Table], ...]:

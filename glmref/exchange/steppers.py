@@ -56,38 +56,22 @@ def fill(template: str, words: frozenset[str], values: Mapping[str, str]) -> str
 
 @dataclass(frozen=True)
 class Language:
-    """What differs from language to language besides the template.
-
-    Attributes
-    ----------
-    comment : Comment
-        How a comment is written.
-    tables : Callable[[Scheme, Numbers], str]
-        Source of the constant tables, from the scheme and its rendered numbers.
-    values : Callable[[Scheme, str], Mapping[str, str]]
-        Further replacements, from the scheme and the identifier.
-    """
+    """What differs from language to language besides the template."""
 
     template: str
-    comment: Comment
+    comment: Comment  #: How a comment is written.
+    #: Source of the constant tables, from the scheme and its rendered numbers.
     tables: Callable[[Scheme, Numbers], str]
+    #: Further replacements, from the scheme and the identifier.
     values: Callable[[Scheme, str], Mapping[str, str]]
 
 
 @dataclass(frozen=True)
 class Numbers:
-    """How a coefficient is written.
+    """How a coefficient is written."""
 
-    Attributes
-    ----------
-    digits : int or None
-        Significant digits, ``None`` for the shortest decimals of doubles.
-    suffix : str
-        What a literal of double precision ends with.
-    """
-
-    digits: int | None
-    suffix: str = ""
+    digits: int | None  #: Significant digits, ``None`` for the shortest decimals of doubles.
+    suffix: str = ""  #: What a literal of double precision ends with.
 
     def of(self, x: Scalar) -> str:
         """One coefficient."""
@@ -167,8 +151,14 @@ def stepper(method: GLM | PartitionedGLM, language: str, digits: int | None) -> 
         "heads_d": "2 d" if scheme.pair else "d",
         "passes": str(scheme.passes),
         "renew": str(scheme.renew),
+        "calls": "dq, dp" if scheme.pair else "f",
+        "solution_given": "q, p" if scheme.pair else "y",
+        **_timed(
+            scheme, time="double t, ", now="t, ", next="t + h, ", at_n="t + n * h, ",
+            at_end="t + steps * h, ", from_to=" from time t to t + h", at=" at time t",
+        ),
         **chosen.values(scheme, name),
-    }
+    }  # fmt: skip
     return fill(source.read_text(encoding="utf-8"), _words(scheme), values)
 
 
@@ -176,7 +166,7 @@ def _words(scheme: Scheme) -> frozenset[str]:
     held = {
         "pair": scheme.pair,
         "implicit": scheme.implicit,
-        "newton": scheme.implicit and not scheme.pair,
+        "newton": scheme.newton,
         scheme.begins: True,
         "finish": scheme.finish is not None,
         "headed": scheme.finish is None or scheme.begins == "enhanced",
@@ -221,7 +211,6 @@ def _timed(scheme: Scheme, **texts: str) -> dict[str, str]:
 
 
 def _c_values(scheme: Scheme, name: str) -> dict[str, str]:
-    newton = scheme.implicit and not scheme.pair
     calls = ["dq", "dp"] if scheme.pair else ["f"]
     unused = [*calls, "data", "d", *([] if scheme.pair else ["t"]), "h"]
     evaluate = "f(t + T->c[i] * h, where, result, data)"
@@ -229,17 +218,15 @@ def _c_values(scheme: Scheme, name: str) -> dict[str, str]:
         evaluate = "(T->half[i] ? dp : dq)(where, result, data)"
     return {
         "rhs": ", ".join([*(f"{name}_rhs {x}" for x in calls), "void *data"]),
-        "pass": ", ".join([*calls, "data"]),
-        "flag": ", int *newton" if newton else "",
-        "give": ", newton" if newton else "",
-        "use_newton": ", int newton" if newton else "",
+        "calls": ", ".join([*calls, "data"]),
+        "flag": ", int *newton" if scheme.newton else "",
+        "give": ", newton" if scheme.newton else "",
+        "use_newton": ", int newton" if scheme.newton else "",
         "evaluate": evaluate,
-        "unused": " ".join(f"(void){x};" for x in [*unused, *(["newton"] if newton else [])]),
-        **_timed(
-            scheme, time="double t, ", now="t, ", next="t + h, ", at_n="t + n * h, ",
-            at_end="t + steps * h, ", from_to=" from time t to t + h", at=" at time t",
+        "unused": " ".join(
+            f"(void){x};" for x in [*unused, *(["newton"] if scheme.newton else [])]
         ),
-    }  # fmt: skip
+    }
 
 
 def _unnamed(scheme: Scheme, named: str, silent: str, **texts: tuple[str, str]) -> dict[str, str]:
@@ -275,30 +262,26 @@ def _cpp_tables(scheme: Scheme, numbers: Numbers) -> str:
 
 
 def _cpp_values(scheme: Scheme, name: str) -> dict[str, str]:
-    newton = scheme.implicit and not scheme.pair
     rhs = "const Rhs &dq, const Rhs &dp" if scheme.pair else "const Rhs &f"
     silent = "const Rhs &, const Rhs &" if scheme.pair else "const Rhs &"
     evaluate = "f(t + T.c[i] * h, Y[i])"
     return {
         "rhs": rhs,
-        "pass": "dq, dp" if scheme.pair else "f",
-        "use_newton": ", bool newton" if newton else "",
-        "const_values": "" if newton else "const ",
+        "use_newton": ", bool newton" if scheme.newton else "",
+        "const_values": "" if scheme.newton else "const ",
         "evaluate": "(T.half[i] ? dp : dq)(Y[i])" if scheme.pair else evaluate,
         "solution": "{q, p}" if scheme.pair else "{y}",
-        "solution_given": "q, p" if scheme.pair else "y",
         "again": "y[0], y[1]" if scheme.pair else "y",
         "solution_type": "const Vector &q, const Vector &p" if scheme.pair else "const Vector &y",
         "result": "std::vector<Vector>" if scheme.pair else "Vector",
         **_unnamed(
-            scheme, rhs, silent,
-            time=("", "") if scheme.pair else ("double t, ", "double, "), h=("h", ""),
+            scheme,
+            rhs,
+            silent,
+            time=("", "") if scheme.pair else ("double t, ", "double, "),
+            h=("h", ""),
         ),
-        **_timed(
-            scheme, time="double t, ", now="t, ", next="t + h, ", at_n="t + n * h, ",
-            at_end="t + steps * h, ", from_to=" from time t to t + h", at=" at time t",
-        ),
-    }  # fmt: skip
+    }
 
 
 # --- Rust ----------------------------------------------------------------------------------------
@@ -336,7 +319,6 @@ def _rust_tables(scheme: Scheme, numbers: Numbers) -> str:
 
 
 def _rust_values(scheme: Scheme, name: str) -> dict[str, str]:
-    newton = scheme.implicit and not scheme.pair
     rhs = "dq: Rhs, dp: Rhs" if scheme.pair else "f: Rhs"
     silent = "_dq: Rhs, _dp: Rhs" if scheme.pair else "_f: Rhs"
     call = "f(t + tab.c[i] * h, &y[i], &mut {})"
@@ -344,15 +326,13 @@ def _rust_values(scheme: Scheme, name: str) -> dict[str, str]:
         call = "(if tab.half[i] == 1 {{ dp }} else {{ dq }})(&y[i], &mut {})"
     return {
         "rhs": rhs,
-        "pass": "dq, dp" if scheme.pair else "f",
-        "use_newton": ", newton: bool" if newton else "",
-        "ref_values": "&mut Values" if newton else "&Values",
+        "use_newton": ", newton: bool" if scheme.newton else "",
+        "ref_values": "&mut Values" if scheme.newton else "&Values",
         "counter": "_" if scheme.pair and not scheme.renew else "n",
-        "no_newton": ", newton: false" if newton else "",
+        "no_newton": ", newton: false" if scheme.newton else "",
         "evaluate_slopes": call.format("slopes[i]"),
         "evaluate_g": call.format("g[k]"),
         "solution": "&[q.to_vec(), p.to_vec()]" if scheme.pair else "&[y.to_vec()]",
-        "solution_given": "q, p" if scheme.pair else "y",
         "again": "&y.0, &y.1" if scheme.pair else "&y",
         "solution_type": "q: &[f64], p: &[f64]" if scheme.pair else "y: &[f64]",
         "result": "(Vec<f64>, Vec<f64>)" if scheme.pair else "Vec<f64>",
@@ -361,8 +341,7 @@ def _rust_values(scheme: Scheme, name: str) -> dict[str, str]:
             time=("", "") if scheme.pair else ("t: f64, ", "_t: f64, "), h=("h", "_h"),
         ),
         **_timed(
-            scheme, time="t: f64, ", now="t, ", next="t + h, ", at_n="t + n as f64 * h, ",
-            at_end="t + steps as f64 * h, ", from_to=" from time t to t + h", at=" at time t",
+            scheme, time="t: f64, ", at_n="t + n as f64 * h, ", at_end="t + steps as f64 * h, "
         ),
     }  # fmt: skip
 
@@ -422,7 +401,6 @@ def _fortran_tables(scheme: Scheme, numbers: Numbers) -> str:
 
 
 def _fortran_values(scheme: Scheme, name: str) -> dict[str, str]:
-    newton = scheme.implicit and not scheme.pair
 
     def call(where: str, result: str, margin: str) -> str:
         if not scheme.pair:
@@ -434,13 +412,12 @@ def _fortran_values(scheme: Scheme, name: str) -> dict[str, str]:
     silent = ["if (.false.) call dq(y(:,1), lost(:,1))", "if (.false.) call dp(y(:,1), lost(:,1))"]
     if not scheme.pair:
         silent = ["if (.false.) call f(time, y(:,1), lost(:,1))"]
-    silent += ["if (.false.) lost = h", *(["newton = newton"] if newton else [])]
+    silent += ["if (.false.) lost = h", *(["newton = newton"] if scheme.newton else [])]
     at_end = [x.replace("lost", "y").replace("y(:,1), y", "x(:,1), y") for x in silent]
     at_end += ["if (.false.) y = lost(1,1)"]
     return {
-        "calls": "dq, dp" if scheme.pair else "f",
-        "flag": ", newton" if newton else "",
-        "use_newton": ", newton" if newton else "",
+        "flag": ", newton" if scheme.newton else "",
+        "use_newton": ", newton" if scheme.newton else "",
         "base_array": ", base" if scheme.implicit else "",
         "evaluate_slopes": call("place(:,i)", "slopes(:,i)", " " * 8),
         "evaluate_g": call("Y(:,i)", "G(:,k)", " " * 8),
@@ -487,21 +464,14 @@ def _python_tables(scheme: Scheme, numbers: Numbers) -> str:
 
 
 def _python_values(scheme: Scheme, name: str) -> dict[str, str]:
-    newton = scheme.implicit and not scheme.pair
     evaluate = 'f(t + T["c"][i] * h, Y[i])'
     return {
-        "calls": "dq, dp" if scheme.pair else "f",
-        "use_newton": ", newton" if newton else "",
+        "use_newton": ", newton" if scheme.newton else "",
         "evaluate_i": '(dp if T["half"][i] else dq)(Y[i])' if scheme.pair else evaluate,
         "solution": "[q, p]" if scheme.pair else "[y]",
-        "solution_given": "q, p" if scheme.pair else "y",
         "again": "*y" if scheme.pair else "y",
         "head_list": str(list(scheme.heads)),
-        **_timed(
-            scheme, now="t, ", next="t + h, ", at_n="t + n * h, ", at_end="t + steps * h, ",
-            from_to=" from time t to t + h", at=" at time t",
-        ),
-    }  # fmt: skip
+    }
 
 
 # --- Julia ---------------------------------------------------------------------------------------

@@ -2,7 +2,7 @@
 
 Fractions are written as quotients, which every reader computes without loss but for the last
 rounding. Other numbers are decimals; where they have an exact expression it stands in a comment,
-one line a row, and :mod:`.reading` takes it from there.
+one line a row, and :mod:`.import_tables` takes it from there.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from ..exact.linalg import Matrix, Vector
 from ..method import GLM, AdditiveGLM, Method, PartitionedGLM
 from ..method.embedded import EmbeddedRow
 from ..method.families import splitting
-from ..method.solution_value import stage_times
+from ..method.preconsistency import stage_times
 from ..prove.analysis import analyze
 from ..views.notation import LATEX
 from .header import ONE_ROW, Comment, header
@@ -198,9 +198,36 @@ def _c_array(kind: str, name: str, rows: Sequence[Sequence[str]]) -> list[str]:
     return [*lines, "  };"]
 
 
-def _imex(
-    method: AdditiveGLM, target: str, digits: int, cast: Callable[[str], str], kind: str
-) -> tuple[str, list[str], int, int]:
+#: How the C of a package calls its real type, and writes a number of it.
+_REAL: Mapping[str, tuple[str, Callable[[str], str]]] = {
+    "sundials": ("sunrealtype", lambda text: f"SUN_RCONST({text})"),
+    "petsc": ("const PetscReal", str),
+}
+
+
+def _c_arrays(rows: Mapping[str, Matrix], target: str, digits: int) -> list[str]:
+    kind, cast = _REAL[target]
+    lines: list[str] = []
+    for letter, matrix in rows.items():
+        texts = [[_c_number(x, digits, cast) for x in row] for row in matrix]
+        lines += _c_array(kind, letter, texts)
+    return lines
+
+
+def _c_tableau(
+    method: GLM | PartitionedGLM, target: str, does: str, digits: int
+) -> tuple[Butcher, str, list[str]]:
+    """A tableau that is at most diagonally implicit, the head of its file, and its arrays."""
+    tab = butcher(method, target)
+    if not method.is_diagonally_implicit:
+        raise UsageError(
+            f"{target} {does} explicit and diagonally implicit tableaux, and {method.name} is "
+            f"fully implicit; rungekutta.jl holds it"
+        )
+    return tab, _head(method, target, tab, _C, digits), _c_arrays(tab.rows, target, digits)
+
+
+def _imex(method: AdditiveGLM, target: str, digits: int) -> tuple[str, list[str], int, int]:
     """The head, the arrays and the orders of an implicit-explicit Runge-Kutta method.
 
     The arrays A, b, c belong to the explicit part, which comes first where both are explicit, and
@@ -231,13 +258,10 @@ def _imex(
     if found is not None:
         (weights, lower) = found
         rows |= {"d": (weights[e],), "dt": (weights[i],)}
-    lines = []
-    for letter, matrix in rows.items():
-        texts = [[_c_number(x, digits, cast) for x in row] for row in matrix]
-        lines += _c_array(kind, letter, texts)
     said = f"A, b, c: part {e + 1}, explicit; At, bt, ct: part {i + 1}, implicit. "
     said += f"Numbers that are not quotients have {digits} significant digits."
-    return header(method, target, _C, said, exact=_exact_lines(rows)), lines, _order(method), lower
+    head = header(method, target, _C, said, exact=_exact_lines(rows))
+    return head, _c_arrays(rows, target, digits), _order(method), lower
 
 
 def _is_lower(A: Matrix, above: int) -> bool:
@@ -273,9 +297,7 @@ def _sprk(method: GLM | PartitionedGLM, digits: int) -> str | None:
     remark += "f1 is the force k(q), f2 the velocity f(p)."
     lines = [header(method, "sundials", _C, remark, exact=_exact_lines(rows))]
     lines += ["#include <arkode/arkode_sprk.h>", "", f"ARKodeSPRKTable {name}_table(void) {{"]
-    for letter, matrix in rows.items():
-        texts = [_c_number(x, digits, lambda text: f"SUN_RCONST({text})") for x in matrix[0]]
-        lines += _c_array("sunrealtype", letter, [texts])
+    lines += _c_arrays(rows, "sundials", digits)
     return "\n".join(
         [
             *lines,
@@ -297,9 +319,7 @@ def _sprk(method: GLM | PartitionedGLM, digits: int) -> str | None:
 
 def _ark_tables(method: AdditiveGLM, digits: int) -> str:
     """The two tables of an implicit-explicit method, given to ARKStep."""
-    head, arrays, order, lower = _imex(
-        method, "sundials", digits, lambda text: f"SUN_RCONST({text})", "sunrealtype"
-    )
+    head, arrays, order, lower = _imex(method, "sundials", digits)
     size = f"{method.s}, {order}, {lower}"
     d, dt = ("d", "dt") if method.embedded else ("NULL", "NULL")
     return "\n".join(
@@ -329,37 +349,35 @@ def _sundials(method: GLM | PartitionedGLM | AdditiveGLM, digits: int) -> str:
         return _ark_tables(method, digits)
     if method.parts == 2 and (found := _sprk(method, digits)):
         return found
-    tab = butcher(method, "sundials")
-    if not method.is_diagonally_implicit:
-        raise UsageError(
-            f"sundials steps explicit and diagonally implicit tableaux, and {method.name} is fully "
-            f"implicit; rungekutta.jl holds it"
-        )
-
-    def number(x: Scalar) -> str:
-        return _c_number(x, digits, lambda text: f"SUN_RCONST({text})")
-
-    name = identifier(method.name)
-    lines = [
-        _head(method, "sundials", tab, _C, digits),
-        "#include <arkode/arkode_butcher.h>",
-        "",
-    ]
-    lines += [f"ARKodeButcherTable {name}_table(void) {{"]
-    for letter, rows in tab.rows.items():
-        lines += _c_array("sunrealtype", letter, [[number(x) for x in row] for row in rows])
-    lines += ["  /* stages, order, order of the embedded method, 0 where there is none */"]
+    tab, head, arrays = _c_tableau(method, "sundials", "steps", digits)
     size, d = f"{tab.s}, {tab.order}, {tab.lower}", "NULL" if tab.row is None else "d"
-    lines += [f"  return ARKodeButcherTable_Create({size}, c, A, b, {d});", "}"]
-    return "\n".join(lines) + "\n"
+    return "\n".join(
+        [
+            head,
+            "#include <arkode/arkode_butcher.h>",
+            "",
+            f"ARKodeButcherTable {identifier(method.name)}_table(void) {{",
+            *arrays,
+            "  /* stages, order, order of the embedded method, 0 where there is none */",
+            f"  return ARKodeButcherTable_Create({size}, c, A, b, {d});",
+            "}",
+            "",
+        ]
+    )
 
 
-def _arkimex(method: AdditiveGLM, digits: int) -> str:
-    """The registration of an implicit-explicit method."""
-    head, arrays, order, _ = _imex(method, "petsc", digits, str, "const PetscReal")
-    embedded = "dt, d" if method.embedded else "NULL, NULL"
+def _petsc(method: GLM | PartitionedGLM | AdditiveGLM, digits: int) -> str:
     name = identifier(method.name)
-    call = f'TSARKIMEXRegister("{method.name or name}", {order}, {method.s}, At, bt, ct, A, b, c,'
+    if isinstance(method, AdditiveGLM):
+        head, arrays, order, _ = _imex(method, "petsc", digits)
+        embedded = "dt, d" if method.embedded else "NULL, NULL"
+        function, size = "TSARKIMEXRegister", f"{order}, {method.s}"
+        given = f"At, bt, ct, A, b, c,\n{'':30}{embedded}, 0, NULL, NULL"
+    else:
+        tab, head, arrays = _c_tableau(method, "petsc", "registers", digits)
+        function = "TSRKRegister" if method.is_explicit else "TSDIRKRegister"
+        size = f"{tab.order}, {tab.s}"
+        given = f"A, b, c, {'NULL' if tab.row is None else 'd'}, 1, b"
     return "\n".join(
         [
             head,
@@ -370,38 +388,12 @@ def _arkimex(method: AdditiveGLM, digits: int) -> str:
             *arrays,
             "",
             "  PetscFunctionBegin;",
-            f"  PetscCall({call}",
-            f"                              {embedded}, 0, NULL, NULL));",
+            f'  PetscCall({function}("{method.name or name}", {size}, {given}));',
             "  PetscFunctionReturn(PETSC_SUCCESS);",
             "}",
             "",
         ]
     )
-
-
-def _petsc(method: GLM | PartitionedGLM | AdditiveGLM, digits: int) -> str:
-    if isinstance(method, AdditiveGLM):
-        return _arkimex(method, digits)
-    tab = butcher(method, "petsc")
-    if not method.is_diagonally_implicit:
-        raise UsageError(
-            f"petsc registers explicit and diagonally implicit tableaux, and {method.name} is "
-            f"fully implicit; rungekutta.jl holds it"
-        )
-
-    def number(x: Scalar) -> str:
-        return _c_number(x, digits, str)
-
-    name = identifier(method.name)
-    explicit = method.is_explicit
-    call = f'{"TSRKRegister" if explicit else "TSDIRKRegister"}("{method.name or name}", '
-    call += f"{tab.order}, {tab.s}, A, b, c, {'NULL' if tab.row is None else 'd'}, 1, b)"
-    lines = [_head(method, "petsc", tab, _C, digits), "#include <petscts.h>", ""]
-    lines += [f"PetscErrorCode {name}_register(void)", "{"]
-    for letter, rows in tab.rows.items():
-        lines += _c_array("const PetscReal", letter, [[number(x) for x in row] for row in rows])
-    lines += ["", "  PetscFunctionBegin;", f"  PetscCall({call});"]
-    return "\n".join([*lines, "  PetscFunctionReturn(PETSC_SUCCESS);", "}"]) + "\n"
 
 
 # --- Python: diffrax -----------------------------------------------------------------------------

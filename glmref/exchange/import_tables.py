@@ -42,25 +42,15 @@ _TOKEN = re.compile(
 
 @dataclass
 class Found:
-    """What a reader found in a file.
+    """What a reader found in a file."""
 
-    Attributes
-    ----------
-    blocks : dict[str, list[list[str]]]
-        Rows of entries by the name of the block, ``A`` or ``starting.u`` (one row).
-    order, lower : int or None
-        The order that the table states, and that of its embedded weights.
-    digits : int or None
-        Digits after the point that the table declares for its decimals.
-    about : dict[str, Any]
-        Name, title, source and the like.
-    """
-
+    #: Rows of entries by the name of the block, ``A`` or ``starting.u`` (one row).
     blocks: dict[str, list[list[str]]] = field(default_factory=dict)
+    #: The order that the table states, and that of its embedded weights.
     order: int | None = None
     lower: int | None = None
-    digits: int | None = None
-    about: dict[str, Any] = field(default_factory=dict)
+    digits: int | None = None  #: Digits after the point that the table declares for its decimals.
+    about: dict[str, Any] = field(default_factory=dict)  #: Name, title, source and the like.
 
 
 def read_table(
@@ -529,7 +519,7 @@ def _list_of(node: ast.expr) -> list[ast.expr]:
         return _list_of(node.args[0])
     if isinstance(node, ast.List | ast.Tuple):
         return node.elts
-    raise DataError(f"line {node.lineno}: a list of numbers must stand here")
+    raise DataError(f"line {node.lineno}: a list of numbers is expected here")
 
 
 def _diffrax(text: str) -> Found:
