@@ -12,7 +12,7 @@ from ..catalogue.canonical import one_line
 from ..errors import BudgetError, DataError, UsageError
 from ..findings import Verdict
 from ..views.tables import counted, json_text, plain
-from .output import FAILED, HOLDS, INTERNAL, complain, format_option, on_option, say
+from .output import FAILED, HOLDS, INTERNAL, Word, complain, format_option, on_option, say
 
 #: Repeated from :data:`glmref.audit.readers.FORMATS`, so that ``--help`` loads nothing.
 READ = (
@@ -89,7 +89,7 @@ def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     if len(found) < len(pairs):
         names = [name for name, _ in pairs]
         twice = next(x for x in names if names.count(x) > 1)
-        raise DataError(f"the key {twice!r} stands twice; keep one of them")
+        raise DataError(f"the key {twice!r} occurs twice; keep one of them")
     return found
 
 
@@ -131,7 +131,11 @@ def _document(file: str) -> dict[str, Any]:
 @click.command(short_help="Check all tableaux in the sources of a code.")
 @click.argument("source", type=click.Path(path_type=Path), metavar="SOURCE")
 @click.option(
-    "--format", "form", type=click.Choice(READ), required=True, help="How it writes them."
+    "--format",
+    "form",
+    type=Word(READ),
+    required=True,
+    help="Language or package in whose notation SOURCE writes its tables.",
 )
 @click.option("--all", "every", is_flag=True, help="Show the tables that are right, too.")
 @click.option("--fast", is_flag=True, help="Do not look for the entry that is wrong.")

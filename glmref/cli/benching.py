@@ -53,14 +53,14 @@ def _measure(pattern: str | None, commits: str, *, quick: bool) -> int:
         raise UsageError("asv is not installed; pip install 'glmref[bench]'")
     chosen = [*(["--quick"] if quick else []), *(["--bench", pattern] if pattern else [])]
     if _asv("machine", "--yes"):
-        raise UsageError("`asv machine --yes` failed; its own words stand above")
+        raise UsageError("`asv machine --yes` failed; its message is above")
     code = _asv("run", commits, *chosen)
     if code not in (0, _BENCHMARK_FAILED):
         raise UsageError(f"`asv run {commits}` failed with exit code {code}; see its words above")
     if code == _BENCHMARK_FAILED:
         complain("a benchmark failed; asv names it above, the others are kept")
     if _asv("publish"):
-        complain("asv could not write its own pages; the results are kept and stand below")
+        complain("asv could not write its own pages; the results are kept and shown below")
     return FAILED if code else HOLDS
 
 

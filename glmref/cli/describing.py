@@ -13,7 +13,7 @@ import click
 
 from ..errors import BudgetError, UsageError
 from ..views.tables import Style, columns, csv_text, json_text, one_line
-from .output import HOLDS, INTERNAL, complain, complete_method, format_option, say
+from .output import HOLDS, INTERNAL, Word, complain, complete_method, format_option, say
 
 if TYPE_CHECKING:
     from ..catalogue.errata import Erratum
@@ -109,7 +109,7 @@ def _measured(method: Any, stability: Mapping[str, Any]) -> dict[str, float]:
 
 @click.command(short_help="Show what the thesis prints, and what is right.")
 @click.argument("text", default="", metavar="[ID|TEXT]")
-@click.option("--verdict", type=click.Choice(_VERDICTS), help="These only.")
+@click.option("--verdict", type=Word(_VERDICTS), help="These only.")
 @click.option("--method", metavar="NAME", help="Those about this data file only.")
 @format_option()
 def errata(text: str, verdict: str | None, method: str | None, form: str) -> int:

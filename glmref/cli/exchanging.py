@@ -11,8 +11,9 @@ from ..system.files import write_text
 from ..views.tables import one_line
 from .output import HOLDS, Word, complain, complete_method, say
 
-#: Repeated from :data:`glmref.exchange.export.TARGETS` and :data:`glmref.exchange.reading.FORMATS`,
-#: so that ``--help`` loads neither; a test compares them.
+#: Repeated from :data:`glmref.exchange.export.TARGETS` and
+#: :data:`glmref.exchange.import_tables.FORMATS`, so that ``--help`` loads neither; a test compares
+#: them.
 TARGETS = (
     *("c", "c++", "fortran", "julia", "rust", "python", "jax"),
     *("latex", "sundials", "petsc", "diffrax", "ordinarydiffeq", "rungekutta.jl", "json", "csv"),
@@ -66,7 +67,7 @@ def import_(file: Path, form: str, output: Path | None) -> int:
     them. Nothing in the table is executed.
     """
     from ..catalogue.canonical import canonical
-    from ..exchange.reading import read_table
+    from ..exchange.import_tables import read_table
 
     try:
         text = file.read_text(encoding="utf-8")

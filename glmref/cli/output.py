@@ -71,7 +71,7 @@ def format_option(
     formats: Sequence[str] = ("table", "json", "csv"), said: str = "Format of the output."
 ) -> Callable[[Any], Any]:
     """The option ``--format`` of a command."""
-    return click.option("--format", "form", type=click.Choice(formats), default="table", help=said)
+    return click.option("--format", "form", type=Word(formats), default="table", help=said)
 
 
 on_option = click.option(

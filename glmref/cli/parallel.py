@@ -26,27 +26,13 @@ STARTUP = 1.0
 
 @dataclass(frozen=True, slots=True)
 class Checked:
-    """What became of one data file.
+    """What became of one data file."""
 
-    Attributes
-    ----------
-    name : str
-        Name or path as it was asked for.
-    findings : list[Finding]
-        One for each claim.
-    error : str
-        The sentence that says why there are none, or ``""``.
-    internal : bool
-        Whether that is this program's fault.
-    trace : str
-        The traceback of an internal error.
-    """
-
-    name: str
-    findings: list[Finding] = field(default_factory=list)
-    error: str = ""
-    internal: bool = False
-    trace: str = ""
+    name: str  #: Name or path as it was asked for.
+    findings: list[Finding] = field(default_factory=list)  #: One for each claim.
+    error: str = ""  #: The sentence that says why there are none, or ``""``.
+    internal: bool = False  #: Whether that is this program's fault.
+    trace: str = ""  #: The traceback of an internal error.
 
 
 def check(

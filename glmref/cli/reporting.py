@@ -28,9 +28,7 @@ PLACES = (Path("report"), Path(".asv", "results"))
     help="Where the documentation lies: a folder seen from the pages, such as .., or an address.",
 )
 def report(results: tuple[Path, ...], output: Path | None, single: bool, docs: str) -> int:
-    """Write HTML pages of stored results: methods, runs, errata, benchmarks.
-
-    Nothing is computed.
+    """Write HTML pages of stored results: methods, runs, errata, benchmarks; nothing is computed.
 
     RESULTS are files and folders: records of `glmref run`, findings of `glmref verify --format
     json` and of the conformance suite, portraits NAME.svg of `glmref show NAME --plot`, results of

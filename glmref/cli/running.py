@@ -13,7 +13,7 @@ import click
 
 from ..errors import UsageError
 from ..system.shown import Drawing
-from ..views.tables import Style, columns, csv_text, json_text, one_line
+from ..views.tables import Style, columns, counted, csv_text, json_text, one_line
 from .output import (
     BAD_INPUT,
     HOLDS,
@@ -106,7 +106,8 @@ def run(
         _write_csv(plans, documents)
     refused = [r for d in documents for r in d["records"] if r["outcome"] == scenery.SYSTEM_REFUSED]
     if refused:
-        more = f" (and {len(refused) - 1} tasks more)" if len(refused) > 1 else ""
+        others = len(refused) - 1
+        more = f" (and {counted(others, 'other task')})" if others else ""
         complain(
             f"{_who(refused[0])}{more}: {one_line(refused[0]['message'], limit=200)}; what was "
             f"measured is kept, so see to it and run the same command again"
@@ -216,13 +217,13 @@ def _draw(
     orbits = scenery.orbits(scene, records)
     if orbits is not None:
         drawn.append((paths, "-orbit", orbits, orbits.clouds))
-    for room, suffix, one, data in drawn:
+    for module, suffix, one, data in drawn:
         words = {"title": one.title, "x_label": one.x_label, "y_label": one.y_label}
         path = output / f"{stem}{suffix}.svg"
         try:
-            Drawing(room.svg(data, **words)).save(path)
+            Drawing(module.svg(data, **words)).save(path)
             names.append(path.name)
-            notice = room.write_figures(path.with_suffix(".png"), data, **words)
+            notice = module.write_figures(path.with_suffix(".png"), data, **words)
         except UsageError as error:
             notice = f"no picture: {error}"
             notices += [notice] if notice not in notices else []

@@ -58,24 +58,13 @@ _starting = Lock()
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What a task may take.
+    """What a task may take."""
 
-    Attributes
-    ----------
-    seconds : float or None
-        Wall-clock time of one task; its process is killed then.
-    memory : int or None
-        Bytes of data of its process (``RLIMIT_DATA``).
-    retries : int
-        How often a task whose process died is tried again.
-    pinned : bool
-        Whether it has a core of its own, on which no other such task of this user runs: for what
-        is timed.
-    """
-
-    seconds: float | None = None
-    memory: int | None = None
-    retries: int = 2
+    seconds: float | None = None  #: Wall-clock time of one task; its process is killed then.
+    memory: int | None = None  #: Bytes of data of its process (``RLIMIT_DATA``).
+    retries: int = 2  #: How often a task whose process died is tried again.
+    #: Whether it has a core of its own, on which no other such task of this user runs: for what is
+    #: timed.
     pinned: bool = False
 
 
@@ -84,29 +73,17 @@ UNLIMITED = Limits()
 
 @dataclass(frozen=True, slots=True)
 class Done:
-    """What became of a task.
+    """What became of a task."""
 
-    Attributes
-    ----------
-    value : object
-        What the function returned.
-    failure : str
-        Why there is no value (:data:`FAILED`, :data:`KILLED`, :data:`MEMORY`, :data:`REFUSED`,
-        :data:`TIME_LIMIT`), or ``""``.
-    message, trace : str
-        One sentence on the failure; the traceback of an internal error.
-    attempts : int
-        How often it was tried.
-    seconds : float
-        Wall-clock time of the last attempt.
-    """
-
-    value: Any = None
+    value: Any = None  #: What the function returned.
+    #: Why there is no value (:data:`FAILED`, :data:`KILLED`, :data:`MEMORY`, :data:`REFUSED`,
+    #: :data:`TIME_LIMIT`), or ``""``.
     failure: str = ""
+    #: One sentence on the failure; the traceback of an internal error.
     message: str = ""
     trace: str = ""
-    attempts: int = 1
-    seconds: float = 0.0
+    attempts: int = 1  #: How often it was tried.
+    seconds: float = 0.0  #: Wall-clock time of the last attempt.
 
     def as_record(self) -> dict[str, Any]:
         """Return the value, or the failure as a record."""

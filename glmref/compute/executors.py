@@ -30,21 +30,11 @@ Results = list[tuple[Task, Done]]
 
 
 class Executor(Protocol):
-    """Something that carries out tasks.
+    """Something that carries out tasks."""
 
-    Attributes
-    ----------
-    name : str
-        As it is chosen.
-    dashboard : str
-        The address of a page that shows what happens, or ``""``.
-    threads : int
-        How many tasks can run at the same time.
-    """
-
-    name: str
-    dashboard: str
-    threads: int
+    name: str  #: As it is chosen.
+    dashboard: str  #: The address of a page that shows what happens, or ``""``.
+    threads: int  #: How many tasks can run at the same time.
 
     def run(
         self, function: Function, tasks: Iterable[Task], limits: Limits = UNLIMITED

@@ -75,55 +75,26 @@ def finite(value: float | None) -> float | None:
 
 @dataclass(frozen=True)
 class Fault:
-    """A line that is no record.
+    """A line that is no record."""
 
-    Attributes
-    ----------
-    line : int
-        Its number, from 1.
-    why : str
-        What is wrong, as the end of a sentence that begins with "it".
-    raw : bytes
-        Its content.
-    foreign : bool
-        Whether it is sound JSON of something else.
-    second : bool
-        Whether it is a sound record of a task that has one already.
-    """
-
-    line: int
-    why: str
-    raw: bytes
-    foreign: bool = False
-    second: bool = False
+    line: int  #: Its number, from 1.
+    why: str  #: What is wrong, as the end of a sentence that begins with "it".
+    raw: bytes  #: Its content.
+    foreign: bool = False  #: Whether it is sound JSON of something else.
+    second: bool = False  #: Whether it is a sound record of a task that has one already.
 
 
 @dataclass(frozen=True)
 class Content:
-    """What a file of records holds.
+    """What a file of records holds."""
 
-    Attributes
-    ----------
-    records : list of dict
-        Sound records in order, the first of each task.
-    kept : list of bytes
-        Their lines.
-    faults : list of Fault
-        The other lines.
-    torn : int or None
-        Number of the last line, where its writer was stopped in the middle of it.
-    whole : int
-        Bytes up to the end of the last line that has one.
-    unended : bool
-        Whether the last record is sound and has lost the end of its line.
-    """
-
-    records: list[dict[str, Any]]
-    kept: list[bytes]
-    faults: list[Fault]
+    records: list[dict[str, Any]]  #: Sound records in order, the first of each task.
+    kept: list[bytes]  #: Their lines.
+    faults: list[Fault]  #: The other lines.
+    #: Number of the last line, where its writer was stopped in the middle of it.
     torn: int | None = None
-    whole: int = 0
-    unended: bool = False
+    whole: int = 0  #: Bytes up to the end of the last line that has one.
+    unended: bool = False  #: Whether the last record is sound and has lost the end of its line.
 
 
 class _NotARecord(Exception):

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from ..engine.reference import Stepper, apply_finish, apply_start, stepper
-from ..engine.start import enhanced_start
+from ..engine.starting_values import enhanced_start
 from ..errors import GlmrefError, UsageError
 from ..exact import Ball, Exact
 from ..exact.linalg import Matrix
 from ..method import GLM, Method, PartitionedGLM
-from ..method.solution_value import outputs, preconsistency_vector, stage_times, unit_place
+from ..method.preconsistency import outputs, preconsistency_vector, stage_times, unit_place
 from ..prove.facts import facts_of
 from .faults import reversal
 from .numbers import decimal_of, decimals, upper_text

@@ -39,7 +39,7 @@ def read_known_failures(path: str | Path, ids: Iterable[str]) -> dict[str, str]:
         if not reason:
             raise UsageError(f"{where}: {name!r} needs a reason; write `id: reason`")
         if name in known:
-            raise UsageError(f"{where}: {name!r} stands twice")
+            raise UsageError(f"{where}: {name!r} occurs twice")
         if name not in ids:
             near = get_close_matches(name, ids, n=1)
             hint = f"; the nearest is {near[0]}" if near else ""

@@ -18,7 +18,7 @@ from ..catalogue.canonical import laid_out
 from ..catalogue.lookup import load
 from ..compute import executor, in_order
 from ..errors import DataError
-from ..method.solution_value import preconsistency_vector
+from ..method.preconsistency import preconsistency_vector
 from .bench import DIGITS, SHOWN, Bench
 from .faults import NOTES
 from .run_cases import RunCases

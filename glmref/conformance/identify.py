@@ -16,7 +16,7 @@ from ..errors import DataError, ExactnessError, UsageError, did_you_mean
 from ..exact import Ball
 from ..exact.expression import parse
 from ..method import GLM, Method, PartitionedGLM
-from ..method.solution_value import stage_times
+from ..method.preconsistency import stage_times
 from ..prove.analysis import analyze
 from .probe import read
 from .readings import Reading, clean, needed
@@ -43,54 +43,28 @@ _FACTORS = np.array(
 
 @dataclass(frozen=True)
 class Match:
-    """A method of the catalogue with the coefficients that were read.
+    """A method of the catalogue with the coefficients that were read."""
 
-    Attributes
-    ----------
-    name : str
-        Its name.
-    difference : float
-        Largest difference of A and of U V^k B, k < r.
-    same_basis : bool
-        Whether U, B and V agree as well, without a change of values.
-    times : tuple[float, ...]
-        Abscissae of the method where f is evaluated at others, else empty: such a code is the
-        method on autonomous systems only.
-    """
-
-    name: str
-    difference: float
-    same_basis: bool
+    name: str  #: Its name.
+    difference: float  #: Largest difference of A and of U V^k B, k < r.
+    same_basis: bool  #: Whether U, B and V agree as well, without a change of values.
+    #: Abscissae of the method where f is evaluated at others, else empty: such a code is the method
+    #: on autonomous systems only.
     times: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
 class Probe:
-    """Everything that is known of one integrator.
+    """Everything that is known of one integrator."""
 
-    Attributes
-    ----------
-    method : str
-        What the adapter calls it.
-    reading : Reading or None
-        The coefficients, or ``None`` where they could not be read.
-    matches : tuple[Match, ...]
-        Methods of the catalogue it equals, nearest first.
-    recognised : bool
-        Whether every coefficient has a short closed form; then ``analysis`` is exact for these
-        forms.
-    analysis : Any
-        The record of :func:`glmref.analyze`, or ``None``.
-    notes : tuple[str, ...]
-        What could not be seen, and why.
-    """
-
-    method: str
-    reading: Reading | None
-    matches: tuple[Match, ...] = ()
+    method: str  #: What the adapter calls it.
+    reading: Reading | None  #: The coefficients, or ``None`` where they could not be read.
+    matches: tuple[Match, ...] = ()  #: Methods of the catalogue it equals, nearest first.
+    #: Whether every coefficient has a short closed form; then ``analysis`` is exact for these
+    #: forms.
     recognised: bool = False
-    analysis: Any = None
-    notes: tuple[str, ...] = ()
+    analysis: Any = None  #: The record of :func:`glmref.analyze`, or ``None``.
+    notes: tuple[str, ...] = ()  #: What could not be seen, and why.
 
     def as_json(self) -> dict[str, Any]:
         """Return the record as JSON-ready values."""

@@ -290,7 +290,7 @@ class PipeAdapter:
         del self._pending[: end + 1]
         self._searched = 0
         try:
-            answer = json.loads(text)
+            answer = json.loads(text, object_pairs_hook=_unique)
         except (ValueError, RecursionError):
             raise BrokenPipe(
                 f"the program's line {_short(text[:200])} is not JSON; stdout is for answers, "
@@ -401,6 +401,14 @@ def _close(streams: Iterable[Any]) -> None:
         if stream is not None:
             with contextlib.suppress(OSError):
                 stream.close()
+
+
+def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """An object of JSON, each key once: of two answers neither is the answer."""
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        raise BrokenPipe("the program gives a key of its answer twice")
+    return found
 
 
 def _short(value: object) -> str:

@@ -25,7 +25,6 @@ from ..errors import UsageError
 from ..method import GLM, PartitionedGLM
 from ..problems import Problem
 from .readings import (
-    MARKERS,
     MORE_MARKERS,
     Box,
     Reading,
@@ -42,7 +41,7 @@ from .readings import (
 from .subject import AdapterError, NotOffered, Subject
 
 
-def read_glm(box: Box, r: int, *, t: float = 0.0) -> Reading:
+def read_glm(box: Box, r: int) -> Reading:
     """Read A, U, B, V of an integrator that carries r values and calls f(t, y).
 
     Raises
@@ -50,63 +49,15 @@ def read_glm(box: Box, r: int, *, t: float = 0.0) -> Reading:
     UsageError
         When it cannot be read: f is not called, or at too many points.
     """
-    found = _read_with(box, Watch(), r, t)
+    found = _read_with(box, (Watch(),), r)
     if found.evaluations < 2 * found.points:  # no stage equations are iterated
-        again = _read_with(box, Watch(markers=MORE_MARKERS), r, t)
+        again = _read_with(box, (Watch(markers=MORE_MARKERS),), r)
         if again.points > found.points and again.unexplained <= found.unexplained:
             return again
     return found
 
 
-def _read_with(box: Box, watch: Watch, r: int, t: float) -> Reading:
-    _watched(box, watch, r, 0, t, 1.0)
-    if not watch.points:
-        raise UsageError("f(t, y) was not called in a step: the integrator does not use problem.f")
-    return best(lambda slope: _read_glm(box, watch, r, t, slope))
-
-
-def _read_glm(box: Box, watch: Watch, r: int, t: float, slope: float) -> Reading:
-    tags, second = len(watch.points), watch.again()
-    out = _watched(box, second, r, tags, t, slope)
-    m = watch.markers
-    units, tag = slice(m, m + r), slice(m + r, None)
-    if len(second.arguments) < tags:
-        raise UsageError("f is called at other points when it is read a second time")
-    seen = np.array(second.arguments)
-    A, U = seen[:, tag] / slope, seen[:, units]
-    B, V = out[:, tag] / slope, out[:, units]
-    kept = needed(A, B)
-    notes = []
-    if second.strangers:
-        notes.append(f"{second.strangers} calls of f at points that the first reading did not show")
-    if not kept:
-        notes.append("the result does not depend on f")
-    c = clean((np.array(second.times) - t)[kept])
-    reading = Reading(
-        clean(A[np.ix_(kept, kept)]), clean(U[kept]), clean(B[:, kept]), clean(V), c,
-        second.calls, tags, 0.0,
-    )  # fmt: skip
-    return noted(reading, largest_step(lambda h: _unexplained(box, reading, h)), notes)
-
-
-def _watched(box: Box, watch: Watch, r: int, tags: int, t: float, slope: float) -> np.ndarray:
-    """Take one step of size 1 while the calls of f are watched."""
-    m = watch.markers
-    size, h = m + r + tags, 1.0
-
-    def f(time: float, y: np.ndarray) -> np.ndarray:
-        y = np.asarray(y, dtype=float)
-        marker = y[:m]
-        return slope_at(marker, watch.see(float(time), y, marker), r, tags, slope)
-
-    problem = Problem(
-        name="probe", f=f, jacobian=lambda time, y: chain(size, m), y0=[0.0] * size,
-        t_span=(t, t + h),
-    )  # fmt: skip
-    return box(problem, t, values_of(r, tags, m), h)
-
-
-def read_pair(box: Box, r: int, *, t: float = 0.0) -> Reading:
+def read_pair(box: Box, r: int) -> Reading:
     """Read both methods of an integrator for q' = dq(p), p' = dp(q) that carries r values of each.
 
     Raises
@@ -114,63 +65,82 @@ def read_pair(box: Box, r: int, *, t: float = 0.0) -> Reading:
     UsageError
         When dq or dp is not called.
     """
-    first, second = Watch(), Watch()
-    _watched_pair(box, first, second, r, 0, t, 1.0)
-    if not first.points or not second.points:
-        raise UsageError("dq(p) and dp(q) were not both called in a step")
-    return best(lambda slope: _read_pair(box, first, second, r, t, slope))
+    return _read_with(box, (Watch(), Watch()), r)
 
 
-def _read_pair(box: Box, first: Watch, second: Watch, r: int, t: float, slope: float) -> Reading:
-    tags = max(len(first.points), len(second.points))
-    at_p, at_q = first.again(), second.again()
-    out = _watched_pair(box, at_p, at_q, r, tags, t, slope)
-    half = MARKERS + r + tags
-    units, tag = slice(MARKERS, MARKERS + r), slice(MARKERS + r, None)
-    q_end, p_end = out[:, :half], out[:, half:]
-    Q, P = np.array(at_q.arguments), np.array(at_p.arguments)
-    n_q, n_p = len(Q), len(P)
-    A, A_hat = Q[:, tag][:, :n_p] / slope, P[:, tag][:, :n_q] / slope
-    B, B_hat = q_end[:, tag][:, :n_p] / slope, p_end[:, tag][:, :n_q] / slope
-    joint = np.zeros((n_q + n_p, n_q + n_p))
-    joint[:n_q, n_q:], joint[n_q:, :n_q] = A, A_hat
-    results = np.zeros((2 * r, n_q + n_p))
-    results[:r, n_q:], results[r:, :n_q] = B, B_hat
+def _read_with(box: Box, watches: Sequence[Watch], r: int) -> Reading:
+    """Read with one watch on f, or with one at the stages Q, on dp, and one at P, on dq."""
+    _watched(box, watches, r, 0, 1.0)
+    if not all(watch.points for watch in watches):
+        raise UsageError(
+            "f(t, y) was not called in a step: the integrator does not use problem.f"
+            if len(watches) == 1
+            else "dq(p) and dp(q) were not both called in a step"
+        )
+    return best(lambda slope: _read(box, watches, r, slope))
+
+
+def _read(box: Box, watches: Sequence[Watch], r: int, slope: float) -> Reading:
+    tags, seconds = max(len(x.points) for x in watches), [x.again() for x in watches]
+    out = _watched(box, seconds, r, tags, slope)
+    single, m = len(watches) == 1, watches[0].markers
+    units, tag = slice(m, m + r), slice(m + r, None)
+    if single and len(seconds[0].arguments) < tags:
+        raise UsageError("f is called at other points when it is read a second time")
+    stages = [np.array(x.arguments) for x in seconds]
+    ends = np.split(out, len(watches), axis=1)
+    sizes = [len(x) for x in stages]
+    places = np.split(np.arange(sum(sizes)), np.cumsum(sizes)[:-1])
+    # the stages of the other half move a half
+    A = [x[:, tag][:, :n] / slope for x, n in zip(stages, sizes[::-1], strict=True)]
+    B = [x[:, tag][:, :n] / slope for x, n in zip(ends, sizes[::-1], strict=True)]
+    joint, results = np.zeros((sum(sizes), sum(sizes))), np.zeros((len(ends) * r, sum(sizes)))
+    for k, (mine, others) in enumerate(zip(places, places[::-1], strict=True)):
+        joint[np.ix_(mine, others)] = A[k]
+        results[k * r : (k + 1) * r, others] = B[k]
     kept = needed(joint, results)
-    q, p = [i for i in kept if i < n_q], [i - n_q for i in kept if i >= n_q]
-    reading = Reading(
-        clean(A[np.ix_(q, p)]), clean(Q[:, units][q]), clean(B[:, p]), clean(q_end[:, units]),
-        None, at_p.calls + at_q.calls, n_q + n_p, 0.0,
-        hat=(
-            clean(A_hat[np.ix_(p, q)]), clean(P[:, units][p]), clean(B_hat[:, q]),
-            clean(p_end[:, units]),
-        ),
-    )  # fmt: skip
-    notes = []
-    if at_p.strangers + at_q.strangers:
+    rows = [np.intersect1d(x, np.array(kept, dtype=int)) - x[0] for x in places]
+    blocks = [
+        (clean(A[k][np.ix_(mine, others)]), clean(stages[k][mine, units]),
+         clean(B[k][:, others]), clean(ends[k][:, units]))
+        for k, (mine, others) in enumerate(zip(rows, rows[::-1], strict=True))
+    ]  # fmt: skip
+    notes, strangers = [], sum(x.strangers for x in seconds)
+    if strangers and single:
+        notes.append(f"{strangers} calls of f at points that the first reading did not show")
+    elif strangers:
         notes.append("dq or dp was called at points that the first reading did not show")
-    gap = largest_step(lambda h: _unexplained_pair(box, reading, h))
-    return noted(reading, gap, notes)
+    if single and not kept:
+        notes.append("the result does not depend on f")
+    reading = Reading(
+        *blocks[0], clean(np.array(seconds[0].times)[rows[0]]) if single else None,
+        sum(x.calls for x in seconds), sum(sizes), 0.0, hat=None if single else blocks[1],
+    )  # fmt: skip
+    return noted(reading, largest_step(lambda h: _unexplained(box, reading, h)), notes)
 
 
-def _watched_pair(
-    box: Box, at_p: Watch, at_q: Watch, r: int, tags: int, t: float, slope: float
-) -> np.ndarray:
-    half, h = MARKERS + r + tags, 1.0
+def _watched(box: Box, watches: Sequence[Watch], r: int, tags: int, slope: float) -> np.ndarray:
+    """Take one step of size 1 from time 0 while the calls of the right-hand sides are watched."""
+    m = watches[0].markers
+    size = m + r + tags
+    values = np.hstack([values_of(r, tags, m)] * len(watches))
 
-    def watched(watch: Watch) -> Callable[[np.ndarray], np.ndarray]:
-        def function(x: np.ndarray) -> np.ndarray:
-            x = np.asarray(x, dtype=float)
-            marker = x[:MARKERS]
-            return slope_at(marker, watch.see(t, x, marker), r, tags, slope)
+    def seen(watch: Watch, time: float, x: np.ndarray) -> np.ndarray:
+        x = np.asarray(x, dtype=float)
+        return slope_at(x[:m], watch.see(time, x, x[:m]), r, tags, slope)
 
-        return function
-
-    values = np.hstack([values_of(r, tags), values_of(r, tags)])
-    values[:, half] += 0.125  # the markers of p are not those of q
-    dq, dp = watched(at_p), watched(at_q)
-    problem = Problem(name="probe", dq=dq, dp=dp, y0=[0.0] * (2 * half), t_span=(t, t + h))
-    return box(problem, t, values, h)
+    if len(watches) == 1:
+        problem = Problem(
+            name="probe", f=lambda time, y: seen(watches[0], float(time), y),
+            jacobian=lambda time, y: chain(size, m), y0=[0.0] * size, t_span=(0.0, 1.0),
+        )  # fmt: skip
+    else:
+        values[:, size] += 0.125  # the markers of p are not those of q
+        problem = Problem(
+            name="probe", dq=lambda p: seen(watches[1], 0.0, p),
+            dp=lambda q: seen(watches[0], 0.0, q), y0=[0.0] * (2 * size), t_span=(0.0, 1.0),
+        )  # fmt: skip
+    return box(problem, 0.0, values, 1.0)
 
 
 # --- prediction ---------------------------------------------------------------------------------
@@ -220,42 +190,27 @@ def method_of(reading: Reading) -> GLM | PartitionedGLM:
     return PartitionedGLM(q[0], q[1], q[2], q[3], p[0], p[1], p[2], p[3], separable=True)
 
 
-def rebuilt_step(
-    reading: Reading, f: Callable[[float, np.ndarray], np.ndarray], t: float,
-    values: np.ndarray, h: float,
-) -> np.ndarray:  # fmt: skip
-    """Take a step with the coefficients that were read, at the times that were read."""
-    problem = Problem(name="probe-step", f=f, y0=values[0], t_span=(t, t + h))
+def _unexplained(box: Box, reading: Reading, h: float) -> float:
+    """Relative difference of a nonlinear step from what the coefficients make of it."""
+    r, t = len(reading.V), 0.25 if reading.hat is None else 0.0
+    if reading.hat is None:
+        problem = Problem(
+            name="probe-test", f=_test_field, jacobian=_test_jacobian, y0=[0.0] * 3,
+            t_span=(t, t + h),
+        )  # fmt: skip
+        values = np.array([[0.5 - 0.25 * k, 0.75 + 0.125 * k, 0.375 * (k + 1)] for k in range(r)])
+    else:
+        problem = Problem(
+            name="probe-test", y0=[0.0] * 4, t_span=(t, t + h),
+            dq=lambda p: np.array([np.sin(p[0]) + 0.25 * p[1], p[1] - 0.125 * p[0] * p[1]]),
+            dp=lambda q: np.array([-np.sin(q[0]) + 0.5 * q[1], 0.25 * np.cos(q[0]) - q[1]]),
+        )  # fmt: skip
+        values = np.array([[0.5 - 0.25 * k, 0.75, 0.375 * (k + 1), 0.625] for k in range(r)])
+    found = box(problem, t, values, h)
     engine = stepper(method_of(reading), problem)
     if reading.c is not None and len(reading.c):
-        engine.c = reading.c
-    return engine.step(t, values, h).values
-
-
-def _unexplained(box: Box, reading: Reading, h: float) -> float:
-    r, t = len(reading.V), 0.25
-    problem = Problem(
-        name="probe-test", f=_test_field, jacobian=_test_jacobian, y0=[0.0] * 3, t_span=(t, t + h)
-    )
-    values = np.array([[0.5 - 0.25 * k, 0.75 + 0.125 * k, 0.375 * (k + 1)] for k in range(r)])
-    found = box(problem, t, values, h)
-    expected = rebuilt_step(reading, _test_field, t, values, h)
-    return float(np.abs(found - expected).max() / (1 + np.abs(expected).max()))
-
-
-def _unexplained_pair(box: Box, reading: Reading, h: float) -> float:
-    r = len(reading.V)
-
-    def dq(p: np.ndarray) -> np.ndarray:
-        return np.array([np.sin(p[0]) + 0.25 * p[1], p[1] - 0.125 * p[0] * p[1]])
-
-    def dp(q: np.ndarray) -> np.ndarray:
-        return np.array([-np.sin(q[0]) + 0.5 * q[1], 0.25 * np.cos(q[0]) - q[1]])
-
-    problem = Problem(name="probe-test", dq=dq, dp=dp, y0=[0.0] * 4, t_span=(0.0, h))
-    values = np.array([[0.5 - 0.25 * k, 0.75, 0.375 * (k + 1), 0.625] for k in range(r)])
-    found = box(problem, 0.0, values, h)
-    expected = stepper(method_of(reading), problem).step(0.0, values, h).values
+        engine.c = reading.c  # the times that were read
+    expected = engine.step(t, values, h).values
     return float(np.abs(found - expected).max() / (1 + np.abs(expected).max()))
 
 

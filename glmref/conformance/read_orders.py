@@ -27,23 +27,12 @@ _SHOWN = 3
 
 @dataclass(frozen=True)
 class Defect:
-    """The first order condition that coefficients miss.
+    """The first order condition that coefficients miss."""
 
-    Attributes
-    ----------
-    order : int
-        Order that they have.
-    tree : Tree
-        Tree of the condition.
-    weight : float
-        What they make of it.
-    times : bool
-        Whether the condition holds with ``c = A 1`` and fails at the times of the calls of f.
-    """
-
-    order: int
-    tree: Tree
-    weight: float
+    order: int  #: Order that they have.
+    tree: Tree  #: Tree of the condition.
+    weight: float  #: What they make of it.
+    #: Whether the condition holds with ``c = A 1`` and fails at the times of the calls of f.
     times: bool = False
 
     def __str__(self) -> str:

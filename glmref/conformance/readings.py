@@ -34,37 +34,25 @@ Box = Callable[[Problem, float, np.ndarray, float], np.ndarray]
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """What was read from one integrator.
+    """What was read from one integrator."""
 
-    Attributes
-    ----------
-    A, U, B, V : np.ndarray
-        The coefficients; stages in the order of their first evaluation. Of a pair, the blocks of q;
-        then ``hat`` holds those of p.
-    c : np.ndarray or None
-        Abscissae ``(t_called - t) / h`` at which f was evaluated, ``None`` for a pair.
-    evaluations : int
-        Calls of the right-hand side in one step of the last reading.
-    points : int
-        Different points at which it was called; those that nothing depends on (iterates, error
-        estimates) are no stages.
-    unexplained : float
-        Relative difference between a step on a nonlinear problem and what the coefficients make of
-        it.
-    notes : tuple[str, ...]
-        What could not be seen.
-    """
-
+    #: The coefficients; stages in the order of their first evaluation. Of a pair, the blocks of q;
+    #: then ``hat`` holds those of p.
     A: np.ndarray
     U: np.ndarray
     B: np.ndarray
     V: np.ndarray
+    #: Abscissae ``(t_called - t) / h`` at which f was evaluated, ``None`` for a pair.
     c: np.ndarray | None
-    evaluations: int
+    evaluations: int  #: Calls of the right-hand side in one step of the last reading.
+    #: Different points at which it was called; those that nothing depends on (iterates, error
+    #: estimates) are no stages.
     points: int
+    #: Relative difference between a step on a nonlinear problem and what the coefficients make of
+    #: it.
     unexplained: float
     hat: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray] | None = None
-    notes: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()  #: What could not be seen.
 
     @property
     def explicit(self) -> bool:

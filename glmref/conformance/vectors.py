@@ -27,26 +27,17 @@ FORMAT, PROBLEMS_FORMAT = "glmref-vectors-1", "glmref-vector-problems-1"
 
 @dataclass(frozen=True, eq=False)
 class TestProblem:
-    """A problem of the vectors.
-
-    Attributes
-    ----------
-    expressions : Mapping[str, Sequence[str]]
-        ``{"f": [..]}`` and, where separable, ``"dq"`` and ``"dp"``.
-    t0, y0
-        Exact decimals.
-    quadratic : Sequence[Sequence[str]] or None
-        Symmetric matrix of a conserved quadratic form, or ``None``.
-    problem : Problem
-        The same as a :class:`glmref.Problem`.
-    """
+    """A problem of the vectors."""
 
     name: str
+    #: ``{"f": [..]}`` and, where separable, ``"dq"`` and ``"dp"``.
     expressions: Mapping[str, Sequence[str]]
+    #: Exact decimals.
     t0: str
     y0: Sequence[str]
+    #: Symmetric matrix of a conserved quadratic form, or ``None``.
     quadratic: Sequence[Sequence[str]] | None
-    problem: Problem
+    problem: Problem  #: The same as a :class:`glmref.Problem`.
 
     @property
     def separable(self) -> bool:
@@ -111,18 +102,10 @@ def array(numbers: Any) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """One vector; ``data`` is its object in the file.
+    """One vector; ``data`` is its object in the file."""
 
-    Attributes
-    ----------
-    id : str
-        Claim/method/problem.
-    kind : str
-        Step, start, finish, trajectory or order.
-    """
-
-    id: str
-    kind: str
+    id: str  #: Claim/method/problem.
+    kind: str  #: Step, start, finish, trajectory or order.
     problem: TestProblem
     data: Mapping[str, Any]
 
@@ -159,24 +142,12 @@ class Case:
 
 @dataclass(frozen=True, eq=False)
 class Vectors:
-    """All vectors of one method.
+    """All vectors of one method."""
 
-    Attributes
-    ----------
-    name : str
-        The method's name.
-    method : Method
-        The method itself.
-    document : Mapping[str, Any]
-        The file.
-    cases : tuple[Case, ...]
-        Its cases in order.
-    """
-
-    name: str
+    name: str  #: The method's name.
     method: Method
-    document: Mapping[str, Any]
-    cases: tuple[Case, ...]
+    document: Mapping[str, Any]  #: The file.
+    cases: tuple[Case, ...]  #: Its cases in order.
 
     @property
     def coefficients(self) -> Mapping[str, Any]:

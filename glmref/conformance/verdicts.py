@@ -14,23 +14,12 @@ from .subject import AdapterError, Subject
 
 @dataclass(frozen=True, slots=True)
 class Judgement:
-    """Outcome of one check.
+    """Outcome of one check."""
 
-    Attributes
-    ----------
-    holds : bool or None
-        ``None`` where it was not judged.
-    message : str
-        What is wrong, or why it was not judged.
-    residual : float
-        Size of the deviation.
-    declared, value : object
-        For claims with a value.
-    """
-
-    holds: bool | None
-    message: str = ""
-    residual: float = 0.0
+    holds: bool | None  #: ``None`` where it was not judged.
+    message: str = ""  #: What is wrong, or why it was not judged.
+    residual: float = 0.0  #: Size of the deviation.
+    #: For claims with a value.
     declared: object = True
     value: object = None
 

@@ -32,21 +32,12 @@ SOLVERS = 2
 
 @dataclass(frozen=True, eq=False)
 class Attempt:
-    """How a run ended.
+    """How a run ended."""
 
-    Attributes
-    ----------
-    outcome : str
-        One of :class:`~glmref.engine.outcome.Outcome`, :data:`REFUSED` or :data:`FUNCTION_FAILED`.
-    message : str
-        One sentence on it.
-    solution : Solution or None
-        What was computed, ``None`` where nothing was.
-    """
-
+    #: One of :class:`~glmref.engine.outcome.Outcome`, :data:`REFUSED` or :data:`FUNCTION_FAILED`.
     outcome: str
-    message: str
-    solution: Solution | None = None
+    message: str  #: One sentence on it.
+    solution: Solution | None = None  #: What was computed, ``None`` where nothing was.
 
 
 def attempt(

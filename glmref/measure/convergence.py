@@ -47,30 +47,15 @@ LENGTH = Fraction(1, 8)
 
 @dataclass(frozen=True, slots=True)
 class ConvergenceRecord:
-    """Orders seen at successive doublings of the number of steps.
+    """Orders seen at successive doublings of the number of steps."""
 
-    Attributes
-    ----------
-    steps : tuple[int, ...]
-        Numbers of steps, each twice the one before.
-    sizes : tuple[float, ...]
-        Differences ``|y_n - y_2n|``, one fewer than ``steps``; or errors, as many.
-    orders : tuple[float, ...]
-        Base-2 logarithms of successive ratios of sizes.
-    extrapolated : tuple[float, ...]
-        The orders after Richardson extrapolation.
-    order : float
-        The last extrapolated order.
-    settled : bool
-        Whether the last extrapolated orders agree to :data:`AGREEMENT`.
-    """
-
-    steps: tuple[int, ...]
+    steps: tuple[int, ...]  #: Numbers of steps, each twice the one before.
+    #: Differences ``|y_n - y_2n|``, one fewer than ``steps``; or errors, as many.
     sizes: tuple[float, ...]
-    orders: tuple[float, ...]
-    extrapolated: tuple[float, ...]
-    order: float
-    settled: bool
+    orders: tuple[float, ...]  #: Base-2 logarithms of successive ratios of sizes.
+    extrapolated: tuple[float, ...]  #: The orders after Richardson extrapolation.
+    order: float  #: The last extrapolated order.
+    settled: bool  #: Whether the last extrapolated orders agree to :data:`AGREEMENT`.
 
     def as_json(self) -> dict[str, Any]:
         """Return the record in JSON's types."""
@@ -203,14 +188,7 @@ def _digits(order: int, finest: float) -> int:
     return 12 + math.ceil((order + 1) * -math.log10(finest))
 
 
-def method_order(
-    method: Method,
-    problem: Problem,
-    *,
-    expected: int,
-    t_end: float | Fraction = LENGTH,
-    most: int = 128 * FIRST,
-) -> ConvergenceRecord:
+def method_order(method: Method, problem: Problem, *, expected: int) -> ConvergenceRecord:
     """Measure the order of the first value, the solution, when started by iteration.
 
     Parameters
@@ -222,15 +200,11 @@ def method_order(
     expected : int
         The order thought to be there; sets precision and passes of the start, nothing else: a lower
         order is seen as such, and a higher one too (up to two more).
-    t_end : float or Fraction
-        Length of the interval.
-    most : int
-        The largest number of steps.
     """
-    return observed_order(_run(method, problem, expected, t_end), most=most)
+    return observed_order(_run(method, problem, expected))
 
 
-def effective_order(method: Method, *, expected: int, most: int = 256 * FIRST) -> ConvergenceRecord:
+def effective_order(method: Method, *, expected: int) -> ConvergenceRecord:
     """Measure the order that start and finish can reach, on an isochronous problem.
 
     Parameters
@@ -239,39 +213,31 @@ def effective_order(method: Method, *, expected: int, most: int = 256 * FIRST) -
         Any method; a pair is measured on a separable problem.
     expected : int
         As in :func:`method_order`.
-    most : int
-        The largest number of steps in the period, or in its third.
     """
     if method.parts == 2:
         problem, turns = isochronous_separable(), 1
     else:
         problem, turns = isochronous_threefold(), 3
-    run = _run(method, problem, expected, None, turns=turns)
-    return observed_order(run, first=2 * FIRST, most=most, target=run(0))
+    run = _run(method, problem, expected, turns)
+    # steps in the period, or in its third
+    return observed_order(run, first=2 * FIRST, most=256 * FIRST, target=run(0))
 
 
 def _run(
-    method: Method,
-    problem: Problem,
-    expected: int,
-    t_end: float | Fraction | None,
-    *,
-    turns: int = 1,
+    method: Method, problem: Problem, expected: int, turns: int = 0
 ) -> Callable[[int], Sequence[Any]]:
-    """Return n -> solution after n steps; ``t_end = None`` is the period 2 pi over ``turns``.
+    """Return n -> solution after n steps of :data:`LENGTH`, or of the period 2 pi over ``turns``.
 
     With several turns the problem has two components, and run(0) is the start turned by one.
     """
-    finest = 2 * math.pi / turns / (128 * FIRST) if t_end is None else float(t_end) / 100
+    finest = 2 * math.pi / turns / (128 * FIRST) if turns else float(LENGTH) / 100
     engine = stepper(method, problem, digits=_digits(expected, finest))
-    underlying = Underlying(engine, conjugate=t_end is None)
+    underlying = Underlying(engine, conjugate=turns > 0)
     context = engine.arithmetic.context
-    if t_end is None:
+    if turns:
         length = 2 * context.pi / turns
-    elif isinstance(t_end, Fraction):
-        length = context.mpf(t_end.numerator) / t_end.denominator
     else:
-        length = context.mpf(t_end)
+        length = context.mpf(LENGTH.numerator) / LENGTH.denominator
     y0 = engine.problem.y0
 
     def run(n: int) -> Sequence[Any]:
@@ -287,13 +253,13 @@ def _run(
     return run
 
 
-def isochronous(a: str = "1/4", b: str = "1/3") -> Problem:
+def isochronous() -> Problem:
     """Harmonic motion seen through a polynomial change of variables: every period is 2 pi.
 
     With z1' = z2, z2' = -z1: y1 = z1 + a z2^2, y2 = z2 + b y1^2. The equations are not Hamiltonian,
     and no elementary differential of them vanishes for a reason of structure.
     """
-    parameters = {"a": Fraction(a), "b": Fraction(b)}
+    parameters = {"a": Fraction(1, 4), "b": Fraction(1, 3)}
     return Problem(
         name="isochronous",
         source="Harmonic oscillator in the coordinates y1 = z1 + a z2^2, y2 = z2 + b y1^2",

@@ -43,27 +43,13 @@ SAMPLES = 2048
 
 @dataclass(frozen=True)
 class Law:
-    """How a deviation grew.
+    """How a deviation grew."""
 
-    Attributes
-    ----------
-    kind : str
-        One of :data:`KINDS` or ``"blow-up"``.
-    exponent : float
-        Slope of log rms against log t; NaN where there is nothing to fit.
-    largest : float
-        Largest deviation.
-    last : float
-        Root mean square over the last half of the time.
-    time : float
-        Length of the run; of a blow-up, when the deviation reached :data:`LOST`.
-    """
-
-    kind: str
-    exponent: float
-    largest: float
-    last: float
-    time: float
+    kind: str  #: One of :data:`KINDS` or ``"blow-up"``.
+    exponent: float  #: Slope of log rms against log t; NaN where there is nothing to fit.
+    largest: float  #: Largest deviation.
+    last: float  #: Root mean square over the last half of the time.
+    time: float  #: Length of the run; of a blow-up, when the deviation reached :data:`LOST`.
 
     def as_json(self) -> dict[str, Any]:
         """Return the record in JSON's types."""
@@ -73,41 +59,23 @@ class Law:
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """A law and its cause.
+    """A law and its cause."""
 
-    Attributes
-    ----------
-    method, problem, quantity : str
-        What was watched.
-    h, steps
-        Of the first run.
-    law : Law
-        With h.
-    half : Law
-        With h/2 over the same time.
-    precise : Law
-        With h at ``digits`` digits, over ``precise_steps`` steps.
-    compared : float
-        Rms of the first run over those steps.
-    order : float
-        Order of the deviation in h, from the first two; NaN where it means nothing.
-    cause : str
-        none, round-off, drift, parasitism or bounded truncation.
-    """
-
+    #: What was watched.
     method: str
     problem: str
     quantity: str
+    #: Of the first run.
     h: float
     steps: int
-    law: Law
-    half: Law
-    precise: Law
+    law: Law  #: With h.
+    half: Law  #: With h/2 over the same time.
+    precise: Law  #: With h at ``digits`` digits, over ``precise_steps`` steps.
     precise_steps: int
     digits: int
-    compared: float
-    order: float
-    cause: str
+    compared: float  #: Rms of the first run over those steps.
+    order: float  #: Order of the deviation in h, from the first two; NaN where it means nothing.
+    cause: str  #: none, round-off, drift, parasitism or bounded truncation.
 
     def as_json(self) -> dict[str, Any]:
         """Return the record in JSON's types."""

@@ -33,36 +33,18 @@ ROWS = 1000
 
 @dataclass(frozen=True, slots=True)
 class Drift:
-    """How far one conserved quantity went from its first value.
+    """How far one conserved quantity went from its first value."""
 
-    Attributes
-    ----------
-    quantity : str
-        Its name, as the problem gives it.
-    kind : str
-        ``"hamiltonian"``, ``"quadratic"`` or ``"invariant"`` of the solution, or ``"form"``: the
-        G-form, of a quadratic invariant, of all values.
-    start : float
-        The value at the first sample.
-    scale : float
-        What deviations are measured against: |start|, or the size of its largest term.
-    largest : float
-        Largest deviation over the samples, relative to ``scale``.
-    last : float
-        Deviation of the last sample, relative to ``scale``, with its sign.
-    slope : float
-        Least squares slope of the relative deviation, per time unit of the problem.
-    exponent : float
-        Exponent of growth of the root mean square with time; NaN where it is all zero.
-    """
-
-    quantity: str
+    quantity: str  #: Its name, as the problem gives it.
+    #: ``"hamiltonian"``, ``"quadratic"`` or ``"invariant"`` of the solution, or ``"form"``: the
+    #: G-form, of a quadratic invariant, of all values.
     kind: str
-    start: float
-    scale: float
-    largest: float
-    last: float
-    slope: float
+    start: float  #: The value at the first sample.
+    scale: float  #: What deviations are measured against: |start|, or the size of its largest term.
+    largest: float  #: Largest deviation over the samples, relative to ``scale``.
+    last: float  #: Deviation of the last sample, relative to ``scale``, with its sign.
+    slope: float  #: Least squares slope of the relative deviation, per time unit of the problem.
+    #: Exponent of growth of the root mean square with time; NaN where it is all zero.
     exponent: float
 
     def as_json(self) -> dict[str, Any]:

@@ -34,24 +34,12 @@ _GOLDEN = (math.sqrt(5.0) - 1) / 2
 
 @dataclass(frozen=True, eq=False)
 class Orbit:
-    """Points of a run in a plane.
+    """Points of a run in a plane."""
 
-    Attributes
-    ----------
-    axes : tuple[str, str]
-        Names of the two components.
-    t : np.ndarray
-        (m,) times.
-    paths : np.ndarray
-        (bodies, m, 2) points of each body.
-    ended : str
-        Why the path stops before the run does, in one sentence, or ``""``.
-    """
-
-    axes: tuple[str, str]
-    t: np.ndarray
-    paths: np.ndarray
-    ended: str = ""
+    axes: tuple[str, str]  #: Names of the two components.
+    t: np.ndarray  #: (m,) times.
+    paths: np.ndarray  #: (bodies, m, 2) points of each body.
+    ended: str = ""  #: Why the path stops before the run does, in one sentence, or ``""``.
 
     def as_json(self) -> dict[str, Any]:
         """Return the record's ``orbit`` block: for each body its points [t, x, y]."""
@@ -100,7 +88,6 @@ def orbit(
     steps: int,
     start: Any = None,
     renew: int = 0,
-    points: int = POINTS,
 ) -> Orbit:
     """Take the steps and keep points of the path.
 
@@ -112,8 +99,6 @@ def orbit(
         Step size and number of steps.
     start, renew
         As in :func:`glmref.solve`.
-    points : int
-        Of all bodies together.
 
     Returns
     -------
@@ -122,7 +107,7 @@ def orbit(
     """
     axes, pairs = plane_of(problem)
     t0 = float(problem.t_span[0])
-    kept = marks(steps, max(points // len(pairs), 2))
+    kept = marks(steps, max(POINTS // len(pairs), 2))
     solution = solve(
         problem, method, h=h, times=[t0 + n * h for n in kept], start=start, renew=renew
     )

@@ -16,10 +16,10 @@ import numpy as np
 
 from ..engine.outcome import Outcome, Solution
 from ..engine.reference import Stepper, stepper
-from ..engine.start import starting_values
+from ..engine.starting_values import starting_values
 from ..errors import UsageError
 from ..method import GLM, Method
-from ..method.solution_value import preconsistency_vector
+from ..method.preconsistency import preconsistency_vector
 from ..problems.model import Problem
 from .longtime import energy_deviation
 from .underlying import Underlying
@@ -33,24 +33,12 @@ NUDGE = 1e-7
 
 @dataclass(frozen=True, eq=False)
 class Mode:
-    """One parasitic mode of V.
+    """One parasitic mode of V."""
 
-    Attributes
-    ----------
-    zeta : complex
-        Eigenvalue, |zeta| = 1.
-    right : np.ndarray
-        (r,) eigenvector whose largest entry is 1.
-    left : np.ndarray
-        (r,), with ``left right = 1``.
-    mu : complex
-        Growth parameter ``zeta^-1 left B U right``, from the rounded tableau.
-    """
-
-    zeta: complex
-    right: np.ndarray
-    left: np.ndarray
-    mu: complex
+    zeta: complex  #: Eigenvalue, |zeta| = 1.
+    right: np.ndarray  #: (r,) eigenvector whose largest entry is 1.
+    left: np.ndarray  #: (r,), with ``left right = 1``.
+    mu: complex  #: Growth parameter ``zeta^-1 left B U right``, from the rounded tableau.
 
 
 def modes(method: GLM) -> list[Mode]:
@@ -78,29 +66,19 @@ def modes(method: GLM) -> list[Mode]:
 
 @dataclass(frozen=True, eq=False)
 class Growth:
-    """Growth of one parasitic mode over some time, measured and predicted.
+    """Growth of one parasitic mode over some time, measured and predicted."""
 
-    Attributes
-    ----------
-    zeta, mu : complex
-        Eigenvalue of V and growth parameter used for the prediction.
-    time : float
-        Length of the interval, time units of the problem.
-    measured, predicted : np.ndarray
-        (d, d) propagators of phi over that time.
-    rate, predicted_rate : float
-        ``log(spectral radius)/time`` of each, per time unit.
-    discrepancy : float
-        Largest difference of the propagators, relative to the predicted one's norm.
-    """
-
+    #: Eigenvalue of V and growth parameter used for the prediction.
     zeta: complex
     mu: complex
-    time: float
+    time: float  #: Length of the interval, time units of the problem.
+    #: (d, d) propagators of phi over that time.
     measured: np.ndarray
     predicted: np.ndarray
+    #: ``log(spectral radius)/time`` of each, per time unit.
     rate: float
     predicted_rate: float
+    #: Largest difference of the propagators, relative to the predicted one's norm.
     discrepancy: float
 
 
@@ -177,9 +155,7 @@ def _measured_propagator(
     return np.real(propagator) if real else propagator
 
 
-def predicted_propagator(
-    mu: complex, problem: Problem, *, time: float, steps: int | None = None
-) -> np.ndarray:
+def predicted_propagator(mu: complex, problem: Problem, *, time: float) -> np.ndarray:
     """Solve ``Phi' = mu f'(y) Phi``, ``Phi(0) = I``, along the solution y; return Phi(time).
 
     Parameters
@@ -190,26 +166,21 @@ def predicted_propagator(
         With a Jacobian (given, or derived from expressions), autonomous.
     time : float
         Length of the interval.
-    steps : int or None
-        Number of steps; by default 400 per time unit of the problem's scale, which leaves an error
-        near 1e-9 of the result.
 
     Raises
     ------
     UsageError
         Where the problem has no Jacobian.
     """
-    return _propagators(mu, problem, time=time, pieces=1, steps=steps)[-1]
+    return _propagators(mu, problem, time=time, pieces=1)[-1]
 
 
-def _propagators(
-    mu: complex, problem: Problem, *, time: float, pieces: int, steps: int | None = None
-) -> list[np.ndarray]:
+def _propagators(mu: complex, problem: Problem, *, time: float, pieces: int) -> list[np.ndarray]:
     """Propagators to the ends of equal pieces of an interval, by the classical fourth order."""
     if problem.jacobian is None:
         raise UsageError(f"{problem.name} gives no Jacobian; mu f' cannot be formed")
-    if steps is None:
-        steps = math.ceil(400 * time / float(problem.scales.get("time", 1.0)))
+    # 400 for each unit of the problem's scale leave an error near 1e-9 of the result
+    steps = math.ceil(400 * time / float(problem.scales.get("time", 1.0)))
     each = max(1, math.ceil(steps / pieces))
     k = time / (each * pieces)
     real = abs(complex(mu).imag) < 1e-12
@@ -346,20 +317,11 @@ def parasitic_size(solution: Solution, u: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True, slots=True)
 class Loss:
-    """Whether and when a run was lost.
+    """Whether and when a run was lost."""
 
-    Attributes
-    ----------
-    time : float or None
-        Time of the first sample at which it was, ``None`` where it was not.
-    reason : str
-        ``"parasitic"``, ``"energy"`` or the outcome by name, ``""`` where it was not.
-    largest : float
-        Largest size of the values beyond ``u y_1``, relative to the first solution value.
-    """
-
-    time: float | None
-    reason: str
+    time: float | None  #: Time of the first sample at which it was, ``None`` where it was not.
+    reason: str  #: ``"parasitic"``, ``"energy"`` or the outcome by name, ``""`` where it was not.
+    #: Largest size of the values beyond ``u y_1``, relative to the first solution value.
     largest: float
 
 

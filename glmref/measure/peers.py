@@ -33,24 +33,13 @@ MOST_STEPS = 10_000_000
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """One run of a peer.
+    """One run of a peer."""
 
-    Attributes
-    ----------
-    y : np.ndarray
-        (m, d) states at the times asked for.
-    evaluations : int or None
-        Right-hand-side evaluations, ``None`` where the peer does not count them.
-    steps : int or None
-        Steps taken, ``None`` where it does not tell.
-    message : str
-        Why it ended early, ``""`` where it did not.
-    """
-
-    y: np.ndarray
+    y: np.ndarray  #: (m, d) states at the times asked for.
+    #: Right-hand-side evaluations, ``None`` where the peer does not count them.
     evaluations: int | None = None
-    steps: int | None = None
-    message: str = ""
+    steps: int | None = None  #: Steps taken, ``None`` where it does not tell.
+    message: str = ""  #: Why it ended early, ``""`` where it did not.
 
 
 #: ``runner(problem, tolerance, times) -> Run``; what can be prepared is prepared before.

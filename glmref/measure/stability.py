@@ -108,20 +108,11 @@ def interval(
 
 @dataclass(frozen=True, eq=False)
 class Locus:
-    """Points at which some eigenvalue of M(z) has modulus one.
+    """Points at which some eigenvalue of M(z) has modulus one."""
 
-    Attributes
-    ----------
-    z : np.ndarray
-        (m,) points.
-    w : np.ndarray
-        (m,) that eigenvalue.
-    edge : np.ndarray
-        (m,) whether all other eigenvalues lie in the closed disc: the boundary of the region.
-    """
-
-    z: np.ndarray
-    w: np.ndarray
+    z: np.ndarray  #: (m,) points.
+    w: np.ndarray  #: (m,) that eigenvalue.
+    #: (m,) whether all other eigenvalues lie in the closed disc: the boundary of the region.
     edge: np.ndarray
 
 
@@ -156,24 +147,13 @@ def locus(method: GLM, *, turns: int = 720) -> Locus:
 
 @dataclass(frozen=True, eq=False)
 class Region:
-    """A rectangle of the z plane, sampled adaptively.
+    """A rectangle of the z plane, sampled adaptively."""
 
-    Attributes
-    ----------
-    area : float
-        Area of the part in which M(z) is power-bounded.
-    error : float
-        Area of the cells that the boundary may cross: a bound, where no cell hides a hole.
-    cells : np.ndarray
-        (m, 4) cells wholly inside: real and imaginary parts of two corners.
-    evaluations : int
-        Points looked at.
-    """
-
-    area: float
+    area: float  #: Area of the part in which M(z) is power-bounded.
+    #: Area of the cells that the boundary may cross: a bound, where no cell hides a hole.
     error: float
-    cells: np.ndarray
-    evaluations: int
+    cells: np.ndarray  #: (m, 4) cells wholly inside: real and imaginary parts of two corners.
+    evaluations: int  #: Points looked at.
 
 
 def region(

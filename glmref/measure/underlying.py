@@ -16,34 +16,19 @@ from ..engine.reference import Reader, Stepper
 from ..errors import UsageError
 from ..exact.linalg import identity, vecmat
 from ..method import Component
-from ..method.solution_value import output, preconsistency_vector
+from ..method.preconsistency import output, preconsistency_vector
 
 
 @dataclass(frozen=True, eq=False)
 class _Half:
-    """What is needed of one matrix V to start and to read off the solution.
+    """What is needed of one matrix V to start and to read off the solution."""
 
-    Attributes
-    ----------
-    columns : slice
-        The components of a state this half carries.
-    rows : int
-        Number of values carried.
-    u : np.ndarray
-        (r,), ``V u = u``.
-    e : np.ndarray
-        (r,) with ``e u = 1``: the solution is ``e y``.
-    inverse : np.ndarray
-        (r, r), ``(I - V + u e V)^-1``.
-    steady : bool
-        Whether ``e V = e``, as where the first value takes from no other, or by choice.
-    """
-
-    columns: slice
-    rows: int
-    u: np.ndarray
-    e: np.ndarray
-    inverse: np.ndarray
+    columns: slice  #: The components of a state this half carries.
+    rows: int  #: Number of values carried.
+    u: np.ndarray  #: (r,), ``V u = u``.
+    e: np.ndarray  #: (r,) with ``e u = 1``: the solution is ``e y``.
+    inverse: np.ndarray  #: (r, r), ``(I - V + u e V)^-1``.
+    #: Whether ``e V = e``, as where the first value takes from no other, or by choice.
     steady: bool
 
 

@@ -21,7 +21,7 @@ from ..compute.records import finite
 from ..engine.outcome import Outcome, Solution
 from ..engine.reference import stepper
 from ..engine.solve import solve
-from ..engine.start import starting_values
+from ..engine.starting_values import starting_values
 from ..errors import UsageError
 from ..method import Method
 from ..problems.model import Problem
@@ -34,81 +34,42 @@ SAMPLES = 64
 
 @dataclass(frozen=True, eq=False)
 class Reference:
-    """The state at one time, and how far to trust it.
+    """The state at one time, and how far to trust it."""
 
-    Attributes
-    ----------
-    state : np.ndarray
-        (d,) in double precision.
-    error : float
-        Bound or estimate of its relative error.
-    kind : str
-        ``"exact"``, ``"stored"`` or ``"computed"``.
-    """
-
-    state: np.ndarray
-    error: float
-    kind: str
+    state: np.ndarray  #: (d,) in double precision.
+    error: float  #: Bound or estimate of its relative error.
+    kind: str  #: ``"exact"``, ``"stored"`` or ``"computed"``.
 
 
 @dataclass(frozen=True)
 class Work:
-    """What one method did on one problem at one step size, and what that cost.
+    """What one method did on one problem at one step size, and what that cost."""
 
-    Attributes
-    ----------
-    method, problem, h, steps, t_end
-        What was run; ``steps`` were completed.
-    outcome : str
-        How it ended, by name.
-    message : str
-        One sentence where it did not complete.
-    state_error : float or None
-        Euclidean error of the last state, relative; ``None`` where not asked.
-    reference, reference_error
-        What it was measured against, and how good that is.
-    energy_error : float or None
-        Largest relative error of H over the samples; ``None`` where not asked.
-    seconds : Timing
-        Wall-clock time of the steps alone, repeated.
-    evaluations : int
-        Right-hand-side evaluations of the steps; of a separable problem those of p'.
-    velocity_evaluations : int
-        Evaluations of q' where counted apart.
-    iterations : int
-        Rounds of the stage solver.
-    start_evaluations : int
-        Evaluations of start and finish.
-    start_seconds : float
-        Time of the start.
-    build_seconds : float
-        Time to generate and compile, or to load, the kernel.
-    kernel : str
-        What ran, in words.
-    notices : tuple[str, ...]
-        Sentences worth knowing.
-    """
-
+    #: What was run; ``steps`` were completed.
     method: str
     problem: str
     h: float
     steps: int
     t_end: float
-    outcome: str
-    message: str
-    seconds: Timing
+    outcome: str  #: How it ended, by name.
+    message: str  #: One sentence where it did not complete.
+    seconds: Timing  #: Wall-clock time of the steps alone, repeated.
+    #: Right-hand-side evaluations of the steps; of a separable problem those of p'.
     evaluations: int
-    velocity_evaluations: int
-    iterations: int
-    start_evaluations: int
-    start_seconds: float
-    build_seconds: float
-    kernel: str
+    velocity_evaluations: int  #: Evaluations of q' where counted apart.
+    iterations: int  #: Rounds of the stage solver.
+    start_evaluations: int  #: Evaluations of start and finish.
+    start_seconds: float  #: Time of the start.
+    build_seconds: float  #: Time to generate and compile, or to load, the kernel.
+    kernel: str  #: What ran, in words.
+    #: Euclidean error of the last state, relative; ``None`` where not asked.
     state_error: float | None = None
+    #: What it was measured against, and how good that is.
     reference: str | None = None
     reference_error: float | None = None
+    #: Largest relative error of H over the samples; ``None`` where not asked.
     energy_error: float | None = None
-    notices: tuple[str, ...] = field(default=())
+    notices: tuple[str, ...] = field(default=())  #: Sentences worth knowing.
 
     @property
     def completed(self) -> bool:

@@ -125,8 +125,11 @@ def about(name: str) -> str:
 
 def _builder(name: str) -> Callable[..., Problem]:
     if name not in _HOME:
-        hint = did_you_mean(name, _HOME, otherwise="see glmref.problems.names()")
         shown = repr(name[:80] if isinstance(name, str) else name)[:90]
+        hint = "`glmref problems` lists them, and so does glmref.problems.names()"
+        if str(name).endswith(".py"):
+            hint = 'write file = "FILE.py:FUNCTION" into a TOML file, and give that file'
+        hint = did_you_mean(name, _HOME, otherwise=hint)
         raise UsageError(f"there is no problem named {shown}; {hint}")
     module = import_module(f".{_HOME[name]}", __name__)
     return getattr(module, name.replace("-", "_"))

@@ -22,18 +22,10 @@ _ONE: Tree = ast.Constant(1)
 
 @dataclass(frozen=True)
 class Jacobian:
-    """The matrix df_i/dy_j of a formula for f, differentiated on first use.
-
-    Attributes
-    ----------
-    of : Formula
-        The formula.
-    dimension : int
-        Number of components of y.
-    """
+    """The matrix df_i/dy_j of a formula for f, differentiated on first use."""
 
     of: Formula
-    dimension: int
+    dimension: int  #: Number of components of y.
 
     def __call__(self, *arguments: Any) -> Any:
         """Return df/dy at (t, y), shape (d, d)."""

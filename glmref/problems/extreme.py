@@ -221,29 +221,17 @@ def fault_shape() -> Problem:
 
 def fault_jacobian() -> Problem:
     """Stiff decay with a Jacobian of the wrong sign: Newton's method must notice."""
-
-    def jacobian(t: float, y: np.ndarray) -> np.ndarray:
-        return np.array([[1e6]])
-
-    return Problem(
-        name="fault-jacobian",
-        source="planted",
-        f=("-1000000*(y[0] - cos(t))",),
-        y0=(1,),
-        jacobian=jacobian,
-    )
+    return _stiff_decay("fault-jacobian", 1e6)
 
 
 def fault_jacobian_nan() -> Problem:
     """Stiff decay with a Jacobian that is not a number."""
+    return _stiff_decay("fault-jacobian-nan", np.nan)
 
+
+def _stiff_decay(name: str, entry: float) -> Problem:
     def jacobian(t: float, y: np.ndarray) -> np.ndarray:
-        return np.array([[np.nan]])
+        return np.array([[entry]])
 
-    return Problem(
-        name="fault-jacobian-nan",
-        source="planted",
-        f=("-1000000*(y[0] - cos(t))",),
-        y0=(1,),
-        jacobian=jacobian,
-    )
+    f = ("-1000000*(y[0] - cos(t))",)
+    return Problem(name=name, source="planted", f=f, y0=(1,), jacobian=jacobian)

@@ -182,7 +182,7 @@ def _why_not(name: str) -> str:
         )
     if iskeyword(name):
         return "which is a word of Python; take another name"
-    return "which stands for something else in expressions; take another name"
+    return "which has another meaning in expressions; take another name"
 
 
 def _parameters(given: Mapping[str, Any] | None) -> dict[str, Number | tuple[Number, ...]]:
@@ -213,10 +213,10 @@ def _rest(name: Any, source: Any, t0: Any, t_end: Any, time: Any) -> dict[str, A
 def time_of(value: Any, what: str) -> float:
     """A number, or an expression in numbers such as ``"20*pi"``."""
     if isinstance(value, str):
-        formula = Formula((_text(value, what),), variables=("y",), shape=())
+        text = _text(value, what)
         try:
-            value = float(formula(()))
-        except (ArithmeticError, ValueError, TypeError):
+            value = float(Formula((text,), variables=("y",), shape=())(()))
+        except (ArithmeticError, ValueError, TypeError, UsageError):
             raise UsageError(f"`{what}` must be a time such as '20*pi', got {value!r}") from None
     return float(exact_number(value, what))
 
@@ -307,7 +307,7 @@ class _Names:
             if not _is_free(name):
                 raise UsageError(f"`y0` has {name[:40]!r}, {_why_not(name)}")
             if name in seen or name in parameters:
-                raise UsageError(f"the name {name!r} stands for two things; rename one")
+                raise UsageError(f"the name {name!r} has two meanings; rename one")
             seen.add(name)
 
     def scalars(self, values: Mapping[str, Any]) -> dict[str, Number]:

@@ -22,25 +22,15 @@ from .precision import on_context
 
 @dataclass(frozen=True)
 class Loops:
-    """A function given by a plain Python body.
+    """A function given by a plain Python body."""
 
-    Attributes
-    ----------
-    body : Callable[..., Any]
-        ``body(*arguments, params, out)`` fills ``out``; with ``shape == ()`` instead
-        ``body(*arguments, params)`` returns a number. A top-level function, so that its source can
-        be read and compiled.
-    shape : tuple[int, ...]
-        Shape of the result.
-    constants : tuple[Number, ...]
-        Numbers handed to the body as the array ``params``.
-    context : Any
-        ``None`` for numpy in double precision, else an mpmath context.
-    """
-
+    #: ``body(*arguments, params, out)`` fills ``out``; with ``shape == ()`` instead
+    #: ``body(*arguments, params)`` returns a number. A top-level function, so that its source can
+    #: be read and compiled.
     body: Callable[..., Any]
-    shape: tuple[int, ...]
-    constants: tuple[Number, ...] = ()
+    shape: tuple[int, ...]  #: Shape of the result.
+    constants: tuple[Number, ...] = ()  #: Numbers handed to the body as the array ``params``.
+    #: ``None`` for numpy in double precision, else an mpmath context.
     context: Any = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -83,18 +73,10 @@ class Loops:
 
 @dataclass(frozen=True)
 class PhaseSpace:
-    """The right-hand side (dq(p), dp(q)) of y = (q, p), from its parts.
+    """The right-hand side (dq(p), dp(q)) of y = (q, p), from its parts."""
 
-    Attributes
-    ----------
-    dq : Callable[[Any], Any] or None
-        Function of p, or ``None`` where q' = p.
-    dp : Callable[[Any], Any]
-        Function of q.
-    """
-
-    dq: Callable[[Any], Any] | None
-    dp: Callable[[Any], Any]
+    dq: Callable[[Any], Any] | None  #: Function of p, or ``None`` where q' = p.
+    dp: Callable[[Any], Any]  #: Function of q.
 
     def __call__(self, t: Any, y: Any) -> Any:
         """Return f(t, y), shape (d,); (d, m) for states in columns."""
@@ -142,20 +124,11 @@ def join(dq: Callable[..., Any] | None, dp: Callable[..., Any], half: int) -> Ca
 
 @dataclass(frozen=True)
 class QuadraticForm:
-    """A conserved quantity y^T C y, C symmetric.
+    """A conserved quantity y^T C y, C symmetric."""
 
-    Attributes
-    ----------
-    terms : Mapping[tuple[int, int], Number]
-        Mapping (i, j) -> coefficient of y_i y_j, i <= j.
-    dimension : int
-        Number of components of y.
-    context : Any
-        ``None`` for doubles, else an mpmath context.
-    """
-
-    terms: Mapping[tuple[int, int], Number]
-    dimension: int
+    terms: Mapping[tuple[int, int], Number]  #: Mapping (i, j) -> coefficient of y_i y_j, i <= j.
+    dimension: int  #: Number of components of y.
+    #: ``None`` for doubles, else an mpmath context.
     context: Any = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:

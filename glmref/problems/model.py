@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType, SimpleNamespace
 from typing import Any, ClassVar
@@ -13,7 +13,7 @@ from ..errors import UsageError
 from .derivative import Jacobian
 from .formula import Formula, Number, exact_number, functions, short, to_number
 from .from_expressions import equation_entries, hamiltonian_entries
-from .loops import Loops, PhaseSpace, QuadraticForm, join
+from .loops import Loops, QuadraticForm, join
 from .precision import on_context
 from .reference import Reference, references_of
 from .user import UserFunction, plain
@@ -105,13 +105,20 @@ class Problem:
     def __post_init__(self) -> None:
         if self.context is not None:
             return
+        for key in ("parameters", "quadratic", "invariants", "observables", "scales"):
+            if not isinstance(getattr(self, key), Mapping):
+                raise UsageError(f"`{key}` must be a mapping, got {short(getattr(self, key))}")
+        if isinstance(self.terms, str) or not isinstance(self.terms, Sequence):
+            raise UsageError(f"`terms` must be a sequence, got {short(self.terms)}")
         values = {k: exact_number(v, k) for k, v in self.parameters.items()}
         self._set("parameters", MappingProxyType(values))
         self._set("initial", self.y0)
         self._set("y0", _initial_value(self.y0, values, None))
         for key, variables in self._VECTORS.items():
             self._set(key, self._function(key, getattr(self, key), variables))
-        terms = (self._function("f", term, ("t", "y")) for term in self.terms)
+        terms = [
+            self._function(f"terms[{n}]", term, ("t", "y")) for n, term in enumerate(self.terms, 1)
+        ]
         self._set("terms", tuple(terms))
         for key in ("jacobian", "exact"):
             if getattr(self, key) is not None:
@@ -140,7 +147,7 @@ class Problem:
         if value is None:
             return None
         if callable(value):
-            size = self.dimension if key in ("f", "jacobian", "exact") else self.dimension // 2
+            size = self.dimension // 2 if key in ("dq", "dp", "force") else self.dimension
             shape = (size, size) if key == "jacobian" else (size,)
             return _protected(value, key, size, shape)
         texts = (value,) if isinstance(value, str) else value
@@ -181,7 +188,10 @@ class Problem:
         """Refuse entries that do not fit together, before any step is taken."""
         d = self.dimension
         if self.f is None:
-            raise UsageError("`f` is missing; give f, or dq and dp, or force, or terms")
+            raise UsageError(
+                "`f` is missing; give f, or dq and dp, or force, or terms, or let "
+                "`Problem.from_hamiltonian` derive them from the text of H"
+            )
         if d % 2 and (self.dq or self.dp or self.force):
             raise UsageError(f"y = (q, p) must have an even number of components, got {d}")
         sizes = {"f": d, "dq": d // 2, "dp": d // 2, "force": d // 2}
@@ -195,9 +205,13 @@ class Problem:
             beyond = [i for i in function.indices if not 0 <= i < size]
             if beyond:
                 raise UsageError(f"`{key}` uses component {beyond[0]}, but there are {size}")
-        if self.bodies != 1 and (self.bodies < 1 or d % (2 * self.bodies) or self.dp is None):
-            raise UsageError(f"`bodies` must divide the components of q, got {self.bodies}")
-        start, end = self.t_span
+        n = self.bodies
+        if not isinstance(n, int) or (n != 1 and (n < 1 or d % (2 * n) or self.dp is None)):
+            raise UsageError(f"`bodies` must divide the components of q, got {short(n)}")
+        try:
+            start, end = (float(t) for t in self.t_span)
+        except (TypeError, ValueError, OverflowError):
+            start = end = np.nan
         if not (np.isfinite(start) and np.isfinite(end)):
             raise UsageError(f"`t_span` must be two finite times, got {short(self.t_span)}")
 
@@ -289,83 +303,12 @@ class Problem:
         return self.exact(t, self.y0)
 
     # What a kernel generator reads. Expressions are Python source in t, y[i] (or q[i], p[i]), the
-    # names of `parameters`, pi and the functions of formula.FUNCTIONS; bodies are plain loops.
+    # names of `parameters`, pi and the functions of formula.FUNCTIONS; bodies of loops are plain.
 
     @property
     def expressions(self) -> tuple[str, ...] | None:
         """Right-hand side f_0 ... f_{d-1} as expressions, or ``None``."""
-        return _outputs(self.f)
-
-    @property
-    def common(self) -> tuple[tuple[str, str], ...]:
-        """Common subexpressions (name, expression) of :attr:`expressions`, in order."""
-        return _common(self.f)
-
-    @property
-    def jacobian_expressions(self) -> tuple[tuple[str, ...], ...] | None:
-        """Rows of df/dy as expressions, or ``None``; differentiated on first use."""
-        entries, d = _outputs(self.jacobian), self.dimension
-        if entries is None:
-            return None
-        return tuple(entries[i : i + d] for i in range(0, d * d, d))
-
-    @property
-    def jacobian_common(self) -> tuple[tuple[str, str], ...]:
-        """Common subexpressions of :attr:`jacobian_expressions` (those of f it needs included)."""
-        return _common(self.jacobian)
-
-    @property
-    def dq_expressions(self) -> tuple[str, ...] | None:
-        """Components of dq in p[0], p[1]..., or ``None``."""
-        return _outputs(self.dq)
-
-    @property
-    def dq_common(self) -> tuple[tuple[str, str], ...]:
-        """Common subexpressions of :attr:`dq_expressions`."""
-        return _common(self.dq)
-
-    @property
-    def dp_expressions(self) -> tuple[str, ...] | None:
-        """Components of dp in q[0], q[1]..., or ``None``."""
-        return _outputs(self.dp)
-
-    @property
-    def dp_common(self) -> tuple[tuple[str, str], ...]:
-        """Common subexpressions of :attr:`dp_expressions`."""
-        return _common(self.dp)
-
-    @property
-    def force_expressions(self) -> tuple[str, ...] | None:
-        """Components of the force g(q), or ``None``."""
-        return _outputs(self.force)
-
-    @property
-    def force_common(self) -> tuple[tuple[str, str], ...]:
-        """Common subexpressions of :attr:`force_expressions`."""
-        return _common(self.force)
-
-    @property
-    def f_into(self) -> Callable[..., None] | None:
-        """Body ``f_into(t, y, params, out)`` of a large problem, or ``None``.
-
-        Plain Python. Where f comes from a force it calls the force's body: pass the compiler to
-        ``problem.f.compiled(jit)`` instead, which compiles both.
-        """
-        if isinstance(self.f, Loops):
-            return self.f.body
-        if isinstance(self.f, PhaseSpace) and self.f.dq is None and isinstance(self.f.dp, Loops):
-            return self.f.compiled(lambda body: body)
-        return None
-
-    @property
-    def force_into(self) -> Callable[..., None] | None:
-        """Body ``force_into(q, params, out)`` of a large problem q'' = g(q), or ``None``."""
-        return self.force.body if isinstance(self.force, Loops) else None
-
-    @property
-    def jacobian_into(self) -> Callable[..., None] | None:
-        """Body ``jacobian_into(t, y, params, out)``, out (d, d) and zero on entry, or ``None``."""
-        return self.jacobian.body if isinstance(self.jacobian, Loops) else None
+        return self.f.outputs if isinstance(self.f, Formula) else None
 
     @property
     def params(self) -> np.ndarray:
@@ -386,22 +329,6 @@ def _protected(value: Any, name: str, size: int, shape: tuple[int, ...]) -> Any:
 def _identity(p: Any) -> Any:
     """Return p, for q' = p."""
     return np.asarray(p)
-
-
-def _formula(function: Any) -> Formula | None:
-    if isinstance(function, Jacobian):
-        return function.formula
-    return function if isinstance(function, Formula) else None
-
-
-def _outputs(function: Any) -> tuple[str, ...] | None:
-    formula = _formula(function)
-    return None if formula is None else formula.outputs
-
-
-def _common(function: Any) -> tuple[tuple[str, str], ...]:
-    formula = _formula(function)
-    return () if formula is None else formula.common
 
 
 def _initial_value(entries: Any, parameters: Mapping[str, Number], context: Any) -> np.ndarray:

@@ -19,20 +19,12 @@ DOUBLE_DIGITS = 40  # working digits of a closed form whose result is rounded to
 
 @dataclass(frozen=True)
 class Flow:
-    """An exact solution in closed form, evaluated in extended precision and rounded once.
+    """An exact solution in closed form, evaluated in extended precision and rounded once."""
 
-    Attributes
-    ----------
-    function : Callable[..., Sequence[Any]]
-        ``function(t, y0, parameters, context)`` -> list of numbers of the mpmath context.
-    parameters : Mapping[str, Number]
-        Exact values.
-    context : Any
-        ``None``: arguments and result are doubles, each taken at its exact value.
-    """
-
+    #: ``function(t, y0, parameters, context)`` -> list of numbers of the mpmath context.
     function: Callable[..., Sequence[Any]]
-    parameters: Mapping[str, Number]
+    parameters: Mapping[str, Number]  #: Exact values.
+    #: ``None``: arguments and result are doubles, each taken at its exact value.
     context: Any = field(default=None, compare=False, repr=False)
 
     def __call__(self, t: Any, y0: Any) -> np.ndarray:

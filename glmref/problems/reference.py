@@ -19,27 +19,14 @@ FORMAT = "glmref-solution-1"
 
 @dataclass(frozen=True)
 class Reference:
-    """The state of a problem at one time.
+    """The state of a problem at one time."""
 
-    Attributes
-    ----------
-    t : Fraction
-        Time, as an exact fraction.
-    state : tuple[str, ...]
-        (d,) decimal strings; each component has the digits on which two computations agree.
-    agreement : float
-        Largest difference of the two, relative to the largest component.
-    generator : str
-        How it was computed.
-    source : str
-        Citation of published digits that it confirms, or ``""``.
-    """
-
-    t: Fraction
+    t: Fraction  #: Time, as an exact fraction.
+    #: (d,) decimal strings; each component has the digits on which two computations agree.
     state: tuple[str, ...]
-    agreement: float
-    generator: str
-    source: str = ""
+    agreement: float  #: Largest difference of the two, relative to the largest component.
+    generator: str  #: How it was computed.
+    source: str = ""  #: Citation of published digits that it confirms, or ``""``.
 
     def rounded(self) -> np.ndarray:
         """Return the state rounded to double precision, shape (d,)."""

@@ -35,24 +35,13 @@ Values = Mapping[str, Number | tuple[Number, ...]]
 
 @dataclass(frozen=True)
 class _Term:
-    """One term of H: an expression under some loops.
+    """One term of H: an expression under some loops."""
 
-    Attributes
-    ----------
-    loops : tuple of (str, str)
-        Variable and range of each loop, outermost first, as source.
-    formula : Formula
-        The term, of shape () in ``y[0]``, ``y[1]``..., one for each of ``slots``.
-    slots : tuple of (str, str)
-        ``"q"`` or ``"p"`` and the index as source.
-    names : mapping
-        Other names of the formula -> source.
-    """
-
+    #: Variable and range of each loop, outermost first, as source.
     loops: tuple[tuple[str, str], ...]
-    formula: Formula
-    slots: tuple[tuple[str, str], ...]
-    names: Mapping[str, str]
+    formula: Formula  #: The term, of shape () in ``y[0]``, ``y[1]``..., one for each of ``slots``.
+    slots: tuple[tuple[str, str], ...]  #: ``"q"`` or ``"p"`` and the index as source.
+    names: Mapping[str, str]  #: Other names of the formula -> source.
 
 
 def hamiltonian_parts(H: str, half: int, values: Values) -> dict[str, Any]:

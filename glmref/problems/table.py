@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from difflib import get_close_matches
 from importlib.util import module_from_spec, spec_from_file_location
+from inspect import signature
 from pathlib import Path
 from tomllib import TOMLDecodeError, loads
 from typing import Any
@@ -123,6 +124,13 @@ def from_file(
         make = getattr(module, maker, None)
         if not callable(make):
             raise UsageError(f"`file`: {path.name} has no function {maker!r}")
+        try:
+            signature(make).bind(**(parameters or {}))
+        except TypeError as error:
+            raise UsageError(
+                f"`file`: {maker} of {path.name} must return a Problem or its table and take no "
+                f"argument that `parameters` does not give: {error}"
+            ) from None
         made = make(**(parameters or {}))
     except UsageError:
         raise

@@ -68,34 +68,23 @@ def _kind(found: Any) -> str:
         return "an iterator, which can be read only once"
     if isinstance(found, str | bytes | dict | set | frozenset):
         return f"a {type(found).__name__}"
+    if hasattr(found, "__await__"):
+        return "a coroutine"
     try:
         return str(np.shape(found))
-    except ValueError:
+    except Exception:
         return "rows of different lengths"
 
 
 @dataclass(frozen=True, eq=False)
 class UserFunction:
-    """A Python function of a problem, protected in both directions.
+    """A Python function of a problem, protected in both directions."""
 
-    Attributes
-    ----------
-    function : callable
-        As the user gave it.
-    name : str
-        What the problem calls it: ``"f"``, ``"dp"``, ``"jacobian"``...
-    size : int
-        Length of the state it is called with.
-    shape : tuple of int
-        Shape of its result for one state.
-    context : object
-        The mpmath context it is evaluated in, ``None`` in double precision.
-    """
-
-    function: Callable[..., Any]
-    name: str
-    size: int
-    shape: tuple[int, ...]
+    function: Callable[..., Any]  #: As the user gave it.
+    name: str  #: What the problem calls it: ``"f"``, ``"dp"``, ``"jacobian"``...
+    size: int  #: Length of the state it is called with.
+    shape: tuple[int, ...]  #: Shape of its result for one state.
+    #: The mpmath context it is evaluated in, ``None`` in double precision.
     context: Any = field(default=None, repr=False)
 
     @property
@@ -121,8 +110,7 @@ class UserFunction:
             return np.stack(columns, axis=-1) if columns else np.zeros((*self.shape, 0))
         if state.dtype.kind not in "fcO":
             state = state.astype(float)
-        found = self.raw(*times, state)
-        return self._numbers(found, state.dtype)
+        return self._numbers(self.raw(*times, state), state)
 
     def examined(self, *arguments: Any) -> tuple[Any, set[np.dtype[Any]]]:
         """The value at one state, and the types of numbers in which the function returned it.
@@ -132,12 +120,13 @@ class UserFunction:
         *times, last = arguments
         state = np.array(last)
         found = self.raw(*times, state.copy())
+        value = self._numbers(found, state)
         if isinstance(found, list | tuple):
             kinds = {np.dtype(x.dtype) for x in found if isinstance(x, np.generic | np.ndarray)}
             kinds = {k for k in kinds if k.kind not in "iub"}
         else:
-            kinds = {getattr(found, "dtype", np.asarray(found).dtype)}
-        return self._numbers(found, state.dtype), {k for k in kinds if isinstance(k, np.dtype)}
+            kinds = {found.dtype if hasattr(found, "dtype") else np.asarray(found).dtype}
+        return value, {k for k in kinds if isinstance(k, np.dtype)}
 
     def listed(self, *arguments: Any) -> list[float]:
         """The value as a list of Python numbers, which plain Python computes with fastest."""
@@ -149,7 +138,8 @@ class UserFunction:
             return self.function(*arguments)
         except GlmrefError:
             raise
-        except (Exception, SystemExit) as error:  # which would end a run as if it were done
+        # the last two would end a run, or what steps it, as if it were done
+        except (Exception, SystemExit, GeneratorExit) as error:
             if self.context is not None and isinstance(error, TypeError | AttributeError):
                 raise UsageError(
                     f"{self.__name__} works in double precision only ({error}); give it as "
@@ -157,11 +147,14 @@ class UserFunction:
                 ) from None
             raise raised(self.name, error, arguments) from error
 
-    def _numbers(self, found: Any, kind: np.dtype[Any]) -> Any:
+    def _numbers(self, found: Any, state: np.ndarray) -> Any:
+        kind = state.dtype
         try:
             array = np.array(found, dtype=object if kind.kind == "O" else None)
         except ValueError:
             array = np.empty(0, dtype=object)
+        except Exception as error:  # of a class of the user that numpy asks for an array
+            raise raised(self.name, error) from error
         if array.shape != self.shape or isinstance(found, str | bytes):
             raise FunctionFailed(
                 f"`{self.name}` must return shape {self.shape}, got {_kind(found)}"
@@ -169,7 +162,12 @@ class UserFunction:
         if isinstance(found, np.ma.MaskedArray) and found.mask.any():  # the array has lost its mask
             raise FunctionFailed(f"`{self.name}` must return numbers, got masked entries")
         letter = array.dtype.kind
-        if kind.kind == "O" or (letter == "c" and kind.kind == "c"):
+        if kind.kind == "O":
+            array = self._converted(array)
+            letter = "c" if any(hasattr(x, "_mpc_") for x in array.ravel()) else "O"
+            if letter == "O" or any(hasattr(x, "_mpc_") for x in state.ravel()):
+                return array if self.shape else array[()]
+        elif letter == "c" and kind.kind == "c":
             return array if self.shape else array[()]
         if letter == "c":
             raise FunctionFailed(
@@ -186,7 +184,26 @@ class UserFunction:
             raise FunctionFailed(
                 f"`{self.name}` must return real numbers, got {_entry(array)}"
             ) from None
+        except Exception as error:  # of a class of the user
+            raise raised(self.name, error) from error
         return result if self.shape else result[()]
+
+    def _converted(self, array: np.ndarray) -> np.ndarray:
+        """Entries as numbers of the context: text and what else it would take are none."""
+        convert = getattr(self.context, "convert", None)
+        if convert is None:  # what is recorded or expanded is no number
+            return array
+        out = np.empty(array.shape, dtype=object)
+        for place, x in np.ndenumerate(array):
+            try:
+                if isinstance(x, str | bytes):
+                    raise TypeError
+                out[place] = convert(x)
+            except Exception:
+                raise FunctionFailed(
+                    f"`{self.name}` must return numbers, got an entry {type(x).__name__}"
+                ) from None
+        return out
 
     def in_context(self, context: Any) -> UserFunction:
         """Return the same function for states of numbers of an mpmath context."""
@@ -198,7 +215,7 @@ def _entry(array: np.ndarray) -> str:
     for x in array.ravel():
         try:
             float(x)
-        except (TypeError, ValueError, OverflowError):
+        except Exception:
             return f"an entry {x!r:.60}"
     return "other objects"
 

@@ -25,33 +25,18 @@ _FORMAT = 2
 
 @dataclass(frozen=True)
 class Cell:
-    """One combination of parameters of one class of benchmarks, measured at one commit.
+    """One combination of parameters of one class of benchmarks, measured at one commit."""
 
-    Attributes
-    ----------
-    benchmark : str
-        Class, with its module.
-    parameters : Mapping[str, str]
-        Name -> value, both as strings.
-    values : Mapping[str, float or None]
-        Function (``time_run``, ``track_error``...) -> number, seconds for ``time_``; ``None`` where
-        it failed, was skipped or is not finite.
-    quartiles : Mapping[str, tuple[float, float]]
-        Function -> (25 %, 75 %), seconds, where asv gives them.
-    commit : str
-        hash.
-    date : str
-        Of the commit, ISO 8601.
-    machine, python : str
-        Where it was measured.
-    """
-
-    benchmark: str
-    parameters: Mapping[str, str]
+    benchmark: str  #: Class, with its module.
+    parameters: Mapping[str, str]  #: Name -> value, both as strings.
+    #: Function (``time_run``, ``track_error``...) -> number, seconds for ``time_``; ``None`` where
+    #: it failed, was skipped or is not finite.
     values: Mapping[str, float | None]
+    #: Function -> (25 %, 75 %), seconds, where asv gives them.
     quartiles: Mapping[str, tuple[float, float]]
     commit: str
-    date: str
+    date: str  #: Of the commit, ISO 8601.
+    #: Where it was measured.
     machine: str
     python: str
 

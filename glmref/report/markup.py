@@ -81,24 +81,12 @@ def render(template: str, **values: Any) -> Markup:
 
 @dataclass(frozen=True)
 class Column:
-    """A column of a table.
+    """A column of a table."""
 
-    Attributes
-    ----------
-    key : str
-        What the script knows it by.
-    title : str
-        What is shown.
-    unit : str
-        Behind the title.
-    linear : bool
-        Whether a picture shows it on a linear axis.
-    """
-
-    key: str
-    title: str
-    unit: str = ""
-    linear: bool = False
+    key: str  #: What the script knows it by.
+    title: str  #: What is shown.
+    unit: str = ""  #: Behind the title.
+    linear: bool = False  #: Whether a picture shows it on a linear axis.
 
 
 @dataclass(frozen=True)
@@ -119,31 +107,18 @@ class Table:
 
 @dataclass(frozen=True)
 class Figure:
-    """A picture that the script draws from a table.
+    """A picture that the script draws from a table."""
 
-    Attributes
-    ----------
-    table : str
-        Id of the table.
-    across, up : Sequence[str]
-        Keys of columns to choose from.
-    label, caption : str
-        For who listens, and for all.
-    series : str
-        Key of the column that names a line.
-    marks : bool
-        Whether every point has one.
-    plane : Sequence[str] or None
-        Equal axes, points that are not joined; names of runs that do not set the range.
-    """
-
-    table: str
+    table: str  #: Id of the table.
+    #: Keys of columns to choose from.
     across: Sequence[str]
     up: Sequence[str]
+    #: For who listens, and for all.
     label: str
     caption: str
-    series: str = "method"
-    marks: bool = True
+    series: str = "method"  #: Key of the column that names a line.
+    marks: bool = True  #: Whether every point has one.
+    #: Equal axes, points that are not joined; names of runs that do not set the range.
     plane: Sequence[str] | None = None
 
     def lines_of(self, table: Table) -> tuple[str, ...]:
@@ -156,49 +131,25 @@ class Figure:
 
 @dataclass(frozen=True)
 class Page:
-    """One page, and where its link stands.
+    """One page, and where its link stands."""
 
-    Attributes
-    ----------
-    name : str
-        Stem of its file.
-    title, body
-        What it shows.
-    tab : str
-        The word for it in the bar.
-    group : str
-        The menu it stands in, ``""`` for the bar itself.
-    kind : str
-        The heading in the menu.
-    pictures : tuple[tuple[str, ...], ...]
-        Names of the lines of each of its pictures.
-    """
-
-    name: str
+    name: str  #: Stem of its file.
+    #: What it shows.
     title: str
     body: Markup
-    tab: str
-    group: str = ""
-    kind: str = ""
-    pictures: tuple[tuple[str, ...], ...] = ()
+    tab: str  #: The word for it in the bar.
+    group: str = ""  #: The menu it stands in, ``""`` for the bar itself.
+    kind: str = ""  #: The heading in the menu.
+    pictures: tuple[tuple[str, ...], ...] = ()  #: Names of the lines of each of its pictures.
 
 
 @dataclass(frozen=True)
 class Site:
-    """Where pages are: files beside each other, or sections of one file.
+    """Where pages are: files beside each other, or sections of one file."""
 
-    Attributes
-    ----------
-    single : bool
-        Whether they are sections.
-    docs : str
-        Where the documentation lies.
-    looks : Mapping[str, int]
-        Number of the colour and mark of each line, one for all pictures.
-    """
-
-    single: bool = False
-    docs: str = ""
+    single: bool = False  #: Whether they are sections.
+    docs: str = ""  #: Where the documentation lies.
+    #: Number of the colour and mark of each line, one for all pictures.
     looks: Mapping[str, int] = field(default_factory=dict)
 
     def href(self, page: str) -> str:

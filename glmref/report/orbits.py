@@ -33,24 +33,13 @@ class _Orbit:
 
 @dataclass(frozen=True)
 class Orbits:
-    """What a page shows of the orbits of a run.
+    """What a page shows of the orbits of a run."""
 
-    Attributes
-    ----------
-    figure : Figure or None
-        Picture of all paths in the plane of the first; none where there are only points.
-    table : Table
-        Its numbers.
-    lost : list[tuple[str, str]]
-        Methods lost at every step size, and how.
-    left_out : int
-        Methods whose orbits are stored and not drawn.
-    """
-
+    #: Picture of all paths in the plane of the first; none where there are only points.
     figure: Figure | None
-    table: Table
-    lost: list[tuple[str, str]]
-    left_out: int
+    table: Table  #: Its numbers.
+    lost: list[tuple[str, str]]  #: Methods lost at every step size, and how.
+    left_out: int  #: Methods whose orbits are stored and not drawn.
 
 
 def orbits(run: RunFile, title: str, far: str = "") -> Orbits | None:

@@ -50,18 +50,10 @@ class Odd:
 
 @dataclass(frozen=True)
 class RunFile:
-    """The records of one file of `glmref run`.
+    """The records of one file of `glmref run`."""
 
-    Attributes
-    ----------
-    name : str
-        Stem of the file: the scene's name, with ``-quick`` for a quick run.
-    records : tuple[Record, ...]
-        In the order of the file.
-    """
-
-    name: str
-    records: tuple[Record, ...]
+    name: str  #: Stem of the file: the scene's name, with ``-quick`` for a quick run.
+    records: tuple[Record, ...]  #: In the order of the file.
 
     @property
     def scene(self) -> str:
@@ -71,39 +63,20 @@ class RunFile:
 
 @dataclass
 class Results:
-    """Everything that was found.
+    """Everything that was found."""
 
-    Attributes
-    ----------
-    runs : list[RunFile]
-        Record files.
-    findings : dict[str, list[Record]]
-        Method -> findings of `glmref verify`; of two about one claim the one that was read first.
-    regions : dict[str, Record]
-        Method -> its stability.
-    benchmarks : list[Cell]
-        Cells of asv.
-    measurements : dict[str, Record]
-        Name -> document with a format of its own.
-    own : dict[str, Record]
-        Name -> method file of the user, checked.
-    portraits : dict[str, str]
-        Method -> SVG.
-    odd : list[Odd]
-        What could not be read.
-    files : list[tuple[str, str]]
-        (path, what it holds).
-    """
-
-    runs: list[RunFile] = field(default_factory=list)
+    runs: list[RunFile] = field(default_factory=list)  #: Record files.
+    #: Method -> findings of `glmref verify`; of two about one claim the one that was read first.
     findings: dict[str, list[Record]] = field(default_factory=dict)
-    benchmarks: list[Cell] = field(default_factory=list)
+    benchmarks: list[Cell] = field(default_factory=list)  #: Cells of asv.
+    #: Name -> document with a format of its own.
     measurements: dict[str, Record] = field(default_factory=dict)
-    regions: dict[str, Record] = field(default_factory=dict)
+    regions: dict[str, Record] = field(default_factory=dict)  #: Method -> its stability.
+    #: Name -> method file of the user, checked.
     own: dict[str, Record] = field(default_factory=dict)
-    portraits: dict[str, str] = field(default_factory=dict)
-    odd: list[Odd] = field(default_factory=list)
-    files: list[tuple[str, str]] = field(default_factory=list)
+    portraits: dict[str, str] = field(default_factory=dict)  #: Method -> SVG.
+    odd: list[Odd] = field(default_factory=list)  #: What could not be read.
+    files: list[tuple[str, str]] = field(default_factory=list)  #: (path, what it holds).
 
     def of_others(self) -> list[str]:
         """Methods of the user: those whose file was given, and those that findings are about."""

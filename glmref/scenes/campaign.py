@@ -53,74 +53,39 @@ REDUCE = {"max": max, "min": min, "sum": math.fsum, "mean": lambda x: math.fsum(
 
 @dataclass(frozen=True)
 class Picture:
-    """What the page of a campaign shows.
+    """What the page of a campaign shows."""
 
-    Attributes
-    ----------
-    kind : str
-        ``"map"``: colours over two axes; ``"front"``: points, and the line that none is below.
-    across, up : str
-        Keys of a record, or of its task, for the two axes.
-    value : str
-        Key of what a map shows in colour.
-    each : str
-        Key that tells the maps, or the lines of a front, apart; ``""`` for one only.
-    page : str
-        Key that tells fronts apart; ``""`` for one only.
-    reduce : str
-        What is made of several records on one cell: one of :data:`REDUCE`.
-    """
-
+    #: ``"map"``: colours over two axes; ``"front"``: points, and the line that none is below.
     kind: str
+    #: Keys of a record, or of its task, for the two axes.
     across: str
     up: str
-    value: str = ""
-    each: str = ""
-    page: str = ""
-    reduce: str = "max"
+    value: str = ""  #: Key of what a map shows in colour.
+    each: str = ""  #: Key that tells the maps, or the lines of a front, apart; ``""`` for one only.
+    page: str = ""  #: Key that tells fronts apart; ``""`` for one only.
+    reduce: str = "max"  #: What is made of several records on one cell: one of :data:`REDUCE`.
 
 
 @dataclass(frozen=True)
 class Campaign:
-    """A campaign, as its file describes it.
+    """A campaign, as its file describes it."""
 
-    Attributes
-    ----------
-    name, title, question : str
-        For the reader.
-    kind : CampaignKind
-        What a task is.
-    fixed : mapping
-        Values that all tasks share.
-    grid : mapping
-        Axis -> its values, which are crossed.
-    sample : mapping
-        Axis -> (from, to, spacing), drawn together.
-    count, draw : int, str
-        Points of the sample, and how they are drawn.
-    seed : int
-        Of what is drawn at random.
-    budget : float
-        Seconds of processor time that one command may spend; infinite without a limit.
-    limits : Limits
-        Of one task.
-    picture : Picture or None
-        What the page shows besides the table of outcomes.
-    """
-
+    #: For the reader.
     name: str
     title: str
     question: str
-    kind: CampaignKind
-    fixed: Mapping[str, Any]
-    grid: Mapping[str, tuple[Any, ...]]
-    sample: Mapping[str, tuple[float, float, str]]
+    kind: CampaignKind  #: What a task is.
+    fixed: Mapping[str, Any]  #: Values that all tasks share.
+    grid: Mapping[str, tuple[Any, ...]]  #: Axis -> its values, which are crossed.
+    sample: Mapping[str, tuple[float, float, str]]  #: Axis -> (from, to, spacing), drawn together.
+    #: Points of the sample, and how they are drawn.
     count: int = 1
     draw: str = "halton"
-    seed: int = 1
+    seed: int = 1  #: Of what is drawn at random.
+    #: Seconds of processor time that one command may spend; infinite without a limit.
     budget: float = math.inf
-    limits: Limits = field(default_factory=Limits)
-    picture: Picture | None = None
+    limits: Limits = field(default_factory=Limits)  #: Of one task.
+    picture: Picture | None = None  #: What the page shows besides the table of outcomes.
 
     def __len__(self) -> int:
         """How many tasks there are."""
@@ -270,7 +235,7 @@ class _CampaignReader(Reader):
         seen: set[str] = set()
         for key in kind.in_fixed:
             if key in campaign.grid or key in campaign.sample:
-                raise self.fail(("grid", key), f"`{key}` belongs into [fixed]")
+                raise self.fail(("grid", key), f"`{key}` belongs in [fixed]")
         for table in tables:
             axes = getattr(campaign, table)
             self.known((table,), axes, (*kind.needed, *kind.optional))

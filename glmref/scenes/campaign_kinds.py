@@ -33,34 +33,20 @@ Values = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class CampaignKind:
-    """A kind of task.
+    """A kind of task."""
 
-    Attributes
-    ----------
-    name : str
-        As files call it.
-    needed, optional : tuple of str
-        Axes that a campaign must give, and may give.
-    tasks : callable
-        From the values of all axes and a seed to the tasks of that combination.
-    function : callable
-        Carries out one of them.
-    each : callable
-        From the fixed values to the number of tasks of a combination.
-    timed : callable
-        From the fixed values: whether run times are what is asked for.
-    in_fixed : tuple of str
-        Keys that are the same for all tasks.
-    """
-
-    name: str
+    name: str  #: As files call it.
+    #: Axes that a campaign must give, and may give.
     needed: tuple[str, ...]
     optional: tuple[str, ...]
+    #: From the values of all axes and a seed to the tasks of that combination.
     tasks: Callable[[Values, int], Iterator[dict[str, Any]]]
-    function: Function
+    function: Function  #: Carries out one of them.
+    #: From the fixed values to the number of tasks of a combination.
     each: Callable[[Values], int] = lambda fixed: 1
+    #: From the fixed values: whether run times are what is asked for.
     timed: Callable[[Values], bool] = lambda fixed: False
-    in_fixed: tuple[str, ...] = ()
+    in_fixed: tuple[str, ...] = ()  #: Keys that are the same for all tasks.
 
 
 # --- runs -----------------------------------------------------------------------------------------

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..catalogue.claims import NYSTROM_ORDER, SYMPLECTIC, stated_orders
 from ..catalogue.lookup import document, is_broken, load, names
-from ..engine.start import renewal_of
+from ..engine.starting_values import renewal_of
 from ..errors import GlmrefError, UsageError
 from ..measure.work_precision import measure, reference_state
 from ..method import Method

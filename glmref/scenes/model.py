@@ -69,83 +69,39 @@ def _subject(key: str) -> Problem:
 
 @dataclass(frozen=True)
 class Answer:
-    """How a scene's one-line answer is computed.
+    """How a scene's one-line answer is computed."""
 
-    Attributes
-    ----------
-    kind : str
-        One of :data:`ANSWERS`.
-    error : str
-        For ``"fastest"`` and ``"accurate"``, which error: ``"state"`` or ``"energy"``.
-    at : float
-        For these two the error to reach, for ``"conserved"`` the drift that counts as kept.
-    """
-
-    kind: str
+    kind: str  #: One of :data:`ANSWERS`.
+    #: For ``"fastest"`` and ``"accurate"``, which error: ``"state"`` or ``"energy"``.
     error: str = "state"
+    #: For these two the error to reach, for ``"conserved"`` the drift that counts as kept.
     at: float = 1e-9
 
 
 @dataclass(frozen=True)
 class Scene:
-    """A question about methods on a problem.
+    """A question about methods on a problem."""
 
-    Attributes
-    ----------
-    name, title, question : str
-        For the reader.
-    problem : str
-        Name of the problem.
-    parameters : Mapping[str, Any]
-        Its parameters.
-    definition : Mapping[str, Any] or None
-        An own problem as the table of :mod:`glmref.problems.table`, else ``None``.
-    methods : tuple[str, ...]
-        Names of shipped methods, or paths of files, in order.
-    h : tuple[float, ...]
-        Step sizes; empty where ``steps`` is given.
-    steps : tuple[int, ...]
-        Numbers of steps to ``t_end``.
-    t_end : float
-        Final time.
-    ask : tuple[str, ...]
-        What is measured, of :data:`ASK`.
-    answer : Answer
-        How the answer is computed.
-    repeats : int
-        Runs to time, where the answer is about time.
-    budget : float
-        Seconds after which a run is cancelled.
-    start : str or None
-        ``"zero"``, ``"enhanced"`` or ``None`` for the method's own.
-    renew : int
-        Steps after which methods with several values make them anew, 0 for never.
-    peers : tuple[str, ...]
-        Other integrators.
-    tolerances : tuple[float, ...]
-        Relative tolerances they run at.
-    file : str
-        Where it was read, for messages.
-    """
-
+    #: For the reader.
     name: str
     title: str
     question: str
-    problem: str
-    methods: tuple[str, ...]
-    t_end: float
-    answer: Answer
-    ask: tuple[str, ...] = ("state",)
-    parameters: Mapping[str, Any] = field(default_factory=dict)
-    h: tuple[float, ...] = ()
-    steps: tuple[int, ...] = ()
-    repeats: int = 3
-    budget: float = 10.0
-    start: str | None = None
-    renew: int = 0
-    peers: tuple[str, ...] = ()
-    tolerances: tuple[float, ...] = ()
-    file: str = ""
+    problem: str  #: Name of the problem.
+    methods: tuple[str, ...]  #: Names of shipped methods, or paths of files, in order.
+    t_end: float  #: Final time.
+    answer: Answer  #: How the answer is computed.
+    ask: tuple[str, ...] = ("state",)  #: What is measured, of :data:`ASK`.
+    parameters: Mapping[str, Any] = field(default_factory=dict)  #: Its parameters.
+    h: tuple[float, ...] = ()  #: Step sizes; empty where ``steps`` is given.
+    steps: tuple[int, ...] = ()  #: Numbers of steps to ``t_end``.
+    repeats: int = 3  #: Runs to time, where the answer is about time.
+    budget: float = 10.0  #: Seconds after which a run is cancelled.
+    start: str | None = None  #: ``"zero"``, ``"enhanced"`` or ``None`` for the method's own.
+    renew: int = 0  #: Steps after which methods with several values make them anew, 0 for never.
+    peers: tuple[str, ...] = ()  #: Other integrators.
+    tolerances: tuple[float, ...] = ()  #: Relative tolerances they run at.
+    file: str = ""  #: Where it was read, for messages.
+    #: An own problem as the table of :mod:`glmref.problems.table`, else ``None``.
     definition: Mapping[str, Any] | None = None
 
     @property

@@ -35,22 +35,13 @@ RECORDED = ("outcome", "steps", "seconds with quartiles", "evaluations", "iterat
 
 @dataclass(frozen=True)
 class Cost:
-    """Right-hand-side evaluations of one step, as far as they are known before.
+    """Right-hand-side evaluations of one step, as far as they are known before."""
 
-    Attributes
-    ----------
-    explicit : int
-        Of the explicit stages together.
-    each_round : int or None
-        Of one round of the solver on one block of implicit stages; 0 where there is none, ``None``
-        where blocks differ in size.
-    stages : int
-        Implicit stages in all.
-    """
-
-    explicit: int
+    explicit: int  #: Of the explicit stages together.
+    #: Of one round of the solver on one block of implicit stages; 0 where there is none, ``None``
+    #: where blocks differ in size.
     each_round: int | None
-    stages: int
+    stages: int  #: Implicit stages in all.
 
     @property
     def about(self) -> int:
@@ -66,36 +57,17 @@ class Cost:
 
 @dataclass(frozen=True)
 class Plan:
-    """What running a scene means.
-
-    Attributes
-    ----------
-    scene : Scene
-        The scene.
-    tasks : tuple[Mapping[str, Any], ...]
-        What is measured, one JSON-ready mapping each, in order; its hash is its key.
-    modules : tuple[str, ...]
-        Packages besides the standard library that are imported.
-    recorded : tuple[str, ...]
-        What each record holds.
-    evaluations : int
-        Right-hand-side evaluations in all: exactly, where no stage is implicit.
-    absent : tuple[str, ...]
-        Packages of peers that are not installed; their tasks are left out.
-    costs : tuple[Cost or None, ...]
-        Of each task, ``None`` for a peer's.
-    reference : str
-        Where the right last state comes from, ``""`` where it is not asked for.
-    """
+    """What running a scene means."""
 
     scene: Scene
+    #: What is measured, one JSON-ready mapping each, in order; its hash is its key.
     tasks: tuple[Mapping[str, Any], ...]
-    modules: tuple[str, ...]
-    recorded: tuple[str, ...]
-    evaluations: int
-    absent: tuple[str, ...]
-    costs: tuple[Cost | None, ...] = ()
-    reference: str = ""
+    modules: tuple[str, ...]  #: Packages besides the standard library that are imported.
+    recorded: tuple[str, ...]  #: What each record holds.
+    evaluations: int  #: Right-hand-side evaluations in all: exactly, where no stage is implicit.
+    absent: tuple[str, ...]  #: Packages of peers that are not installed; their tasks are left out.
+    costs: tuple[Cost | None, ...] = ()  #: Of each task, ``None`` for a peer's.
+    reference: str = ""  #: Where the right last state comes from, ``""`` where it is not asked for.
 
     def as_json(self) -> dict[str, Any]:
         """Return the plan in JSON's types."""

@@ -22,7 +22,7 @@ from ..errors import DataError, UsageError, did_you_mean
 from ..measure.peers import NAMES
 from ..problems import problem as build
 from ..problems.formula import Formula
-from ..problems.table import from_table
+from ..problems.table import OWN, from_table
 from ..system.files import kind_of, read_text, reason
 from .model import ANSWERS, ASK, FORMAT, JUDGING, KINDS, STARTS, Answer, Scene
 
@@ -244,6 +244,12 @@ class Reader:
     def scene(self, *, quick: bool) -> Scene:
         """Check everything and return the scene."""
         given = self.document
+        for key in (x for x in OWN if x in given):
+            raise self.fail(
+                (key,),
+                f"{key!r} belongs to a problem, not to a scene: `glmref compare` takes this file, "
+                f"and a scene holds such keys under [problem]",
+            )
         self.known((), given, _KEYS)
         for key in _TEXTS:
             self.text((key,), given.get(key))

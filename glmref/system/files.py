@@ -144,7 +144,7 @@ def one_name(path: Path) -> str:
 # --- writing --------------------------------------------------------------------------------------
 
 
-def make_folder(path: Path, what: str = "output folder") -> Path:
+def make_folder(path: Path) -> Path:
     """Make a folder with its parents, where it is missing.
 
     Raises
@@ -161,12 +161,13 @@ def make_folder(path: Path, what: str = "output folder") -> Path:
                 if not stat.S_ISDIR(mode):
                     kind = "a file" if stat.S_ISREG(mode) else kind_of(mode)
                     raise UsageError(
-                        f"the {what} {printable(path)} cannot be made: {printable(part)} is "
+                        f"the output folder {printable(path)} cannot be made: {printable(part)} is "
                         f"{kind}; name another folder"
                     ) from None
                 break
         raise UsageError(
-            f"the {what} {printable(path)} cannot be made ({reason(error)}); name another folder"
+            f"the output folder {printable(path)} cannot be made ({reason(error)}); name another "
+            f"folder"
         ) from None
     return path
 

@@ -11,6 +11,7 @@ import math
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import NamedTuple
 from xml.sax.saxutils import escape, quoteattr
 
@@ -52,18 +53,20 @@ def decades(values: Sequence[float]) -> Point:
 
 
 def log_ticks(low: float, high: float, most: int = 8) -> Ticks:
-    """Return ticks at powers of ten, thinned, or at 1, 2, 5 times these in a short range."""
+    """Return ticks at powers of ten, thinned; in a short range at 1, 2, 5 or 1 to 9 times these."""
     whole = range(math.ceil(low - 1e-9), math.floor(high + 1e-9) + 1)
     at = [float(k) for k in whole if k % max(1, math.ceil(len(whole) / most)) == 0]
     if len(whole) < 3:
-        at = [
-            k + math.log10(m)
-            for k in range(math.floor(low) - 1, math.ceil(high) + 1)
-            for m in (1, 2, 5)
-            if low <= k + math.log10(m) <= high
-        ]
-        at = at if len(at) >= 2 else [low, high]
+        at = _multiples(low, high, (1, 2, 5))
+        at = at if len(at) >= 2 else _multiples(low, high, range(1, 10))
     return Ticks(tuple(at), tuple(tick_texts(at)))
+
+
+def _multiples(low: float, high: float, factors: Iterable[int]) -> list[float]:
+    """Return the logs between two limits of these factors times powers of ten."""
+    powers = range(math.floor(low) - 1, math.ceil(high) + 1)
+    logs = (k + math.log10(m) for k, m in product(powers, factors))
+    return [x for x in logs if low <= x <= high]
 
 
 def tick_texts(logs: Sequence[float]) -> list[str]:
@@ -82,20 +85,14 @@ def tick_texts(logs: Sequence[float]) -> list[str]:
 
 @dataclass(frozen=True)
 class Axes:
-    """A rectangle of a picture, in px, and the ranges that it shows.
+    """A rectangle of a picture, in px, and the ranges that it shows."""
 
-    Attributes
-    ----------
-    left, top, width, height : float
-        The rectangle.
-    x, y : Point
-        Limits; of logarithmic axes their log10.
-    """
-
+    #: The rectangle.
     left: float
     top: float
     width: float
     height: float
+    #: Limits; of logarithmic axes their log10.
     x: Point
     y: Point
 

@@ -31,21 +31,11 @@ Point = tuple[float, float]
 
 @dataclass(frozen=True)
 class Series:
-    """A named line through points with positive coordinates; others are not drawn.
+    """A named line through points with positive coordinates; others are not drawn."""
 
-    Attributes
-    ----------
-    name : str
-        Shown beside the line.
-    points : tuple[Point, ...]
-        (x, y) in the order in which they are joined.
-    notes : tuple[str, ...]
-        One text per point for the reader who points at it, or none.
-    """
-
-    name: str
-    points: tuple[Point, ...]
-    notes: tuple[str, ...] = ()
+    name: str  #: Shown beside the line.
+    points: tuple[Point, ...]  #: (x, y) in the order in which they are joined.
+    notes: tuple[str, ...] = ()  #: One text per point for the reader who points at it, or none.
 
     @property
     def drawn(self) -> tuple[tuple[float, float, str], ...]:

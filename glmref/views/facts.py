@@ -18,6 +18,7 @@ _TITLES = {
     "order_witness": "why not higher",
     "g_symplectic": "G-symplectic",
     "consistency_witness": "why not consistent",
+    "undecided": "not decided:",
 }
 _DECISIONS = (
     *("preconsistent", "consistent", "zero stable", "G-symplectic", "symmetric"),

@@ -25,8 +25,6 @@ def heat_map(
     y_label: str,
     value_label: str,
     limits: tuple[float, float] | None = None,
-    width: int = 560,
-    height: int = 360,
 ) -> str:
     """Return a complete SVG document.
 
@@ -41,9 +39,8 @@ def heat_map(
         Values of the first and the last colour, so that several maps agree; those that occur by
         default. Where both are positive and a factor of a thousand apart, colours go with the
         logarithm.
-    width, height : int
-        Of the picture, in px.
     """
+    width, height = 560, 360
     xs, ys = (sorted({pair[k] for pair in cells}, key=_place) for k in (0, 1))
     left, top, right, bottom = 74.0, 40.0, width - 110.0, height - 56.0
     if not cells:

@@ -20,20 +20,14 @@ from ..exact.expression import (
 
 @dataclass(frozen=True)
 class Notation:
-    """How a notation writes what an expression is made of; ``{}`` stand for the parts.
+    """How a notation writes what an expression is made of; ``{}`` stand for the parts."""
 
-    Attributes
-    ----------
-    number, name : Callable[[str], str]
-        What stands for a numeral and for a name.
-    dot, times : str
-        Between factors that would be read as one without a dot, and between others.
-    """
-
+    #: What stands for a numeral and for a name.
     number: Callable[[str], str]
     name: Callable[[str], str]
     plus: str
     minus: str
+    #: Between factors that would be read as one without a dot, and between others.
     dot: str
     times: str
     group: str

@@ -28,24 +28,12 @@ _WORDS = 60  # characters under a panel
 
 @dataclass(frozen=True)
 class Cloud:
-    """Points of one run.
+    """Points of one run."""
 
-    Attributes
-    ----------
-    name : str
-        Of the method.
-    points : tuple[Point, ...]
-        (x, y), finite.
-    ended : str or None
-        Why they stop before the run does, or nothing.
-    h : float or None
-        Step size, where it is to be told.
-    """
-
-    name: str
-    points: tuple[Point, ...]
-    ended: str | None = None
-    h: float | None = None
+    name: str  #: Of the method.
+    points: tuple[Point, ...]  #: (x, y), finite.
+    ended: str | None = None  #: Why they stop before the run does, or nothing.
+    h: float | None = None  #: Step size, where it is to be told.
 
     @property
     def title(self) -> str:

@@ -86,21 +86,12 @@ def show(
 
 @dataclass(frozen=True)
 class Parts:
-    """What a method's page is made of.
+    """What a method's page is made of."""
 
-    Attributes
-    ----------
-    blocks : tuple[tuple[str, tuple[str, ...]], ...]
-        (heading, lines that were drawn), the tableau first.
-    legend : Mapping[str, str]
-        Name in a tableau -> what it stands for.
-    rounded : bool
-        Whether published decimals were rounded.
-    """
-
+    #: (heading, lines that were drawn), the tableau first.
     blocks: tuple[tuple[str, tuple[str, ...]], ...]
-    legend: Mapping[str, str]
-    rounded: bool
+    legend: Mapping[str, str]  #: Name in a tableau -> what it stands for.
+    rounded: bool  #: Whether published decimals were rounded.
 
 
 def parts(method: GLM | PartitionedGLM | AdditiveGLM, draw: Draw) -> Parts:

@@ -40,21 +40,11 @@ MAX_LINE = 700  # characters of one line; longer messages hold somebody's data
 
 @dataclass(frozen=True, slots=True)
 class Style:
-    """What a stream can show.
+    """What a stream can show."""
 
-    Attributes
-    ----------
-    unicode : bool
-        Whether line-drawing characters can be encoded.
-    color : bool
-        Whether ANSI colours are wanted.
-    width : int
-        Columns to wrap prose at.
-    """
-
-    unicode: bool = False
-    color: bool = False
-    width: int = 100
+    unicode: bool = False  #: Whether line-drawing characters can be encoded.
+    color: bool = False  #: Whether ANSI colours are wanted.
+    width: int = 100  #: Columns to wrap prose at.
 
     @classmethod
     def of(cls, stream: TextIO, environ: Mapping[str, str] | None = None) -> Style:
@@ -83,8 +73,13 @@ class Style:
 def one_line(text: object, *, limit: int = MAX_LINE) -> str:
     """Return any text as one printable line: line ends become spaces, controls are escaped."""
     joined = re.sub(r"[ \t\r\n]+", " ", str(text)).strip()
-    safe = _UNPRINTABLE.sub(lambda m: f"\\u{ord(m[0]):04x}", joined)
+    safe = _escaped(joined)
     return safe if len(safe) <= limit else safe[: limit - 3] + "..."
+
+
+def _escaped(text: str) -> str:
+    """Controls, and marks that turn a line round, as they are written in JSON."""
+    return _UNPRINTABLE.sub(lambda m: f"\\u{ord(m[0]):04x}", text)
 
 
 def counted(n: int, what: str) -> str:
@@ -266,8 +261,9 @@ def csv_text(rows: Iterable[Sequence[object]]) -> str:
 
 
 def _cell(text: str) -> str:
-    """Return a text as a cell of a spreadsheet, with one kind of line ends."""
+    """Return a text as a cell of a spreadsheet: one kind of line ends, controls escaped."""
     text = text.replace("\r\n", "\n").replace("\r", "\n")
+    text = "".join(x if x in "\n\t" else _escaped(x) for x in re.split("([\n\t])", text))
     if text.lstrip(" ").startswith(_FORMULA) and not _ARITHMETIC.fullmatch(text):
         return f"'{text}"
     return text

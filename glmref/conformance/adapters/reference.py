@@ -9,7 +9,7 @@ import numpy as np
 
 from ...catalogue.lookup import load
 from ...engine.reference import Stepper, apply_finish, stepper
-from ...engine.start import starting_values
+from ...engine.starting_values import starting_values
 from ...method import Method
 from ..vectors import file_names
 
