@@ -22,10 +22,10 @@ SUBPACKAGES: dict[str, str] = {
     "exact": "exact/*",
     "readers": "catalogue/reader catalogue/strict_json catalogue/entries catalogue/keys "
     "scenes/reading",
-    "prove": "prove/* -prove/kernel -prove/growth_rules -prove/stability_rules "
+    "prove": "prove/* -prove/kernel -prove/growth_rules -prove/stability_rules -prove/form_rules "
     "-prove/implications -prove/rows -prove/ranges",
-    "kernel": "prove/kernel prove/growth_rules prove/stability_rules prove/implications "
-    "prove/rows prove/ranges",
+    "kernel": "prove/kernel prove/growth_rules prove/stability_rules prove/form_rules "
+    "prove/implications prove/rows prove/ranges",
     "theory": "theory/*",
     "engine": "engine/*",
 }

@@ -28,7 +28,7 @@ from glmref.compute.records import finite
 from glmref.engine.kernel import Kernel, prepare
 from glmref.engine.outcome import Outcome
 from glmref.engine.reference import Stepper, apply_finish, stepper
-from glmref.engine.start import starting_values
+from glmref.engine.starting_values import starting_values
 from glmref.errors import GlmrefError
 from glmref.measure.timing import circumstances
 from glmref.measure.work_precision import Reference, reference_state, state_error

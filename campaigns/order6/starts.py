@@ -22,7 +22,7 @@ from campaigns.driver import arguments, carried_out, complete
 from campaigns.order6.compare import rounded
 from glmref.catalogue.lookup import load
 from glmref.engine.reference import Stepper, apply_finish, stepper
-from glmref.engine.start import enhanced_start, starting_values
+from glmref.engine.starting_values import enhanced_start, starting_values
 from glmref.measure.longtime import follow
 from glmref.measure.parasitic import loss, solution_direction
 from glmref.measure.underlying import Underlying

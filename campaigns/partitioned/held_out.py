@@ -7,11 +7,13 @@ the least of the rounds: the load of the machine meets all of them alike.
 
     python -m campaigns.partitioned.held_out data/measurements/held-out.json
     python -m campaigns.partitioned.held_out data/measurements/held-out.json NAME
+    python -m campaigns.partitioned.held_out data/measurements/held-out.json NAME times
 
 Rows are kept as they end, so that the same command goes on where it was stopped. The second form
-counts the evaluations of one more method of :data:`GROUPS` and keeps the rest of the file. It takes
-no times, which mean something only beside those of the same run. With the name of a problem in
-place of the method, that problem is measured, with times, and put in its place.
+counts the evaluations of one more method of :data:`GROUPS` and keeps the rest of the file. Times
+mean something only beside those of the same run: the third form times the method beside
+:data:`BESIDE` and multiplies the recorded time of that by their ratio. With the name of a problem
+in place of the method, that problem is measured, with times, and put in its place.
 """
 
 from __future__ import annotations
@@ -24,7 +26,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from campaigns.driver import arguments, carried_out, complete
+from campaigns.driver import TIMED, arguments, carried_out, complete
 from campaigns.partitioned.held_out_problems import PROBLEMS
 from campaigns.partitioned.long_runs import three_digits
 from campaigns.partitioned.multistep import SYMMETRIC, twin
@@ -46,7 +48,7 @@ GROUPS: Mapping[bool, Mapping[str, Sequence[str]]] = {
         "published multistep": SYMMETRIC,
         "new": (
             *("multistep-rkn-8", "multistep-rkn-10", "multistep-rkn-12"),
-            "multivalue-rkn-12",
+            *("multivalue-rkn-10", "multivalue-rkn-12"),
         ),
     },
     False: {
@@ -59,6 +61,8 @@ GROUPS: Mapping[bool, Mapping[str, Sequence[str]]] = {
 }
 #: Rounds of the timing, and evaluations of each of its runs.
 ROUNDS, TIMED_EVALUATIONS = 5, 4_000
+#: What a method is timed beside that was counted in a later run, and in how many rounds.
+BESIDE, LATER_ROUNDS = "multistep-rkn-12", 41
 _NEEDED = (
     "needed: evaluations of the steps from which the error stays below the tolerance; "
     "start_evaluations come on top. Multistep methods start from the starting method of their "
@@ -109,10 +113,10 @@ def methods_for(case: str) -> list[str]:
     return [x for x in found if x not in left_out]
 
 
-def _seconds(case: Case, steps: Mapping[str, int]) -> dict[str, float]:
+def _seconds(case: Case, steps: Mapping[str, int], rounds: int = ROUNDS) -> dict[str, float]:
     """Time of so many steps of each method: all in turn, round after round, the least of each."""
     target, least = case.built(), dict.fromkeys(steps, math.inf)
-    for _ in range(ROUNDS):
+    for _ in range(rounds):
         for name, count in steps.items():
             few = max(50, min(count, TIMED_EVALUATIONS // per_step(name)))
             run = solve(target, twin(name), h=case.t_end / count, steps=few, every=few)
@@ -178,6 +182,43 @@ def add(path: Path, method: str) -> None:
             [*others, row], key=lambda x: methods_for(case.name).index(x["method"])
         )
     _noted(document, f"{method} was counted in a later run, without times.")
+    complete(path, document)
+
+
+def time_row(task: Mapping[str, Any]) -> float | None:
+    """Time of a method over that of :data:`BESIDE`, each with the steps it needs in a case."""
+    found = _seconds(case_of(task), task["steps"], LATER_ROUNDS)
+    method, beside = (found.get(x) for x in task["methods"])
+    return method / beside if method and beside else None
+
+
+def time_later(path: Path, method: str) -> None:
+    """Time a method beside :data:`BESIDE` in the cases of a file that have a time of that."""
+    document, key = json.loads(path.read_text(encoding="utf-8")), TOLERANCES[-1]
+    known = {x.name: x for x in CASES}
+    tasks, pairs = [], []
+    for entry in document["cases"]:
+        rows = {x["method"]: x for x in entry["methods"]}
+        two = [rows.get(x, {"needed": {}}) for x in (method, BESIDE)]
+        if all(x["needed"].get(key) for x in two) and "seconds" in two[1]:
+            steps = {
+                x["method"]: max(1, round(x["needed"][key] / per_step(x["method"]))) for x in two
+            }
+            tasks.append({**task_of(known[entry["case"]], method, BESIDE), "steps": steps})
+            pairs.append(two)
+    ratios = carried_out(time_row, tasks, beside=path, limits=TIMED)
+    for (row, beside), share in zip(pairs, ratios, strict=True):
+        if share is not None:
+            row["seconds"] = {key: three_digits(share * beside["seconds"][key])}
+    document["notes"] = [
+        x.replace("later run, without times", "later run") if x.startswith(method) else x
+        for x in document["notes"]
+    ]
+    _noted(
+        document,
+        f"{method} was timed later, beside {BESIDE}; seconds: the ratio of both times the recorded "
+        f"seconds of {BESIDE}.",
+    )
     complete(path, document)
 
 
@@ -304,7 +345,9 @@ def table(document: Mapping[str, Any], measure: str) -> str:
 
 if __name__ == "__main__":
     given = arguments(sys.argv[1:])
-    if given[1:]:
+    if given[2:] == ["times"]:
+        time_later(Path(given[0]), given[1])
+    elif given[1:]:
         (renew if given[1] in PROBLEMS else add)(Path(given[0]), given[1])
     else:
         main(Path(given[0]))

@@ -33,7 +33,7 @@ from campaigns.partitioned.long_runs import (
 )
 from glmref.catalogue.lookup import load
 from glmref.engine.reference import stepper
-from glmref.engine.start import zero_start
+from glmref.engine.starting_values import zero_start
 from glmref.measure.timing import circumstances
 from glmref.measure.underlying import Underlying
 from glmref.method import PartitionedGLM

@@ -1,15 +1,17 @@
 """Search for methods with two kicks a step for q'' = k(q) by energies and states at ends of steps.
 
     python -m campaigns.partitioned.two_kicks_search multistep-rkn-12 1 2000
+    python -m campaigns.partitioned.two_kicks_search multistep-rkn-10 3 400 low 1.5
     python -m campaigns.partitioned.two_kicks_search resonances FILE
 
 Unknown are the angles of the pairs, the phase of each in the first drift, and the weight of the
 first kick in the sum; all else follows (:class:`glmref.derive.multistep.TwoKicks`), the order
 2 m + 2 included. Where :mod:`.stages_search` looks at positions at the kicks from exact starts,
 this search looks at what a user gets: the energies at the ends of steps, and positions from the
-start that the file will have. Minimized is the mean, with :data:`WEIGHTS`, of the logarithms of the
-evaluations needed on :data:`CASES`, training problems, for the energy and the state, at 1e-9 and
-1e-6, plus a penalty for growth.
+start that the file will have. Minimized is the mean, with one of :data:`WEIGHTS`, of the logarithms
+of the evaluations needed on :data:`CASES`, training problems, for the energy and the state, at 1e-9
+and 1e-6, plus a penalty for growth. Words: a method with one kick, the seed, how many methods are
+tried, and which weights and the width of the first changes if not ``both`` and 1.
 
 A random descent, the same for a seed, from two steps of a method with one kick; its end is rounded
 to the fractions that a file can have.
@@ -43,8 +45,13 @@ CASES: tuple[Training, ...] = (
     one._kepler(0.6, 8, 250, 16000),
     *(one.CASES[k] for k in (2, 3, 4)),
 )
-#: Of the energy and of the state, each at the two tolerances of multistep_search.
-WEIGHTS = ((0.15, 0.4), (0.1, 0.35))
+#: Of the energy and of the state, each at the two tolerances of multistep_search: for both of them,
+#: for low accuracy and for high accuracy.
+WEIGHTS: Mapping[str, tuple[tuple[float, float], tuple[float, float]]] = {
+    "both": ((0.15, 0.4), (0.1, 0.35)),
+    "low": ((0.65, 0.1), (0.25, 0.0)),
+    "high": ((0.05, 0.65), (0.0, 0.3)),
+}
 #: Decades of growth cost this much each; steps of a run that looks for it.
 PENALTY, STEPS = 0.02, 20_000
 #: Smallest distance of two angles and smallest angle, in degrees; largest weight of a drift.
@@ -194,8 +201,8 @@ def growth(made: Weights, needed: np.ndarray, bound: float = math.inf) -> float:
     return total
 
 
-def objective(given: Unknowns, bound: float = math.inf) -> float:
-    """What is minimized; a lower bound of it where that exceeds ``bound``."""
+def objective(given: Unknowns, bound: float = math.inf, goal: str = "both") -> float:
+    """What is minimized, by the weights named; a lower bound of it where that exceeds ``bound``."""
     if not allowed(given):
         return math.inf
     try:
@@ -205,20 +212,20 @@ def objective(given: Unknowns, bound: float = math.inf) -> float:
     if np.abs(made.functionals).max() > LARGEST:
         return math.inf
     needed = counts(made)
-    value = float((np.log(needed).mean(axis=0) * np.array(WEIGHTS)).sum())
+    value = float((np.log(needed).mean(axis=0) * np.array(WEIGHTS[goal])).sum())
     if value > bound:
         return value
     return value + PENALTY * growth(made, needed, (bound - value) / PENALTY)
 
 
 def descend(
-    given: Unknowns, *, seed: int, tries: int, width: float = 1.0
+    given: Unknowns, *, seed: int, tries: int, width: float = 1.0, goal: str = "both"
 ) -> tuple[Unknowns, float]:
     """Change some or all unknowns at random, and keep what is better; the same for a seed.
 
     Angles and phases change by degrees, the weight by hundredths.
     """
-    generator, best = np.random.default_rng(seed), objective(given)
+    generator, best = np.random.default_rng(seed), objective(given, goal=goal)
     m = len(given.angles)
     for k in range(tries):
         chance = 1.0 if generator.random() < 0.5 else 0.3
@@ -229,7 +236,7 @@ def descend(
             given.phases + np.radians(change[m : 2 * m]),
             given.weight + 0.005 * float(change[-1]),
         )
-        value = objective(new, best)
+        value = objective(new, best, goal)
         if value < best:
             given, best, width = new, value, min(10.0, 1.3 * width)
             sys.stdout.write(f"{k} {line(given, best)}\n")
@@ -316,14 +323,14 @@ def main(words: Sequence[str]) -> None:
     if words[:1] == ["resonances"]:
         resonances(Path(words[1]))
         return
-    name, seed, tries = words
+    name, seed, tries, goal, width = *words, *("both", "1")[len(words) - 3 :]
     given = begun(name)
-    sys.stdout.write(f"begun {line(given, objective(given))}\n")
-    given, _ = descend(given, seed=int(seed), tries=int(tries))
+    sys.stdout.write(f"begun {line(given, objective(given, goal=goal))}\n")
+    given, _ = descend(given, seed=int(seed), tries=int(tries), width=float(width), goal=goal)
     order = np.argsort(given.angles)
     found = rational(replace(given, angles=given.angles[order], phases=given.phases[order]))
     shown = [int(x * DENOMINATOR) for x in (*found.cosines, *found.slopes, found.weight)]
-    value = objective(unknowns(found))
+    value = objective(unknowns(found), goal=goal)
     sys.stdout.write(f"{value:.4f} cosines, slopes, weight over {DENOMINATOR}: {shown}\n")
 
 

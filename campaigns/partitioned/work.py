@@ -33,8 +33,8 @@ from campaigns.partitioned.long_runs import three_digits
 from glmref.catalogue.lookup import load
 from glmref.compute.records import finite
 from glmref.engine.outcome import Solution, StartFailed
-from glmref.engine.partitioned_forms import pair_form
 from glmref.engine.solve import solve
+from glmref.engine.sweep import step_form
 from glmref.errors import UsageError
 from glmref.measure.timing import circumstances
 from glmref.measure.work_precision import energy_error, reference_state, state_error
@@ -196,8 +196,8 @@ def _error(case: Case) -> Callable[[Solution], float]:
 
 def per_step(method: str) -> int:
     """Evaluations of a step; one less where the last of a step is the first of the next."""
-    form = pair_form(_method(method))
-    return max(1, form.Q.n - form.reuses_force)
+    form = step_form(_method(method))
+    return max(1, len(form.U) - form.reuses_force)
 
 
 def needed(

@@ -1,0 +1,115 @@
+"""Error constants of symmetric multistep methods: against their series, their bound, the record."""
+
+import json
+import math
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from campaigns.partitioned.error_front import (
+    ASKED,
+    PAIRS,
+    cowell,
+    descend,
+    end,
+    error_constant,
+    gap,
+    least,
+    share,
+    table,
+)
+from campaigns.partitioned.stages_search import interval, of_file
+from glmref.catalogue.lookup import data_root
+from glmref.derive.multistep import Half
+from glmref.derive.recipes.multistep import SHIPPED
+
+RECORD = json.loads((data_root() / "measurements" / "error-front.json").read_text(encoding="utf-8"))
+
+
+def test_the_coefficients_are_those_of_cowell():
+    # Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), III.10
+    assert cowell(4) == (1, Fraction(1, 12), Fraction(-1, 240), Fraction(31, 60480))
+
+
+@pytest.mark.parametrize("name", ["multistep-rkn-8", "multistep-rkn-10", "multistep-rkn-12"])
+def test_the_error_constant_is_what_the_weights_leave(name):
+    cosines = SHIPPED[name].numbers().p
+    half, m = Half(cosines, second=True), len(cosines)
+    # the drift of the formula and of the solution, both in forces exp(x t), times x
+    x = 0.05
+    drift = 1 / (2 * math.sinh(x / 2))
+    for alpha, c in zip(half.alpha, cosines, strict=True):
+        drift += float(alpha) * 2 * math.sinh(x / 2) / (2 * math.cosh(x) - 2 * float(c))
+    exact = 2 * math.sinh(x / 2) / x**2
+    left = (exact / drift - 1) / x ** (2 * m + 2)
+    assert m > 3 or left == pytest.approx(error_constant(of_file(name).angles), rel=0.02)
+    # exactly, from the series
+    target = [*half.sinh[1:], Fraction(0)]
+    one = [Fraction(1), *[Fraction(0)] * (half.length - 1)]
+    rest = [_quotient(one, target), *(_quotient(half.sinh, pair) for pair in half.pairs)]
+    series = rest[0][2 * m + 2] + sum(
+        a * row[2 * m + 1] for a, row in zip(half.alpha, rest[1:], strict=True)
+    )
+    constant = target[2 * m + 2] - series
+    assert float(constant) == pytest.approx(error_constant(of_file(name).angles), rel=1e-9)
+
+
+def _quotient(a, b):
+    found = []
+    for k, x in enumerate(a):
+        found.append((x - sum(found[i] * b[k - i] for i in range(k))) / b[0])
+    return found
+
+
+def test_the_slopes_are_the_constants_of_the_other_roots_and_the_bound_is_below():
+    angles = np.array([1.2, 1.9, 2.7])
+    first = 1 / (2 - 2 * math.cos(1.2))
+    moved = np.array([math.acos(1 - 1 / (2 * (first + 1e-3))), 1.9, 2.7])
+    slope = (error_constant(moved) - error_constant(angles)) / 1e-3
+    assert slope == pytest.approx(error_constant(angles[1:]), rel=1e-6)
+    assert [least(m) for m in range(3)] == [Fraction(1, 12), Fraction(1, 60), Fraction(11, 3024)]
+    assert all(least(m) > 0 for m in range(8))
+    near = np.array([3.1, 3.12, 3.13])
+    assert float(least(3)) < error_constant(near) < error_constant(angles)
+    assert error_constant(near) == pytest.approx(float(least(3)), rel=2e-3)
+
+
+@pytest.mark.parametrize("name", ["multistep-rkn-8", "multistep-rkn-10", "quinlan-8b"])
+def test_the_interval_is_that_of_the_steps_on_the_oscillator(name):
+    assert end(of_file(name).angles) == pytest.approx(interval(of_file(name), 200), abs=0.006)
+
+
+def test_a_descent_keeps_what_was_asked_for(monkeypatch):
+    monkeypatch.setattr("campaigns.partitioned.error_front.TRIES", 60)
+    monkeypatch.setattr("campaigns.partitioned.error_front.SEEDS", 1)
+    monkeypatch.setattr(
+        "campaigns.partitioned.error_front._measured", lambda angles, c: {"constant": c}
+    )
+    found = descend({"pairs": 3, "end": 0.2, "apart": 18})
+    angles = np.radians(found["angles"])
+    assert end(angles) >= 0.195 and gap(angles) >= 17.9
+    assert found["constant"] == pytest.approx(error_constant(angles), rel=1e-2)
+    even = np.pi * np.arange(1, 4) / 4
+    assert float(least(3)) < found["constant"] < error_constant(even)
+
+
+def test_the_record_is_of_these_methods_and_tasks():
+    asked = [(x["pairs"], x["end"], x["apart"]) for x in RECORD["descents"]]
+    assert asked == [(m, *x) for m in PAIRS for x in ASKED]
+    assert RECORD["least"] == {str(2 * m + 2): str(least(m)) for m in PAIRS}
+    for x in RECORD["methods"]:
+        angles = of_file(x["method"]).angles
+        assert x["constant"] == pytest.approx(error_constant(angles), rel=1e-3)
+        assert x["end"] == pytest.approx(end(angles)) and x["apart"] == round(gap(angles), 1)
+    for x in RECORD["descents"]:
+        if x["constant"] is not None:
+            angles = np.radians(x["angles"])
+            assert x["constant"] == pytest.approx(error_constant(angles), rel=3e-3)
+            assert gap(angles) >= x["apart"] - 0.02
+
+
+def test_the_table_shows_the_share():
+    (line,) = (x for x in table(RECORD).splitlines() if "`quinlan-8b`" in x)
+    assert f"| {share(error_constant(of_file('quinlan-8b').angles), 3):.2f} |" in line
+    assert "1.21" in line
