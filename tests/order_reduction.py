@@ -24,7 +24,7 @@ import numpy as np
 
 from glmref.engine.reference import stepper
 from glmref.engine.solve import solve
-from glmref.engine.start import starting_values
+from glmref.engine.starting_values import starting_values
 from glmref.errors import UsageError
 from glmref.method import GLM
 from glmref.problems import problem

@@ -9,7 +9,10 @@ claim that ``holds`` is held against floating point: the weights must sum to 1, 
 
 from __future__ import annotations
 
+import contextlib
 import copy
+import csv
+import io
 import json
 import os
 import pickle
@@ -27,18 +30,23 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 
+from glmref.catalogue.claims import CLAIMS as CLAIMS_OF_FILES
 from glmref.catalogue.files import data_root
 from glmref.catalogue.lookup import load
+from glmref.cli import main as command
 from glmref.errors import GlmrefError
+from glmref.exchange.export import TARGETS, export
 from glmref.findings import Finding, Verdict
 from glmref.method import GLM
 from glmref.prove.analysis import analyze
 from glmref.prove.verifier import verify_file
 from glmref.system.budget import READING, limited
 
+from . import local_errors
 from .tally import Tally
 
 COUNT = 5000
@@ -48,8 +56,8 @@ BUDGET, GRACE = 0.5, 2.0
 SENTENCE = 1500
 #: Bytes of address space of the process that reads the files.
 MEMORY = 4 << 30
-#: Most bytes of a shipped file that is mutated.
-SMALL = 2500
+#: Most bytes of a shipped file that is mutated; of each class this many files, whatever their size.
+SMALL, FEW = 2500, 6
 
 # --- what is mutated ------------------------------------------------------------------------------
 
@@ -60,6 +68,20 @@ def bases() -> tuple[str, ...]:
     root = data_root()
     paths = [p for x in ("methods", "broken") for p in sorted((root / x).rglob("*.json"))]
     return tuple(p.read_text(encoding="utf-8") for p in paths if p.stat().st_size <= SMALL)
+
+
+@lru_cache
+def by_class() -> dict[str, tuple[str, ...]]:
+    """Texts by class, so that the rare ones come as often as Runge-Kutta methods."""
+    found: dict[str, list[str]] = {}
+    root = data_root()
+    for path in (p for x in ("methods", "broken") for p in sorted((root / x).rglob("*.json"))):
+        text = path.read_text(encoding="utf-8")
+        found.setdefault(json.loads(text)["class"], []).append(text)
+    return {
+        name: tuple(x for n, x in enumerate(sorted(texts, key=len)) if n < FEW or len(x) <= SMALL)
+        for name, texts in sorted(found.items())
+    }
 
 
 @lru_cache
@@ -122,21 +144,17 @@ KEYS = (
     "A_hat", "b_hat", "w", "v", "V_hat", "stages", "starting", "finishing", "output", "separable",
     "constants", "unknowns", "digits", "enclosure", "broken", "claims", "source", "notes", "title", "field",
     "$schema", "format", "class", "name", "D_P", "D_Q", "zzz", "__proto__", "\x1b[2J", "", "c", "embedded",
-    "dense", "parts", "b_prime", "order", "d",
+    "dense", "parts", "b_prime", "order", "d", "A_prime", "error", "system", "bibtex", "flag",
 )  # fmt: skip
-CLAIMS = (
-    "order", "order-identity", "effective-order", "nystrom-order", "stage-order", "starting-order",
-    "nystrom-starting-order", "finishing-order", "preconsistent", "consistent", "zero-stable", "explicit",
-    "symplectic", "g-symplectic", "symmetric", "symmetric-reduced", "parasitism-free", "reducible",
-    "a-stable", "l-stable", "growth", "abscissae", "error-constant",
-)  # fmt: skip
+CLAIMS = tuple(CLAIMS_OF_FILES)
 CLASSES = (
     "glm", "rk", "lmm", "one-leg", "sweep", "composition", "splitting", "partitioned-rk", "partitioned",
     "pair-sweep", "rkn", "nystrom", "rosenbrock", "additive", "",
 )  # fmt: skip
 DECLARED: tuple[Any, ...] = (
     0, 1, 2, 3, 4, 5, 8, 11, 12, 10**9, -1, True, False, None, "2", "1/2", "sqrt(2)", [], ["0"], ["1", "0"],
-    ["1"] * 50, [1], [None], {}, "1/0", "x",
+    ["1"] * 50, [1], [None], {}, "1/0", "x", {"embedded": 2}, {"embedded": 0}, {"b": 3}, {"x": 1}, {"": 1},
+    {"embedded": [2, "1.0e-9"]}, {"b": [4, "1.0e-16"]}, {"b": [0, "9.9e-1"]}, {"embedded": True},
 )  # fmt: skip
 
 Mutation = Callable[[random.Random, Any], Any]
@@ -372,6 +390,146 @@ def _multistep(draw: random.Random, doc: Any) -> Any:
     return {**kept, "class": named, "alpha": alpha, "beta": [f"1/{k + 1}"] * (k + 1)}
 
 
+def _rows(draw: random.Random, doc: Any) -> Any:
+    """Embedded rows, an error estimate or a dense output, of every length and by every name."""
+    s = len(doc["b"]) if isinstance(doc.get("b"), list) else draw.choice((1, 2, 4))
+    n = draw.choice((s, s, s, s - 1, s + 1, 300))
+    weights = draw.choice(([f"1/{s}"] * n, ["0"] * n, ["1/2", *["0"] * (n - 1)], ["sqrt(2)"] * n))
+    row: dict[str, Any] = {
+        "name": draw.choice(("embedded", "b", "", "x" * 5000, "\x1b[2J", "a", 1))
+    }
+    row[draw.choice(("b", "b", "error"))] = weights
+    if draw.random() < 0.3 or doc.get("class") == "nystrom":
+        row[draw.choice(("b_prime", "v", "d", "zzz"))] = copy.deepcopy(weights)
+    doc["embedded"] = [row] * draw.choice((1, 1, 1, 2, 300))
+    if draw.random() < 0.3:
+        width = draw.choice((1, 3, 0, 50))
+        doc["dense"] = [[draw.choice(("1", "0", "-1/2", "x"))] * width for _ in range(n)]
+    if draw.random() < 0.8:
+        doc["format"] = "glmref-method-2"
+    claims = doc.setdefault("claims", {})
+    if isinstance(claims, dict):
+        claims |= {"embedded-order": {row["name"]: draw.choice((0, 1, 2, 5))}}
+        claims |= {"embedded-difference": draw.random() < 0.5}
+    return doc
+
+
+def _kept(doc: Any) -> dict[str, Any]:
+    """What is free of the coefficients."""
+    kept = {x: doc[x] for x in ("name", "claims", "source") if x in doc}
+    return {"format": "glmref-method-2", **kept}
+
+
+def _sparse(draw: random.Random, rows: int, columns: int, lower: bool = False) -> list[list[str]]:
+    """Entries of small methods, of which many are zero; below the diagonal only where asked."""
+    some = ("0", "0", "1", "1/2", "-1/2", "1/4", "sqrt(3)/6", "1/3", "2")
+    return [
+        ["0" if lower and j >= i else draw.choice(some) for j in range(columns)]
+        for i in range(rows)
+    ]  # fmt: skip
+
+
+def _summing(draw: random.Random, n: int) -> list[str]:
+    """Weights that sum to 1."""
+    row = [draw.choice(("0", "1/2", "1/4", "1/3", "-1")) for _ in range(n - 1)]
+    return [*row, f"1-({'+'.join(row) or '0'})"]
+
+
+def _additive(draw: random.Random, doc: Any) -> Any:
+    """An additive method with parts of one size or not."""
+    s, k = draw.choice((1, 2, 3)), draw.choice((1, 2, 2, 3, 9, 10, 300))
+    parts = [
+        {"A": _sparse(draw, s, s, lower=draw.random() < 0.7), "b": _summing(draw, s)}
+        for _ in range(k)
+    ]
+    if draw.random() < 0.2:
+        parts[-1] = {"A": _sparse(draw, s + 1, s + 1), "b": _summing(draw, s)}
+    return {**_kept(doc), "class": "additive", "parts": parts}
+
+
+def _nystrom(draw: random.Random, doc: Any) -> Any:
+    s = draw.choice((1, 2, 3, 60))
+    made = {**_kept(doc), "class": "nystrom", "A": _sparse(draw, s, s, lower=draw.random() < 0.7)}
+    made |= {"b": _sparse(draw, 1, s)[0], "b_prime": _summing(draw, s), "c": _sparse(draw, 1, s)[0]}
+    if draw.random() < 0.3:
+        made["A_prime"] = _sparse(draw, s, s, lower=True)
+    made["claims"] = {"nystrom-order": draw.choice((1, 2, 3)), "row-sums": draw.random() < 0.5}
+    return made
+
+
+def _rosenbrock(draw: random.Random, doc: Any) -> Any:
+    s = draw.choice((1, 1, 2, 3))
+    gamma = _sparse(draw, s, s, lower=True)
+    entry = draw.choice(("1/2", "0", "1-sqrt(2)/2", "-1", "1/1000"))
+    for i in range(s):
+        gamma[i][i] = entry if draw.random() < 0.9 else "1"
+    made = {**_kept(doc), "class": "rosenbrock", "alpha": _sparse(draw, s, s, lower=True)}
+    made |= {"gamma": gamma, "b": _summing(draw, s)}
+    made["claims"] = {"order": draw.choice((1, 2, 3)), "w-order": draw.choice((0, 1, 2))}
+    made["claims"] |= {"a-stable": draw.random() < 0.5, "l-stable": draw.random() < 0.5}
+    return made
+
+
+def _kicks(draw: random.Random, doc: Any) -> Any:
+    """A multistep pair with one kick a step or several: shifted values, and a new one from forces."""
+    r, s = draw.choice((2, 3, 6, 20)), draw.choice((1, 1, 2, 3))
+
+    def shifted(first: list[str]) -> list[list[str]]:
+        unit = [["1" if j == i else "0" for j in range(r)] for i in range(r - 1)]
+        return [first, *unit]
+
+    half = draw.choice((["1"], ["2", "-1"], ["1", "-1", "1"]))
+    first = [*half, *["0"] * r][:r]
+    q = {"A": _sparse(draw, s, s), "U": [["1", *["0"] * (r - 1)]] * s, "V": shifted(first)}
+    q["B"] = [_summing(draw, s), *[["0"] * s] * (r - 1)]
+    p = copy.deepcopy(q) if draw.random() < 0.5 else {**q, "A": _sparse(draw, s, s, lower=True)}
+    if draw.random() < 0.3:
+        p["output"] = _sparse(draw, 1, r)[0]
+    made = {**_kept(doc), "format": "glmref-method-1", "class": "partitioned", "q": q, "p": p}
+    made |= {"separable": draw.random() < 0.9}
+    made["claims"] = {"nystrom-order": draw.choice((1, 2, 4)), "zero-stable": draw.random() < 0.5}
+    made["claims"] |= {"consistent": True, "symmetric": draw.random() < 0.5}
+    return made
+
+
+def _letters(draw: random.Random, doc: Any) -> Any:
+    """A splitting with its coefficients, or the stages of a pair, in another number or order."""
+    if isinstance(doc.get("stages"), str):
+        stages = list(doc["stages"])
+        draw.shuffle(stages)
+        doc["stages"] = "".join(stages) * draw.choice((1, 1, 1, 2, 100)) + draw.choice(
+            ("", "R", " ")
+        )
+        return doc
+    n = draw.choice((1, 2, 3, 199, 201, 5000))
+    made = {**_kept(doc), "format": "glmref-method-1", "class": "splitting"}
+    made |= {"first": draw.choice(("q", "p", "x", ""))}
+    return {**made, "a": [f"1/{n}"] * n, "b": [f"1/{n}"] * (n + draw.choice((-1, 0, 0, 1)))}
+
+
+#: Markup, commands, formulas of spreadsheets, escapes of terminals, marks that turn a line round.
+WORDS = (
+    "</script><script>alert(1)</script>", "\x1b]0;x\x07", "\u202eevil", "*/ system(1); /*", "=1+1", "@SUM(A1)",
+    '"""\nimport os\n"""', "\\input{/etc/passwd}", "%s%n", "]]>", "\x00", "\r\n= 1", "${HOME}", "`id`",
+    "end subroutine\n", "{{7*7}}", "../../x", "\ud800", "|x|", "(* *) Admitted. (*", "\\\n", "!\n", "#{x}",
+)  # fmt: skip
+
+
+def _words(draw: random.Random, doc: Any) -> Any:
+    """Hostile words where texts are free."""
+    source = doc.setdefault("source", {})
+    for _ in range(draw.choice((1, 3))):
+        word = draw.choice(WORDS)
+        key = draw.choice(
+            ("title", "name", "notes", "citation", "where", "doi", "bibtex", "status")
+        )
+        if key in ("title", "name", "notes"):
+            doc[key] = [word] if key == "notes" else word
+        elif isinstance(source, dict):
+            source[key] = word
+    return doc
+
+
 def _composition(draw: random.Random, doc: Any) -> Any:
     kept = {x: doc[x] for x in ("format", "name", "claims", "source") if x in doc}
     base = draw.choice(
@@ -387,7 +545,9 @@ MUTATIONS: dict[str, tuple[int, Mutation]] = {
     "key": (5, _key), "shape": (4, _shape), "claim": (5, _claim), "true claims": (5, _true_claims),
     "class": (1, _class), "constants": (2, _constants), "enclosure": (3, _enclosure),
     "start": (2, _start), "huge": (1, _huge), "multistep": (1, _multistep),
-    "composition": (1, _composition),
+    "composition": (1, _composition), "rows": (3, _rows), "additive": (1, _additive),
+    "nystrom": (1, _nystrom), "rosenbrock": (1, _rosenbrock), "kicks": (1, _kicks), "letters": (1, _letters),
+    "words": (3, _words),
 }  # fmt: skip
 
 
@@ -441,7 +601,10 @@ def _broken_text(draw: random.Random, text: str) -> bytes:
 def case(number: int, seed: int) -> Case:
     """Return one case; the same for the same number and seed."""
     draw = random.Random(f"{seed}:{number}")
-    text = draw.choice(enclosed()) if draw.random() < 0.06 else draw.choice(bases())
+    texts = enclosed() if draw.random() < 0.06 else bases()
+    if draw.random() < 0.5:
+        texts = by_class()[draw.choice(list(by_class()))]
+    text = draw.choice(texts)
     doc = json.loads(text)
     kinds: list[str] = []
     for _ in range(draw.choice((1, 1, 2, 2, 3))):
@@ -550,6 +713,56 @@ def _steps(path: Path, number: int) -> Iterator[tuple[str, float, Callable[[], A
         from glmref.views.bibtex import file_entry
 
         yield "cite", READING + GRACE, lambda: file_entry(path)
+    elif number % 5 == 3:
+        yield "export", READING + BUDGET + GRACE, lambda: _exported(path, number)
+    else:
+        yield "report", 2 * READING + BUDGET + GRACE, lambda: _reported(path, number)
+
+
+def _exported(path: Path, number: int) -> None:
+    """Write the method for another program, where it can hold it; controls stay out."""
+    target = TARGETS[number // 5 % len(TARGETS)]
+    with limited(BUDGET):
+        text = export(load(path), to=target)
+    if target in ("python", "jax"):
+        compile(text, "x.py", "exec")
+    _clean(text, target)
+
+
+def _reported(path: Path, number: int) -> None:
+    """Verify on the command line: its exit code, and that its output is what it says it is."""
+    form = ("table", "json", "csv", "junit")[number // 5 % 4]
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        code = command(
+            ["verify", str(path), "--format", form, "--no-cache", "--budget", str(BUDGET)]
+        )
+    if code == 2:
+        said = err.getvalue().strip()
+        if "\n" in said or len(said) > SENTENCE or not said.startswith("glmref: "):
+            raise AssertionError(f"{said[:200]!r} is said")
+        return
+    if code not in (0, 1, 3):
+        raise AssertionError(f"exit code {code}")
+    text = out.getvalue()
+    if form == "json":
+        json.loads(text)
+    elif form == "junit":
+        ElementTree.fromstring(text)
+    elif form == "csv":
+        cells = [x for row in csv.reader(io.StringIO(text)) for x in row]
+        if any(x[:1] in ("=", "@", "\t", "\r") for x in cells):
+            raise AssertionError(f"a formula of spreadsheets in {text[:200]!r}")
+    _clean(text, form)
+
+
+CONTROLS = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
+
+
+def _clean(text: str, name: str) -> None:
+    found = CONTROLS.search(text)
+    if found:
+        raise AssertionError(f"{found[0]!r} is written as {name}")
 
 
 def _within_budget(action: Callable[[Any], Any], path: Path) -> Any:
@@ -569,7 +782,9 @@ def judged(text: Case, path: Path) -> tuple[str, list[str]]:
             signal.setitimer(signal.ITIMER_PROF, 0)
             if name == "verify":
                 end = "+".join(sorted({str(f.verdict) for f in found}))
-                wrong += contradictions(load(path), found)
+                method = load(path)
+                wrong += contradictions(method, found)
+                wrong += local_errors.contradictions(method, found)
                 wrong += [f"{f.claim} is open without a reason" for f in found
                           if f.verdict is Verdict.OPEN and not f.witness]  # fmt: skip
         except GlmrefError as error:
@@ -668,7 +883,7 @@ def _processor(child: int) -> float:
 def attack(count: int, seed: int, say: Callable[[str], None] = lambda _: None) -> Tally:
     """Run cases and count what comes of them."""
     tally = Tally()
-    bases(), enclosed()  # read once, before processes are made
+    bases(), enclosed(), by_class()  # read once, before processes are made
     started = time.monotonic()
     for number, (end, text, wrong) in enumerate(_results(count, seed, patience=60.0), 1):
         tally.outcomes[end] += 1

@@ -120,6 +120,13 @@ DEEDS: dict[str, tuple[str, tuple[str, ...]]] = {
         "\n        while True: sys.stderr.write('x' * {size} + '\\x1b[2J\\n')", ("did not answer",),
     ),
     "floods stderr and answers": ("sys.stderr.write('x' * 1_000_000)", ()),
+    "drips": ("\n        while True: put(' '); time.sleep(0.1)", ("did not answer", "longer than")),
+    "stops itself": ("os.kill(os.getpid(), signal.SIGSTOP)", ("did not answer",)),
+    "a lone surrogate": ("put('{\"error\": \"\\\\ud800\"}\\n')", ("",)),
+    "the same key twice": (
+        "put('{\"values\": [1.0], \"values\": [2.0]}\\n')", ("gives a key of its answer twice",),
+    ),
+    "a session of its own": ("os.setsid() if os.getpid() != os.getpgrp() else None; time.sleep(60)", ("did not",)),
     "two answers": ("put('{\"values\": [1.0]}\\n{\"values\": [1.0]}\\n')", ("",)),
     "behaves": ("pass", ()),
 }  # fmt: skip

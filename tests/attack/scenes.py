@@ -23,6 +23,7 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
+from glmref import names, problems
 from glmref.catalogue.lookup import data_root
 from glmref.errors import DataError, GlmrefError
 from glmref.scenes import load_scene, plan
@@ -145,6 +146,41 @@ def change(chance: random.Random, text: str) -> str:
     return toml(document)
 
 
+#: Values that a scene may well have, by key; at the edge of what it can mean.
+LIKELY: dict[str, tuple[Any, ...]] = {
+    "t_end": (0.1, 1, "pi", "20*pi", 1e-3, -1, 0.3, 1e6, 1e-300, "1/3"),
+    "h": ([0.1], [0.1, 0.05], ["pi/10"], [-0.1], [1e-9], [1e300], [0.3, 0.3000000001], [5e-324]),
+    "steps": ([1], [1, 2, 3], [10, 7], [10**6], [2**62], [100, 50, 25], [0], [7] * 2),
+    "repeats": (1, 2, 100, 10**6), "budget": (1e-9, 0.1, 10**6, 1e300), "start": ("zero", "enhanced"),
+    "ask": (["state"], ["energy"], ["state", "energy", "orbit"], ["law"], ["order"], ["picture"]),
+    "tolerances": ([1e-3], [1e-3, 1e-16], [1e-300], [0.5, 2.0]), "classes": (["explicit"], ["symplectic"]),
+    "kind": ("fastest", "lost", "ended", "order", "law", "accurate", "conserved"), "at": (1e-6, "1e-300", 1),
+    "error": ("state", "energy"), "peers": (["scipy-dop853"], []), "eccentricity": ("1/2", "0", "999/1000", "1"),
+    "sites": (2, 3, 8, 64, 1), "title": ("Another title",), "question": ("Which one?",),
+}  # fmt: skip
+
+
+def likely(chance: random.Random, text: str) -> str:
+    """Other methods, problem, step sizes, times, answers: most of it can be planned."""
+    document = tomllib.loads(text)
+    for _ in range(chance.choice([1, 2, 3, 5])):
+        table = chance.choice([document, *(x for x in document.values() if isinstance(x, dict))])
+        keys = [x for x in table if x in LIKELY or x in ("methods", "name")]
+        if table is document:
+            keys += ["methods", "h", "steps", "t_end", "repeats", "budget", "start", "ask"]
+        key = chance.choice(keys or ["eccentricity"])
+        if key == "methods":
+            found = chance.choices(sorted(names()), k=chance.choice([1, 2, 5, 40]))
+            table[key] = sorted(set(found))
+        elif key == "name" and table is not document:
+            table.clear()
+            table[key] = chance.choice(problems.names())
+        elif key in LIKELY:
+            table[key] = copy.deepcopy(chance.choice(LIKELY[key]))
+            table.pop({"h": "steps", "steps": "h"}.get(key, ""), None)
+    return toml(document)
+
+
 def toml(document: dict[str, Any]) -> str:
     """A document as TOML, values that are tables on one line."""
     return "".join(f"{json.dumps(key)} = {_value(x)}\n" for key, x in document.items())
@@ -202,7 +238,10 @@ def mutated(chance: random.Random) -> bytes:
     """A shipped scene, mutated."""
     paths = sorted((data_root() / "scenes").glob("*.toml"))
     text = chance.choice(paths).read_text(encoding="utf-8")
-    if chance.random() < 0.7:
+    how = chance.random()
+    if how < 0.4:
+        return likely(chance, text).encode("utf-8", "surrogateescape")
+    if how < 0.8:
         return change(chance, text).encode("utf-8", "surrogateescape")
     for _ in range(chance.choice([1, 1, 1, 2, 4])):
         text = chance.choice(MUTATIONS)(chance, text or "x")

@@ -15,7 +15,7 @@ import signal
 import time
 import traceback
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
@@ -23,7 +23,8 @@ from typing import Any
 
 import numpy as np
 
-from glmref import PartitionedGLM, Problem, UsageError, load, names, problem, solve
+from glmref import AdditiveGLM, PartitionedGLM, Problem, UsageError, load, names, problem, solve
+from glmref.engine.ensemble import solve_ensemble
 from glmref.engine.outcome import Outcome, Solution
 
 from .tally import Tally
@@ -95,7 +96,7 @@ def _buffer() -> Callable[..., Any]:
     return f
 
 
-def _raises(error: Exception, after: float) -> Callable[..., Any]:
+def _raises(error: BaseException, after: float) -> Callable[..., Any]:
     def f(t: float, y: np.ndarray) -> Any:
         if abs(t) >= after:
             raise error
@@ -109,6 +110,11 @@ def _returns(result: Callable[[np.ndarray], Any], after: float) -> Callable[...,
         return result(y) if abs(t) >= after else [y[1], -y[0]]
 
     return f
+
+
+class _NoArray:
+    def __array__(self, dtype: Any = None, copy: Any = None) -> np.ndarray:
+        raise RuntimeError("no array")
 
 
 def _calls() -> Callable[..., Any]:
@@ -146,7 +152,8 @@ FUNCTIONS: dict[str, tuple[Callable[[], Callable[..., Any]], str]] = {
 }
 for _after in (0.0, 0.25):
     _when = "at once" if _after == 0 else "later"
-    for _error in (RuntimeError("no\nmore"), KeyError("rate"), ValueError("domain"), OSError(5)):
+    for _error in (RuntimeError("no\nmore"), KeyError("rate"), ValueError("domain"), OSError(5),
+                   GeneratorExit(), SystemExit(0), StopIteration()):  # fmt: skip
         _name = f"{type(_error).__name__} {_when}"
         FUNCTIONS[_name] = (lambda e=_error, a=_after: _raises(e, a), "bad")
     for _name, _result in {
@@ -159,8 +166,16 @@ for _after in (0.0, 0.25):
         "complex": lambda y: [1j, 0.0],
         "words": lambda y: ["a", "b"],
         "a dictionary": lambda y: {0: 1.0},
+        "a map": lambda y: map(float, y),
+        "bytes": lambda y: b"12",
+        "no array": lambda y: _NoArray(),
+        "times": lambda y: np.array([1, 2], dtype="m8[s]"),
     }.items():
         FUNCTIONS[f"{_name} {_when}"] = (lambda r=_result, a=_after: _returns(r, a), "bad")
+
+
+def _nothing(t: float, y: np.ndarray) -> np.ndarray:
+    return 0.0 * y
 
 
 def _negated(q: np.ndarray) -> np.ndarray:
@@ -217,7 +232,7 @@ class Case:
     Attributes
     ----------
     kind : str
-        ``"problem"``, ``"formula"``, ``"force"``, ``"function"`` or ``"parts"``.
+        ``"problem"``, ``"formula"``, ``"force"``, ``"function"``, ``"parts"`` or ``"terms"``.
     what : object
         Its name, or number in the lists above.
     state : tuple or None
@@ -228,6 +243,8 @@ class Case:
         Name of a method.
     arguments : dict
         What :func:`glmref.solve` is called with besides.
+    lanes : int
+        How many initial values an ensemble has; 0 for a single run.
     """
 
     kind: str
@@ -236,6 +253,7 @@ class Case:
     t0: float
     method: str
     arguments: dict[str, Any] = field(default_factory=dict)
+    lanes: int = 0
 
     def problem(self) -> Problem:
         """The problem of the case."""
@@ -251,16 +269,30 @@ class Case:
             return Problem(force=FORCES[self.what], **options)
         if self.kind == "parts":
             return Problem(**PARTS[self.what][0](), **options)
+        if self.kind == "terms":
+            others = (_nothing,) * (_parts(self.method) - 1)
+            return Problem(terms=(FUNCTIONS[self.what][0](), *others), **options)
         return Problem(f=FUNCTIONS[self.what][0](), **options)
 
     def __str__(self) -> str:
-        parts = [self.kind, str(self.what), f"y0 = {self.state}", f"t0 = {self.t0!r}", self.method]
+        parts = [
+            *([f"{self.lanes} lanes"] if self.lanes else []),
+            self.kind,
+            str(self.what),
+            f"y0 = {self.state}",
+            f"t0 = {self.t0!r}",
+            self.method,
+        ]
         return ", ".join([*parts, json.dumps(self.arguments, default=repr)])
 
 
 @lru_cache
 def _methods() -> tuple[str, ...]:
     return tuple(sorted(names()))
+
+
+def _parts(method: str) -> int:
+    return len(load(method).components)
 
 
 def cases(count: int, seed: int) -> Iterator[Case]:
@@ -274,7 +306,9 @@ def _case(draw: random.Random) -> Case:
     method = draw.choice(_methods()) if draw.random() < 0.7 else draw.choice(
         ("rk4", "gauss-2", "gauss-3", "tr-bdf2", "stormer-verlet", "g6245", "s4-symmetric")
     )  # fmt: skip
-    if isinstance(load(method), PartitionedGLM):
+    if isinstance(load(method), AdditiveGLM) and draw.random() < 0.9:
+        kind = "terms"
+    elif isinstance(load(method), PartitionedGLM):
         kind = draw.choice(("problem", "force", "force", "parts", "parts"))
     else:
         kind = draw.choice(
@@ -292,9 +326,19 @@ def _case(draw: random.Random) -> Case:
     elif kind == "force":
         what, state = draw.randrange(len(FORCES)), _state(draw, 2)
     else:
-        known = FUNCTIONS if kind == "function" else PARTS
+        known = PARTS if kind == "parts" else FUNCTIONS
         what, state, t0 = draw.choice(list(known)), (1.0, 0.0), 0.0
-    return Case(kind, what, state, t0, method, _arguments(draw, t0, kind in ("function", "parts")))
+    plain = kind in ("function", "parts", "terms")
+    if draw.random() < (0.15 if plain else 0.1):
+        given = {
+            "h": draw.choice(SIZES),
+            "steps": draw.choice((0, 1, 7, 60)),
+            "every": draw.choice((0, 1, 3)),
+        }
+        if plain:
+            given |= {"h": draw.choice((0.01, 0.1)), "steps": 60}
+        return Case(kind, what, state, t0, method, given, draw.choice((1, 2, 3, 9)))
+    return Case(kind, what, state, t0, method, _arguments(draw, t0, plain))
 
 
 def _state(draw: random.Random, d: int) -> tuple[float, ...]:
@@ -336,6 +380,10 @@ def _arguments(draw: random.Random, t0: float, plain: bool) -> dict[str, Any]:
         given["arithmetic"] = draw.choice(("strict", "fused", "compensated", "naive"))
     if draw.random() < 0.3:
         given["start"] = draw.choice(("zero", "enhanced"))
+    if draw.random() < 0.1:
+        given["renew"] = draw.choice((1, 2, 7, 10**20, -1, True, "x"))
+    if given["engine"] == "reference" and draw.random() < 0.3:
+        given["digits"] = draw.choice((1, 3, 30, 30, 0))
     return given
 
 
@@ -373,6 +421,8 @@ def violations(case: Case) -> tuple[str, list[str]]:
     try:
         with _limited(LIMIT), warnings.catch_warnings():
             warnings.simplefilter("error")
+            if case.lanes:
+                return _ensemble(case)
             found = solve(case.problem(), load(case.method), **case.arguments)
     except UsageError as error:
         said = str(error)
@@ -384,9 +434,43 @@ def violations(case: Case) -> tuple[str, list[str]]:
         last = f"{where.filename.rpartition('/')[2]}:{where.lineno}"
         return "exception", [f"{type(error).__name__} at {last}: {error}"]
     wrong = list(_judged(case, found))
-    if case.kind in ("function", "parts") and not wrong:
+    if case.kind in ("function", "parts", "terms") and not wrong:
         wrong = list(_judged_function(case, found))
     return str(found.outcome), wrong
+
+
+def _ensemble(case: Case) -> tuple[str, list[str]]:
+    """Run an ensemble: finite numbers and named outcomes; notices as a single run has them."""
+    problem, method = case.problem(), load(case.method)
+    first = np.array(problem.y0, dtype=float)
+    initial = np.array([first * (1 - k / 64) for k in range(case.lanes)])
+    found = solve_ensemble(problem, method, initial, threads=2, **case.arguments)
+    wrong = []
+    if not (_finite(found.y) and _finite(found.t)):
+        wrong.append(f"rows of the ensemble are not finite, outcomes {set(found.outcomes)}")
+    steps = case.arguments["steps"]
+    for outcome, taken in zip(found.outcomes, found.steps, strict=True):
+        if outcome is Outcome.COMPLETED and taken != steps:
+            wrong.append(f"completed after {taken} of {steps} steps")
+    if case.kind in ("function", "parts", "terms"):
+        sort = (PARTS if case.kind == "parts" else FUNCTIONS)[case.what][1]
+        if sort == "doubtful" and steps and not _doubted(found.notices):
+            wrong.append("an ensemble without a notice")
+        done = [k for k, x in enumerate(found.outcomes) if x is Outcome.COMPLETED]
+        if sort == "bad" and case.kind != "parts" and found.t[-1] > 0.26 and done:
+            wrong.append("completed although the function has no value there")
+    return f"ensemble: {'+'.join(sorted({str(x) for x in found.outcomes}))}", wrong
+
+
+def _doubted(notices: Iterable[str]) -> bool:
+    """Whether a notice names a function."""
+    return any(x.startswith("`") for x in notices)
+
+
+def _finite(array: np.ndarray) -> bool:
+    if array.dtype == object:  # numbers of mpmath
+        return all(x == x and abs(x) != math.inf for x in array.ravel())
+    return bool(np.isfinite(array).all())
 
 
 def _judged(case: Case, found: Solution) -> Iterator[str]:
@@ -394,7 +478,7 @@ def _judged(case: Case, found: Solution) -> Iterator[str]:
         yield f"message {found.message!r}"
     for name in ("t", "y", "values", "history"):
         array = getattr(found, name)
-        if array is not None and not np.isfinite(array).all():
+        if array is not None and not _finite(array):
             yield f"`{name}` is not finite, outcome {found.outcome}"
     if len(found.t) != len(found.y):
         yield f"{len(found.t)} times and {len(found.y)} rows"
@@ -408,7 +492,9 @@ def _judged(case: Case, found: Solution) -> Iterator[str]:
         end = case.arguments["times"][-1]
     if steps is not None:
         end = case.t0 + steps * h
-    if end is not None and not abs(found.t[-1] - end) <= 1e-9 * abs(end - case.t0) + 4e-16 * abs(
+    digits = case.arguments.get("digits") or 16
+    unit = 4e-16 if digits >= 16 else 10.0 ** (1 - digits)  # by which a time is rounded
+    if end is not None and not abs(found.t[-1] - end) <= 1e-9 * abs(end - case.t0) + unit * abs(
         end
     ):
         yield f"completed at t = {found.t[-1]!r} instead of {end!r}"
@@ -418,11 +504,13 @@ def _judged(case: Case, found: Solution) -> Iterator[str]:
 def _twin(kind: str, method: str, arguments: str) -> Solution:
     given = json.loads(arguments)
     parts: dict[str, Any] = {"f": _good} if kind == "function" else {"force": _negated}
+    if kind == "terms":
+        parts = {"terms": (_good, *(_nothing,) * (_parts(method) - 1))}
     return solve(Problem(**parts, y0=(1.0, 0.0), t_span=(0.0, 1.0)), load(method), **given)
 
 
 def _judged_function(case: Case, found: Solution) -> Iterator[str]:
-    sort = (FUNCTIONS if case.kind == "function" else PARTS)[case.what][1]
+    sort = (PARTS if case.kind == "parts" else FUNCTIONS)[case.what][1]
     if sort == "good":
         given = {**case.arguments, "engine": "interpreted"}
         if case.arguments.get("engine") == "reference":
@@ -435,7 +523,7 @@ def _judged_function(case: Case, found: Solution) -> Iterator[str]:
             # compiled Newton may take one round more: round-off, per step
             if not np.abs(found.values - other.values).max() <= 1e-12 * scale:
                 yield "another result than the same function without side effects"
-    elif found.steps and not found.notices and sort == "doubtful":
+    elif found.steps and not _doubted(found.notices) and sort == "doubtful":
         yield f"{found.outcome} without a notice"
     elif found.completed and sort == "bad" and _beyond(case, found):
         yield "completed although the function has no value there"
@@ -443,7 +531,7 @@ def _judged_function(case: Case, found: Solution) -> Iterator[str]:
 
 def _beyond(case: Case, found: Solution) -> bool:
     """Whether a run has certainly been where its function has no value."""
-    if case.kind == "function":
+    if case.kind != "parts":
         return abs(found.t[-1]) > 0.26
     # a method that is wrong on purpose may never come where the force fails
     return case.what == "dq None" or float(found.y[:, 0].min()) < 0.8

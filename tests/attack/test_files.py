@@ -99,8 +99,8 @@ def test_a_proof_that_exceeds_its_budget_is_open_with_the_reason(tmp_path):
     assert found["a-stable"].verdict is Verdict.OPEN
     assert "the budget of 0.3 s of processor time is spent" in found["a-stable"].witness
     assert found["explicit"].verdict is Verdict.HOLDS
-    with pytest.raises(BudgetError, match=r"budget of 0\.1 s"):
-        analyze(load(path), budget=0.1)
+    undecided = analyze(load(path), budget=0.1).undecided
+    assert "the budget of 0.1 s of processor time is spent" in undecided["a-stable"]
 
 
 def test_the_command_has_the_budget(tmp_path, capsys):
@@ -181,7 +181,7 @@ def test_what_flint_cannot_decide_is_said_in_a_short_sentence():
 
 
 def test_entries_that_cannot_be_decided_are_refused_with_the_name_of_the_file(tmp_path):
-    entry = "exp(2*pi*i/29)+exp(-2*pi*i/29)"
+    entry = "sqrt(2+exp(2*pi*i/29))*sqrt(2+exp(-2*pi*i/29))"  # neither of roots of unity alone
     with pytest.raises(DataError, match=r"mine\.json: .*could not decide"):
         load(saved(tmp_path, {"A": [["0", "0"], [entry, "0"]], "b": [entry, "1"]}))
 
@@ -205,3 +205,16 @@ def test_an_open_claim_says_why():
     method = replace(load("pair-6-7-v-sign"), claims={"consistent": True})
     (finding,) = verify(method)
     assert finding.verdict is not Verdict.OPEN or finding.witness
+
+
+@pytest.mark.parametrize("name", ["bogacki-shampine-3-2", "ros3p", "kennedy-carpenter-ark-3-2"])
+def test_a_long_name_of_a_row_is_cut_in_a_sentence(name, tmp_path):
+    doc = document(name)
+    row = doc["embedded"][0]
+    row["name"] = "x" * 5000
+    row["b"] = [x[:-1] for x in row["b"]] if isinstance(row["b"][0], list) else row["b"][:-1]
+    path = tmp_path / "x.json"
+    path.write_text(json.dumps(doc))
+    with pytest.raises(DataError, match=r"`embedded` 'xxx.*\.\.\. must have") as caught:
+        load(path)
+    assert len(str(caught.value)) < 200

@@ -281,3 +281,14 @@ def test_of_a_chaotic_run_only_the_invariant_can_be_judged():
         energies.append(p.hamiltonian(found.y[-1]))
     assert np.linalg.norm(ends[0] - ends[1]) > 1e-3
     assert abs(energies[0] - energies[1]) < 1e-7
+
+
+@pytest.mark.parametrize(("size", "outcome"), [(1e5, "completed"), (1e8, "stage solve failed")])
+def test_both_engines_take_the_same_change_for_what_cancellation_leaves(size, outcome):
+    # stages of a right-hand side with rounding errors of size times 2^-53
+    cancels = Problem(
+        f=lambda t, y: [-((y[0] + size) - size) + 0.1 * y[1], -y[1] - ((3 * y[0] + size) - size)],
+        y0=(1.0, 0.5), name="cancels",
+    )  # fmt: skip
+    runs = [solve(cancels, "gauss-2", h=0.1, steps=50, engine=x) for x in ("reference", "compiled")]
+    assert [x.outcome for x in runs] == [outcome] * 2

@@ -45,7 +45,7 @@ def test_the_page_shows_the_record(name):
         row = ROWS[name, variant]
         bold = "**" if variant == EXACT else ""
         cells.append(f"{row['rms'][-1]:.1e}, {bold}{row['exponent']:.2f}{bold}")
-    assert f"| {name} | {' | '.join(cells)} |" in page
+    assert f"| `{name}` | {' | '.join(cells)} |" in page
 
 
 @pytest.mark.slow

@@ -15,7 +15,7 @@ import pytest
 
 from glmref.catalogue.lookup import document, load, names
 from glmref.engine.reference import apply_finish, apply_start, stepper
-from glmref.engine.start import zero_start
+from glmref.engine.starting_values import zero_start
 from glmref.measure.convergence import ConvergenceRecord, observed_order
 from glmref.method import GLM
 from glmref.problems import problem

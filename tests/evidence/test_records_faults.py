@@ -39,7 +39,9 @@ def kill_at_random(runs: Runs, count: int, seed: int) -> int:
         time.sleep(delay * whole)
         process.kill()
         process.communicate()
-        hit += process.returncode == -signal.SIGKILL
+        was_hit = process.returncode == -signal.SIGKILL
+        hit += was_hit
+        whole *= 1.0 if was_hit else 0.85  # the first run, or other work on the machine, was slow
         done = runs.run(name)
         assert done.returncode == 0, done.stderr
         runs.check(name)

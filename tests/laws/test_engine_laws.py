@@ -21,7 +21,7 @@ from glmref.catalogue.lookup import document, load, names
 from glmref.engine.kernel import prepare
 from glmref.engine.reference import stepper
 from glmref.engine.shape import shape_of
-from glmref.engine.start import zero_start
+from glmref.engine.starting_values import zero_start
 from glmref.prove.facts import facts_of
 from tests.shipped import shipped
 

@@ -20,7 +20,7 @@ from glmref.errors import DataError
 from glmref.exact import exact, linalg
 from glmref.exact.expression import parse
 from glmref.method import GLM, PartitionedGLM, StartingMethod, as_matrix
-from glmref.method.solution_value import (
+from glmref.method.preconsistency import (
     abscissae,
     consistency_vector,
     output,

@@ -13,7 +13,7 @@ from glmref.errors import UsageError
 from glmref.exact import Ball, Exact, Scalar
 from glmref.exact.linalg import Matrix
 from glmref.exchange.export import export
-from glmref.exchange.reading import FORMATS, read_table
+from glmref.exchange.import_tables import FORMATS, read_table
 from glmref.method import GLM, AdditiveGLM, PartitionedGLM
 from glmref.prove.verifier import verify
 from tests.shipped import shipped

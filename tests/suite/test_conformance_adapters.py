@@ -18,7 +18,7 @@ from glmref.conformance.subject import Subject
 from glmref.conformance.vectors import file_names
 from glmref.engine.reference import stepper
 from glmref.engine.solve import solve
-from glmref.engine.start import starting_values
+from glmref.engine.starting_values import starting_values
 from glmref.errors import UsageError
 from glmref.findings import Verdict
 

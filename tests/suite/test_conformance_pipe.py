@@ -84,6 +84,10 @@ def test_a_program_that_is_right_passes(tmp_path: Path, method: str, offers: lis
         ("    answer = {'value': [1.0]}\n", "must have 'values'"),
         ("    answer = [1.0]\n", "is not a JSON object"),
         ("    print('hello', flush=True); continue\n", "is not JSON"),
+        (
+            '    print(\'{"values": [1], "values": [2]}\', flush=True); continue\n',
+            "gives a key of its answer twice",
+        ),
         ("    sys.exit(3)\n", "exit code 3"),
         ("    ask({'ask': 'hamiltonian'}); answer = {}\n", "may ask f, jacobian, dq or dp"),
         ("    ask({'ask': 'f', 'y': [1.0]}); answer = {}\n", "cannot be served"),

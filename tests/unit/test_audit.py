@@ -1013,3 +1013,11 @@ end
     )
     other = replace(table, b=[table.b[0], table.b[1][:4]])
     assert library.steps(other, 4) == ""
+
+
+@pytest.mark.parametrize(
+    ("name", "large"), [("b2", "b2000000"), ("btilde2", "btilde2000000"), ("a21", "a2000001")]
+)
+def test_a_name_does_not_make_a_table_of_millions_of_stages(name: str, large: str) -> None:
+    heun = judged(JULIA.replace(f"{name} =", f"{large} ="), "julia")["HeunConstantCache"]
+    assert heun["status"] == "unread" and "more than 200 stages" in str(heun["remarks"])

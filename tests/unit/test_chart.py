@@ -133,6 +133,7 @@ def test_long_ranges_have_powers_of_ten_thinned(low, high, expected):
 
 def test_short_ranges_have_finer_ticks():
     assert log_ticks(math.log10(1.5), math.log10(40)).texts == ("2", "5", "10", "20")
+    assert log_ticks(math.log10(1.04e-5), math.log10(3.3e-5)).texts == ("2e-5", "3e-5")
 
 
 @given(st.floats(-300, 300), st.floats(0.5, 300))

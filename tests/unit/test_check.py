@@ -92,7 +92,7 @@ def test_embedded_rows_and_error_weights_have_their_orders() -> None:
     assert verdicts(m, order=5, embedded=(row, 4)) == ["holds", "holds"]
     error = [x - y for x, y in zip(m.B[0], row, strict=True)]
     assert verdicts(m, order=5, embedded={"error": error, "order": 4}) == ["holds", "holds"]
-    with pytest.raises(glmref.CheckFailed, match="embedded row 1 5 fails"):
+    with pytest.raises(glmref.CheckFailed, match="order 5 of embedded row 1 fails"):
         glmref.check(m, embedded=(row, 5))
     with pytest.raises(glmref.CheckFailed, match=r"differ in sum by 0\.5"):
         glmref.check(HEUN, ["1/2", "1/2"], embedded={"b": ["1/2", 0]})
@@ -129,12 +129,51 @@ def test_nystrom_methods() -> None:
         "c": [0, "1/2", 1],
     }
     assert verdicts(table, order=4) == ["holds", "holds"]
-    with pytest.raises(glmref.CheckFailed, match="order of the position 5 fails"):
+    with pytest.raises(glmref.CheckFailed, match="order 5 of the position fails"):
         glmref.check(table, order=5)
     inner = {"A_prime": [[0, 0, 0], ["1/2", 0, 0], [-1, 2, 0]]}
     with pytest.raises(glmref.CheckFailed, match=r"k\[kk\]|k\[k\[k\]\]|k\["):
         glmref.check(table | {"A_prime": [[0] * 3] * 3}, order=2)
     assert verdicts(table | inner, order=2) == ["holds", "holds"]
+
+
+def test_embedded_rows_of_nystrom_methods() -> None:
+    """Dormand, El-Mikkawy and Prince (1987), RKN4(3)4FM: a row of order 3 for q and for q'."""
+    doc = glmref.load("dormand-prince-rkn-4-3").document
+    assert doc is not None
+    table = {key: doc[key] for key in ("A", "b", "b_prime", "c")}
+    row = {key: doc["embedded"][0][key] for key in ("b", "b_prime")}
+    found = glmref.check(table, order=4, embedded=row | {"order": 3})
+    assert [(x.claim, str(x.verdict), str(x.proof)) for x in found] == [
+        ("order of the position", "holds", "exact"),
+        ("order of the velocity", "holds", "exact"),
+        ("order of the position of embedded row 1", "holds", "exact"),
+        ("order of the velocity of embedded row 1", "holds", "exact"),
+    ]
+    for key, part in (("b", "position"), ("b_prime", "velocity")):
+        wrong = row | {key: ["1/3", *row[key][1:]]}
+        with pytest.raises(glmref.CheckFailed) as failed:
+            glmref.check(table, embedded=wrong | {"order": 3})
+        (one,) = [x for x in failed.value.findings if str(x.verdict) == "fails"]
+        assert one.claim == f"order of the {part} of embedded row 1"
+    with pytest.raises(glmref.CheckFailed, match=r"order 4 of the \w+ of embedded row 1 fails"):
+        glmref.check(table, embedded=row | {"order": 4})
+    errors = {
+        f"error{'_prime' if key == 'b_prime' else ''}": [
+            F(x) - F(y) for x, y in zip(table[key], row[key], strict=True)
+        ]
+        for key in row
+    }
+    assert [str(x.verdict) for x in glmref.check(table, embedded=errors | {"order": 3})] == [
+        "holds", "holds"
+    ]  # fmt: skip
+    sums = glmref.check(table, embedded=[row])
+    assert [x.claim for x in sums] == [
+        "error weights of the position of row 1 sum to",
+        "error weights of the velocity of row 1 sum to",
+    ]
+    with pytest.raises(glmref.CheckFailed, match="error weights of the velocity of row 1 sum to"):
+        glmref.check(table, embedded=[row | {"b_prime": [1, 1, 1, 1]}])
 
 
 def test_rosenbrock_methods_and_their_w_order() -> None:
@@ -154,7 +193,7 @@ def test_rosenbrock_methods_and_their_w_order() -> None:
 def test_dense_output_is_a_polynomial_of_the_step() -> None:
     said = {"A": HEUN, "b": ["1/2", "1/2"], "dense": [[1, "-1/2"], [0, "1/2"]]}
     assert verdicts(said, dense_order=2) == ["holds"]
-    with pytest.raises(glmref.CheckFailed, match="dense output 2 fails"):
+    with pytest.raises(glmref.CheckFailed, match="order 2 of the dense output fails"):
         glmref.check(said | {"dense": [[1, "-1/3"], [0, "1/3"]]}, dense_order=2)
 
 
@@ -181,7 +220,20 @@ SAID = {"A": HEUN, "b": ["1/2", "1/2"], "order": 2}
         (SAID | {"dense_order": 3}, "`dense` is missing"),
         (SAID | {"parts": []}, "`A` is no key of an additive method"),
         ({"alpha": [[0]], "gamma": [[1]], "A": [[0]], "b": [1]}, "`A` is no key of a Rosenbrock"),
-        (SAID | {"c": [0, 1], "b_prime": [1, 0], "embedded": ([1, 0], 1)}, "no key of a Nystrom"),
+        (
+            SAID | {"c": [0, 1], "b_prime": [1, 0], "embedded": ([1, 0], 1)},
+            "must be {.b.:.*b_prime",
+        ),
+        (
+            SAID | {"c": [0, 1], "b_prime": [1, 0], "embedded": {"b": [1, 0], "order": 1}},
+            "either b and b_prime or error and error_prime, and an order, as {.*; it has b, order",
+        ),
+        (
+            SAID
+            | {"c": [0, 1], "b_prime": [1, 0], "embedded": {"error": [1, 0], "b_prime": [0, 1]}},
+            "it has error, b_prime",
+        ),
+        (SAID | {"c": [0, 1], "b_prime": [1, 0], "dense": [[1], [0]]}, "no key of a Nystrom"),
         ({"parts": [{"A": [[0]], "b": [1], "p": 1}] * 2}, "`parts\\[1\\]` has the key 'p'"),
         ({"A": [[0]], "b": ["1e999999"], "order": 1}, "'e999999' is out of place"),
     ],
@@ -200,11 +252,15 @@ def test_what_is_no_tableau_is_one_sentence(document: dict[str, Any], said: str)
         ('{"A": [[0,0],[1,0]], "b": [0.333, 0.667], "digits": 3, "order": 1}', 3, "within the 3"),
         ("{]", 2, "neither a JSON object nor TOML"),
         ('\ufeff{"A": [[0]], "b": [1], "order": 1}', 0, "order 1 holds"),
-        ('{"A": [[0]], "b": [1], "b": [2], "order": 1}', 2, "the key 'b' stands twice"),
+        ('{"A": [[0]], "b": [1], "b": [2], "order": 1}', 2, "the key 'b' occurs twice"),
         ('[{"A": [[0]], "b": [1], "order": 1}]', 2, "must hold one object with A and b"),
         ("[[0]]", 2, "must hold one object with A and b"),
         ("null", 2, "must hold one object with A and b"),
-        ("A = [[0]]\nb = [1]\n[[embedded]]\nb = [1]\norder = 2\n", 1, "embedded row 1 2 fails"),
+        (
+            "A = [[0]]\nb = [1]\n[[embedded]]\nb = [1]\norder = 2\n",
+            1,
+            "order 2 of embedded row 1 fails",
+        ),
         ('{"A": [[0]], "b": ["1e400"], "order": 1}', 1, "residual above 1e308"),
     ],
 )
@@ -242,7 +298,7 @@ def test_the_steps_of_the_workflow_pass(tmp_path: Any, monkeypatch: Any) -> None
     (tmp_path / "tableau.json").write_text(example[1])
     monkeypatch.chdir(tmp_path)
     steps = re.findall(r"- run: (.*)", workflow)
-    assert steps[0] == "pip install glmref" and len(steps) == 2
+    assert steps[0].startswith('pip install "glmref @ git+https://') and len(steps) == 2
     for step in steps[1:]:
         program, *arguments = shlex.split(step)
         assert program == "glmref" and main(arguments) == 0

@@ -118,4 +118,6 @@ def test_the_command_writes_pictures_and_numbers(tmp_path, capsys):
     written = {x.name for x in (tmp_path / "out").iterdir()}
     assert written == {"mine.svg", "mine-evaluations.svg", "mine.json"}
     assert main(["compare", str(tmp_path / "none.toml")]) == 2
+    capsys.readouterr()
     assert main(["compare", "pendulum", "--t-end", "x"]) == 2
+    assert "`--t-end` must be a time such as '20*pi', got 'x'" in capsys.readouterr().err

@@ -9,7 +9,7 @@ from glmref.exact import exact
 from glmref.method import GLM
 from glmref.method.classical import adams_moulton, gauss
 from glmref.method.families import linear_multistep, one_leg, runge_kutta
-from glmref.method.solution_value import abscissae
+from glmref.method.preconsistency import abscissae
 from glmref.theory.consistency import (
     consistency,
     consistency_residual,

@@ -14,6 +14,7 @@ from glmref.exact.linalg import Matrix
 from glmref.method.component import Component
 from glmref.method.sweep import SweepForm
 from glmref.prove.classes import (
+    _cuts,
     attach,
     classes,
     follows,
@@ -25,7 +26,7 @@ from glmref.prove.classes import (
     representatives,
 )
 from glmref.prove.equations import Series, starting_series
-from glmref.theory.trees import Tree, parse_tree, pruned, trees
+from glmref.theory.trees import Tree, parse_tree, pruned, tree, trees
 
 
 def free_trees(order: int) -> list[tuple[Tree, ...]]:
@@ -198,3 +199,46 @@ def test_cutting_respects_the_relations_of_stage_order() -> None:
 
 def _factorial(n: int) -> int:
     return 1 if n < 2 else n * _factorial(n - 1)
+
+
+def weights_of_cuts(t: Tree, q: int) -> dict[Tree, Fraction]:
+    """Sum of the product of 1 / gamma over what is cut off, by the class of what is kept."""
+
+    def kept_with(child: Tree) -> dict[Tree | None, Fraction]:
+        found: dict[Tree | None, Fraction] = {None: Fraction(1, child.density)}
+        return found | grown(child)  # type: ignore[operator]
+
+    def grown(t: Tree) -> dict[Tree, Fraction]:
+        ways: dict[tuple[Tree, ...], Fraction] = {(): Fraction(1)}
+        for child in t.children:
+            wider: dict[tuple[Tree, ...], Fraction] = {}
+            for kept, weight in ways.items():
+                for more, factor in kept_with(child).items():
+                    key = kept if more is None else (*kept, more)
+                    wider[key] = wider.get(key, Fraction(0)) + weight * factor
+            ways = wider
+        found: dict[Tree, Fraction] = {}
+        for kept, weight in ways.items():
+            whole = tree(kept, t.colour)
+            found[whole] = found.get(whole, Fraction(0)) + weight
+        return found
+
+    classed: dict[Tree, Fraction] = {}
+    for kept, weight in grown(t).items():
+        reduced, factor = reduce_tree(kept, q)
+        classed[reduced] = classed.get(reduced, Fraction(0)) + weight * factor
+    return classed
+
+
+@pytest.mark.parametrize("q", [1, 2, 3])
+def test_what_a_cut_leaves_weighs_what_the_flow_does_with_the_rest(q: int) -> None:
+    for n in range(1, 6):
+        for t in trees(n):
+            assert dict(_cuts(t, q)) == weights_of_cuts(t, q), t
+
+
+def test_a_condition_that_is_given_twice_counts_once() -> None:
+    for n, q in ((5, 1), (5, 2), (7, 2)):
+        chosen = list(representatives(n, q))
+        assert follows(n, q, [*chosen, *chosen[:1]])
+        assert not follows(n, q, [*chosen[1:], *chosen[1:2]])

@@ -18,7 +18,7 @@ from glmref.catalogue.reader import load_document
 from glmref.errors import DataError
 from glmref.exact import exact, linalg
 from glmref.exchange.export import export
-from glmref.exchange.reading import read_table
+from glmref.exchange.import_tables import read_table
 from glmref.findings import Verdict
 from glmref.method import GLM
 from glmref.method.embedded import EmbeddedRow

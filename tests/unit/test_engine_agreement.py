@@ -25,9 +25,8 @@ from glmref import Problem, load, names, problem
 from glmref.engine.codegen import kernel_source
 from glmref.engine.compiled import interpret
 from glmref.engine.kernel import Kernel, prepare
-from glmref.engine.partitioned import pair_source
 from glmref.engine.reference import stepper
-from glmref.engine.start import zero_start
+from glmref.engine.starting_values import zero_start
 from glmref.method import PartitionedGLM
 from tests.shipped import shipped
 
@@ -129,11 +128,11 @@ def swept(U, M, R, V, weights, running):
 
 
 def of_form(form):
-    if hasattr(form, "Q"):
-        q, p = form.Q, form.P
+    if len(form.components) == 2:
+        q, p = form.components
         return combined(
-            swept(q.U, q.M, p.R, form.V, p.weights, form.running),
-            swept(p.U, p.M, q.R, form.V_hat, q.weights, form.running),
+            swept(q.U, q.M, q.R, q.V, p.weights, form.running),
+            swept(p.U, p.M, p.R, p.V, q.weights, form.running),
         )
     found = swept(form.U, form.M, form.R, form.V, form.weights, form.running)
     if form.running:  # a stage reads increments of the stages before it
@@ -143,8 +142,8 @@ def of_form(form):
 
 def basis(form):
     """Magnitudes of the change of basis to the form and back, for the values one after the other."""
-    if hasattr(form, "Q"):
-        (a, b), (c, d) = form.to_form, form.from_form
+    if len(form.components) == 2:
+        (a, c), (b, d) = ((x.to_form, x.from_form) for x in form.components)
         zero = np.zeros((len(a), len(b)))
         return tuple(
             np.block([[absolute(x), zero], [zero.T, absolute(y)]]) for x, y in ((a, b), (c, d))
@@ -271,22 +270,18 @@ def changed(record, field, place, factor):
 
 
 def coefficients(form):
-    """Every coefficient that is not zero: (half or "", field, place)."""
-    halves = [("Q", form.Q), ("P", form.P)] if hasattr(form, "Q") else [("", form)]
-    for half, record in halves:
-        for field in ("U", "M", "R"):
+    """Every coefficient that is not zero: (component, field, place)."""
+    for k, record in enumerate(form.components):
+        for field in ("U", "M", "R", "V"):
             for i, row in enumerate(getattr(record, field)):
-                yield from ((half, field, (i, j)) for j, x in enumerate(row) if x)
-        yield from ((half, "weights", (i,)) for i, x in enumerate(record.weights) if x)
-    for field in ("V", "V_hat") if halves[0][0] else ("V",):
-        for i, row in enumerate(getattr(form, field)):
-            yield from (("", field, (i, j)) for j, x in enumerate(row) if x)
+                yield from ((k, field, (i, j)) for j, x in enumerate(row) if x)
+        yield from ((k, "weights", (i,)) for i, x in enumerate(record.weights) if x)
 
 
 def planted(form, half, field, place, factor):
-    if not half:
-        return changed(form, field, place, factor)
-    return replace(form, **{half: changed(getattr(form, half), field, place, factor)})
+    components = list(form.components)
+    components[half] = changed(components[half], field, place, factor)
+    return replace(form, components=tuple(components))
 
 
 @pytest.mark.sampled(3, besides=("g6245",))
@@ -298,10 +293,9 @@ def test_any_one_coefficient_that_is_changed_is_caught(name):
     expected, slope = by_reference(method, of, values)
     explained = bound(method, kernel.form, of, values, slope)
     options = replace(kernel.options, solver="fixed-point")
-    write = pair_source if is_pair(name) else kernel_source
     for half, field, place in coefficients(kernel.form):
         form = planted(kernel.form, half, field, place, 1 + 1e-5)
-        source = write(form, kernel.shape, options)
+        source = kernel_source(form, kernel.shape, options)
         other = Kernel(form, kernel.shape, options, source, interpret(source.text, {}), 0.0)
         # into and out of the form as before: only the step is changed
         difference = np.abs(by_kernel(other, of, values) - expected).max()

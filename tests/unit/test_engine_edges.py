@@ -9,6 +9,7 @@ import pytest
 
 from glmref import GLM, Problem, UsageError, load, problem, solve
 from glmref.engine import arithmetic, kernel, run, solver_choice
+from glmref.engine.ensemble import solve_ensemble
 from glmref.engine.memory import memory
 from glmref.engine.outcome import Outcome
 from glmref.engine.plan import Grid
@@ -41,6 +42,11 @@ ENGINES = ["compiled", "reference", "interpreted"]
         ({"h": 0.1, "times": "12"}, "`times` must be a list of numbers"),
         ({"h": 0.1, "times": ["soon"]}, "`times` must be a number"),
         ({"h": 0.1, "times": [math.nan]}, "`times` must be finite"),
+        ({"h": 0.1, "times": np.array(0.1)}, "`times` must be a list of numbers"),
+        ({"h": 0.1, "digits": "x"}, "`digits` must be a positive whole"),
+        ({"h": 0.1, "digits": 2.5}, "`digits` must be a positive whole"),
+        ({"h": 0.1, "cancel": 0}, "`cancel` must be a function, got 0"),
+        ({"h": 0.1, "progress": []}, "`progress` must be a function"),
         ({"h": 0.1, "times": [0.2, 0.2]}, "0.2 comes after 0.2"),
         ({"h": 0.1, "times": [0.2, 0.1]}, "0.1 comes after 0.2"),
         ({"h": 0.1, "times": [-0.1]}, "t = -0.1 is before t0"),
@@ -211,3 +217,35 @@ def test_a_method_that_adds_nothing_leaves_the_values(engine: str) -> None:
     ended = solve("kepler", still, h=0.1, steps=3, engine=engine, arithmetic="naive")
     assert ended.completed
     assert (ended.y[-1] == problem("kepler").y0).all()
+
+
+@pytest.mark.parametrize("digits", [None, 1, 30])
+def test_a_start_that_is_no_number_is_refused_in_every_arithmetic(digits):
+    late = Problem(f=lambda t, y: [math.nan if t > 0 else y[1], -y[0]], y0=(1.0, 0.0))
+    with pytest.raises(UsageError, match="the starting values are not finite"):
+        solve(late, "rk4", h=0.1, steps=2, start="enhanced", engine="reference", digits=digits)
+
+
+@pytest.mark.parametrize("engine", ["compiled", "interpreted", "reference"])
+def test_a_step_whose_weights_are_below_the_range_has_an_outcome(engine):
+    fall = Problem(force=("-q[0]",), y0=(1.0, 0.5), name="spring")
+    run = solve(fall, "gauss-3", h=-5e-324, steps=2, engine=engine)
+    assert run.outcome in (Outcome.COMPLETED, Outcome.NOT_FINITE)  # 1/(h b) is infinite
+    np.testing.assert_array_equal(run.y[-1], [1.0, 0.5])
+
+
+def test_numbers_of_mpmath_that_diverge_end_a_run_soon():
+    square = Problem(f=("sin(y[0])*y[0]*y[0]*y[0]",), y0=(1e299,), name="cube")
+    for method in ("rk4", "gauss-2"):
+        run = solve(square, method, h=0.1, steps=40, engine="reference", digits=30)
+        assert run.outcome in (Outcome.NOT_FINITE, Outcome.STAGE_SOLVE_FAILED)
+        assert run.steps < 20
+
+
+def test_an_ensemble_whose_first_kick_overflows_keeps_its_initial_values():
+    quartic = Problem(force=("-q[0]**3",), y0=(1e299, 1e299), name="quartic")
+    first = np.array([[1e299, 1e299], [0.5, 0.5]])
+    found = solve_ensemble(quartic, "stormer-verlet", first, h=0.01, steps=6, every=3)
+    assert list(found.outcomes) == [Outcome.NOT_FINITE, Outcome.COMPLETED]
+    np.testing.assert_array_equal(found.y[:, 0], [first[0]] * 3)
+    assert np.isfinite(found.y).all() and np.isfinite(found.values).all()

@@ -14,7 +14,7 @@ from glmref.engine.ensemble import solve_ensemble
 from glmref.engine.kernel import prepare
 from glmref.engine.outcome import Outcome
 from glmref.engine.reference import stepper
-from glmref.engine.start import zero_start
+from glmref.engine.starting_values import zero_start
 from glmref.problems.loops import Loops
 
 STEPS = 12
@@ -175,7 +175,7 @@ LARGE = {
 }
 SEPARABLE = (
     "stormer-verlet", "pair-rkn-6-8b", "multistep-rkn-8", "kahan-li-8", "pair-6-8",
-    "yoshida-verlet-6",
+    "yoshida-verlet-6", "multivalue-rkn-12",
 )  # fmt: skip
 ANY = ("rk4", "ab-3", "gauss-2", "gauss-3", "g6245-w3", "s4-symmetric", "lobatto-iiia-3", "sdirk-3")
 
@@ -212,7 +212,7 @@ def test_a_lane_of_a_large_system_that_fails_is_named_and_stands_still():
 
 
 @pytest.mark.parametrize("d", [1, 12])
-@pytest.mark.parametrize("method", ["multistep-rkn-8", "stormer-verlet"])
+@pytest.mark.parametrize("method", ["multistep-rkn-8", "stormer-verlet", "multivalue-rkn-12"])
 def test_kicked_values_of_a_run_that_fails_are_those_of_its_last_step(method, d):
     """Here the force is the first that is no number: velocities are read with the one before."""
     force = tuple(f"6*q[{i}]*q[{i}]" for i in range(d))
@@ -301,11 +301,23 @@ def test_cancelling_keeps_what_was_done():
     assert (found.steps > 0).all() and (found.steps < 10**8).all()
 
 
+@pytest.mark.parametrize("width", [None, 1])
+def test_a_start_that_overflows_keeps_the_initial_value(width):
+    # the start squares h y: beyond the range for the first trajectory alone
+    of = Problem(f=("y[0]*y[0]",), y0=(1.0,))
+    given = [[1e160], [1e-300]]
+    found = solve_ensemble(of, "s4-symmetric", given, h=1e-3, steps=2, width=width)
+    assert [str(x) for x in found.outcomes] == ["not finite", "completed"]
+    assert np.isfinite(found.y).all() and np.isfinite(found.values).all()
+    assert found.y[-1, 0] == given[0] and list(found.steps) == [0, 2]
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         ({"initial": np.ones(4)}, "`initial` must have shape \\(N, d\\) with d = 4"),
         ({"initial": np.ones((2, 3))}, "got \\(2, 3\\)"),
+        ({"initial": [[1.0] * 4, [math.nan] * 4]}, "`initial` must be finite, got .* in row 1"),
         ({"width": 5}, "`width` must be 1 or one of"),
         ({"threads": 0}, "`threads` must be a positive whole number, got 0"),
         ({"start": np.ones((2, 4))}, "starting values must have shape \\(N, r, d\\)"),

@@ -16,8 +16,6 @@ from glmref.engine.codegen import Options, kernel_source
 from glmref.engine.compiled import interpret
 from glmref.engine.forms import StepForm
 from glmref.engine.kernel import Kernel
-from glmref.engine.partitioned import pair_source
-from glmref.engine.partitioned_forms import PairForm, pair_form
 from glmref.engine.reference import stepper
 from glmref.engine.shape import Shape, shape_of
 from glmref.engine.sweep import step_form
@@ -35,16 +33,10 @@ def shipped(name: str) -> GLM | PartitionedGLM:
     return method
 
 
-def form_of(method: GLM | PartitionedGLM) -> StepForm | PairForm:
-    return pair_form(method) if isinstance(method, PartitionedGLM) else step_form(method)
-
-
-def source(form: StepForm | PairForm, of: Any, options: Options) -> tuple[Shape, Any]:
+def source(form: StepForm, of: Any, options: Options) -> tuple[Shape, Any]:
     """The shape of a problem for a form, and the generated source."""
-    if isinstance(form, PairForm):
-        shape = shape_of(of, split=True)
-        return shape, pair_source(form, shape, options)
-    return shape_of(of), kernel_source(form, shape_of(of), options)
+    shape = shape_of(of, split=True if len(form.components) == 2 else None)
+    return shape, kernel_source(form, shape, options)
 
 
 def values_of(method: GLM | PartitionedGLM, of: Any) -> np.ndarray:
@@ -60,21 +52,21 @@ def values_of(method: GLM | PartitionedGLM, of: Any) -> np.ndarray:
 # --- the equations of the description -----------------------------------------------------------
 
 
-def halves(form: StepForm | PairForm, of: Any) -> list[tuple[Any, ...]]:
+def halves(form: StepForm, of: Any) -> list[tuple[Any, ...]]:
     """(U, M, R, residue, V, weights, columns read, columns updated, function), stages by stages."""
-    if isinstance(form, StepForm):
+    if len(form.components) == 1:
         every = slice(None)
         return [(form.U, form.M, form.R, form.R_residue, form.V, form.weights, every, every,
                  lambda y: of.f(0.0, y))]  # fmt: skip
-    m, Q, P = of.dimension // 2, form.Q, form.P
+    m, (Q, P) = of.dimension // 2, form.components
     q, p = slice(0, m), slice(m, None)
     return [
-        (Q.U, Q.M, Q.R, Q.R_residue, form.V_hat, Q.weights, q, p, of.dp),
-        (P.U, P.M, P.R, P.R_residue, form.V, P.weights, p, q, of.dq),
+        (Q.U, Q.M, P.R, P.R_residue, P.V, Q.weights, q, p, of.dp),
+        (P.U, P.M, Q.R, Q.R_residue, Q.V, P.weights, p, q, of.dq),
     ]
 
 
-def described(form: StepForm | PairForm, of: Any, values: np.ndarray) -> np.ndarray:
+def described(form: StepForm, of: Any, values: np.ndarray) -> np.ndarray:
     """Values after a step Y = U x + M L, y+ = V y + (R + residue) L, of stages found by iteration."""
     x, parts = form.into(values), halves(form, of)
     increments: list[np.ndarray] = [np.zeros((len(row[0]), x[:, row[7]].shape[1])) for row in parts]
@@ -82,7 +74,7 @@ def described(form: StepForm | PairForm, of: Any, values: np.ndarray) -> np.ndar
     order = [placed[node] for block in form.blocks for node in block.stages]
     bases = []
     for k, row in enumerate(parts):
-        V = (form.V, form.V_hat)[k] if isinstance(form, PairForm) else form.V
+        V = form.components[k].V
         bases.append(x[: len(V), row[6]])
         if form.running:
             bases[-1] = np.array(V) @ bases[-1]
@@ -108,7 +100,7 @@ def described(form: StepForm | PairForm, of: Any, values: np.ndarray) -> np.ndar
 @pytest.mark.parametrize("name", [*METHODS, *PAIRS])
 def test_a_form_is_the_step_of_its_method(name: str) -> None:
     method, of = shipped(name), problem("henon-heiles")
-    values, form = values_of(method, of), form_of(method)
+    values, form = values_of(method, of), step_form(method)
     expected = stepper(method, of).step(0.0, values, H).values
     assert np.abs(described(form, of, values) - expected).max() < 2e-15 * max(
         1.0, *(abs(x) for row in form.V for x in row)
@@ -148,7 +140,7 @@ def near(method: GLM | PartitionedGLM) -> list[GLM | PartitionedGLM]:
 
 
 def by_kernel(method: GLM | PartitionedGLM, of: Any, values: np.ndarray, target: str) -> np.ndarray:
-    form = form_of(method)
+    form = step_form(method)
     options = Options(target=target)
     shape, text = source(form, of, options)
     kernel = Kernel(form, shape, options, text, interpret(text.text, {}), 0.0)
@@ -184,7 +176,7 @@ def test_a_kernel_computes_nothing_that_it_does_not_read(
 ) -> None:
     options = Options(compensated=compensated, history=history, target="scalar")
     for name in ("rk4", "ab-3", "gauss-2", "g6245", "stormer-verlet", "multistep-rkn-8"):
-        _, text = source(form_of(shipped(name)), problem(of), options)
+        _, text = source(step_form(shipped(name)), problem(of), options)
         (kernel,) = (
             x for x in ast.parse(text.text).body
             if isinstance(x, ast.FunctionDef) and x.name == "kernel"

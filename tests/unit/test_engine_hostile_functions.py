@@ -148,6 +148,25 @@ def test_32_bit_entries_of_a_list_are_noticed():
     assert any("float32" in x for x in run.notices)
 
 
+class NoArray:
+    """What numpy asks for an array, and does not get one."""
+
+    def __array__(self, dtype=None, copy=None):
+        raise RuntimeError("no array")
+
+
+class NoNumber:
+    def __init__(self, x):
+        self.x = x
+
+    def __float__(self):
+        raise OSError("no number")
+
+
+def ends_a_generator(t, y):
+    raise GeneratorExit
+
+
 def complex_(t, y):
     return [1j * y[1], -y[0]]
 
@@ -165,6 +184,10 @@ NOT_A_STATE = {
     "complex": (complex_, "got complex ones"),
     "masked": (lambda t, y: np.ma.array(y, mask=[False, True]), "got masked entries"),
     "set": (lambda t, y: {1.0, 2.0}, "a set"),
+    "map": (lambda t, y: map(float, y), "an iterator"),
+    "no array": (lambda t, y: NoArray(), "`f` raised RuntimeError: no array"),
+    "no number": (lambda t, y: [NoNumber(1), NoNumber(2)], "`f` raised OSError: no number"),
+    "generator exit": (ends_a_generator, "`f` raised GeneratorExit at t = 0"),
     "key": (lambda t, y: {}["rate"], "`f` raised KeyError: 'rate' at t = 0"),
     "name": (lambda t, y: rate * y, "`f` raised NameError: name 'rate' is not"),  # noqa: F821
     "exit": (lambda t, y: sys.exit(0), "`f` raised SystemExit: 0 at t = 0"),
@@ -194,6 +217,72 @@ def test_parts_that_are_no_state_are_refused_by_name(part, engine):
     for method in ("stormer-verlet", "gauss-2"):
         with pytest.raises(UsageError, match=f"`{part}` must return shape"):
             solve(Problem(**parts, y0=(1.0, 0.0)), method, h=0.1, steps=3, engine=engine)
+
+
+def test_a_coroutine_is_said_to_be_one():
+    async def waits(t, y):
+        return y
+
+    coroutine = waits(0.0, (1.0, 0.0))
+    with pytest.raises(UsageError, match="got a coroutine"):
+        solve(oscillator(lambda t, y: coroutine), "rk4", h=0.1, steps=1, engine="interpreted")
+    coroutine.close()
+
+
+NOT_A_NUMBER = {
+    "words": (lambda t, y: ["1", "2"], "`f` must return numbers, got an entry str"),
+    "times": (lambda t, y: np.array([1, 2], dtype="m8[s]"), "got an entry timedelta"),
+    "records": (lambda t, y: np.zeros(2, dtype=[("a", "f8")]), "got an entry tuple"),
+    "None": (lambda t, y: [None, 1], "got an entry NoneType"),
+    "complex": (complex_, "real numbers for a real state, got complex ones"),
+}
+
+
+@pytest.mark.parametrize("case", NOT_A_NUMBER)
+def test_extended_precision_takes_numbers_only(case):
+    f, says = NOT_A_NUMBER[case]
+    with pytest.raises(UsageError, match=says):
+        solve(oscillator(f), "rk4", h=0.1, steps=2, engine="reference", digits=30)
+
+
+@pytest.mark.parametrize("method", ["ars-1-2-2", "rk4"])
+def test_terms_are_looked_at_like_f(method):
+    def summed(term, **more):
+        problem = Problem(terms=(lambda t, y: 0 * y, term), y0=(1.0, 0.0), **more)
+        return solve(problem, method, h=0.1, steps=4, engine="reference")
+
+    random = np.random.default_rng(1)
+    with pytest.raises(UsageError, match=r"`terms\[2\]` gives two different values"):
+        summed(lambda t, y: y * random.random())
+    with pytest.raises(UsageError, match=r"`terms\[2\]` must return shape \(2,\), got None"):
+        summed(lambda t, y: None)
+    single = summed(lambda t, y: good(t, y).astype("f4"))
+    assert any("`terms[2]` returns float32" in x for x in single.notices)
+    calls = itertools.count()
+    late = summed(lambda t, y: good(t, y) * (1.0 if next(calls) < 6 else 1.01))
+    assert any("`terms[2]` gives another value" in x for x in late.notices)
+    assert not [x for x in summed(in_place).notices if "terms" in x]
+    with pytest.raises(UsageError, match="`f` and its `terms` disagree at the start: component 1"):
+        summed(lambda t, y: good(t, y), f=lambda t, y: 2 * good(t, y))
+    assert summed(good, f=good).completed
+
+
+def test_an_ensemble_asks_for_a_state_before_it_compiles(monkeypatch):
+    # numba ends the process where it links a function that returns a map
+    from glmref.engine import runners
+    from glmref.engine.ensemble import solve_ensemble
+
+    monkeypatch.setattr(runners, "prepare", None)
+    with pytest.raises(UsageError, match="an iterator, which can be read only once"):
+        solve_ensemble(oscillator(lambda t, y: map(float, y)), "rk4", [[1, 0]] * 2, h=0.1, steps=2)
+
+
+def test_an_ensemble_of_infinite_slopes_warns_of_nothing():
+    from glmref.engine.ensemble import solve_ensemble
+
+    steep = oscillator(lambda t, y: [math.inf, 1.0])
+    found = solve_ensemble(steep, "rk4", [[1.0, 0.0]] * 2, h=0.1, steps=2)
+    assert {str(x) for x in found.outcomes} == {"not finite"}
 
 
 def counting(number):

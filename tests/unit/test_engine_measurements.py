@@ -107,7 +107,7 @@ def test_the_loop_in_c_has_the_bits_of_the_kernel(tmp_path, monkeypatch):
     folder = tmp_path / "other"
     folder.mkdir()
     text = compare_c.sweep_table(case.kernel.form)
-    coupling = case.kernel.form.P.U[0][1]
+    coupling = case.kernel.form.components[1].U[0][1]
     changed = text.replace(coupling.hex(), np.nextafter(coupling, np.inf).hex(), 1)
     assert changed != text
     (folder / "table.h").write_text(changed, encoding="utf-8")

@@ -11,7 +11,7 @@ from glmref.catalogue.lookup import document
 from glmref.catalogue.reader import load_document
 from glmref.engine.ensemble import solve_ensemble
 from glmref.engine.reference import stepper
-from glmref.engine.start import starting_values
+from glmref.engine.starting_values import starting_values
 from glmref.method import as_matrix, as_vector
 from glmref.method.component import GENERAL
 

@@ -7,9 +7,9 @@ import pytest
 import glmref
 from glmref import GLM, Problem, UsageError, load, problem
 from glmref.engine.reference import stepper
-from glmref.engine.start import zero_start
+from glmref.engine.starting_values import zero_start
 from glmref.engine.tableau import lagrange_weights
-from glmref.method.solution_value import preconsistency_vector, stage_times
+from glmref.method.preconsistency import preconsistency_vector, stage_times
 from glmref.method.stage_order import dependency_blocks
 
 METHODS = ["rk4", "gauss-2", "gauss-3", "gsymplectic-n", "g6245", "lobatto-iiia-3", "ab-3", "bdf-2"]

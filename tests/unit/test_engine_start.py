@@ -8,7 +8,7 @@ import pytest
 from glmref import GLM, Problem, StartingMethod, UsageError, load, problem, solve
 from glmref.engine.outcome import StartFailed
 from glmref.engine.reference import stepper
-from glmref.engine.start import (
+from glmref.engine.starting_values import (
     RENEWAL,
     default_passes,
     enhanced_start,

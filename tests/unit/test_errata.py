@@ -98,7 +98,7 @@ def test_bad_record_is_one_sentence(case: str, tmp_path: Path) -> None:
 
 
 def test_bad_documents(tmp_path: Path) -> None:
-    with pytest.raises(DataError, match="stands twice"):
+    with pytest.raises(DataError, match="occurs twice"):
         load_errata(write(tmp_path, GOOD, GOOD))
     for k, (changes, message) in enumerate(
         (

@@ -40,6 +40,17 @@ def test_roots_of_unity_have_their_order(n: int) -> None:
     assert root_of_unity(-1, n) == z.conjugate()
 
 
+def test_powers_of_a_root_are_reduced_by_its_minimal_polynomial() -> None:
+    x = exact(3).root(7)
+    assert x**7 == 3 and exact(4).root(4) == exact(2).sqrt() and exact(32).root(5) == 2
+    y = 1 / (1 + 1 / (1 + x))
+    for _ in range(4):
+        y = y * y + y / (1 + y)
+    # a power of degree 7 * 6 or more had hundreds of terms, and dividing by it took seconds
+    assert y.description().count("^") <= 6  # five powers and the polynomial
+    assert y * (1 / y) == 1
+
+
 def test_reciprocals_of_sums_of_roots_stay_polynomial_and_exact() -> None:
     x = exact(2).sqrt() + exact(3).sqrt() + exact(5).sqrt()
     assert x * (1 / x) == 1

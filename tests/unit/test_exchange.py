@@ -14,7 +14,7 @@ from glmref.catalogue.reader import load_document
 from glmref.cli import exchanging, main
 from glmref.errors import DataError, UsageError
 from glmref.exact import exact
-from glmref.exchange import reading
+from glmref.exchange import import_tables
 from glmref.exchange.export import TARGETS, export
 from glmref.exchange.header import Comment, header
 from glmref.exchange.numbers import decimal_of, lost, rounded
@@ -28,7 +28,7 @@ def test_the_command_line_offers_what_the_package_writes_and_reads() -> None:
     from glmref.exchange.tables import FORMATS
 
     assert exchanging.TARGETS == TARGETS
-    assert set(exchanging.READ) == set(reading.FORMATS)
+    assert set(exchanging.READ) == set(import_tables.FORMATS)
     assert set(TARGETS) == {*LANGUAGES, *FORMATS}
     assert len(TARGETS) >= 12
 
@@ -98,7 +98,7 @@ def test_latex_has_the_abscissae_and_the_embedded_rows_of_the_file() -> None:
 @pytest.mark.parametrize("form", ["json", "csv"])
 def test_which_combination_is_the_solution_survives_json_and_csv(form: str) -> None:
     method = glmref.load("multistep-10")
-    back = load_document(reading.read_table(export(method, to=form), form))
+    back = load_document(import_tables.read_table(export(method, to=form), form))
     assert method.output_hat is not None
     assert (back.output, back.output_hat) == (method.output, method.output_hat)
 
@@ -111,12 +111,12 @@ def test_diffrax_gets_the_error_estimate() -> None:
     assert "difference to a solution of order 2" in text
     for name in ("bogacki-shampine-3-2", "dormand-prince-8-5-3"):
         method = glmref.load(name)
-        document = reading.read_table(export(method, to="diffrax"), "diffrax")
+        document = import_tables.read_table(export(method, to="diffrax"), "diffrax")
         (row,) = load_document(document).embedded
         (given, *_) = method.embedded
         ((own,),), ((other,),) = row.estimate(method.weights), given.estimate(method.weights)
         assert all((x - y).is_zero() is True for x, y in zip(own, other, strict=True))
-    plain = reading.read_table(export("heun-3", to="diffrax"), "diffrax")
+    plain = import_tables.read_table(export("heun-3", to="diffrax"), "diffrax")
     assert "embedded" not in plain
     assert "No embedded method" in export("heun-3", to="diffrax")
 
@@ -139,7 +139,7 @@ def test_additive_methods_go_where_they_can_be_held() -> None:
     wrong = text.replace("1.0/2.0, 2.0/3.0, 1.0/2.0, 1.0", "1.0/2.0, 2.0/3.0, 1.0/4.0, 1.0")
     assert wrong != text
     with pytest.raises(DataError, match="no sum of row 4 of A"):
-        reading.read_table(wrong, "petsc")
+        import_tables.read_table(wrong, "petsc")
 
 
 @pytest.mark.parametrize("name", ["stormer-verlet", "position-verlet", "ruth-3", "forest-ruth-4"])
@@ -149,7 +149,7 @@ def test_a_table_of_sprkstep_makes_the_steps_of_the_splitting(name: str) -> None
 
     text = export(name, to="sundials")
     a, ahat = (
-        [eval(x, {"SUN_RCONST": float}) for x in reading._c_array(text, [letter]) or ()]
+        [eval(x, {"SUN_RCONST": float}) for x in import_tables._c_array(text, [letter]) or ()]
         for letter in ("a", "ahat")
     )
     q, p = 1.0, 0.25
@@ -165,12 +165,12 @@ def test_a_table_of_sprkstep_makes_the_steps_of_the_splitting(name: str) -> None
 
 def test_a_sprk_table_written_by_somebody_else_is_read() -> None:
     text = "sunrealtype a[2] = {0.5, 0.5}, ahat[2] = {0.0, 1.0};\nARKodeSPRKTable_Create(2, 2, a, ahat);"
-    document = reading.read_table(text, "sundials")
+    document = import_tables.read_table(text, "sundials")
     assert (document["class"], document["first"]) == ("splitting", "q")
     assert (document["a"], document["b"]) == (["1/2", "1/2"], ["1"])
     assert all(x.verdict.name == "HOLDS" for x in glmref.verify(load_document(document)))
     with pytest.raises(DataError, match="of one length"):
-        reading.read_table(text.replace("0.5, 0.5", "0.5"), "sundials")
+        import_tables.read_table(text.replace("0.5, 0.5", "0.5"), "sundials")
 
 
 def test_wrong_arguments_are_named() -> None:
@@ -362,7 +362,7 @@ class Mine:
 
 
 def test_a_julia_table_written_by_somebody_else_is_read() -> None:
-    document = reading.read_table(JULIA, "ordinarydiffeq", name="bs3")
+    document = import_tables.read_table(JULIA, "ordinarydiffeq", name="bs3")
     assert document["A"][3] == ["2/9", "1/3", "4/9", "0"]
     assert document["b"] == ["2/9", "1/3", "4/9", "0"]
     assert document["claims"] == {"order": 3, "abscissae": ["0", "1/2", "3/4", "1"]}
@@ -371,24 +371,24 @@ def test_a_julia_table_written_by_somebody_else_is_read() -> None:
 
 
 def test_a_c_table_written_by_somebody_else_is_read() -> None:
-    document = reading.read_table(C, "petsc")
+    document = import_tables.read_table(C, "petsc")
     assert document["name"] == "ralston"
     assert document["A"] == [["0", "0"], ["2/3", "0"]]
     assert document["b"] == ["1/4", "3/4"]
     assert document["claims"] == {"order": 2}
-    without = reading.read_table(C.replace("TSRKRegister", "Other"), "petsc")
+    without = import_tables.read_table(C.replace("TSRKRegister", "Other"), "petsc")
     assert without["claims"] == {"explicit": True}
 
 
 def test_a_python_table_written_by_somebody_else_is_read_with_its_roots() -> None:
-    document = reading.read_table(PYTHON, "diffrax")
+    document = import_tables.read_table(PYTHON, "diffrax")
     assert document["A"] == [["0", "0"], ["(2-sqrt(2))/2", "(2-sqrt(2))/2"]]
     assert document["claims"] == {"order": 1, "abscissae": ["0", "2-sqrt(2)"]}
 
 
 def test_long_decimals_are_rounded_numbers_and_short_ones_exact() -> None:
     text = '{"A": [[0, 0], [0.5, 0]], "b": [0.33333333333333331, 0.66666666666666669], "order": 1}'
-    document = reading.read_table(text, "json")
+    document = import_tables.read_table(text, "json")
     assert document["A"][1][0] == "1/2"
     assert document["digits"] == 16
     method = load_document(document)
@@ -398,7 +398,7 @@ def test_long_decimals_are_rounded_numbers_and_short_ones_exact() -> None:
 
 def test_numbers_with_exponents_are_read() -> None:
     text = '{"A": [[0, 0], [5e-1, 0]], "b": [3.3333333333333333e-1, 6.66666666666666666E-01]}'
-    document = reading.read_table(text, "json")
+    document = import_tables.read_table(text, "json")
     assert document["A"][1][0] == "1/2"
     assert document["b"] == ["0.33333333333333333", "0.666666666666666666"]
     assert document["digits"] == 16
@@ -408,9 +408,9 @@ def test_a_comment_that_contradicts_the_table_is_not_believed() -> None:
     text = export("sdirk-2", to="petsc")
     assert "exact b: sqrt(2)/2" in text
     with pytest.raises(DataError, match=r"`b\[1\]\[1\]` is 0.7071.* and sqrt\(3\)/2 = 0.866"):
-        reading.read_table(text.replace("exact b: sqrt(2)/2", "exact b: sqrt(3)/2"), "petsc")
+        import_tables.read_table(text.replace("exact b: sqrt(2)/2", "exact b: sqrt(3)/2"), "petsc")
     with pytest.raises(DataError, match="another shape"):
-        reading.read_table(text.replace("exact b: sqrt(2)/2;", "exact b:"), "petsc")
+        import_tables.read_table(text.replace("exact b: sqrt(2)/2;", "exact b:"), "petsc")
 
 
 @pytest.mark.parametrize(
@@ -446,7 +446,7 @@ def test_a_comment_that_contradicts_the_table_is_not_believed() -> None:
 )
 def test_what_is_no_table_is_refused_in_one_sentence(form: str, text: str, reason: str) -> None:
     with pytest.raises(DataError, match=reason) as refusal:
-        reading.read_table(text, form, where="mine.txt")
+        import_tables.read_table(text, form, where="mine.txt")
     assert "\n" not in str(refusal.value)
     assert str(refusal.value).startswith("mine.txt")
 

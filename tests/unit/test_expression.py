@@ -46,6 +46,8 @@ from glmref.exact.relations import box
         ("root(4096,12)", 2),
         ("i*i", -1),
         ("exp(pi*i)", -1),
+        ("exp(0*i)+exp(pi*i-i*pi)+exp(sqrt(pi*pi)*i)", 1),
+        ("exp(3*(pi+pi)*i/6)", -1),
         ("exp(2*pi*i/4)*exp(-2*pi*i/4)", 1),
         ("sqrt(2)*sqrt(8)", 4),
     ],
@@ -87,7 +89,7 @@ def test_decimals_are_balls_where_digits_are_declared_and_errors_elsewhere() -> 
 @pytest.mark.parametrize(
     ("text", "what"),
     [
-        ("", "an empty string stands for no number"),
+        ("", "an empty string is no number"),
         ("1 2", "'2' is out of place"),
         ("(1", "')' is missing"),
         ("1)", "')' is out of place"),
@@ -103,6 +105,19 @@ def test_decimals_are_balls_where_digits_are_declared_and_errors_elsewhere() -> 
         ("1/0", "a division by zero"),
         ("1/(sqrt(8)-2*sqrt(2))", "a division by zero"),
         ("exp(1)", "a rational multiple of pi"),
+        *(
+            (f"exp({x})", "a rational multiple of pi")
+            for x in (
+                "i",
+                "2*i",
+                "i/pi",
+                "pi*pi*i",
+                "pi*i+i",
+                "i*pi*sqrt(pi)",
+                "2*i*pi/(1+pi)",
+                "sqrt(pi)*i",
+            )
+        ),
         ("exp(sqrt(2)*pi*i)", "a rational multiple of pi"),
         ("exp(2*pi*i/31)", "denominator at most 30"),
         ("2^3", "the character '^' is not allowed"),
@@ -162,6 +177,8 @@ def test_weights_count_what_constants_stand_for() -> None:
         "sqrt(2)*sqrt(3)+sqrt(5)/7",
         "root(2,5)",
         "1/(2-root(2,3))",
+        "root(3/2,7)*root(3/2,7)",
+        "root(3,5)+sqrt(2)*root(2,3)",
     ],
 )
 def test_printed_number_parses_back_to_itself(text: str) -> None:
@@ -193,7 +210,7 @@ def test_what_has_no_exact_text_is_an_error() -> None:
     with pytest.raises(ExactnessError, match="not written out"):
         to_text(exact(10**5000))
     with pytest.raises(ExactnessError, match="no square-root form"):
-        to_text(root_of_unity(1, 7).real)
+        to_text(root_of_unity(1, 31))
 
 
 def test_a_text_keeps_its_value_here_and_travels_as_plain_text() -> None:

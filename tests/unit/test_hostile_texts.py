@@ -218,6 +218,12 @@ def test_a_number_in_a_table_stays_a_number(text: str) -> None:
     assert cell == text
 
 
+def test_a_table_has_no_escapes_of_terminals() -> None:
+    text = csv_text([[HOSTILE, "two\nlines\tand \x1b[2J"]])
+    assert not CONTROLS.search(text) and "\\u001b[2J" in text and "\ud800" not in text
+    assert next(csv.reader(io.StringIO(text)))[1] == "two\nlines\tand \\u001b[2J"
+
+
 def test_a_table_of_findings_has_no_formula() -> None:
     finding = Finding("=1+1", "@x", "=2+2", Verdict.FAILS, "=3+3", witness="=4+4")
     for row in csv.reader(io.StringIO(findings_csv([finding], head=False))):

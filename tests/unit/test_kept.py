@@ -14,6 +14,7 @@ from glmref import Problem, UsageError, solve
 from glmref.catalogue.lookup import path_of
 from glmref.engine import compiled, kept
 from glmref.engine.kept import expressed, method_of
+from glmref.problems.formula import Formula
 from glmref.problems.tracing import MOST_OPERATIONS, fingerprint, recorded, traced
 from glmref.system.terminal import saying
 
@@ -130,9 +131,9 @@ def test_parts_are_recorded_too():
         dq=lambda p: [p[0] * (1 + p[0] ** 2)], dp=lambda q: [-math.sin(q[0])], y0=(1, 0)
     )
     found = expressed(given)
-    assert found.dq_expressions is not None and found.dp_expressions is not None
+    assert isinstance(found.dq, Formula) and isinstance(found.dp, Formula)
     second = expressed(Problem(force=lambda q: [-math.sin(q[0])], y0=(1.0, 0.0)))
-    assert second.second_order and second.force_expressions == ("-sin(q[0])",)
+    assert second.second_order and second.force.outputs == ("-sin(q[0])",)
 
 
 def test_large_systems_stay_loops():
@@ -255,7 +256,6 @@ def test_coefficients_kept_on_disk_are_those_computed(name, monkeypatch, tmp_pat
     computed = kept.form_of_method.__wrapped__(method, "auto")
     (path,) = tmp_path.glob("glmref_form_*.json")
     monkeypatch.setattr(kept, "step_form", None)  # nothing is computed again ...
-    monkeypatch.setattr(kept, "pair_form", None)
     assert repr(kept.form_of_method.__wrapped__(method, "auto")) == repr(computed)
     monkeypatch.undo()
     monkeypatch.setenv("GLMREF_CACHE", str(tmp_path))

@@ -19,9 +19,10 @@ from glmref.errors import DataError
 from glmref.exact import Exact
 from glmref.findings import Verdict
 from glmref.prove import digits
+from glmref.prove.analysis import JUMP, _steps
 from glmref.prove.certificate import certificates_of
 from glmref.prove.digits import LARGE, MANY, _Fixed, _Vector, rounded_up, step_below
-from glmref.prove.kernel import Kernel
+from glmref.prove.kernel import SMALL, Kernel
 from glmref.prove.verifier import facts_for
 from glmref.theory.trees import Tree, parse_tree, trees
 
@@ -415,3 +416,38 @@ def test_radii_bound_what_few_bits_lose(s: int, bits: int) -> None:
                 assert found.size == max(map(abs, found.values))
             low, high = fixed.residual(t, weights)
             assert low <= residual(A, b, tree) / unit <= high
+
+
+def test_a_next_order_that_is_exact_keeps_the_residual_of_the_last(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """b is off by 1e-4, and b a is 1/2: the list does not fall."""
+    monkeypatch.setattr(Kernel, "_most", lambda self, *, nystrom: 1)
+    b = 1 + Fraction(1, 10**4)
+    found = kernel_of([[1 / (2 * b)]], [b]).sizes_to_digits()["b"]
+    assert [rounded_up(x) for x in found] == ["0", "1.0e-4", "1.0e-4"]
+
+
+@pytest.mark.parametrize("place", [60, 70, 90, 300])
+def test_a_residual_too_small_for_the_units_is_told_by_a_bound(place: int) -> None:
+    """It is not 0, and neither is what is said of it."""
+    doc = {**without_rows(1, "1.0e-9"), "A": [["0"]], "b": [str(1 + Fraction(1, 10**place))]}
+    reason = accepted(doc).reason
+    assert reason.startswith("the residuals through order 1 are at most ")
+    bound = Fraction(reason.rpartition(" ")[2])
+    assert Fraction(1, 10**place) <= bound < Fraction(1, 10**50)
+
+
+def test_steps_are_orders_that_are_nearly_reached() -> None:
+    """Below the smallest residual that is no rounding, and a hundred times below the next."""
+    tiny, jump = Fraction(1, 10**12), Fraction(int(JUMP))
+    small, one = Fraction(SMALL), Fraction(1)
+    assert _steps([Fraction(0), tiny, tiny, one], 0) == "order 2 to 1.0e-12, order 0 exactly"
+    assert _steps([Fraction(0), tiny, tiny, one], 2) == ""
+    assert _steps([Fraction(0), Fraction(0), one], 0) == ""
+    assert _steps([Fraction(0), tiny, tiny * jump], 0) == ""
+    assert (
+        _steps([Fraction(0), tiny, tiny * jump + tiny], 0) == "order 1 to 1.0e-12, order 0 exactly"
+    )
+    assert _steps([Fraction(0), small, one], 0) == ""
+    assert _steps([Fraction(0), small * Fraction(99, 100), one], 0) != ""

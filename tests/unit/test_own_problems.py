@@ -194,7 +194,7 @@ def test_decimals_mean_decimals_at_every_precision():
         ({"H": "-" * 3000 + "p", "y0": {"q": 1, "p": 0}}, "cannot be read|nested"),
         ({"H": "q*" * 2000 + "p", "y0": {"q": 1, "p": 0}}, "cannot be read|nested"),
         ({"H": "p**2/2", "y0": {"q": 1, "x": 0}}, "x, where every q... needs its p"),
-        ({"H": "p**2/2", "y0": {"q": 1, "p": 0}, "parameters": {"q": 1}}, "stands for two"),
+        ({"H": "p**2/2", "y0": {"q": 1, "p": 0}, "parameters": {"q": 1}}, "has two meanings"),
         ({"H": "p**2/2", "y0": {"q": 1, "p": 0}, "parameter": {}}, "did you mean 'parameters'"),
         ({"H": "p**2/2", "y0": {"q": 1, "p": 0}, "t_end": 0}, "`t_end` must differ"),
         ({"H": "p**2/2", "y0": {"q": "x", "p": 0}}, "unknown name 'x'"),
@@ -239,6 +239,9 @@ def fails():
 
 def leaves():
     raise SystemExit(0)
+
+def field(t, y):
+    return [y[1], -y[0]]
 """
 
 
@@ -250,7 +253,8 @@ def test_a_python_file_is_executed_by_name(tmp_path):
     named = from_table({"file": "mine.py:ready", "name": "mine", "t_end": "pi"}, tmp_path)
     assert named.name == "mine" and named.t_span[1] == np.pi
     for maker, message in (("wrong", "must return a Problem"), ("fails", "raised KeyError"),
-                           ("leaves", "raised SystemExit: 0"), ("none", "no function 'none'")):  # fmt: skip
+                           ("leaves", "raised SystemExit: 0"), ("none", "no function 'none'"),
+                           ("field", "field of mine.py must return a Problem .* argument: 't'")):  # fmt: skip
         with pytest.raises(UsageError, match=message):
             from_table({"file": f"mine.py:{maker}"}, tmp_path)
 
@@ -346,8 +350,8 @@ def test_a_hamiltonian_of_t_is_integrated_and_nothing_of_it_is_conserved():
         ("p**2/2 + strenth*q", {"strength": 1}, "did you mean strength?"),
         ("p**2/2", {"lambda": 1}, "a word of Python"),
         ("p**2/2", {"k [N/m]": 1}, "letters, digits and _"),
-        ("p**2/2", {"t": 1}, "stands for something else"),
-        ("p**2/2", {"sin": 1}, "stands for something else"),
+        ("p**2/2", {"t": 1}, "has another meaning"),
+        ("p**2/2", {"sin": 1}, "has another meaning"),
     ],
 )
 def test_a_wrong_name_is_answered_with_what_to_do(H, parameters, words):

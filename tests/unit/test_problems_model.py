@@ -18,13 +18,13 @@ def test_f_and_y0_suffice():
     p = Problem(f=lambda t, y: -y, y0=[1, 2])
     assert p.f(0.0, p.y0).tolist() == [-1, -2]
     assert p.dimension == 2 and not p.separable and not p.second_order
-    assert p.expressions is None and p.jacobian is None and p.common == ()
+    assert p.expressions is None and p.jacobian is None
 
 
 def test_expressions_bring_a_jacobian_and_every_precision():
     p = Problem(f=("y[1]", "-k*y[0]"), y0=("1/3", 0), parameters={"k": "2/5"})
     assert p.jacobian(0.0, p.y0).tolist() == [[0, 1], [-0.4, 0]]
-    assert p.jacobian_expressions == (("0", "1"), ("-k", "0"))
+    assert p.jacobian.formula.outputs == ("0", "1", "-k", "0")
     exact = p.on(high())
     assert abs(3 * exact.y0[0] - 1) < 1e-39 and abs(15 * exact.f(0, exact.y0)[1] + 2) < 1e-38
 
@@ -33,7 +33,7 @@ def test_force_gives_f_and_the_separable_parts():
     p = Problem(force=("-sin(q[0])",), y0=(1, 2))
     assert p.second_order and p.separable
     assert p.expressions == ("y[1]", "-sin(y[0])")
-    assert p.dq_expressions == ("p[0]",) and p.dp_expressions == p.force_expressions
+    assert p.dq.outputs == ("p[0]",) and p.dp.outputs == p.force.outputs
     assert p.f(0.0, p.y0) == pytest.approx([2, -np.sin(1)])
 
 
@@ -140,7 +140,7 @@ def test_loops_compile_in_one_piece_with_any_compiler():
     out = np.empty(8)
     f_into(0.0, p.y0, p.params, out)
     assert len(compiled) == 2 and (out == p.f(0.0, p.y0)).all()
-    assert p.f_into is not None and p.force_into is not None and p.expressions is None
+    assert p.force.body is not None and p.expressions is None
 
 
 @pytest.mark.slow
@@ -156,3 +156,16 @@ def test_numba_compiles_the_loops_as_they_stand(name):
     assert out == pytest.approx(p.f(0.0, p.y0), rel=1e-13, abs=1e-15)
     energy = p.hamiltonian.compiled(numba.njit)(np.array(p.y0), p.hamiltonian.params)
     assert energy == pytest.approx(p.hamiltonian(p.y0), rel=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        *((x, [1]) for x in ("parameters", "quadratic", "invariants", "observables", "scales")),
+        ("terms", 3), ("terms", "y[0]"), ("t_span", None), ("t_span", 1.0), ("t_span", (0, 1, 2)),
+        ("t_span", ("a", 1)), ("t_span", (0, 10**400)), ("bodies", "2"), ("bodies", None),
+    ],
+)  # fmt: skip
+def test_what_is_of_another_kind_is_refused_by_its_key(key: str, value: object) -> None:
+    with pytest.raises(UsageError, match=f"`{key}` must "):
+        Problem(**{"f": ("y[1]", "-y[0]"), "y0": (1.0, 0.0), key: value})

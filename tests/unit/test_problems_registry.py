@@ -33,7 +33,8 @@ def test_public_face_resolves_problem():
     ("name", "given", "says"),
     [
         ("keppler", {}, "did you mean kepler"),
-        ("xyz", {}, "see glmref.problems.names()"),
+        ("xyz", {}, "`glmref problems` lists them, and so does glmref.problems.names()"),
+        ("mine.py", {}, 'write file = "FILE.py:FUNCTION" into a TOML file'),
         (3, {}, "no problem named 3"),
         ("kepler", {"excentricity": 0}, "its parameters are eccentricity"),
         ("hires", {"k": 1}, "it has no parameters"),

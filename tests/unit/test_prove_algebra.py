@@ -9,7 +9,14 @@ from typing import Any
 import pytest
 
 from glmref.exact import Ball, ball, exact
-from glmref.prove.algebra import bounded, diagonal_values
+from glmref.prove import algebra
+from glmref.prove.algebra import (
+    bounded,
+    diagonal_values,
+    in_right_half,
+    inside_circle,
+    involutions,
+)
 
 SMALL = Ball.around(ball(0), Fraction(1, 10**20))
 
@@ -49,3 +56,52 @@ def test_one_exact_block_on_the_circle_beside_rounded_ones_inside(
     assert bounded(tuple(map(tuple, V))) is expected
     V[n][n] = SMALL + 2
     assert bounded(tuple(map(tuple, V))) is False
+
+
+def polynomial(roots: list[complex]) -> list[Fraction]:
+    """The real polynomial with these roots, from the constant term up; entries that are near."""
+    found = [1.0 + 0j]
+    for z in roots:
+        found = [x - z * y for x, y in zip([0j, *found], [*found, 0j], strict=True)]
+    return [Fraction(x.real).limit_denominator(10**9) for x in found]
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_roots_inside_the_circle_and_in_the_right_half_plane(seed: int) -> None:
+    draw = random.Random(seed)
+    roots: list[complex] = []
+    for _ in range(draw.randint(1, 3)):
+        z = complex(draw.choice((0, 1, 2, 3, 5, -3, 9)), draw.choice((0, 1, 2))) / 4
+        roots += [z] if z.imag == 0 else [z, z.conjugate()]
+    sizes = [abs(z) for z in roots]
+    if 1.0 in sizes or 0.0 in (z.real for z in roots):
+        roots, sizes = [0.5], [0.5]
+    p = tuple(exact(x) for x in polynomial(roots))
+    assert in_right_half(p) == all(z.real > 0 for z in roots)
+    for q in (p, tuple(ball(x) for x in p)):
+        found = inside_circle(q)
+        assert found == (max(sizes) < 1) or (found is None and max(sizes) > 1)
+
+
+@pytest.mark.parametrize("middle", ["0", "1/3", "2"])
+def test_where_the_ends_agree_roots_may_lie_on_the_circle(middle: str) -> None:
+    for sign in (1, -1):
+        p = (exact(sign), SMALL + Fraction(middle), exact(1))
+        assert inside_circle(p) is None
+
+
+def test_a_search_for_exchanges_is_cut_off(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of n stages that are alike there are 1, 2, 4, 10, 26, 76, 232 involutions."""
+
+    def alike(n: int) -> list[tuple[int, ...]] | None:
+        zero = ((exact(0),) * n,) * n
+        return involutions([(zero, zero, 0, 0)], [n])
+
+    for n, count in ((1, 1), (2, 2), (4, 10), (6, 76)):
+        found = alike(n)
+        assert found is not None and len(set(found)) == len(found) == count
+        assert all(P[P[i]] == i for P in found for i in range(n))
+    assert alike(7) is None
+    monkeypatch.setattr(algebra, "MAX_PLACES", 20)
+    assert alike(4) is None
+    assert alike(2) == [(0, 1), (1, 0)]

@@ -108,3 +108,15 @@ def test_compositions_of_verlet_need_4_conditions_of_order_7():
     assert len(chosen) == 4
     assert spans(7, chosen, VERLET_F)
     assert not any(spans(7, [t for t in chosen if t is not left], VERLET_F) for left in chosen)
+
+
+@pytest.mark.parametrize("order", [1, 2, 3, 4])
+@pytest.mark.parametrize("kind", [SPLITTING, VERLET_F, VERLET_K])
+def test_images_are_sums_over_the_words_of_a_tree(order, kind):
+    for t, row in images(order, kind).items():
+        counted = dict(words(t))
+        expected = [
+            sum((x * counted[w] for w, x in element.items() if w in counted), Fraction(0))
+            for element in lie_basis(order, kind)
+        ]
+        assert list(row) == expected

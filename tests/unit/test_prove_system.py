@@ -12,21 +12,25 @@ import pytest
 
 from glmref import DataError
 from glmref.catalogue.lookup import load
-from glmref.exact import Exact, linalg
+from glmref.errors import ExactnessError
+from glmref.exact import Ball, Exact, ball, linalg
 from glmref.exact.expression import parse
 from glmref.method import as_matrix
-from glmref.prove import simplifying
+from glmref.prove import simplifying, starting
 from glmref.prove.certificate import _Writer
 from glmref.prove.certificate_enclosed import method_proof
 from glmref.prove.classes import Family, reduce_tree
+from glmref.prove.enclosure import WIDTH, _checked_width, radius_of
 from glmref.prove.equations import _products
 from glmref.prove.kernel import Kernel
+from glmref.prove.krawczyk import Outcome, _compared
 from glmref.prove.order_conditions import abscissae
 from glmref.prove.ranges import Range
+from glmref.prove.series import NotPreconsistent, component
 from glmref.prove.simplifying import RungeKuttaSystem
-from glmref.prove.starting import _check_even
+from glmref.prove.starting import _check_even, start_orders
 from glmref.prove.system import Affine, Equation, SweepSystem
-from glmref.theory.trees import parse_tree, trees, trees_up_to
+from glmref.theory.trees import parse_tree, single, trees, trees_up_to
 from tests.adversary.deceive import shipped
 
 SWEEP = {
@@ -260,3 +264,131 @@ def test_an_even_start_asks_for_first_values_below_its_order() -> None:
         else:
             with pytest.raises(DataError, match="add equations `start`"):
                 _check_even(pair, orders)
+
+
+@pytest.mark.parametrize(
+    ("text", "components", "expected"),
+    [("order [oo]", 1, ("order", "[oo]", 0, "o", "0")),
+     ("start 3", 1, ("start", "o", 2, "o", "0")),
+     ("start 2 [o]", 1, ("start", "[o]", 1, "o", "0")),
+     ("growth -1", 1, ("growth", None, 0, "o", "-1")),
+     ("explicit 4", 1, ("explicit", None, 3, "o", "0")),
+     ("defect 2", 1, ("defect", "[o]", 1, "o", "0")),
+     ("abscissa 1 = 1/3", 1, ("abscissa", None, 0, "o", "1/3")),
+     ("order f[kk]", 2, ("order", "f[kk]", 0, "o", "0")),
+     ("start f[k] 2", 2, ("start", "f[k]", 1, "o", "0")),
+     ("growth p -1", 2, ("growth", None, 0, "k", "-1"))],
+)  # fmt: skip
+def test_what_the_name_of_an_equation_says(text: str, components: int, expected: Any) -> None:
+    e = Equation.read(text, components)
+    name = None if e.tree is None else str(e.tree)
+    assert (e.kind, name, e.number, e.colour, e.value) == expected
+
+
+def test_a_start_has_the_orders_that_are_claimed_and_no_other() -> None:
+    pair = SimpleNamespace(is_partitioned=True)
+    whole, second = Family.SEPARABLE, Family.SECOND_ORDER
+    for claims, block, expected in (
+        ({}, {}, ()),
+        ({}, {"order": 3}, ((3, whole),)),
+        ({"starting-order": 4}, {"order": 3}, ((4, whole),)),
+        ({"nystrom-starting-order": 6}, {}, ((6, second),)),
+        ({"starting-order": 4, "nystrom-starting-order": 6}, {}, ((4, whole), (6, second))),
+    ):
+        found = start_orders({"claims": claims, "starting": block}, pair)  # type: ignore[arg-type]
+        assert found == expected
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "fine"),
+    [(0, 0, True), (-1, 1, True), (1, 2, False), (-(10**20), 10**20, False), (1, 1, False)],
+)
+def test_what_follows_must_be_a_small_ball_around_zero(low: int, high: int, fine: bool) -> None:
+    """In units of 1e-60: a wide ball and one without zero are refused, large or small."""
+    middle, radius = Fraction(low + high, 2) / 10**60, Fraction(high - low, 2) / 10**60
+    x = Ball.around(ball(middle), radius)
+    system: Any = SimpleNamespace(families=[(2, Family.ROOTED)], equations=())
+    series: Any = [SimpleNamespace(residual={single(): x})]
+    form: Any = SimpleNamespace(blocks=())
+    if fine:
+        assert _checked_width(system, form, series) < WIDTH
+    else:
+        with pytest.raises(ExactnessError, match="not enclosed"):
+            _checked_width(system, form, series)
+
+
+@pytest.mark.parametrize(
+    ("radius", "said"),
+    [("1e-60", None), ("1e-999", None), ("0", "positive"), ("0e-60", "positive"),
+     ("1.1e-60", "at most"), ("1e-59", "at most"), ("-1e-70", "a number such as"),
+     (1, "a number such as")],
+)  # fmt: skip
+def test_radii_of_boxes(radius: Any, said: str | None) -> None:
+    document = {"enclosure": {"radius": radius}}
+    if said is None:
+        assert radius_of(document) == Fraction(radius)
+    else:
+        with pytest.raises(DataError, match=said):
+            radius_of(document)
+
+
+def test_where_the_image_of_a_box_lies_decides() -> None:
+    def around(middle: int, radius: int) -> Ball:
+        return Ball.around(ball(middle), Fraction(radius))
+
+    for image, outcome, where in (
+        ((0, 1), Outcome.UNIQUE, "interior"), ((1, 2), Outcome.UNDECIDED, "unknown 2"),
+        ((2, 1), Outcome.UNDECIDED, "unknown 2"), ((9, 1), Outcome.NONE, "misses"),
+    ):  # fmt: skip
+        found = _compared((around(0, 2), around(0, 2)), (around(0, 1), around(*image)), 0.5)
+        assert found.outcome is outcome
+        assert where in found.witness
+        assert found.contraction == 0.5
+
+
+def matrices(*found: Any) -> list[Any]:
+    return [tuple(tuple(map(Exact, row)) for row in x) for x in found]
+
+
+def test_why_a_component_has_no_u() -> None:
+    A, B, V = matrices([[0], [0]], [[1, 0]], [[1]])
+    half, zero, unit = Fraction(1, 2), ((Exact(0),), (Exact(0),)), Fraction(1)
+    with pytest.raises(NotPreconsistent, match="has U u = 0"):
+        component(A, zero, B, V)
+    near = Ball.around(ball(0), Fraction(1, 10**9))
+    with pytest.raises(ExactnessError, match="not decided within the digits"):
+        component(A, ((near,), (near,)), B, V)
+    for second, shown in ((Exact(half), "0.5"), (Exact(unit) + parse("i"), "1\\+1j"),
+                          (parse("i"), "0\\+1j")):  # fmt: skip
+        with pytest.raises(NotPreconsistent, match=f"row 2 of U u is {shown} instead of 1"):
+            component(A, ((Exact(1),), (second,)), B, V)
+
+
+def test_an_enclosed_finish_is_proved_and_an_exact_one_is_left(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    digits, asked = "0.14433756729740644112728719512548936391", []
+    monkeypatch.setattr(
+        starting, "prove_starting",
+        lambda block, target, digits: SimpleNamespace(box=[ball(Fraction(1, 7))]),
+    )  # fmt: skip
+    monkeypatch.setattr(starting, "prove_finishing", lambda *given, digits: asked.append(given))
+    target = starting.target_of(load("gsymplectic-n"))
+    A = [["0", "0"], ["1/2", "0"]]
+    opening = {"A": A, "B": [["0", "0"], ["0", digits]], "u": ["1", "0"]}
+    begun, both = {"starting-order": 4}, {"starting-order": 4, "finishing-order": 4}
+    for first, closing, expected, tests in (
+        (["0", "0"], None, begun, 0),
+        (["0", "0"], {"A": [["0"]], "b": ["1/3"]}, begun, 0),
+        (["0", digits], {"A": A, "b": ["0", digits]}, both, 1),
+        (["0", digits], None, both, 0),
+    ):
+        asked.clear()
+        opening["B"][0] = first
+        given = {"starting": opening, "finishing": closing, "digits": 38}
+        if first[1] == digits and closing is None:
+            given["finishing"] = starting.inverse_block(opening)
+        found = starting.prove_blocks({k: v for k, v in given.items() if v is not None}, target)
+        assert (found, len(asked)) == (expected, tests)
+    opening["B"] = [["0", "0"], ["0", "1/3"]]
+    assert starting.prove_blocks({"starting": opening}, target) == {}

@@ -342,7 +342,7 @@ def test_unknowns_and_constants_have_one_table_of_names() -> None:
     assert entries.constants["y"] == 4 and entries.weights["y"].length == 3
     for wrong, fault in (
         ({"constants": ["x"]}, "`constants` must be an object"),
-        ({"unknowns": {"x": "1"}, "constants": {"x": "1"}}, "the constant 'x' stands twice"),
+        ({"unknowns": {"x": "1"}, "constants": {"x": "1"}}, "the constant 'x' occurs twice"),
         ({"constants": {"pi": "1"}}, 'has the name "pi", which cannot be used'),
         ({"constants": {"1x": "1"}}, 'has the name "1x", which cannot be used'),
     ):

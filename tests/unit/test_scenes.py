@@ -189,6 +189,7 @@ def test_a_file_is_read_with_expressions_and_quick_overrides(tmp_path):
         ("at = 1e-2", 'erorr = "state"', "erorr", "did you mean 'error'"),
         ("steps = [10]", "steps = [true]", "steps", "whole number"),
         ("steps = [10]", "name = 3", "name", "there is no key 'name' here"),
+        ("repeats = 1", 'H = "p**2"', "H", "belongs to a problem, not to a scene"),
         ("repeats = 1", 'peers = ["scipy-rk45"]', "peers", "peers need `tolerances`"),
         ("repeats = 1", 'peers = ["matlab"]\ntolerances = [1e-6]', "peers", "must be one of"),
         ("repeats = 1", 'start = "cold"', "start", "must be one of 'zero'"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 from pathlib import Path
 
@@ -33,8 +34,8 @@ def test_integers_strings_lists_and_objects_are_read(reading) -> None:
         ("[1e3]", "the number 1e3 is a float; write an exact string such as '1/4'"),
         ("[NaN]", "NaN is not a number JSON allows"),
         ("[-Infinity]", "-Infinity is not a number JSON allows"),
-        ('{"a": 1, "a": 1}', "the key 'a' stands twice"),
-        ('{"x": {"a": 1, "a": 2}}', "the key 'a' stands twice"),
+        ('{"a": 1, "a": 1}', "the key 'a' occurs twice"),
+        ('{"x": {"a": 1, "a": 2}}', "the key 'a' occurs twice"),
         ("[" + "9" * 21 + "]", "is too long; write it as a string"),
         ("[1,]", "line 1, column 4 is not JSON"),
         ("{\n\n  1}", "line 3, column 3 is not JSON"),
@@ -90,7 +91,17 @@ def test_values_are_shown_short() -> None:
 def test_a_document_is_written_where_there_is_no_folder_yet(tmp_path: Path) -> None:
     path = tmp_path / "new" / "it.json"
     write_json(path, {"name": "Hénon", "rows": [0.5]})
-    assert path.read_bytes() == '{\n "name": "Hénon",\n "rows": [\n  0.5\n ]\n}\n'.encode()
+    assert path.read_bytes() == '{"name": "Hénon", "rows": [0.5]}\n'.encode()
+
+
+def test_a_long_document_has_a_row_on_each_line(tmp_path: Path) -> None:
+    path, row = tmp_path / "it.json", {"h": 0.5, "marks": [10, 100], "verdict": "bounded"}
+    document = {"name": "Hénon", "rows": [row] * 9, "none": [], "long": "x" * 300}
+    write_json(path, document)
+    text = path.read_text(encoding="utf-8")
+    assert json.loads(text) == document
+    assert text.count('\n  {"h": 0.5, "marks": [10, 100], "verdict": "bounded"}') == 9
+    assert max(map(len, text.splitlines()[:-2])) < 200
 
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf")])

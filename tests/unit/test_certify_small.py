@@ -1,0 +1,467 @@
+"""Certificates of small random methods of each class, for each claim and its contrary.
+
+The checker, which shares nothing with the library, accepts every one and refuses the contrary
+verdict from the same parts.
+"""
+
+from __future__ import annotations
+
+import json
+import random
+from fractions import Fraction
+from typing import Any
+
+import pytest
+
+from checker import glmref_check
+from glmref.catalogue.reader import load_document
+from glmref.exact import Exact, linalg
+from glmref.exact.expression import parse, to_text
+from glmref.prove.certificate import certificates_of
+from glmref.prove.certificate_enclosed import equation_numbers
+from glmref.prove.field import Tower
+from glmref.prove.verifier import facts_for
+from tests.adversary.deceive import shipped
+
+SOURCE = {"citation": "-", "where": "-", "status": "derived"}
+HEAD = {"format": "glmref-method-1", "name": "x", "source": SOURCE}
+Rows = list[list[Any]]
+
+
+def written(d: dict[str, Any], claim: str, declared: Any) -> dict[str, Any] | str:
+    """The certificate, or why there is none."""
+    method = load_document({**HEAD, **d, "claims": {**d.get("claims", {}), claim: declared}})
+    facts = facts_for(method)
+    judged = facts.judge(claim, declared)
+    ((_, found),) = certificates_of(facts, {claim: (declared, judged)})
+    return found if isinstance(found, str) else json.loads(json.dumps(found))
+
+
+def proved(d: dict[str, Any], claim: str, declared: Any) -> tuple[bool, list[Any]]:
+    """Whether the claim holds, and the parts; the checker accepts them, for this verdict only."""
+    found = written(d, claim, declared)
+    assert isinstance(found, dict), (claim, declared, found)
+    accepted, why = glmref_check.verdict(found)
+    assert accepted, (claim, declared, why)
+    holds = found["statement"]["verdict"] == "holds"
+    found["statement"]["verdict"] = "fails" if holds else "holds"
+    assert not glmref_check.verdict(found)[0], (claim, declared)
+    return holds, found["parts"]
+
+
+def some(draw: random.Random, *more: int) -> Fraction:
+    return Fraction(draw.choice((-1, 0, 1, 2, *more)), draw.choice((1, 2, 3)))
+
+
+def product(*factors: Rows) -> Rows:
+    found, *rest = factors
+    for x in rest:
+        columns = list(zip(*x, strict=True))
+        found = [[sum(map(Fraction.__mul__, row, y), Fraction(0)) for y in columns]
+                 for row in found]  # fmt: skip
+    return found
+
+
+def blocks(
+    draw: random.Random, stages: int, slopes: int, values: tuple[Rows, Rows, Rows]
+) -> dict[str, Any]:
+    """A component: its values are those of V, moved by T; stages may not see some of them."""
+    V, T, back = values
+    r, one = len(V), Fraction(1)
+    idle = draw.choice((True, True, False))
+    A = [[some(draw) if j < i or draw.random() < 0.2 else 0 * one for j in range(slopes)]
+         for i in range(stages)]  # fmt: skip
+    U = [[one, *(0 * one if idle else some(draw) for _ in range(r - 1))] for _ in range(stages)]
+    b = [some(draw) for _ in range(slopes - 1)]
+    b.append(one - sum(b) if draw.random() < 0.9 else some(draw))
+    idle = draw.choice((True, False))
+    B = [b, *([0 * one if idle else some(draw) for _ in range(slopes)] for _ in range(r - 1))]
+    found = {"A": A, "U": product(U, T), "B": product(back, B), "V": product(back, V, T)}
+    return {k: [[str(x) for x in row] for row in M] for k, M in found.items()}
+
+
+def values(draw: random.Random, r: int) -> tuple[Rows, Rows, Rows]:
+    """V with the eigenvalue 1 and others, T, and its inverse."""
+    unit = [[Fraction(int(i == j)) for j in range(r)] for i in range(r)]
+    V = [list(row) for row in unit]
+    for k in range(1, r):
+        V[k][k] = Fraction(draw.choice((-2, -2, 0, 1, 2, 4)), 2)
+    if r == 3 and draw.random() < 0.4:
+        V[1][2] = Fraction(1)  # a block where the two agree
+    T, back = [list(row) for row in unit], [list(row) for row in unit]
+    if r > 1 and draw.random() < 0.6:
+        i, j = draw.sample(range(r), 2)
+        T[i][j] = some(draw)
+        back[i][j] = -T[i][j]
+    return V, T, back
+
+
+def single(seed: int) -> dict[str, Any]:
+    draw = random.Random(seed)
+    s, r = draw.choice((1, 2, 2, 3)), draw.choice((1, 2, 2, 3))
+    return {"class": "glm", **blocks(draw, s, s, values(draw, r))}
+
+
+def pair(seed: int) -> dict[str, Any]:
+    draw = random.Random(f"pair {seed}")
+    n, m = draw.choice(((1, 1), (2, 1), (1, 2), (2, 2)))
+    both = values(draw, draw.choice((1, 2, 2)))
+    other = both if draw.random() < 0.7 else values(draw, draw.choice((1, 2)))
+    return {"class": "partitioned", "separable": True, "q": blocks(draw, n, m, both),
+            "p": blocks(draw, m, n, other)}  # fmt: skip
+
+
+def rounded(d: dict[str, Any], letters: str) -> dict[str, Any]:
+    """The same with eight decimals in some of the matrices, each an interval."""
+
+    def decimals(rows: list[list[str]]) -> list[list[str]]:
+        return [[f"{round(float(Fraction(x)), 8):.8f}" for x in row] for row in rows]
+
+    def inner(block: dict[str, Any]) -> dict[str, Any]:
+        return {k: decimals(x) if k in letters else x for k, x in block.items()}
+
+    if d["class"] == "glm":
+        return {**inner(d), "digits": 8}
+    return {**d, "q": inner(d["q"]), "p": inner(d["p"]), "digits": 8}
+
+
+#: Claims that are true or false, and those that are orders, of every method of a class.
+TRUTHS = ("preconsistent", "consistent", "zero-stable", "explicit", "symmetric", "g-symplectic",
+          "symplectic", "parasitism-free")  # fmt: skip
+MORE = {"glm": ("symmetric-reduced", "a-stable", "l-stable"), "partitioned": ("reducible",)}
+ORDERS = {"glm": ("order", "order-identity", "stage-order"),
+          "partitioned": ("order", "order-identity")}  # fmt: skip
+#: Why there may be no certificate.
+UNDECIDED = ("the claim is open", "the order is not settled")
+
+
+def check_every_claim(d: dict[str, Any]) -> None:
+    """A statement holds exactly if its contrary fails, and an order is one number."""
+    for claim in (*TRUTHS, *MORE[d["class"]]):
+        found = [answer(d, claim, x) for x in (True, False)]
+        assert found in ([True, False], [False, True], [None, None]), (claim, found)
+    check_abscissae(d)
+    for claim in ORDERS[d["class"]]:
+        found = [answer(d, claim, x) for x in range(4)]
+        assert found.count(True) == 1 or None in found, (claim, found)
+
+
+def check_abscissae(d: dict[str, Any]) -> None:
+    """They are those of a method with its first value as solution, where V and B are exact."""
+    facts = facts_for(load_document({**HEAD, **d}))
+    c = facts.abscissae if facts.is_single and facts.method.is_exact else None
+    if c is None:
+        return
+    right = [to_text(x) for x in c]
+    assert answer(d, "abscissae", right) is True
+    for i in range(len(right)):
+        wrong = [*right[:i], f"{right[i]}+1", *right[i + 1 :]]
+        if answer(d, "abscissae", wrong) is not None:  # V may keep more than the solution
+            assert not proved(d, "abscissae", wrong)[0]
+
+
+def answer(d: dict[str, Any], claim: str, declared: Any) -> bool | None:
+    if written(d, claim, declared) in UNDECIDED:
+        return None
+    return proved(d, claim, declared)[0]
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_each_claim_of_a_method_or_its_contrary_is_certified(seed: int) -> None:
+    check_every_claim(single(seed))
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_each_claim_of_a_pair_or_its_contrary_is_certified(seed: int) -> None:
+    check_every_claim(pair(seed))
+
+
+def test_a_pair_whose_u_is_not_determined_is_reducible() -> None:
+    """Every u will do: the difference of two is never seen by a stage."""
+    A, B, V = [["1/2"]], [["1"], ["1"]], [["1", "0"], ["0", "1"]]
+    q = {"A": A, "U": [["1", "0"]], "B": B, "V": V}
+    for p in (q, {"A": A, "U": [["1"]], "B": [["1"]], "V": [["1"]]}):
+        for first, second in ((q, p), (p, q)):
+            d = {"class": "partitioned", "separable": True, "q": first, "p": second}
+            assert proved(d, "reducible", True)[0]
+            found = written(d, "reducible", False)
+            assert isinstance(found, dict)
+            found["parts"][0]["rule"], found["statement"]["verdict"] = "irreducible", "holds"
+            assert not glmref_check.verdict(found)[0]
+
+
+@pytest.mark.parametrize("seed", [171, 291, 384, 393])
+def test_one_rank_that_is_decided_shows_that_a_pair_is_reducible(seed: int) -> None:
+    """Decimals leave open how many values are reached, or seen; the other rank is less."""
+    assert proved(rounded(pair(seed), "AB"), "reducible", True)[0]
+
+
+@pytest.mark.parametrize("letters", ["A", "B", "AB", "UV", "AUB"])
+@pytest.mark.parametrize("seed", range(3))
+def test_what_is_decided_within_decimals_is_certified(seed: int, letters: str) -> None:
+    check_every_claim(rounded(single(seed), letters))
+    check_every_claim(rounded(pair(seed), letters))
+
+
+def moved(name: str, T: list[list[int]]) -> dict[str, Any]:
+    """A shipped method whose values are combined by T; what it does is the same."""
+    d = shipped(name)
+    r = len(T)
+    matrix = tuple(tuple(Exact(x) for x in row) for row in T)
+    back = linalg.inverse(matrix)
+
+    def inner(block: dict[str, Any]) -> dict[str, Any]:
+        A, U, B, V = (tuple(tuple(map(parse, row)) for row in block[k]) for k in "AUBV")
+        assert len(V) == r
+        new = {"A": A, "U": linalg.matmul(U, matrix), "B": linalg.matmul(back, B),
+               "V": linalg.matmul(back, V, matrix)}  # fmt: skip
+        return {k: [[to_text(x) for x in row] for row in M] for k, M in new.items()}
+
+    if "q" in d:
+        both = {"q": inner(d["q"]), "p": inner(d["p"])}
+        return {"class": "partitioned", "separable": d["separable"], **both}
+    return {"class": "glm", **inner(d)}
+
+
+@pytest.mark.parametrize("T", [[[1, 0], [1, 1]], [[2, 1], [1, 1]], [[1, 1], [0, -1]]])
+@pytest.mark.parametrize("name", ["gsymplectic-n", "g4123", "gsymplectic-n-pair"])
+def test_claims_stay_where_values_are_combined(name: str, T: list[list[int]]) -> None:
+    """The vectors to the eigenvalue 1 on both sides of V, which was diagonal, differ now."""
+    before, d = shipped(name)["claims"], moved(name, T)
+    for claim in ("order", "symmetric", "g-symplectic", "parasitism-free", "reducible"):
+        if claim in before:
+            check_abscissae(d)
+            assert proved(d, claim, before[claim])[0], claim
+
+
+#: sqrt(3)/12, the entry of a start of order 3, and the same wrong in the 41st place.
+RIGHT = "0.144337567297406441127287195125489363911900437817531719004650581620994418076"
+WRONG = RIGHT[:42] + "8" + RIGHT[43:]
+
+
+def started(name: str, hats: tuple[str, ...], digits: str) -> dict[str, Any]:
+    """A method with a start in decimals, each an interval."""
+    d = {k: v for k, v in shipped(name).items() if k != "claims"}
+    for hat in hats:
+        d["starting"][f"B{hat}"] = [["0"] * 3, ["0", f"-{digits}", digits]]
+    return {**d, "digits": 75}
+
+
+@pytest.mark.parametrize(("digits", "q"), [(RIGHT, 3), (WRONG, 1)])
+@pytest.mark.parametrize("claim", ["starting-order", "nystrom-starting-order"])
+def test_a_start_of_a_pair_in_decimals_fails_where_it_certainly_does(
+    digits: str, q: int, claim: str
+) -> None:
+    d = started("gsymplectic-n-pair", ("", "_hat"), digits)
+    assert answer(d, claim, q) is None
+    for declared in (q + 1, q + 2):
+        holds, (part,) = proved(d, claim, declared)
+        assert (holds, part["rule"], part["witness"]["q"]) == (False, "start-at-most", q)
+
+
+@pytest.mark.parametrize(("digits", "q"), [(RIGHT, 3), (WRONG, 1)])
+def test_a_start_of_one_method_that_fails_beyond_order_1_has_no_certificate(
+    digits: str, q: int
+) -> None:
+    """The rule that refutes one is for order 1; a certificate without it would be refused."""
+    d = started("gsymplectic-n", ("",), digits)
+    said = [written(d, "starting-order", x) for x in (q, q + 1)]
+    assert said == ["the claim is open", "the order of the start is not written out"]
+
+
+@pytest.mark.parametrize("name", ["g6245-w3", "s3-w3"])
+def test_an_enclosed_start_of_one_method_is_certified(name: str) -> None:
+    """A start of an exact method, whose symmetry is shown, and one of an enclosed method."""
+    holds, parts = proved(shipped(name), "starting-order", 6)
+    assert holds
+    assert [x["rule"] for x in parts[-2:]] == ["implied-start", "start-at-most"]
+    assert ("symmetric" in [x["rule"] for x in parts]) == (name == "g6245-w3")
+
+
+def test_an_order_of_an_enclosed_start_that_is_not_the_right_one() -> None:
+    """No rule says that the order is higher than declared, and no certificate is written."""
+    said = "a higher order of the start than declared is not written out"
+    assert written(shipped("s3-w3"), "starting-order", 5) == said
+    assert proved(shipped("s3-w3"), "starting-order", 7)[0] is False
+
+
+@pytest.mark.parametrize("claim", ["symmetric", "symmetric-reduced"])
+def test_an_exchange_of_stages_without_one_of_values_is_no_symmetry(claim: str) -> None:
+    """Gauss's stages are exchanged, and a value that is doubled would have to be halved."""
+    gauss = shipped("gauss-2")
+    d = {"class": "glm", "A": gauss["A"], "U": [["1", "0"]] * 2,
+         "B": [gauss["b"], ["0", "0"]], "V": [["1", "0"], ["0", "2"]]}  # fmt: skip
+    holds, parts = proved(d, claim, True)
+    assert holds == (claim == "symmetric-reduced")
+    if not holds:
+        assert parts == [{"rule": "not-symmetric", "witness": {}}]
+    euler = {**d, "A": [["0"]], "U": [["1", "0"]], "B": [["1"], ["0"]]}
+    assert proved(euler, claim, False)[0]
+
+
+@pytest.mark.parametrize("root", ["sqrt(2)", "sqrt(2+sqrt(2))", "root(2,3)"])
+def test_radicals_beside_decimals_stand_in_the_field(root: str) -> None:
+    d = {"class": "glm", "A": [["0.50000000"]], "U": [["1", root]], "B": [["1"], [root]],
+         "V": [["1", "0"], ["0", "1/2"]], "digits": 8}  # fmt: skip
+    for claim, declared in (("preconsistent", True), ("symmetric", False), ("order", 1)):
+        found = written(d, claim, declared)
+        assert isinstance(found, dict)
+        assert root in found["field"]["radicals"]
+        assert glmref_check.verdict(found)[0]
+        del found["field"]["radicals"][root]
+        assert not glmref_check.verdict(found)[0]
+
+
+@pytest.mark.parametrize("name", ["tsitouras-5-4", "s3-w3", "rodas4", "ros34pw2", "ros3p"])
+def test_orders_at_below_and_above_those_of_a_file_are_certified(name: str) -> None:
+    """A sweep form asks for the equations of the order claimed, so that no other one is tried."""
+    claims = shipped(name)["claims"]
+    for claim in ("order", "stage-order", "w-order", "embedded-order"):
+        right = claims.get(claim)
+        for more in (0, -1, 1, 3) if name != "s3-w3" or claim == "stage-order" else (0,):
+            if isinstance(right, int):
+                assert proved(shipped(name), claim, right + more)[0] == (more == 0), (claim, more)
+            elif right is not None:
+                declared = {row: p + more for row, p in right.items()}
+                assert proved(shipped(name), claim, declared)[0] == (more == 0), (claim, more)
+
+
+def test_the_base_of_a_composition_has_its_radicals_in_the_field() -> None:
+    """The steps are rational, and the method that is composed is not."""
+    d = {"class": "composition", "base": "gauss-2", "gamma": ["1/3", "2/3"]}
+    for claim, declared, expected in (("order", 4, True), ("symmetric", True, False)):
+        assert proved(d, claim, declared)[0] == expected
+        found = written(d, claim, declared)
+        assert isinstance(found, dict)
+        assert list(found["field"]["radicals"]) == ["sqrt(3)"]
+
+
+def test_fields_as_they_are_written() -> None:
+    root = {"name": "g1", "polynomial": ["-2", "0"]}
+    for text, conjugates, more in (("sqrt(2)", True, {}), ("i", True, {"conjugate": "-1*g1"}),
+                                   ("i", False, {}), ("root(2,3)", True, {})):  # fmt: skip
+        (found,) = Tower([text], conjugates=conjugates).as_json()["generators"]
+        low, high = (tuple(map(Fraction, found.pop(x))) for x in ("real", "imag"))
+        assert low[0] <= low[1] and high[0] <= high[1]
+        polynomial = {"i": ["1", "0"], "root(2,3)": ["-(2)", "0", "0"]}.get(text, ["-2", "0"])
+        assert found == {**root, "polynomial": polynomial, **more}
+
+
+def test_what_stands_in_a_certificate_for_readers() -> None:
+    doubled = {"class": "glm", "A": [["0"]], "U": [["1"]], "B": [["2"]], "V": [["1"]]}
+    found = written(doubled, "order", 0)
+    assert isinstance(found, dict)
+    assert found["identities"] == ["u and v of consistency do not exist"]
+    found = written({**doubled, "B": [["1"]]}, "order", 1)
+    assert isinstance(found, dict)
+    assert found["identities"] == [
+        "B xiD(t) + V eta(t) = (E eta)(t), 1 trees", "the condition of [o] is not zero, order 2",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(("other", "rules"), [("1/3", {"bounded", "unshared"}),
+                                              ("1/2", {"eigen", "growth"})])  # fmt: skip
+def test_halves_that_share_an_eigenvalue_inside_the_circle_do_not_grow(
+    other: str, rules: set[str]
+) -> None:
+    """Only the principal values of both halves feed each other; that at -1 stands in one half."""
+
+    def diagonal(*values: str) -> list[list[str]]:
+        return [[x if i == j else "0" for j in range(len(values))] for i, x in enumerate(values)]
+
+    q = {"A": [["0"]], "U": [["1"] * 2], "B": [["1"]] * 2, "V": diagonal("1", other)}
+    p = {"A": [["1"]], "U": [["1"] * 3], "B": [["1"]] * 3, "V": diagonal("1", "1/2", "-1")}
+    d = {"class": "partitioned", "separable": True, "q": q, "p": p}
+    for claim, declared in (("parasitism-free", True), ("growth", [])):
+        holds, parts = proved(d, claim, declared)
+        assert holds and {x["rule"] for x in parts} == rules
+    assert not proved(d, "growth", ["0"])[0]
+
+
+def test_the_field_of_a_growth_equation_holds_its_eigenvalue() -> None:
+    """Numbers that stand in the names of equations alone are in the field of the certificate."""
+    texts = ["order [oo]", "growth i", "growth q sqrt(3)/2+i/2", "growth p -1", "abscissa 1 = 2/3"]
+    found = equation_numbers({"enclosure": {"equations": texts}})
+    assert found == ["i", "sqrt(3)/2+i/2", "-1"]
+    assert equation_numbers({}) == []
+
+
+@pytest.mark.parametrize("name", ["i", "with i", "sqrt(", "root of it", "exp(x)"])
+def test_names_of_rows_are_no_numbers(name: str) -> None:
+    """An error ended `certify` where a row was called `sqrt(`."""
+    d = {k: v for k, v in shipped("bogacki-shampine-3-2").items() if k != "claims"}
+    d["embedded"][0]["name"] = name
+    assert proved(d, "embedded-order", {name: 2})[0]
+    found = written(d, "embedded-order", {name: 2})
+    assert isinstance(found, dict)
+    assert found["field"] == {"kind": "rational"}
+
+
+def test_eigenvalues_that_are_rational_and_complex_stand_in_the_field() -> None:
+    V = [["1", "0", "0"], ["0", "3/5", "-4/5"], ["0", "4/5", "3/5"]]
+    d = {"class": "glm", "A": [["0"]], "U": [["1", "0", "0"]], "B": [["1"], ["1"], ["0"]], "V": V}
+    holds, parts = proved(d, "growth", ["0", "0"])
+    assert holds
+    assert parts[0]["witness"]["zeta"] == ["1", "(3+4*i)/5", "(3-4*i)/5"]
+
+
+@pytest.mark.parametrize(
+    ("claim", "trees", "failing"),
+    [("starting-order", "all", "f[fff]"), ("nystrom-starting-order", "nystrom", "f[k[ff]]")],
+)
+def test_an_exact_start_of_a_pair_is_judged_on_the_trees_of_its_claim(
+    claim: str, trees: str, failing: str
+) -> None:
+    for declared in (2, 3, 4):
+        holds, parts = proved(shipped("gsymplectic-n-pair"), claim, declared)
+        assert holds == (declared == 3)
+        assert [x["witness"]["trees"] for x in parts[:2]] == [trees, trees]
+        assert parts[2:] == [
+            {"rule": "start-at-least", "witness": {"q": 3}},
+            {"rule": "start-at-most", "witness": {"q": 3, "tree": failing}},
+        ]
+
+
+@pytest.mark.parametrize("letters", ["A", "B", "AB"])
+def test_abscissae_that_are_certainly_others(letters: str) -> None:
+    """The abscissae before the entries were rounded are not refuted by the same part."""
+    for seed in range(4):
+        d = rounded(single(seed), letters)
+        found = written(d, "abscissae", ["9"] * len(d["A"]))
+        assert isinstance(found, dict)
+        assert proved(d, "abscissae", ["9"] * len(d["A"]))[0] is False
+        c = facts_for(load_document({**HEAD, **single(seed)})).abscissae
+        assert c is not None
+        right = [to_text(x) for x in c]
+        found["statement"]["declared"] = found["document"]["claims"]["abscissae"] = right
+        accepted, why = glmref_check.verdict(found)
+        assert (accepted, why) == (False, "the abscissae may be as declared")
+
+
+@pytest.mark.parametrize("claim", ["order", "order-identity", "effective-order"])
+def test_an_order_along_paths_is_certified(claim: str) -> None:
+    """`effective-order` alone, for which the other series had not been made, was a KeyError."""
+    d = {k: v for k, v in shipped("multistep-10").items() if k != "claims"}
+    for declared in (9, 10, 11):
+        holds, parts = proved(d, claim, declared)
+        assert holds == (declared == 10)
+        assert {x["witness"]["trees"] for x in parts} == {"paths"}
+        assert parts[-1]["witness"]["tree"] == "f[k[" * 5 + "f" + "]" * 10
+
+
+@pytest.mark.parametrize(("key", "tree"), [("B", "f"), ("B_hat", "k")])
+def test_a_start_of_a_pair_that_is_wrong_at_once(key: str, tree: str) -> None:
+    d = {k: v for k, v in shipped("gsymplectic-n-pair").items() if k != "claims"}
+    d["starting"][key] = [["0"] * 3, ["1", "0", "0"]]
+    for declared in (0, 1, 3):
+        holds, parts = proved(d, "starting-order", declared)
+        assert (holds, parts[-1]["witness"]["tree"]) == (declared == 0, tree)
+
+
+@pytest.mark.parametrize("name", ["numerov", "stoermer-8"])
+def test_orders_of_pairs_on_all_systems_and_on_those_of_second_order(name: str) -> None:
+    claims = shipped(name)["claims"]
+    d = {k: v for k, v in shipped(name).items() if k != "claims"}
+    for claim in ("order", "nystrom-order", "order-identity"):
+        for declared in range(claims[claim] - 1, claims[claim] + 2):
+            assert proved(d, claim, declared)[0] == (declared == claims[claim]), claim

@@ -1,0 +1,76 @@
+"""What ``analyze`` says is what was found, and cannot be changed."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import FrozenInstanceError, is_dataclass
+from typing import Any
+
+import pytest
+
+from glmref import analyze, load
+from glmref.exact.expression import parse
+from glmref.prove import (
+    classes,
+    digits,
+    enclosure,
+    equations,
+    krawczyk,
+    series,
+    simplifying,
+    starting,
+    system,
+)
+from glmref.prove.verifier import facts_for
+
+
+@pytest.mark.parametrize(
+    ("name", "exchanges"),
+    [("stormer-verlet", [[1], [2, 1]]), ("gsymplectic-n-pair", [[2, 1], [2, 1]]),
+     ("gsymplectic-n", [2, 1]), ("rk4", None)],
+)  # fmt: skip
+def test_exchanges_of_stages_are_told_by_their_numbers(name: str, exchanges: Any) -> None:
+    assert analyze(load(name)).symmetric["P"] == exchanges
+
+
+def test_the_periodicity_interval_of_an_enclosed_method_is_found() -> None:
+    """Decimals do not show that eigenvalues are mirrored; the form that is conserved does."""
+    assert analyze(load("s3-w3")).stability["periodicity"] == pytest.approx(2.0252, abs=1e-3)
+
+
+def test_what_was_proved_cannot_be_changed() -> None:
+    found = analyze(load("rk4"))
+    with pytest.raises(FrozenInstanceError):
+        found.order = 5  # type: ignore[misc]
+    made = [x for m in (classes, digits, enclosure, equations, krawczyk, series, simplifying,
+                        starting, system) for x in vars(m).values()
+            if isinstance(x, type) and is_dataclass(x) and x.__module__ == m.__name__]  # fmt: skip
+    assert len(made) > 8
+    assert all(x.__dataclass_params__.frozen for x in made)  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("name", ["gauss-2", "gsymplectic-n", "gsymplectic-n-pair", "g4123"])
+def test_an_analysis_holds_what_was_found_and_is_strict_json(name: str) -> None:
+    found, facts = analyze(load(name)), facts_for(load(name))
+    plain = json.loads(json.dumps(found.as_json(), allow_nan=False))
+    for key, x in found.stability.items():
+        assert plain["stability"][key] == ("infinity" if x == math.inf else x)
+    form, turned = facts.g_symplecticity, facts.symmetry
+
+    def same(texts: Any, rows: Any) -> bool:
+        if rows is None:
+            return texts is None
+        gaps = [parse(x) - y for row, given in zip(texts, rows, strict=True)
+                for x, y in zip(row, given, strict=True)]  # fmt: skip
+        return all(x.is_zero() for x in gaps)
+
+    assert same(found.g_symplectic["G"], form.G)
+    assert same(found.symmetric["L"], turned.L)
+    if facts.is_single:
+        assert same([found.g_symplectic["D"]], [form.D])
+        assert "L_hat" not in found.symmetric
+    else:
+        assert same(found.symmetric["L_hat"], turned.L_hat)
+        D = found.g_symplectic["D"]
+        assert same([D["D_P"]], [form.D_P]) and same([D["D_Q"]], [form.D_Q])

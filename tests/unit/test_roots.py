@@ -1,0 +1,152 @@
+"""Numbers made of roots of unity and of real roots of rationals: zero is decided at once."""
+
+import cmath
+import random
+from fractions import Fraction
+
+import pytest
+
+from glmref.errors import ExactnessError
+from glmref.exact import Exact, root_of_unity
+from glmref.exact.expression import parse, shown_number, to_text
+
+ATOMS = (
+    *("exp(2*pi*i/7)", "exp(6*pi*i/7)", "exp(2*pi*i/5)", "exp(2*pi*i/9)", "root(2,3)", "root(12,4)"),
+    *("root(6,3)", "root(3/2,5)", "sqrt(5)", "sqrt(2)", "sqrt(3)", "sqrt(7)", "i", "1/3", "2"),
+    "1/(2+sqrt(6))",
+)  # fmt: skip
+
+
+def number(text: str) -> Exact:
+    value = parse(text)
+    assert isinstance(value, Exact)
+    return value
+
+
+def drawn(seed: int) -> tuple[Exact, complex]:
+    """A random number of two to four atoms, and the same in floating point."""
+    chance = random.Random(seed)
+    text = chance.choice(ATOMS)
+    value, size = number(text), complex(number(text))
+    for _ in range(chance.randint(1, 3)):
+        other, sign = number(chance.choice(ATOMS)), chance.choice("+-*")
+        value = value + other if sign == "+" else value - other if sign == "-" else value * other
+        near = complex(other)
+        size = size + near if sign == "+" else size - near if sign == "-" else size * near
+    return value, size
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_sums_and_products_have_their_size_and_what_is_zero_is_decided(seed: int) -> None:
+    value, size = drawn(seed)
+    assert abs(complex(value) - size) < 1e-12 * max(1, abs(size))
+    assert value.is_zero() is (abs(size) < 1e-9)
+    square = value * value.conjugate()
+    assert square.is_real()
+    assert square.sign() == (not value.is_zero())
+    assert value.real + value.imag * Exact(-1).sqrt() == value
+    assert value.real.is_real()
+
+
+@pytest.mark.parametrize(
+    ("left", "right"),
+    [
+        ("sqrt(5)", "1+2*exp(2*pi*i/5)+2*exp(8*pi*i/5)"),
+        ("i*sqrt(7)", "1+2*exp(2*pi*i/7)+2*exp(4*pi*i/7)+2*exp(8*pi*i/7)"),
+        ("exp(2*pi*i/5)*exp(2*pi*i/7)*exp(-24*pi*i/35+4*pi*i/35-4*pi*i/35)", "1"),
+        ("root(2,3)*exp(2*pi*i/7)*root(4,3)*exp(12*pi*i/7)", "2"),
+        ("exp(2*pi*i/24)*exp(-2*pi*i/15)*exp(-2*pi*i/24)", "exp(-2*pi*i/15)"),
+        ("root(12,4)*exp(2*pi*i/7)*root(12,4)", "2*sqrt(3)*exp(2*pi*i/7)"),
+        ("root(6,3)*exp(2*pi*i/9)", "root(2,3)*exp(2*pi*i/9)*root(3,3)"),
+        ("root(3/2,5)*exp(2*pi*i/9)*root(2,5)", "exp(2*pi*i/9)*root(3,5)"),
+        ("exp(2*pi*i/9)+exp(8*pi*i/9)+exp(14*pi*i/9)", "0"),
+    ],
+)  # fmt: skip
+def test_equal_numbers_written_in_two_ways(left: str, right: str) -> None:
+    if "35" in left:  # larger orders than entries may have
+        first = root_of_unity(1, 5) * root_of_unity(1, 7) * root_of_unity(-12, 35)
+    else:
+        first = number(left)
+    assert first == number(right)
+    assert first + Fraction(1, 10**60) != number(right)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "exp(2*pi*i/5)+exp(2*pi*i/7)",
+        "root(2,3)*exp(2*pi*i/7)+1",
+        "root(2,3)+root(3,3)+exp(2*pi*i/5)",
+        "exp(2*pi*i/24)*exp(-2*pi*i/15)+1/2",
+        "root(2,12)+exp(2*pi*i/7)",
+    ],
+)
+def test_a_reciprocal_is_one(text: str) -> None:
+    value = number(text)
+    assert value * (1 / value) == 1
+    assert (2 / value).conjugate() == 2 / value.conjugate()
+
+
+def test_zero_has_no_reciprocal() -> None:
+    z = number("exp(2*pi*i/7)")
+    with pytest.raises(ZeroDivisionError):
+        _ = z / (z - root_of_unity(1, 7))
+
+
+@pytest.mark.parametrize(
+    ("text", "printed"),
+    [
+        ("exp(2*pi*i/5)*exp(6*pi*i/7)+exp(2*pi*i/9)*exp(6*pi*i/7)",) * 2,
+        ("exp(2*pi*i/7)*sqrt(2)", "sqrt(2)*exp(2*pi*i/7)"),
+        ("-exp(2*pi*i/7)*3/5", "-3*exp(2*pi*i/7)/5"),
+        ("exp(2*pi*i/7)*(1+sqrt(6))*root(2,3)", "((1+sqrt(6))*exp(2*pi*i/7))*root(2,3)"),
+        ("exp(2*pi*i/7)*exp(12*pi*i/7)*(sqrt(3)-i)/2", "(sqrt(3)-i)/2"),
+        ("(exp(2*pi*i/7)+sqrt(3))*exp(4*pi*i/7)-exp(6*pi*i/7)", "sqrt(3)*exp(4*pi*i/7)"),
+    ],
+)
+def test_the_text_of_such_a_number(text: str, printed: str) -> None:
+    value = number(text)
+    assert to_text(value) == printed
+    assert number(printed) == value
+
+
+def test_square_roots_are_written_where_a_number_is_made_of_them() -> None:
+    z = number("exp(2*pi*i/5)")
+    assert to_text((z + z.conjugate()) * 2 + 1) == "sqrt(5)"
+    assert shown_number((z + z.conjugate()) * 2 + 1) == "sqrt(5)"
+    w = number("exp(2*pi*i/7)")
+    assert to_text(w + w * w + w**4) == "-1/2+sqrt(7)*i/2"
+
+
+def test_many_digits_of_a_small_difference() -> None:
+    """cos(2 pi / 7) and a rational that agrees with it in 300 digits."""
+    real = number("exp(2*pi*i/7)").real
+    digits = real.ball(2000).decimal_text(400)
+    near = Fraction(digits[:302])  # 0. and 300 digits
+    assert (real - near).sign() == 1
+    assert (real - near - Fraction(1, 10**300)).sign() == -1
+    assert abs(complex(real - near)) < 1e-299
+    assert cmath.isclose(complex(real), cmath.cos(2 * cmath.pi / 7))
+
+
+def test_positive_roots_of_rationals_meet_without_an_open_zero() -> None:
+    """Each is kept by its minimal polynomial, of which flint alone cannot decide so much."""
+    x = number("root(6,12)+root(2/9,3)*root(9/5,2)")
+    y = number("root(3/4,4)")
+    assert ((x + y) * (x + y) - x * x - 2 * x * y - y * y).is_zero()
+    x, y = number("root(5/2,5)+root(27/2,6)-root(8/9,9)"), number("root(3,4)")
+    assert ((x + y) * (x - y) - x * x + y * y).is_zero()
+
+
+def test_a_number_of_a_field_that_is_too_large_has_no_text() -> None:
+    """Its square roots are in a larger field still, which is no reason for another error."""
+    value = root_of_unity(399, 945) + root_of_unity(295, 945)
+    with pytest.raises(ExactnessError):
+        to_text(value)
+
+
+def test_a_sum_with_very_long_numbers_is_not_divided_by():
+    x = parse("exp(2*pi*i/29)+exp(-2*pi*i/29)") * (10**500 + 1) + parse("exp(4*pi*i/29)")
+    with pytest.raises(ExactnessError, match=r"with numbers of \d+ bits is not divided by"):
+        Exact(1) / x
+    assert not x.is_zero()
