@@ -9,6 +9,8 @@ import argparse
 import ast
 import cmath
 import json
+import os
+import pathlib
 import re
 import signal
 import sys
@@ -672,7 +674,8 @@ class Element(Ring):
         return value
 
     def __eq__(self, other):
-        return vanishes(self - other)
+        # the same terms are another number in another tower
+        return getattr(other, "tower", self.tower) is self.tower and vanishes(self - other)
 
     def __hash__(self):
         return hash(frozenset(self.terms.items()))
@@ -751,12 +754,20 @@ class Interval(Ring):
 
 
 @cache
+def rounded(x):
+    """Return an interval around a rational."""
+    return Interval.ends(Fraction(x), Fraction(x))
+
+
 def around(x):
     """Return an interval around an exact number, which must be real."""
     if not isinstance(x, Element):
-        return Interval.ends(Fraction(x), Fraction(x))
-    require(conj(x) == x, "a number that must be real is not")
-    return enclose(x).re
+        return rounded(x)
+    balls = x.tower.balls  # kept with the tower: each certificate has its own
+    if x not in balls:
+        require(conj(x) == x, "a number that must be real is not")
+        balls[x] = enclose(x).re
+    return balls[x]
 
 
 class Box(Ring):
@@ -830,7 +841,7 @@ class Tower:
     def __init__(self, generators=()):
         self.names, self.degrees, self.polynomials, self.roots = [], [], [], []
         self.real, self.conjugates, self.inverses, self.starts = [], [], {}, []
-        self.tables, self.basis, self.index = {}, [()], {(): 0}
+        self.tables, self.basis, self.index, self.balls = {}, [()], {(): 0}, {}
         require(isinstance(generators, list | tuple), "generators are a list")
         for k, entry in enumerate(generators):
             keys(entry, "name polynomial real imag", "conjugate", "generator")
@@ -999,10 +1010,16 @@ def rational(text):
 
 FUNCTIONS = ("sqrt", "root", "exp")
 CHARACTERS = r"[-+*/(),.0-9A-Za-z_]+"
+BLANK = r"[ \t\n\r\f\v]"
 OPERATIONS = {
     ast.Add: lambda x, y: x + y, ast.Sub: lambda x, y: x - y, ast.Mult: lambda x, y: x * y,
     ast.Div: lambda x, y: x * inverse(y), ast.UAdd: lambda x: x, ast.USub: lambda x: -x,
 }  # fmt: skip
+
+
+def plain(text):
+    """Return an entry without blanks and without zeros that begin a number, as in 01."""
+    return re.sub(r"(?<![.\w])0+(?=[0-9])", "", re.sub(BLANK, "", text))
 
 
 def parse(text, name, radical=None, written_out=str, decimal=None):
@@ -1012,15 +1029,15 @@ def parse(text, name, radical=None, written_out=str, decimal=None):
     and of a decimal.
     """
     require(isinstance(text, str) and 0 < len(text) <= DIGITS, "an entry is no short string")
-    require(not re.search(r"[.\w] +[.\w]", text), "a blank stands inside a number or a name")
-    text = text.replace(" ", "")
+    require(not re.search(rf"[.\w]{BLANK}+[.\w]", text), "a blank stands inside a number or a name")
+    text = plain(text)
     require(re.fullmatch(CHARACTERS, text), f"{text[:40]!r} is no entry")
 
     def value(node):
         kind, own = type(node), text[node.col_offset : node.end_col_offset]
         if kind is ast.Constant and own.isdigit():
             return Fraction(int(own))
-        if kind is ast.Constant and re.fullmatch(r"[0-9]+\.[0-9]+", own):
+        if kind is ast.Constant and re.fullmatch(r"[0-9]*\.[0-9]*", own):
             require(decimal, "a decimal is no exact number")
             return decimal(own)
         if own == "i" or (kind is ast.Call and getattr(node.func, "id", "") in FUNCTIONS):
@@ -1131,7 +1148,7 @@ class Numbers:
 
         def written_out(text):
             text = re.sub(r"[A-Za-z_][A-Za-z_0-9]*", lambda m: f"({written_out(constants[m[0]])})"
-                          if m[0] in constants else m[0], text.replace(" ", ""))  # fmt: skip
+                          if m[0] in constants else m[0], plain(text))  # fmt: skip
             require(len(text) <= DIGITS, "beyond the limits of this checker")
             return text
 
@@ -3949,7 +3966,7 @@ def row(proof, w):
     low, high = ["order-at-least"], ["order-at-most"]
     own = ([["implied-order", *high]] if proof.record.root is not None
            else [low + high, ["no-order-1"]])  # fmt: skip
-    own += [high] if proof.holds else [high, low]
+    own += [high] if proof.holds else [high, low, ["implied-order"]]
     require(names in own, "the parts of a row")
     nystrom = whole_method.kind == "nystrom"
     proof.low = proof.high = None
@@ -4617,6 +4634,11 @@ class Proof:
 # -------------------------------------------------------------------------------- the command
 
 
+def printed(text):
+    """Return a text of others on one line that a terminal does not obey."""
+    return "".join(x if x.isprintable() else ascii(x)[1:-1] for x in text)
+
+
 def no_float(text):
     """Refuse a JSON number that is not whole."""
     raise Refused(f"{text[:40]} is a JSON number that is not whole")
@@ -4632,6 +4654,9 @@ def no_twins(pairs):
 def read(path):
     """Return the texts of the certificates in a file: one, or one on each line."""
     try:
+        # a pipe of the shell has no name; one that has may have no writer, and opening it waits
+        if pathlib.Path(os.path.realpath(path)).is_fifo():
+            raise Unreadable("it cannot be read: it is a named pipe")
         with open(path, "rb") as file:
             text = file.read(MEGABYTES * 2**20 + 1).decode("utf-8")
     except (OSError, UnicodeDecodeError) as error:
@@ -4654,8 +4679,9 @@ def verdict(certificate):
         if isinstance(error, RecursionError | MemoryError | ArithmeticError):
             return False, "beyond the limits of this checker"
         return False, f"a part has another shape ({type(error).__name__})"
-    name, word = proof.method.document["name"], "holds" if proof.holds else "fails"
-    return True, f"{name}: {proof.claim_text} {word} ({', '.join(proof.rules)})"
+    name, claim = str(proof.method.document["name"])[:100], proof.claim_text[:300]
+    word = "holds" if proof.holds else "fails"
+    return True, f"{name}: {claim} {word} ({', '.join(proof.rules)})"
 
 
 def check(text):
@@ -4687,10 +4713,11 @@ def main(arguments=None):
         try:
             for text in read(path):
                 accepted, sentence = check(text)
-                sys.stdout.write(f"{path}: {'yes' if accepted else 'no'}: {sentence}\n")
+                answer = f"{path}: {'yes' if accepted else 'no'}: {sentence}"
+                sys.stdout.write(f"{printed(answer)}\n")
                 code = code if accepted else 1
         except Unreadable as error:
-            sys.stderr.write(f"{path}: {error}\n")
+            sys.stderr.write(f"{printed(f'{path}: {error}')}\n")
             return 2
     return code
 

@@ -19,6 +19,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from ..system.terminal import escaped
 from .claims import CLAIMS
 
 #: Keys of method files in reading order: what it is, its coefficients, what is claimed, from where.
@@ -82,14 +83,14 @@ def laid_out(document: Mapping[str, Any]) -> str:
 
 
 def one_line(document: object) -> str:
-    """Return a document on one line, without its end.
+    """Return a document on one line, without its end; what is not seen is escaped.
 
     Raises
     ------
     TypeError, ValueError
         As :func:`canonical`.
     """
-    return json.dumps(document, ensure_ascii=False, allow_nan=False)
+    return escaped(json.dumps(document, ensure_ascii=False, allow_nan=False))
 
 
 def compact(document: object, *, sort_keys: bool = False) -> bytes:

@@ -59,10 +59,10 @@ def names(folder: str = "methods") -> list[str]:
     UsageError
         For another word.
     """
-    if folder not in (*FOLDERS, "all"):
+    if not isinstance(folder, str) or folder not in (*FOLDERS, "all"):
         raise UsageError(
             f"`folder` must be 'methods', 'broken' or 'all', got {shown(folder)}"
-            f"{did_you_mean(folder, (*FOLDERS, 'all'), ', ', '')}"
+            f"{did_you_mean(shown(folder), (*FOLDERS, 'all'), ', ', '')}"
         )
     return sorted(k for k, (where, _) in _index(data_root()).items() if folder in ("all", where))
 
@@ -80,6 +80,8 @@ def path_of(name: str | Path) -> Path:
     UsageError
         When there is neither, naming the nearest shipped names.
     """
+    if not isinstance(name, str | Path):
+        raise UsageError(f"`name` must be a name or a file, got {shown(name)}")
     text = str(name)
     known = _index(data_root())
     if text in known:

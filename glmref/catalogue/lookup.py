@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..errors import BudgetError, DataError, UsageError
 from ..method import GLM, AdditiveGLM, PartitionedGLM
 from ..system.budget import READING, limited
 from .files import data_root, document, is_broken, names, path_of
 from .reader import load_document
+
+if TYPE_CHECKING:
+    from ..system.process import Said
 
 __all__ = [
     "data_root",
@@ -21,6 +24,7 @@ __all__ = [
     "names",
     "path_of",
     "read_method",
+    "unread",
 ]
 
 
@@ -79,7 +83,17 @@ def read_method(path: Path) -> tuple[dict[str, Any], Any]:
         with limited(None if is_shipped(path) else READING):
             return doc, load_document(doc, where=path.name)
     except BudgetError as error:
-        raise DataError(
-            f"{path.name}: the entries take more than {READING:g} s of processor time to read "
-            f"({error}); write them with fewer roots, or as decimals with `digits`"
-        ) from None
+        raise _slow(path, error) from None
+
+
+def _slow(path: Path, error: Exception) -> DataError:
+    return DataError(
+        f"{path.name}: the entries take more than {READING:g} s of processor time to read "
+        f"({error}); write them with fewer roots, or as decimals with `digits`"
+    )
+
+
+def unread(path: Path, said: Said) -> Exception:
+    """Why a file was not read in a process of its own, which was ended."""
+    error = said.error(READING)
+    return _slow(path, error) if isinstance(error, BudgetError) else error

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import DataError
+from ..system import arguments
 from ..system.files import make_folder, read_text, write_text
 
 MAX_BYTES = 4_000_000  # a method file has some kilobytes; the largest vectors some hundred
@@ -75,7 +76,7 @@ def read_json(path: Path) -> Any:
             parse_float=lambda x: _refuse(name, f"the number {shown(x)[1:-1]} is a float", x),
             parse_constant=lambda x: _refuse(name, f"{x} is not a number JSON allows", "0"),
             parse_int=lambda x: _integer(name, x),
-            object_pairs_hook=lambda pairs: _unique(name, pairs),
+            object_pairs_hook=lambda pairs: unique(pairs, f"{name}: "),
         )
     except json.JSONDecodeError as error:
         raise DataError(
@@ -114,16 +115,26 @@ def _integer(name: str, text: str) -> int:
     return int(text)
 
 
-def _unique(name: str, pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:
+def unique(pairs: Sequence[tuple[str, Any]], where: str = "") -> dict[str, Any]:
+    """An object of JSON; of two values with one key only the last would be seen.
+
+    Raises
+    ------
+    DataError
+        Naming a key that occurs twice, after ``where``.
+    """
     result: dict[str, Any] = {}
     for key, value in pairs:
         if key in result:
-            raise DataError(f"{name}: the key {key!r} occurs twice; keep one of them")
+            raise DataError(f"{where}the key {key!r} occurs twice; keep one of them")
         result[key] = value
     return result
 
 
 def shown(value: object) -> str:
     """A value as JSON, shortened for a message."""
-    text = json.dumps(value, default=repr)
+    try:
+        text = json.dumps(value, default=repr)
+    except Exception:  # whatever a class of the user raises
+        text = arguments.shown(value)
     return text if len(text) <= 60 else text[:57] + "..."

@@ -38,8 +38,8 @@ class Ball(Arithmetic):
 
     @classmethod
     def decimal(cls, text: str, digits: int) -> Ball:
-        """Ball of a published decimal: radius one unit of the last of ``digits`` places."""
-        if "e" in text or "E" in text:
+        """Ball of a published decimal, or of a fraction: radius one unit of the last place."""
+        if any(x in text for x in "eE/"):
             value = as_fmpq(Fraction(text))
         else:  # the short way: most numbers of most files
             whole, _, places = text.partition(".")

@@ -31,6 +31,7 @@ from . import Ball, Exact, Scalar, root_of_unity
 MAX_LENGTH = 4000  # characters of one entry, its constants written out; published ones have 200
 MAX_DEPTH = 40  # nested parentheses and signs
 MAX_INTEGER_DIGITS = 1000
+MAX_BITS = 3 * MAX_LENGTH  # of a numerator or denominator that comes as a number
 MAX_TURN_DENOMINATOR = 30  # of a root of unity exp(2*pi*i*k/n), whose degree is up to n - 1
 MAX_ROOT = 12  # n of root(x, n)
 MAX_RADICALS = 40  # in one entry, its constants written out: each may double the field's degree
@@ -523,7 +524,7 @@ def _powers_of_pi(node: Node) -> set[Fraction]:
 
 
 _GENERATOR = re.compile(
-    r"(?P<name>[a-z]\d*) = (?P<size>[^\[]*)\[(?:Sqrt\([^{]*\{(?P<radicand>[^}]*)\}\)"
+    r"(?P<name>[a-z]\d*) = [^\[]*\[(?:Sqrt\([^{]*\{(?P<radicand>[^}]*)\}\)"
     r"|Pow\((?:[^{,]*\{)?(?P<base>[^},]*)\}?, [^{]*\{(?P<part>-?\d+)/(?P<degree>\d+)\}\)"
     r"|Conjugate\([^{]*\{(?P<conjugate>[^}]*)\}\)|(?P<minpoly>[^\]]*)=0)\]"
 )
@@ -533,6 +534,11 @@ _QUADRATIC = re.compile(
 )
 _RADICAL = re.compile(r"(?:(?P<a>\d+)\*)?(?P<name>[a-z]\d*)\^(?P<degree>\d+)-(?P<c>\d+)$")
 _POWER = re.compile(r"([a-z]\d*)\^(\d+)")
+
+
+def writable(value: int | Fraction) -> bool:
+    """Whether a number is short enough to be computed with, and to be written out."""
+    return max(value.numerator.bit_length(), value.denominator.bit_length()) <= MAX_BITS
 
 
 def to_text(value: Scalar) -> str:
@@ -548,7 +554,7 @@ def to_text(value: Scalar) -> str:
     spend()
     fraction = value.as_fraction()
     if fraction is not None:
-        if max(abs(fraction.numerator), fraction.denominator).bit_length() > 3 * MAX_LENGTH:
+        if not writable(fraction):
             raise ExactnessError(
                 f"a fraction with more than {MAX_LENGTH} digits is not written out"
             )
@@ -645,13 +651,10 @@ def _generator_text(match: re.Match[str], names: Mapping[str, str], value: Exact
         raise ExactnessError(f"no square-root form found for {value!r}")
     a, b = int(quadratic["a"] or 1), int(f"{quadratic['sign'] or '+'}{quadratic['b'] or 1}")
     b, c = b if quadratic["sign"] else 0, int(quadratic["c"])
-    # which of the two roots: the sign before the square root, from the size that flint shows
-    size = complex(match["size"].replace(" ", "").replace("*I", "j").replace("I", "1j"))
-    minus = (size.imag if b * b < 4 * a * c else size.real + b / (2 * a)) < 0
+    # flint's generator is the root with the plus; whether it is, `to_text` asks of the whole number
     if b == 0 and a == 1:
-        root = "i" if c == 1 else f"sqrt({-c})" if c < 0 else f"(i*sqrt({c}))"
-        return f"(-{root})" if minus else root
-    return f"(({-b}{'-' if minus else '+'}sqrt({b * b - 4 * a * c}))/{2 * a})"
+        return "i" if c == 1 else f"sqrt({-c})" if c < 0 else f"(i*sqrt({c}))"
+    return f"(({-b}+sqrt({b * b - 4 * a * c}))/{2 * a})"
 
 
 def _substitute(body: str, names: Mapping[str, str], value: Exact) -> str:

@@ -11,7 +11,7 @@ from typing import Any
 import flint
 from flint.types import _gr  # pyright: ignore[reportAttributeAccessIssue]
 
-from ..errors import ExactnessError
+from ..errors import ExactnessError, UndecidedError
 
 #: Working precision of balls, in bits: 75 published digits and their proofs fit several times over.
 BALL_BITS = 512
@@ -41,8 +41,21 @@ def _ball_field(bits: int) -> Any:
 
 
 def enclose(value: Any, bits: int) -> flint.acb:
-    """Return a ball of the working precision around an element of the algebraic field."""
+    """Return a ball of the working precision around an element of the algebraic field.
+
+    flint works with 4096 bits at the most, or twice those asked for; a quotient whose denominator
+    needs more for a size is asked for again with more.
+
+    Raises
+    ------
+    UndecidedError
+        When :data:`MAX_BITS` do not suffice.
+    """
     text = repr(_ball_field(bits)(value))
+    if "nan" in text:
+        if bits >= MAX_BITS:
+            raise UndecidedError(f"the size of a quotient needs more than {MAX_BITS} bits")
+        return enclose(value, 2 * bits)
     match = _BALL_TEXT.match(text)
     if match is None:  # pragma: no cover - a change in flint's printing would show here
         raise ExactnessError(f"flint printed a ball as {text!r}, which is not understood")

@@ -102,7 +102,12 @@ def add(a: Matrix, b: Matrix) -> Matrix:
 
 def sub(a: Matrix, b: Matrix) -> Matrix:
     """Difference."""
-    return tuple(tuple(x - y for x, y in zip(r, s, strict=True)) for r, s in zip(a, b, strict=True))
+
+    def difference(r: Vector, s: Vector) -> Vector:
+        spend()  # of 400 rational rows all of them take a second
+        return tuple(x - y for x, y in zip(r, s, strict=True))
+
+    return tuple(difference(r, s) for r, s in zip(a, b, strict=True))
 
 
 def scale(factor: Scalar | int, a: Matrix) -> Matrix:
@@ -238,8 +243,8 @@ class Affine:
     point: Vector  #: (n,), the solution with every free unknown zero.
     directions: tuple[Vector, ...]  #: Basis of the homogeneous solutions.
     #: Index of the row (from 0) that contradicts those before it, or ``None``.
-    failed: int | None = None
-    undecided: bool = False  #: Whether balls around zero were left out of the decision.
+    failed: int | None
+    undecided: bool  #: Whether balls around zero were left out of the decision.
 
 
 def _pivot(row: Sequence[Scalar], used: set[int]) -> int | None:

@@ -23,7 +23,7 @@ from .field import (
     as_fmpq,
     enclose,
 )
-from .roots import BeyondError, Roots, roots_of
+from .roots import MAX_TEXT, BeyondError, Roots, roots_of
 
 if TYPE_CHECKING:
     from .ball import Ball
@@ -173,6 +173,8 @@ class Exact(Arithmetic):
             return plain
         if not re.search("[a-z]", repr(plain._element).partition(" where ")[0].partition("/")[2]):
             return plain
+        if len(repr(self._element)) > MAX_TEXT:
+            return plain  # of a degree beyond what flint converts, which it finds out in hours
         try:
             text = repr(MINIMAL(self._element)).partition(" of ")[2]
             coefficients: dict[int, int] = {}
@@ -238,30 +240,41 @@ class Exact(Arithmetic):
     @property
     def real(self) -> Exact:
         """Real part."""
-        if self._q is not None:
-            return self
-        if isinstance(self._roots, Roots):
-            return (self + self.conjugate()) * Fraction(1, 2)
         # flint's own Re() is a new generator of the field, on which zero may stay undecided
-        element = self._element
-        return Exact._wrap((element + element.conjugate()) / 2)
+        other = self.conjugate()
+        return self if other is self else (self + other) * Fraction(1, 2)
 
     @property
     def imag(self) -> Exact:
         """Imaginary part."""
-        if self._q is not None:
+        other = self.conjugate()
+        if other is self:
             return Exact(0)
         if isinstance(self._roots, Roots):
             turned = Exact._made(Roots.of_unity(Fraction(-1, 4)))
-            return (self - self.conjugate()) * turned * Fraction(1, 2)
-        element = self._element
-        return Exact._wrap((element - element.conjugate()) / (2 * FIELD(-1).sqrt()))
+            return (self - other) * turned * Fraction(1, 2)
+        return Exact._wrap((self._element - other._element) / (2 * FIELD(-1).sqrt()))
 
     def conjugate(self) -> Exact:
-        """Complex conjugate."""
-        if isinstance(self._roots, Roots) and self._q is None:
+        """Complex conjugate; a number that is shown to be real is returned itself.
+
+        flint's ball is an enclosure (`ca_get_acb`), so that an imaginary part of exactly zero
+        proves that the number is real. That of a real number with complex generators, as
+        ``sqrt(2+i) sqrt(2-i)``, surrounds zero and proves nothing. flint then asks the minimal
+        polynomial, which may take hours; a number made of roots decides at once.
+        """
+        if self._q is not None:
+            return self
+        if isinstance(self._roots, Roots):
             return Exact._made(self._roots.conjugate())
-        return self if self._q is not None else Exact._wrap(self._element.conjugate())
+        part = enclose(self._gr, 64).imag
+        if part.is_zero():
+            return self
+        if part.contains(0):
+            roots = roots_of(repr(self._gr))
+            if roots is not None and not (roots - roots.conjugate()).terms:
+                return self
+        return Exact._wrap(self._gr.conjugate())
 
     def is_real(self) -> bool:
         """Decide whether the imaginary part is zero."""

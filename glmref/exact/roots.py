@@ -238,13 +238,21 @@ class Roots:
             flint.ctx.prec = before
 
     def element(self) -> Any:
-        """The same number in flint's field."""
+        """The same number in flint's field, of square roots where it can be.
+
+        flint knows no relation between a root of unity and its conjugate: a number of both is
+        long, and is compared by its minimal polynomial, which takes hours.
+        """
         zeta = FIELD(-1) ** flint.fmpq(2, self.order)
         total = FIELD(0)
         for monomial, c in self.terms.items():
             value = FIELD(0)
-            for x in reversed(c.coeffs()):
+            weights = Roots(self.order, {(): c})._square_roots()
+            for x in reversed(c.coeffs()) if weights is None else ():
                 value = value * zeta + FIELD(x)
+            for d, weight in (weights or {}).items():
+                turned = FIELD(-1).sqrt() if d < 0 else FIELD(1)
+                value = value + FIELD(weight) * FIELD(abs(d)).sqrt() * turned
             for p, e in monomial:
                 value = value * FIELD(p) ** as_fmpq(e)
             total = total + value
@@ -279,23 +287,36 @@ class Roots:
             terms.append("*".join([whole, *names]).removeprefix("1*"))
         return "+".join(terms).replace("+-", "-") or "0"
 
-    def _in_square_roots(self) -> str | None:
-        """As a rational combination of square roots; these are orthogonal for ``Tr(x conj(y))``."""
+    def _square_roots(self) -> dict[int, flint.fmpq] | None:
+        """Weights of square roots of d, where it is their sum; orthogonal for ``Tr(x conj(y))``."""
         n = self.order
         roots = [1, *([-1] if n % 4 == 0 else []), *([2] if n % 8 == 0 else [])]
         roots += [p if p % 4 == 1 else -p for p in map(int, dict(flint.fmpz(n).factor())) if p > 2]
         chosen = {prod(x) for x in product(*((1, d) for d in roots))}
-        found, terms = _NOTHING, []
+        found, weights = _NOTHING, {}
         for d in sorted(chosen, key=lambda d: (abs(d), -d)):
             root = Roots.power(Fraction(abs(d)), Fraction(1, 2))
             if d < 0:
                 root = root * Roots.power(Fraction(-1), Fraction(1, 2))
-            weight = (self * root.conjugate())._trace() / abs(d)
+            try:
+                weight = (self * root.conjugate())._trace() / abs(d)
+            except BeyondError:  # both together are in too large a field
+                return None
             if weight:
                 found = found + root * Roots.rational(weight)
-                names = ([f"sqrt({abs(d)})"] if abs(d) > 1 else []) + (["i"] if d < 0 else [])
-                terms.append(_times(weight, names))
-        return _sum(terms) if not (found - self).terms else None
+                weights[d] = weight
+        return weights if not (found - self).terms else None
+
+    def _in_square_roots(self) -> str | None:
+        """As a rational combination of square roots."""
+        weights = self._square_roots()
+        if weights is None:
+            return None
+        terms = []
+        for d, weight in weights.items():
+            names = ([f"sqrt({abs(d)})"] if abs(d) > 1 else []) + (["i"] if d < 0 else [])
+            terms.append(_times(weight, names))
+        return _sum(terms)
 
     def _trace(self) -> flint.fmpq:
         """The trace of a cyclotomic number divided by the degree of its field."""
@@ -434,7 +455,7 @@ def _generator(match: re.Match[str], names: Mapping[str, Roots]) -> Roots:
     radicand = match["radicand"] or match["base"]
     if radicand is not None:
         q, exponent = _rational(radicand, names), Fraction(match["part"] or "1/2")
-        if q < 0 and q != -1:
+        if q < 0:
             return Roots.power(-q, exponent) * Roots.power(Fraction(-1), exponent)
         return Roots.power(q, exponent)
     size = complex(match["size"].replace(" ", "").replace("*I", "j").replace("I", "1j"))

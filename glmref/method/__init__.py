@@ -5,7 +5,8 @@ from __future__ import annotations
 from .additive import AdditiveGLM
 from .component import Component, Method
 from .embedded import EmbeddedRow
-from .glm import GLM, Entries, Entry, PartitionedGLM, Rows, as_matrix, as_vector
+from .entries import Entries, Entry, Rows, as_matrix, as_vector
+from .glm import GLM, PartitionedGLM
 from .nystrom import nystrom
 from .rosenbrock import RosenbrockGLM
 from .starting import FinishingMethod, PairStartingMethod, StartingMethod

@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from ..errors import DataError
 from ..exact.linalg import Matrix, Vector
-from .base import Own
+from ..system.arguments import shown
+from .base import Own, as_list
 from .component import Component, Method, Palette, additive_palette
 from .embedded import EmbeddedRow
-from .glm import GLM, Entry, Rows, as_matrix, as_vector, check_embedded, check_shape
+from .entries import Entry, Rows, as_matrix, as_vector, check_fields, check_shape
+from .glm import GLM, check_embedded
 from .starting import StartingMethod
 
 #: As many parts as there are digits to colour trees with.
@@ -89,6 +91,12 @@ class AdditiveGLM(Own, Method):
         ) -> None: ...
 
     def __post_init__(self) -> None:
+        check_fields(self)
+        for letter in "AB":
+            rows = as_list(getattr(self, letter))
+            if isinstance(rows, str) or not isinstance(rows, Sequence):
+                raise DataError(f"`{letter}` must be a list of matrices, got {shown(rows)}")
+            object.__setattr__(self, letter, rows)
         if not 2 <= len(self.A) == len(self.B) <= MAX_PARTS:
             raise DataError(
                 f"an additive method has 2 to {MAX_PARTS} parts with an A and a B each, got "

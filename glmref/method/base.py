@@ -11,6 +11,7 @@ from typing import Any, Protocol
 
 from ..errors import DataError
 from ..exact import Exact, Scalar, exact
+from ..system.arguments import shown
 from ..system.shown import Shown, above
 
 
@@ -41,7 +42,7 @@ def of_float(value: float | complex, where: str) -> Scalar:
     if isinstance(value, complex):
         return of_float(value.real, where) + Exact(-1).sqrt() * of_float(value.imag, where)
     if value - value != 0:
-        raise DataError(f"{where} must be finite, got {value!r}")
+        raise DataError(f"{where} must be finite, got {shown(value)}")
     given = Fraction(repr(float(value)))
     near = given.limit_denominator(_SMALL)
     if given != near and float(near) == value:

@@ -12,7 +12,7 @@ from fractions import Fraction
 from ..errors import DataError, UsageError
 from ..exact import Exact, Scalar, exact
 from ..exact.linalg import Matrix, Vector
-from .glm import as_vector
+from .entries import as_vector
 
 Entry = str | int | Fraction | Scalar
 _ZERO, _ONE = Exact(0), Exact(1)

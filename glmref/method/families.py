@@ -11,7 +11,9 @@ from collections.abc import Sequence
 from ..errors import DataError
 from ..exact import Exact, exact
 from ..exact.linalg import Matrix, Vector, dot
-from .glm import GLM, Entries, PartitionedGLM, Rows, as_matrix, as_vector
+from ..system.arguments import one_of
+from .entries import Entries, Rows, as_matrix, as_vector
+from .glm import GLM, PartitionedGLM
 
 _ZERO, _ONE = Exact(0), Exact(1)
 
@@ -225,8 +227,7 @@ def splitting(a: Entries, b: Entries, first: str = "q", name: str = "") -> Parti
     References: Hairer, Lubich and Wanner (2006), section II.5.
     """
     a, b = as_vector(a, "a"), as_vector(b, "b")
-    if first not in ("q", "p"):
-        raise DataError(f"`first` must be 'q' or 'p', got {first!r}")
+    one_of("first", first, ("q", "p"), DataError)
     leading, following = (a, b) if first == "q" else (b, a)
     if len(leading) - len(following) not in (0, 1):
         raise DataError(

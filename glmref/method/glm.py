@@ -9,86 +9,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from fractions import Fraction
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from ..errors import DataError, ExactnessError
-from ..exact import Ball, Exact, Scalar, exact, linalg
-from ..exact.expression import parse
+from ..exact import Exact, linalg
 from ..exact.linalg import Matrix, Vector
+from ..system.arguments import shown
 from . import preconsistency
-from .base import Array, Own, as_list, of_float
+from .base import Own
 from .component import GENERAL, SEPARABLE, Method, Palette
 from .embedded import EmbeddedRow, quoted
+from .entries import Entries, Rows, as_matrix, as_vector, check_fields, check_shape
 from .rounding import FloatGLM, FloatPair, rounded_blocks
 from .starting import FinishingMethod, PairStartingMethod, StartingMethod
-
-Entry = str | int | float | complex | Fraction | Scalar | Array
-#: What constructors take for a vector and for a matrix and turn into one.
-Entries = Sequence[Entry] | Array
-Rows = Sequence[Sequence[Entry]] | Array
-
-
-def _as_scalar(value: Entry, where: str) -> Scalar:
-    if isinstance(value, Exact | Ball):
-        return value
-    if isinstance(value, str):
-        return parse(value)
-    value = as_list(value)
-    if isinstance(value, int | Fraction) and not isinstance(value, bool):
-        return exact(value)
-    if isinstance(value, float | complex):
-        return of_float(value, where)
-    raise DataError(
-        f"{where} must be a number or a string such as '1/4', got {value!r}; correct the entry"
-    )
-
-
-def as_vector(values: Entries, name: str) -> Vector:
-    """Convert a sequence of strings, numbers or scalars, or an array, to a vector.
-
-    A floating point number is the shortest decimal that stands for it, see :func:`.base.of_float`.
-
-    Raises
-    ------
-    DataError
-        Naming the entry that cannot be read.
-    """
-    values = as_list(values)
-    if isinstance(values, str) or not isinstance(values, Sequence):
-        raise DataError(f"`{name}` must be a list of entries, got {values!r}")
-    return tuple(_as_scalar(x, f"`{name}[{i + 1}]`") for i, x in enumerate(values))
-
-
-def as_matrix(rows: Rows, name: str) -> Matrix:
-    """Convert rows of entries as :func:`as_vector` takes them, or an array, to a matrix.
-
-    Raises
-    ------
-    DataError
-        For an empty or ragged matrix, naming the row.
-    """
-    rows = as_list(rows)
-    if isinstance(rows, str) or not isinstance(rows, Sequence) or not rows:
-        raise DataError(f"`{name}` must be a list of rows, got {rows!r}")
-    matrix = tuple(as_vector(row, f"{name}[{i + 1}]") for i, row in enumerate(rows))
-    for i, row in enumerate(matrix):
-        if len(row) != len(matrix[0]) or not row:
-            raise DataError(
-                f"`{name}` must be rectangular, but row {i + 1} is {len(row)} long "
-                f"and row 1 is {len(matrix[0])} long"
-            )
-    return matrix
-
-
-def check_shape(name: str, value: Matrix, rows: int, columns: int, meaning: str) -> None:
-    """Refuse a matrix that has not the shape its method asks for."""
-    if (len(value), len(value[0])) != (rows, columns):
-        raise DataError(
-            f"`{name}` must have shape {meaning} = ({rows}, {columns}), "
-            f"got ({len(value)}, {len(value[0])})"
-        )
 
 
 def check_embedded(method: Method) -> None:
@@ -99,9 +33,10 @@ def check_embedded(method: Method) -> None:
     DataError
         Naming the row.
     """
-    if not method.embedded:
-        return
-    for row in method.embedded:
+    rows = method.embedded
+    if not isinstance(rows, tuple) or not all(isinstance(row, EmbeddedRow) for row in rows):
+        raise DataError(f"`embedded` must be a tuple of embedded rows, got {shown(rows)}")
+    for row in rows:
         if row.values is None and not method.is_one_step:
             raise DataError(
                 f"`embedded` {quoted(row.name)} needs weights `v` of the {method.carried} values "
@@ -266,6 +201,7 @@ class GLM(Own, Method):
         ) -> None: ...
 
     def __post_init__(self) -> None:
+        check_fields(self, starting=StartingMethod, finishing=FinishingMethod)
         for letter in "AUBV":
             object.__setattr__(self, letter, as_matrix(getattr(self, letter), letter))
         s, r = len(self.A), len(self.V)
@@ -282,6 +218,10 @@ class GLM(Own, Method):
                 raise DataError(f"`D` must have s = {s} entries, got {len(self.D)}")
         _take_output(self, "output", r)
         check_embedded(self)
+        if self.abscissae_given is not None:
+            object.__setattr__(self, "abscissae_given", as_vector(self.abscissae_given, "c"))
+        if self.dense is not None:
+            object.__setattr__(self, "dense", as_matrix(self.dense, "dense"))
         for name, given in (("c", self.abscissae_given), ("dense", self.dense)):
             if given is not None and len(given) != s:
                 raise DataError(f"`{name}` must have s = {s} entries, got {len(given)}")
@@ -525,6 +465,7 @@ class PartitionedGLM(Own, Method):
         ) -> None: ...
 
     def __post_init__(self) -> None:
+        check_fields(self, starting=PairStartingMethod, separable=bool, system=str)
         for name in (letter + hat for letter in "AUBV" for hat in self.LETTERS.values()):
             object.__setattr__(self, name, as_matrix(getattr(self, name), name))
         n_q, n_p = len(self.A), len(self.A_hat)

@@ -22,7 +22,8 @@ from ..errors import DataError
 from ..exact import Exact, Scalar
 from ..exact.linalg import Matrix, Vector, identity
 from .embedded import EmbeddedRow
-from .glm import PartitionedGLM, check_shape
+from .entries import check_shape
+from .glm import PartitionedGLM
 
 _ZERO, _ONE = Exact(0), Exact(1)
 

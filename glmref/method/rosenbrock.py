@@ -23,8 +23,9 @@ from ..exact import Exact
 from ..exact.linalg import Matrix, Vector, add
 from .additive import AdditiveGLM
 from .embedded import EmbeddedRow, quoted
+from .entries import check_shape
 from .families import runge_kutta
-from .glm import GLM, check_shape
+from .glm import GLM
 
 _ZERO = Exact(0)
 

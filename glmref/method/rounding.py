@@ -9,8 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
+from math import isinf
 from typing import TYPE_CHECKING, Any
 
+from ..errors import DataError
 from ..exact import Scalar
 from ..exact.linalg import Matrix
 
@@ -19,9 +21,29 @@ if TYPE_CHECKING:
 
 
 def split_float(value: Scalar) -> tuple[float, float]:
-    """Round to the nearest double and return it with the residue ``value - rounded``, rounded."""
-    rounded = float(value)
+    """Round to the nearest double and return it with the residue ``value - rounded``, rounded.
+
+    Raises
+    ------
+    DataError
+        For a number beyond double precision.
+    """
+    rounded = as_double(value)
     return rounded, float(value - Fraction(rounded))
+
+
+def as_double(value: Scalar | str) -> float:
+    """Round a coefficient, or its decimal, to the nearest double.
+
+    Raises
+    ------
+    DataError
+        For a number beyond double precision.
+    """
+    rounded = float(value)
+    if isinf(rounded):
+        raise DataError("a coefficient is beyond double precision, 1.8e308; the method stays exact")
+    return rounded
 
 
 @dataclass(frozen=True, eq=False)

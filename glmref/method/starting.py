@@ -11,10 +11,21 @@ from typing import Any, ClassVar
 from ..exact import Exact, linalg
 from ..exact.linalg import Matrix, Vector
 from .component import SEPARABLE, Component, Method, Palette
+from .entries import as_rows, as_vector, check_fields
 
 
 class _Start(Method):
     """A method that makes r values of one: u and B, and stages that begin from that one."""
+
+    def __post_init__(self) -> None:
+        check_fields(self, kind=str)
+        hats = [*self.LETTERS.values()]
+        stages = [len(as_rows(self, f"A{hat}")) for hat in hats]
+        for hat, rows, columns in zip(hats, stages, reversed(stages), strict=True):
+            u = as_vector(getattr(self, f"u{hat}"), f"u{hat}")
+            object.__setattr__(self, f"u{hat}", u)
+            as_rows(self, f"A{hat}", rows, columns)
+            as_rows(self, f"B{hat}", len(u), columns)
 
     @cached_property
     def components(self) -> tuple[Component, ...]:
@@ -149,6 +160,11 @@ class FinishingMethod(Method):
     b: Vector
     name: str = ""
     claims: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        object.__setattr__(self, "b", as_vector(self.b, "b"))
+        as_rows(self, "A", len(self.b), len(self.b))
 
     @property
     def stages(self) -> int:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..catalogue.claims import (
     A_STABLE,
@@ -27,14 +27,15 @@ from ..catalogue.claims import (
     W_ORDER,
     ZERO_STABLE,
 )
-from ..catalogue.lookup import method_of, path_of
+from ..catalogue.lookup import load, method_of, path_of, unread
 from ..errors import BudgetError, ExactnessError
 from ..exact import Scalar, linalg
 from ..exact.expression import shown_number
 from ..exact.linalg import Matrix, Vector
 from ..findings import Proof
 from ..method import Method
-from ..system.budget import limited
+from ..system.arguments import number
+from ..system.budget import READING, left, limited, spend
 from ..system.shown import Shown
 from ..theory.error_constants import error_norm
 from ..theory.order import order_of
@@ -45,7 +46,10 @@ from .facts import Facts, facts_of
 from .finders import proposal_for
 from .kernel import SMALL, Kernel
 from .ranges import Range
-from .verifier import budget_of, facts_for
+from .verifier import budget_of, facts_for, nobody
+
+if TYPE_CHECKING:
+    from ..system.process import Say
 
 FORMAT = "glmref-analysis-1"
 
@@ -60,6 +64,9 @@ class Analysis(Shown):
         Its name.
     stages, values : int or list[int]
         s and r (pairs: of both halves).
+    implicit_stages : list[int] or None
+        Numbers from 1 of those that need an equation solved. Of a pair those of its halves count
+        one after another, or, where both right-hand sides are evaluated at the same, once.
     order : int
         The order; with ``principal`` = ``"identity"`` the first value is the solution, with
         ``"free"`` a start and a finish belong to the method.
@@ -109,8 +116,8 @@ class Analysis(Shown):
     method: str
     stages: int | list[int]
     values: int | list[int]
-    explicit: bool
-    implicit_stages: list[int]
+    explicit: bool | None
+    implicit_stages: list[int] | None
     preconsistent: bool | None
     consistent: bool | None
     zero_stable: bool | None
@@ -173,11 +180,71 @@ def analyze(method: Method | str | Path, *, budget: float | None = None) -> Anal
     UsageError, DataError
         For a name or a file that cannot be read.
     """
+    if budget is not None:
+        budget = number("budget", budget)
     if isinstance(method, str | Path):
         budget = budget_of(path_of(method), budget)
     method = method_of(method)
     with limited(budget):
         return _analyzed(_Questions(facts_for(method), budget))
+
+
+def record_of(name: str | Path, further: Callable[[Method, Any], Any]) -> tuple[Any, Any]:
+    """The record of a method; questions about a user's file are answered in processes of their own.
+
+    One that does not return from an operation within its budget is ended. The next takes over the
+    answers that were found, and leaves out the question.
+
+    Parameters
+    ----------
+    name : str or Path
+        The method.
+    further : callable
+        What is looked at besides, given the method and its record; its result is a JSON value.
+
+    Returns
+    -------
+    tuple
+        The record, and that result, ``None`` where it was not found in time.
+
+    Raises
+    ------
+    BudgetError, UsageError, DataError
+        As :func:`analyze`.
+    """
+    # processes are for the command line; `analyze` is for Python, and starts faster without
+    from ..system.process import apart
+
+    path = path_of(name)
+    budget = budget_of(path)
+    if budget is None:
+        method = load(path)
+        record = analyze(method).as_json()
+        return record, further(method, record)
+    answers: list[Any] = []
+    used = 0.0
+
+    def program(say: Say) -> None:
+        method = load(path)
+        say(None, budget - used)
+        with limited(budget, used):
+            found = _analyzed(_Questions(facts_for(method), budget, answers, say)).as_json()
+        say({"found": (found, None)}, 0.0)
+        say({"found": (found, further(method, found))}, None)
+
+    while True:
+        said = apart(program, READING)
+        if not said.messages:
+            raise unread(path, said)
+        *_, last = said.messages
+        if not isinstance(last, dict):  # it was ended in no question
+            raise said.error(budget)
+        if "found" in last:
+            record, more = last["found"]
+            return record, more
+        answers += [x for x in said.messages if isinstance(x, list)]
+        answers.append([last["nothing"], str(said.error(last["allowed"]))])
+        used += said.seconds
 
 
 class _Questions:
@@ -189,12 +256,23 @@ class _Questions:
         Of the method.
     budget : float or None
         Seconds of processor time for all questions.
+    answered : sequence
+        Answers to the first questions, each with the reason why there is none or ``""``.
+    say : Say
+        Is given what stands for an answer before it is looked for, and the answer, as JSON values.
     """
 
-    def __init__(self, facts: Facts, budget: float | None) -> None:
+    def __init__(
+        self,
+        facts: Facts,
+        budget: float | None,
+        answered: Sequence[tuple[Any, str]] = (),
+        say: Say = nobody,
+    ) -> None:
         self.facts = facts
         self.share = None if budget is None else budget / SHARES
         self.undecided: dict[str, str] = {}
+        self._answered, self._say = iter(answered), say
 
     def ask(
         self,
@@ -204,28 +282,49 @@ class _Questions:
         seconds: float | None = None,
     ) -> Any:
         """The answer; where there is none, that is noted, and what stands for nothing returned."""
+        answer, why = next(self._answered, (None, None))
+        if why is None:
+            answer, why = self._found(what, nothing, seconds or self.share)
+            self._say([answer, why], 0.0)
+        if why:
+            self.undecided[name] = why
+        return answer
+
+    def _found(
+        self, what: Callable[[Facts], Any], nothing: Any, seconds: float | None
+    ) -> tuple[Any, str]:
         try:
-            with limited(seconds or self.share):
-                return what(self.facts)
+            with limited(seconds):
+                spend()  # what is left to be asked when all is spent takes no time
+                seconds, allowed = left()
+                self._say({"nothing": nothing, "allowed": allowed}, seconds)
+                return what(self.facts), ""
         except (BudgetError, ExactnessError) as error:
-            self.undecided[name] = str(error)
             # a search that was left half-way is not to be gone on with
             self.facts = facts_of(self.facts.method, implied=self.facts.implied)
-            return nothing
+            return nothing, str(error)
 
     def truth(self, claim: str, seconds: float | None = None) -> bool | None:
         """Whether a claim that is true or false is true."""
-        known = self.ask(
-            claim, lambda f: f.kernel.known(claim, proposal_for(f, claim)), None, seconds
-        )
-        if known is not None and known.truth is None:
-            self.undecided[claim] = known.reason or "the digits do not decide it"
-        return None if known is None else known.truth
+
+        def known(facts: Facts) -> tuple[bool | None, str]:
+            found = facts.kernel.known(claim, proposal_for(facts, claim))
+            return found.truth, found.reason or "the digits do not decide it"
+
+        answer = self.ask(claim, known, None, seconds)
+        if answer is None:
+            return None
+        truth, reason = answer
+        if truth is None:
+            self.undecided[claim] = reason
+        return truth
 
     def range(self, claim: str) -> Range:
         """Proved bounds of an order; no upper bound and the reason where none was found."""
-        found = self.ask(claim, lambda f: f.kernel.range(claim))
-        return found or Range(0, None, exact=False, reason=self.undecided[claim])
+        found = self.ask(claim, lambda f: asdict(f.kernel.range(claim)))
+        if found is None:
+            return Range(0, None, reason=self.undecided[claim])
+        return Range(**found)
 
 
 def _shared(q: _Questions) -> dict[str, Any]:
@@ -234,11 +333,11 @@ def _shared(q: _Questions) -> dict[str, Any]:
     same = order.value == identity.value or q.facts.is_one_step
     constants, norm = q.ask("error-constants", _constants, ({}, 0.0))
     settled = order.lower == order.upper
-    consistencies = q.ask("consistency", lambda f: f.consistencies, ())
+    misses = q.ask("consistency", lambda f: [x.witness for x in f.consistencies if x.witness], [])
     why = q.ask("staircase", staircase, "")
     return {
         "method": q.facts.method.name,
-        "explicit": q.truth(EXPLICIT.key) is True,
+        "explicit": q.truth(EXPLICIT.key),
         "preconsistent": q.truth(PRECONSISTENT.key),
         "consistent": q.truth(CONSISTENT.key),
         "zero_stable": q.truth(ZERO_STABLE.key),
@@ -253,9 +352,7 @@ def _shared(q: _Questions) -> dict[str, Any]:
         "error_constants": constants,
         "parasitism_free": None if q.facts.method.additive else q.truth(PARASITISM_FREE.key),
         "proof": q.facts.proof,
-        "consistency_witness": "; ".join(
-            dict.fromkeys(x.witness for x in consistencies if x.witness)
-        ),
+        "consistency_witness": "; ".join(dict.fromkeys(misses)),
         "error_norm": norm,
         "order_embedded": q.ask("order-embedded", lambda f: _row_orders(f.kernel)),
     }
@@ -390,9 +487,7 @@ def _analyzed(q: _Questions) -> Analysis:
         **shared,
         stages=stages[0] if single else stages,
         values=values[0] if single else values,
-        implicit_stages=q.ask("implicit stages", lambda f: list(f.method.implicit_stages), [])
-        if single
-        else [],
+        implicit_stages=q.ask("implicit stages", lambda f: list(f.method.implicit_stages)),
         g_symplectic={
             "holds": q.truth(G_SYMPLECTIC.key),
             "G": form("G", _matrix),

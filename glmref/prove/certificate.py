@@ -318,7 +318,7 @@ class _Writer:
         if found.upper is None or found.lower != found.upper:
             raise ExactnessError("the order is not settled")
         p = found.upper
-        if p == 0 and self.kernel.exact:
+        if p == 0 and (self.kernel.exact or not found.tree):
             return [self._no_order()]
         if (free, nystrom) in self.kernel.series:
             series = self.kernel.series[free, nystrom]
@@ -435,6 +435,8 @@ class _Writer:
     def _finishing_order(self) -> list[Part]:
         found = self.kernel.range(FINISHING_ORDER.key)
         parts = self._order_parts(free=not self.kernel.one_step)
+        if parts[0]["rule"] == "no-order-1":
+            return parts
         p, q = parts[0]["witness"]["order"], found.upper
         if q is None or found.lower != q or not self.kernel._exact_start():
             raise ExactnessError("the order of the finish is not settled")
@@ -618,12 +620,9 @@ class _Writer:
         if self._truth():
             return [self._bounded("o"), {"rule": "a-stable", "witness": {}}]
         reason = self.judged.reason
-        if "at z = " in reason and "modulus" in reason:
-            y = reason.rsplit("at z = ", 1)[1].removesuffix(" i")
-            return [{"rule": "not-a-stable", "witness": {"y": y}}]
-        if "power-bounded at z = " in reason:
-            y = reason.rsplit("at z = ", 1)[1].removesuffix(" i")
-            return [{"rule": "not-a-stable", "witness": {"y": y}}]
+        _, at, y = reason.partition(" at z = ")
+        if at:
+            return [{"rule": "not-a-stable", "witness": {"y": y.removesuffix(" i")}}]
         kind = (
             "infinity" if "infinity" in reason
             else "pole" if "pole" in reason
@@ -752,20 +751,22 @@ class _EnclosedWriter(_Writer):
         return super()._parts()
 
     def _rows(self) -> list[Part]:
-        """Every row; of a claim that fails, without equations, one whose order is another."""
+        """Every row; of a claim that fails, one whose order is another."""
         kernel = self.kernel
-        if kernel.implied is not None:
-            return [self._row(name, x) for name, x in kernel.row_kernels]
+        implied = kernel.implied is not None
         if self.holds:
-            return super()._embedded_order()
+            rows = kernel.row_kernels
+            return [self._row(*x) for x in rows] if implied else super()._embedded_order()
         nystrom = kernel.row_claim == NYSTROM_ORDER.key
         for row, (name, x) in zip(self.facts.method.embedded, kernel.row_kernels, strict=True):
-            found = x.order_range(free=False, nystrom=nystrom)
-            if found.upper is not None and found.upper < self.declared[name]:
+            found, declared = x.range(kernel.row_claim), self.declared[name]
+            if found.upper is not None and found.upper < declared:
                 parts = self._bounds(free=False, nystrom=nystrom, kernel=x)[1:]
-            elif found.lower > self.declared[name]:
-                inner = self._of_row(row)
-                parts = inner._exact_order(free=False, nystrom=nystrom)[:1]
+            elif found.lower > declared:
+                parts = (
+                    [self._implied_order(declared + 1, free=False, nystrom=nystrom)] if implied
+                    else self._of_row(row)._exact_order(free=False, nystrom=nystrom)[:1]
+                )  # fmt: skip
             else:
                 continue
             return [{"rule": "row", "witness": {"row": name, "parts": parts}}]
@@ -788,35 +789,36 @@ class _EnclosedWriter(_Writer):
         nystrom = claim == NYSTROM_ORDER.key
         kernel = self.kernel.any_matrix if claim == W_ORDER.key else self.kernel
         found = kernel.order_range(free=free, nystrom=nystrom)
-        if found.upper == 0 and not found.tree and not self.holds:
+        if found.upper == 0 and not found.tree:
             try:
                 return [self._no_order()]
             except ExactnessError:
                 return [self._no_vector()]
-        if claim == STAGE_ORDER.key and self.kernel.implied is None:
-            return self._stages(free=free)
+        if claim == STAGE_ORDER.key:
+            implied = self.kernel.implied is not None
+            return self._implied_stages(free=free) if implied else self._stages(free=free)
         if (self.holds and self.kernel.implied is None) or found.lower > self.declared:
             return self._exact_order(free=free, nystrom=nystrom)
         parts = self._bounds(free=free, nystrom=nystrom, kernel=kernel)
-        if claim != STAGE_ORDER.key:
-            if not self.holds and parts[0]["witness"]["order"] > self.declared:
-                parts[0]["witness"] = parts[0]["witness"] | {"order": self.declared + 1}
-                return parts[:1]
-            return parts if self.holds else parts[1:]
-        stages, p = self.kernel.range(claim), parts[0]["witness"]["order"]
+        if not self.holds and found.upper > self.declared:
+            return [self._implied_order(self.declared + 1, free=free, nystrom=nystrom)]
+        return parts if self.holds else parts[1:]
+
+    def _implied_stages(self, *, free: bool) -> list[Part]:
+        """The stage order of the one method that the equations of the file give."""
+        least, most = self._bounds(free=free, nystrom=False)
+        stages, p = self.kernel.range(STAGE_ORDER.key), least["witness"]["order"]
         q = stages.upper
-        if q is None or (q >= p and self.holds) or (stages.lower != q and self.holds):
+        if q is None:
             raise ExactnessError("the stage order is not settled")
         if not self.holds and q > self.declared:
             more = {"rule": "implied-stage-order", "witness": {"q": self.declared + 1}}
-            return [parts[0], more]
-        if q >= p:
-            return parts[1:]
-        tree = self._failing_stage(parts[0]["witness"], q)
-        above = {"rule": "stage-order-at-most", "witness": {"q": q, "tree": tree}}
+            return [least, more]
+        where = {"tree": self._failing_stage(least["witness"], q)} if q < p else {}
+        above = {"rule": "stage-order-at-most", "witness": {"q": q, **where}}
         if not self.holds:
-            return [above]
-        return [*parts, {"rule": "implied-stage-order", "witness": {"q": q}}, above]
+            return [above] if q < p else [most]
+        return [least, most, {"rule": "implied-stage-order", "witness": {"q": q}}, above]
 
     def _exact_order(self, *, free: bool, nystrom: bool) -> list[Part]:
         """An order that no entry in decimals touches."""
@@ -862,18 +864,18 @@ class _EnclosedWriter(_Writer):
         found = (kernel or self.kernel).order_range(free=free, nystrom=nystrom)
         if found.upper is None:
             raise ExactnessError("the order is not settled")
-        names = {
-            "order": found.upper,
-            "principal": "free" if free else "identity",
-            "trees": "nystrom" if nystrom else "all",
-        }
         self.identities.append(
             f"the condition of {found.tree} is not zero, order {found.upper + 1}"
         )
-        return [
-            {"rule": "implied-order", "witness": names},
-            {"rule": "order-at-most", "witness": {**names, "tree": found.tree}},
-        ]
+        first = self._implied_order(found.upper, free=free, nystrom=nystrom)
+        above = {**first["witness"], "tree": found.tree}
+        return [first, {"rule": "order-at-most", "witness": above}]
+
+    @staticmethod
+    def _implied_order(order: int, *, free: bool, nystrom: bool) -> Part:
+        principal, trees = "free" if free else "identity", "nystrom" if nystrom else "all"
+        witness = {"order": order, "principal": principal, "trees": trees}
+        return {"rule": "implied-order", "witness": witness}
 
     def _of_start(self) -> list[Part]:
         claim, kernel = self.claim, self.kernel
@@ -901,15 +903,12 @@ class _EnclosedWriter(_Writer):
         else:
             parts = self._bounds(free=free, nystrom=nystrom)
         name, top = ("finish", "finish-at-most") if finish else ("start", "start-at-most")
-        more = {}
-        if q is None or found.lower != q:
-            raise ExactnessError("the order of the start is not settled")
-        if q < parts[0]["witness"]["order"]:
-            more = self._failing_start(nystrom)
+        lower = self.declared < parts[0]["witness"]["order"]
+        more = self._failing_start(nystrom) if lower else {}
         return [
             *parts,
-            {"rule": f"implied-{name}", "witness": {"q": q}},
-            {"rule": top, "witness": {"q": q, **more}},
+            {"rule": f"implied-{name}", "witness": {"q": self.declared}},
+            {"rule": top, "witness": {"q": self.declared, **more}},
         ]
 
     def _symmetric_part(self) -> list[Part]:

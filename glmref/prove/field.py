@@ -21,13 +21,17 @@ from ..exact.expression import parse
 from ..exact.relations import BITS
 
 _NAME = re.compile(r"(?<![A-Za-z_0-9])([A-Za-z_][A-Za-z_0-9]*)")
+_LEADING_ZEROS = re.compile(r"(?<![.\w])0+(?=[0-9])")
 _FUNCTIONS = ("sqrt", "root", "exp")
 _LARGEST = 64  # degree of a field
 
 
 def written_out(text: str, constants: Mapping[str, str]) -> str:
-    """An entry without blanks, its constants replaced by what they stand for, in parentheses."""
-    text = re.sub(r"\s", "", text)
+    """An entry without blanks and zeros that begin a number, its constants written out.
+
+    They are replaced by what they stand for, in parentheses.
+    """
+    text = _LEADING_ZEROS.sub("", re.sub(r"\s", "", text))
     return _NAME.sub(
         lambda m: f"({written_out(constants[m[1]], constants)})" if m[1] in constants else m[1],
         text,

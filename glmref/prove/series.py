@@ -498,7 +498,7 @@ class StartingSeries:
 
     def _settle_principal(self, n: int) -> dict[int, tuple[Any, ...]]:
         """Principal parts of order n - 1 >= 2 by back substitution; R(t) of the trees used."""
-        if not (self.simple or self.complete):
+        if not self.complete:
             return {}
         T = self.trees
         smaller = T.level(n - 1)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -18,14 +18,23 @@ from ..errors import (
 )
 from ..findings import Finding, Proof, Verdict
 from ..method import Method
+from ..system.arguments import listed, number, shown
 from ..system.budget import PROVING, limited
 from .facts import Facts, facts_of
 from .implications import implied_by
 from .kernel import Judgement, refuted
 
 
+def nobody(*said: object) -> None:
+    """Hear of something, and do nothing."""
+
+
 def verify(
-    method: Method | str | Path, *, only: Collection[str] = (), budget: float | None = None
+    method: Method | str | Path,
+    *,
+    only: Collection[str] = (),
+    budget: float | None = None,
+    tell: Callable[[Finding], None] = nobody,
 ) -> list[Finding]:
     """Check every claim the method carries.
 
@@ -38,6 +47,9 @@ def verify(
     budget : float or None
         Seconds of processor time for all of them; by default 60 for a file of the user and no limit
         else. What is not decided when they are spent is open.
+    tell : callable
+        Is given each claim as an open finding without a witness before the first is decided, and
+        each finding as soon as it is decided.
 
     Raises
     ------
@@ -46,13 +58,19 @@ def verify(
     UsageError
         For an unknown name, a missing file, or a claim there is not.
     """
-    unknown = [key for key in only if key not in CLAIMS]
+    if budget is not None:
+        budget = number("budget", budget)
+    unknown = [
+        key
+        for key in listed("only", only, "a list of claims")
+        if not isinstance(key, str) or key not in CLAIMS
+    ]
     if unknown:
         known = f"known are {', '.join(sorted(CLAIMS))}"
         hint = did_you_mean(unknown[0], CLAIMS, otherwise=known)
-        raise UsageError(f"there is no claim {unknown[0]!r}; {hint}")
+        raise UsageError(f"there is no claim {shown(unknown[0])}; {hint}")
     if isinstance(method, str | Path):
-        return verify_file(method, only=only, budget=budget)
+        return verify_file(method, only=only, budget=budget, tell=tell)
     method = method_of(method)
     if not method.claims:
         raise DataError(
@@ -65,6 +83,8 @@ def verify(
     found: list[Finding] = []
     facts: Facts | None = None
     spent = ""
+    for claim, declared in asked.items():
+        tell(undecided(method, claim, declared, ""))
     with limited(budget):
         for claim, declared in asked.items():
             if spent:
@@ -74,16 +94,18 @@ def verify(
                 facts = facts or facts_for(method)
                 found.append(_check(facts, claim, declared))
             except BudgetError as error:
-                spent = _spent(error)
+                spent = no_more(error)
                 found.append(undecided(method, claim, declared, spent))
             except UndecidedError as error:
                 # a search that was left half-way is not to be gone on with
                 facts = facts and facts_of(method, implied=facts.implied)
                 found.append(undecided(method, claim, declared, str(error)))
+            tell(found[-1])
     return found
 
 
-def _spent(error: BudgetError) -> str:
+def no_more(error: BudgetError) -> str:
+    """Say that a budget is spent, and what may help."""
     return f"{error}; a larger --budget may decide it"
 
 
@@ -120,6 +142,23 @@ def claims_of(method: Method) -> Mapping[str, Any]:
                 f"they must agree"
             )
     return claims
+
+
+def asked_of(method: Method, broken: Mapping[str, Any] | None) -> Mapping[str, Any]:
+    """Claims that are decided: all of :func:`claims_of`, or the one that must fail.
+
+    Raises
+    ------
+    DataError
+        Where the file does not make that claim, and as :func:`claims_of`.
+    """
+    claims = claims_of(method)
+    if broken is None:
+        return claims
+    claim = broken["claim"]
+    if claim not in claims:
+        raise DataError(f"`broken.claim` names {claim!r}, which is not among the claims")
+    return {claim: claims[claim]}
 
 
 def facts_for(method: Method) -> Facts:
@@ -167,7 +206,11 @@ def _check(facts: Facts, claim: str, declared: object) -> Finding:
 
 
 def verify_file(
-    name: str | Path, *, only: Collection[str] = (), budget: float | None = None
+    name: str | Path,
+    *,
+    only: Collection[str] = (),
+    budget: float | None = None,
+    tell: Callable[[Finding], None] = nobody,
 ) -> list[Finding]:
     """Check a data file; for one of ``broken/`` the finding is that the named claim fails.
 
@@ -180,6 +223,8 @@ def verify_file(
     budget : float or None
         Seconds of processor time for its proofs; by default 60 for a file of the user and no limit
         for a shipped one.
+    tell : callable
+        See :func:`verify`.
 
     Raises
     ------
@@ -199,11 +244,13 @@ def verify_file(
         )
     try:
         if broken is None:
-            return verify(method, only=only, budget=budget)
+            return verify(method, only=only, budget=budget, tell=tell)
+        claim = str(broken["claim"])
+        tell(undecided(method, f"refutes {claim}", method.claims.get(claim), ""))
         with limited(budget):
             return [_refute(method, broken)]
     except (BudgetError, UndecidedError) as error:
-        reason = _spent(error) if isinstance(error, BudgetError) else str(error)
+        reason = no_more(error) if isinstance(error, BudgetError) else str(error)
         claim = str(broken["claim"]) if broken else ""
         return [undecided(method, f"refutes {claim}", method.claims.get(claim), reason)]
     except GlmrefError as error:
@@ -222,11 +269,8 @@ def _refute(method: Method, broken: Mapping[str, Any]) -> Finding:
 
     A file may say in ``broken.found`` which witness the refutation must give, word for word.
     """
-    claim = broken["claim"]
-    claims = claims_of(method)
-    if claim not in claims:
-        raise DataError(f"`broken.claim` names {claim!r}, which is not among the claims")
-    facts, declared = facts_for(method), claims[claim]
+    ((claim, declared),) = asked_of(method, broken).items()
+    facts = facts_for(method)
     inner = _judged(facts, claim, declared)
     expected = broken.get("found", inner.reason) == inner.reason
     reason = inner.reason

@@ -30,7 +30,8 @@ def error_norm(result: OrderResult, residuals: Mapping[Tree, Scalar] | None = No
         Others of the same order to take instead, for example of :func:`conjugate_error`.
     """
     chosen = result.residuals if residuals is None else residuals
-    return sqrt(sum((x.magnitude() / t.symmetry) ** 2 for t, x in chosen.items()))
+    sizes = [x.magnitude() / t.symmetry for t, x in chosen.items()]
+    return sqrt(sum(x * x for x in sizes))  # a square that is beyond doubles is infinite
 
 
 def conjugate_error(result: OrderResult) -> dict[Tree, Scalar]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from ..exact import Ball, Scalar
 from ..exact.linalg import Matrix
+from ..system.budget import spend
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,10 +53,8 @@ class _Checked:
         a, b = self.relation.row_offset, self.relation.column_offset
         placed = [i for i, k in enumerate(order) if k >= 0]
         for i in placed:
-            for j in placed:
-                if (i not in new and j not in new) or not (
-                    a <= i < a + rows and b <= j < b + columns
-                ):
+            for j in placed if i in new else new:
+                if not (a <= i < a + rows and b <= j < b + columns):
                     continue
                 if not self.fits(i - a, j - b, order[i] - a, order[j] - b):
                     return False
@@ -92,6 +91,7 @@ def involutions(relations: Sequence[Relation], kinds: Sequence[int]) -> Iterator
         free = [k for k in sequence[at:] if order[k] < 0 and kinds[k] == kinds[i]]
         free.sort(key=lambda k: k != mirror[i])
         for k in free:
+            spend()
             order[i], order[k] = k, i
             if all(c.consistent(order, (i, k)) for c in checked):
                 yield from place(at + 1)
