@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from pathlib import Path
 from typing import Any
 
 import click
 
-from ..catalogue.canonical import one_line
+from ..catalogue import canonical
 from ..errors import BudgetError, DataError, UsageError
 from ..findings import Verdict
-from ..views.tables import counted, json_text, plain
+from ..views.tables import counted, json_text, one_line, plain
 from .output import FAILED, HOLDS, INTERNAL, Word, complain, format_option, on_option, say
 
 #: Repeated from :data:`glmref.audit.readers.FORMATS`, so that ``--help`` loads nothing.
@@ -48,23 +49,32 @@ def check(file: str, order: int | None, digits: int | None, form: str) -> int:
     with a point is the binary fraction that a program takes it for; "1/10" is exact.
     """
     from ..audit.check import examine, sentence
+    from ..findings import Finding
     from ..system.budget import PROVING, limited
+    from ..system.process import Say, apart
 
     document = _document(file)
     document |= {
         key: value for key, value in (("order", order), ("digits", digits)) if value is not None
     }
-    try:
+
+    def program(tell: Say) -> None:
         with limited(PROVING):
-            findings = examine(document)
+            tell([x.as_json() for x in examine(document)], None)
+
+    try:
+        said = apart(program, PROVING)
+        if not said.messages:
+            raise said.error(PROVING)
     except BudgetError as error:
         complain(f"{file}: {error}, and nothing was decided")
         return INTERNAL
+    findings = [Finding.from_json(x) for x in said.messages[0]]
     if form == "json":
         say(json_text([x.as_json() for x in findings]))
     else:
         for x in findings:
-            say(sentence(x))
+            say(one_line(sentence(x), limit=2000))
     verdicts = {x.verdict for x in findings}
     if Verdict.FAILS in verdicts:
         return FAILED
@@ -75,6 +85,9 @@ def _text(file: str) -> str:
     try:
         if file == "-":
             return sys.stdin.read(_MOST_TEXT + 1)
+        # a pipe of the shell has no name; one that has may have no writer, and opening it waits
+        if Path(os.path.realpath(file)).is_fifo():
+            raise UsageError(f"{file} is a named pipe; give a file, or - for the standard input")
         with Path(file).open(encoding="utf-8") as source:
             return source.read(_MOST_TEXT + 1)
     except UnicodeDecodeError:
@@ -83,30 +96,20 @@ def _text(file: str) -> str:
         raise UsageError(f"{file} cannot be read ({error.strerror})") from None
 
 
-def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """An object of JSON whose keys differ; of two with one name only the last would be checked."""
-    found = dict(pairs)
-    if len(found) < len(pairs):
-        names = [name for name, _ in pairs]
-        twice = next(x for x in names if names.count(x) > 1)
-        raise DataError(f"the key {twice!r} occurs twice; keep one of them")
-    return found
-
-
 def _parsed(text: str) -> Any:
     """JSON, or TOML where it is none; what begins as an object of JSON is meant as one."""
     import json
 
     from ..audit.numbers import Double
+    from ..catalogue.strict_json import unique
+    from ..catalogue.strict_toml import loads
 
     try:
-        return json.loads(text, parse_float=Double, object_pairs_hook=_unique)
+        return json.loads(text, parse_float=Double, object_pairs_hook=unique)
     except ValueError:
         if text.lstrip().startswith("{"):
             raise
-    import tomllib
-
-    return tomllib.loads(text, parse_float=Double)
+    return loads(text, parse_float=Double)
 
 
 def _document(file: str) -> dict[str, Any]:
@@ -155,7 +158,7 @@ def audit(source: Path, form: str, every: bool, fast: bool, on: str | None) -> i
         for record in examine(source, form, search=not fast, on=where):
             records.append(record)
             if every or record["status"] not in ("right", "found", "digits"):
-                say(one_line(plain(record)))
+                say(canonical.one_line(plain(record)))
     counts = summary(records)
     tables = counted(len(records), "table")
     complain(f"{tables}: " + ", ".join(f"{n} {x}" for x, n in counts.items()))

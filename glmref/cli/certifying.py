@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any
 
 import click
 
 from ..catalogue.canonical import one_line
-from ..errors import UsageError
+from ..errors import BudgetError, UsageError
 from ..system.files import make_folder, write_text
-from .output import BAD_INPUT, HOLDS, complain, complete_method, say
+from .output import BAD_INPUT, HOLDS, INTERNAL, complain, complete_method, say
 
 
 @click.command(short_help="Write certificates that others can check.")
@@ -25,7 +26,12 @@ def certify(name: str, output: str | None) -> int:
     format.
     """
     written = 0
-    for claim, found in _certificates(name):
+    try:
+        certificates = _certificates(name)
+    except BudgetError as error:
+        complain(f"{name}: {error}, and no certificate was written")
+        return INTERNAL
+    for claim, found in certificates:
         if isinstance(found, str):
             complain(f"{claim}: no certificate: {found}")
             continue
@@ -39,26 +45,56 @@ def certify(name: str, output: str | None) -> int:
     return HOLDS if written else BAD_INPUT
 
 
-def _certificates(name: str) -> Iterator[tuple[str, dict[str, Any] | str]]:
-    from ..catalogue.lookup import path_of, read_method
-    from ..prove.certificate import certificates_of
-    from ..prove.verifier import budget_of, claims_of, facts_for
-    from ..system.budget import limited
+#: A claim, and its certificate or the reason why it has none.
+_Found = tuple[str, dict[str, Any] | str]
+
+
+def _certificates(name: str) -> list[_Found]:
+    """Certificates of a file. Those of one with a budget are made apart, and lost if it is ended.
+
+    Raises
+    ------
+    BudgetError
+        Where the budget is spent.
+    """
+    from ..catalogue.lookup import path_of, unread
+    from ..prove.verifier import budget_of
+    from ..system.budget import READING, limited
+    from ..system.process import Say, apart
 
     path = path_of(name)
+    seconds = budget_of(path)
+    if seconds is None:
+        return list(_made(path, nullcontext))
+
+    def program(say: Say) -> None:
+        def proofs() -> AbstractContextManager[None]:
+            say(None, seconds)
+            return limited(seconds)
+
+        for claim, found in _made(path, proofs):
+            say([claim, found], None)
+
+    said = apart(program, READING)
+    if said.ended:
+        raise said.error(seconds) if said.messages else unread(path, said)
+    return [(claim, found) for claim, found in said.messages[1:]]
+
+
+def _made(path: Path, proofs: Callable[[], AbstractContextManager[None]]) -> Iterator[_Found]:
+    """Make the certificates of a file; what surrounds the proofs is entered once it is read."""
+    from ..catalogue.lookup import read_method
+    from ..prove.certificate import certificates_of
+    from ..prove.verifier import asked_of, facts_for
+
     doc, method = read_method(path)
-    with limited(budget_of(path)):
+    claims = asked_of(method, doc.get("broken"))
+    with proofs():
         facts = facts_for(method)
-    claims = claims_of(method)
-    broken = doc.get("broken")
-    if broken is not None:
-        claims = {broken["claim"]: claims[broken["claim"]]}
-    with limited(budget_of(path)):
         statements = {
             claim: (declared, facts.judge(claim, declared)) for claim, declared in claims.items()
         }
-        found = list(certificates_of(facts, statements))
-    yield from found
+        yield from certificates_of(facts, statements)
 
 
 def _write(folder: Path, certificate: dict[str, Any]) -> None:
@@ -69,10 +105,19 @@ def _write(folder: Path, certificate: dict[str, Any]) -> None:
 
 
 def write_certificates(names: list[str], folder: Path) -> tuple[int, list[str]]:
-    """Write the certificates of many files: how many, and what has none, with the reason."""
+    """Write the certificates of many files: how many, and what has none, with the reason.
+
+    A file whose proofs exceed its budget costs no other one its certificates.
+    """
     count, missing = 0, []
     for name in names:
-        for claim, found in _certificates(name):
+        try:
+            certificates = _certificates(name)
+        except BudgetError as error:
+            missing.append(f"{name}: {error}")
+            complain(f"{missing[-1]}, and no certificate of it was written")
+            continue
+        for claim, found in certificates:
             if isinstance(found, str):
                 missing.append(f"{name} {claim}: {found}")
             else:

@@ -31,17 +31,14 @@ def analyze(name: str, form: str) -> int:
 
     Exit code 3 when something could not be decided.
     """
-    from ..catalogue.lookup import load
-    from ..prove.analysis import analyze as examine
-    from ..prove.analysis import plain_ends
+    from ..prove.analysis import plain_ends, record_of
 
     try:
         with _at_work(name):
-            record = examine(name).as_json()
+            record, measured = record_of(name, _measured)
     except BudgetError as error:
         complain(f"{name}: {error}, and what the method is was not decided")
         return INTERNAL
-    measured = _measured(load(name), record["stability"])
     if measured and form != "table":
         record["stability_measured"] = plain_ends(measured)
     if form == "json":
@@ -52,7 +49,8 @@ def analyze(name: str, form: str) -> int:
         say(_page(record, measured, Style.of(sys.stdout)))
     decisions = [record["g_symplectic"]["holds"], record["symmetric"]["holds"]]
     decisions += [
-        record[k] for k in ("preconsistent", "consistent", "zero_stable", "parasitism_free")
+        record[k]
+        for k in ("explicit", "preconsistent", "consistent", "zero_stable", "parasitism_free")
     ]
     return INTERNAL if None in decisions else HOLDS
 
@@ -69,40 +67,42 @@ def _said(name: str) -> Iterator[None]:
     from ..system.budget import watched
 
     start = last = monotonic()
-    shown = ""
+
+    def line() -> str:
+        return f"analyzing {one_line(name)}: {monotonic() - start:.0f} s"
 
     def notice() -> None:
-        nonlocal last, shown
-        now = monotonic()
-        if now - last >= _PATIENCE:
-            last, shown = now, f"analyzing {one_line(name)}: {now - start:.0f} s"
-            sys.stderr.write(f"\r{shown}")
+        nonlocal last
+        if monotonic() - last >= _PATIENCE:
+            last = monotonic()
+            sys.stderr.write(f"\r{line()}")
             sys.stderr.flush()
 
     with watched(notice):
         yield
-    if shown:
-        sys.stderr.write("\r" + " " * len(shown) + "\r")
+    if monotonic() - start >= _PATIENCE:  # the line may be that of another process
+        sys.stderr.write("\r" + " " * len(line()) + "\r")
 
 
-def _page(record: Mapping[str, Any], measured: Mapping[str, float], style: Style) -> str:
+def _page(record: Mapping[str, Any], measured: Mapping[str, float] | None, style: Style) -> str:
     """Return an analysis as lines of name and value."""
     from ..views.facts import analysis_rows
 
     name = style.paint(one_line(record["method"]) or "(unnamed)", "bold")
     rows = [
         (title if i == 0 else "", line)
-        for title, text in analysis_rows(record, measured)
+        for title, text in analysis_rows(record, measured or {})
         for i, line in enumerate(textwrap.wrap(text, max(style.width - 45, 30)) or [""])
     ]
     return "\n".join([name, columns(rows, style=style)])
 
 
-def _measured(method: Any, stability: Mapping[str, Any]) -> dict[str, float]:
+def _measured(method: Any, record: Mapping[str, Any]) -> dict[str, float]:
     """Ends of the stability intervals that are not proved, in floating point."""
     from ..measure.stability import interval
 
     rays = {"real": -1 + 0j, "imaginary": 1j}
+    stability = record["stability"]
     open_ = [key for key in rays if key in stability and stability[key] is None]
     return {key: interval(method, rays[key]) for key in open_}
 

@@ -6,8 +6,7 @@ from pathlib import Path
 
 import click
 
-from ..errors import UsageError
-from ..system.files import write_text
+from ..system.files import one_name, read_text, write_text
 from ..views.tables import one_line
 from .output import HOLDS, Word, complain, complete_method, say
 
@@ -67,15 +66,11 @@ def import_(file: Path, form: str, output: Path | None) -> int:
     them. Nothing in the table is executed.
     """
     from ..catalogue.canonical import canonical
+    from ..catalogue.strict_json import MAX_BYTES
     from ..exchange.import_tables import read_table
 
-    try:
-        text = file.read_text(encoding="utf-8")
-    except UnicodeDecodeError:
-        raise UsageError(f"{file} is not UTF-8 text, which every table is") from None
-    except OSError as error:
-        raise UsageError(f"{file} cannot be read ({error.strerror})") from None
-    _write(canonical(read_table(text, form, name=file.stem, where=file.name)), output)
+    text = read_text(file, MAX_BYTES)
+    _write(canonical(read_table(text, form, name=file.stem, where=one_name(file))), output)
     return HOLDS
 
 

@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import os
 import traceback
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from time import perf_counter
 from typing import Any
 
+from ..catalogue.lookup import path_of, unread
 from ..compute import Done, Executor, Limits, executor, in_order
 from ..compute.child import Function, cores
 from ..compute.choosing import ENVIRONMENT
 from ..compute.executors import Local
-from ..errors import GlmrefError
-from ..findings import Finding
-from ..prove.verdict_cache import keep_findings, look_up, question
+from ..errors import BudgetError, GlmrefError
+from ..findings import Finding, Verdict
+from ..prove.verdict_cache import Question, keep_findings, look_up, question
+from ..system.budget import READING
 from ..system.files import noting
+from ..system.process import Say, apart
 from ..views.tables import plain
 from .output import internal_sentence
 
@@ -49,21 +52,60 @@ def check(
     known = None if asked is None else look_up(asked)
     if known is not None:
         return Checked(name, known)
-    from ..prove.verifier import verify_file
-
     try:
-        with noting() as read:
-            found = verify_file(name, only=only, budget=budget)
+        return Checked(name, _decided(name, only, budget, asked))
     except GlmrefError as error:
         return Checked(name, error=str(error))
     except Exception as error:
         text = "".join(traceback.format_exception(error))
         return Checked(name, error=internal_sentence(error, name), internal=True, trace=text)
-    # only plain values travel between processes; the exact numbers behind them stay here
-    found = [replace(f, declared=plain(f.declared), value=plain(f.value)) for f in found]
-    if asked is not None:
-        keep_findings(asked, read, found)
-    return Checked(name, found)
+
+
+def _decided(
+    name: str, only: Sequence[str], budget: float | None, asked: Question | None
+) -> list[Finding]:
+    """Findings about a file. One with a budget is decided apart, and open where that is ended."""
+    from ..prove.verifier import budget_of, no_more, nobody, verify_file
+
+    def decide(tell: Callable[[Finding], None]) -> list[Finding]:
+        with noting() as read:
+            found = verify_file(name, only=only, budget=budget, tell=tell)
+        found = [_plain(f) for f in found]
+        if asked is not None:
+            keep_findings(asked, read, found)
+        return found
+
+    path = path_of(name)
+    seconds = budget_of(path, budget)
+    if seconds is None:
+        return decide(nobody)
+
+    def program(say: Say) -> None:
+        def tell(f: Finding) -> None:
+            say(_plain(f).as_json(), seconds if _pending(f) else None)
+
+        for f in decide(tell):
+            say(f.as_json(), None)
+
+    said = apart(program, READING)
+    found = {row["claim"]: Finding.from_json(row) for row in said.messages}
+    if not said.ended:
+        return [*found.values()]
+    if not found:
+        raise unread(path, said)
+    error = said.error(seconds)
+    why = no_more(error) if isinstance(error, BudgetError) else str(error)
+    return [replace(x, witness=why) if _pending(x) else x for x in found.values()]
+
+
+def _pending(found: Finding) -> bool:
+    """Whether a claim is open because it was not decided yet."""
+    return found.verdict is Verdict.OPEN and not found.witness
+
+
+def _plain(found: Finding) -> Finding:
+    """A finding without the exact numbers behind its values, which stay in their process."""
+    return replace(found, declared=plain(found.declared), value=plain(found.value))
 
 
 def check_task(task: Mapping[str, Any]) -> Checked:

@@ -15,16 +15,18 @@ import tempfile
 import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, replace
-from multiprocessing import current_process, get_context
+from multiprocessing import current_process, get_context, resource_tracker
+from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
 from pathlib import Path
-from threading import Lock, current_thread, main_thread
+from pickle import PicklingError
+from threading import Lock
 from time import perf_counter
 from typing import Any
 
 from ..errors import GlmrefError, UsageError
+from ..system.files import reason
 from ..system.process import end_with_parent
 
 try:
@@ -120,8 +122,8 @@ class Child:
 
     def __init__(self, limits: Limits, folder: str = "") -> None:
         self.limits, self.folder = limits, folder
-        self._pool: ProcessPoolExecutor | None = None
-        self._pid = 0
+        self._process: BaseProcess | None = None
+        self._pipe: Connection | None = None
         self._ended = False
 
     def carry_out(self, function: Function, task: Task) -> Done:
@@ -134,45 +136,61 @@ class Child:
         return done
 
     def _once(self, function: Function, task: Task) -> Done:
-        if self._pool is None:
-            self._start()
-        assert self._pool is not None
         limit, begun = self.limits.seconds, perf_counter()
-        try:
-            return self._pool.submit(_attempt_in, function, task, limit).result(limit)
-        except TimeoutError:
+        failure = Done(failure=KILLED, message="the process of the task ended before it did")
+        pipe = self._pipe or self._start()
+        with contextlib.suppress(EOFError, OSError):
+            pipe.send((function, task, limit))
+            if pipe.poll(limit):
+                return pipe.recv()
             failure = Done(failure=TIME_LIMIT, message=f"stopped after {limit:g} s")
-        except BrokenProcessPool:
-            failure = Done(failure=KILLED, message="the process of the task ended before it did")
         self._kill()
         return replace(failure, seconds=perf_counter() - begun)
 
-    def _start(self) -> None:
-        with _starting, _surroundings():
-            # spawn: the same on every system, and no thread of the parent can be caught half-way
-            pool = ProcessPoolExecutor(1, get_context("spawn"), _begin, (self.limits, self.folder))
-            begun = pool.submit(_settle, self.limits.pinned)
+    def _start(self) -> Connection:
         try:
-            self._pid, settled = begun.result()
-            self._pool = pool
-        except BrokenProcessPool:
+            os.chdir(os.getcwd())  # as the process will
+        except OSError as error:
+            raise UsageError(
+                f"processes begin in the current folder, and that cannot be entered "
+                f"({reason(error)}); go to another one"
+            ) from None
+        # spawn: the same on every system, and no thread of the parent can be caught half-way
+        context = get_context("spawn")
+        with _starting, _surroundings():
+            pipe, theirs = context.Pipe()
+            given = (theirs, self.limits, self.folder)
+            # a daemon: where this process ends without having ended it, nobody waits for it
+            process = context.Process(target=_serve, args=given, daemon=True)
+            process.start()
+            theirs.close()
+        self._process = process
+        if self._ended:  # while it was started
+            self._kill()
+            return pipe
+        try:
+            settled = pipe.recv()
+        except (EOFError, OSError):
+            if self._ended:
+                return pipe
+            self._kill()
             raise UsageError(
                 "a process for tasks cannot be started; a script that asks for processes needs "
                 "`if __name__ == '__main__':` before what it does"
             ) from None
-        if not settled:
+        if settled is not True:
             self._kill()
-            raise UsageError(
+            raise settled or UsageError(
                 "timed tasks need a core each, and all cores have one; ask for fewer processes, or "
                 "wait until the other run has ended"
             )
+        self._pipe = pipe
+        return pipe
 
     def _kill(self) -> None:
-        pool, self._pool = self._pool, None
-        if pool is not None:
-            with contextlib.suppress(OSError):
-                os.kill(self._pid, signal.SIGKILL if os.name == "posix" else signal.SIGTERM)
-            pool.shutdown(wait=False, cancel_futures=True)
+        process, self._process, self._pipe = self._process, None, None
+        if process is not None:
+            process.kill()
 
     def end(self) -> None:
         """End the process, whatever it does; a task that it had is not tried again."""
@@ -181,6 +199,24 @@ class Child:
 
 
 # --- inside of the child --------------------------------------------------------------------------
+
+
+def _serve(pipe: Connection, limits: Limits, folder: str) -> None:
+    """Say whether there is a core, where one is needed, and answer tasks until the pipe ends."""
+    _begin(limits, folder)
+    with contextlib.suppress(EOFError, OSError):
+        try:
+            settled = not limits.pinned or _pin()
+        except OSError as error:
+            settled = error
+        pipe.send(settled)
+        while True:
+            done = _attempt_in(*pipe.recv())
+            try:
+                pipe.send(done)
+            except (TypeError, AttributeError, PicklingError) as error:
+                message = f"the result cannot be sent ({type(error).__name__}: {error})"
+                pipe.send(Done(failure=FAILED, message=message))
 
 
 def _attempt_in(function: Function, task: Task, limit: float | None) -> Done:
@@ -199,6 +235,9 @@ def _attempt_in(function: Function, task: Task, limit: float | None) -> Done:
 def _begin(limits: Limits, folder: str) -> None:
     """Leave Ctrl-C to the parent, end with it, however it ends, and take on the limits."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+    current_process()._config["daemon"] = False  # type: ignore[attr-defined]  # as any program
     end_with_parent()
     if folder:
         with contextlib.suppress(OSError):
@@ -207,11 +246,6 @@ def _begin(limits: Limits, folder: str) -> None:
         with contextlib.suppress(OSError, ValueError):
             _, most = resource.getrlimit(resource.RLIMIT_DATA)
             resource.setrlimit(resource.RLIMIT_DATA, (limits.memory, most))
-
-
-def _settle(pinned: bool) -> tuple[int, bool]:
-    """Return the number of this process, and whether it has the core that it needs."""
-    return os.getpid(), not pinned or _pin()
 
 
 _core: list[int] = []  # the descriptor of the lock; it is held as long as the process lives
@@ -250,13 +284,16 @@ def _surroundings() -> Iterator[None]:
     # end with their parent whatever happens to it
     config = current_process()._config  # type: ignore[attr-defined]
     daemon, config["daemon"] = config.get("daemon"), False
-    in_main = current_thread() is main_thread()
-    heard = signal.signal(signal.SIGINT, signal.SIG_IGN) if in_main else None
+    masks = hasattr(signal, "pthread_sigmask")
+    if masks:
+        # spawning would start it otherwise, which unblocks SIGINT before the child is there
+        resource_tracker.ensure_running()
+    heard = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT}) if masks else set()
     try:
         yield
     finally:
-        if in_main:
-            signal.signal(signal.SIGINT, heard)
+        if masks:
+            signal.pthread_sigmask(signal.SIG_SETMASK, heard)
         config["daemon"] = daemon
         for name, value in before.items():
             if value is None:

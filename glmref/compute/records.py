@@ -22,7 +22,16 @@ from typing import Any
 
 from ..catalogue.canonical import compact
 from ..errors import DataError, UsageError
-from ..system.files import Lock, lines_of, make_folder, printable, read_bytes, reason, sync_folder
+from ..system.files import (
+    BINARY,
+    Lock,
+    lines_of,
+    make_folder,
+    printable,
+    read_bytes,
+    reason,
+    sync_folder,
+)
 from ..system.files import write_bytes as replace_file
 
 FORMAT = "glmref-record-1"
@@ -32,7 +41,9 @@ CHECKSUM = "sha256"
 MAX_BYTES = 1 << 30
 
 _HEXADECIMAL = re.compile("[0-9a-f]{64}")
-_BEGIN = b'{"format":"'
+_BEGIN = re.compile(r'\{\s*"format"\s*:\s*"')
+#: What begins as a record in a damaged line, and is none, so many times.
+_TRIES = 100
 
 
 def key_of(task: Mapping[str, Any]) -> str:
@@ -111,7 +122,11 @@ def _record(raw: bytes) -> dict[str, Any]:
         record = json.loads(raw.decode("utf-8"))
     except (ValueError, RecursionError):
         raise _NotARecord("is not a JSON record") from None
-    return _sound(record)
+    sound = _sound(record)
+    # two texts can be one number, so that the checksum agrees although a digit has changed
+    if CHECKSUM in sound and compact(sound) != raw.strip():
+        raise _NotARecord("is not as it was written")
+    return sound
 
 
 def _sound(record: Any) -> dict[str, Any]:
@@ -143,15 +158,18 @@ def _sound(record: Any) -> dict[str, Any]:
 def _salvaged(raw: bytes) -> list[dict[str, Any]]:
     """Find the records of a line that is damaged: those alone whose checksum agrees."""
     found: list[dict[str, Any]] = []
-    decoder = json.JSONDecoder()
-    start = raw.find(_BEGIN)
-    while start >= 0:
-        with contextlib.suppress(ValueError, RecursionError, _NotARecord):
-            text = raw[start:].decode("utf-8", "replace")
-            record = _sound(decoder.raw_decode(text)[0])
-            if CHECKSUM in record:
-                found.append(record)
-        start = raw.find(_BEGIN, start + 1)
+    decoder, text = json.JSONDecoder(), raw.decode("utf-8", "replace")
+    failed = 0
+    for begin in _BEGIN.finditer(text):
+        try:
+            record = _sound(decoder.raw_decode(text, begin.start())[0])
+        except (ValueError, RecursionError, _NotARecord):
+            failed += 1
+            if failed == _TRIES:  # each takes as long as the line
+                break
+            continue
+        if CHECKSUM in record:
+            found.append(record)
     return found
 
 
@@ -259,6 +277,7 @@ class RecordFile:
         self.faulty = False
         self._by_key: dict[str, dict[str, Any]] = {}
         self._holds = 0
+        self._size = 0  # bytes of the file, as long as the lock is held
         if path is not None:
             self._take(self._read(path))
 
@@ -298,8 +317,9 @@ class RecordFile:
                 self._holds -= 1
             return
         make_folder(self.path.parent)
+        target = Path(os.path.realpath(self.path))  # one lock for a file, whatever leads to it
         lock = Lock(
-            self.path.with_name(f".{self.path.name}.lock"),
+            target.with_name(f".{target.name}.lock"),
             f"the record file {printable(self.path)}",
         )
         try:
@@ -329,17 +349,14 @@ class RecordFile:
         try:
             if content.faults:
                 aside = path.with_name(f"{path.name}.aside")
-                with aside.open("ab") as stream:
-                    stream.write(b"".join(fault.raw + b"\n" for fault in content.faults))
-                    stream.flush()
-                    os.fsync(stream.fileno())
+                _append(aside, b"".join(fault.raw + b"\n" for fault in content.faults))
                 replace_file(path, b"".join(line + b"\n" for line in content.kept))
                 self.notices += _told(path.name, aside.name, content.faults)
             elif content.torn is not None:
                 os.truncate(path, content.whole)
             elif content.unended:
-                with path.open("ab") as stream:
-                    stream.write(b"\n")
+                _append(path, b"\n")
+            self._size = path.stat().st_size if path.exists() else 0
         except OSError as error:
             raise self._refusal(path, error) from None
         self.faulty = False
@@ -397,30 +414,47 @@ class RecordFile:
             self.records.append(record)
         self._by_key[record["key"]] = record
 
-    def _write(self, path: Path, line: bytes) -> None:
-        """Append a line whole, or leave the file as it was."""
-        new = not path.exists()
-        size = None
+    def _write(self, path: Path, lines: bytes) -> None:
         try:
-            descriptor = os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o666)
-            try:
-                size = os.fstat(descriptor).st_size
-                rest = memoryview(line)
-                while rest:
-                    rest = rest[os.write(descriptor, rest) :]
-                os.fsync(descriptor)
-            except OSError:
-                # on a full disk part of a line may have been written
-                with contextlib.suppress(OSError):
-                    if size is not None:
-                        os.ftruncate(descriptor, size)
-                raise
-            finally:
-                os.close(descriptor)
+            if (path.stat().st_size if path.exists() else 0) != self._size:
+                raise UsageError(
+                    f"{printable(path)}: another program has changed, moved or deleted the file "
+                    f"while this one was writing it; run the same command again"
+                )
+            self._size = _append(path, lines)
         except OSError as error:
             raise self._refusal(path, error) from None
-        if new:
-            sync_folder(path.parent)
+
+
+def _append(path: Path, content: bytes) -> int:
+    """Append to a file on the disk, or leave it as it was; return its size.
+
+    Raises
+    ------
+    OSError
+        Where the system refuses.
+    """
+    new = not path.exists()
+    # without O_NONBLOCK, opening a named pipe waits for a reader
+    flags = os.O_WRONLY | os.O_APPEND | os.O_CREAT | BINARY | getattr(os, "O_NONBLOCK", 0)
+    descriptor = os.open(path, flags, 0o666)
+    try:
+        size = os.fstat(descriptor).st_size
+        try:
+            rest = memoryview(content)
+            while rest:
+                rest = rest[os.write(descriptor, rest) :]
+            os.fsync(descriptor)
+        except OSError:
+            # on a full disk part of a line may have been written
+            with contextlib.suppress(OSError):
+                os.ftruncate(descriptor, size)
+            raise
+    finally:
+        os.close(descriptor)
+    if new:
+        sync_folder(path.parent)
+    return size + len(content)
 
 
 def _told(name: str, aside: str, faults: list[Fault]) -> list[str]:
@@ -431,8 +465,8 @@ def _told(name: str, aside: str, faults: list[Fault]) -> list[str]:
     if other:
         more = f", and {len(other) - 1} lines more" if len(other) > 1 else ""
         told.append(
-            f"{name}: line {other[0].line} {other[0].why}{more}; moved to {aside}, and what they "
-            f"measured is measured again"
+            f"{name}: line {other[0].line} {other[0].why}{more}; moved to {aside}, and what "
+            f"cannot be read in them is measured again"
         )
     if twice:
         told.append(

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Protocol
 
-from ..errors import UsageError
+from ..errors import DataError, UsageError
 from ..system.files import Lock, make_folder, printable, reason
 from .child import UNLIMITED, Done, Function, Limits, Task
 from .executors import Executor, Here
@@ -137,7 +137,13 @@ class RecordFolder:
             if repair:
                 with last.exclusive():
                     self.notices += last.notices
-            keys.update(int(record["key"], 16) for record in last.records)
+            found = {int(record["key"], 16) for record in last.records}
+            if twice := len(found & keys):
+                raise DataError(
+                    f"{path.name}: {twice} of its records are of tasks that a file before it has "
+                    f"records of; move this file away"
+                )
+            keys |= found
         self._keys = array("Q", sorted(keys))
         self._current = last
 
@@ -186,7 +192,9 @@ class RecordFolder:
             file = self._current
             if file is None or len(file.records) >= self.each:
                 number = len(self.files()) + 1
-                file = self._current = RecordFile(self.path / f"records-{number:06}.jsonl")
+                while (path := self.path / f"records-{number:06}.jsonl").exists():
+                    number += 1  # one of those before it was deleted
+                file = self._current = RecordFile(path)
                 self._held.close()
                 self._held.enter_context(file.exclusive())
             room = self.each - len(file.records)

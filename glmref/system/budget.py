@@ -1,7 +1,8 @@
 """A limit to the processor time of a proof, looked at wherever exact arithmetic is slow.
 
 The time of the running thread counts, so that a busy machine changes nothing. One operation on
-algebraic numbers is not interrupted: the limit takes effect when it returns.
+algebraic numbers is not interrupted: the limit takes effect when it returns. The command line has
+the files of users decided in processes that are ended where it does not return (`process.apart`).
 """
 
 from __future__ import annotations
@@ -17,6 +18,8 @@ from ..errors import BudgetError, UndecidedError
 READING = 2.0
 #: Seconds of processor time that the proofs of one file of a user may take, unless asked otherwise.
 PROVING = 60.0
+#: Seconds of processor time after which an operation that exceeds a budget is ended.
+EXCESS = 2.0
 #: Most coefficients of a linear system that is written down; each takes up to 100 bytes.
 CELLS = 20_000_000
 
@@ -25,13 +28,15 @@ _watch: ContextVar[Callable[[], None] | None] = ContextVar("watch", default=None
 
 
 @contextmanager
-def limited(seconds: float | None) -> Iterator[None]:
+def limited(seconds: float | None, used: float = 0.0) -> Iterator[None]:
     """Let what is computed inside take at most so much processor time.
 
     Parameters
     ----------
     seconds : float or None
         The budget; ``None`` for no limit of its own. A limit that is already there stays.
+    used : float
+        How much of it was used before.
 
     Raises
     ------
@@ -42,7 +47,7 @@ def limited(seconds: float | None) -> Iterator[None]:
     if seconds is None:
         yield
         return
-    until = thread_time() + seconds
+    until = thread_time() + seconds - used
     token = _limit.set(outer if outer is not None and outer[0] <= until else (until, seconds))
     try:
         yield
@@ -73,7 +78,18 @@ def spend() -> None:
         watch()
     limit = _limit.get()
     if limit is not None and thread_time() > limit[0]:
-        raise BudgetError(f"the budget of {limit[1]:g} s of processor time is spent")
+        raise spent(limit[1])
+
+
+def left() -> tuple[float, float] | tuple[None, None]:
+    """Seconds of processor time that are left, and of the budget; ``None`` without a limit."""
+    limit = _limit.get()
+    return (None, None) if limit is None else (limit[0] - thread_time(), limit[1])
+
+
+def spent(seconds: float, where: str = "") -> BudgetError:
+    """The error of a budget that is spent."""
+    return BudgetError(f"the budget of {seconds:g} s of processor time is spent{where}")
 
 
 def fits(unknowns: int, equations: int, what: str) -> None:

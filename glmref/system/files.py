@@ -21,24 +21,27 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import DataError, UsageError
+from .arguments import shown
 
 try:
     import fcntl
 except ImportError:  # not POSIX: the lock is a file that is made exclusively
     fcntl = None  # type: ignore[assignment]
 
+#: Windows changes ends of lines in files that are opened without it.
+BINARY = getattr(os, "O_BINARY", 0)
 #: What `flock` answers on a file system that has no locks.
 _NO_LOCKS = {errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOTSUP, errno.EINVAL}
 
 
 def reason(error: OSError | ValueError) -> str:
     """Return why the system refused, in its words."""
-    return getattr(error, "strerror", None) or str(error)
+    return getattr(error, "strerror", None) or shown(error, str, 200)
 
 
 def printable(path: str | Path) -> str:
     """Return a path as a quoted text without control characters, for a message."""
-    return repr(str(path)).encode("utf-8", "backslashreplace").decode("utf-8")
+    return shown(str(path), most=300)
 
 
 def kind_of(mode: int) -> str:
@@ -89,7 +92,7 @@ def read_bytes(path: Path, most: int) -> bytes:
     name = one_name(path)
     try:
         # without O_NONBLOCK, opening a named pipe waits for a writer
-        descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
+        descriptor = os.open(path, os.O_RDONLY | BINARY | getattr(os, "O_NONBLOCK", 0))
     except (OSError, ValueError) as error:
         raise DataError(f"{name}: the file cannot be read ({reason(error)})") from None
     try:
@@ -138,7 +141,7 @@ def read_text(path: Path, most: int) -> str:
 
 def one_name(path: Path) -> str:
     """Return the last part of a path, without characters that a terminal obeys."""
-    return printable(path.name)[1:-1] or printable(path)
+    return shown(path.name, lambda name: repr(name)[1:-1], 300) or printable(path)
 
 
 # --- writing --------------------------------------------------------------------------------------
@@ -201,7 +204,7 @@ def write_bytes(path: Path, content: bytes, *, sync: bool = True) -> None:
         target = path.resolve()  # a link stays a link
         mode = target.stat().st_mode if target.exists() else None
     except (OSError, ValueError, RuntimeError) as error:
-        raise UsageError(f"{printable(path)} cannot be written ({error})") from None
+        raise UsageError(f"{printable(path)} cannot be written ({shown(error, str)})") from None
     if mode is not None and not stat.S_ISREG(mode):
         raise UsageError(f"{printable(path)} is {kind_of(mode)}; name a regular file to write")
     if not target.parent.is_dir():
@@ -276,7 +279,9 @@ class Lock:
             Where the file cannot be made, as in a folder that is read-only.
         """
         for _ in range(100):
-            descriptor = os.open(self.path, os.O_RDWR | os.O_CREAT, 0o644)
+            # what a link of that name leads to is not ours to write
+            flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0)
+            descriptor = os.open(self.path, flags, 0o644)
             try:
                 able = self._flock(descriptor)
                 # the one who held it may have deleted the file between our two calls
@@ -307,15 +312,16 @@ class Lock:
         return True
 
     def _acquire_without_flock(self) -> None:
-        """Make the file exclusively; an empty one is what :meth:`acquire` has just made."""
-        with contextlib.suppress(FileNotFoundError):
-            if self.path.stat().st_size:
-                raise UsageError(f"{self._held()}; if that process is gone, delete {self.path}")
+        """Make a second file exclusively: the first may be what another one has just made."""
+        with contextlib.suppress(OSError):
             self.path.unlink()
+        self.path = self.path.with_name(f"{self.path.name}ed")
         try:
             descriptor = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o644)
         except FileExistsError:
-            raise UsageError(self._held()) from None
+            raise UsageError(
+                f"{self._held()}; if that process is gone, delete {printable(self.path)}"
+            ) from None
         self._sign(descriptor)
         self._descriptor = descriptor
 
@@ -362,10 +368,16 @@ class Lock:
         descriptor, self._descriptor = self._descriptor, None
         if descriptor is None:
             return
+        ours = False
         with contextlib.suppress(OSError):
-            if self._is_current(descriptor):
-                self.path.unlink()  # before the lock ends: nobody can have taken it yet
-        os.close(descriptor)
+            ours = self._is_current(descriptor)
+        if fcntl is None:  # Windows deletes no file that is open
+            os.close(descriptor)
+        with contextlib.suppress(OSError):
+            if ours:
+                self.path.unlink()  # before a lock of the system ends: nobody can have taken it yet
+        if fcntl is not None:
+            os.close(descriptor)
 
     def __enter__(self) -> Lock:
         self.acquire()

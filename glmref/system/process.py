@@ -10,13 +10,20 @@ from __future__ import annotations
 import contextlib
 import faulthandler
 import io
+import json
 import os
 import signal
 import socket
 import sys
 import threading
+import traceback
+import warnings
 from collections.abc import Callable, Iterator
 from types import FrameType
+from typing import Any, NamedTuple
+
+from .. import errors
+from .budget import EXCESS, spent
 
 #: 128 and the number of SIGINT or SIGPIPE, as shells count.
 INTERRUPTED, PIPE_CLOSED = 130, 141
@@ -31,7 +38,7 @@ TOO_LONG, TOO_LONG_CODE = "the time limit is over; what was finished is printed 
 
 #: Process groups of programs that were started, to be ended with this process.
 _groups: set[int] = set()
-#: Signals that were received; an engine may turn the exception into an outcome of its own.
+#: The signal that was received; an engine may turn the exception into an outcome of its own.
 _received: list[int] = []
 
 
@@ -79,6 +86,15 @@ def end_children() -> None:
                 child.kill()
 
 
+def ending(code: int) -> str:
+    """Return how a process ended: its exit code, or the name of a signal."""
+    if code >= 0:
+        return f"exit code {code}"
+    with contextlib.suppress(ValueError):  # one without a name
+        return signal.Signals(-code).name
+    return f"signal {-code}"
+
+
 def end_with_parent() -> None:
     """Have this process, started by `multiprocessing`, end when its parent does, even if killed."""
     # few processes are started by multiprocessing, and it takes a while to load
@@ -113,6 +129,8 @@ def open_streams() -> None:
                 os.open(os.devnull, os.O_RDWR)  # gets the lowest number that is free
     if sys.stdin is None:
         sys.stdin = open(os.devnull)  # noqa: SIM115
+    elif isinstance(sys.stdin, io.TextIOWrapper):
+        sys.stdin.reconfigure(encoding="utf-8")  # as files are read, whatever the terminal has
     for name in ("stdout", "stderr"):
         stream = getattr(sys, name)
         if stream is None:
@@ -142,45 +160,63 @@ def silence() -> None:
 
 
 def _terminate(number: int, frame: FrameType | None) -> None:
+    if _received:  # a second one must not stop what the first has begun to end
+        return
     _received.append(number)
-    raise Terminated(number)
+    raise KeyboardInterrupt if number == signal.SIGINT else Terminated(number)
 
 
 @contextlib.contextmanager
-def signals(name: str) -> Iterator[None]:
-    """Turn SIGTERM and SIGHUP into :class:`Terminated`, and end by force who does not hear.
+def signals(name: str) -> Iterator[threading.Event]:
+    """Turn the first of SIGINT, SIGTERM and SIGHUP into an exception, and end who does not hear it.
 
-    Outside of the main thread, and where signals have no numbers to wake a thread with, nothing is
-    changed.
+    SIGTERM and SIGHUP become :class:`Terminated`. Outside of the main thread nothing is changed;
+    Windows has Ctrl-C only, and nothing that ends who does not hear it.
 
     Parameters
     ----------
     name : str
         The program, for the sentence of an end by force.
+
+    Yields
+    ------
+    threading.Event
+        Once it is set, the process is not ended by force any more.
     """
-    if threading.current_thread() is not threading.main_thread() or os.name != "posix":
-        yield
+    ended = threading.Event()
+    if threading.current_thread() is not threading.main_thread():
+        yield ended
         return
+    posix = os.name == "posix"
     wanted = [
         number
-        for number in (signal.SIGTERM, signal.SIGHUP, TIME_OVER)
-        if number
-        and signal.getsignal(number) is signal.SIG_DFL  # nohup ignores SIGHUP, and is right
+        for number in ((signal.SIGTERM, signal.SIGHUP, signal.SIGALRM) if posix else ())
+        if signal.getsignal(number) is signal.SIG_DFL  # nohup ignores SIGHUP, and is right
     ]
-    before = {number: signal.signal(number, _terminate) for number in wanted}
+    if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
+        wanted.append(signal.SIGINT)
+    with _watched(ended, name) if posix else contextlib.nullcontext():
+        before = {number: signal.signal(number, _terminate) for number in wanted}
+        try:
+            yield ended
+        finally:
+            ended.set()
+            for number, handler in before.items():
+                signal.signal(number, handler)
+
+
+@contextlib.contextmanager
+def _watched(ended: threading.Event, name: str) -> Iterator[None]:
+    """Have a thread woken by signals, which ends the process where nothing else hears them."""
     reader, writer = socket.socketpair()
     writer.setblocking(False)
-    ended = threading.Event()
     watcher = threading.Thread(target=_watch, args=(reader, ended, name), daemon=True)
     wakeup = signal.set_wakeup_fd(writer.fileno(), warn_on_full_buffer=False)
     watcher.start()
     try:
         yield
     finally:
-        ended.set()
         signal.set_wakeup_fd(wakeup)
-        for number, handler in before.items():
-            signal.signal(number, handler)
         with contextlib.suppress(OSError):
             writer.send(b"\0")
         watcher.join(timeout=1.0)
@@ -241,36 +277,56 @@ def guarded(name: str, function: Callable[[], int], bad: int) -> int:
     """
     open_streams()
     _received.clear()
-    sentence = ""
-    try:
-        with signals(name):
-            code = function()
-            sys.stdout.flush()
-    except BrokenPipeError:
-        code = PIPE_CLOSED
-    except KeyboardInterrupt:
-        code = INTERRUPTED
-        sentence = _word(_received[-1] if _received else signal.SIGINT)
-    except MemoryError:
-        sentence = "the memory does not suffice; ask for less, or allow more (ulimit -v)"
-        code = bad
-    except OSError as error:
-        sentence = f"the system refused ({error.strerror or error}); free what it names, try again"
-        code = bad
-    if code == INTERRUPTED:
-        end_children()
-        code = _code(_received[-1]) if _received else code
-        if code == TOO_LONG_CODE:  # also where an engine made an outcome of it
-            sentence = TOO_LONG
-    end_groups()
-    if sentence:
-        with contextlib.suppress(OSError):
-            print(f"{name}: {sentence}", file=sys.stderr, flush=True)  # noqa: T201
-    silence()
+    with signals(name) as ended:
+        code, sentence = _outcome(function, bad)
+        if code == INTERRUPTED:
+            end_children()
+            code = _code(_received[-1]) if _received else code
+            if code == TOO_LONG_CODE:  # also where an engine made an outcome of it
+                sentence = TOO_LONG
+        end_groups()
+        ended.set()
+        if sentence:
+            with contextlib.suppress(OSError):
+                print(f"{name}: {sentence}", file=sys.stderr, flush=True)  # noqa: T201
+        silence()
     return code
 
 
+def _outcome(function: Callable[[], int], bad: int) -> tuple[int, str]:
+    """Exit code and sentence of what a program does."""
+    try:
+        code = function()
+        sys.stdout.flush()
+    except BrokenPipeError:
+        return PIPE_CLOSED, ""
+    except KeyboardInterrupt:
+        return INTERRUPTED, _word(_received[-1] if _received else signal.SIGINT)
+    except MemoryError:
+        return bad, "the memory does not suffice; ask for less, or allow more (ulimit -v)"
+    except OSError as error:
+        what = error.strerror or error
+        return bad, f"the system refused ({what}); free what it names, try again"
+    return code, ""
+
+
 # --- a limit of time ------------------------------------------------------------------------------
+
+
+def _fork(program: Callable[[], int]) -> int:
+    """Start a process that runs a program and ends; nothing of the caller runs a second time."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # threads: none that this package starts holds a lock
+        child = os.fork()
+    if child:
+        return child
+    code = 1
+    try:
+        code = program()
+    except BaseException as error:
+        sys.excepthook(type(error), error, error.__traceback__)
+    finally:
+        os._exit(code)
 
 
 def within(name: str, seconds: float, program: Callable[[], int]) -> int:
@@ -299,19 +355,24 @@ def within(name: str, seconds: float, program: Callable[[], int]) -> int:
     open_streams()
     # a child would wait for ever for the thread of a timer that runs, which it does not have
     faulthandler.cancel_dump_traceback_later()
-    child = os.fork()
-    if child == 0:
-        code = 1
-        try:
-            nowhere = open(os.devnull, "w")  # noqa: SIM115
-            # this timer, which needs no interpreter, serves where the parent is gone
-            faulthandler.dump_traceback_later(2 * seconds + 1, exit=True, file=nowhere)
-            code = program()
-        except BaseException as error:
-            sys.excepthook(type(error), error, error.__traceback__)
-        finally:
-            os._exit(code)  # nothing of the caller may run a second time
-    killed = False
+
+    def timed() -> int:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+        nowhere = open(os.devnull, "w")  # noqa: SIM115
+        # this timer, which needs no interpreter, serves where the parent is gone
+        faulthandler.dump_traceback_later(2 * seconds + 1, exit=True, file=nowhere)
+        return program()
+
+    child, killed = 0, False
+    early: list[int] = []
+
+    def tell(number: int) -> None:
+        if child:
+            os.kill(child, number)
+        else:
+            early.append(number)
 
     def over(number: int, frame: FrameType | None) -> None:
         nonlocal killed
@@ -320,19 +381,24 @@ def within(name: str, seconds: float, program: Callable[[], int]) -> int:
             signal.setitimer(signal.ITIMER_REAL, 0)
         else:
             signal.setitimer(signal.ITIMER_REAL, 2 * GRACE, 2 * GRACE)
-        os.kill(child, signal.SIGKILL if killed else number)
+        tell(signal.SIGKILL if killed else number)
 
     def hand_on(number: int, frame: FrameType | None) -> None:
         if number != signal.SIGINT or not _in_foreground():  # Ctrl-C reaches the child by itself
-            os.kill(child, number)
+            tell(number)
 
-    handlers = {
-        TIME_OVER: over,
-        **dict.fromkeys((signal.SIGINT, signal.SIGTERM, signal.SIGHUP), hand_on),
-    }
+    # the handlers come before the child: a signal that finds none ends this process alone, and one
+    # that is blocked here may find another thread of the caller
+    handlers = {**dict.fromkeys((signal.SIGINT, signal.SIGTERM, signal.SIGHUP), hand_on),
+                TIME_OVER: over}  # fmt: skip
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, handlers)
     before = {number: signal.signal(number, handler) for number, handler in handlers.items()
               if signal.getsignal(number) is not signal.SIG_IGN}  # fmt: skip
+    child = _fork(timed)
+    for number in early:
+        os.kill(child, number)
     signal.setitimer(signal.ITIMER_REAL, seconds)
+    signal.pthread_sigmask(signal.SIG_SETMASK, mask)
     try:
         _, status = os.waitpid(child, 0)
     finally:
@@ -345,6 +411,124 @@ def within(name: str, seconds: float, program: Callable[[], int]) -> int:
             os.write(2, f"{name}: {TOO_LONG}\n".encode())
         return TOO_LONG_CODE
     return 128 - code if code < 0 else code
+
+
+#: Of time on the clock a program apart may take so many times its processor time.
+CLOCK = 10.0
+#: How a program apart ended whose time was over.
+OVER = "time over"
+
+#: Hands a JSON value to the caller. What comes next may take so many seconds of processor time, or
+#: those that are left where none are given.
+Say = Callable[[Any, float | None], None]
+
+
+class Said(NamedTuple):
+    """What a program apart said."""
+
+    messages: list[Any]
+    #: How its process was ended: :data:`OVER`, the name of a signal, an exit code, or ``""``.
+    ended: str
+    seconds: float  #: Processor time of its process.
+
+    def error(self, budget: float) -> Exception:
+        """Why what it did last has no answer."""
+        if self.ended == OVER:
+            return spent(budget, " within one operation")
+        return RuntimeError(f"the process of the proof was ended by {self.ended}")
+
+
+def apart(program: Callable[[Say], object], seconds: float) -> Said:
+    """Run a program in a process that the system ends when its processor time is over.
+
+    One operation of a library may compute for hours and hears no signal. So timers of the system
+    end its process. Where the system gives no process, the program runs here, without an end.
+
+    Parameters
+    ----------
+    program : callable
+        What it does; its argument is a :data:`Say`.
+    seconds : float
+        Processor time until it says otherwise; :data:`~glmref.system.budget.EXCESS` is added.
+
+    Raises
+    ------
+    GlmrefError
+        As the program raised it.
+    RuntimeError
+        For any other exception of the program, with its traceback as a note.
+    """
+    messages: list[Any] = []
+    read, write = os.pipe()
+    try:
+        child = _fork(lambda: _say_all(program, seconds, write))
+    except (AttributeError, OSError):  # there is no fork, or no process is to be had
+        os.close(read)
+        program(lambda message, _: messages.append(message))
+        return Said(messages, "", 0.0)
+    finally:
+        os.close(write)
+    remember_group(child)
+    try:
+        with open(read, "rb") as stream:
+            lines = stream.read().split(b"\n")[:-1]  # what is cut off is not said
+    except BaseException:  # such as Ctrl-C
+        os.kill(child, signal.SIGKILL)
+        raise
+    finally:
+        _, status, usage = os.wait4(child, 0)
+        forget_group(child)
+    for line in map(json.loads, lines):
+        if "raised" in line:
+            raise _raised(*line["raised"])
+        messages.append(line["said"])
+    code = os.waitstatus_to_exitcode(status)
+    ended = ending(code) if code else ""
+    if -code in (TIME_OVER, signal.SIGPROF):
+        ended = OVER
+    return Said(messages, ended, usage.ru_utime + usage.ru_stime)
+
+
+def _say_all(program: Callable[[Say], object], seconds: float, write: int) -> int:
+    """Run a program apart. Signals end this process at once: the handlers are its caller's."""
+    os.setpgid(0, 0)  # what a terminal sends is for the caller, who ends this process
+    signal.set_wakeup_fd(-1)
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGALRM, signal.SIGPROF):
+        signal.signal(number, signal.SIG_DFL)
+    # nor is it stopped where it writes on a terminal with `stty tostop`
+    signal.signal(signal.SIGTTOU, signal.SIG_IGN)
+    stream = open(write, "wb")  # noqa: SIM115
+
+    def let(seconds: float) -> None:
+        most = max(seconds, 0.0) + EXCESS
+        signal.setitimer(signal.ITIMER_PROF, most)
+        signal.setitimer(signal.ITIMER_REAL, CLOCK * most)
+
+    def put(line: dict[str, Any]) -> None:
+        stream.write(json.dumps(line).encode() + b"\n")
+        stream.flush()
+
+    def say(message: Any, seconds: float | None) -> None:
+        put({"said": message})
+        if seconds is not None:
+            let(seconds)
+
+    let(seconds)
+    try:
+        program(say)
+    except Exception as error:
+        put({"raised": [type(error).__name__, str(error), traceback.format_exc()]})
+    return 0
+
+
+def _raised(name: str, text: str, trace: str) -> Exception:
+    """An exception as its process described it."""
+    kind = MemoryError if name == "MemoryError" else getattr(errors, name, None)
+    if kind is not None:
+        return kind(text)
+    error = RuntimeError(f"{name}: {text}")
+    error.add_note(trace)
+    return error
 
 
 def _in_foreground() -> bool:

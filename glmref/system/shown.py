@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import UsageError
+from .arguments import place, shown
 from .files import write_text
 
 #: Style of a picture in a file of its own: its colours are turned over on a dark desktop. Within a
@@ -64,9 +65,10 @@ class Drawing(str):
         UsageError
             Where the file cannot be written, or is not called ``.svg``.
         """
-        place = Path(path)
-        if place.suffix != ".svg":
-            raise UsageError(f"a picture is written as SVG; give a name such as {place.stem}.svg")
+        file = place("path", path)
+        if file.suffix != ".svg":
+            stem = shown(file.stem, str)
+            raise UsageError(f"a picture is written as SVG; give a name such as {stem}.svg")
         head, bracket, rest = self.partition(">")
-        write_text(place, f"{head}{bracket}{DARK}{rest}")
-        return place
+        write_text(file, f"{head}{bracket}{DARK}{rest}")
+        return file

@@ -1,13 +1,23 @@
-"""One line on the terminal while something takes its time; nothing where stderr is no terminal."""
+"""Texts of others on a terminal, and one line while something takes its time."""
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
+# controls, what has no width, and the marks that can make a line read as another one
+_UNPRINTABLE = re.compile(
+    "[\x00-\x1f\x7f-\x9f\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff\ud800-\udfff]"
+)
 _WIDTH = 78
 _lines: list[str] = []
+
+
+def escaped(text: str) -> str:
+    """Write what is not seen, or is obeyed, as it is written in JSON."""
+    return _UNPRINTABLE.sub(lambda m: f"\\u{ord(m[0]):04x}", text)
 
 
 @contextmanager

@@ -1,0 +1,140 @@
+"""Arguments of public functions: read, or refused in one sentence that names them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Mapping
+from operator import index
+from pathlib import Path
+from typing import Any
+
+from ..errors import GlmrefError, UsageError
+
+
+def shown(value: object, write: Callable[[Any], str] = repr, most: int = 60) -> str:
+    """Write any value in one short line: also one that is long, or cannot be written.
+
+    Parameters
+    ----------
+    value : object
+        What to write.
+    write : Callable[[Any], str]
+        How, :func:`repr` or :class:`str`.
+    most : int
+        Characters; what is longer ends in dots and its length.
+    """
+    try:
+        text = " ".join(write(value).split())
+    except Exception:  # such as a whole number of thousands of digits
+        kind = type(value).__name__
+        return "a whole number with thousands of digits" if kind == "int" else f"a {kind}"
+    if len(text) > most:
+        text = f"{text[: most - 20]}... ({len(text)} characters)"
+    return "".join(x if x.isprintable() else "?" for x in text)
+
+
+def one_of(
+    name: str, value: Any, known: Collection[str], error: type[GlmrefError] = UsageError
+) -> str:
+    """Return a word that is one of those known.
+
+    Raises
+    ------
+    GlmrefError
+        Of the class ``error``, for anything else.
+    """
+    if not isinstance(value, str) or value not in known:
+        raise error(f"`{name}` must be one of {', '.join(known)}, got {shown(value)}")
+    return str(value)
+
+
+def listed(
+    name: str, value: Any, what: str = "a list of numbers", error: type[GlmrefError] = UsageError
+) -> Collection[Any]:
+    """Return a list, or what has a length and is gone through as one; not a text, nor a mapping.
+
+    ``what`` says in the refusal what is asked for.
+
+    Raises
+    ------
+    GlmrefError
+        Of the class ``error``, for anything else, such as a generator, which may have no end.
+    """
+    try:
+        if isinstance(value, str | bytes | bytearray | Mapping):
+            raise TypeError
+        _ = len(value), iter(value)
+    except Exception:  # whatever a class of the user raises
+        raise error(f"`{name}` must be {what}, got {shown(value)}") from None
+    return value
+
+
+def whole(
+    name: str, value: Any, least: int = 0, most: int | None = None,
+    error: type[GlmrefError] = UsageError,
+) -> int:  # fmt: skip
+    """Return a whole number within limits, of Python or of numpy.
+
+    Raises
+    ------
+    GlmrefError
+        Of the class ``error``, for anything else; ``True`` is no number.
+    """
+    try:
+        found = None if isinstance(value, bool) else index(value)
+    except Exception:  # whatever a class of the user raises
+        found = None
+    if found is None or found < least or (most is not None and found > most):
+        limits = f">= {least}" if most is None else f"from {least} to {most}"
+        raise error(f"`{name}` must be a whole number {limits}, got {shown(value)}")
+    return found
+
+
+def number(name: str, value: Any, error: type[GlmrefError] = UsageError) -> float:
+    """Return a finite real number as a double: also of a Fraction, a Decimal, a decimal in a text.
+
+    Raises
+    ------
+    GlmrefError
+        Of the class ``error``, for anything else; complex numbers and ``True`` are none.
+    """
+    kind = getattr(getattr(value, "dtype", None), "kind", "f")
+    try:
+        # numpy drops imaginary parts, and makes numbers of lengths of time
+        if isinstance(value, bool | bytes | bytearray) or kind not in "fiuO":
+            raise TypeError
+        found = float(value)
+    except OverflowError:
+        raise error(f"`{name}` must be finite, got a number beyond double precision") from None
+    except Exception:  # whatever a class of the user raises
+        raise error(f"`{name}` must be a number, got {shown(value)}") from None
+    if not math.isfinite(found):
+        raise error(f"`{name}` must be finite, got {shown(value)}")
+    return found
+
+
+def flag(name: str, value: Any, error: type[GlmrefError] = UsageError) -> bool:
+    """Return True or False, of Python or of numpy.
+
+    Raises
+    ------
+    GlmrefError
+        Of the class ``error``, for anything else.
+    """
+    kind = getattr(getattr(value, "dtype", None), "kind", "")
+    if isinstance(value, bool) or (kind == "b" and value.shape == ()):
+        return bool(value)
+    raise error(f"`{name}` must be True or False, got {shown(value)}")
+
+
+def place(name: str, value: Any, error: type[GlmrefError] = UsageError) -> Path:
+    """Return where a file is or will be.
+
+    Raises
+    ------
+    GlmrefError
+        Of the class ``error``, for what is neither a text nor a path.
+    """
+    if not isinstance(value, str | Path):
+        raise error(f"`{name}` must be a file, got {shown(value)}")
+    return Path(value)
