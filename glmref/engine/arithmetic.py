@@ -6,6 +6,7 @@ shared between threads.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -18,7 +19,9 @@ from .outcome import is_finite
 
 _ROUNDS = 200  # fixed-point rounds before Newton takes over, Newton rounds before giving up
 _STALLS = 3  # rounds without decrease that end an iteration which is not yet at round-off
-_NOISE = 30 / 52  # of the digits: a change below that which has stalled is what cancellation leaves
+#: Change of a stage, relative to the state, that a right-hand side that cancels may leave when it
+#: has stalled: in double precision; with more digits the same part of them.
+NOISE = 2.0**-30
 
 
 class Arithmetic:
@@ -171,7 +174,7 @@ class StageSolver:
         double precision: a right-hand side that cancels leaves no fewer digits.
         """
         round_off = 64 * self.arithmetic.epsilon * scale
-        noise = self.arithmetic.epsilon**_NOISE * scale
+        noise = self.arithmetic.epsilon ** (-math.log2(NOISE) / 52) * scale
         last, stalls = None, 0
         for _ in range(_ROUNDS):
             try:

@@ -20,13 +20,16 @@ import numpy as np
 from ..errors import UsageError
 from ..method import Method
 from ..problems.model import Problem
+from ..system.arguments import one_of, shown, whole
 from .expressions import Unsupported
 from .function_checks import inspected
 from .kept import stepper_of
-from .plan import notices_of, plan_of, resolved, step_size
+from .kernel import SOLVERS
+from .outcome import StartFailed
+from .plan import check_arithmetic, check_callable, notices_of, plan_of, resolved, step_size
 from .reference import Stepper
 from .runners import WIDTHS, EnsembleSolution, Lanes, Runner, Singles, rows_at, slopes_at
-from .starting_values import corrector, default_passes, zero_start
+from .starting_values import array_of, corrector, default_passes, zero_start
 
 
 def solve_ensemble(
@@ -59,23 +62,22 @@ def solve_ensemble(
         One sentence on an argument that does not fit.
     """
     problem, method = resolved(problem, method)
-    y0 = np.array(initial, dtype=float)
-    if y0.ndim != 2 or y0.shape[1] != problem.dimension or not len(y0):
-        raise UsageError(
-            f"`initial` must have shape (N, d) with d = {problem.dimension}, got {y0.shape}"
-        )
+    d = problem.dimension
+    y0 = array_of(initial, "`initial`", (None, d), f"(N, d) with d = {d}")
+    if y0.dtype.kind == "c":
+        raise UsageError("`initial` must be real, got complex numbers")
     if not np.isfinite(y0).all():
         row = int(np.flatnonzero(~np.isfinite(y0).all(axis=1))[0])
-        raise UsageError(f"`initial` must be finite, got {y0[row]} in row {row}")
-    if width is not None and width not in (1, *WIDTHS):
-        raise UsageError(f"`width` must be 1 or one of {WIDTHS}, got {width!r}")
-    if arithmetic == "quick":
+        raise UsageError(f"`initial` must be finite, got {shown(y0[row].tolist())} in row {row}")
+    if width is not None and (width := whole("width", width)) not in (1, *WIDTHS):
+        raise UsageError(f"`width` must be 1 or one of {WIDTHS}, got {shown(width)}")
+    if check_arithmetic(arithmetic) == "quick":
         raise UsageError('`arithmetic="quick"` is for single runs; an ensemble takes "fused"')
+    one_of("solver", solver, SOLVERS)
+    check_callable("cancel", cancel)
     h = step_size(h)
     plan = plan_of(problem, h, t_end, steps, every, None, None)
-    workers = threads if threads is not None else (os.cpu_count() or 1)
-    if not isinstance(workers, int) or workers < 1:
-        raise UsageError(f"`threads` must be a positive whole number, got {threads!r}")
+    workers = os.cpu_count() or 1 if threads is None else whole("threads", threads, 1)
     given = (method, problem, y0[0], h, arithmetic, solver, workers, width, cancel)
     runner: Runner | None = None
     with np.errstate(all="ignore"):
@@ -109,17 +111,17 @@ def _starts(
             raise UsageError("many trajectories need an explicit starting method")
         return _many_starts(start, engine, y0, h)
     if not isinstance(start, str):
-        values = np.array(start, dtype=float)
-        if values.shape != (len(y0), *engine.shape):
-            raise UsageError(
-                f"starting values must have shape (N, r, d) = {(len(y0), *engine.shape)}, got "
-                f"{values.shape}"
-            )
+        shape = (len(y0), *engine.shape)
+        values = array_of(start, "starting values", shape, f"(N, r, d) = {shape}")
+        if values.dtype.kind == "c":
+            raise UsageError("starting values must be real, got complex numbers")
+        if not np.isfinite(values).all():
+            raise StartFailed("starting values must be finite; give others, or use a smaller h")
         return values, 0
     if start == "zero":
         return zero_start(engine, y0), 0
     if start != "enhanced":
-        raise UsageError(f"`start` must be enhanced, zero or values (N, r, d), got {start!r}")
+        raise UsageError(f"`start` must be enhanced, zero or values (N, r, d), got {shown(start)}")
     correct, passes, cost = corrector(engine), default_passes(method), 0
 
     def enhanced(k: int, y: np.ndarray) -> np.ndarray:

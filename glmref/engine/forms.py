@@ -27,7 +27,7 @@ from ..exact.linalg import Matrix
 from ..method import GLM
 from ..method.component import SEPARABLE
 from ..method.preconsistency import preconsistency_vector, stage_times
-from ..method.rounding import split_float
+from ..method.rounding import as_double, split_float
 from ..method.stage_order import StageBlock, dependency_blocks
 from .tableau import as_balls
 
@@ -336,4 +336,4 @@ def float_rows(matrix: Matrix) -> tuple[Row, ...]:
 
 def floats(row: Sequence[Scalar]) -> Row:
     """Round; what is zero to :data:`CLOSE` is zero."""
-    return tuple(0.0 if x.magnitude() < CLOSE else float(x) for x in row)
+    return tuple(0.0 if x.magnitude() < CLOSE else as_double(x) for x in row)

@@ -10,7 +10,7 @@ that writes into its argument is refused.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -58,19 +58,29 @@ class Inspection:
             All notices, those of the start included.
         """
         found = list(self.notices)
-        for one in self.seen:
-            function, at_end = one.function, _point(one.function, self.engine, t, y)
-            again = _value(function, one.point)
-            pairs = [(one.first, again), (_value(function, at_end), _value(function, at_end))]
-            for (a, b), where in zip(pairs, ("start", "end"), strict=True):
-                if _differ(a, b) is not None:
-                    found.append(
-                        f"`{function.name}` gives another value at the {where} of the run when it "
-                        f"is called again there: it must depend on t and y alone; do not trust "
-                        f"this run"
-                    )
-                    break
+        try:
+            for one in self.seen:
+                found += [x for x in self._again(one, t, y) if x not in found]
+        except KeyboardInterrupt:  # the run itself is over, and its solution is good
+            found.append("the calls of the functions after the run were interrupted")
         return found
+
+    def _again(self, one: _Seen, t: Any, y: np.ndarray) -> Iterator[str]:
+        function, at_end = one.function, _point(one.function, self.engine, t, y)
+        again = _value(function, one.point)
+        try:
+            last, kinds = function.examined(*at_end)
+        except FunctionFailed:
+            last, kinds = None, set()
+        yield from _lost(function, kinds)
+        pairs = [(one.first, again), (last, _value(function, at_end))]
+        for (a, b), where in zip(pairs, ("start", "end"), strict=True):
+            if _differ(a, b) is not None:
+                yield (
+                    f"`{function.name}` gives another value at the {where} of the run when it is "
+                    f"called again there: it must depend on t and y alone; do not trust this run"
+                )
+                return
 
 
 def inspected(engine: Stepper, t0: Any, y0: np.ndarray) -> Inspection:

@@ -14,6 +14,7 @@ from ..errors import UsageError
 from ..method import Method
 from ..problems.model import Problem
 from ..problems.user import FunctionFailed, NoValue, UserFunction, raised
+from ..system.arguments import one_of
 from . import compiled, native
 from .codegen import ARGUMENTS, KernelSource, Options, kernel_source
 from .forms import StepForm
@@ -267,8 +268,7 @@ def prepare(
     """
     begin = time.perf_counter()
     check_arithmetic(arithmetic)
-    if solver not in SOLVERS:
-        raise UsageError(f"`solver` must be one of {', '.join(SOLVERS)}, got {solver!r}")
+    one_of("solver", solver, SOLVERS)
     wanted = form if form != "auto" else form_of(arithmetic)
     options = Options.of(arithmetic, history=history, interpreted=interpreted)
     # what a Python function computes may have changed with what it reads; an interpreted kernel

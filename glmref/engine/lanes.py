@@ -13,12 +13,13 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 
+from .arithmetic import NOISE
 from .codegen import SCALAR_LIMIT, Builder, Options, header
 from .emit import LaneTarget, VectorTarget, Writer
 from .expressions import Unsupported
 from .forms import StepForm
 from .shape import Shape
-from .stages import NOISE, ROUND_OFF, ROUNDS, STALLS
+from .stages import ROUND_OFF, ROUNDS, STALLS
 
 LANE_ARGUMENTS = {
     "x": "d*", "par": "d*", "t0": "d", "h": "d", "first": "i", "last": "i", "lanes": "i",

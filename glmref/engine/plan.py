@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
 from typing import Any, overload
-
-import numpy as np
 
 from ..catalogue.lookup import is_broken, method_of
 from ..errors import UsageError
 from ..method import Method
 from ..problems.model import Problem
+from ..system.arguments import listed, number, one_of, shown, whole
 from . import kept
 
 ARITHMETIC = ("strict", "fused", "quick", "compensated", "naive")
@@ -61,16 +59,27 @@ class Plan:
     limited: bool  #: Whether a step limit cut the run short.
 
 
-def check_arithmetic(arithmetic: str) -> None:
-    """Refuse a word that names no arithmetic, see :func:`.kernel.prepare`.
+def check_arithmetic(arithmetic: str) -> str:
+    """Return a word that names an arithmetic, see :func:`.kernel.prepare`.
 
     Raises
     ------
     UsageError
         For anything but one of :data:`ARITHMETIC`.
     """
-    if arithmetic not in ARITHMETIC:
-        raise UsageError(f"`arithmetic` must be one of {', '.join(ARITHMETIC)}, got {arithmetic!r}")
+    return one_of("arithmetic", arithmetic, ARITHMETIC)
+
+
+def check_callable(name: str, given: Any) -> None:
+    """Refuse what is neither a function nor ``None``.
+
+    Raises
+    ------
+    UsageError
+        For it.
+    """
+    if given is not None and not callable(given):
+        raise UsageError(f"`{name}` must be a function, got {shown(given)}")
 
 
 def resolved(problem: Any, method: Any) -> tuple[Problem, Any]:
@@ -116,26 +125,10 @@ def step_size(h: Any) -> float:
     UsageError
         When it is not.
     """
-    try:
-        value = float(h)
-    except (TypeError, ValueError):
-        raise UsageError(f"`h` must be a number, got {h!r:.60}") from None
-    except OverflowError:
-        raise UsageError("`h` must be finite, got a number beyond double precision") from None
-    if not math.isfinite(value) or value == 0.0:
-        raise UsageError(f"`h` must be finite and not zero, got {h!r}")
+    value = number("h", h)
+    if value == 0.0:
+        raise UsageError(f"`h` must be finite and not zero, got {shown(h)}")
     return value
-
-
-def _time(value: Any, name: str) -> float:
-    """Read a time: a finite number."""
-    try:
-        time = float(value)
-    except (TypeError, ValueError, OverflowError):
-        raise UsageError(f"`{name}` must be a number, got {value!r:.60}") from None
-    if not math.isfinite(time):
-        raise UsageError(f"`{name}` must be finite, got {value!r}")
-    return time
 
 
 def _whole(time: float, t0: float, what: str, h: float) -> int:
@@ -171,10 +164,8 @@ def plan_of(
     UsageError
         For arguments that do not fit each other or the step size.
     """
-    for name, value in (("steps", steps), ("every", every), ("step_limit", limit)):
-        whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
-        if value is not None and not (whole and value >= 0):
-            raise UsageError(f"`{name}` must be a whole number >= 0, got {value!r:.60}")
+    given = (("steps", steps), ("every", every), ("step_limit", limit))
+    steps, every, limit = (None if x is None else whole(name, x) for name, x in given)
     t0 = float(problem.t_span[0])
     if times is not None:
         if every or steps is not None or t_end is not None:
@@ -182,49 +173,53 @@ def plan_of(
         marks = _marks(times, t0, h)
     else:
         marks = (_total(problem, h, t_end, steps),)
-    total = marks[-1] if limit is None else min(marks[-1], int(limit))
+    total = marks[-1] if limit is None else min(marks[-1], limit)
     limited = total < marks[-1]
     _advances(t0, h, total)
     if every:
         # a longer stride than the run is one beyond its end; a kernel counts in 64 bits
-        every = min(int(every), total + 1)
+        every = min(every, total + 1)
         rows: Sequence[int] = Grid(total, every)
     else:
         rows = (*(n for n in marks if n < total), total) if limited else marks
-    return Plan(total, int(every or 0), rows, limited)
+    return Plan(total, every or 0, rows, limited)
 
 
-def _total(problem: Problem, h: float, t_end: Any, steps: Any) -> int:
+def _total(problem: Problem, h: float, t_end: Any, steps: int | None) -> int:
     """Number of steps, from itself or from the final time."""
     if steps is not None:
         if t_end is not None:
             raise UsageError("give `steps` or `t_end`, not both")
         if steps > MOST_STEPS:
             raise UsageError(f"`steps` must be at most 2**53, got {_short(steps)}")
-        return int(steps)
+        return steps
     if t_end is None and h < 0:
         raise UsageError("going back in time needs `t_end` or `steps`")
     t0 = float(problem.t_span[0])
-    end = _time(problem.t_span[1] if t_end is None else t_end, "t_end")
-    return _whole(end, t0, "t_end", h)
+    end = number("t_end", problem.t_span[1] if t_end is None else t_end)
+    total = _whole(end, t0, "t_end", h)
+    if not total and end != t0:
+        raise UsageError(f"t_end is {end!r}, less than a step of h = {h!r} from t0 = {t0!r}")
+    return total
 
 
 def _marks(times: Any, t0: float, h: float) -> tuple[int, ...]:
     """Step numbers of the times asked for."""
-    alone = isinstance(times, np.ndarray) and times.ndim == 0  # which Python calls iterable
-    if isinstance(times, str) or alone or not isinstance(times, Iterable):
-        raise UsageError(f"`times` must be a list of numbers, got {times!r:.60}")
-    wanted = [_time(t, "times") for t in times]
-    marks = tuple(_whole(t, t0, f"t = {t!r}", h) for t in wanted)
-    if not marks:
-        raise UsageError("`times` must be a nonempty list in the direction of h")
-    for (a, m), (b, n) in pairwise(zip(wanted, marks, strict=True)):
-        if n <= m:
+    marks: list[int] = []
+    last = t0
+    for value in listed("times", times):
+        t = number("times", value)
+        n = _whole(t, t0, f"t = {t!r}", h)
+        if marks and n <= marks[-1]:
             raise UsageError(
                 f"`times` must be a nonempty list in the direction of h, each time once; "
-                f"{b!r} comes after {a!r}"
+                f"{t!r} comes after {last!r}"
             )
-    return marks
+        marks.append(n)
+        last = t
+    if not marks:
+        raise UsageError("`times` must be a nonempty list in the direction of h")
+    return tuple(marks)
 
 
 def _advances(t0: float, h: float, total: int) -> None:

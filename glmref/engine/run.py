@@ -12,7 +12,7 @@ import numpy as np
 from ..errors import UsageError
 from ..method import Method
 from ..problems.model import Problem
-from ..problems.user import FunctionFailed
+from ..problems.user import FunctionFailed, raised
 from .kept import expressed
 from .kernel import Kernel, State, prepare, with_newton
 from .maps import Map, map_of
@@ -135,9 +135,18 @@ class Run:
         return self.renew > 0 and n % self.renew == 0 and n < self.plan.steps
 
     def _pause(self, done: int) -> bool:
-        if self.progress is not None:
-            self.progress(done, self.plan.steps)
-        return self.cancel is not None and bool(self.cancel())
+        if self.progress is None and self.cancel is None:  # it is called after every step
+            return False
+        return self._asked("progress", done, self.plan.steps) or self._asked("cancel")
+
+    def _asked(self, name: str, *arguments: int) -> bool:
+        """Call ``progress`` or ``cancel``; whether the run is to end, as where one raises."""
+        function = getattr(self, name)
+        try:
+            return function is not None and bool(function(*arguments)) and name == "cancel"
+        except Exception as error:
+            self.notices.append(str(raised(name, error)))
+            return True
 
     # --- reference ------------------------------------------------------------------------------
 
@@ -300,8 +309,8 @@ class Run:
             state, mark, t0=t0, h=self.h, every=self.plan.every, out=out, pause=self._pause
         )
         self.seconds += seconds
-        if self.progress is not None:
-            self.progress(state.step, self.plan.steps)
+        if self._asked("progress", state.step, self.plan.steps) and state.step < self.plan.steps:
+            return Outcome.CANCELLED
         return outcome
 
     def _adopt(self, kernel: Kernel) -> None:
@@ -394,6 +403,8 @@ class Run:
                 y[row], cost = apply_finish(finishing, self.reference, t[row], y[row], h)
             except (StartFailed, FunctionFailed, ArithmeticError, ValueError) as error:
                 return self._unfinished(*outcome_of(error), t, y, row)
+            except KeyboardInterrupt:
+                return self._unfinished(Outcome.CANCELLED, "", t, y, row)
             if not all_finite(y[row]):
                 return self._unfinished(Outcome.NOT_FINITE, "", t, y, row)
             self.finish_evaluations += cost

@@ -14,6 +14,7 @@ import numpy as np
 from ..errors import UsageError
 from ..method import Method
 from ..problems.model import Problem
+from ..problems.user import raised
 from . import compiled, native
 from .codegen import Options
 from .expressions import Unsupported
@@ -113,6 +114,7 @@ class Runner:
     ) -> None:  # fmt: skip
         self.method, self.problem, self.h, self.threads = method, expressed(problem), h, threads
         self.cancel, self.cancelled = cancel, False
+        self.notices: list[str] = []
         self.t0 = float(problem.t_span[0])
         self.engine = stepper_of(method, problem)
         # the solver is chosen where the ensemble starts, not where the problem does
@@ -164,7 +166,11 @@ class Runner:
     def stopped(self) -> bool:
         """Whether the run has been cancelled."""
         if not self.cancelled and self.cancel is not None:
-            self.cancelled = bool(self.cancel())
+            try:
+                self.cancelled = bool(self.cancel())
+            except Exception as error:
+                self.cancelled = True
+                self.notices.append(str(raised("cancel", error)))
         return self.cancelled
 
     def run(self, values: np.ndarray, evaluations: int, plan: Any) -> EnsembleSolution:
@@ -196,7 +202,7 @@ class Runner:
             t=self.t0 + self.h * np.array(times, dtype=float), y=np.stack(rows), outcomes=outcomes,
             steps=steps, values=last, evaluations=evaluations + spent, seconds=seconds,
             build_seconds=self.build_seconds, width=self.width, threads=self.threads,
-            kernel=self.description,
+            kernel=self.description, notices=tuple(self.notices),
         )  # fmt: skip
 
 

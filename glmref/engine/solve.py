@@ -12,15 +12,20 @@ import numpy as np
 from ..errors import UsageError
 from ..method import Method
 from ..problems.model import Problem
+from ..system.arguments import flag, one_of, shown, whole
 from .function_checks import inspected
 from .kept import stepper_of
+from .kernel import SOLVERS
 from .outcome import Solution, StartFailed, all_finite
-from .plan import check_arithmetic, notices_of, plan_of, resolved, step_size
+from .plan import check_arithmetic, check_callable, notices_of, plan_of, resolved, step_size
 from .reference import Stepper, stepper
 from .run import Run
 from .starting_values import problem_start, starting_values
+from .sweep import FORMS
 
 ENGINES = ("compiled", "reference", "interpreted")
+#: More make a run of any length take for ever.
+MOST_DIGITS = 10_000
 
 
 def _growth(reference: Stepper) -> list[str]:
@@ -102,21 +107,18 @@ def solve(
         One sentence on an argument that does not fit.
     """
     problem, chosen = resolved(problem, method)
-    if engine not in ENGINES:
-        raise UsageError(f"`engine` must be one of {', '.join(ENGINES)}, got {engine!r}")
-    if digits is not None and (
-        engine != "reference" or not isinstance(digits, int | np.integer) or digits < 1
-    ):
-        raise UsageError(
-            "`digits` must be a positive whole number and goes with engine='reference' only"
-        )
-    for name, given in (("cancel", cancel), ("progress", progress)):
-        if given is not None and not callable(given):
-            raise UsageError(f"`{name}` must be a function, got {given!r:.60}")
+    one_of("engine", engine, ENGINES)
+    if digits is not None:
+        digits = whole("digits", digits, 1, MOST_DIGITS)
+        if engine != "reference":
+            raise UsageError("`digits` goes with engine='reference' only")
+    check_callable("cancel", cancel)
+    check_callable("progress", progress)
     check_arithmetic(arithmetic)
-    h = step_size(h)
-    if not isinstance(renew, int | np.integer) or isinstance(renew, bool) or renew < 0:
-        raise UsageError(f"`renew` must be a number of steps, or 0 for never, got {renew!r}")
+    one_of("form", form, ("auto", *FORMS))
+    one_of("solver", solver, SOLVERS)
+    history = flag("history", history)
+    h, renew = step_size(h), whole("renew", renew)
     plan = plan_of(problem, h, t_end, steps, every, times, step_limit)
     if digits is None:
         reference = stepper_of(chosen, problem)
@@ -124,7 +126,7 @@ def solve(
         reference = stepper(chosen, problem, digits=digits)
     t0, y0 = problem_start(problem, reference)
     if not all_finite(y0):
-        raise UsageError(f"`y0` must be finite, got {y0}")
+        raise UsageError(f"`y0` must be finite, got {shown(y0.tolist())}")
     with np.errstate(all="ignore"):
         seen = inspected(reference, t0, y0)
         try:
@@ -141,7 +143,7 @@ def solve(
                 "at y0 alone; give a starting method, or leave `start` out"
             )
         run = Run(problem, chosen, h, plan, reference, given, history, cancel, progress)
-        run.renewed_by(int(renew), start)
+        run.renewed_by(renew, start)
         run.notices += notices_of(chosen)
         if digits is None:
             run.notices += _growth(reference)

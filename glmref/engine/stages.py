@@ -14,6 +14,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from .arithmetic import NOISE
 from .emit import Target
 from .forms import StepForm
 from .newton import REFRESH_ROUNDS, NewtonWriter
@@ -27,8 +28,7 @@ if TYPE_CHECKING:
 
 NOTHING = 2.0**-64  # change of a stage, relative to the state, that cannot matter: 1/2000 ulp
 ROUND_OFF = 2.0**-47  # change of a stage, relative to the state, that can be rounding
-NOISE = 2.0**-30  # the same after STALLS rounds without decrease: a right-hand side that cancels
-STALLS = 8
+STALLS = 8  # rounds without decrease after which NOISE takes its place
 QUICK = 2.0**-50  # change of a stage, relative to the state, that quick rounds leave undone
 ROUNDS = 200
 

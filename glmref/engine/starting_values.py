@@ -17,11 +17,13 @@ from typing import Any
 import numpy as np
 
 from ..catalogue.claims import G_SYMPLECTIC, ORDER, SYMMETRIC
-from ..errors import UsageError
+from ..errors import GlmrefError, UsageError
 from ..method import Component, Method
 from ..method.preconsistency import preconsistency_vector
 from ..problems.model import Problem
-from .outcome import StartFailed
+from ..problems.user import raised
+from ..system.arguments import shown, whole
+from .outcome import StartFailed, all_finite
 from .reference import Reader, Stepper, apply_start
 
 #: Passes of the enhanced start where the method's file claims no order.
@@ -84,17 +86,25 @@ def starting_values(
         return Start(values, evaluations, start.name or "runge-kutta")
     if isinstance(start, str) and start == "zero":
         return Start(zero_start(engine, y0), 0, "zero")
-    named = start[:1] if isinstance(start, tuple) else (start,) if isinstance(start, str) else ()
-    if named == ("enhanced",):
-        passes = start[1] if isinstance(start, tuple) else default_passes(method)
+    passes = default_passes(method) if isinstance(start, str) else None
+    if isinstance(start, tuple) and len(start) == 2 and isinstance(start[0], str):
+        start, passes = start
+    if isinstance(start, str):
+        if start != "enhanced":
+            raise UsageError(
+                "`start` must be 'enhanced', ('enhanced', passes), 'zero', a starting method or "
+                f"values, got {shown(start)}"
+            )
+        passes = whole("passes", passes, 0, MOST_PASSES)
         values, evaluations = enhanced_start(engine, t, y0, h, passes)
         return Start(values, evaluations, f"enhanced, {passes} passes")
     if callable(start):
-        return Start(_checked(start(engine.problem, h), engine), 0, "given")
-    if isinstance(start, str):
-        raise UsageError(
-            f"`start` must be enhanced, zero, a starting method or values, got {start!r}"
-        )
+        try:
+            start = start(engine.problem, h)
+        except GlmrefError:
+            raise
+        except Exception as error:
+            raise raised("start", error) from error
     return Start(_checked(start, engine), 0, "given")
 
 
@@ -115,28 +125,62 @@ def default_passes(method: Method) -> int:
 
 
 def _checked(values: Any, engine: Stepper) -> np.ndarray:
-    try:
-        array = np.array(values, dtype=object if engine.arithmetic.context else None)
-    except ValueError:
-        raise UsageError(
-            "starting values must be an array (r, d), got rows of unlike length"
-        ) from None
-    if array.shape != engine.shape:
-        raise UsageError(
-            f"starting values must have shape (r, d) = {engine.shape}, got {array.shape}"
-        )
-    if engine.arithmetic.context is not None:
-        return array
+    context = engine.arithmetic.context
+    array = array_of(values, "starting values", engine.shape, f"(r, d) = {engine.shape}", context)
     like = _complex_like(engine)
-    if np.iscomplexobj(array) and (like is None or not np.iscomplexobj(like)):
+    if array.dtype.kind == "c" and (like is None or not np.iscomplexobj(like)):
         raise UsageError("starting values must be real for a real method, got complex ones")
-    try:
-        array = array.astype(complex if np.iscomplexobj(array) else float)
-    except (TypeError, ValueError):
-        raise UsageError(f"starting values must be numbers, got {values!r:.60}") from None
-    if not np.isfinite(array).all():
+    if not all_finite(array):
         raise StartFailed("starting values must be finite; give others, or use a smaller h")
     return array
+
+
+def array_of(
+    values: Any, what: str, shape: tuple[int | None, ...], written: str, context: Any = None
+) -> np.ndarray:
+    """Return numbers as an array of their own: of doubles, complex, or of an mpmath context.
+
+    Parameters
+    ----------
+    values : array_like
+        The numbers.
+    what : str
+        What they are, for messages.
+    shape : tuple
+        Their shape; ``None`` where an axis has any length but 0.
+    written : str
+        The shape, for messages.
+    context : mpmath context or None
+        Where the numbers are made.
+
+    Raises
+    ------
+    UsageError
+        Naming ``what``, where they are no numbers, or not of this shape. Nothing is copied then:
+        an array that repeats one number may have any size.
+    """
+    try:
+        array = np.asarray(values, dtype=None if context is None else object)
+        masked = isinstance(values, np.ma.MaskedArray) and values.mask.any()
+        if masked or array.dtype.kind not in "fiucO":
+            raise TypeError
+        fits = array.ndim == len(shape) and all(
+            n == m if m is not None else n for n, m in zip(array.shape, shape, strict=True)
+        )
+        if not fits:
+            raise UsageError(f"{what} must have shape {written}, got {array.shape}")
+        if context is None:
+            return array.astype(complex if array.dtype.kind == "c" else float)
+        out = np.empty(array.shape, dtype=object)
+        for place, x in np.ndenumerate(array):
+            out[place] = context.mpmathify(complex(x) if isinstance(x, np.complexfloating) else x)
+            if isinstance(x, str | bytes):
+                raise TypeError
+        return out
+    except UsageError:
+        raise
+    except Exception:  # whatever a class of the user raises
+        raise UsageError(f"{what} must be an array of numbers, got {shown(values)}") from None
 
 
 def _halves(engine: Stepper) -> list[tuple[Reader, Component]]:
@@ -219,8 +263,6 @@ def enhanced_start(
     UsageError
         When the method is not preconsistent, or a trial step fails.
     """
-    if not isinstance(passes, int) or not 0 <= passes <= MOST_PASSES:
-        raise UsageError(f"the enhanced start takes 0 to {MOST_PASSES} passes, got {passes!r}")
     correct = corrector(engine)
     evaluations = 0
 

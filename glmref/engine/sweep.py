@@ -36,6 +36,7 @@ from ..method import GLM, PartitionedGLM
 from ..method.component import SEPARABLE
 from ..method.preconsistency import preconsistency_vector, stage_times
 from ..method.stage_order import StageBlock
+from ..system.arguments import one_of
 from .forms import (
     CLOSE,
     Row,
@@ -86,8 +87,7 @@ def step_form(method: Any, form: str = "auto") -> StepForm:
         raise UsageError(
             f'{name} has complex coefficients; give its real form or use engine="reference"'
         )
-    if form not in ("auto", *FORMS):
-        raise UsageError(f"`form` must be auto, {', '.join(FORMS)}, got {form!r}")
+    one_of("form", form, ("auto", *FORMS))
     if form in ("auto", "sweep"):
         reason = _sweep_obstacle(method)
         if not reason:
@@ -188,7 +188,11 @@ def _block_basis(V: Matrix, G: Matrix, index: list[int], tilt: Fraction) -> Matr
     g = tuple(tuple(G[i][j] for j in index) for i in index)
     size = len(index)
     integral = all(_near_integer(x) is not None for row in v for x in row)
-    if size == 2 and _near_integer(v[0][0] + v[1][1]) in (-1, 0, 1) and (tilt or not integral):
+    # eigenvalues 1 and -1 have trace 0 too, and an eigenvector p would be its own V p
+    turning = size == 2 and _near_integer(v[0][0] + v[1][1]) in (-1, 0, 1) and (
+        _near_integer(v[0][0] * v[1][1] - v[0][1] * v[1][0]) == 1
+    )  # fmt: skip
+    if turning and (tilt or not integral):
         p = (exact(1), exact(tilt))
         scale = linalg.dot(p, linalg.matvec(g, p))
         turned = linalg.matvec(v, p)

@@ -12,6 +12,7 @@ from importlib import import_module
 from pathlib import Path
 
 from ..errors import DataError, UsageError, did_you_mean
+from ..system.arguments import shown
 from .model import Problem
 from .table import OWN, from_table, table_of
 
@@ -124,12 +125,11 @@ def about(name: str) -> str:
 
 
 def _builder(name: str) -> Callable[..., Problem]:
-    if name not in _HOME:
-        shown = repr(name[:80] if isinstance(name, str) else name)[:90]
+    if not isinstance(name, str) or name not in _HOME:
         hint = "`glmref problems` lists them, and so does glmref.problems.names()"
-        if str(name).endswith(".py"):
+        if shown(name, str).endswith(".py"):
             hint = 'write file = "FILE.py:FUNCTION" into a TOML file, and give that file'
-        hint = did_you_mean(name, _HOME, otherwise=hint)
-        raise UsageError(f"there is no problem named {shown}; {hint}")
+        hint = did_you_mean(shown(name, str), _HOME, otherwise=hint)
+        raise UsageError(f"there is no problem named {shown(name)}; {hint}")
     module = import_module(f".{_HOME[name]}", __name__)
     return getattr(module, name.replace("-", "_"))

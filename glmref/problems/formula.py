@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import UsageError, did_you_mean
+from ..system.arguments import shown
 
 Number = int | Fraction | float
 
@@ -95,7 +96,7 @@ def exact_number(value: object, what: str) -> Number:
         return number
     raise UsageError(
         f"`{what}` must be a finite number in the range of double precision or a string such as "
-        f"'3/5', got {short(value)}"
+        f"'3/5', got {shown(value)}"
     )
 
 
@@ -106,15 +107,6 @@ def _has_double(number: Number) -> bool:
     except OverflowError:
         return False
     return math.isfinite(nearest) and (nearest != 0 or number == 0)
-
-
-def short(value: object) -> str:
-    """Show a value; a whole number of thousands of digits cannot be written out."""
-    try:
-        text = repr(value)
-    except ValueError:
-        return "a whole number with thousands of digits"
-    return text if len(text) <= 60 else f"{text[:40]}... ({len(text)} characters)"
 
 
 def to_number(value: Number, context: Any = None) -> Any:
@@ -306,54 +298,54 @@ def subscripts(tree: ast.AST) -> Iterator[tuple[str, int]]:
 @lru_cache(maxsize=4096)
 def _checked(text: str, names: frozenset[str], vectors: tuple[str, ...]) -> ast.expr:
     """Parse one expression, refusing everything but arithmetic in the names given."""
-    shown = short(text)
+    where = shown(text)
     try:
         tree = ast.parse(text, mode="eval")
     except (SyntaxError, TypeError, ValueError):
-        raise UsageError(f"the expression {shown} cannot be read") from None
+        raise UsageError(f"the expression {where} cannot be read") from None
     except (RecursionError, MemoryError):
-        raise UsageError(f"the expression {shown} is nested too deeply") from None
+        raise UsageError(f"the expression {where} is nested too deeply") from None
     calls = {id(node.func) for node in ast.walk(tree) if isinstance(node, ast.Call)}
     bases = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Subscript)}
     for node in ast.walk(tree):
         if not isinstance(node, _NODES):
             what = type(node).__name__
-            raise UsageError(f"the expression {shown} contains {what}; write arithmetic only")
+            raise UsageError(f"the expression {where} contains {what}; write arithmetic only")
         if isinstance(node, ast.Constant) and type(node.value) not in (int, float):
-            raise UsageError(f"the expression {shown} contains {short(node.value)}, not a number")
+            raise UsageError(f"the expression {where} contains {shown(node.value)}, not a number")
         if isinstance(node, ast.Call):
             called = ast.unparse(node.func)
             if called not in FUNCTIONS or node.keywords:
                 near = "; write sqrt(x**2)" if called == "abs" else ""
                 near = near or did_you_mean(called, FUNCTIONS, "; ")
                 raise UsageError(
-                    f"the expression {shown} calls {called[:40]}; known are "
+                    f"the expression {where} calls {called[:40]}; known are "
                     f"{', '.join(FUNCTIONS)}{near}"
                 )
             arity = 2 if called == "atan2" else 1
             if len(node.args) != arity:
-                raise UsageError(f"{called} takes {arity} in {shown}, got {len(node.args)}")
+                raise UsageError(f"{called} takes {arity} in {where}, got {len(node.args)}")
         if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow):
-            _check_power(node, shown)
+            _check_power(node, where)
         if isinstance(node, ast.Subscript):
             index = node.slice
             whole = isinstance(index, ast.Constant) and type(index.value) is int
             vector = isinstance(node.value, ast.Name) and node.value.id in vectors
             if not (whole and vector):
-                raise UsageError(f"the expression {shown} must write components as {vectors[0]}[0]")
+                raise UsageError(f"the expression {where} must write components as {vectors[0]}[0]")
         if isinstance(node, ast.Name) and id(node) not in calls:
             if (node.id in vectors) != (id(node) in bases):
-                raise UsageError(f"the expression {shown} must write components as {vectors[0]}[0]")
+                raise UsageError(f"the expression {where} must write components as {vectors[0]}[0]")
             if node.id not in names:
                 raise UsageError(
-                    f"the expression {shown} contains the unknown name {short(node.id)}; known "
+                    f"the expression {where} contains the unknown name {shown(node.id)}; known "
                     f"are {', '.join(sorted(names))}"
                 )
-    _check_numbers(tree, shown)
+    _check_numbers(tree, where)
     return tree.body
 
 
-def _check_numbers(tree: ast.AST, shown: str) -> None:
+def _check_numbers(tree: ast.AST, where: str) -> None:
     """Refuse numbers, and arithmetic of numbers alone, without a real value in double precision.
 
     Python would go on with a whole number of any size or with a complex number, and its compiler
@@ -371,7 +363,7 @@ def _check_numbers(tree: ast.AST, shown: str) -> None:
             continue
         if isinstance(value, complex) or not _has_double(value):
             raise UsageError(
-                f"the part {short(ast.unparse(node))} of the expression {shown} has no real value "
+                f"the part {shown(ast.unparse(node))} of the expression {where} has no real value "
                 f"in the range of double precision"
             )
         values[id(node)] = value
@@ -391,7 +383,7 @@ def _value(node: ast.AST, values: Mapping[int, Any]) -> Any:
     return operation(values[id(node.left)], values[id(node.right)])
 
 
-def _check_power(node: ast.BinOp, shown: str) -> None:
+def _check_power(node: ast.BinOp, where: str) -> None:
     """Refuse powers that a few characters make astronomically large."""
     literals = [x.value for x in ast.walk(node.right) if isinstance(x, ast.Constant)]
     towers = [
@@ -402,6 +394,6 @@ def _check_power(node: ast.BinOp, shown: str) -> None:
     ]
     if towers or any(isinstance(x, int | float) and abs(x) > LARGEST_EXPONENT for x in literals):
         raise UsageError(
-            f"the exponent of {short(ast.unparse(node))} in {shown} is no number up to "
+            f"the exponent of {shown(ast.unparse(node))} in {where} is no number up to "
             f"{LARGEST_EXPONENT}"
         )

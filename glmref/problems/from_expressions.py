@@ -20,6 +20,7 @@ from keyword import iskeyword
 from typing import Any
 
 from ..errors import UsageError, did_you_mean
+from ..system.arguments import listed, shown
 from .canonical import equations, shared, timed
 from .formula import FUNCTIONS, Formula, Number, exact_number
 from .sums import hamiltonian_parts
@@ -72,8 +73,10 @@ def hamiltonian_entries(
     UsageError
         One sentence on what does not fit.
     """
-    for what, given in (("y0", y0), ("coordinates", coordinates), ("momenta", momenta)):
-        _several(given, what, "numbers" if what == "y0" else "names")
+    _several("y0", y0, "numbers")
+    for what, given in (("coordinates", coordinates), ("momenta", momenta)):
+        if given is not None:
+            _several(what, given, "names")
     values = _parameters(parameters)
     names = _Names.of(y0, coordinates, momenta, values)
     entries: dict[str, Any]
@@ -123,11 +126,13 @@ def equation_entries(
     """
     if coordinates is not None or momenta is not None:
         raise UsageError("`coordinates` and `momenta` go with `H`; the keys of `f` name components")
-    _several(y0, "y0", "numbers")
+    _several("y0", y0, "numbers")
     if not isinstance(f, str):
-        _several(f, "f", "expressions")
+        _several("f", f, "expressions")
     values = _parameters(parameters)
     if isinstance(f, Mapping):
+        if not f:
+            raise UsageError("`f` must have an equation at least")
         names = _Names(tuple(map(str, f)), 0, ())
         names.check(values)
         if not isinstance(y0, Mapping) and len(y0) != len(f):
@@ -150,7 +155,7 @@ def equation_entries(
 
 def _text(value: Any, what: str) -> str:
     if not isinstance(value, str) or not value.strip():
-        raise UsageError(f"`{what}` must be an expression, got {value!r:.80}")
+        raise UsageError(f"`{what}` must be an expression, got {shown(value)}")
     if len(value) > LONGEST:
         raise UsageError(
             f"`{what}` has more than {LONGEST} characters; write it as sums over i, as in "
@@ -159,11 +164,10 @@ def _text(value: Any, what: str) -> str:
     return " ".join(value.split())
 
 
-def _several(given: Any, what: str, kind: str) -> None:
-    """Refuse what is neither a list nor a table; what is not given is no matter."""
-    listed = not isinstance(given, str) and hasattr(given, "__iter__") and hasattr(given, "__len__")
-    if given is not None and not listed:
-        raise UsageError(f"`{what}` must be a list or a table of {kind}, got {given!r:.80}")
+def _several(name: str, given: Any, what: str) -> None:
+    """Refuse what is neither a list nor a table."""
+    if not isinstance(given, Mapping):
+        listed(name, given, f"a list or a table of {what}")
 
 
 def _is_free(name: str) -> bool:
@@ -188,7 +192,7 @@ def _why_not(name: str) -> str:
 def _parameters(given: Mapping[str, Any] | None) -> dict[str, Number | tuple[Number, ...]]:
     found: dict[str, Number | tuple[Number, ...]] = {}
     if given is not None and not isinstance(given, Mapping):
-        raise UsageError(f"`parameters` must be a table of numbers, got {given!r:.80}")
+        raise UsageError(f"`parameters` must be a table of numbers, got {shown(given)}")
     for key, value in (given or {}).items():
         name = str(key)
         if not _is_free(name) or name == "y":
@@ -202,7 +206,7 @@ def _parameters(given: Mapping[str, Any] | None) -> dict[str, Number | tuple[Num
 
 def _rest(name: Any, source: Any, t0: Any, t_end: Any, time: Any) -> dict[str, Any]:
     if not isinstance(name, str) or not name.strip() or not isinstance(source, str):
-        raise UsageError(f"`name` and `source` must be texts, got {name!r:.80}")
+        raise UsageError(f"`name` and `source` must be texts, got {shown(name)}")
     span = (time_of(t0, "t0"), time_of(t_end, "t_end"))
     if span[0] == span[1]:
         raise UsageError(f"`t_end` must differ from `t0`, got {span[1]:g} for both")
@@ -217,7 +221,9 @@ def time_of(value: Any, what: str) -> float:
         try:
             value = float(Formula((text,), variables=("y",), shape=())(()))
         except (ArithmeticError, ValueError, TypeError, UsageError):
-            raise UsageError(f"`{what}` must be a time such as '20*pi', got {value!r}") from None
+            raise UsageError(
+                f"`{what}` must be a time such as '20*pi', got {shown(value)}"
+            ) from None
     return float(exact_number(value, what))
 
 
@@ -260,7 +266,7 @@ class _Names:
         if (coordinates is None) != (momenta is None):
             raise UsageError("`coordinates` and `momenta` go together; give both or neither")
         if coordinates is not None and momenta is not None:
-            q, p = [str(x) for x in coordinates], [str(x) for x in momenta]
+            q, p = [shown(x, str) for x in coordinates], [shown(x, str) for x in momenta]
             if len(q) != len(p):
                 raise UsageError(f"`momenta` must be {len(q)} names as `coordinates`, got {len(p)}")
         elif isinstance(y0, Mapping):
@@ -277,7 +283,7 @@ class _Names:
                 )
         else:
             half, odd = divmod(len(y0), 2)
-            if odd or isinstance(y0, str) or not half:
+            if odd or not half:
                 raise UsageError(f"`y0` must list q and then as many p, got {len(y0)} entries")
             if half > 1:
                 return cls((), half, (("q", 0), ("p", half)))
@@ -381,7 +387,7 @@ class _Names:
         found: dict[str, Any] = {}
         for key, given in (("invariants", invariants), ("observables", observables)):
             if given is not None and not isinstance(given, Mapping):
-                raise UsageError(f"`{key}` must be a table of expressions, got {given!r:.80}")
+                raise UsageError(f"`{key}` must be a table of expressions, got {shown(given)}")
             found[key] = {
                 str(k): self.scalar(f"{key}.{k}", v, parameters) for k, v in (given or {}).items()
             }

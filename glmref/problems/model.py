@@ -10,13 +10,14 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ..errors import UsageError
+from ..system.arguments import flag, number, shown
 from .derivative import Jacobian
-from .formula import Formula, Number, exact_number, functions, short, to_number
+from .formula import Formula, Number, exact_number, functions, to_number
 from .from_expressions import equation_entries, hamiltonian_entries
 from .loops import Loops, QuadraticForm, join
 from .precision import on_context
 from .reference import Reference, references_of
-from .user import UserFunction, plain
+from .user import UserFunction, plain, raised
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -70,7 +71,7 @@ class Problem:
     context : Any
         The mpmath context of :meth:`on`, ``None`` in double precision.
     initial : Any
-        y0 as it was given.
+        y0 as it was given, from which :meth:`on` computes it; set here, whatever is passed.
 
     Raises
     ------
@@ -104,12 +105,18 @@ class Problem:
 
     def __post_init__(self) -> None:
         if self.context is not None:
+            if self.initial is None:
+                raise UsageError("`context` is set by `Problem.on`; leave it out and call that")
             return
+        for key in ("name", "source"):
+            if not isinstance(getattr(self, key), str):
+                raise UsageError(f"`{key}` must be a text, got {shown(getattr(self, key))}")
+        self._set("canonical", flag("canonical", self.canonical))
         for key in ("parameters", "quadratic", "invariants", "observables", "scales"):
             if not isinstance(getattr(self, key), Mapping):
-                raise UsageError(f"`{key}` must be a mapping, got {short(getattr(self, key))}")
+                raise UsageError(f"`{key}` must be a mapping, got {shown(getattr(self, key))}")
         if isinstance(self.terms, str) or not isinstance(self.terms, Sequence):
-            raise UsageError(f"`terms` must be a sequence, got {short(self.terms)}")
+            raise UsageError(f"`terms` must be a sequence, got {shown(self.terms)}")
         values = {k: exact_number(v, k) for k, v in self.parameters.items()}
         self._set("parameters", MappingProxyType(values))
         self._set("initial", self.y0)
@@ -123,7 +130,7 @@ class Problem:
         for key in ("jacobian", "exact"):
             if getattr(self, key) is not None:
                 if not callable(getattr(self, key)):
-                    raise UsageError(f"`{key}` must be a function, got {short(getattr(self, key))}")
+                    raise UsageError(f"`{key}` must be a function, got {shown(getattr(self, key))}")
                 self._set(key, self._function(key, getattr(self, key), ()))
         self._set("hamiltonian", self._scalar("hamiltonian", self.hamiltonian))
         for key in ("invariants", "observables"):
@@ -135,7 +142,10 @@ class Problem:
             for k, v in self.quadratic.items()
         }
         self._set("quadratic", MappingProxyType(forms))
-        self._set("scales", MappingProxyType(dict(self.scales)))
+        scales = {k: number(f"scales[{shown(k)}]", v) for k, v in self.scales.items()}
+        if not all(size > 0 for size in scales.values()):
+            raise UsageError(f"`scales` must be positive, got {shown(scales)}")
+        self._set("scales", MappingProxyType(scales))
         self._assemble()
         self._check()
 
@@ -154,7 +164,7 @@ class Problem:
         if isinstance(texts, Sequence) and texts and all(isinstance(x, str) for x in texts):
             return Formula(tuple(texts), variables=variables, parameters=self.parameters)
         raise UsageError(
-            f"`{key}` must be a function or a tuple of expressions, got {short(value)}"
+            f"`{key}` must be a function or a tuple of expressions, got {shown(value)}"
         )
 
     def _scalar(self, key: str, value: Any) -> Any:
@@ -165,7 +175,7 @@ class Problem:
             return _protected(value, key, self.dimension, ())
         if isinstance(value, str):
             return Formula((value,), variables=("y",), parameters=self.parameters, shape=())
-        raise UsageError(f"`{key}` must be a function or one expression, got {short(value)}")
+        raise UsageError(f"`{key}` must be a function or one expression, got {shown(value)}")
 
     def _assemble(self) -> None:
         """Derive f, dq, dp and the Jacobian from the parts that define them."""
@@ -198,22 +208,27 @@ class Problem:
         functions = [(key, getattr(self, key), size) for key, size in sizes.items()]
         functions += [(f"terms[{n}]", term, d) for n, term in enumerate(self.terms, 1)]
         for key, function, size in functions:
+            if isinstance(function, Formula) and len(function.outputs) != size:
+                raise UsageError(f"`{key}` must have {size} entries, got {len(function.outputs)}")
+        scalars = {"hamiltonian": self.hamiltonian, **self.invariants, **self.observables}
+        functions += [(key, scalar, d) for key, scalar in scalars.items()]
+        for key, function, size in functions:
             if not isinstance(function, Formula):
                 continue
-            if len(function.outputs) != size:
-                raise UsageError(f"`{key}` must have {size} entries, got {len(function.outputs)}")
             beyond = [i for i in function.indices if not 0 <= i < size]
             if beyond:
                 raise UsageError(f"`{key}` uses component {beyond[0]}, but there are {size}")
         n = self.bodies
         if not isinstance(n, int) or (n != 1 and (n < 1 or d % (2 * n) or self.dp is None)):
-            raise UsageError(f"`bodies` must divide the components of q, got {short(n)}")
+            raise UsageError(f"`bodies` must divide the components of q, got {shown(n)}")
         try:
-            start, end = (float(t) for t in self.t_span)
-        except (TypeError, ValueError, OverflowError):
-            start = end = np.nan
-        if not (np.isfinite(start) and np.isfinite(end)):
-            raise UsageError(f"`t_span` must be two finite times, got {short(self.t_span)}")
+            start, end = self.t_span
+            for time in (start, end):
+                number("t_span", time)
+        except Exception:  # no pair, or whatever a class of the user raises
+            raise UsageError(
+                f"`t_span` must be two finite times, got {shown(self.t_span)}"
+            ) from None
 
     @staticmethod
     def from_hamiltonian(H: str, y0: Any, **options: Any) -> Problem:
@@ -278,6 +293,8 @@ class Problem:
         """
         if self.context is not None:
             raise UsageError("the problem is already in an mpmath context; use the double one")
+        if not callable(getattr(context, "mpf", None)):
+            raise UsageError(f"`context` must be mpmath.MPContext(), got {shown(context)}")
         functions = ("f", "jacobian", "dq", "dp", "force", "hamiltonian", "exact")
         return replace(
             self,
@@ -300,7 +317,7 @@ class Problem:
         """
         if self.exact is None:
             raise UsageError(f"{self.name} has no solution in closed form; see its references")
-        return self.exact(t, self.y0)
+        return self.exact(t if self.context is not None else number("t", t), self.y0)
 
     # What a kernel generator reads. Expressions are Python source in t, y[i] (or q[i], p[i]), the
     # names of `parameters`, pi and the functions of formula.FUNCTIONS; bodies of loops are plain.
@@ -336,17 +353,20 @@ def _initial_value(entries: Any, parameters: Mapping[str, Number], context: Any)
     convert = float if context is None else context.mpf
     if callable(entries):
         start: Any = entries
-        values = [convert(x) for x in start(SimpleNamespace(**functions(context)))]
+        try:
+            values = [convert(x) for x in start(SimpleNamespace(**functions(context)))]
+        except Exception as error:
+            raise raised("y0", error) from error
     else:
         given = entries.tolist() if isinstance(entries, np.ndarray) else entries
         if isinstance(given, str) or not isinstance(given, Sequence):
-            raise UsageError(f"`y0` must be a vector of numbers, shape (d,), got {short(entries)}")
+            raise UsageError(f"`y0` must be a vector of numbers, shape (d,), got {shown(entries)}")
         values = [_initial_entry(i, x, parameters, context) for i, x in enumerate(given)]
     if not values:
         raise UsageError("`y0` must have at least one component, got none")
     result = np.array(values, dtype=float if context is None else object)
     if context is None and not np.isfinite(result).all():
-        raise UsageError(f"`y0` must be finite, got {short(values)}")
+        raise UsageError(f"`y0` must be finite, got {shown(values)}")
     result.setflags(write=False)
     return result
 

@@ -13,9 +13,9 @@ from difflib import get_close_matches
 from importlib.util import module_from_spec, spec_from_file_location
 from inspect import signature
 from pathlib import Path
-from tomllib import TOMLDecodeError, loads
 from typing import Any
 
+from ..catalogue.strict_toml import loads
 from ..errors import DataError, UsageError
 from ..system.files import read_text
 from .from_expressions import equation_entries, hamiltonian_entries, time_of
@@ -78,7 +78,7 @@ def table_of(path: Path) -> dict[str, Any]:
     text = read_text(path, MAX_BYTES)
     try:
         table = loads(text)
-    except (TOMLDecodeError, RecursionError, ValueError) as error:
+    except (RecursionError, ValueError) as error:
         raise DataError(f"{path.name}: not TOML: {str(error)[:200]}") from None
     table = table.get("problem", table)
     if not isinstance(table, dict):

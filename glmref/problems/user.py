@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import GlmrefError, UsageError
+from ..errors import UsageError
+from ..system.arguments import shown
 
 _SHOWN = 4  # components of a state that a message shows
 
@@ -42,9 +43,9 @@ def _digits(x: Any) -> str:
 
 def _sentence(error: BaseException) -> str:
     """Type and message of an exception in one line of moderate length."""
-    text = " ".join(str(error).split())
+    text = shown(error, str, 200)
     name = type(error).__name__
-    return f"{name}: {text[:200]}" if text else name
+    return f"{name}: {text}" if text else name
 
 
 def raised(name: str, error: BaseException, arguments: tuple[Any, ...] = ()) -> FunctionFailed:
@@ -136,7 +137,7 @@ class UserFunction:
         """What the function itself returns for these very arguments."""
         try:
             return self.function(*arguments)
-        except GlmrefError:
+        except FunctionFailed:  # of a function that this one calls
             raise
         # the last two would end a run, or what steps it, as if it were done
         except (Exception, SystemExit, GeneratorExit) as error:
@@ -216,7 +217,7 @@ def _entry(array: np.ndarray) -> str:
         try:
             float(x)
         except Exception:
-            return f"an entry {x!r:.60}"
+            return f"an entry {shown(x)}"
     return "other objects"
 
 
