@@ -44,7 +44,7 @@ def _triangle(rows: Mapping[int, list[Number]], s: int) -> Rows:
 
 # --- GSL ------------------------------------------------------------------------------------------
 
-_STATIC = re.compile(r"static\s+const\s+double\s+(\w+)\s*(?:\[\s*\w*\s*\])?\s*=\s*([^;]+);")
+_STATIC = re.compile(r"static\s+const\s+double\s+(\w+)\s*(?:\[\s*\w*\s*\])?\s*=\s*([^;=]+);")
 
 
 def gsl(text: str) -> Iterator[Table]:
@@ -56,7 +56,8 @@ def gsl(text: str) -> Iterator[Table]:
         Unread where the coefficients stand in the arithmetic of the step.
     """
     text = bare(text)
-    made = re.search(r"^(\w+)_order\s*\([^)]*\)\s*\{.*?return\s+(\d+)\s*;", text, re.DOTALL | re.M)
+    order = r"^(\w+)_order\s*\([^)]{0,400}\)\s*\{.{0,4000}?return\s+(\d+)\s*;"
+    made = re.search(order, text, re.DOTALL | re.M)
     stepper = made or re.search(r"^(\w+)_order\s*\(", text, re.M)
     if stepper is None:
         return

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import isfinite
 from numbers import Integral, Number
 from typing import Any
 
+from ..catalogue.keys import MAX_SIZE
 from ..errors import DataError, GlmrefError
 from ..exact import Exact, linalg
 from ..exact.linalg import Matrix, Vector, row_sums
 from ..findings import Finding, Verdict
 from ..prove.digits import rounded_up
 from ..prove.kernel import Reach, reaches, vanishing
+from ..system.arguments import listed, shown, whole
 from .numbers import Reader
 from .orders import (
     LARGEST,
@@ -202,7 +204,7 @@ def examine(document: Mapping[str, Any]) -> tuple[Finding, ...]:
     rows, more = _rows(document, reader)
     if not (rows or more):
         raise DataError('nothing is said that could be checked; give `order`, as in "order": 4')
-    name = str(document.get("name", ""))
+    name = shown(document.get("name", ""), str, 1000)
     remark = reader.remark()
     findings = [_judged(row, name, remark, reader.digits) for row in rows]
     if reader.digits is not None and any(x.verdict is Verdict.OPEN for x in findings):
@@ -246,7 +248,9 @@ def _as_written(row: _Row) -> str:
 
 
 def _shown(size: float, digits: int = 3) -> str:
-    """A size, which of numbers beyond the range of doubles is infinite."""
+    """A size other than zero, which beyond the range of doubles is infinite, or zero."""
+    if not size:
+        return "below 1e-308"
     return f"{size:.{digits}g}" if isfinite(size) else "above 1e308"
 
 
@@ -254,13 +258,9 @@ def _whole(document: Mapping[str, Any], key: str, least: int, most: int) -> int 
     value = document.get(key)
     if value is None:
         return None
-    try:
-        whole = int(value)
-    except (TypeError, ValueError, OverflowError):
-        whole = least - 1
-    if isinstance(value, bool) or whole != value or not least <= whole <= most:
-        raise DataError(f"`{key}` must be a whole number from {least} to {most}, got {value!r}")
-    return whole
+    if isinstance(value, float) and value.is_integer():
+        value = int(value)
+    return whole(key, value, least, most, DataError)
 
 
 def _order(document: Mapping[str, Any], key: str = "order") -> int | None:
@@ -326,10 +326,11 @@ def _embedded(
     plain = len(main) == 1  # the weights of such a row need no key
     if isinstance(given, Mapping) or (plain and _row_with_order(given)):
         given = [given]
-    if isinstance(given, str) or not isinstance(given, Iterable):
-        raise DataError(f"`embedded` must be {example}, got {str(given)[:40]!r}")
+    given = listed("embedded", given, f"a list of rows, such as {example}", DataError)
     found: list[tuple[list[Vector], int | None]] = []
     for k, x in enumerate(given, 1):
+        if k > MAX_SIZE:
+            raise DataError(f"`embedded` has more than {MAX_SIZE} rows")
         where = f"embedded[{k}]"
         if isinstance(x, Mapping):
             _only(x, (*keys, *errors, "order"), where)

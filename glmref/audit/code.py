@@ -11,9 +11,11 @@ from dataclasses import dataclass
 
 from ..errors import DataError
 
+#: One that is not closed goes to the end: else the search for its end would be quadratic.
 _COMMENTS = {
-    "c": r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"',  # a text may hold the address of a page
-    "julia": r'#=.*?=#|"""(?s:.*?)"""|#[^\n]*',
+    # a text may hold the address of a page
+    "c": r'/\*.*?(?:\*/|\Z)|//[^\n]*|"(?:\\.|[^"\\\n]){0,1000}+"',
+    "julia": r'#=.*?(?:=#|\Z)|"""(?s:.*?)(?:"""|\Z)|#[^\n]*',
     "fortran": r"![^\n]*",
 }
 #: A number with a point or an exponent, in any of the languages.
@@ -88,8 +90,9 @@ def _python(text: str) -> Iterator[Statement]:
     """All statements in the order of the file; a class or function opens a block."""
     try:
         tree = ast.parse(text)
-    except (SyntaxError, ValueError, RecursionError) as error:
-        raise DataError(f"the file is no Python ({error.args[0]})") from None
+    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
+        why = error.args[0] if error.args else "nested too deep"
+        raise DataError(f"the file is no Python ({why})") from None
     lines = _uncommented(text).splitlines()
 
     def source(node: ast.stmt) -> str:
@@ -265,9 +268,10 @@ _TYPED = re.compile(r"\b(?:T2?|BigFloat|Float64|Float32|SA|FT|RT|Rational\{\w+\}
 
 def _julia(text: str) -> Iterator[Statement]:
     start, depth, line, first, k = 0, 0, 1, 1, 0
-    quote, blank = False, True
+    quote, blank, last = False, True, ""
     while k <= len(text):
         x = text[k] if k < len(text) else "\n"
+        last = last if x.isspace() or x == ";" else x
         if quote:
             quote = x not in '"\n'
         elif x == '"':
@@ -276,12 +280,12 @@ def _julia(text: str) -> Iterator[Statement]:
             depth += 1
         elif x in ")]}":
             depth = max(0, depth - 1)
-        if x in "\n;" and depth == 0:
+        goes_on = x == "\n" and last in tuple("-+*/=,(")
+        if x in "\n;" and depth == 0 and not goes_on:
             row = text[start:k].strip()
-            if not (x == "\n" and re.search(r"(?:[-+*/=,(]|//)$", row)):
-                if row:
-                    yield from _julia_row(row, first)
-                start = k + 1
+            if row:
+                yield from _julia_row(row, first)
+            start, last = k + 1, ""
         if x == "\n":
             line += 1
         blank = k < start or (blank and x.isspace())
@@ -313,8 +317,10 @@ def _julia_row(row: str, line: int) -> Iterator[Statement]:
 
 #: ``2c`` and ``2c^3``, which bind more tightly than a quotient before them.
 _JUXTAPOSED = re.compile(
-    r"(?<![\w.'])(\d+\.?\d*)(?![eE][-+]?\d)([A-Za-z\u0370-\u03ff_][\w\u0370-\u03ff]*(?:\^\d+)?)(?![\w(])"
+    r"(?<![\w.'])(\d++(?:\.\d*+)?+)(?![eE][-+]?\d)([A-Za-z\u0370-\u03ff_][\w\u0370-\u03ff]*(?:\^\d+)?)(?![\w(])"
 )
+#: ``2f(`` and ``2(``.
+_BEFORE_A_CALL = re.compile(r"(?<![\w.'])(\d++(?:\.\d*+)?+)(?=(?:[A-Za-z_]\w*)?\()(?![eE][-+]?\d)")
 
 
 def _from_julia(text: str) -> str:
@@ -327,7 +333,7 @@ def _from_julia(text: str) -> str:
     text = re.sub(r"√\s*(\d+|\w+|(?=\())", lambda m: f"sqrt({m[1]})" if m[1] else "sqrt", text)
     text = _TYPED.sub("[", text)
     text = _JUXTAPOSED.sub(r"(\1*\2)", text)
-    text = re.sub(r"(?<![\w.'])(\d+\.?\d*)(?=(?:[A-Za-z_]\w*)?\()(?![eE][-+]?\d)", r"\1*", text)
+    text = _BEFORE_A_CALL.sub(r"\1*", text)
     text = re.sub(r"\s\.([-+*/])(?=\s)", r" \1", text).replace("^", "**")
     text = re.sub(r"\bfor\s+(\w+)\s+in\s+(\w+):([^\]]+)(?=\])", r"for \1 in span(\2, \3)", text)
     text = re.sub(r"^\s*push!\((\w+),\s*(.*)\)\s*$", r"\1 = vcat(\1, [\2])", text)

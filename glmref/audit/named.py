@@ -209,7 +209,7 @@ def rust(text: str, declared: Mapping[str, int] | None = None) -> Iterator[Table
     The order is what the documentation of the function calls the primary order; that of a constant
     is the last number of its name.
     """
-    said = re.findall(r"Primary order: (\d+)(?:(?!pub fn).)*?pub fn (\w+)", text, re.DOTALL)
+    said = re.findall(r"Primary order: (\d+)(?:(?!pub fn).){0,4000}?pub fn (\w+)", text, re.DOTALL)
     orders = {name: int(n) for n, name in said}
     text = bare(text)
     scope: Scope = {}

@@ -3,21 +3,27 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 from decimal import Decimal
 from fractions import Fraction
+from itertools import islice
 from math import isfinite
 from typing import Any
 
+from ..catalogue.keys import MAX_SIZE
 from ..errors import DataError
 from ..exact import Ball, Exact, Scalar
-from ..exact.expression import parse
+from ..exact.expression import MAX_BITS, MAX_DEPTH, MAX_LENGTH, parse, writable
 from ..exact.linalg import Matrix, Vector
+from ..system.arguments import listed, shown
 
-_DECIMAL = re.compile(r"(?:\d+\.\d*|\.\d+|\d+(?=[eE]))(?:[eE][-+]?\d{1,3}(?!\d))?")
+_DECIMAL = re.compile(
+    r"(?:\d+\.\d*|\.\d+|\d+(?=[eE]))(?:[eE][-+]?\d{1,3}(?!\d))?", re.ASCII
+)  # of an entry whose length is known to be bounded
 #: Powers of numbers of sympy that are written as products.
 _POWER = 20
+#: Of a Decimal, which would be written out.
+_MOST_EXPONENT = 1000
 #: A double with a larger power of 2 below it is taken for a rounded number in a hint.
 _DYADIC = 2**12
 
@@ -44,22 +50,29 @@ def _plain(value: Any) -> Any:
     return value.tolist() if hasattr(value, "tolist") else value
 
 
-def _of_sympy(x: Any) -> str | None:
-    """A number of sympy as an expression; ``None`` where it is none in real radicals."""
+def _of_sympy(x: Any, depth: int = 0) -> str | None:
+    """A number of sympy as an expression; ``None`` where it is none in real radicals, or long."""
+    text = None
+    if depth > MAX_DEPTH:
+        return None
     if x.is_Rational:
-        return f"({x})"
-    if x.is_Add or x.is_Mul:
-        terms = [_of_sympy(y) for y in x.args]
-        sign = "+" if x.is_Add else "*"
-        return None if None in terms else f"({sign.join(str(y) for y in terms)})"
-    if x.is_Pow and x.exp.is_Rational and abs(x.exp.p) <= _POWER:
-        base = _of_sympy(x.base)
+        text = f"({x})" if writable(Fraction(int(x.p), int(x.q))) else None
+    elif x.is_Add or x.is_Mul:
+        terms: list[str] = []
+        for y in x.args:  # not beyond the first that is too long: terms may be shared
+            term = _of_sympy(y, depth + 1)
+            if term is None:
+                return None
+            terms.append(term)
+        text = f"({('+' if x.is_Add else '*').join(terms)})"
+    elif x.is_Pow and x.exp.is_Rational and abs(x.exp.p) <= _POWER:
+        base = _of_sympy(x.base, depth + 1)
         if base is None or (x.exp.q > 1 and not x.base.is_nonnegative):
             return None
         root = base if x.exp.q == 1 else f"root({base}, {x.exp.q})"
         power = "*".join([root] * abs(x.exp.p))
-        return f"(1/({power}))" if x.exp.p < 0 else f"({power})"
-    return None
+        text = f"(1/({power}))" if x.exp.p < 0 else f"({power})"
+    return text if text is not None and len(text) <= MAX_LENGTH else None
 
 
 @dataclass
@@ -127,9 +140,10 @@ class Reader:
     @staticmethod
     def _list(value: Any, name: str) -> list[Any]:
         value = _plain(value)
-        if isinstance(value, (str, bytes, dict)) or not isinstance(value, Iterable):
-            raise DataError(f"`{name}` must be a list of numbers, got {str(value)[:60]!r}")
-        return list(value)
+        found = list(islice(listed(name, value, error=DataError), MAX_SIZE + 1))
+        if len(found) > MAX_SIZE:
+            raise DataError(f"`{name}` has more than {MAX_SIZE} entries")
+        return found
 
     def number(self, x: Any, where: str) -> Scalar:
         """One entry."""
@@ -140,33 +154,41 @@ class Reader:
         if isinstance(x, (Exact, Ball)):
             return x
         if isinstance(x, (int, Fraction)) and not isinstance(x, bool):
-            return Exact(x)
+            return Exact(x) if writable(x) else self._refuse(x, where)
         if isinstance(x, str):
             return self._text(x, where)
         if isinstance(x, Decimal):
-            return self._text(format(x, "f"), where) if x.is_finite() else self._refuse(x, where)
+            short = x.is_finite() and abs(x.adjusted()) < _MOST_EXPONENT
+            return self._text(format(x, "f"), where) if short else self._refuse(x, where)
         if isinstance(x, float):
             return self._float(x, where)
         if binary is not None:
             sign, man, power, _ = binary
-            if not man and power:
+            if (not man and power) or abs(power) > MAX_BITS or not writable(int(man)):
                 return self._refuse(x, where)
             return self._binary(Fraction(int(man)) * Fraction(2) ** power * (-1) ** sign, x, where)
-        if module == "sympy" and getattr(x, "is_number", False):
+        if module == "sympy" and hasattr(x, "is_Rational"):
             text = _of_sympy(x)
             return self._refuse(x, where) if text is None else self._text(text, where)
-        if hasattr(x, "as_integer_ratio") and not isinstance(x, bool):  # numpy's long double
+        ratio = hasattr(x, "as_integer_ratio") and not isinstance(x, bool)  # as a long double
+        if ratio and isfinite(x):
             return self._binary(Fraction(*map(int, x.as_integer_ratio())), x, where)
         return self._refuse(x, where)
 
     @staticmethod
     def _refuse(x: Any, where: str) -> Scalar:
+        # an expression of sympy is not written: its terms may be shared, and be without end
+        text = "" if getattr(x, "args", ()) else f"{shown(x, str)!r} "
         raise DataError(
-            f"`{where}` is {str(x)[:40]!r} of type {type(x).__name__}; write a number, a fraction "
-            f'as "1/3", or an expression as "(3-sqrt(3))/6"'
+            f"`{where}` is {text}of type {type(x).__name__}; write a number, a "
+            f'fraction as "1/3", or an expression as "(3-sqrt(3))/6"'
         )
 
     def _text(self, text: str, where: str) -> Scalar:
+        if len(text) > MAX_LENGTH:
+            raise DataError(
+                f"`{where}` has {len(text)} characters and at most {MAX_LENGTH} are read"
+            )
         try:
             if self.digits is None:
                 return parse(rational_text(text))
@@ -185,11 +207,15 @@ class Reader:
         if not isfinite(x):
             return self._refuse(x, where)
         if self.digits is not None:
-            text = x.text if isinstance(x, Double) else repr(float(x))
+            text = x.text.replace("_", "") if isinstance(x, Double) else repr(float(x))
+            if len(text) > MAX_LENGTH or not _DECIMAL.fullmatch(text.lstrip("+-")):
+                return self._refuse(x, where)
             return Ball.decimal(text, self.digits)
         return self._binary(Fraction(x), x, where)
 
     def _binary(self, value: Fraction, x: Any, where: str) -> Scalar:
+        if not writable(value):
+            return self._refuse(x, where)
         if self.digits is not None:
             return Ball.decimal(str(value), self.digits)
         self.floats += 1

@@ -8,7 +8,8 @@ import json
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from ..errors import GlmrefError
+from ..catalogue.strict_json import unique
+from ..errors import DataError, GlmrefError
 from ..exact import Exact
 from ..exact.expression import parse
 from .check import KEYS
@@ -31,8 +32,8 @@ def from_json(text: str) -> Iterator[Table]:
         What is no table is unread, with the reason.
     """
     try:
-        document = json.loads(text, parse_float=Double)
-    except (ValueError, RecursionError) as error:
+        document = json.loads(text, parse_float=Double, object_pairs_hook=unique)
+    except (ValueError, RecursionError, DataError) as error:
         where = getattr(error, "lineno", 1)
         yield Table("", where, unread=f"the file is no JSON ({str(error).splitlines()[0]})")
         return
@@ -40,12 +41,15 @@ def from_json(text: str) -> Iterator[Table]:
         given = [{"name": name, **x} if isinstance(x, dict) else x for name, x in document.items()]
     else:
         given = document if isinstance(document, list) else [document]
-    at = 0
+    at, line = 0, 1
     for k, x in enumerate(given, 1):
-        name = str(x.get("name", f"table {k}")) if isinstance(x, dict) else f"table {k}"
-        found = text.find(json.dumps(name, ensure_ascii=False), at)
-        at = max(at, found)
-        yield _table(x, name, text.count("\n", 0, found) + 1 if found >= 0 else 1)
+        named = isinstance(x, dict) and "name" in x
+        name = str(x["name"]) if named else f"table {k}"
+        found = text.find(json.dumps(name, ensure_ascii=False), at) if named else -1
+        if found >= 0:
+            line += text.count("\n", at, found)
+            at = found
+        yield _table(x, name, line if found >= 0 else 1)
 
 
 def from_csv(text: str) -> Iterator[Table]:
@@ -62,6 +66,13 @@ def from_csv(text: str) -> Iterator[Table]:
         What is no table is unread, with the reason.
     """
     rows = csv.reader(io.StringIO(text))
+    try:
+        yield from _tables_of(rows)
+    except csv.Error as error:
+        yield Table("", rows.line_num, unread=f"the file is no CSV ({error})")
+
+
+def _tables_of(rows: Any) -> Iterator[Table]:
     keys = [x.strip() for x in next(rows, [])]
     for row in rows:
         if not any(x.strip() for x in row):

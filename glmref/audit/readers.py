@@ -373,7 +373,9 @@ def _of_tudat(fields: Mapping[str, Any], name: str, line: int) -> Table:
 def declared_orders(text: str) -> dict[str, int]:
     """Orders by name: ``alg_order(alg::Name) = n``, ``p%order = n``, "A third-order .."."""
     places = re.findall(
-        r"module procedure (\w+)_properties(?:(?!end procedure).)*?p%order = (\d+)", text, re.DOTALL
+        r"module procedure (\w+)_properties(?:(?!end procedure).){0,4000}?p%order = (\d+)",
+        text,
+        re.DOTALL,
     )
     if places:
         return {name: int(n) for name, n in places}

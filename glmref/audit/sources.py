@@ -12,6 +12,7 @@ from typing import Any
 from ..compute import Executor, in_order
 from ..compute.executors import Here
 from ..errors import GlmrefError, UsageError
+from ..system.budget import PROVING, limited
 from .judge import judge
 from .nearest_method import Library
 from .readers import FORMATS, SUFFIXES, declared_orders, read
@@ -133,13 +134,17 @@ def _rows(
         if not re.search(_MARKS[form], text):
             continue
         task = {"kind": "audit", "file": str(path.absolute()), "form": form, "declared": declared}
+        rows: list[dict[str, Any]] = []
         try:
-            for number, table in enumerate(read(text, form, declared)):
-                yield path, {**task, "number": number, "name": table.name, "line": table.line}
+            with limited(PROVING):
+                for number, table in enumerate(read(text, form, declared)):
+                    rows.append({**task, "number": number, "name": table.name, "line": table.line})
         except (GlmrefError, ValueError, KeyError, IndexError, TypeError, AttributeError,
                 RecursionError) as error:  # fmt: skip
             remark = f"the rest of the file is not understood: {error}"
-            yield path, _unread(1, path.name, remark)
+            rows.append(_unread(1, path.name, remark))
+        for row in rows:
+            yield path, row
 
 
 def _unread(line: int, name: str, remark: str) -> dict[str, Any]:
@@ -157,7 +162,8 @@ def judge_table(task: Mapping[str, Any]) -> dict[str, Any]:
 def _tables(file: str, form: str, declared: tuple[tuple[str, int], ...]) -> list[Table]:
     """Tables of a file, as far as it is understood."""
     found: list[Table] = []
-    with suppress(Exception):  # the client has read as far, and says what is wrong
+    # the client has read as far, and says what is wrong
+    with suppress(Exception), limited(PROVING):
         found.extend(read(_text(Path(file)) or "", form, dict(declared)))
     return found
 

@@ -9,17 +9,21 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from fractions import Fraction
+from math import prod
 from typing import Any
 
 from ..errors import ExactnessError
 from ..exact import Exact
+from ..system.budget import spend
 
 #: A decimal with at most this many digits after the point means what it says.
 SHORT = 11
 _NUMERAL = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,4})?")
-_MOST_DIGITS = 2000
+_MOST_DIGITS = 2000  # of a number as it is written
+_MOST_SIZE = 40_000  # digits of what is computed from numbers, as estimated
+_MOST_ITEMS = 100_000  # numbers in an array
 
 
 class Unread(Exception):
@@ -31,17 +35,23 @@ class Unread(Exception):
 
 
 class Number:
-    """An exact number, and how many digits after the point its roundest decimal has."""
+    """An exact number, and how many digits after the point its roundest decimal has.
 
-    __slots__ = ("places", "value")
+    Its size is the sum of those of the numbers that it is made of, an estimate of its digits.
+    """
 
-    def __init__(self, value: Exact, places: int | None = None) -> None:
-        self.value, self.places = value, places
+    __slots__ = ("places", "size", "value")
+
+    def __init__(self, value: Exact, places: int | None = None, size: int = 1) -> None:
+        if size > _MOST_SIZE:
+            raise Unread("a number has more digits than are computed")
+        self.value, self.places, self.size = value, places, size
 
     def of(self, value: Exact, other: Number | None = None) -> Number:
         """A result of arithmetic with this number, and maybe another."""
-        places = [x.places for x in (self, other) if x is not None and x.places is not None]
-        return Number(value, min(places, default=None))
+        used = (self,) if other is None else (self, other)
+        places = [x.places for x in used if x.places is not None]
+        return Number(value, min(places, default=None), sum(x.size for x in used))
 
     def whole(self) -> int:
         """The integer it is."""
@@ -60,10 +70,9 @@ def literal(text: str) -> Number:
         raise Unread(f"{text[:40]!r} is no number")
     mantissa, _, power = text.lower().partition("e")
     places = max(0, len(mantissa.partition(".")[2]) - int(power or 0))
-    value = Exact(Fraction(text))
-    if "." not in text or places <= SHORT:
-        return Number(value)
-    return Number(value, places)
+    size = len(mantissa) + abs(int(power or 0))
+    exact = "." not in text or places <= SHORT
+    return Number(Exact(Fraction(text)), None if exact else places, size)
 
 
 Scope = dict[str, Any]
@@ -98,6 +107,7 @@ class _Evaluator:
         self.scope = scope
 
     def of(self, node: ast.AST) -> Any:
+        spend()
         rule = getattr(self, f"_{type(node).__name__.lower()}", None)
         if rule is None:
             raise Unread(f"a {type(node).__name__} is not read", getattr(node, "lineno", 0))
@@ -128,17 +138,17 @@ class _Evaluator:
         first, last = first.whole(), last.whole()
         if last - first > 200:
             raise Unread("a loop is too long")
-        return [
+        return _bounded(
             _Evaluator({**self.scope, name.id: Number(Exact(k))}).of(node.elt)
             for k in range(first, last + 1)
-        ]
+        )
 
     def _constant(self, node: ast.Constant) -> Any:
         x = node.value
         if isinstance(x, bool) or x is None:
             return x
         if isinstance(x, int):
-            return Number(Exact(x))
+            return Number(Exact(x), size=1 + x.bit_length() // 3)
         if isinstance(x, str):
             return literal(x) if _NUMERAL.fullmatch(x) else x
         raise Unread(f"{x!r} is no number that is read")
@@ -150,7 +160,7 @@ class _Evaluator:
                 found += self._sequence(self.of(x.value))
             else:
                 found.append(self.of(x))
-        return found
+        return _bounded(found)
 
     _tuple = _list
 
@@ -206,8 +216,10 @@ class _Evaluator:
         base = x.value
         if exponent.denominator > 1:
             base = base.sqrt() if exponent.denominator == 2 else base.root(exponent.denominator)
+        size = x.size * max(1, abs(exponent.numerator))
+        made = Number(x.value, x.places, size)  # before the power is computed
         power = base ** abs(exponent.numerator)
-        return x.of(Exact(1) / power if exponent < 0 else power)
+        return made.of(Exact(1) / power if exponent < 0 else power)
 
     def _subscript(self, node: ast.Subscript) -> Any:
         base, parts = node.value, self._parts(node)
@@ -297,7 +309,7 @@ class _Evaluator:
             return Number(Exact(int(last == "one")))
         if last in ("concatenate", "vcat", "hstack"):
             parts = [self.of(x) for x in node.args] if last == "vcat" else self.of(node.args[0])
-            return [x for part in parts for x in part]
+            return _bounded(x for part in parts for x in part)
         if last in ("size", "len", "length"):
             return Number(Exact(len(self.of(node.args[0]))))
         raise Unread(f"the function {name[:40]!r} is not read")
@@ -331,7 +343,24 @@ def _root(n: Number) -> Exact:
     return n.value.sqrt()
 
 
+def _bounded(parts: Iterable[Any]) -> list[Any]:
+    """An array that has no more numbers than are read; a part may stand in it many times."""
+    found, left = [], _MOST_ITEMS
+    for x in parts:
+        left -= _items(x)
+        if left < 0:
+            raise Unread("an array is too large")
+        found.append(x)
+    return found
+
+
+def _items(x: Any) -> int:
+    return 1 + sum(map(_items, x)) if isinstance(x, list) else 1
+
+
 def _filled(dims: list[int], value: Number) -> list[Any]:
+    if prod(dims) > _MOST_ITEMS:
+        raise Unread("an array is too large")
     if len(dims) == 1:
         return [value] * dims[0]
     return [_filled(dims[1:], value) for _ in range(dims[0])]

@@ -12,6 +12,7 @@ from ..catalogue.lookup import method_of
 from ..catalogue.reader import load_document
 from ..errors import UsageError
 from ..method import GLM, AdditiveGLM, PartitionedGLM
+from ..system.arguments import place, shown
 from ..system.files import write_text
 from .header import COMPLETE, LANGUAGES
 from .numbers import check_digits
@@ -49,10 +50,10 @@ def export(
     DataError
         For a file that is not what it must be.
     """
-    if to not in TARGETS:
-        near = get_close_matches(str(to), TARGETS, n=1)
+    if not isinstance(to, str) or to not in TARGETS:
+        near = get_close_matches(shown(to, str), TARGETS, n=1)
         hint = f"did you mean {near[0]}?" if near else f"one of {', '.join(TARGETS)}"
-        raise UsageError(f"there is no export to {to!r}; {hint}")
+        raise UsageError(f"there is no export to {shown(to)}; {hint}")
     check_digits(digits)
     method = method_of(method)
     if to in COMPLETE:
@@ -93,16 +94,16 @@ def save(
         For a file that cannot be written, or a method that no file can hold.
     """
     method = method_of(method)
-    place = Path(path)
+    file = place("path", path)
     document = dict(method.document or {})
     if digits is not None or not _is_of(document, method):
         check_digits(digits)
-        document = method_document(method, place.name, digits)
+        document = method_document(method, file.name, digits)
         if method.claims:
-            here = {"citation": "saved by glmref", "where": place.name, "status": "derived"}
+            here = {"citation": "saved by glmref", "where": file.name, "status": "derived"}
             document |= {"claims": dict(method.claims), "source": dict(method.source or here)}
-    write_text(place, canonical(document))
-    return place
+    write_text(file, canonical(document))
+    return file
 
 
 def _is_of(document: Mapping[str, Any], method: GLM | PartitionedGLM | AdditiveGLM) -> bool:

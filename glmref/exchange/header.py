@@ -38,12 +38,12 @@ class Comment:
         )
 
 
-def _plain(text: object) -> str:
-    """One line that ends no comment and continues none."""
+def in_comment(text: object) -> str:
+    """Write any text on one line that ends no comment and continues none."""
     line = re.sub(r"\s+", " ", str(text)).strip()
-    line = "".join(x for x in line if x.isprintable())
-    for pair in ("*/", "/*", "#=", "=#", '"""', "\\"):
-        line = line.replace(pair, " ".join(pair) if len(pair) > 1 else "/")
+    line = "".join(x for x in line if x.isprintable()).replace("\\", "/")  # which may end a pair
+    for pair in ("*/", "/*", "#=", "=#", '"""'):
+        line = line.replace(pair, " ".join(pair))
     return line
 
 
@@ -79,7 +79,7 @@ def left_out(method: Method, target: str) -> list[str]:
     """
     if target in COMPLETE:
         return []
-    names = [row.name for row in method.embedded]
+    names = [in_comment(row.name) for row in method.embedded]
     names = [] if target == "latex" else names[1:] if target in ONE_ROW else names
     found = [f"the embedded row {name}" for name in names]
     if getattr(method, "dense", None) is not None:
@@ -95,7 +95,7 @@ def facts(method: GLM | PartitionedGLM | AdditiveGLM) -> list[str]:
     """Name, title, order, size and source of a method, one sentence each."""
     document = method.document or {}
     name, title = method.name or "a method without a name", document.get("title", "")
-    lines = [_plain(f"{name}: {title}" if title else name)]
+    lines = [in_comment(f"{name}: {title}" if title else name)]
     stages = [len(c.A) for c in method.carriers]
     values = [len(c.V) for c in method.carriers]
     orders = _orders(method.claims, nystrom=document.get("class") == "nystrom")
@@ -109,10 +109,10 @@ def facts(method: GLM | PartitionedGLM | AdditiveGLM) -> list[str]:
     if "citation" in method.source:
         where = method.source.get("where", "")
         lines.append(
-            _plain(f"Source: {method.source['citation']}" + (f" ({where})" if where else ""))
+            in_comment(f"Source: {method.source['citation']}" + (f" ({where})" if where else ""))
         )
     if "doi" in method.source:
-        lines.append(_plain(f"doi: {method.source['doi']}"))
+        lines.append(in_comment(f"doi: {method.source['doi']}"))
     return lines
 
 

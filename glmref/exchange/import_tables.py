@@ -21,16 +21,19 @@ from typing import Any
 
 from ..catalogue.claims import ABSCISSAE, EMBEDDED_ORDER, EXPLICIT, ORDER, PRECONSISTENT
 from ..catalogue.keys import FORMATS as FORMATS_OF_METHODS
-from ..catalogue.keys import of_second, without_meaning
+from ..catalogue.keys import MAX_SIZE, of_second, without_meaning
 from ..catalogue.reader import load_document
-from ..errors import DataError, ExactnessError
+from ..catalogue.strict_json import MAX_BYTES, shown, unique
+from ..errors import BudgetError, DataError, ExactnessError
 from ..exact import Scalar
-from ..exact.expression import parse, to_text
+from ..exact.expression import MAX_LENGTH, parse, to_text
+from ..system.budget import PROVING, limited, spend
 
 #: Digits after the point of a decimal that is meant exactly.
 SHORT = 9
 _MOST_PLACES = 150
-_MOST_TEXT = 20_000_000  # characters of a file
+_MOST_POWER = 400  # of 10 in a number, and digits after its point
+_MOST_BLOCK = MAX_SIZE**2  # entries of a block
 
 #: Names that wrap a number without changing it, and names of the square root.
 _CASTS = {"SUN_RCONST", "RCONST", "PetscReal", "BigFloat", "float", "Float64", "T"}
@@ -38,6 +41,7 @@ _ROOTS = {"sqrt", "SUNRsqrt", "PetscSqrtReal", "np.sqrt", "math.sqrt", "jnp.sqrt
 _TOKEN = re.compile(
     r"\s*((?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eEdD][-+]?[0-9]+)?[fFlLqQ]?|[A-Za-z_][\w.]*|//|[-+*/(),])"
 )
+_DECIMAL = re.compile(r"(?<![0-9])[0-9]*\.[0-9]+")
 
 
 @dataclass
@@ -83,16 +87,17 @@ def read_table(
     """
     if form not in FORMATS:
         raise DataError(f"there is no import from {form!r}; one of {', '.join(FORMATS)}")
-    if len(text) > _MOST_TEXT:
+    if len(text) > MAX_BYTES:
         raise DataError(
-            f"{where}: the file has {len(text)} characters; at most {_MOST_TEXT} are read"
+            f"{where}: the file has {len(text)} characters; at most {MAX_BYTES} are read"
         )
     try:
-        found = FORMATS[form](text)
-        document = _Writer(found, name, where, form).document()
-    except RecursionError:
+        with limited(PROVING):
+            found = FORMATS[form](text)
+            document = _Writer(found, name, where, form).document()
+    except (RecursionError, MemoryError):
         raise DataError(f"{where}: brackets are nested too deep for a table") from None
-    except DataError as error:
+    except (DataError, BudgetError) as error:
         message = str(error)
         raise DataError(message if message.startswith(where) else f"{where}: {message}") from None
     load_document(document, where=where)
@@ -129,7 +134,8 @@ def _normal(text: str) -> tuple[str, list[int]]:
         if token[0].isdigit() or token[0] == ".":
             number = token.rstrip("fFlLqQ").lower().replace("d", "e")
             mantissa, _, power = number.partition("e")
-            if len(mantissa) > 1000 or len(power) > 4 or _places(number) > 400:
+            size = int(power or 0) if len(power) < 6 else _MOST_POWER + 1
+            if len(mantissa) > 1000 or size > _MOST_POWER or _places(number) > _MOST_POWER:
                 raise DataError(f"the number {token[:40]!r} has more digits than are read")
             value, places = Fraction(number), _places(number)
             if places <= SHORT:
@@ -273,6 +279,8 @@ class _Writer:
         """Every entry in our grammar; where all of it is exact, in lowest terms."""
         normal: dict[str, list[list[tuple[str, list[int]]]]] = {}
         for block, rows in self.found.blocks.items():
+            if sum(map(len, rows)) > _MOST_BLOCK:
+                raise DataError(f"`{block}` has more than {_MOST_BLOCK} entries")
             normal[block] = [[self._entry(x, block, i, j) for j, x in enumerate(row)]
                              for i, row in enumerate(rows)]  # fmt: skip
         places = [p for rows in normal.values() for row in rows for _, some in row for p in some]
@@ -284,6 +292,7 @@ class _Writer:
             for i, row in enumerate(rows):
                 written[block].append([])
                 for j, (text, some) in enumerate(row):
+                    spend()
                     try:
                         written[block][i].append(self._written(text, some))
                     except DataError as error:
@@ -291,9 +300,14 @@ class _Writer:
         return written
 
     def _entry(self, text: str, block: str, i: int, j: int) -> tuple[str, list[int]]:
-        power = re.search(r"\d[eE][-+]?\d", text)
+        if len(text) > MAX_LENGTH:
+            raise DataError(
+                f"`{block}[{i + 1}][{j + 1}]` has {len(text)} characters and at most {MAX_LENGTH} "
+                f"are read"
+            )
+        power = re.search(r"[0-9][eE][-+]?[0-9]", text)
         if not power and (self.found.digits is not None or self.form in ("json", "csv")):
-            rounded = [_places(x) for x in re.findall(r"\d*\.\d+", text)]
+            rounded = [_places(x) for x in _DECIMAL.findall(text)]
             if not any(p > SHORT for p in rounded) and self.found.digits is None:
                 return _normal_or_same(text)
             return text, rounded
@@ -305,8 +319,7 @@ class _Writer:
     def _written(self, text: str, places: list[int]) -> str:
         """An entry: exact ones in lowest terms, decimals cut to what the declared digits allow."""
         if places and self.digits is not None:
-            return re.sub(
-                r"\d*\.\d+",
+            return _DECIMAL.sub(
                 lambda m: m[0] if _places(m[0]) <= self.digits + 2  # type: ignore[operator]
                 else _fixed(Fraction(m[0]), self.digits + 2),  # type: ignore[operator]
                 text,
@@ -403,6 +416,11 @@ def _comment(text: str) -> dict[str, Any]:
     return about
 
 
+# one that is not closed goes to the end: else the search for the end would be quadratic
+_C_COMMENT = r"/\*.*?(?:\*/|\Z)|//[^\n]*"
+_JULIA_COMMENT = r"#=.*?(?:=#|\Z)|#[^\n]*"
+
+
 def _without_comments(text: str, pattern: str) -> str:
     return re.sub(pattern, " ", text, flags=re.DOTALL)
 
@@ -436,7 +454,7 @@ def _split(text: str, separator: str = ",") -> list[str]:
 def _c_array(text: str, names: Sequence[str]) -> list[str] | None:
     found = [
         m for name in names
-        for m in re.finditer(rf"\b{name}\s*(?:\[[^\]=;]*\]\s*)*=\s*\{{", text)
+        for m in re.finditer(rf"\b{name}\s*(?:\[[^\]=;]{{0,80}}+\]\s*)*=\s*\{{", text)
     ]  # fmt: skip
     if len(found) > 1:
         raise DataError(f"the file holds {len(found)} arrays {names[0]}; keep one table of them")
@@ -449,7 +467,7 @@ def _c_array(text: str, names: Sequence[str]) -> list[str] | None:
 def _c_table(text: str, call: str, numbers: Callable[[list[str]], int]) -> Found:
     """Arrays A, b, c and the order from a call with its arguments."""
     about = _comment(text)
-    body = _without_comments(text, r"/\*.*?\*/|//[^\n]*")
+    body = _without_comments(text, _C_COMMENT)
     found = Found(about=about)
     # both an A and an At: the two parts of an implicit-explicit method
     both = all(_c_array(body, (x,)) for x in ("A", "At", "b", "bt"))
@@ -485,7 +503,7 @@ def _whole(arguments: Sequence[str], at: int) -> int:
 
 def _sprk(text: str) -> Found | None:
     """A table of SPRKStep: arrays a and ahat, and the order that is put into the table."""
-    body = _without_comments(text, r"/\*.*?\*/|//[^\n]*")
+    body = _without_comments(text, _C_COMMENT)
     if not re.search(r"\bARKodeSPRKTable_(?:Alloc|Create)\s*\(", body):
         return None
     a, ahat = (_c_array(body, (x,)) for x in ("a", "ahat"))
@@ -579,7 +597,7 @@ def _julia_array(text: str, names: str, *, matrix: bool) -> list[list[str]] | No
 
 def _julia(text: str, names: Sequence[str], call: str, at: int) -> Found:
     found = Found(about=_comment(text))
-    body = _without_comments(text, r"#=.*?=#|#[^\n]*")
+    body = _without_comments(text, _JULIA_COMMENT)
     for block, name in zip("Abcd", names, strict=False):
         rows = _julia_array(body, name, matrix=block == "A")
         if rows is not None:
@@ -611,7 +629,7 @@ def _take_about(found: Found, values: Mapping[str, Any]) -> None:
     for key in ("name", "title", "field"):
         if key in values:
             if not isinstance(values[key], str):
-                raise DataError(f"`{key}` must be a string, got {values[key]!r}")
+                raise DataError(f"`{key}` must be a string, got {shown(values[key])}")
             found.about[key] = values[key]
     if isinstance(values.get("source"), dict):
         found.about["source"] = {str(k): str(v) for k, v in values["source"].items()}
@@ -620,7 +638,7 @@ def _take_about(found: Found, values: Mapping[str, Any]) -> None:
     for key in ("order", "digits"):
         if key in values:
             if not re.fullmatch(r"\d{1,3}", str(values[key])):
-                raise DataError(f"`{key}` must be a whole number, got {values[key]!r}")
+                raise DataError(f"`{key}` must be a whole number, got {shown(values[key])}")
             setattr(found, key, int(values[key]))
 
 
@@ -638,7 +656,9 @@ def _rows(value: Any, name: str) -> list[list[str]]:
 
 def _json(text: str) -> Found:
     try:
-        values = json.loads(text, parse_float=str, parse_int=str, parse_constant=str)
+        values = json.loads(
+            text, parse_float=str, parse_int=str, parse_constant=str, object_pairs_hook=unique
+        )
     except json.JSONDecodeError as error:
         raise DataError(f"the file is no JSON (line {error.lineno}: {error.msg})") from None
     if not isinstance(values, dict):
@@ -647,42 +667,53 @@ def _json(text: str) -> Found:
         raise DataError(f"the file is in the format {values['format']} already; it needs no import")
     found = Found()
     _take_about(found, values)
+    pairs: list[tuple[str, Any]] = []
     for key, value in values.items():
         if key in _ABOUT:
             continue
-        if isinstance(value, dict):
-            for letter, inner in value.items():
-                found.blocks[f"{key}.{letter}"] = _rows(inner, f"{key}.{letter}")
-        else:
-            found.blocks[key] = _rows(value, key)
+        inside = value.items() if isinstance(value, dict) else ()
+        pairs += [(f"{key}.{x}", y) for x, y in inside] if inside else [(key, value)]
+    found.blocks |= {key: _rows(value, key) for key, value in unique(pairs).items()}
     return found
 
 
 def _csv(text: str) -> Found:
-    found, about = Found(), {}
+    found = Found()
+    said: list[tuple[str, str]] = []
     cells: dict[str, dict[tuple[int, int], str]] = {}
-    for number, row in enumerate(csv.reader(io.StringIO(text)), 1):
+    try:
+        table = list(csv.reader(io.StringIO(text)))
+    except csv.Error as error:
+        raise DataError(f"the file is no CSV ({error})") from None
+    for number, row in enumerate(table, 1):
         if not row or row == ["block", "row", "column", "value"]:
             continue
         if len(row) != 4:
             raise DataError(f"line {number} must have the columns block, row, column and value")
         block, i, j, value = row
         if not i and not j:
-            *outer, key = block.split(".")
-            inside = about.setdefault(outer[0], {}) if outer else about
-            inside[key] = value
-        elif re.fullmatch(r"[1-9]\d{0,3}", i) and re.fullmatch(r"[1-9]\d{0,3}", j):
-            cells.setdefault(block, {})[int(i), int(j)] = value
-        else:
+            said.append((block, value))
+            continue
+        if not (re.fullmatch(r"[1-9][0-9]{0,3}", i) and re.fullmatch(r"[1-9][0-9]{0,3}", j)):
             raise DataError(f"line {number} must have whole numbers in row and column")
+        entries = cells.setdefault(block, {})
+        if (int(i), int(j)) in entries:
+            raise DataError(f"line {number}: the entry ({i}, {j}) of {shown(block)} occurs twice")
+        entries[int(i), int(j)] = value
+    about: dict[str, Any] = {}
+    for key, value in unique(said).items():
+        *outer, key = key.split(".", 1)
+        inside = about.setdefault(outer[0], {}) if outer else about
+        if not isinstance(inside, dict) or key in inside:
+            raise DataError(f"{shown('.'.join((*outer, key)))} is said in two ways; keep one")
+        inside[key] = value
     _take_about(found, about)
     for block, entries in cells.items():
         m, n = max(i for i, _ in entries), max(j for _, j in entries)
-        missing = [
-            (i, j) for i in range(1, m + 1) for j in range(1, n + 1) if (i, j) not in entries
-        ]
+        places = product(range(1, m + 1), range(1, n + 1))
+        missing = next((place for place in places if place not in entries), None)
         if missing:
-            raise DataError(f"the entry {missing[0]} of the block {block} is missing")
+            raise DataError(f"the entry {missing} of the block {shown(block)} is missing")
         found.blocks[block] = [[entries[i, j] for j in range(1, n + 1)] for i in range(1, m + 1)]
     return found
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from fractions import Fraction
 
-from ..errors import UsageError
 from ..exact import Exact, Scalar, rounded_decimal
+from ..method.rounding import as_double
+from ..system.arguments import whole
 from .scheme import CLOSE
 
 #: Digits that a published decimal of the catalogue and a ball of working precision still have.
@@ -21,9 +22,8 @@ def check_digits(digits: int | None) -> None:
     UsageError
         When it is not a whole number from 1 to :data:`MOST_DIGITS`.
     """
-    whole = isinstance(digits, int) and not isinstance(digits, bool)
-    if digits is not None and not (whole and 1 <= digits <= MOST_DIGITS):
-        raise UsageError(f"`digits` must be a whole number from 1 to {MOST_DIGITS}, got {digits!r}")
+    if digits is not None:
+        whole("digits", digits, 1, MOST_DIGITS)
 
 
 def is_zero(x: Scalar) -> bool:
@@ -62,13 +62,13 @@ def rounded(x: Scalar, digits: int | None) -> str:
     """
     if is_zero(x):
         return "0.0"
-    text = repr(float(x)) if digits is None else decimal_of(x, digits)
+    text = repr(as_double(x)) if digits is None else decimal_of(x, digits)
     return text if "." in text or "e" in text else f"{text}.0"
 
 
 def lost(x: Scalar, text: str) -> float:
     """What rounding took: the coefficient minus the double that a compiler makes of its text."""
-    return 0.0 if is_zero(x) else float(x - Fraction(float(text)))
+    return 0.0 if is_zero(x) else float(x - Fraction(as_double(text)))
 
 
 def worst(numbers: Iterable[Scalar], digits: int | None) -> float:

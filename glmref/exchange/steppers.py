@@ -29,10 +29,26 @@ _WIDTH = 96
 _MARK = re.compile(r"@\{(\w+)\}")
 
 
+#: What a namespace of C++, a module of Fortran or of Julia cannot be called: keywords, and names
+#: that stand in it.
+_TAKEN = frozenset((
+    "alignas alignof and and_eq asm auto bitand bitor bool break case catch char class "
+    "compl concept const consteval constexpr constinit continue decltype default delete "
+    "do double else enum explicit export extern false float for friend goto if inline int "
+    "long mutable namespace new noexcept not not_eq nullptr operator or or_eq private "
+    "protected public register requires return short signed sizeof static std struct "
+    "switch template this throw true try typedef typeid typename union unsigned using "
+    "virtual void volatile while xor xor_eq apply base bool core correct done finish "
+    "float64 heads integrate linear main matrix renew solve start start_table step "
+    "step_table"
+).split())  # fmt: skip
+_LONGEST = 60  # Fortran takes 63 letters
+
+
 def identifier(name: str) -> str:
     """A name that every language takes: letters, digits and underscores, a letter first."""
-    word = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_").lower() or "method"
-    return word if word[0].isalpha() else f"m_{word}"
+    word = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_").lower()[:_LONGEST] or "method"
+    return word if word[0].isalpha() and len(word) > 1 and word not in _TAKEN else f"m_{word}"
 
 
 def fill(template: str, words: frozenset[str], values: Mapping[str, str]) -> str:

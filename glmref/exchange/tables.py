@@ -7,9 +7,6 @@ one line a row, and :mod:`.import_tables` takes it from there.
 
 from __future__ import annotations
 
-import csv
-import io
-import json
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -31,7 +28,8 @@ from ..method.families import splitting
 from ..method.preconsistency import stage_times
 from ..prove.analysis import analyze
 from ..views.notation import LATEX
-from .header import ONE_ROW, Comment, header
+from ..views.tables import csv_text
+from .header import ONE_ROW, Comment, header, in_comment
 from .numbers import decimal_of, is_zero, rounded
 from .steppers import identifier, wrapped
 
@@ -778,20 +776,19 @@ def _json(method: Method, digits: int | None) -> str:
 
 def _csv(method: Method, digits: int | None) -> str:
     blocks, places = _as_texts(method, _held(method), digits)
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(["block", "row", "column", "value"])
+    cells: list[Sequence[object]] = [("block", "row", "column", "value")]
     for key, value in {**_about(method), "digits": places}.items():
         if isinstance(value, Mapping):
-            for inner, text in value.items():
-                writer.writerow([f"{key}.{inner}", "", "", text])
+            cells += [(f"{key}.{inner}", "", "", text) for inner, text in value.items()]
         elif value is not None:
-            writer.writerow([key, "", "", json.dumps(value) if isinstance(value, bool) else value])
-    for name, rows in blocks.items():
-        for i, row in enumerate(rows):
-            for j, text in enumerate(row):
-                writer.writerow([name, i + 1, j + 1, text])
-    return out.getvalue()
+            cells.append((key, "", "", value))
+    cells += [
+        (name, i, j, text)
+        for name, rows in blocks.items()
+        for i, row in enumerate(rows, 1)
+        for j, text in enumerate(row, 1)
+    ]
+    return csv_text(cells) + "\n"
 
 
 def _latex(method: GLM | PartitionedGLM, digits: int | None) -> str:
@@ -811,7 +808,8 @@ def _latex(method: GLM | PartitionedGLM, digits: int | None) -> str:
         more = [
             (x, x.weights[n], (*V[0],) if x.values is None else x.values) for x in method.embedded
         ]
-        lines += ["", f"% {method.name}" + (f": {'qp'[n]}" if method.parts == 2 else "")]
+        which = f": {'qp'[n]}" if method.parts == 2 else ""
+        lines += ["", f"% {in_comment(method.name)}{which}"]
         lines += _array(A, U, B, V, c if plain else None, more, cell)
     return "\n".join(lines) + "\n"
 
@@ -837,7 +835,7 @@ def _array(
     lines += [r"  \hline", *(weights(b, v) for b, v in zip(B, V, strict=True))]
     for x, b, v in more:
         what = "weights of the error estimate" if x.difference else "embedded row"
-        lines += [r"  \hline", f"  % {what} {x.name}", weights(b, v)]
+        lines += [r"  \hline", f"  % {what} {in_comment(x.name)}", weights(b, v)]
     return [*lines, r"\end{array}" + (r"\right]" if c is None else "")]
 
 
