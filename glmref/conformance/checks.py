@@ -6,7 +6,8 @@ only where those it rests on hold, so that one defect is reported once, under th
 Tolerances come from the vectors: ``rounding`` bounds, to first order and with a factor 4 for other
 orders of summation, what a relative error u in every input, coefficient and operation does to the
 result. With the unit round-off u of the adapter and the relative error v with which it solves stage
-equations (``Adapter.tolerance``), a result may be off by ``(u + v) rounding + bound``.
+equations (``Adapter.tolerance``; 0 where there are none), a result may be off by
+``(u + v) rounding + bound``.
 """
 
 from __future__ import annotations
@@ -33,15 +34,15 @@ RESTS_ON: Mapping[str, tuple[str, ...]] = {
     "step": ("repeatable", "stages"),
     "abscissae": ("step",),
     "backward": ("step",),
-    "symmetric": ("answer", "backward"),
+    "symmetric": ("repeatable", "backward"),
     "conserved": ("step",),
     "start": ("repeatable",),
     "finish": ("repeatable",),
     "trajectory": ("step", "abscissae", "start", "finish"),
-    "order": ("answer", "trajectory"),
+    "order": ("repeatable", "trajectory"),
     "long": ("answer", "order"),
-    "symplectic": ("answer",),
-    "coefficients": ("answer", "order"),
+    "symplectic": ("repeatable",),
+    "coefficients": ("repeatable", "order"),
 }
 #: Judged although what it rests on is open: coefficients show an order that a run does not.
 _BESIDE = {("coefficients", "order")}
@@ -215,19 +216,20 @@ def _measured(subject: Subject, name: str, claims: Mapping[str, Any]) -> Iterato
     for task in (problems()[x] for x in subject.problems or (*_MEASURED, _TIMED)):
         judge = Measurement(subject, name, task)
         yield Check(f"answer/{name}/{task.name}", name, judge.answer)
+        yield Check(f"repeatable/{name}/{task.name}", name, judge.repeatable)
         if order is not None:
             yield Check(
                 f"order{order}/{name}/{task.name}", name, lambda j=judge, p=order: j.order(p)
             )
         if task.name == _TIMED:
-            if "abscissae" in claims and "step" in subject.offers:
+            if "abscissae" in claims:
                 times = claims["abscissae"]
                 yield Check(
                     f"abscissae/{name}/{task.name}", name, lambda j=judge, c=times: j.abscissae(c)
                 )
             continue
         for claim in ("symmetric", "symplectic"):
-            if claims.get(claim) and "step" in subject.offers:
+            if claims.get(claim):
                 yield Check(f"{claim}/{name}/{task.name}", name, getattr(judge, claim))
     if order is not None:
         yield Check(f"coefficients/{name}/probe", name, lambda: judge.coefficients(order))

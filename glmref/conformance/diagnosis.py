@@ -17,7 +17,7 @@ from .adapters.reference import Adapter
 from .faults import NOTES
 from .identify import matches
 from .probe import read
-from .readings import needed
+from .readings import Reading, without_idle
 from .subject import AdapterError, NotOffered, Subject
 from .vectors import Case, TestProblem, Vectors, array
 
@@ -123,8 +123,8 @@ def coefficient_differences(subject: Subject, vectors: Vectors) -> str:
     known = [match.name for match in matches(reading)]
     if known and vectors.name not in known:
         return f"its coefficients are those of {known[0]}"
-    wanted = _wanted(vectors)
-    if any(getattr(reading, letter).shape != matrix.shape for letter, matrix in wanted):
+    wanted, found = _wanted(vectors), _blocks(reading)
+    if any(found[letter].shape != matrix.shape for letter, matrix in wanted):
         more = len(reading.A) - len(wanted[0][1])
         said = (
             f"the result depends on f at {len(reading.A)} points and the method has "
@@ -137,7 +137,7 @@ def coefficient_differences(subject: Subject, vectors: Vectors) -> str:
         for letter, matrix in wanted
         for i, row in enumerate(matrix)
         for j, b in enumerate(row)
-        for a in [getattr(reading, letter)[i, j]]
+        for a in [found[letter][i, j]]
         if abs(a - b) > 1e-12
     ]
     if not entries:
@@ -155,15 +155,24 @@ def _digits(found: float, right: float) -> str:
     return ""
 
 
+def _blocks(reading: Reading) -> dict[str, np.ndarray]:
+    """Coefficients that were read; those of p, for a pair, as ``A_hat`` and so on."""
+    found = {letter: getattr(reading, letter) for letter in "AUBV"}
+    hats = zip("AUBV", reading.hat or (), strict=False)
+    return found | {f"{letter}_hat": matrix for letter, matrix in hats}
+
+
 def _wanted(vectors: Vectors) -> list[tuple[str, np.ndarray]]:
     """Coefficients of the method, without stages on which nothing depends."""
-    blocks: Any = vectors.coefficients
-    blocks = blocks.get("q", blocks)
-    A, U, B, V = (array(blocks[x]) for x in "AUBV")
-    if "q" in vectors.coefficients:
-        return [("A", A), ("U", U), ("B", B), ("V", V)]
-    kept = needed(A, B)
-    return [("A", A[np.ix_(kept, kept)]), ("U", U[kept]), ("B", B[:, kept]), ("V", V)]
+    given: Any = vectors.coefficients
+    parts = [given["q"], given["p"]] if "q" in given else [given]
+    halves = [tuple(array(part[x]) for x in "AUBV") for part in parts]
+    left, _ = without_idle([(A, U, B, V) for A, U, B, V in halves])
+    return [
+        (letter + hat, matrix)
+        for half, hat in zip(left, ("", "_hat"), strict=False)
+        for letter, matrix in zip("AUBV", half, strict=True)
+    ]
 
 
 def stage_order(found: np.ndarray, expected: np.ndarray, tolerance: float) -> str:

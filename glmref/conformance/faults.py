@@ -7,7 +7,7 @@ beside the right one, so that an integrator that returns it can be told its defe
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -162,11 +162,11 @@ def _pair_variants(m: PartitionedGLM) -> Iterator[tuple[str, PartitionedGLM]]:
     def nothing(matrix: Matrix) -> Matrix:
         return tuple(tuple(Exact(0) for _ in row) for row in matrix)
 
-    yield "PartnerStale", replace(m, A=nothing(m.A), A_hat=nothing(m.A_hat))
-    yield "PartnerNotUpdated", replace(m, B=nothing(m.B))
+    yield "PartnerStale", m.bare(A=nothing(m.A), A_hat=nothing(m.A_hat))
+    yield "PartnerNotUpdated", m.bare(B=nothing(m.B))
     changed: dict[str, Any] = {x: getattr(m, f"{x}_hat") for x in "AUBV"}
     changed |= {f"{x}_hat": getattr(m, x) for x in "AUBV"}
-    yield "UpdatesExchanged", replace(m, **changed, G=None, D_P=None, D_Q=None)
+    yield "UpdatesExchanged", m.bare(**changed)
 
 
 def _wrong_times(engine: Stepper, t: Any, values: np.ndarray, h: Any) -> Iterator[Wrong]:

@@ -19,7 +19,7 @@ from ..method import GLM, Method, PartitionedGLM
 from ..method.preconsistency import stage_times
 from ..prove.analysis import analyze
 from .probe import read
-from .readings import Reading, clean, needed
+from .readings import Reading, clean, needed, without_idle
 from .subject import Subject
 
 FORMAT = "glmref-probe-1"
@@ -250,14 +250,11 @@ def _arrays(name: str) -> tuple[np.ndarray, ...] | None:
 
     if method.additive:  # right-hand sides that are summed are not told apart by a step
         return None
-    blocks = [doubles(x) for c in method.components for x in c.matrices]
-    if len(blocks) > 4:
-        return tuple(x.real for x in blocks)
-    if any(np.abs(x.imag).max() > 0 for x in blocks):
+    halves = [tuple(doubles(x) for x in c.matrices) for c in method.components]
+    if any(np.abs(x.imag).max() > 0 for half in halves for x in half):
         return None
-    A, U, B, V = (x.real for x in blocks)
-    kept = needed(A, B)
-    return A[np.ix_(kept, kept)], U[kept], B[:, kept], V
+    left, _ = without_idle([(A.real, U.real, B.real, V.real) for A, U, B, V in halves])
+    return tuple(x for half in left for x in half)
 
 
 def _markov(U: np.ndarray, V: np.ndarray, B: np.ndarray, count: int) -> list[np.ndarray]:
@@ -314,14 +311,17 @@ def _abscissae(name: str) -> np.ndarray:
 
 def _orders(mine: Sequence[np.ndarray], theirs: Sequence[np.ndarray]) -> Iterator[list[int]]:
     """Orders of the other method's stages to try: the one given, then that of equal row sums."""
-    size = len(mine[0])
-    yield list(range(size))
-    left, right = _signatures(mine), _signatures(theirs)
+    yield list(range(len(mine[0])))
+    yield _nearest(_signatures(mine), _signatures(theirs))
+
+
+def _nearest(left: np.ndarray, right: np.ndarray) -> list[int]:
+    """For each row of ``left`` the number of the nearest row of ``right`` that is free."""
     order: list[int] = []
     for row in left:
-        free = [j for j in range(size) if j not in order]
+        free = [j for j in range(len(right)) if j not in order]
         order.append(min(free, key=lambda j: float(np.abs(row - right[j]).max())))
-    yield order
+    return order
 
 
 def _signatures(matrices: Sequence[np.ndarray]) -> np.ndarray:
@@ -339,5 +339,26 @@ def _match_pair(reading: Reading, name: str, other: Sequence[np.ndarray]) -> Mat
     mine = (reading.A, reading.U, reading.B, reading.V, *reading.hat)
     if any(x.shape != y.shape for x, y in zip(mine, other, strict=True)):
         return None
-    gap = max(np.abs(x - y).max(initial=0.0) for x, y in zip(mine, other, strict=True))
-    return Match(name, float(gap), True) if gap < SAME else None
+    A, U, B, V, A_hat, U_hat, B_hat, V_hat = other
+    left, right = _signatures_of_pair(mine), _signatures_of_pair(other)
+    found = [_nearest(x, y) for x, y in zip(left, right, strict=True)]
+    for q, p in ([list(range(len(x))) for x in (A, A_hat)], found):
+        theirs = (
+            *(A[np.ix_(q, p)], U[q], B[:, p], V),
+            *(A_hat[np.ix_(p, q)], U_hat[p], B_hat[:, q], V_hat),
+        )
+        gap = max(np.abs(x - y).max(initial=0.0) for x, y in zip(mine, theirs, strict=True))
+        if gap < SAME:
+            return Match(name, float(gap), True)
+    return None
+
+
+def _signatures_of_pair(blocks: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """Numbers of each stage Q, and of each stage P, that do not depend on the order of others."""
+    found = []
+    for A, B_hat, A_hat in ((blocks[0], blocks[6], blocks[4]), (blocks[4], blocks[2], blocks[0])):
+        sums = A @ np.ones(A.shape[1])
+        twice = A @ (A_hat @ np.ones(len(A)))
+        columns = [sums, twice, A @ (A_hat @ sums), B_hat.sum(axis=0), A_hat.sum(axis=0)]
+        found.append(np.stack(columns, axis=1))
+    return found

@@ -9,15 +9,18 @@ from functools import cache
 import numpy as np
 
 from ..errors import UsageError
-from .probe import read
+from .diagnosis import single_precision
+from .probe import box_of, read
 from .read_orders import HIGHEST, first_defect, nearest
-from .subject import Subject
+from .subject import NotOffered, Subject
 from .taylor import taylor_states
 from .vectors import TestProblem, array, problems
-from .verdicts import Judgement, errors_of, floor_of, order_judgement
+from .verdicts import INPUT_CHANGED, Judgement, errors_of, floor_of, order_judgement, same
 
 #: Length of the runs that measure an order.
 _TIME = 4.0
+#: Steps of a short run.
+_SHORT = 64
 #: Times of f, in steps, that count as one: a difference quotient calls it beside a stage.
 _SAME_TIME = 1e-6
 #: Relative difference of a nonlinear step from what the coefficients make of it, at most.
@@ -37,14 +40,49 @@ class Measurement:
         problem, h = self.task.problem, _TIME / steps
         if "solve" in self.subject.offers:
             return self.subject.solve(self.name, problem, h, steps)[-1]
-        values = array(self.task.y0)[None, :]
+        values = self._started(h)
         for n in range(steps):
             values = self.subject.step(self.name, problem, float(self.task.t0) + n * h, values, h)
-        return values[0]
+        if self._carried == 1 or "finish" not in self.subject.offers:
+            return values[0]
+        return self.subject.finish(self.name, problem, float(self.task.t0) + _TIME, values, h)
+
+    @property
+    def _carried(self) -> int:
+        return int(self.subject.methods[self.name].get("values", 1))
+
+    def _started(self, h: float) -> np.ndarray:
+        """Starting values (r, d): the solution itself, or what the adapter makes of it."""
+        y0 = array(self.task.y0)
+        if self._carried == 1:
+            return y0[None, :]
+        if "start" not in self.subject.offers:
+            raise NotOffered(f"{self._several}, and the adapter has no `start` and no `solve`")
+        return self.subject.start(self.name, self.task.problem, h, (self._carried, len(y0)))
+
+    @property
+    def _several(self) -> str:
+        return f"the method carries {self._carried} values"
 
     def answer(self) -> Judgement:
-        """A short run returns finite numbers of the right shape."""
-        return Judgement(self._end(64) is not None)
+        """A short run returns finite numbers of the right shape; a step leaves its input alone."""
+        self._end(_SHORT)
+        offers = self.subject.offers
+        if "step" in offers and (self._carried == 1 or "start" in offers):
+            h = _TIME / _SHORT
+            values = self._started(h)
+            argument = values[0] if len(values) == 1 else values
+            kept, t0 = argument.copy(), float(self.task.t0)
+            self.subject.call("step", self.name, self.task.problem, t0, argument, h)
+            if not np.array_equal(argument, kept):
+                return Judgement(False, INPUT_CHANGED)
+        return Judgement(True)
+
+    def repeatable(self) -> Judgement:
+        """Two equal runs with another one between them give the same."""
+        first = self._end(_SHORT)
+        self._end(2 * _SHORT)
+        return same(first, self._end(_SHORT), floor_of(self.subject, self.name, _SHORT), "run")
 
     def order(self, right: int) -> Judgement:
         """Errors against a Taylor series of 30 digits."""
@@ -54,17 +92,20 @@ class Measurement:
             self._end, counts, exact, enough=lambda n, e: e < floor_of(self.subject, self.name, n)
         )
         found = order_judgement(steps, errors, right, self.subject, self.name)
-        if found.holds is False and (why := self.coefficients(right)).holds is False:
-            found = replace(found, message=f"{found.message}; {why.message}")
-        return found
+        if found.holds is not False:
+            return found
+        why = single_precision(self._end(steps[-1])[None, :], exact[None, :])
+        if not why and (read_off := self.coefficients(right)).holds is False:
+            why = read_off.message
+        return replace(found, message=f"{found.message}; {why}") if why else found
 
     def coefficients(self, right: int) -> Judgement:
         """The order conditions, at the coefficients that are read out of a step.
 
         Judged where a step shows the coefficients and a nonlinear step is what they make of it.
         """
-        if self.subject.methods[self.name].get("values", 1) != 1:
-            return Judgement(None, "not judged: the method carries several values")
+        if self._carried != 1:
+            return Judgement(None, f"not judged: {self._several}")
         try:
             reading = read(self.subject, self.name, 1)
         except UsageError as error:
@@ -92,7 +133,7 @@ class Measurement:
             return problem.f(t, y)
 
         watched = replace(problem, f=f, jacobian=problem.jacobian)
-        self.subject.step(self.name, watched, t0, array(self.task.y0)[None, :], h)
+        box_of(self.subject, self.name)(watched, t0, self._started(h), h)
 
         def missing(times: Sequence[float], others: Sequence[float]) -> list[float]:
             return [x for x in times if min((abs(x - y) for y in others), default=1.0) > _SAME_TIME]
@@ -106,12 +147,15 @@ class Measurement:
         return Judgement(True)
 
     def _step(self, y: np.ndarray, h: float) -> np.ndarray:
-        return self.subject.step(self.name, self.task.problem, float(self.task.t0), y[None, :], h)[
-            0
-        ]
+        if self._carried != 1:
+            raise NotOffered(f"{self._several}, and this is measured of one")
+        box = box_of(self.subject, self.name)
+        return box(self.task.problem, float(self.task.t0), y[None, :], h)[0]
 
     def symmetric(self) -> Judgement:
         """A step and one back with -h return to the beginning."""
+        if "step" not in self.subject.offers:
+            raise NotOffered("steps back need `step`")
         y = array(self.task.y0)
         gap = float(np.abs(self._step(self._step(y, self.size), -self.size) - y).max())
         # two steps, each off by some hundred roundings as in the vectors

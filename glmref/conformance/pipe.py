@@ -38,14 +38,15 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
 
-from ..errors import GlmrefError, UsageError
+from ..catalogue.strict_json import unique
+from ..errors import DataError, GlmrefError, UsageError
 from ..system.files import reason
-from ..system.process import forget_group, remember_group
+from ..system.process import ending, forget_group, remember_group
 
 #: Seconds a program may be silent.
 PATIENCE = 60.0
@@ -260,6 +261,8 @@ class PipeAdapter:
 
     def _answered(self, line: dict[str, Any], problem: Any) -> dict[str, Any]:
         last = time.monotonic() + LONGEST
+        if not self._pending and "stdout" in self._ready(False, 0.0):
+            self._read()  # what came late, after the last answer
         if self._pending:
             raise BrokenPipe(
                 f"the program wrote {_short(bytes(self._pending[:200]))} without being asked"
@@ -290,7 +293,9 @@ class PipeAdapter:
         del self._pending[: end + 1]
         self._searched = 0
         try:
-            answer = json.loads(text, object_pairs_hook=_unique)
+            answer = json.loads(text, object_pairs_hook=unique)
+        except DataError:  # of two answers neither is the answer
+            raise BrokenPipe("the program gives a key of its answer twice") from None
         except (ValueError, RecursionError):
             raise BrokenPipe(
                 f"the program's line {_short(text[:200])} is not JSON; stdout is for answers, "
@@ -403,14 +408,6 @@ def _close(streams: Iterable[Any]) -> None:
                 stream.close()
 
 
-def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """An object of JSON, each key once: of two answers neither is the answer."""
-    found = dict(pairs)
-    if len(found) < len(pairs):
-        raise BrokenPipe("the program gives a key of its answer twice")
-    return found
-
-
 def _short(value: object) -> str:
     """Something that a program wrote, as it may stand in a sentence."""
     text = value if isinstance(value, str) else repr(value)
@@ -419,11 +416,7 @@ def _short(value: object) -> str:
 
 def _code(code: int) -> str:
     """How a program ended."""
-    if code >= 0:
-        return f"exit code {code}"
-    with contextlib.suppress(ValueError):
-        return f"killed by {signal.Signals(-code).name}"
-    return f"killed by signal {-code}"
+    return f"{'killed by ' if code < 0 else ''}{ending(code)}"
 
 
 def _served(question: dict[str, Any], problem: Any) -> list[float]:
@@ -437,15 +430,15 @@ def _served(question: dict[str, Any], problem: Any) -> list[float]:
     d = problem.dimension
     name, size = ("y", d) if kind in ("f", "jacobian") else ("p" if kind == "dq" else "q", d // 2)
     try:
-        given = np.array(question[name], dtype=float)
-        if given.shape != (size,):
-            raise ValueError(f"{name!r} must have {size} numbers, got shape {given.shape}")
+        given = _numbers(question[name])
+        if np.shape(question[name]) != (size,):
+            raise ValueError(f"{name!r} must have {size} numbers in one list")
         with np.errstate(all="ignore"):
             if name == "y":
                 found = function(float(question["t"]), given)
             else:
                 found = function(given)
-    except (KeyError, TypeError, ValueError, ArithmeticError) as error:
+    except (KeyError, TypeError, ValueError, ArithmeticError, PipeError) as error:
         text = _short(str(error))
         raise BrokenPipe(f"the program's question {kind!r} cannot be served ({text})") from None
     # JSON has no infinities; a program that leaves the domain hears null
@@ -454,10 +447,23 @@ def _served(question: dict[str, Any], problem: Any) -> list[float]:
     ]  # type: ignore[list-item]
 
 
+def _flat(answer: Any) -> Iterator[float]:
+    """Numbers of an answer; null is what JSON has for no number, a text or a truth is none."""
+    if isinstance(answer, list):
+        for x in answer:
+            yield from _flat(x)
+    elif isinstance(answer, int | float) and not isinstance(answer, bool):
+        yield answer
+    elif answer is None:
+        yield math.nan
+    else:
+        raise TypeError
+
+
 def _numbers(answer: Any) -> np.ndarray:
     try:
-        return np.array(answer, dtype=float).ravel()
-    except (TypeError, ValueError, OverflowError):
+        return np.fromiter(_flat(answer), dtype=float)
+    except (TypeError, OverflowError, RecursionError):
         raise PipeError(f"`values` must be a list of numbers, got {str(answer)[:80]}") from None
 
 

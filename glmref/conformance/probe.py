@@ -33,10 +33,10 @@ from .readings import (
     chain,
     clean,
     largest_step,
-    needed,
     noted,
     slope_at,
     values_of,
+    without_idle,
 )
 from .subject import AdapterError, NotOffered, Subject
 
@@ -90,27 +90,19 @@ def _read(box: Box, watches: Sequence[Watch], r: int, slope: float) -> Reading:
     stages = [np.array(x.arguments) for x in seconds]
     ends = np.split(out, len(watches), axis=1)
     sizes = [len(x) for x in stages]
-    places = np.split(np.arange(sum(sizes)), np.cumsum(sizes)[:-1])
     # the stages of the other half move a half
-    A = [x[:, tag][:, :n] / slope for x, n in zip(stages, sizes[::-1], strict=True)]
-    B = [x[:, tag][:, :n] / slope for x, n in zip(ends, sizes[::-1], strict=True)]
-    joint, results = np.zeros((sum(sizes), sum(sizes))), np.zeros((len(ends) * r, sum(sizes)))
-    for k, (mine, others) in enumerate(zip(places, places[::-1], strict=True)):
-        joint[np.ix_(mine, others)] = A[k]
-        results[k * r : (k + 1) * r, others] = B[k]
-    kept = needed(joint, results)
-    rows = [np.intersect1d(x, np.array(kept, dtype=int)) - x[0] for x in places]
-    blocks = [
-        (clean(A[k][np.ix_(mine, others)]), clean(stages[k][mine, units]),
-         clean(B[k][:, others]), clean(ends[k][:, units]))
-        for k, (mine, others) in enumerate(zip(rows, rows[::-1], strict=True))
-    ]  # fmt: skip
+    halves = [
+        (x[:, tag][:, :n] / slope, x[:, units], end[:, tag][:, :n] / slope, end[:, units])
+        for x, end, n in zip(stages, ends, sizes[::-1], strict=True)
+    ]
+    left, rows = without_idle(halves)
+    blocks = [(clean(A), clean(U), clean(B), clean(V)) for A, U, B, V in left]
     notes, strangers = [], sum(x.strangers for x in seconds)
     if strangers and single:
         notes.append(f"{strangers} calls of f at points that the first reading did not show")
     elif strangers:
         notes.append("dq or dp was called at points that the first reading did not show")
-    if single and not kept:
+    if single and not len(rows[0]):
         notes.append("the result does not depend on f")
     reading = Reading(
         *blocks[0], clean(np.array(seconds[0].times)[rows[0]]) if single else None,

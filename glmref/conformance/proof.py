@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
+from math import isfinite
 from typing import Any
 
 from ..errors import DataError
@@ -62,13 +63,17 @@ def conserved_form(
 def add_wrong(
     case: dict[str, Any], found: Iterable[Wrong], right: Sequence[Sequence[str]] | None = None
 ) -> None:
-    """Keep the wrong results that can be told from the right one and from each other."""
+    """Keep the wrong results that can be told from the right one and from each other.
+
+    What is beyond double precision is left out: no integrator returns it.
+    """
     shown_right: Any = case["output"] if right is None else right
     tolerance = _VISIBLE * Fraction(case["rounding"]) / 2**53
     kept: list[dict[str, Any]] = []
     for wrong in found:
         shown = decimals(wrong.values, _WRONG_SHOWN)
-        if all(
+        finite = all(isfinite(float(x)) for row in shown for x in row)
+        if finite and all(
             _apart(shown, other, tolerance) for other in (shown_right, *(x["output"] for x in kept))
         ):
             kept.append({"flag": wrong.flag, "output": shown})

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -65,6 +65,7 @@ class Watch:
     """Points at which one function was called, and the last argument seen at each."""
 
     points: list[np.ndarray] = field(default_factory=list)
+    latest: list[np.ndarray] = field(default_factory=list)  #: Markers of the last call at each.
     arguments: list[np.ndarray] = field(default_factory=list)
     times: list[float] = field(default_factory=list)
     calls: int = 0
@@ -96,9 +97,13 @@ class Watch:
         if j >= 0:
             while len(self.arguments) <= j:
                 self.arguments.append(y.copy())
+                self.latest.append(marker)
                 self.times.append(t)
-            if np.abs(marker - self.points[j]).max() < _SETTLED * (1 + np.abs(marker).max()):
+            # the first call at the point may have been of an iterate that had not settled
+            near = min(np.abs(marker - x).max() for x in (self.points[j], self.latest[j]))
+            if near < _SETTLED * (1 + np.abs(marker).max()):
                 self.arguments[j], self.times[j] = y.copy(), t
+            self.latest[j] = marker.copy()
         return j
 
     def again(self) -> Watch:
@@ -176,6 +181,35 @@ def needed(A: np.ndarray, *outputs: np.ndarray) -> list[int]:
                 kept.add(j)
                 waiting.append(j)
     return sorted(kept)
+
+
+#: A, U, B and V of a method or of one half of a pair.
+Half = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+
+
+def without_idle(halves: Sequence[Half]) -> tuple[list[Half], list[np.ndarray]]:
+    """Leave out the stages on which no result depends; of a pair both halves are given.
+
+    Returns
+    -------
+    tuple
+        The blocks that are left, and the numbers of the stages that they have.
+    """
+    sizes = [len(A) for A, _, _, _ in halves]
+    places = np.split(np.arange(sum(sizes)), np.cumsum(sizes)[:-1])
+    joint, results = np.zeros((sum(sizes), sum(sizes))), []
+    # the stages of the other half move a half
+    for (A, _, B, _), mine, others in zip(halves, places, places[::-1], strict=True):
+        joint[np.ix_(mine, others)] = A
+        results.append(np.zeros((len(B), sum(sizes))))
+        results[-1][:, others] = B
+    kept = np.array(needed(joint, *results), dtype=int)
+    rows = [np.intersect1d(x, kept) - (x[0] if len(x) else 0) for x in places]
+    left = [
+        (A[np.ix_(mine, others)], U[mine], B[:, others], V)
+        for (A, U, B, V), mine, others in zip(halves, rows, rows[::-1], strict=True)
+    ]
+    return left, rows
 
 
 def clean(matrix: np.ndarray) -> np.ndarray:

@@ -11,6 +11,8 @@ import numpy as np
 
 from .subject import AdapterError, Subject
 
+INPUT_CHANGED = "step changes the array it is given; it must work on a copy"
+
 
 @dataclass(frozen=True, slots=True)
 class Judgement:
@@ -22,6 +24,19 @@ class Judgement:
     #: For claims with a value.
     declared: object = True
     value: object = None
+
+
+def same(first: np.ndarray, again: np.ndarray, allowed: float, what: str) -> Judgement:
+    """Compare two answers to the same request, another one asked between them."""
+    gap = float(np.abs(first - again).max())
+    if gap <= allowed:
+        return Judgement(True, residual=gap)
+    return Judgement(
+        False,
+        f"the same {what} gives another result ({gap:.2g} apart) after a different one was taken: "
+        f"the integrator keeps something from call to call",
+        gap,
+    )
 
 
 def errors_of(
@@ -62,9 +77,11 @@ def order_judgement(
 
     The error is ``C h^p (1 + O(h))``, so the slopes ``log2(e(h) / e(h/2))`` tend to an integer. Of
     the last two, the larger decides, since the very last may feel rounding: not below p - 1/3 the
-    claim holds. It is refuted only from below, and only by slopes that have settled (1/4): the
-    error of a good method falls faster than its order for long, where the constant of the leading
-    term is small. That the order is not higher is a fact of the coefficients, not of a run.
+    claim holds. It is refuted only from below, and only by slopes that have settled (1/4), or by
+    the three of the smallest steps where each is below p - 1: the error of a good method falls
+    faster than its order for long, where the constant of the leading term is small, and that of
+    single precision does not settle. That the order is not higher is a fact of the coefficients,
+    not of a run.
 
     Where the errors of the method itself at these numbers of steps are known (``shown_by``), a run
     need not show more than they do: some methods settle at steps smaller than these.
@@ -76,10 +93,13 @@ def order_judgement(
         return Judgement(None, f"not judged: too few errors above rounding ({shown})")
     slope, least = max(slopes[-2:]), right - 1 / 3
     if shown_by is not None:
-        least = min(least, max(_slopes([(n, shown_by[n]) for n, _ in usable])[-2:]) - 1 / 3)
+        known = _slopes([(n, shown_by[n]) for n, _ in usable if n in shown_by])
+        least = min([least, *(max(known[-2:]) - 1 / 3 for _ in known[:1])])
     if slope >= least:
         return Judgement(True, residual=max(0.0, right - slope), declared=right, value=right)
     steady = len(slopes) > 1 and abs(slopes[-1] - slopes[-2]) <= 1 / 4
+    finest = usable[-1][0] == steps[-1]
+    steady |= finest and len(slopes) > 2 and max(slopes[-3:]) < least - 2 / 3
     message = f"the error falls like h^{slope:.2f}, not h^{right} ({shown})"
     return Judgement(False if steady else None, message, right - slope, right, round(slope))
 
