@@ -5,9 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable
 from difflib import get_close_matches
 
+_LONGEST = 1500  # characters of a sentence; what is longer quotes somebody's data
+
 
 class GlmrefError(Exception):
     """Base of every error this package raises on purpose; its text is one sentence for the user."""
+
+    def __str__(self) -> str:
+        text = super().__str__()
+        return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."
 
 
 class UsageError(GlmrefError):

@@ -17,12 +17,12 @@ so that reversing the stages maps omega to -conj omega.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from ..catalogue.strict_toml import loads
 from ..errors import DataError, UsageError
 from ..exact import Exact
 from ..exact.expression import parse
@@ -144,7 +144,7 @@ class Ansatz:
             For an unknown key or a file that is not TOML.
         """
         try:
-            table = tomllib.loads(read_text(path, MAX_BYTES))
+            table = loads(read_text(path, MAX_BYTES))
         except DataError as error:
             raise DataError(f"the ansatz {str(path)!r} cannot be read ({error})") from None
         except (ValueError, RecursionError) as error:

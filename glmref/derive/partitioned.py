@@ -26,6 +26,7 @@ from ..prove.classes import Family, representatives
 from ..prove.enclosure import Enclosure, prove
 from ..prove.newton import polish
 from ..prove.system import SweepSystem
+from ..system.arguments import shown
 from .ansatz import mirrored, remainder
 
 if TYPE_CHECKING:
@@ -82,7 +83,7 @@ class PairAnsatz:
         if not 2 <= self.n <= 40:
             raise UsageError(f"`n` must lie between 2 and 40, got {self.n}")
         if self.order not in (2, 4, 6, 8):
-            raise UsageError(f"`order` must be 2, 4, 6 or 8, got {self.order!r:.40}")
+            raise UsageError(f"`order` must be 2, 4, 6 or 8, got {shown(self.order)}")
         for key, allowed in (("outer", "PQ"), ("g", (1, -1)), ("starts", STARTS)):
             if getattr(self, key) not in allowed:
                 raise UsageError(f"`{key}` must be one of {', '.join(map(str, allowed))}")

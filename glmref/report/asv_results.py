@@ -19,8 +19,10 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import DataError
+from ..system.files import read_text
 
 _FORMAT = 2
+_MOST = 1 << 28  # bytes of a file
 
 
 @dataclass(frozen=True)
@@ -70,8 +72,8 @@ def read_results(folder: Path) -> list[Cell]:
 
 def _load(path: Path) -> dict[str, Any]:
     try:
-        document = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
+        document = json.loads(read_text(path, _MOST))
+    except (DataError, RecursionError, ValueError) as error:
         raise DataError(f"{path.name}: no result file of asv ({error}); run asv again") from None
     if not isinstance(document, dict):
         raise DataError(f"{path.name}: no result file of asv: it holds no object; run asv again")

@@ -188,7 +188,8 @@ def write_parquet(records: Iterable[Record], again: Iterable[Record], path: Path
     count, rows = 0, iter(again)
     aside = path.with_name(f".{path.name}.tmp")
     try:
-        with parquet.ParquetWriter(aside, schema) as writer:
+        # a name that pyarrow opened could be an address to it, and had to be UTF-8
+        with aside.open("wb") as stream, parquet.ParquetWriter(stream, schema) as writer:
             while batch := [dict(_flat(x)) for x in islice(rows, _ROWS)]:
                 writer.write_table(pyarrow.Table.from_pylist(
                     [{k: _as(x, kinds[k]) for k, x in row.items()} for row in batch], schema

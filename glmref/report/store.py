@@ -8,7 +8,9 @@ were measured, and breaks nothing.
 from __future__ import annotations
 
 import json
-import math
+import os
+import re
+import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -22,6 +24,7 @@ from ..catalogue.keys import class_of_keys
 from ..catalogue.lookup import read_method
 from ..compute.records import wrong_checksum
 from ..errors import DataError, UsageError
+from ..system.arguments import shown
 from ..system.files import lines_of, read_bytes, read_text
 from ..system.shown import DARK
 from ..views.tables import counted
@@ -137,7 +140,7 @@ def read(paths: Iterable[Path], methods: Iterable[str] = ()) -> Results:
                 f"there is no file or folder {str(path)!r}; give what `glmref run` wrote"
             )
         for one in _files(path):
-            key = one.resolve()
+            key = os.path.realpath(one)  # unlike Path.resolve, also of a link to itself
             if key not in seen:
                 seen.add(key)
                 _take(found, one, known)
@@ -148,10 +151,13 @@ def read(paths: Iterable[Path], methods: Iterable[str] = ()) -> Results:
     return found
 
 
-def _files(path: Path) -> Iterator[Path]:
+def _files(path: Path, above: tuple[str, ...] = ()) -> Iterator[Path]:
     """Files of a folder in order; one with asv's results is a whole."""
     if not path.is_dir():
         yield path
+        return
+    place = os.path.realpath(path)
+    if place in above:  # a link to a folder that this one lies in
         return
     if (path / "benchmarks.json").is_file() or any(path.glob("*/machine.json")):
         yield path
@@ -161,7 +167,8 @@ def _files(path: Path) -> Iterator[Path]:
         if inner.name == ".asv" or not inner.name.startswith("."):
             if inner.is_dir() and (inner / MARK).is_file():
                 continue
-            yield from _files(inner / "results" if inner.name == ".asv" else inner)
+            inner = inner / "results" if inner.name == ".asv" else inner
+            yield from _files(inner, (*above, place))
 
 
 def _take(found: Results, path: Path, methods: frozenset[str]) -> None:
@@ -175,6 +182,8 @@ def _take(found: Results, path: Path, methods: frozenset[str]) -> None:
             _take_records(found, path)
         elif path.suffix == ".json":
             _take_document(found, path, methods)
+        elif not path.is_file():
+            raise DataError("it is neither a file nor a folder")
         elif path.suffix == ".svg" and path.stem in methods:
             found.portraits[path.stem] = _drawing(path)
             found.files.append((path.name, "a portrait"))
@@ -200,12 +209,18 @@ def _drawing(path: Path) -> str:
         if name not in _SHAPES:
             raise DataError(f"a portrait has shapes and texts only, and this one a {name!r}")
         bad = [
-            key for key in node.attrib if key.startswith("on") or "href" in key or key == "style"
+            key
+            for key, value in node.attrib.items()
+            # in a page, names of attributes may be written in capitals
+            if re.match("on|style$|.*href", key.lower()) or "url(" in value.lower()
         ]
         if bad:
             raise DataError(f"a portrait has shapes and texts only, and this one {bad[0]!r}")
     ElementTree.register_namespace("", _SVG.strip("{}"))
-    return ElementTree.tostring(root, encoding="unicode")
+    try:
+        return ElementTree.tostring(root, encoding="unicode")
+    except RecursionError:
+        raise DataError("its shapes are nested too deep") from None
 
 
 def _take_records(found: Results, path: Path) -> None:
@@ -274,7 +289,7 @@ def _take_document(found: Results, path: Path, methods: frozenset[str]) -> None:
         found.files.append((path.name, f"a document of format {form}"))
     else:
         found.odd.append(
-            Odd(path.name, f"its format is {form!r}, which this version does not read")
+            Odd(path.name, f"its format is {shown(form)}, which this version does not read")
         )
 
 
@@ -298,7 +313,9 @@ def method_of(record: Record) -> str:
 
 def is_number(value: Any) -> TypeGuard[float]:
     """Whether a value is a finite number."""
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    if not isinstance(value, int | float) or isinstance(value, bool):
+        return False
+    return abs(value) <= sys.float_info.max  # also of a whole number beyond doubles
 
 
 def path_in(record: Any, keys: Sequence[str]) -> Any:

@@ -20,10 +20,10 @@ from ..compute.child import Function, Task
 from ..compute.records import key_of
 from ..derive.partitioned import PairAnsatz
 from ..derive.search_tasks import PARCEL, carry_out, tasks_of
-from ..errors import UsageError
 from ..measure.longtime import follow
 from ..measure.parasitic import parasitic_size, solution_direction
 from ..problems import Problem, problem
+from ..system.arguments import whole
 from .model import Answer, Scene
 from .planning import task_of
 from .running import perform
@@ -54,9 +54,7 @@ class CampaignKind:
 
 def _run_tasks(values: Values, seed: int) -> Iterator[dict[str, Any]]:
     """A run of a method on a problem with its own parameters; nothing in it is random."""
-    steps = values["steps"]
-    if not isinstance(steps, int) or isinstance(steps, bool) or steps < 1:
-        raise UsageError(f"`steps` must be a whole number from 1 on, got {steps!r:.80}")
+    steps = whole("steps", values["steps"], 1)
     scene = _scene(
         values["problem"], values.get("t_end"), tuple(values.get("ask", ("state", "energy"))),
         bool(values.get("timed", False)), int(values.get("repeats", 5)),

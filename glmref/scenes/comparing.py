@@ -28,6 +28,7 @@ from ..problems import Problem, from_path
 from ..problems import problem as shipped_problem
 from ..problems.canonical import constant_matrix
 from ..problems.formula import Formula
+from ..system.arguments import number
 from ..system.terminal import saying
 from ..views.chart import Series, svg
 from ..views.tables import Style, columns
@@ -263,11 +264,12 @@ def compare(
         For a problem, a method or a number that does not fit.
     """
     subject = _subject(problem)
-    if not isinstance(tolerance, int | float) or not 1e-14 <= tolerance < 1:
+    if not 1e-14 <= (tolerance := number("tolerance", tolerance)) < 1:
         raise UsageError(f"`tolerance` must lie between 1e-14 and 1, got {tolerance!r}")
+    budget = number("budget", budget)
     begin, end = map(float, subject.t_span)
-    end = end if t_end is None else float(t_end)
-    if not math.isfinite(end) or end == begin:
+    end = end if t_end is None else number("t_end", t_end)
+    if end == begin:
         raise UsageError(f"`t_end` must be another time than {begin:g}, got {end!r}")
     kind = kind_of(subject)
     chosen = list(_methods(CANDIDATES[kind] if methods is None else methods))

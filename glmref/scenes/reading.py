@@ -8,22 +8,23 @@ import json
 import math
 import re
 import stat
-import tomllib
 from collections.abc import Iterator, Mapping
 from difflib import get_close_matches
 from pathlib import Path
+from tomllib import TOMLDecodeError
 from typing import Any
 
 from ..catalogue.lookup import data_root, document, is_broken
 from ..catalogue.lookup import names as method_names
 from ..catalogue.lookup import path_of as method_path
 from ..catalogue.strict_json import shown
+from ..catalogue.strict_toml import loads
 from ..errors import DataError, UsageError, did_you_mean
 from ..measure.peers import NAMES
 from ..problems import problem as build
 from ..problems.formula import Formula
 from ..problems.table import OWN, from_table
-from ..system.files import kind_of, read_text, reason
+from ..system.files import kind_of, read_bytes, read_text, reason
 from .model import ANSWERS, ASK, FORMAT, JUDGING, KINDS, STARTS, Answer, Scene
 
 _TEXTS = ("format", "name", "title", "question")
@@ -54,8 +55,6 @@ MOST_LISTED = 40  # words in a sentence on what is none of them
 #: Entries of a list, and runs of a scene: the largest shipped one has some hundred.
 MOST_ENTRIES, MOST_TASKS = 1_000, 100_000
 MOST_STEPS = 10**9
-#: Parts of a key, as `a.b` has two.
-MOST_PARTS = 100
 #: Characters of a line that can hold a key: patterns are not tried on longer ones.
 _LONGEST_LINE = 1_000
 
@@ -143,15 +142,9 @@ class Reader:
     def __init__(self, path: Path) -> None:
         self.path = path
         text = read_text(path, MAX_BYTES)
-        for number, line in enumerate(text.split("\n"), start=1):
-            if _has_long_key(line):
-                raise DataError(
-                    f"{path.name}: line {number}: a key has more than {MOST_PARTS} parts; a scene "
-                    f"has two at the most"
-                )
         try:
-            self.document: dict[str, Any] = tomllib.loads(text)
-        except tomllib.TOMLDecodeError as error:
+            self.document: dict[str, Any] = loads(text)
+        except TOMLDecodeError as error:
             raise DataError(
                 f"{path.name}: not TOML: {str(error)[:1].lower()}{str(error)[1:]}"
             ) from None
@@ -407,8 +400,8 @@ class Reader:
                 f"`problem.file` must lie in the folder of the scene, got {shown(where)}",
             )
         try:
-            return hashlib.sha256(inside.read_bytes()).hexdigest()
-        except (OSError, ValueError):
+            return hashlib.sha256(read_bytes(inside, MAX_BYTES)).hexdigest()
+        except (DataError, ValueError):
             raise self.fail(
                 ("problem", "file"),
                 f"`problem.file` must be like 'mine.py:make' with a file beside the scene, "
@@ -510,14 +503,6 @@ class Reader:
         if peers and not tolerances:
             raise self.fail(at("peers"), "peers need `tolerances`, a list such as [1e-6, 1e-9]")
         return tuple(self.choice(at("peers"), x, NAMES) for x in peers)
-
-
-def _has_long_key(line: str) -> bool:
-    """Whether a line may have a key of many parts: reading one takes the square of their number."""
-    if line.count(".") <= MOST_PARTS:
-        return False
-    pieces = re.split(r"[,={}\[\]]", re.sub(r"[ \t\"']", "", line))
-    return any(piece.count(".") > MOST_PARTS for piece in pieces)
 
 
 def _line_of_digits(text: str) -> int:

@@ -21,7 +21,7 @@ _TITLES = {
     "undecided": "not decided:",
 }
 _DECISIONS = (
-    *("preconsistent", "consistent", "zero stable", "G-symplectic", "symmetric"),
+    *("explicit", "preconsistent", "consistent", "zero stable", "G-symplectic", "symmetric"),
     "parasitism free",
 )
 _STABILITY = {
@@ -72,7 +72,7 @@ def analysis_rows(
         elif key == "order_proved":
             rows.append(("order proved", _proved(*value)))
         elif key == "implicit_stages":
-            rows.append(("implicit stages", shown_value(value) if value else "none"))
+            rows.append(("implicit stages", "none" if value == [] else shown_value(value)))
         elif key not in ("format", "method", *_TOGETHER):
             put(_TITLES.get(key, key.replace("_", " ")), value)
     return rows

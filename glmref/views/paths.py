@@ -122,13 +122,7 @@ def svg(clouds: Sequence[Cloud], *, title: str, x_label: str, y_label: str) -> s
 def write_figures(
     path: Path, clouds: Sequence[Cloud], *, title: str, x_label: str, y_label: str
 ) -> str | None:
-    """Write the picture as PNG and PDF; return a notice where matplotlib is not installed.
-
-    Parameters
-    ----------
-    path : Path
-        Of the PNG file; the PDF file stands beside it.
-    """
+    """Write the picture as :func:`.chart.write_figures` does."""
     box = box_of(clouds)
     across = min(_ACROSS, max(len(clouds), 1))
     rows = max(math.ceil(len(clouds) / across), 1)

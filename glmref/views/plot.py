@@ -11,6 +11,7 @@ from ..catalogue.lookup import method_of
 from ..engine.outcome import Solution
 from ..errors import UsageError
 from ..method import GLM, AdditiveGLM, PartitionedGLM
+from ..system.arguments import listed, whole
 from ..system.shown import Drawing
 from .axes import COLORS, Axes, document, round_ticks, text
 from .chart import DASHES, place_labels
@@ -52,9 +53,10 @@ def plot(
             "there is one point to draw; keep more of the run with solve(.., every=k) or times=.."
         )
     d = rows.shape[1]
-    chosen = list(range(min(d, _MOST))) if components is None else list(components)
-    if not chosen or not all(isinstance(k, int) and 0 <= k < d for k in chosen):
-        raise UsageError(f"`components` must be numbers from 0 to {d - 1}, got {components!r}")
+    given = range(min(d, _MOST)) if components is None else listed("components", components)
+    chosen = [whole("components", k, 0, d - 1) for k in given]
+    if not chosen:
+        raise UsageError("`components` must name one at least")
     kept = np.unique(np.linspace(0, len(times) - 1, _POINTS).astype(int))
     lines = {f"y[{k}]": rows[kept, k] for k in chosen}
     title = f"{what.problem}, {what.method}, h = {what.h:g}"

@@ -16,11 +16,13 @@ from typing import Any
 
 from ..catalogue.claims import ABSCISSAE, stated_orders
 from ..catalogue.lookup import method_of
+from ..errors import UsageError
 from ..exact import Ball, Exact, Scalar
 from ..exact.expression import shown_number
 from ..exact.linalg import Matrix, Vector
 from ..method import GLM, AdditiveGLM, PartitionedGLM, RosenbrockGLM
 from ..prove.facts import Facts, facts_of
+from ..system.arguments import shown, whole
 from .tableau_text import Cells, decimal_text, tableau
 from .tables import Style, counted, one_line
 
@@ -29,6 +31,7 @@ Draw = Callable[[Sequence[Sequence[Cells]]], list[str]]
 
 DIGITS = 10  # of a published decimal that is too long for a tableau
 _LONG = (32, 24, 16, 12)  # an entry longer than this is named; the first that fits is taken
+_MOST_DIGITS = 10_000
 _ENDLESS = 10**6  # columns of a terminal on which nothing is broken
 _WORD = re.compile(r"[A-Za-z_]\w*")
 #: What defines a class, where that is not its tableau.
@@ -72,7 +75,11 @@ def show(
         The text, which an interpreter shows as it stands.
     """
     method = method_of(method)
-    style = style or Style()
+    if decimal is not None:
+        whole("decimal", decimal, 1, _MOST_DIGITS)
+    style = Style() if style is None else style
+    if not isinstance(style, Style):
+        raise UsageError(f"`style` must be a Style, got {shown(style)}")
     unbroken = replace(style, width=_ENDLESS)
     for long in _LONG if decimal is None else _LONG[-1:]:
         page = _Page(method, decimal, unbroken, long)

@@ -20,14 +20,13 @@ from typing import Any, TextIO
 from xml.etree import ElementTree
 
 from ..findings import Finding, Proof, Verdict, summarize
+from ..system.terminal import escaped
 
 FORMATS = ("table", "json", "csv", "junit")
 FIELDS = ("method", "claim", "declared", "verdict", "value", "proof", "residual", "witness")
 _COLORS = {"red": "31", "green": "32", "yellow": "33", "bold": "1", "dim": "2"}
 _VERDICT_COLOR = {Verdict.HOLDS: "green", Verdict.FAILS: "red", Verdict.OPEN: "yellow"}
 _RULES = "─│┼"
-# controls, and the bidirectional marks that can make a line read as another one
-_UNPRINTABLE = re.compile("[\x00-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
 _NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 #: How a cell begins that a spreadsheet carries out, full-width forms included.
 _FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n", "\uff1d", "\uff0b", "\uff0d", "\uff20")
@@ -73,13 +72,8 @@ class Style:
 def one_line(text: object, *, limit: int = MAX_LINE) -> str:
     """Return any text as one printable line: line ends become spaces, controls are escaped."""
     joined = re.sub(r"[ \t\r\n]+", " ", str(text)).strip()
-    safe = _escaped(joined)
+    safe = escaped(joined)
     return safe if len(safe) <= limit else safe[: limit - 3] + "..."
-
-
-def _escaped(text: str) -> str:
-    """Controls, and marks that turn a line round, as they are written in JSON."""
-    return _UNPRINTABLE.sub(lambda m: f"\\u{ord(m[0]):04x}", text)
 
 
 def counted(n: int, what: str) -> str:
@@ -263,7 +257,7 @@ def csv_text(rows: Iterable[Sequence[object]]) -> str:
 def _cell(text: str) -> str:
     """Return a text as a cell of a spreadsheet: one kind of line ends, controls escaped."""
     text = text.replace("\r\n", "\n").replace("\r", "\n")
-    text = "".join(x if x in "\n\t" else _escaped(x) for x in re.split("([\n\t])", text))
+    text = "".join(x if x in "\n\t" else escaped(x) for x in re.split("([\n\t])", text))
     if text.lstrip(" ").startswith(_FORMULA) and not _ARITHMETIC.fullmatch(text):
         return f"'{text}"
     return text
