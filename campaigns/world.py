@@ -31,7 +31,7 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import TIMED, arguments, carried_out, complete
+from campaigns.driver import TIMED, arguments, carried_out, complete, note
 from campaigns.partitioned.long_runs import three_digits
 from campaigns.partitioned.multistep import TIME_NOTE, run_seconds
 from campaigns.partitioned.work import Case, case_of, need_of, need_row, per_step, task_of
@@ -198,11 +198,11 @@ def add(path: Path, method: str) -> None:
     found = carried_out(later_row, tasks, beside=path, limits=TIMED)
     for (row, seconds), ratio in zip(rows, found, strict=True):
         row["seconds"] = None if ratio is None else three_digits(ratio * seconds)
-    note = (
+    note(
+        document,
         f"{method} was measured later, beside {BESIDE}; seconds: the ratio of both times the "
-        f"recorded seconds of {BESIDE}."
+        f"recorded seconds of {BESIDE}.",
     )
-    document["notes"] = [x for x in document["notes"] if x != note] + [note]
     complete(path, document)
 
 

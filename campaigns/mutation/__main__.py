@@ -20,8 +20,8 @@ from .mutants import Mutant, mutants
 #: Subpackage -> its modules: of a folder, or some files of one; ``-`` leaves one out.
 SUBPACKAGES: dict[str, str] = {
     "exact": "exact/*",
-    "readers": "catalogue/reader catalogue/strict_json catalogue/entries catalogue/keys "
-    "scenes/reading",
+    "readers": "catalogue/reader catalogue/strict_json catalogue/strict_toml catalogue/entries "
+    "catalogue/keys scenes/reading",
     "prove": "prove/* -prove/kernel -prove/growth_rules -prove/stability_rules -prove/form_rules "
     "-prove/implications -prove/rows -prove/ranges",
     "kernel": "prove/kernel prove/growth_rules prove/stability_rules prove/form_rules "
@@ -37,6 +37,8 @@ OTHERS = (
     *("compute", "report", "cli", "campaigns", "chart", "portrait", "plane", "measure"),
     *("convergence", "asv", "typed", "bibtex", "labels", "work_precision", "audit", "peers"),
 )
+#: What tells a mutant in a record.
+KEY = ("module", "line", "column", "before", "after")
 LEFT_OUT = (".git", "__pycache__", ".pytest_cache", ".ruff_cache", "docs/images", "site")
 
 
@@ -69,7 +71,7 @@ def anew(tree: Path, module: Path, mutant: Mutant, tests: Sequence[str]) -> tupl
     (tree / module).write_text(mutant.source, encoding="utf-8")
     try:
         done = subprocess.run(
-            [sys.executable, "-m", "pytest", "-x", "--no-header", "--tb=no", *SILENT[1:], *tests],
+            [sys.executable, "-m", "pytest", "-x", "--no-header", *SILENT[1:], *tests],
             cwd=tree, env={**os.environ, "PYTHONPATH": str(tree)}, capture_output=True,
             text=True, check=False, timeout=600,
         )  # fmt: skip
@@ -94,11 +96,12 @@ def run(bench: Bench, chosen: Sequence[tuple[str, Path, Mutant]], output: Path |
     done = {}
     if output is not None and output.exists():
         rows = map(json.loads, output.read_text(encoding="utf-8").splitlines())
-        done = {(x["module"], x["line"], x["before"], x["after"]): x for x in rows}
+        done = {tuple(x[name] for name in KEY): x for x in rows}
     with tempfile.TemporaryDirectory() as name:
         tree = Path(name) / "glmref"
         for subpackage, module, mutant in chosen:
-            key = (str(module), mutant.line, mutant.before[:300], mutant.after[:300])
+            place = str(module), mutant.line, mutant.column
+            key = (*place, mutant.before[:300], mutant.after[:300])
             row = done.get(key)
             if row is None:
                 outcome, first, seconds = bench.judged(module, mutant)
@@ -108,14 +111,15 @@ def run(bench: Bench, chosen: Sequence[tuple[str, Path, Mutant]], output: Path |
                     tests = bench.tests(module, mutant.function)
                     outcome, first = anew(tree, module, mutant, tests)
                 row = {"subpackage": subpackage, "kind": mutant.kind, "function": mutant.function,
-                       **dict(zip(("module", "line", "before", "after"), key, strict=True)),
+                       **dict(zip(KEY, key, strict=True)),
                        "outcome": outcome, "by": first, "seconds": round(seconds, 2)}  # fmt: skip
                 if output is not None:
                     with output.open("a", encoding="utf-8") as stream:
                         stream.write(json.dumps(row) + "\n")
             counts.setdefault(subpackage, Counter())[row["outcome"]] += 1
             if row["outcome"] == "survived":
-                say(f"{module}:{mutant.line}: {mutant.before!r} -> {mutant.after!r}")
+                where = ":".join(map(str, place))
+                say(f"{where}: {mutant.before!r} -> {mutant.after!r}")
     for subpackage, found in counts.items():
         noticed = found["killed"] + found["time"]
         say(f"{subpackage}: {noticed} of {found.total()} noticed, {noticed / found.total():.1%}")

@@ -46,7 +46,7 @@ REMEMBERED = (
 )
 #: The package is a plugin of pytest, which would compile its modules with other asserts: a function
 #: that has one would not be found by its code, and its mutants would change nothing.
-SILENT = ["-s", "-q", "--assert=plain", "-p", "no:cacheprovider", "-p", "no:randomly",
+SILENT = ["-s", "-q", "--tb=no", "--assert=plain", "-p", "no:cacheprovider", "-p", "no:randomly",
           "-p", "no:random_order"]  # fmt: skip
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -243,13 +243,13 @@ class Bench:
             seen.add(frame.f_code)
 
     def tests(self, module: Path, function: str) -> list[str]:
-        """Tests that call a function, or any of the module for what is in none; best first."""
+        """Tests that call a function, or any of the module for what runs on import; best first."""
         own = (f"/test_{module.stem}.py", f"/test_{module.parent.name}_{module.stem}.py")
-        found = []
+        on_import, found = self._on_import(module, function), []
         for name, row in self.calls.items():
             called = row["calls"].get(str(module), ())
             if name in self.items and not row["failed"] and (
-                function in called if function else called
+                called if on_import else function in called
             ):  # fmt: skip
                 found.append((not any(x in name for x in own), row["seconds"], name))
         chosen, spent = [], 0.0
@@ -259,8 +259,14 @@ class Bench:
                 chosen.append(name)
         return chosen
 
+    def _on_import(self, module: Path, function: str) -> bool:
+        """Whether no test calls it: what is in no function, and functions called on import."""
+        return all(function not in x["calls"].get(str(module), ()) for x in self.calls.values())
+
     def judged(self, module: Path, mutant: Mutant) -> tuple[str, str, float]:
         """Run the tests of a mutant; what came of it, the first that failed, seconds."""
+        if mutant.function and self._on_import(module, mutant.function):
+            return "stale", "", 0.0
         tests = self.tests(module, mutant.function)
         spent, soon = 0.0, 0
         while soon < len(tests) and spent < FIRST:

@@ -22,8 +22,8 @@ class Mutant:
 
     Attributes
     ----------
-    line : int
-        Its first line.
+    line, column : int
+        Where what is changed begins.
     kind : str
         What was changed: ``comparison``, ``arithmetic``, ``connective``, ``negation``,
         ``constant``, ``statement`` or ``return``.
@@ -36,6 +36,7 @@ class Mutant:
     """
 
     line: int
+    column: int
     kind: str
     before: str
     after: str
@@ -70,8 +71,9 @@ def mutants(source: str) -> Iterator[Mutant]:
         before = text[begin:end].decode()
         for kind, after in _changes(node):
             changed = text[:begin] + after.encode() + text[end:]
-            place = functions.get(id(node), "")
-            yield Mutant(node.lineno, kind, before, after, changed.decode(), place)  # type: ignore[attr-defined]
+            place = node.lineno, node.col_offset  # type: ignore[attr-defined]
+            function = functions.get(id(node), "")
+            yield Mutant(*place, kind, before, after, changed.decode(), function)
 
 
 def _functions(tree: ast.Module) -> dict[int, str]:

@@ -32,7 +32,7 @@ from typing import Any
 import numpy as np
 
 from campaigns.driver import arguments, carried_out, complete
-from campaigns.partitioned.stages_search import SCANNED, Stages, evaluations, growth, of_file
+from campaigns.partitioned.stages_search import SCANNED, Stages, evaluations, gap, growth, of_file
 
 METHODS = (*SCANNED, "quinlan-8a", "quinlan-8b")
 PAIRS = (3, 4, 5, 6)
@@ -94,12 +94,6 @@ def end(angles: np.ndarray, most: float = 2.0) -> float:
         if np.abs(zeros.imag).max() > 1e-9 or zeros.real.min() < -4 or zeros.real.max() > 0:
             return (k - 1) * GRID
     return most
-
-
-def gap(angles: np.ndarray) -> float:
-    """The least distance of two roots on the circle, in degrees."""
-    ordered = np.sort(np.degrees(angles))
-    return float(min([*np.diff(ordered), 2 * (180 - ordered[-1])]))
 
 
 def descend(task: Mapping[str, Any]) -> dict[str, Any]:

@@ -26,7 +26,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from campaigns.driver import TIMED, arguments, carried_out, complete
+from campaigns.driver import TIMED, arguments, carried_out, complete, note
 from campaigns.partitioned.held_out_problems import PROBLEMS
 from campaigns.partitioned.long_runs import three_digits
 from campaigns.partitioned.multistep import SYMMETRIC, twin
@@ -181,7 +181,7 @@ def add(path: Path, method: str) -> None:
         entry["methods"] = sorted(
             [*others, row], key=lambda x: methods_for(case.name).index(x["method"])
         )
-    _noted(document, f"{method} was counted in a later run, without times.")
+    note(document, f"{method} was counted in a later run, without times.")
     complete(path, document)
 
 
@@ -214,7 +214,7 @@ def time_later(path: Path, method: str) -> None:
         x.replace("later run, without times", "later run") if x.startswith(method) else x
         for x in document["notes"]
     ]
-    _noted(
+    note(
         document,
         f"{method} was timed later, beside {BESIDE}; seconds: the ratio of both times the recorded "
         f"seconds of {BESIDE}.",
@@ -230,12 +230,8 @@ def renew(path: Path, problem: str) -> None:
     entries = {x["case"]: x for x in (*document["cases"], *rows)}
     document["cases"] = [entries[x.name] for x in CASES if x.name in entries]
     document["not measured"] = [x.name for x in CASES if x.name not in entries]
-    _noted(document, f"{problem} was measured in a later run.")
+    note(document, f"{problem} was measured in a later run.")
     complete(path, document)
-
-
-def _noted(document: dict[str, Any], note: str) -> None:
-    document["notes"] = [x for x in document["notes"] if x != note] + [note]
 
 
 # --- tables ---------------------------------------------------------------------------------------

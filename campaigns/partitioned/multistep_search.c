@@ -87,6 +87,16 @@ static double roughness(int d, const double *values, long ring, int stride, long
     return sqrt(size);
 }
 
+/* The largest roughness in the first and in the last 2,000 of so many steps. */
+static void watch(int d, const double *values, long ring, int stride, long n, long steps,
+                  double *first, double *last)
+{
+    if (n < 2000 || n > steps - 2000) {
+        double *most = n < 2000 ? first : last;
+        *most = fmax(*most, roughness(d, values, ring, stride, n));
+    }
+}
+
 /* Positions after `steps` steps; returns the growth of the roughness of v, the size of its eighth
  * difference in the last 2,000 steps over that in the first, and infinity for a lost orbit. */
 double run(int kind, int d, int k, const double *a, const double *b, const double *q0,
@@ -130,10 +140,8 @@ double run(int kind, int d, int k, const double *a, const double *b, const doubl
             e[c] = more - (next - q[c]);
             q[c] = next;
         }
-        if (n > k + ORDER && (n < 2000 || n > steps - 2000)) {
-            double *most = n < 2000 ? &first : &last;
-            *most = fmax(*most, roughness(d, v, ring, d, n));
-        }
+        if (n > k + ORDER)
+            watch(d, v, ring, d, n, steps, &first, &last);
         lost = !(fabs(q[0]) < 1e4);
     }
     memcpy(end, q, sizeof(double) * d);
@@ -153,6 +161,17 @@ static void turn(int m, const double *turns, long double *p)
         p[1 + 2 * j] = c * u - s * v;
         p[2 + 2 * j] = s * u + c * v;
     }
+}
+
+/* The same of the values of all components. */
+static void turn_values(int d, int m, const double *turns, double x[][MOST])
+{
+    for (int j = 0; j < m; j++)
+        for (int c = 0; c < d; c++) {
+            double u = x[1 + 2 * j][c], v = x[2 + 2 * j][c];
+            x[1 + 2 * j][c] = turns[2 * j] * u - turns[2 * j + 1] * v;
+            x[2 + 2 * j][c] = turns[2 * j + 1] * u + turns[2 * j] * v;
+        }
 }
 
 /* The values of p after the first kick from positions at r + 1 kicks, one after the other: the
@@ -248,16 +267,9 @@ double stages(int kind, int d, int s, int m, const double *phi, const double *b,
                 q[c] = next;
             }
         }
-        for (int j = 0; j < m; j++)
-            for (int c = 0; c < d; c++) {
-                double u = x[1 + 2 * j][c], v = x[2 + 2 * j][c];
-                x[1 + 2 * j][c] = turns[2 * j] * u - turns[2 * j + 1] * v;
-                x[2 + 2 * j][c] = turns[2 * j + 1] * u + turns[2 * j] * v;
-            }
-        if (n > ORDER && (n < 2000 || n > steps - 2000)) {
-            double *most = n < 2000 ? &first : &last;
-            *most = fmax(*most, roughness(d, past[0], ORDER + 1, MOST, n));
-        }
+        turn_values(d, m, turns, x);
+        if (n > ORDER)
+            watch(d, past[0], ORDER + 1, MOST, n, steps, &first, &last);
         lost = !(fabs(q[0]) < 1e4);
     }
     memcpy(end, q, sizeof(double) * d);
@@ -345,12 +357,8 @@ double two_kicks(int kind, int d, int m, const double *rows, int reach, double s
                 q[c] = next;
             }
             force(kind, d, q, f);
-            for (int j = 0; i == 0 && j < m; j++)
-                for (int c = 0; c < d; c++) {
-                    double u = x[1 + 2 * j][c], v = x[2 + 2 * j][c];
-                    x[1 + 2 * j][c] = turns[2 * j] * u - turns[2 * j + 1] * v;
-                    x[2 + 2 * j][c] = turns[2 * j + 1] * u + turns[2 * j] * v;
-                }
+            if (i == 0)
+                turn_values(d, m, turns, x);
             for (int a = 0; a < r; a++)
                 for (int c = 0; c < d; c++)
                     x[a][c] += i ? h / 2 * kicks[a] * f[c] : h * kicks[r + a] * f[c];
@@ -363,10 +371,8 @@ double two_kicks(int kind, int d, int m, const double *rows, int reach, double s
             }
             most_energy = fmax(most_energy, fabs((energy(kind, d, q, p) - H) / H));
         }
-        if (n > ORDER && (n < 2000 || n > steps - 2000)) {
-            double *most = n < 2000 ? &first : &last;
-            *most = fmax(*most, roughness(d, past[0], ORDER + 1, MOST, n));
-        }
+        if (n > ORDER)
+            watch(d, past[0], ORDER + 1, MOST, n, steps, &first, &last);
         lost = !(fabs(q[0]) < 1e4);
     }
     memcpy(end, q, sizeof(double) * d);

@@ -301,12 +301,17 @@ def compiled(stages: Stages) -> _Compiled:
     )
 
 
+def gap(angles: np.ndarray) -> float:
+    """The least distance of two roots on the circle, in degrees."""
+    ordered = np.sort(np.degrees(angles))
+    return float(min([*np.diff(ordered), 2 * (180 - ordered[-1])]))
+
+
 def allowed(stages: Stages) -> bool:
     """Whether the roots lie apart and the kicks in order."""
-    angles, s = np.sort(np.degrees(stages.angles)), stages.s
-    gaps = [*np.diff(angles), 2 * (180 - angles[-1])]
+    least, s = np.degrees(stages.angles.min()), stages.s
     inside = np.diff([-0.46, *stages.abscissae, 0.46])
-    return bool(min(gaps) >= APART * s and angles[0] >= FROM_ONE * s and min(inside) > 0)
+    return bool(gap(stages.angles) >= APART * s and least >= FROM_ONE * s and min(inside) > 0)
 
 
 def evaluations(stages: Stages, cases: Sequence[Training] = CASES) -> np.ndarray:

@@ -14,12 +14,11 @@ from campaigns.partitioned.error_front import (
     descend,
     end,
     error_constant,
-    gap,
     least,
     share,
     table,
 )
-from campaigns.partitioned.stages_search import interval, of_file
+from campaigns.partitioned.stages_search import gap, interval, of_file
 from glmref.catalogue.lookup import data_root
 from glmref.derive.multistep import Half
 from glmref.derive.recipes.multistep import SHIPPED

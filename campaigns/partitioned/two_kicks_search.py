@@ -34,7 +34,7 @@ import numpy as np
 from campaigns.driver import arguments, carried_out, complete
 from campaigns.partitioned import multistep_search as one
 from campaigns.partitioned.multistep_search import Training
-from campaigns.partitioned.stages_search import ORBITS, exponential, of_file, scanned, times
+from campaigns.partitioned.stages_search import ORBITS, exponential, gap, of_file, scanned, times
 from glmref.derive.multistep import TWO_KICK_SPACING, TwoKicks
 from glmref.derive.recipes.multistep import SHIPPED
 
@@ -161,9 +161,7 @@ def weights(given: Unknowns) -> Weights:
 
 def allowed(given: Unknowns) -> bool:
     """Whether the roots lie apart."""
-    angles = np.sort(np.degrees(given.angles))
-    gaps = [*np.diff(angles), 2 * (180 - angles[-1])]
-    return bool(min(gaps) >= APART and angles[0] >= FROM_ONE)
+    return bool(gap(given.angles) >= APART and np.degrees(given.angles.min()) >= FROM_ONE)
 
 
 def counts(made: Weights, cases: Sequence[Training] = CASES) -> np.ndarray:

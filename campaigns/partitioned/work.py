@@ -27,7 +27,7 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import TIMED, arguments, carried_out, complete
+from campaigns.driver import TIMED, arguments, carried_out, complete, note
 from campaigns.partitioned.held_out_problems import PROBLEMS, problem_of
 from campaigns.partitioned.long_runs import three_digits
 from glmref.catalogue.lookup import load
@@ -405,8 +405,7 @@ def add(path: Path, method: str, cases: Sequence[Case] = CASES) -> None:
         new = _as_json(case, [need_of(x) for x in found])["methods"]
         rows = [x for x in entry["methods"] if x["method"] != method] + new
         entry["methods"] = sorted(rows, key=lambda x: METHODS.index(x["method"]))
-    note = f"{method} was counted in a later run, without times."
-    document["notes"] = [x for x in document["notes"] if x != note] + [note]
+    note(document, f"{method} was counted in a later run, without times.")
     complete(path, document)
 
 
