@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import os
+import signal
 from collections import defaultdict
 from zlib import crc32
 
@@ -41,7 +42,12 @@ def pytest_configure(config: pytest.Config) -> None:
 
     Machines are shared and slow at times: no example is failed for its duration. In CI the examples
     are the same in every run, so that a failure there can be repeated; elsewhere they are random.
+
+    What a shell starts in the background ignores Ctrl-C, and so does what it starts itself; tests
+    send it to programs.
     """
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     gc.disable()
     kept.private_folder = lambda name: None
     whole = "not slow" not in config.option.markexpr

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from typing import Any
 
 import pytest
@@ -156,3 +157,19 @@ def test_a_refusal_leaves_no_series_behind() -> None:
     assert glmref_check.record_of.cache_info().currsize == 1
     assert not glmref_check.verdict(certificate(EULER, "order", 1, "fails", [below, above]))[0]
     assert glmref_check.record_of.cache_info().currsize == 0
+
+
+def test_a_number_of_one_certificate_is_not_taken_for_that_of_another() -> None:
+    """g1 is sqrt(2) in one field and sqrt(3) in the next: an interval was kept for both."""
+    roots = [
+        glmref_check.Tower(
+            [{"name": "g1", "polynomial": [f"-{n}", "0"], "real": ["1", "2"], "imag": ["0", "0"]}]
+        ).generator(0)
+        for n in (2, 3)
+    ]
+    assert roots[0] != roots[1]
+    for root, square in zip(roots, (2, 3), strict=True):
+        box = glmref_check.around(root)
+        ends = [Fraction(x, 2**glmref_check.PLACES) for x in (box.lo, box.hi)]
+        assert ends[0] ** 2 < square < ends[1] ** 2
+        assert glmref_check.around(root) is box

@@ -17,6 +17,7 @@ EULER = {"A": [["0"]], "b": ["1"]}
 ONE = (
     "2/2", "-(-1)", "sqrt(1)", "root(8,3)/2", "-i*i", "exp(0)", "-exp(pi*i)", "exp(2*i*pi)", "sqrt(4)/2",
     "exp(2*pi*i/3)+exp(4*pi*i/3)+2", "sqrt(3-2*sqrt(2))+2-sqrt(2)", "root(2,5)*root(16,5)/2",
+    "01", "2/002", "\t1", "1\n/1", "sqrt(04)/2", "root(08,03)/2", "exp(02*pi*i/01)", "sqrt(\f2)*sqrt(02)/2",
 )  # fmt: skip
 
 
@@ -32,6 +33,7 @@ GAPS: list[tuple[dict[str, Any], str]] = [
     (doc("rk", {"dense-order": 1}, **EULER), "fails"),
     (doc("rk", {"row-sums": True}, **EULER), "holds"),
     (doc("rk", {"order": 1}, digits=3, **{**EULER, "b": ["-0.0"]}), "fails"),
+    (doc("rk", {"explicit": True}, digits=3, A=[["0", "0"], [".500", "0"]], b=["1.", "0"]), "holds"),
     (doc("lmm", {"starting-order": 2}, alpha=["-1", "1"], beta=["1", "0"]), "fails"),
     (doc("glm", {"g-symplectic": True}, A=[["1/2"]], U=[["1"]], B=[["1"]], V=[["1"]],
          G=[["0"]], D=["0"]), "fails"),

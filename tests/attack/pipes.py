@@ -128,6 +128,18 @@ DEEDS: dict[str, tuple[str, tuple[str, ...]]] = {
     ),
     "a session of its own": ("os.setsid() if os.getpid() != os.getpgrp() else None; time.sleep(60)", ("did not",)),
     "two answers": ("put('{\"values\": [1.0]}\\n{\"values\": [1.0]}\\n')", ("",)),
+    "speaks first": ("put('{\"values\": [1.0, 0.0]}\\n' * 2)", ("without being asked", "must have")),
+    "texts of numbers": ("put('{\"values\": [\"1.0\", \"0\"]}\\n')", ("list of numbers", "must have")),
+    "truths": ("put('{\"values\": [true, false]}\\n')", ("list of numbers", "must have")),
+    "a question in texts": ("ask({'ask': 'f', 't': 0, 'y': ['1', '2']})", ("served", "may ask")),
+    "closes its stdin": (
+        "os.close(0); time.sleep(60)", ("did not answer within", "ended without", "runs on"),
+    ),
+    "answers late": ("time.sleep(0.7)", ()),
+    "a child that keeps stdout": (
+        "os.fork() == 0 and (time.sleep(60), os._exit(0)); os._exit(0)", ("ended without",),
+    ),
+    "ignores its end": ("signal.signal(signal.SIGTERM, signal.SIG_IGN)", ()),
     "behaves": ("pass", ()),
 }  # fmt: skip
 

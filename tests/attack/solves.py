@@ -23,10 +23,22 @@ from typing import Any
 
 import numpy as np
 
-from glmref import AdditiveGLM, PartitionedGLM, Problem, UsageError, load, names, problem, solve
+from glmref import (
+    GLM,
+    AdditiveGLM,
+    PartitionedGLM,
+    Problem,
+    UsageError,
+    load,
+    names,
+    problem,
+    solve,
+)
 from glmref.engine.ensemble import solve_ensemble
 from glmref.engine.outcome import Outcome, Solution
+from glmref.system.arguments import shown
 
+from .odd import ODD
 from .tally import Tally
 
 #: Seconds of processor time for one case, and of the clock: a machine may be busy with others.
@@ -136,6 +148,12 @@ def _chance() -> Callable[..., Any]:
     return lambda t, y: [y[1] + source.random(), -y[0]]
 
 
+def _solves(t: float, y: np.ndarray) -> Any:
+    """Solve another problem within, as a right-hand side that finds an equilibrium does."""
+    solve(Problem(f=("-y[0]",), y0=(1.0,)), "rk4", h=0.5, steps=1, engine="reference")
+    return [y[1], -y[0]]
+
+
 #: What each is: right ("good"), to be noticed or refused ("doubtful"), or to be named ("bad").
 FUNCTIONS: dict[str, tuple[Callable[[], Callable[..., Any]], str]] = {
     "in place": (lambda: _in_place, "good"),
@@ -146,6 +164,7 @@ FUNCTIONS: dict[str, tuple[Callable[[], Callable[..., Any]], str]] = {
     "float32": (lambda: lambda t, y: _good(t, y).astype(np.float32), "doubtful"),
     "float16": (lambda: lambda t, y: _good(t, y).astype(np.float16), "doubtful"),
     "int64": (lambda: lambda t, y: _good(t, y).astype(np.int64), "doubtful"),
+    "solves within": (lambda: _solves, "good"),
     "random": (_chance, "doubtful"),
     "number of calls": (_calls, "doubtful"),
     "clock": (_clock, "doubtful"),
@@ -153,7 +172,8 @@ FUNCTIONS: dict[str, tuple[Callable[[], Callable[..., Any]], str]] = {
 for _after in (0.0, 0.25):
     _when = "at once" if _after == 0 else "later"
     for _error in (RuntimeError("no\nmore"), KeyError("rate"), ValueError("domain"), OSError(5),
-                   GeneratorExit(), SystemExit(0), StopIteration()):  # fmt: skip
+                   GeneratorExit(), SystemExit(0), StopIteration(), UsageError("of the package\nx"),
+                   UnicodeDecodeError("utf-8", b"\xff", 0, 1, "\udcff")):  # fmt: skip
         _name = f"{type(_error).__name__} {_when}"
         FUNCTIONS[_name] = (lambda e=_error, a=_after: _raises(e, a), "bad")
     for _name, _result in {
@@ -245,6 +265,8 @@ class Case:
         What :func:`glmref.solve` is called with besides.
     lanes : int
         How many initial values an ensemble has; 0 for a single run.
+    basis : int
+        Number of the basis of the values that a method carries; 0 for that of its file.
     """
 
     kind: str
@@ -254,6 +276,7 @@ class Case:
     method: str
     arguments: dict[str, Any] = field(default_factory=dict)
     lanes: int = 0
+    basis: int = 0
 
     def problem(self) -> Problem:
         """The problem of the case."""
@@ -277,13 +300,14 @@ class Case:
     def __str__(self) -> str:
         parts = [
             *([f"{self.lanes} lanes"] if self.lanes else []),
+            *([f"basis {self.basis}"] if self.basis else []),
             self.kind,
             str(self.what),
             f"y0 = {self.state}",
             f"t0 = {self.t0!r}",
             self.method,
         ]
-        return ", ".join([*parts, json.dumps(self.arguments, default=repr)])
+        return ", ".join([*parts, json.dumps(self.arguments, default=shown)])
 
 
 @lru_cache
@@ -295,11 +319,32 @@ def _parts(method: str) -> int:
     return len(load(method).components)
 
 
+@lru_cache(maxsize=256)
+def made(method: str, basis: int) -> Any:
+    """Return a method of the catalogue, or the equivalent one that carries ``T y``."""
+    found: Any = load(method)
+    if not basis:
+        return found
+    draw = random.Random(basis)
+    entries = ("0", "0", "1", "-1", "1/2", "-1/3", "2", "3/4")
+    T = [
+        [draw.choice(entries[2:]) if i == j else draw.choice(entries) if j > i else "0"
+         for j in range(found.carried)]
+        for i in range(found.carried)
+    ]  # fmt: skip
+    draw.shuffle(T)
+    return found.transform(T)
+
+
 def cases(count: int, seed: int) -> Iterator[Case]:
     """Draw cases; the same for the same seed."""
     draw = random.Random(seed)
     for _ in range(count):
-        yield _case(draw)
+        case = _case(draw)
+        moved = isinstance(load(case.method), GLM) and load(case.method).carried > 1
+        if moved and draw.random() < 0.4:
+            case = replace(case, basis=draw.randint(1, 10**6))
+        yield case
 
 
 def _case(draw: random.Random) -> Case:
@@ -384,6 +429,10 @@ def _arguments(draw: random.Random, t0: float, plain: bool) -> dict[str, Any]:
         given["renew"] = draw.choice((1, 2, 7, 10**20, -1, True, "x"))
     if given["engine"] == "reference" and draw.random() < 0.3:
         given["digits"] = draw.choice((1, 3, 30, 30, 0))
+    if draw.random() < 0.04:  # one that is refused in every run
+        given[draw.choice([*given, "form", "cancel", "progress", "digits"])] = draw.choice(
+            [*ODD.values()]
+        )()
     return given
 
 
@@ -413,7 +462,7 @@ def _limited(seconds: float) -> Iterator[None]:
 
 
 def _one_line(text: str) -> bool:
-    return bool(text.strip()) and "\n" not in text
+    return bool(text.strip()) and text.isprintable() and len(text) < 1000
 
 
 def violations(case: Case) -> tuple[str, list[str]]:
@@ -423,10 +472,10 @@ def violations(case: Case) -> tuple[str, list[str]]:
             warnings.simplefilter("error")
             if case.lanes:
                 return _ensemble(case)
-            found = solve(case.problem(), load(case.method), **case.arguments)
+            found = solve(case.problem(), made(case.method, case.basis), **case.arguments)
     except UsageError as error:
         said = str(error)
-        return "refused", [] if _one_line(said) else [f"a refusal of several lines: {said!r}"]
+        return "refused", [] if _one_line(said) else [f"a refusal that is no line: {said[:500]!r}"]
     except _TooLong:
         return "too long", [f"took more than {LIMIT} s"]
     except Exception as error:
@@ -441,7 +490,7 @@ def violations(case: Case) -> tuple[str, list[str]]:
 
 def _ensemble(case: Case) -> tuple[str, list[str]]:
     """Run an ensemble: finite numbers and named outcomes; notices as a single run has them."""
-    problem, method = case.problem(), load(case.method)
+    problem, method = case.problem(), made(case.method, case.basis)
     first = np.array(problem.y0, dtype=float)
     initial = np.array([first * (1 - k / 64) for k in range(case.lanes)])
     found = solve_ensemble(problem, method, initial, threads=2, **case.arguments)
@@ -488,25 +537,25 @@ def _judged(case: Case, found: Solution) -> Iterator[str]:
     if steps is not None and found.steps != steps:
         yield f"completed after {found.steps} of {steps} steps"
     end = case.arguments.get("t_end")
+    if end is None:
+        end = case.problem().t_span[1]
     if case.arguments.get("times"):
         end = case.arguments["times"][-1]
     if steps is not None:
         end = case.t0 + steps * h
     digits = case.arguments.get("digits") or 16
     unit = 4e-16 if digits >= 16 else 10.0 ** (1 - digits)  # by which a time is rounded
-    if end is not None and not abs(found.t[-1] - end) <= 1e-9 * abs(end - case.t0) + unit * abs(
-        end
-    ):
+    if not abs(found.t[-1] - end) <= 1e-9 * abs(end - case.t0) + unit * abs(end):
         yield f"completed at t = {found.t[-1]!r} instead of {end!r}"
 
 
 @lru_cache
-def _twin(kind: str, method: str, arguments: str) -> Solution:
+def _twin(kind: str, method: str, basis: int, arguments: str) -> Solution:
     given = json.loads(arguments)
     parts: dict[str, Any] = {"f": _good} if kind == "function" else {"force": _negated}
     if kind == "terms":
         parts = {"terms": (_good, *(_nothing,) * (_parts(method) - 1))}
-    return solve(Problem(**parts, y0=(1.0, 0.0), t_span=(0.0, 1.0)), load(method), **given)
+    return solve(Problem(**parts, y0=(1.0, 0.0), t_span=(0.0, 1.0)), made(method, basis), **given)
 
 
 def _judged_function(case: Case, found: Solution) -> Iterator[str]:
@@ -515,7 +564,7 @@ def _judged_function(case: Case, found: Solution) -> Iterator[str]:
         given = {**case.arguments, "engine": "interpreted"}
         if case.arguments.get("engine") == "reference":
             given["engine"] = "reference"
-        other = _twin(case.kind, case.method, json.dumps(given))
+        other = _twin(case.kind, case.method, case.basis, json.dumps(given))
         if found.outcome is not other.outcome:
             yield f"{found.outcome} where the same function without side effects is {other.outcome}"
         elif found.completed:

@@ -13,7 +13,7 @@ from glmref.exact import Exact
 from glmref.exact.linalg import conjugate_transpose
 from glmref.system.budget import limited
 
-from . import campaigns, certificates, problems, records, surroundings, tableaux, vectors
+from . import campaigns, certificates, imports, problems, records, surroundings, tableaux, vectors
 
 
 @pytest.mark.parametrize(
@@ -23,6 +23,7 @@ from . import campaigns, certificates, problems, records, surroundings, tableaux
         (problems, 80, ("refused", "run completed")),
         (campaigns, 60, ("refused", "planned", "problem")),
         (tableaux, 60, ("refused", "unread", "holds")),
+        (imports, 60, ("refused", "read", "exported")),
         (surroundings, 30, ("damaged entry", "the same")),
         (vectors, 6, ("refused",)),
         pytest.param(vectors, 40, ("refused", "holds"), marks=pytest.mark.slow),

@@ -61,11 +61,13 @@ class Runs:
 
     def start(self, name: str, *options: str, **popen: Any) -> subprocess.Popen[str]:
         """Start a run; it goes on while the caller does what it has in mind."""
+        return self.popen(self.command(name, *options), **popen)
+
+    def popen(self, command: list[str], **popen: Any) -> subprocess.Popen[str]:
+        """Start a program in the folder, with the surroundings of the runs."""
         streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
         environment = popen.pop("env", None) or self.environment()
-        return subprocess.Popen(
-            self.command(name, *options), cwd=self.folder, env=environment, **{**streams, **popen}
-        )
+        return subprocess.Popen(command, cwd=self.folder, env=environment, **{**streams, **popen})
 
     def run(self, name: str, *options: str, **popen: Any) -> subprocess.CompletedProcess[str]:
         """Run to the end."""

@@ -6,6 +6,7 @@ import os
 import random
 import signal
 import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -147,6 +148,41 @@ def test_a_signal_ends_a_run_within_a_second(runs: Runs, number: signal.Signals)
     assert (process.returncode, out, err) == (128 + number, "", f"glmref: {word}\n")
     assert runs.run(name).returncode == 0
     runs.check(name)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("pause", [0.0, 0.01, 0.1])
+def test_two_signals_end_a_run_in_processes_as_one_does(runs: Runs, pause: float) -> None:
+    """The second interrupted what ended the processes, and their tasks ran to the end."""
+    name = f"twice-{pause:g}"
+    scene = runs.folder / "long.toml"
+    scene.write_text(
+        runs.scene.read_text(encoding="utf-8")
+        .replace("200000, 400000, 600000, 800000", "400000000, 400000001")
+        .replace("repeats = 1", "repeats = 1\nbudget = 60"),
+        encoding="utf-8",
+    )
+    command = [
+        sys.executable,
+        "-m",
+        "glmref",
+        "run",
+        str(scene),
+        "--output",
+        str(runs.folder / name),
+        "--on",
+        "local:2",
+    ]
+    process = runs.popen(command, start_new_session=True)
+    time.sleep(3.0 + 20 * pause)  # while processes start, and while they compute
+    process.send_signal(signal.SIGTERM)
+    time.sleep(pause)
+    process.send_signal(signal.SIGINT)
+    begun = time.monotonic()
+    out, err = process.communicate(timeout=100)
+    assert time.monotonic() - begun < 10.0  # 1 s, and more for a machine that is busy
+    assert out == "" and process.returncode in (130, 143)
+    assert err in ("glmref: ended by SIGTERM\n", "glmref: interrupted\n")
 
 
 @pytest.mark.slow

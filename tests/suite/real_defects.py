@@ -134,13 +134,20 @@ class Rosenbrock:
         self.A, self.G = (matrix(table[x], len(self.b), len(self.b)) for x in ("A", "Gamma"))
 
     def step(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
-        J, slopes = problem.jacobian(t, y), np.zeros((len(self.b), len(y)))
-        by_time = np.array([1.0, 2 * t - y[0]]) if problem.name == "forced" else 0.0
+        J, slopes = self.jacobian(problem, t, y), np.zeros((len(self.b), len(y)))
+        by_time = self.by_time(problem, t, y)
         for i, row in enumerate(self.A):
             right = problem.f(t + row.sum() * h, y + h * row @ slopes)
             right = right + h * J @ (self.G[i] @ slopes) + h * self.G[i].sum() * by_time
             slopes[i] = np.linalg.solve(np.eye(len(y)) - h * self.G[i, i] * J, right)
         return y + h * self.b @ slopes
+
+    def jacobian(self, problem: Any, t: float, y: Any) -> Any:
+        return problem.jacobian(t, y)
+
+    def by_time(self, problem: Any, t: float, y: Any) -> Any:
+        """Derivative of f by t."""
+        return np.array([1.0, 2 * t - y[0]]) if problem.name == "forced" else 0.0
 
 
 KINDS: dict[str, Any] = {

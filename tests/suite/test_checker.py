@@ -335,6 +335,21 @@ def test_a_file_may_hold_one_certificate_on_each_line(tmp_path):
     assert run(path).returncode == 2
 
 
+@pytest.mark.parametrize(
+    "name", ["a\nb.json: yes: c", "\x1b[2J", "\ud800", "\u202e", "\x85", "x" * 9999, 5]
+)
+def test_a_name_makes_no_answer_of_its_own(tmp_path, name):
+    certificate = json.loads(
+        json.dumps(CERTIFICATES["rk4 order"]).replace('"rk4"', json.dumps(name))
+    )
+    path = tmp_path / "c.json"
+    path.write_text(json.dumps(certificate), encoding="utf-8")
+    found = run(path)
+    assert (found.returncode, found.stderr) == (0, "")
+    (line,) = found.stdout.splitlines()
+    assert line.isprintable() and len(line) < 1000
+
+
 def test_nothing_but_the_standard_library_is_imported():
     lines = Path(check.__file__).read_text(encoding="utf-8").splitlines()
     modules = {line.split()[1] for line in lines if line.startswith(("import ", "from "))}

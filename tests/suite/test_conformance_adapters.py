@@ -73,6 +73,32 @@ def test_the_order_of_runs_that_start_by_themselves_is_measured(name: str, holds
     assert holds or "falls like h^3" in finding.message
 
 
+def test_a_method_of_several_values_outside_the_catalogue_is_run_from_its_own_start() -> None:
+    """It was given one value, and its step failed."""
+
+    class TwoValues:
+        methods = {"mine": {"order": 2, "values": 2, "symmetric": True}}  # noqa: RUF012
+
+        def step(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
+            slope = problem.f(t, y[0])
+            return np.array([y[0] + h * (1.5 * slope - 0.5 * y[1]), slope])
+
+    class Started(TwoValues):
+        def start(self, method: str, problem: Any, h: float) -> Any:
+            t, y = problem.t_span[0], np.array(problem.y0)
+            return np.array([y, problem.f(t - h, y - h * problem.f(t, y))])
+
+        def finish(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
+            return y[0]
+
+    found = Suite(Subject(TwoValues())).findings()
+    assert {x.verdict for x in found} == {Verdict.OPEN}
+    assert all("2 values" in x.witness for x in found)
+    found = Suite(Subject(Started())).findings()
+    assert {x.claim: x.verdict for x in found}["order2/mine/kepler"] is Verdict.HOLDS
+    assert not [x for x in found if x.verdict is Verdict.FAILS], found
+
+
 class OwnStart:
     """Runs of a method that make their starting values themselves, and take no others."""
 

@@ -86,8 +86,7 @@ def test_the_tables_name_every_operation_claim_problem_and_shipped_adapter() -> 
         if line.startswith("| `")
         for name in re.findall(r"`(\w+)`", line.split("|")[1])
     }
-    # measured claims of integrators outside the catalogue are said with `methods`
-    assert {x.rstrip("P") for x in rows} == set(RESTS_ON) - {"symplectic"}
+    assert {x.rstrip("P") for x in rows} == set(RESTS_ON)
 
 
 def test_the_numbers_of_the_dialogue_are_right() -> None:

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import shlex
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
+from glmref import problem
 from glmref.conformance.adapter import load_adapter
 from glmref.conformance.checks import Suite
 from glmref.conformance.subject import AdapterError, Subject
@@ -88,6 +91,9 @@ def test_a_program_that_is_right_passes(tmp_path: Path, method: str, offers: lis
             '    print(\'{"values": [1], "values": [2]}\', flush=True); continue\n',
             "gives a key of its answer twice",
         ),
+        ("    answer = {'values': ['1.0', '2.0']}\n", "must be a list of numbers"),
+        ("    answer = {'values': [True, False]}\n", "must be a list of numbers"),
+        ("    ask({'ask': 'f', 't': 0, 'y': ['1', '2']}); answer = {}\n", "cannot be served"),
         ("    sys.exit(3)\n", "exit code 3"),
         ("    ask({'ask': 'hamiltonian'}); answer = {}\n", "may ask f, jacobian, dq or dp"),
         ("    ask({'ask': 'f', 'y': [1.0]}); answer = {}\n", "cannot be served"),
@@ -135,6 +141,27 @@ def test_a_program_that_fails_once_is_started_again_for_the_other_checks(
     assert failed == ["step/symplectic-euler-a/kepler"]
     assert words in found[failed[0]].witness
     assert found["step/symplectic-euler-a/pendulum"].verdict is Verdict.HOLDS
+
+
+def test_an_answer_that_comes_late_is_not_that_to_the_next_question(tmp_path: Path) -> None:
+    body = """
+    answer = {"values": [x + 1 for x in asked["values"]]}
+    print(json.dumps({"values": [7.0, 7.0]}), flush=True)
+    import time; time.sleep(0.1)
+"""
+    describe = {"methods": ["rk4"], "offers": ["step"]}
+    subject = Subject(load_adapter(program(tmp_path, describe, body)))
+    try:
+        told = []
+        for _ in range(2):
+            try:
+                subject.step("rk4", problem("harmonic-oscillator"), 0.0, np.ones((1, 2)), 0.125)
+            except AdapterError as error:
+                told.append(str(error))
+            time.sleep(0.3)
+    finally:
+        subject.close()
+    assert len(told) == 1 and "without being asked" in told[0]
 
 
 def test_a_program_that_hangs_is_ended_and_after_three_times_not_asked_again(

@@ -7,13 +7,17 @@ import json
 import re
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from glmref.catalogue.lookup import data_root, load
+from glmref.conformance.bench import Bench
 from glmref.conformance.faults import NOTES
 from glmref.conformance.generate import METHODS, checksums, document_of, layout
+from glmref.conformance.run_cases import RunCases
 from glmref.conformance.scheme import ball_field, enclosed_step, step_over
+from glmref.conformance.step_cases import StepCases
 from glmref.conformance.vectors import file_names, problems, vectors_of
 from glmref.exact import ball
 from glmref.method import Method
@@ -196,3 +200,22 @@ def test_a_method_without_a_file_gets_its_vectors_when_it_is_asked_for() -> None
     assert "midpoint-explicit" not in file_names()
     assert {case.kind for case in vectors.cases} == {"step", "trajectory", "order"}
     assert sum(bool(case.wrong) for case in vectors.cases) >= 3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["verner-efficient-6-5", "tanaka-yamashita-7-6"])
+def test_the_bound_of_a_run_shows_something_where_entries_are_large(name: str) -> None:
+    """Added up over eight steps in absolute values it was 1e24 roundings, and every run passed."""
+    method: Any = load(name)
+    runs = RunCases(Bench(method, name))
+    assert float(runs.trajectory(problems()["pendulum"])["rounding"]) < 1e6
+
+
+@pytest.mark.slow
+def test_wrong_results_beyond_all_numbers_are_no_part_of_a_vector() -> None:
+    """A step of the stages in another order overflows; the vectors could not be read."""
+    method: Any = load("feagin-14-printed")
+    steps = StepCases(Bench(method, "feagin-14-printed"))
+    cubic = problems()["cubic"]
+    case = steps.step("step", cubic, Fraction(1, 8))
+    assert all(abs(float(x)) < 1e300 for w in case["wrong"] for row in w["output"] for x in row)

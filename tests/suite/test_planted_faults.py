@@ -10,7 +10,7 @@ from glmref.conformance.faults import NOTES
 from glmref.conformance.subject import Subject
 from glmref.findings import Verdict
 
-from .planted_runs import PLANTED, Foreign
+from .planted_more import PLANTED, Foreign
 
 
 @pytest.mark.sampled(8)
@@ -24,11 +24,11 @@ def test_a_planted_fault_is_caught_under_its_claim_and_named(name: str) -> None:
     messages = " | ".join(text for _, text in failing)
     assert all(word in messages for word in fault.words), messages
     assert {flag for flag in NOTES if f"({flag})" in messages} <= set(fault.words), messages
-    assert ("single precision" in messages) == (name == "SinglePrecision"), messages
+    assert ("single precision" in messages) == name.startswith("SinglePrecision"), messages
 
 
-def test_there_are_at_least_20_planted_faults_over_every_claim_they_can_break() -> None:
-    assert len(PLANTED) >= 20
+def test_there_are_at_least_60_planted_faults_over_every_claim_they_can_break() -> None:
+    assert len(PLANTED) >= 60
     claims = {fault.claim for fault in PLANTED.values()}
     assert claims >= {
         "answer", "repeatable", "stages", "step", "abscissae", "backward", "start", "finish",

@@ -13,8 +13,9 @@ from glmref.catalogue.lookup import load
 from glmref.cli import main
 from glmref.cli.probing import _page
 from glmref.conformance.adapters.reference import Adapter as Reference
-from glmref.conformance.identify import as_method, identify, recognised
+from glmref.conformance.identify import _arrays, as_method, identify, matches, recognised
 from glmref.conformance.probe import read
+from glmref.conformance.readings import Reading, Watch
 from glmref.conformance.subject import Subject
 from glmref.errors import UsageError
 from glmref.exact import Exact
@@ -90,6 +91,36 @@ def test_another_basis_and_order_of_stages_are_still_the_same_method() -> None:
     assert not any(x.same_basis for x in probe.matches)
 
 
+def test_a_pair_is_the_same_in_another_order_of_its_stages() -> None:
+    name = "lobatto-iiia-iiib-3"
+    arrays = _arrays(name)
+    assert arrays is not None
+    A, U, B, V, A_hat, U_hat, B_hat, V_hat = arrays
+    q, p = [2, 0, 1], [1, 2, 0]
+    hat = (A_hat[np.ix_(p, q)], U_hat[p], B_hat[:, q], V_hat)
+    reading = Reading(A[np.ix_(q, p)], U[q], B[:, p], V, None, 6, 6, 0.0, hat=hat)
+    assert [match.name for match in matches(reading)] == [name]
+
+
+def test_a_stage_is_read_from_iterates_that_have_settled() -> None:
+    """The first call at a point may be of an iterate that is near, but has not settled."""
+    first, settled = np.array([1.0, 0.5]), np.array([1.0, 0.5 + 1e-9])
+    watch = Watch()
+    watch.see(0.0, first, first)
+    again = watch.again()
+    for value, marker in enumerate((first, settled, settled)):
+        again.see(0.0, np.array([float(value)]), marker)
+    assert again.arguments == [np.array([2.0])] and again.strangers == 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["lobatto-iiia-iiib-5", "lobatto-iiic-iiic-star-5"])
+def test_pairs_of_high_stage_order_are_read(name: str) -> None:
+    reading = read(Subject(Opaque(name)), "black-box", 1)
+    assert reading.A.shape == (5, 5) and reading.unexplained < 1e-14
+    assert [match.name for match in matches(reading)] == [name]
+
+
 def test_stages_at_equal_times_are_told_apart() -> None:
     reading = read(Subject(Opaque("rk4")), "black-box", 1)
     assert reading.c is not None and reading.c.tolist() == [0, 0.5, 0.5, 1]
@@ -99,6 +130,8 @@ def test_stages_at_equal_times_are_told_apart() -> None:
 def test_a_stage_that_nothing_depends_on_is_not_seen() -> None:
     reading = read(Subject(Opaque("dormand-prince-5")), "black-box", 1)
     assert len(reading.A) == 6 and reading.points == 7
+    (probe,) = identify(Subject(Opaque("dormand-prince-rkn-4-3")))  # the same of a pair
+    assert [match.name for match in probe.matches] == ["dormand-prince-rkn-4-3"]
 
 
 def test_an_exponential_integrator_is_said_to_do_something_more() -> None:

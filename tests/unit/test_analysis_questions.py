@@ -6,7 +6,9 @@ from pathlib import Path
 import pytest
 
 import glmref
-from glmref.prove.analysis import SHARES, analyze
+from glmref.prove.analysis import SHARES, _Questions, analyze
+from glmref.prove.facts import facts_of
+from glmref.system.budget import limited
 from glmref.views.facts import analysis_rows
 
 SOURCE = {"citation": "a test", "where": "here", "status": "derived"}
@@ -58,6 +60,7 @@ def test_an_analysis_names_what_its_budget_left_open() -> None:
     assert found.symmetric["holds"] is found.g_symplectic["holds"] is None
     rows = dict(analysis_rows(found.as_json()))
     assert rows["not decided: order"] == found.undecided["order"]
+    assert (found.explicit, rows["explicit"]) == (None, "not decided")
     assert SHARES == 4
 
 
@@ -69,3 +72,52 @@ def test_an_analysis_says_why_a_property_is_open() -> None:
     assert "published decimals" in found.undecided["a-stable"]
     assert "undecided" in found.as_json()
     assert "undecided" not in analyze(glmref.load("rk4")).as_json()
+
+
+@pytest.mark.parametrize(
+    ("name", "explicit", "implicit"),
+    [("lobatto-iiia-iiib-3", False, [1, 2, 3]), ("stormer-verlet", True, []), ("rk4", True, []),
+     ("gauss-2", False, [1, 2])],
+)  # fmt: skip
+def test_implicit_stages_are_listed_where_a_method_is_not_explicit(
+    name: str, explicit: bool, implicit: list[int]
+) -> None:
+    found = analyze(name)
+    assert (found.explicit, found.implicit_stages) == (explicit, implicit)
+    assert ("none" in dict(analysis_rows(found.as_json()))["implicit stages"]) is explicit
+
+
+@pytest.mark.parametrize(
+    ("name", "stages", "values"),
+    [("rk4", 4, 1), ("gsymplectic-n", 2, 2), ("lobatto-iiia-iiib-3", [3, 3], [1, 1])],
+)
+def test_sizes_are_numbers_of_one_method_and_lists_of_a_pair(
+    name: str, stages: int | list[int], values: int | list[int]
+) -> None:
+    found = analyze(name)
+    assert (found.stages, found.values) == (stages, values)
+
+
+def test_whether_digits_make_a_method_implicit_is_not_decided(tmp_path: Path) -> None:
+    """An entry within one unit of its last place of zero."""
+    doc = {
+        "format": "glmref-method-2", "name": "near", "class": "rk", "digits": 3, "A": [["0.001"]],
+        "b": ["1"], "claims": {"order": 1}, "source": SOURCE,
+    }  # fmt: skip
+    path = tmp_path / "near.json"
+    path.write_text(json.dumps(doc))
+    found = analyze(path)
+    assert found.explicit is None
+    assert found.undecided is not None
+    assert "not decided within the digits" in found.undecided["explicit"]
+
+
+def test_nothing_is_asked_when_the_budget_is_spent() -> None:
+    """Each of the questions left took a while more, of a method of 200 steps three seconds."""
+    asked: list[str] = []
+    facts = facts_of(glmref.load("rk4"))
+    with limited(1e-9):
+        questions = _Questions(facts, 1e-9)
+        assert questions.ask("order", lambda _: asked.append("order"), "nothing") == "nothing"
+    assert not asked
+    assert questions.undecided == {"order": "the budget of 1e-09 s of processor time is spent"}

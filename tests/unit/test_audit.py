@@ -7,6 +7,7 @@ import json
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
+from time import process_time
 from typing import Any
 
 import pytest
@@ -15,6 +16,7 @@ from glmref.audit import code
 from glmref.audit.judge import judge
 from glmref.audit.nearest_method import Library
 from glmref.audit.readers import declared_orders, read
+from glmref.audit.sources import audit
 from glmref.audit.table import Table
 from glmref.audit.values import Unread, evaluate
 from glmref.catalogue.lookup import document
@@ -1021,3 +1023,48 @@ end
 def test_a_name_does_not_make_a_table_of_millions_of_stages(name: str, large: str) -> None:
     heun = judged(JULIA.replace(f"{name} =", f"{large} ="), "julia")["HeunConstantCache"]
     assert heun["status"] == "unread" and "more than 200 stages" in str(heun["remarks"])
+
+
+#: What a line makes of ``a`` when it is repeated.
+GROWING = ("a = a^40", "a = a*a", "a = vcat(a, a)", "a = [a, a]", "a = zeros(100, 100, 100, 100)",
+           "a = [[[1 for i in 1:200] for j in 1:200] for k in 1:9]", "a = a + a")  # fmt: skip
+
+
+@pytest.mark.parametrize("line", GROWING)
+@pytest.mark.parametrize("first", ["10^40", "[1, 1]", "sqrt(2) + 3"])
+def test_numbers_and_arrays_of_a_source_do_not_grow_without_bound(
+    tmp_path: Path, line: str, first: str
+) -> None:
+    text = f"function T()\na = {first}\n" + f"{line}\n" * (1 if "for" in line else 40)
+    path = tmp_path / "x.jl"
+    path.write_text(f"{text}A = [0 0; 1 0]\nreturn ExplicitRKTableau(A, [0, 1], a, 2)\nend\n")
+    begun = process_time()
+    (record,) = audit(path, "julia", compare=False)
+    assert record["status"] == "unread" and record["remarks"]
+    assert process_time() - begun < 5
+
+
+@pytest.mark.parametrize(
+    ("form", "text"),
+    [
+        ("sundials", "ARK_BUTCHER_TABLE\n" + "/*" * 200_000),
+        ("julia", "Tableau\n" + "#=" * 200_000),
+        ("julia", "Tableau\n" + "x +\n" * 20_000),
+        ("julia", "Tableau\nx = " + "1" * 100_000),
+        ("gsl", "x_order (void\n" + "static const double x = " * 20_000),
+        ("gsl", "a_order (void *v) {\n" * 5_000),
+        ("gsl", "a_order (void\n" * 10_000),
+        ("rust", "c: " + "Primary order: 1 " * 4_000),
+        ("rklib", "call me%f(" + "module procedure x_properties " * 4_000),
+        ("python", "A = " + "-" * 100_000 + "1"),
+        ("json", '["A", ' + "0, " * 20_000 + "0]"),
+        ("json", '{"A": [[0]], "A": [[1]], "b": [1], "order": 1}'),
+        ("csv", f"name,b\n{'x' * 200_000},1\n"),
+    ],
+)
+def test_sources_are_read_in_linear_time(tmp_path: Path, form: str, text: str) -> None:
+    path = tmp_path / "x"
+    path.write_text(text)
+    begun = process_time()
+    assert all(x["status"] == "unread" for x in audit(path, form, compare=False))
+    assert process_time() - begun < 5

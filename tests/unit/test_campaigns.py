@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import math
+import os
+import sys
 from collections.abc import Callable
 from itertools import islice
 from pathlib import Path
@@ -218,6 +220,15 @@ def test_the_table_in_columns_has_a_row_for_each_record(write: Write, tmp_path: 
     assert [row["largest"] for row in table] == [1.0, 1.0, 0.5, 1.0, 1.0, 1.0]
     assert [row["task.h"] for row in table] == [0.1] * 3 + [0.2] * 3
     assert json.loads(table[0]["solutions"]) == [{"point": [1.0]}]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="names of files are bytes on Linux")
+def test_the_table_is_written_into_a_folder_of_any_name(tmp_path: Path) -> None:
+    pytest.importorskip("pyarrow")
+    folder = tmp_path / os.fsdecode(b"mem:\xff")
+    folder.mkdir()
+    records = [{"task": {"h": 0.1}, "error": 1.0}]
+    assert write_parquet(records, records, folder / "x.parquet") == 1
 
 
 def test_without_pyarrow_a_note_says_how_to_get_the_table(

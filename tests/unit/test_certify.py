@@ -368,6 +368,17 @@ def test_growth_that_is_found_is_shown() -> None:
     assert facts.judge("growth", ["0", "0"]).value == ["4", "9"]
 
 
+@pytest.mark.parametrize(("zeta", "mu"), [("1", "2"), ("1", "-1/3"), ("-1", "2"), ("-1", "0")])
+def test_growth_of_one_value_is_shown_exactly(zeta: str, mu: str) -> None:
+    """Euler's method, and a value that feeds on itself at a simple or at a double eigenvalue."""
+    b = str(Fraction(zeta) * Fraction(mu))
+    d = {"format": "glmref-method-1", "class": "glm", "name": "x", "A": [["0", "0"]] * 2,
+         "U": [["1", "0"], ["1", "1"]], "B": [["1", "0"], [str(-Fraction(b)), b]],
+         "V": [["1", "0"], ["0", zeta]], "claims": {}, "source": SOURCE}  # fmt: skip
+    found = facts_for(load_document(d)).judge("growth", ["7"])
+    assert (found.verdict, found.value) == (Verdict.FAILS, [mu])
+
+
 def beside_idle_values(seed: int) -> dict[str, Any]:
     """A method of order 2 or 3 with values beside the solution that V = 1 keeps."""
     draw = random.Random(seed)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from decimal import Decimal
 from fractions import Fraction as F
 from typing import Any
 
@@ -11,6 +12,7 @@ import numpy as np
 import pytest
 
 import glmref
+from glmref.catalogue.strict_toml import loads
 from glmref.cli import main
 from glmref.errors import DataError
 from glmref.findings import Verdict
@@ -213,7 +215,7 @@ SAID = {"A": HEUN, "b": ["1/2", "1/2"], "order": 2}
         ({"A": HEUN, "b": ["1/2", "1/2"], "order": "five"}, "`order` must be a whole number"),
         ({"A": HEUN, "b": ["1/2", "1/2"], "ordre": 2}, "the key 'ordre' is not known"),
         (SAID | {"order": float("inf")}, "`order` must be a whole number from 1 to 100, got inf"),
-        (SAID | {"embedded": 3}, "`embedded` must be a row with its order"),
+        (SAID | {"embedded": 3}, "`embedded` must be a list of rows, such as a row with its order"),
         (SAID | {"embedded": [1, 0]}, "`embedded\\[1\\]` must be a row with its order"),
         (SAID | {"embedded": {"b": [1, 0], "ordr": 2}}, "`embedded\\[1\\]` has the key 'ordr'"),
         (SAID | {"w_order": 3}, "`w_order` is no key of a Runge-Kutta method"),
@@ -273,6 +275,68 @@ def test_the_command_reads_a_pipe(
     assert main(["check", "-"]) == code
     out = capsys.readouterr()
     assert said in out.out + out.err
+
+
+def test_a_repeated_key_among_many_is_found_at_once(monkeypatch: Any, capsys: Any) -> None:
+    """Its search among 60,000 keys once took half a minute."""
+    import io
+    import time
+
+    keys = ", ".join(f'"k{i}": 1' for i in range(60_000))
+    monkeypatch.setattr("sys.stdin", io.StringIO(f'{{{keys}, "k59999": 1}}'))
+    begin = time.process_time()
+    assert main(["check", "-"]) == 2
+    assert time.process_time() - begin < 5
+    assert "the key 'k59999' occurs twice" in capsys.readouterr().err
+
+
+NINES = "9" * 5000
+
+
+@pytest.mark.parametrize(
+    ("weights", "said"),
+    [
+        (f'["{NINES}.5", 1]', "5002 characters"),
+        (f'["{"9" * 1_000_000}", 1]', "1000000 characters"),
+        (f"[0.{NINES}, 1]", "is '1.0' of type Double"),
+        ("[1e-99999999, 1]", "is '0.0' of type Double"),
+        ("[0e99999999, 1]", "is '0.0' of type Double"),
+        ('["\uff10.\uff15", "1/2"]', "'\uff10' is not allowed"),
+        (f"[{'0, ' * 300} 1]", "more than 200 entries"),
+    ],
+)
+def test_numbers_and_tables_beyond_any_size_are_refused_at_once(
+    weights: str, said: str, tmp_path: Any, capsys: Any
+) -> None:
+    path = tmp_path / "x.json"
+    path.write_text(f'{{"A": [[0, 0], [1, 0]], "b": {weights}, "order": 2, "digits": 20}}', "utf-8")
+    assert main(["check", str(path)]) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_many_rows_beside_the_weights_are_refused() -> None:
+    with pytest.raises(DataError, match="more than 200 rows"):
+        glmref.check({"A": [[0]], "b": [1], "embedded": [{"b": [1], "order": 1}] * 201})
+
+
+def test_a_difference_below_the_range_of_doubles_is_no_zero() -> None:
+    with pytest.raises(glmref.CheckFailed, match="residual below 1e-308"):
+        glmref.check([[0]], ["1+1e-999"], order=1)
+
+
+def test_a_name_is_printed_on_one_line(tmp_path: Any, capsys: Any) -> None:
+    path = tmp_path / "x.json"
+    name = "\x1b[2J\u202e\ud800\nx: order 9 holds" + "y" * 10_000
+    path.write_text(json.dumps({"A": [[0]], "b": [1], "order": 1, "name": name}))
+    assert main(["check", str(path)]) == 0
+    (line,) = capsys.readouterr().out.splitlines()
+    assert line.isprintable() and len(line) <= 2000
+
+
+def test_a_sentence_quotes_little_of_what_it_refuses() -> None:
+    with pytest.raises(DataError) as caught:
+        glmref.check([[0]], [1], order="x" * 1_000_000)  # type: ignore[arg-type]
+    assert len(str(caught.value)) <= 1500
 
 
 def test_the_command_gives_findings_as_json(tmp_path: Any, capsys: Any) -> None:
@@ -342,6 +406,32 @@ def test_radicals_of_sympy_are_exact() -> None:
             glmref.check([[0]], [bad], order=1)
 
 
+def test_numbers_of_any_package_beyond_any_size_are_refused_at_once() -> None:
+    sympy = pytest.importorskip("sympy")
+    shared, tower = sympy.sqrt(2), sympy.Integer(2)
+    for _ in range(50):
+        shared = sympy.Add(shared, shared, evaluate=False)  # 2^50 terms
+        tower = sympy.sqrt(1 + tower)
+    for bad in (
+        1 << 10**7, F(1, 1 << 10**6), mpmath.ldexp(1, 10**12), mpmath.ldexp(1, -(10**12)),
+        mpmath.mpf((0, 1 << 10**6, 0, 10**6)), Decimal("1E+999999999999999999"),
+        Decimal("1E-10000000"), np.longdouble("inf"), np.longdouble("nan"),
+        sympy.Integer(10) ** 100_000, sympy.Float((0, 1, 10**12, 1)), shared, tower,
+        sympy.Mul(*[sympy.sqrt(2)] * 5000, evaluate=False),
+    ):  # fmt: skip
+        with pytest.raises(DataError, match="write a number, a fraction"):
+            glmref.check([[0]], [bad], order=1)
+    with pytest.raises(DataError, match="too many digits"):
+        glmref.from_rk([[0]], [1 << 10**7])
+    assert verdicts([[0]], [1], order=1, name=1 << 10**6) == ["holds"]
+
+
+def test_binary_numbers_with_digits() -> None:
+    third = np.longdouble(1) / 3
+    for x, y in ((third, 1 - third), (mpmath.mpf(1) / 3, mpmath.mpf(2) / 3)):
+        assert verdicts([[0, 0], [1, 0]], [x, y], order=1, digits=12) == ["open"]
+
+
 def half(x: Any) -> Any:
     """1 / (2 x)."""
     return 1 / (2 * x)
@@ -359,3 +449,14 @@ def test_an_embedded_row_without_an_order_is_a_difference_of_any_kind() -> None:
 def test_a_method_of_several_values_is_said_to_be_one() -> None:
     with pytest.raises(DataError, match="carries 2 values"):
         glmref.check(glmref.load("dimsim-2-type-1"), order=2)
+
+
+def test_a_key_of_thousands_of_parts_is_refused_at_once(tmp_path: Any, capsys: Any) -> None:
+    """Python's parser of TOML takes the third power of their number."""
+    for key in ("a." * 20_000, '"a" . ' * 20_000, "x = { b = 1, " + "a." * 20_000):
+        path = tmp_path / "x.toml"
+        path.write_text(f"{key}a = 1\n")
+        for command in ("check", "run", "compare", "derive"):
+            assert main([command, str(path)]) == 2
+            assert "a key has more than 100 parts" in capsys.readouterr().err
+    assert loads(f'H = "{"0.5*q*q + " * 300}0.5"')

@@ -10,6 +10,7 @@ import sys
 import time
 from collections.abc import Mapping
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -17,6 +18,7 @@ from glmref.cli import main
 from glmref.cli.parallel import Checked, check, check_all
 from glmref.findings import Finding, Verdict
 from glmref.prove import verifier as verification
+from glmref.system import process
 from glmref.system.process import guarded, within
 
 COMMAND = [sys.executable, "-m", "glmref"]
@@ -114,6 +116,23 @@ def test_an_ascii_terminal_gets_ascii_rules_and_no_encoding_error() -> None:
     assert " ---+--" in done.stdout
 
 
+@posix
+def test_a_folder_that_is_gone_is_said_where_processes_are_asked_for(tmp_path: Path) -> None:
+    done = shell(f"mkdir {tmp_path}/x; cd {tmp_path}/x; rmdir ../x; glmref verify rk4 --on local:1")
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert "the current folder, and that cannot be entered" in done.stderr
+
+
+@posix
+@pytest.mark.parametrize("encoding", ["ascii", "utf-16"])
+def test_the_standard_input_is_utf_8_whatever_the_terminal_has(encoding: str) -> None:
+    table = r'{"name": "Störmer", "A": [[0]], "b": [1], "order": 1}'
+    done = shell(
+        f"echo '{table}' | glmref check - > /dev/null", PYTHONIOENCODING=encoding, PYTHONUTF8="0"
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+
+
 @pytest.mark.parametrize("form", ["json", "junit", "csv", "table"])
 def test_interruption_keeps_what_was_found_and_leaves_with_130(
     form: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
@@ -132,6 +151,33 @@ def test_interruption_keeps_what_was_found_and_leaves_with_130(
     assert "rk38" not in out
     if form == "json":
         assert json.loads(out)["summary"]["holds"] == 2
+
+
+def test_ctrl_c_is_heard_where_there_are_no_other_signals(monkeypatch: pytest.MonkeyPatch) -> None:
+    heard: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda number, frame: heard.append(number))
+    monkeypatch.setattr(process, "os", SimpleNamespace(name="nt"))
+    try:
+        with pytest.raises(KeyboardInterrupt), process.signals("glmref"):
+            signal.raise_signal(signal.SIGINT)
+        assert not heard
+        signal.raise_signal(signal.SIGINT)
+        assert heard == [signal.SIGINT]
+    finally:
+        process._received.clear()
+        signal.signal(signal.SIGINT, before)
+
+
+@posix
+def test_a_caller_that_ignores_its_children_changes_nothing() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "glmref", "--time-limit", "60", "list"],
+        preexec_fn=lambda: signal.signal(signal.SIGCHLD, signal.SIG_IGN),
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 @posix
@@ -205,6 +251,17 @@ def test_a_timer_that_runs_already_does_not_stop_the_program() -> None:
     timer = "faulthandler.dump_traceback_later(900, exit=True, file=open(os.devnull, 'w'))\n"
     done = limited(timer + "sys.exit(within('glmref', 5, lambda: guarded('glmref', int, 2)))")
     assert (done.returncode, done.stderr) == (0, "")
+
+
+@posix
+def test_a_signal_before_the_program_is_waited_for_is_handed_on() -> None:
+    done = limited(
+        "fork = os.fork\n"
+        "def late():\n    child = fork()\n    time.sleep(0.5 if child else 0)\n    return child\n"
+        "os.fork = late\n"
+        "sys.exit(within('glmref', 900, lambda: guarded('glmref', slow, 2)))"
+    )
+    assert (done.returncode, done.stdout) == (2, "found\n")
 
 
 @posix
@@ -344,3 +401,22 @@ def test_a_word_that_is_no_command_is_answered_with_what_does_it(
 ) -> None:
     assert main([word, "kepler", "rk4"]) == 2
     assert answer in capsys.readouterr().err
+
+
+@posix
+@pytest.mark.slow
+def test_tests_that_run_in_the_background_can_interrupt_programs(tmp_path: Path) -> None:
+    """A shell has what it starts with ``&`` ignore Ctrl-C, and then no program was interrupted."""
+    test = tmp_path / "test_signal.py"
+    test.write_text(
+        "import signal\n"
+        "def test(): assert signal.getsignal(signal.SIGINT) is signal.default_int_handler\n"
+    )
+    conftest = Path(__file__).parents[1] / "conftest.py"
+    (tmp_path / "conftest.py").write_text(conftest.read_text(encoding="utf-8"), encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(test)],
+        capture_output=True, text=True, timeout=60, check=False, cwd=tmp_path,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_IGN),
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout

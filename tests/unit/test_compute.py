@@ -8,6 +8,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -30,7 +31,7 @@ from glmref.compute.executors import Here, Local, in_order
 from glmref.compute.identity import difference, identity
 from glmref.compute.records import read_records
 from glmref.errors import UsageError
-from tests.unit.faulty_tasks import behave, where
+from tests.unit.faulty_tasks import behave, unsendable, where
 
 SQUARES = [{"n": k} for k in range(40)]
 
@@ -206,6 +207,39 @@ def test_a_child_that_ended_is_not_started_again_by_its_task() -> None:
     child.end()
     assert child.carry_out(behave, {"n": 2, "how": "die"}).attempts == 1
     child.end()
+
+
+def test_a_child_that_is_ended_while_it_starts_has_no_task() -> None:
+    """It was started all the same, and the process waited for its task to end."""
+    child = Child(Limits(retries=0))
+    threading.Timer(0.01, child.end).start()
+    begun = time.monotonic()
+    done = child.carry_out(behave, {"n": 2, "how": "sleep", "seconds": 60})
+    assert done.failure == KILLED and time.monotonic() - begun < 30
+
+
+@pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="has no masks of signals")
+def test_a_child_is_deaf_for_ctrl_c_from_its_first_moment_on() -> None:
+    """The first one was not: what multiprocessing starts besides it unblocked the signal."""
+    code = (
+        "import signal\n"
+        "from multiprocessing import resource_tracker\n"
+        "from glmref.compute.child import _surroundings\n"
+        "with _surroundings():\n"
+        "    resource_tracker.ensure_running()  # as spawning does\n"
+        "    blocked = signal.pthread_sigmask(signal.SIG_BLOCK, ())\n"
+        "raise SystemExit(signal.SIGINT not in blocked)\n"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_a_result_that_cannot_be_sent_is_a_failure_of_its_task() -> None:
+    child = Child(UNLIMITED)
+    try:
+        assert child.carry_out(unsendable, {}).failure == FAILED
+        assert child.carry_out(behave, {"n": 2}).value["square"] == 4
+    finally:
+        child.end()
 
 
 def test_a_worker_that_is_not_what_the_client_is_is_refused(

@@ -325,9 +325,10 @@ def test_what_cannot_be_written_is_refused_in_one_sentence(
 def test_a_folder_gets_one_file_for_each_name(
     tmp_path: Any, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["euler", "rk4", "--output", str(tmp_path / "new")]) == 0
-    assert sorted(x.name for x in (tmp_path / "new").iterdir()) == ["m_euler.v", "m_rk4.v"]
-    assert (tmp_path / "new" / "m_rk4.v").read_text(encoding="utf-8") == to_coq("rk4")
+    folder = tmp_path / "new" / "folders"
+    assert main(["euler", "rk4", "--output", str(folder)]) == 0
+    assert sorted(x.name for x in folder.iterdir()) == ["m_euler.v", "m_rk4.v"]
+    assert (folder / "m_rk4.v").read_text(encoding="utf-8") == to_coq("rk4")
     assert main(["euler"]) == 0
     assert capsys.readouterr().out == to_coq("euler")
 
@@ -351,3 +352,10 @@ def test_a_title_cannot_end_its_comment() -> None:
 def test_refusals_are_usage_errors() -> None:
     with pytest.raises(UsageError):
         to_coq("ars-2-2-2")
+
+
+def test_a_pair_is_proved_over_the_trees_of_its_right_hand_side() -> None:
+    for name, palette in (("stormer-verlet", "separable"), ("lobatto-iiia-iiib-3", "general")):
+        text = to_coq(load(name))
+        other = {"separable": "general", "general": "separable"}[palette]
+        assert f"{palette} -> glm" in text and f"{other} -> glm" not in text

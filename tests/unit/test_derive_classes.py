@@ -14,7 +14,9 @@ from glmref.exact.linalg import Matrix
 from glmref.method.component import Component
 from glmref.method.sweep import SweepForm
 from glmref.prove.classes import (
+    Family,
     _cuts,
+    _identities,
     attach,
     classes,
     follows,
@@ -242,3 +244,29 @@ def test_a_condition_that_is_given_twice_counts_once() -> None:
         chosen = list(representatives(n, q))
         assert follows(n, q, [*chosen, *chosen[:1]])
         assert not follows(n, q, [*chosen[1:], *chosen[1:2]])
+
+
+def without_a_leaf(t: Tree) -> list[Tree]:
+    """What is left where one leaf is taken away, once for each leaf; of one vertex nothing."""
+    found = []
+    for i, child in enumerate(t.children):
+        others = (*t.children[:i], *t.children[i + 1 :])
+        left = [()] if child.order == 1 else [(x,) for x in without_a_leaf(child)]
+        found += [tree((*others, *x)) for x in left]
+    return found
+
+
+@pytest.mark.parametrize(("order", "q"), [(5, 3), (5, 4), (7, 4)])
+def test_identities_hold_the_defects_of_pairs_that_lack_a_leaf(order: int, q: int) -> None:
+    """(E Q)(t, u) - Q(t, u) one order below: from t or u one vertex is cut, which is a leaf."""
+    index, rows = _identities(order, q, Family.ROOTED)
+    leftover = [x for x in index if isinstance(x, tuple)]
+    assert leftover
+    for (t, u), row in zip(pairs(order, q, Family.ROOTED), rows, strict=True):
+        expected = dict.fromkeys(leftover, Fraction(0))
+        for cut, whole in ((t, u), (u, t)):
+            for left in without_a_leaf(cut):
+                reduced, factor = reduce_tree(left, q)
+                for x in {(reduced, whole), (whole, reduced)} & expected.keys():
+                    expected[x] += factor
+        assert [-row[index[x]] for x in leftover] == list(expected.values()), (t, u)

@@ -22,6 +22,7 @@ from glmref.prove.starting import (
     StartingSystem,
     Target,
     first_value,
+    functionals,
     inverse_block,
     is_inverse,
     needed_stages,
@@ -30,7 +31,7 @@ from glmref.prove.starting import (
     starting_system,
 )
 from glmref.prove.tableau_series import stage_order, weights
-from glmref.theory.trees import trees
+from glmref.theory.trees import parse_tree, trees
 from tests.bseries import elementary_weights
 
 NAME = "t115-i"
@@ -196,6 +197,38 @@ def test_too_few_stages_are_reported() -> None:
     target = Target.of(bare, record.system, record.series)
     with pytest.raises(ExactnessError, match="add pairs"):
         linear_start([{"c": "1/2"}], target, first=4)
+
+
+@pytest.mark.parametrize("unknown", ["first", "second"])
+def test_only_a_condition_of_the_first_value_is_left_out_where_it_always_holds(
+    unknown: str,
+) -> None:
+    """One unknown, and two conditions, of which one holds whatever it is."""
+    digits = "0.125" + "0" * 72
+    first, second = (digits, "1/2") if unknown == "first" else ("0", digits)
+    block = {"u": ["1", "0"], "A": [["0"] * 3, ["0", "1/2", "0"], ["0", "0", "-1/2"]],
+             "B": [["0", first, f"-{first}"], ["0", second, second]]}  # fmt: skip
+    eighth, zero, one = Exact(1) / 8, Exact(0), Exact(1)
+    zeta = {
+        parse_tree("o"): (zero, one if unknown == "first" else eighth * 2),
+        parse_tree("[o]"): (eighth if unknown == "first" else zero, zero),
+    }
+    target = Target(zeta, {"o": ((one, zero), (zero, -one))}, 3)
+    if unknown == "second":
+        assert prove_starting(block, target).outcome is Outcome.UNIQUE
+    else:
+        with pytest.raises(DataError, match="2 equations in 1 unknowns"):
+            prove_starting(block, target)
+
+
+@pytest.mark.parametrize("place", [1, 2])
+def test_an_involution_that_mixes_the_first_value_with_others_is_refused(place: int) -> None:
+    """L_1k = 2 makes e_1 + e_k the functional that L keeps."""
+    L = [[Exact((1, -1, -1)[i] * (i == j)) for j in range(3)] for i in range(3)]
+    assert functionals(tuple(map(tuple, L)))[0] == ((Exact(1), Exact(0), Exact(0)), 1)
+    L[0][place] = Exact(2)
+    with pytest.raises(DataError, match="does not keep the first value apart"):
+        functionals(tuple(map(tuple, L)))
 
 
 def test_a_finish_block_has_the_form_it_needs() -> None:

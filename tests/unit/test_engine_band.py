@@ -177,7 +177,9 @@ def test_elimination_solves_with_pivots(band):
 # --- stages apart -------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["gauss-2", "gauss-3", "gauss-5", "radau-iia-3"])
+@pytest.mark.parametrize(
+    "name", ["implicit-midpoint", "gauss-2", "gauss-3", "gauss-5", "radau-iia-3"]
+)
 def test_a_coupling_is_its_eigenvalues_and_vectors(name):
     A = np.array([[float(x) for x in row] for row in load(name).A])
     split = newton.split_of(A)

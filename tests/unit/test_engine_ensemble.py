@@ -319,7 +319,7 @@ def test_a_start_that_overflows_keeps_the_initial_value(width):
         ({"initial": np.ones((2, 3))}, "got \\(2, 3\\)"),
         ({"initial": [[1.0] * 4, [math.nan] * 4]}, "`initial` must be finite, got .* in row 1"),
         ({"width": 5}, "`width` must be 1 or one of"),
-        ({"threads": 0}, "`threads` must be a positive whole number, got 0"),
+        ({"threads": 0}, "`threads` must be a whole number >= 1, got 0"),
         ({"start": np.ones((2, 4))}, "starting values must have shape \\(N, r, d\\)"),
         ({"start": "first"}, "`start` must be enhanced, zero or values"),
         ({"arithmetic": "exact"}, "`arithmetic` must be one of"),

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from glmref import GLM, PartitionedGLM, load, problem
+from glmref import GLM, PartitionedGLM, load, problem, solve
 from glmref.engine.codegen import Options, kernel_source
 from glmref.engine.compiled import interpret
 from glmref.engine.forms import StepForm
@@ -105,6 +105,16 @@ def test_a_form_is_the_step_of_its_method(name: str) -> None:
     assert np.abs(described(form, of, values) - expected).max() < 2e-15 * max(
         1.0, *(abs(x) for row in form.V for x in row)
     )
+
+
+def test_values_with_eigenvalues_1_and_minus_1_have_a_form_in_every_basis() -> None:
+    """Their trace is that of a turn by 90 degrees; a basis of p and V p was singular."""
+    known = load("gsymplectic-n")
+    assert isinstance(known, GLM)
+    method = known.transform([["1", "1/2"], ["0", "2"]])
+    expected = solve("kepler", "gsymplectic-n", h=0.01, steps=5).y
+    found = solve("kepler", method, h=0.01, steps=5, engine="interpreted").y
+    assert np.abs(found - expected).max() < 1e-14
 
 
 @pytest.mark.parametrize("name", ["gauss-2", "gauss-3", "gauss-4", "gauss-5"])

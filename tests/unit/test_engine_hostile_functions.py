@@ -448,6 +448,29 @@ def test_a_loop_body_that_spoils_its_argument_is_refused():
         solve(spoiled, "gauss-2", h=0.1, steps=3)
 
 
+@pytest.mark.parametrize("spoiled", ["dq", "dp"])
+def test_a_loop_body_of_a_half_is_given_that_half(spoiled):
+    """The body reads and spoils the last place of its own half, of two states of each."""
+    from glmref.problems.loops import Loops
+
+    parts = {name: Loops(body_of_half, (2,)) for name in ("dq", "dp")}
+    fine = Problem(**parts, y0=(1.0, 0.0, 0.0, 1.0))
+    assert solve(fine, "stormer-verlet", h=0.1, steps=3, engine="reference").completed
+    parts[spoiled] = Loops(spoiling_body_of_half, (2,))
+    with pytest.raises(UsageError, match=f"loop body of `{spoiled}` writes into its argument"):
+        solve(Problem(**parts, y0=(1.0, 0.0, 0.0, 1.0)), "stormer-verlet", h=0.1, steps=3)
+
+
+def body_of_half(x, params, out):
+    out[0] = x[0]
+    out[1] = x[1]
+
+
+def spoiling_body_of_half(x, params, out):
+    body_of_half(x, params, out)
+    x[1] += 1.0
+
+
 def spoiling_body(t, y, params, out):
     out[0] = y[1]
     out[1] = -y[0]
@@ -541,3 +564,33 @@ def test_parts_that_are_not_f_are_refused_by_their_worst_component():
         "`f` and its parts `dq`, `dp` disagree at the start: component 1 is -1.5 in f and -1 in the "
         "parts"
     )
+
+
+@pytest.mark.parametrize("engine", ["reference", "interpreted"])
+def test_an_interrupt_after_the_last_step_loses_no_solution(engine):
+    left = [10**6]
+
+    def f(t, y):
+        left[0] -= 1
+        if left[0] == 0:
+            raise KeyboardInterrupt
+        return -y
+
+    own = Problem(f=f, y0=(1.0,))
+    good = solve(own, "rk4", h=0.1, steps=5, engine=engine)
+    for last in (1, 2, 3):  # of the calls after the run
+        left[0] = 10**6 - left[0] - last + 1
+        found = solve(own, "rk4", h=0.1, steps=5, engine=engine)
+        assert found.completed and np.array_equal(found.values, good.values)
+        assert found.notices[-1:] == ("the calls of the functions after the run were interrupted",)
+        left[0] = 10**6
+        solve(own, "rk4", h=0.1, steps=5, engine=engine)
+
+
+@pytest.mark.parametrize("engine", ["reference", "interpreted", "compiled"])
+def test_digits_lost_late_in_the_run_are_noticed(engine):
+    def f(t, y):
+        return (-y).astype(np.float32) if t > 0.35 else -y
+
+    found = solve(Problem(f=f, y0=(1.0,)), "rk4", h=0.1, steps=5, engine=engine)
+    assert found.completed and any("float32" in x for x in found.notices)

@@ -26,6 +26,14 @@ def test_contraction_is_h_a_J_and_its_square_on_a_separable_problem():
     assert contraction(midpoint, shape_of(plain), plain, 0.1) == pytest.approx(0.1 * 3 / 2)
 
 
+def test_contraction_is_that_at_the_first_time(tmp_path, monkeypatch):
+    monkeypatch.setenv("GLMREF_CACHE", str(tmp_path))  # where norms are remembered
+    midpoint = step_form(load("implicit-midpoint"))
+    for t0 in (1.0, 4.0):
+        of = Problem(f=("t*y[0]",), y0=(1.0,), t_span=(t0, 9.0))
+        assert contraction(midpoint, shape_of(of), of, 0.1) == pytest.approx(0.1 * t0 / 2)
+
+
 def test_contraction_of_a_block_is_that_of_its_eigenvalues():
     oscillator = problem("harmonic-oscillator", frequency=3)
     # the eigenvalues of A of Gauss with two stages are (3 +- i sqrt 3)/12, of modulus 1/sqrt(12)

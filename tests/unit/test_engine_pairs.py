@@ -225,7 +225,7 @@ def test_a_pair_without_a_sweep_form_says_which_identity_is_missing():
             step_form(replace(pair, **fields), "sweep")
     with pytest.raises(UsageError, match="has no sweep form: D has a zero"):
         step_form(replace(pair, D_P=[0 * x for x in pair.D_P]), "sweep")
-    with pytest.raises(UsageError, match="must be auto, sweep, mu, standard, got 'other'"):
+    with pytest.raises(UsageError, match="must be one of auto, sweep, mu, standard, got 'other'"):
         step_form(pair, "other")
 
 

@@ -50,6 +50,11 @@ def test_steps_and_rows(given: dict[str, Any], plan: tuple[Any, ...]) -> None:
 @pytest.mark.parametrize(
     ("given", "sentence"),
     [
+        # a run of no steps was completed, at t0
+        (
+            {"t_end": 3.0, "h": 1e12},
+            "t_end is 3.0, less than a step of h = 1000000000000.0 from t0 = 1.0",
+        ),
         ({"steps": -1}, "`steps` must be a whole number >= 0, got -1"),
         ({"every": True}, "`every` must be a whole number >= 0, got True"),
         ({"limit": 1.5}, "`step_limit` must be a whole number >= 0, got 1.5"),
@@ -180,7 +185,7 @@ def test_a_grid_is_a_sequence() -> None:
         ("a", "`h` must be a number, got 'a'"), (None, "`h` must be a number, got None"),
         (10**400, "`h` must be finite, got a number beyond double precision"),
         (0, "`h` must be finite and not zero, got 0"), (-0.0, "`h` must be finite and not zero, got -0.0"),
-        (math.nan, "`h` must be finite and not zero, got nan"),
+        (math.nan, "`h` must be finite, got nan"),
     ],
 )  # fmt: skip
 def test_a_step_size_is_a_number_that_is_not_zero(h: Any, sentence: str) -> None:
@@ -193,6 +198,7 @@ def test_a_step_size_is_a_number_that_is_not_zero(h: Any, sentence: str) -> None
 def test_so_many_steps_as_can_be_counted_are_counted():
     span = math.ldexp(1.0, 53)
     of = Problem(f=("y[0]",), y0=(1.0,), t_span=(0.0, 1.0))
-    assert planned(1.0, of, t_end=span) == (MOST_STEPS, 0, [MOST_STEPS], False)
+    for given in ({"t_end": span}, {"steps": MOST_STEPS}):
+        assert planned(1.0, of, **given) == (MOST_STEPS, 0, [MOST_STEPS], False)
     with pytest.raises(UsageError, match="can be counted"):
         planned(1.0, of, t_end=math.nextafter(span, math.inf))

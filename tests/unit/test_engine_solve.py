@@ -38,6 +38,23 @@ def test_the_reference_engine_keeps_the_same_rows():
         assert np.abs(fast.y - slow.y).max() < 4e-15
 
 
+@pytest.mark.parametrize("engine", ["interpreted", "reference"])
+@pytest.mark.parametrize("before", [[], [0.25], [0.25, 1.0], [0.5, 1.0, 1.5], [1.25, 1.5]])
+def test_a_run_that_fails_between_times_ends_with_its_last_good_step_once(before, engine):
+    found = solve(GROWTH, "rk4", h=0.25, times=[*before, 5.0], engine=engine)
+    assert found.outcome is Outcome.NOT_FINITE and found.steps == 6
+    assert found.t.tolist() == sorted({*before, 1.5}) and len(found.y) == len(found.t)
+
+
+@pytest.mark.parametrize(("method", "stages"), [("sdirk-3", 2), ("gauss-2", 2), ("gauss-3", 3)])
+def test_slopes_that_are_linear_in_time_are_guessed(method, stages, tmp_path, monkeypatch):
+    """The first guess of a stage is extrapolated from two slopes or more: one round confirms it."""
+    monkeypatch.setenv("GLMREF_CACHE", str(tmp_path))
+    of = Problem(f=("t + 0*y[0]",), y0=(1.0,), t_span=(1.0, 2.0))
+    found = solve(of, method, h=1 / 128, steps=128, engine="interpreted", solver="fixed-point")
+    assert found.completed and stages * 128 <= found.evaluations < 1.3 * stages * 128
+
+
 def test_history_keeps_every_value_carried():
     run = solve("pendulum", "g6245", h=0.1, steps=4, every=2, history=True)
     assert run.history.shape == (3, 4, 2)

@@ -107,8 +107,10 @@ def test_values_functions_and_starting_methods_are_taken_as_given():
     [
         ("g6245", np.zeros((3, 2)), "shape \\(r, d\\) = \\(4, 2\\)"),
         ("g6245", np.full((4, 2), np.nan), "must be finite"),
+        # no memory holds a copy of it
+        ("g6245", np.broadcast_to(1.0, (10**12, 2)), "shape \\(r, d\\) = \\(4, 2\\), got"),
         ("g6245", "first", "`start` must be"),
-        ("g6245", ("enhanced", 99), "0 to 8 passes"),
+        ("g6245", ("enhanced", 99), "from 0 to 8, got 99"),
         ("g6245", load("gsymplectic-n").starting, "gives 2 values, the method carries 4"),
         ("stormer-verlet", load("gsymplectic-n").starting, "a pair starts from"),
     ],
@@ -164,11 +166,17 @@ def test_starts_are_named():
 
 def test_values_that_cannot_start_are_refused_in_a_sentence():
     for start, sentence in [
-        ([[1.0, 2.0], [3.0]], "starting values must be an array (r, d), got rows of unlike length"),
-        ([["a", "b"]] * 2, "starting values must be numbers, got [['a', 'b'], ['a', 'b']]"),
+        (
+            [[1.0, 2.0], [3.0]],
+            "starting values must be an array of numbers, got [[1.0, 2.0], [3.0]]",
+        ),
+        (
+            [["a", "b"]] * 2,
+            "starting values must be an array of numbers, got [['a', 'b'], ['a', 'b']]",
+        ),
         (np.full((2, 2), 1j), "starting values must be real for a real method, got complex ones"),
-        (("enhanced", -1), "the enhanced start takes 0 to 8 passes, got -1"),
-        (("enhanced", 1.5), "the enhanced start takes 0 to 8 passes, got 1.5"),
+        (("enhanced", -1), "`passes` must be a whole number from 0 to 8, got -1"),
+        (("enhanced", 1.5), "`passes` must be a whole number from 0 to 8, got 1.5"),
     ]:
         with pytest.raises(UsageError) as found:
             started("gsymplectic-n", start)

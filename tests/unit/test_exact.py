@@ -7,6 +7,8 @@ import copy
 import operator
 import pickle
 from fractions import Fraction
+from math import isqrt
+from time import thread_time
 from typing import Any
 
 import mpmath
@@ -40,6 +42,47 @@ def test_roots_of_unity_have_their_order(n: int) -> None:
     assert root_of_unity(-1, n) == z.conjugate()
 
 
+def test_a_number_of_real_roots_is_its_own_conjugate() -> None:
+    """FLINT computed it anew, which took minutes for polynomials in several nested roots."""
+    inner = exact(2).root(5) + exact(7).sqrt()
+    for real in (exact(2).sqrt(), exact(3).root(7), (exact(3).sqrt() + 2).sqrt(), BETA,
+                 1 / (inner.sqrt() + 1)):  # fmt: skip
+        assert real.conjugate() is real.real is real
+        assert real.imag == 0
+
+
+def test_a_real_number_of_square_roots_below_zero_is_its_own_conjugate() -> None:
+    """Its ball does not show it; flint would ask its minimal polynomial."""
+    for real in (
+        exact(-2).sqrt() * exact(-3).sqrt(),
+        root_of_unity(1, 3) * 2 + exact(-3).sqrt() * -1,
+    ):
+        assert real.conjugate() is real.real is real and real.sign() == -1
+        turned = real * exact(-1).sqrt()
+        assert turned.real == 0 and (turned + real).conjugate() == real - turned
+
+
+def test_a_real_number_of_complex_roots_is_equal_to_its_conjugate() -> None:
+    """The imaginary part of its ball is not exactly zero, but surrounds zero."""
+    i = exact(-1).sqrt()
+    for real, size in (((i + 2).sqrt() * (2 - i).sqrt(), 5), ((1 - exact(2).sqrt()).sqrt() * i, 0)):
+        assert real.is_real() and real.conjugate() == real == real.real
+        assert not size or real**2 == size
+    imaginary = (1 - exact(2).sqrt()).sqrt()  # its argument is real, its ball has no real part
+    assert imaginary.conjugate() == -imaginary and imaginary.real == 0 and not imaginary.is_real()
+    assert (imaginary + 3).real == 3 and (imaginary + 3).conjugate() == 3 - imaginary
+
+
+def test_a_quotient_of_great_cancellation_has_a_size() -> None:
+    """At 4096 bits, beyond which flint does not go by itself, its denominator may be zero."""
+    root = exact(2).sqrt() + exact(3).sqrt()
+    near = Fraction(isqrt(2 * 10**4000) + isqrt(3 * 10**4000), 10**2000)  # below it
+    quotient = Exact._wrap(1 / (root - near)._element)
+    assert quotient.conjugate() is quotient
+    assert quotient.sign() == 1
+    assert (quotient.ball() - 10**1998).sign() == 1
+
+
 def test_powers_of_a_root_are_reduced_by_its_minimal_polynomial() -> None:
     x = exact(3).root(7)
     assert x**7 == 3 and exact(4).root(4) == exact(2).sqrt() and exact(32).root(5) == 2
@@ -49,6 +92,17 @@ def test_powers_of_a_root_are_reduced_by_its_minimal_polynomial() -> None:
     # a power of degree 7 * 6 or more had hundreds of terms, and dividing by it took seconds
     assert y.description().count("^") <= 6  # five powers and the polynomial
     assert y * (1 / y) == 1
+
+
+def test_a_long_number_is_not_divided_by_through_its_minimal_polynomial() -> None:
+    """flint takes hours to find that the degree, here 1568, is beyond what it converts."""
+    x = exact(1)
+    for root in (exact(2).root(7), exact(5).root(7), (exact(2).sqrt() + 3).sqrt(), exact(7).sqrt()):
+        x = x * (sum((root**k * (k + 2) for k in range(7)), exact(1)))
+    assert len(x.description()) > 2000
+    begun = thread_time()
+    assert x * (1 / x) == 1
+    assert thread_time() - begun < 1
 
 
 def test_reciprocals_of_sums_of_roots_stay_polynomial_and_exact() -> None:
@@ -254,3 +308,16 @@ def test_a_ball_does_not_depend_on_what_was_asked_before() -> None:
         assert asked.as_fraction() == Fraction(n, 3)
         assert repr(asked.ball()) == repr(plain.ball())
         assert asked.ball().magnitude() == plain.ball().magnitude()
+
+
+@pytest.mark.parametrize("text", ["0.0025", "2.5e-3", "25E-4"])
+def test_a_decimal_is_its_value_with_a_unit_of_its_last_place(text: str) -> None:
+    error = Ball.decimal(text, 4) - Fraction(1, 400)
+    assert (error - Fraction(99, 10**6)).is_zero() is None
+    assert (error - Fraction(101, 10**6)).is_zero() is False
+
+
+def test_a_number_of_roots_of_unity_names_their_order_and_another_none() -> None:
+    found = (exact(2).sqrt() * root_of_unity(1, 5) + 1).cyclotomic_order
+    assert found is not None and found % 5 == 0
+    assert BETA.cyclotomic_order is None

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import ast
 import dataclasses
+import os
 from fractions import Fraction
 from pathlib import Path
+from time import process_time
+from typing import Any
 
 import pytest
 
@@ -17,6 +20,7 @@ from glmref.exact import exact
 from glmref.exchange import import_tables
 from glmref.exchange.export import TARGETS, export
 from glmref.exchange.header import Comment, header
+from glmref.exchange.import_tables import read_table
 from glmref.exchange.numbers import decimal_of, lost, rounded
 from glmref.exchange.scheme import scheme_of
 from glmref.exchange.steppers import LANGUAGES, fill, identifier
@@ -228,6 +232,10 @@ def test_identifiers_are_names_in_every_language() -> None:
     assert identifier("pair-rkn-6-8b") == "pair_rkn_6_8b"
     assert identifier("3-eighths") == "m_3_eighths"
     assert identifier("") == "method"
+    assert [identifier(x) for x in ("double", "new", "std", "step", "R")] == [
+        "m_double", "m_new", "m_std", "m_step", "m_r"
+    ]  # fmt: skip
+    assert len(identifier("x" * 100)) <= 63
 
 
 def test_a_template_keeps_the_parts_that_hold() -> None:
@@ -464,7 +472,7 @@ def test_the_commands_write_files_and_say_what_is_wrong(
     for words, reason in (
         (["export", "heun-2", "--to", "c", "--output", str(tmp_path)], "is a folder"),
         (["import", str(tmp_path / "none"), "--from", "csv"], "cannot be read"),
-        (["import", str(tmp_path), "--from", "csv"], "cannot be read"),
+        (["import", str(tmp_path), "--from", "csv"], "it is a folder"),
         (["export", "heun-2", "--to", "cobol"], "cobol"),
         (["export", "g6245", "--to", "sundials"], "carries 4 values"),
     ):
@@ -492,3 +500,45 @@ def test_the_commands_write_files_and_say_what_is_wrong(
 )
 def test_the_head_of_a_file_states_the_order_that_is_claimed(name: str, said: str) -> None:
     assert said in header(glmref.load(name), "c", Comment("", "# ", ""))
+
+
+HEAD = "block,row,column,value\n"
+
+
+@pytest.mark.parametrize(
+    ("form", "text", "said"),
+    [
+        ("csv", f"{HEAD}A,9999,9999,1\nb,1,1,1\n", "(1, 1) of the block"),
+        ("csv", f"{HEAD}A,1,1,0\nA,1,1,7\nb,1,1,1\n", "occurs twice"),
+        ("csv", f"{HEAD}name,,,x\nname,,,y\nA,1,1,0\nb,1,1,1\n", "'name' occurs twice"),
+        ("csv", f"{HEAD}source,,,x\nsource.doi,,,y\nA,1,1,0\nb,1,1,1\n", "said in two ways"),
+        ("csv", f"{HEAD}name,,,{'x' * 200_000}\n", "is no CSV"),
+        ("csv", f"{HEAD}A,\u0661,1,0\nb,1,1,1\n", "whole numbers in row"),
+        ("json", '{"A": [["0"]], "A": [["1/2"]], "b": ["1"]}', "'A' occurs twice"),
+        ("json", '{"q.A": [["0"]], "q": {"A": [["1"]]}}', "'q.A' occurs twice"),
+        ("json", f'{{"A": [["0"]], "b": ["1"], "order": "{"x" * 10**6}"}}', "must be a whole"),
+        ("json", f'{{"A": [["{"9" * 10**6}"]], "b": ["1"]}}', "1000000 characters"),
+        ("json", '{"A": [["1e9999"]], "b": ["1"]}', "more digits than are read"),
+        ("json", f'{{"A": [[{"1," * 50_000}1]], "b": [1]}}', "more than 40000 entries"),
+        ("diffrax", f"ButcherTableau(c={'-' * 100_000}1)", "too deep"),
+        ("sundials", "int A[] = {1};" + "/*" * 1_000_000, "no arrays"),
+        ("sundials", "A[" * 1_000_000, "no arrays"),
+        ("ordinarydiffeq", "#=" * 1_000_000, "no arrays"),
+    ],
+)
+def test_a_hostile_table_is_refused_at_once(form: str, text: str, said: str) -> None:
+    """In time that is linear in its length; of two values for one thing none is taken."""
+    begun = process_time()
+    with pytest.raises(DataError) as caught:
+        read_table(text, form)
+    assert said in str(caught.value)
+    assert "\n" not in str(caught.value) and len(str(caught.value)) < 1500
+    assert process_time() - begun < 5
+
+
+def test_an_import_reads_regular_files_of_bounded_size_only(tmp_path: Path, capsys: Any) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "large").write_bytes(b" " * 4_000_001)
+    for name, said in (("pipe", "named pipe"), ("large", "at most"), ("/dev/zero", "a device")):
+        assert main(["import", str(tmp_path / name), "--from", "json"]) == 2
+        assert said in capsys.readouterr().err

@@ -156,7 +156,7 @@ def test_composition_of_two_midpoint_steps():
         (lambda: linear_multistep(["1", "1"], ["0", "0"]), "other than zero"),
         (lambda: one_leg_twin(["-1", "1"], ["-1", "1"]), "sums to zero"),
         (lambda: splitting(["1"], ["1", "1"], first="q"), "must alternate"),
-        (lambda: splitting(["1"], ["1"], first="x"), "'q' or 'p'"),
+        (lambda: splitting(["1"], ["1"], first="x"), "`first` must be one of q, p"),
         (lambda: composition(linear_multistep(*CASES[0]), ["1"]), "has r = 2"),
         (lambda: partitioned_runge_kutta([["0"]], ["1"], [["0"]], ["1", "1"]), "`b` must have"),
     ],

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from checker import glmref_check
 from glmref.cli import main
 from glmref.conformance.expected_failures import read_known_failures
 from glmref.errors import DataError, UsageError
@@ -65,6 +66,54 @@ def test_a_report_passes_over_what_is_no_file(odd: Path, tmp_path: Path) -> None
     odd.rename(tmp_path / "odd.jsonl")
     (entry,) = read([tmp_path]).odd
     assert entry.where == "odd.jsonl" and "a regular file is needed" in entry.why
+
+
+def test_links_to_the_folders_above_are_not_followed(tmp_path: Path) -> None:
+    (tmp_path / "a").symlink_to(".")
+    (tmp_path / "b").symlink_to(".")  # 2^40 paths
+    (tmp_path / "x.json").symlink_to("x.json")
+    (entry,) = read([tmp_path]).odd
+    assert entry.where == "x.json" and "symbolic links" in entry.why
+
+
+def test_a_device_is_no_result(tmp_path: Path) -> None:
+    (entry,) = read([Path("/dev/zero")]).odd
+    assert entry.why == "it is neither a file nor a folder"
+
+
+def test_a_named_pipe_is_no_tableau_and_no_certificate(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    os.mkfifo(tmp_path / "x")
+    (tmp_path / "link").symlink_to("x")
+    (tmp_path / "loop").symlink_to("loop")
+    for name in ("x", "link", "loop"):
+        for read_it, given in ((main, ["check"]), (glmref_check.main, [])):
+            assert read_it([*given, str(tmp_path / name)]) == 2
+            captured = capsys.readouterr()
+            assert captured.out == "" and captured.err.count("\n") == 1
+            assert ("named pipe" in captured.err) == (name != "loop")
+
+
+def test_a_named_pipe_is_no_result_of_asv(tmp_path: Path) -> None:
+    for name in ("benchmarks.json", "y/machine.json", "y/z.json"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        os.mkfifo(tmp_path / name)
+    (entry,) = read([tmp_path]).odd
+    assert "named pipe" in entry.why
+
+
+def test_a_named_pipe_is_no_function_of_a_scene(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    os.mkfifo(tmp_path / "mine.py")
+    (tmp_path / "s.toml").write_text(
+        'format = "glmref-scene-1"\nname = "s"\ntitle = "t"\nquestion = "q"\n'
+        'methods = ["rk4"]\nsteps = [20]\nt_end = 1\nask = ["state"]\n'
+        '[problem]\nfile = "mine.py:make"\n[answer]\nkind = "ended"\n'
+    )
+    assert main(["run", str(tmp_path / "s.toml"), "--plan"]) == 2
+    assert "`problem.file` must be like" in capsys.readouterr().err
 
 
 def test_known_failures_are_a_file(odd: Path) -> None:
@@ -209,8 +258,8 @@ def test_without_locks_of_the_system_the_file_is_the_lock(
     with Lock(path, "it"):
         with pytest.raises(UsageError, match=f"process {os.getpid()} since .*delete"):
             Lock(path, "it").acquire()
-        assert path.exists()
-    assert not path.exists()
+        assert [x.name for x in tmp_path.iterdir()] == ["locked"]
+    assert not any(tmp_path.iterdir())
     Lock(path, "it").acquire()  # left by a crash
     with pytest.raises(UsageError, match="if that process is gone, delete"):
         Lock(path, "it").acquire()
@@ -221,3 +270,23 @@ def test_a_process_is_known_by_when_it_began() -> None:
     mine = started(os.getpid())
     time.sleep(0.02)
     assert mine and mine == started(os.getpid()) and started(2**22 + 1) is None
+
+
+def test_a_lock_without_locks_of_the_system_is_closed_before_its_file_is_deleted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Windows deletes no file that is open."""
+    monkeypatch.setattr("glmref.system.files.fcntl", None)
+    true_unlink = Path.unlink
+
+    def unlink(path: Path, missing_ok: bool = False) -> None:
+        assert not any(
+            os.path.samestat(os.stat(path), os.fstat(int(x))) for x in os.listdir("/dev/fd")
+            if os.path.exists(f"/dev/fd/{x}")
+        )  # fmt: skip
+        true_unlink(path, missing_ok)
+
+    monkeypatch.setattr(Path, "unlink", unlink)
+    with Lock(tmp_path / "lock", "it"):
+        pass
+    assert not any(tmp_path.iterdir())

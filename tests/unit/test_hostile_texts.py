@@ -14,11 +14,15 @@ from xml.etree import ElementTree
 import pytest
 
 from glmref.catalogue.lookup import document
+from glmref.catalogue.reader import load_document
 from glmref.cli import main
 from glmref.errors import DataError
+from glmref.exchange.export import TARGETS, export
 from glmref.findings import Finding, Verdict
 from glmref.report import build, read
+from glmref.report.store import is_number
 from glmref.system.shown import DARK
+from glmref.system.terminal import escaped
 from glmref.views import chart, paths
 from glmref.views.bibtex import source_entry
 from glmref.views.tables import csv_text, findings_csv, findings_junit
@@ -73,6 +77,29 @@ def test_texts_in_figures_of_matplotlib_are_no_formulas(tmp_path: Path) -> None:
     cloud = paths.Cloud(text, ((0.0, 0.0), (1.0, 1.0)), ended=text)
     assert paths.write_figures(tmp_path / "b.png", [cloud], **words) is None
     assert {path.name for path in tmp_path.iterdir()} == {"a.png", "a.pdf", "b.png", "b.pdf"}
+
+
+SVG = '<svg xmlns="http://www.w3.org/2000/svg" {}>{}</svg>'
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        (SVG.format('ONLOAD="alert(1)"', ""), "and this one 'ONLOAD'"),  # a page ignores case
+        (SVG.format("", '<rect STYLE="x"/>'), "and this one 'STYLE'"),
+        (SVG.format("", '<rect fill="Url(http://x/y)"/>'), "and this one 'fill'"),
+        (SVG.format("", "<g>" * 50_000 + "</g>" * 50_000), "nested too deep"),
+    ],
+)
+def test_a_portrait_that_acts_or_loads_is_not_shown(tmp_path: Path, text: str, why: str) -> None:
+    (tmp_path / "rk4.svg").write_text(text)
+    found = read([tmp_path], ["rk4"])
+    assert not found.portraits and why in found.odd[0].why
+
+
+@pytest.mark.parametrize("value", [10**400, -(10**400), float("nan"), True, None])
+def test_a_number_beyond_doubles_is_none_that_is_shown(value: Any) -> None:
+    assert not is_number(value) and is_number(1) and is_number(-1.5)
 
 
 def test_texts_in_orbits_are_no_markup() -> None:
@@ -197,6 +224,64 @@ def test_texts_of_a_scene_reach_no_terminal_and_no_picture(
     assert not CONTROLS.search(captured.out + captured.err)
     for picture in (tmp_path / "out").glob("*.svg"):
         drawn(picture.read_text(encoding="utf-8").replace(DARK, "", 1))  # the one style
+
+
+# --- exports --------------------------------------------------------------------------------------
+
+#: Texts that would end a comment, continue it on the next line, or be seen as another text.
+ENDS = (
+    *(
+        "*/ int evil; /*",
+        "a\nevil()",
+        "a\revil()",
+        "a\x85evil()",
+        "=# evil() #=",
+        '"""\nevil()\n"""',
+    ),
+    *(
+        "*\\ int evil; /\\*",
+        "a\\",
+        "??/",
+        "\x1b[2J",
+        "\u202e",
+        "\u200b",
+        "\ud800",
+        "=cmd()",
+        "@SUM(1)",
+        "\x00",
+    ),
+)
+
+
+@pytest.mark.parametrize("evil", ENDS)
+@pytest.mark.parametrize("target", TARGETS)
+def test_texts_of_a_file_stay_in_the_comments_of_an_export(target: str, evil: str) -> None:
+    given: dict[str, Any] = {
+        "A": [["0", "0"], ["1", "0"]],
+        "b": ["1/2", "1/2"],
+        "class": "rk",
+        "title": "text",
+        "format": "glmref-method-2",
+        "name": "heun",
+        "claims": {"order": 2},
+        "embedded": [{"name": "first", "b": ["1", "0"]}, {"name": "second", "b": ["0", "1"]}],
+        "source": {"citation": "text", "where": "text", "doi": "text", "status": "derived"},
+    }
+
+    def lines(text: str) -> list[str]:
+        document = json.loads(json.dumps(given).replace('"text"', json.dumps(text)))
+        document["embedded"][1]["name"] = text
+        return export(load_document(document), to=target).split("\n")
+
+    written, usual = lines(evil), lines("usual")
+    assert all(escaped(line) == line for line in written)
+    if target not in ("json", "csv"):  # of code, only comments differ, and none ends early
+        assert len(written) == len(usual)
+        for line, other in zip(written, usual, strict=True):
+            assert line == other or not re.search(r"\*/|/\*|=#|#=|\\\\$", line.strip())
+    if target == "csv":
+        cells = [x for row in csv.reader(io.StringIO("\n".join(written))) for x in row]
+        assert not any(x.startswith(("=", "@")) for x in cells)
 
 
 # --- tables, JUnit and BibTeX ---------------------------------------------------------------------

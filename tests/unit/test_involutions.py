@@ -2,11 +2,14 @@
 
 import random
 from itertools import permutations
+from time import process_time
 
 import pytest
 
+from glmref.errors import BudgetError
 from glmref.exact import Ball, exact
 from glmref.exact.linalg import zeros
+from glmref.system.budget import limited
 from glmref.theory.involutions import Relation, involutions, matchings
 
 
@@ -71,3 +74,14 @@ def test_a_relation_of_a_part_looks_at_its_own_stages_only():
     wide = ((Ball.decimal("1.0", 1), Ball.decimal("2.0", 1)),)
     opened = list(involutions([Relation(wide, M([2, 4]), 2, 0)], (0, 0, 1)))
     assert opened == [(0, 1, 2)]
+
+
+def test_the_search_ends_with_its_budget() -> None:
+    """Two hundred equal stages that no exchange respects but for the last entry."""
+    n = 200
+    A = tuple(tuple(exact(int((i, j) == (0, 1))) for j in range(n)) for i in range(n))
+    target = tuple(tuple(exact(0) for _ in range(n)) for _ in range(n))
+    begun = process_time()
+    with pytest.raises(BudgetError), limited(0.2):
+        list(involutions([Relation(A, target, 0, 0)] * 3, [0] * n))
+    assert process_time() - begun < 3

@@ -203,3 +203,21 @@ def test_a_cache_that_cannot_be_written_costs_the_cache_alone(tmp_path, own, mon
     monkeypatch.setenv(cache.CACHE_VARIABLE, str(tmp_path / "cache"))
     monkeypatch.setattr(kept, "write_bytes", full)
     assert {x.verdict for x in checked(own)} == {Verdict.HOLDS}
+
+
+def test_code_that_moves_to_another_module_is_other_code(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The same bytes one after another, in modules of other names or lengths."""
+    monkeypatch.setattr(kept, "__file__", str(tmp_path / "prove" / "verdict_cache.py"))
+    monkeypatch.setattr(kept, "SUBPACKAGES", ("exact", "lone.py"))
+    (tmp_path / "exact").mkdir()
+    (tmp_path / "lone.py").write_text("z")
+    found = set()
+    for texts in ({"a": "x", "b": "y"}, {"a": "xy", "b": ""}, {"a": "x", "c": "y"}, {"a": "xy"}):
+        for path in (tmp_path / "exact").iterdir():
+            path.unlink()
+        for name, text in texts.items():
+            (tmp_path / "exact" / f"{name}.py").write_text(text)
+        found.add(kept._code.__wrapped__())
+    assert len(found) == 4

@@ -122,6 +122,7 @@ def test_work_on_matrices_and_polynomials_looks_at_the_budget() -> None:
         lambda: linalg.independent_rows(a),
         lambda: linalg.conjugate_transpose(a),
         lambda: linalg.matmul(a, b),
+        lambda: linalg.sub(a, a),
         lambda: polynomials.mul(a[0], a[1]),
         lambda: polynomials.divide(a[0], a[1]),
         lambda: root * root,

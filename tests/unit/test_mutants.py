@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import importlib.util
 import sys
+from pathlib import Path
+from typing import Any
 
 import pytest
 
-from campaigns.mutation.inprocess import NothingChanged, _every, _forget, exchange
-from campaigns.mutation.mutants import mutants
+from campaigns.mutation.inprocess import Bench, NothingChanged, _every, _forget, exchange
+from campaigns.mutation.mutants import Mutant, mutants
 from glmref.engine.kept import ByIdentity
 
 SOURCE = '''"""A module."""
@@ -53,6 +55,11 @@ def test_each_mutant_changes_one_place_and_knows_its_function():
     assert found["3", "(4)"].function == found["7", "(8)"].function == ""
     assert not any("module" in before or "int" in before for before, _ in found)
     assert all(x.source != SOURCE for x in found.values())
+    ones = [x for x in mutants("y = 1 + 1\n") if x.before == "1"]
+    assert sorted((x.column, x.source) for x in ones) == [
+        (4, "y = (2) + 1\n"),
+        (8, "y = 1 + (2)\n"),
+    ]
 
 
 def test_a_mutant_is_seen_wherever_its_function_is_bound(module):
@@ -89,3 +96,14 @@ def test_what_is_kept_by_identity_is_forgotten(tmp_path, monkeypatch):
     assert kept((given,), None, lambda: 1) == kept((given,), None, lambda: 2) == 1
     _forget()
     assert kept((given,), None, lambda: 2) == 2
+
+
+def test_a_function_that_is_called_on_import_alone_is_tested_in_a_copy():
+    module = Path("glmref/theory/trees.py")
+    bench: Any = Bench.__new__(Bench)
+    row = {"seconds": 1.0, "failed": False, "calls": {str(module): ["density"]}}
+    bench.items, bench.calls = {"a": None, "b": None}, {"a": row, "b": {**row, "calls": {}}}
+    wrong = Mutant(1, 0, "statement", "", "pass", "", "_make_single")
+    assert bench.judged(module, wrong) == ("stale", "", 0.0)
+    for function in ("", "_make_single", "density"):
+        assert bench.tests(module, function) == ["a"]

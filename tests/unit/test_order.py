@@ -68,9 +68,9 @@ def test_order_6_methods_take_less_than_2_seconds_with_error_constants():
     # measured 0.05 s each; the bound is the promise
     for name in ("g6245-w3", "g6245"):
         method = load(name)
-        start = time.perf_counter()
+        start = time.process_time()
         result = order_of(method, principal="identity")
-        assert time.perf_counter() - start < 2.0
+        assert time.process_time() - start < 2.0
         assert len(result.residuals) == 48
         assert max(x.magnitude() for x in result.residuals.values()) == pytest.approx(
             F(5, 7560), rel=1e-12

@@ -355,6 +355,18 @@ def test_sizes_are_those_of_fractions(seed: int) -> None:
     assert [rounded_up(x) for x in found] == [rounded_up(x) for x in wanted]
 
 
+@pytest.mark.parametrize(("more", "goes_on"), [(0, True), (Fraction(1, 10**30), False)])
+def test_a_thousandth_is_the_largest_rounding(more: Fraction, goes_on: bool) -> None:
+    """Through order 1 the residual is b - 1 itself."""
+    b = Fraction(1001, 1000) + more
+    found = kernel_of([[Fraction(1, 2)]], [b]).sizes_to_digits()["b"]
+    assert (len(found) > 2) == goes_on
+
+
+def test_a_smaller_one_is_where_an_order_has_thousands_of_trees() -> None:
+    assert len(trees(MANY)) < 1000 < len(trees(MANY + 1))
+
+
 @pytest.mark.parametrize("seed", [0, 1, 2, 4])
 def test_beyond_the_last_order_sizes_end_with_the_next(
     seed: int, monkeypatch: pytest.MonkeyPatch
@@ -426,6 +438,18 @@ def test_a_next_order_that_is_exact_keeps_the_residual_of_the_last(
     b = 1 + Fraction(1, 10**4)
     found = kernel_of([[1 / (2 * b)]], [b]).sizes_to_digits()["b"]
     assert [rounded_up(x) for x in found] == ["0", "1.0e-4", "1.0e-4"]
+
+
+def test_a_next_order_that_is_exact_keeps_the_residual_of_the_second(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of order 2 alone the condition is off; those of orders 1 and 3 hold."""
+    monkeypatch.setattr(Kernel, "_most", lambda self, *, nystrom: 2)
+    off = Fraction(1, 2) + Fraction(1, 10**4)
+    weight, c = 3 * off**2, Fraction(1, 3) / off
+    A = [[Fraction(0), Fraction(0)], [c - 1 / (6 * off), 1 / (6 * off)]]
+    found = kernel_of(A, [1 - weight, weight]).sizes_to_digits()["b"]
+    assert [rounded_up(x) for x in found] == ["0", "0", "1.0e-4", "1.0e-4"]
 
 
 @pytest.mark.parametrize("place", [60, 70, 90, 300])

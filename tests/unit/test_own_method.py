@@ -185,7 +185,7 @@ def test_a_solution_is_drawn_and_saved(tmp_path: Path) -> None:
     assert saved.replace(DARK, "") == drawn and "prefers-color-scheme: dark" in saved
     with pytest.raises(UsageError, match=r"such as run\.svg"):
         drawn.save(tmp_path / "run.png")
-    with pytest.raises(UsageError, match="numbers from 0 to 3"):
+    with pytest.raises(UsageError, match="whole number from 0 to 3"):
         solution.plot(components=[4])
     with pytest.raises(UsageError, match="one point"):
         glmref.solve("kepler", "rk4", h=0.1, steps=2).plot()

@@ -226,3 +226,17 @@ def test_abscissae_are_open_where_it_is_open_whether_there_is_a_solution() -> No
     V = [["1", "0.5"], ["0", "0.99999999999999999999"]]
     near: dict[str, Any] = {"U": [["1", "0"]], "B": [["1"], ["1"]], "V": V}
     assert verdict("abscissae", ["0"], A=[["0"]], digits=20, **near) is OPEN
+
+
+@pytest.mark.parametrize("claim", ["order", "order-identity"])
+def test_principal_parts_of_higher_order_are_found_where_1_is_a_multiple_eigenvalue(
+    claim: str, tmp_path: Path
+) -> None:
+    """Kutta's method of order 3, beside it h f(y + h f(y)) - h f(y), which starts as h^2 y''."""
+    b, end = ["1/6", "2/3", "1/6", "0", "0", "0"], ["1/6", "2/3", "1/6", "1", "0", "0"]
+    A = [["0"] * 6, ["1/2", *["0"] * 5], ["-1", "2", *["0"] * 4], b, ["1", *["0"] * 5], end]
+    for p in (2, 3, 4):
+        d = doc("glm", {claim: p}, A=A, U=[["1", "0"]] * 6, V=ONE,
+                B=[b, ["1", "0", "0", "-1", "-1", "1"]])  # fmt: skip
+        assert findings(d)[claim].verdict is (HOLDS if p == 3 else FAILS)
+        assert without_a_certificate(d, tmp_path) == []

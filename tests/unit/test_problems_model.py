@@ -113,6 +113,11 @@ def test_values_are_frozen():
         ({"f": ("y[0]",), "y0": (1,), "quadratic": {"C": [[1, 2]]}}, "shape (1, 1)"),
         ({"f": ("a*y[0]",), "y0": (1,)}, "unknown name 'a'"),
         ({"f": ("y[0]",), "y0": (1,), "hamiltonian": 5}, "`hamiltonian` must be"),
+        ({"f": ("y[0]",), "y0": (1,), "hamiltonian": "z"}, "unknown name 'z'"),
+        ({"f": ("y[0]",), "y0": (1,), "invariants": {"I": "y[0"}}, "cannot be read"),
+        ({"f": ("y[0]",), "y0": (1,), "observables": {"O": "y[1]"}}, "`O` uses component 1"),
+        ({"f": ("y[0]",), "y0": (1,), "scales": {"time": "x"}}, "`scales['time']` must be a"),
+        ({"f": ("y[0]",), "y0": (1,), "context": "x"}, "`context` is set by `Problem.on`"),
         ({"f": ("y[0]",), "y0": (1,), "t_span": (0, float("inf"))}, "two finite times"),
         ({"f": ("y[0]",), "y0": (1,), "parameters": {"a": "x"}}, "`a` must be a finite number"),
     ],
@@ -164,6 +169,7 @@ def test_numba_compiles_the_loops_as_they_stand(name):
         *((x, [1]) for x in ("parameters", "quadratic", "invariants", "observables", "scales")),
         ("terms", 3), ("terms", "y[0]"), ("t_span", None), ("t_span", 1.0), ("t_span", (0, 1, 2)),
         ("t_span", ("a", 1)), ("t_span", (0, 10**400)), ("bodies", "2"), ("bodies", None),
+        ("name", None), ("source", 3), ("canonical", "yes"), ("scales", {"time": 0}),
     ],
 )  # fmt: skip
 def test_what_is_of_another_kind_is_refused_by_its_key(key: str, value: object) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from glmref.exact import Ball, ball, exact
+from glmref.exact import Ball, Exact, ball, exact
 from glmref.prove import algebra
 from glmref.prove.algebra import (
     bounded,
@@ -16,7 +16,9 @@ from glmref.prove.algebra import (
     in_right_half,
     inside_circle,
     involutions,
+    leaves_disc,
 )
+from glmref.theory import polynomials as poly
 
 SMALL = Ball.around(ball(0), Fraction(1, 10**20))
 
@@ -105,3 +107,50 @@ def test_a_search_for_exchanges_is_cut_off(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(algebra, "MAX_PLACES", 20)
     assert alike(4) is None
     assert alike(2) == [(0, 1), (1, 0)]
+
+
+@pytest.mark.parametrize(
+    ("root", "simple"),
+    [
+        (((1,), (2,)), True),  # 1/2 for all y
+        (((0, 2), (2, 0, 2)), True),  # y/(1 + y^2), of modulus at most 1/2
+        (((0, 2), (1, 0, 1)), False),  # 2 y/(1 + y^2), which is 1 at y = 1 and -1 at y = -1
+        (((1,), (1, 0, 1)), True),  # 1/(1 + y^2), which is 1 at y = 0 alone
+    ],
+)
+def test_a_double_root_that_touches_the_circle_is_told(root: Any, simple: bool) -> None:
+    """(w - root(y))^2, without fractions; y = 0 is left aside."""
+    top, bottom = (tuple(map(Exact, x)) for x in root)
+    square = poly.mul(bottom, bottom), poly.mul(top, bottom), poly.mul(top, top)
+    q = (square[2], tuple(-2 * x for x in square[1]), square[0])
+    assert leaves_disc(q) == (None, simple)
+
+
+@pytest.mark.parametrize(("other", "inside"), [(Fraction(1, 2), True), (Fraction(2), False)])
+@pytest.mark.parametrize("zeros", [1, 2])
+def test_roots_that_are_0_lie_inside_the_circle(other: Fraction, inside: bool, zeros: int) -> None:
+    """x - other, with balls as coefficients, times x or x^2."""
+    p = (*[exact(0)] * zeros, ball(-other) + SMALL, ball(1))
+    assert inside_circle(p) is inside
+    assert inside_circle((*p[:zeros], exact(1))) is True
+
+
+@pytest.mark.parametrize(
+    ("third", "multiple"),
+    [
+        ((3,), False),
+        ((0,), False),
+        ((0, 1), True),
+        ((11, -1), True),
+        ((2, 0, 1), False),
+        ((-2, 0, 1), True),
+    ],
+)
+def test_roots_that_meet_on_the_axis_are_told(third: tuple[int, ...], multiple: bool) -> None:
+    """1, 2 and a polynomial in y, times 1 + y^2, which makes the resultant as long as it can be."""
+    one = (Exact(1),)
+    product: list[Any] = [(Exact(1), Exact(0), Exact(1))]
+    for root in (one, (Exact(2),), tuple(map(Exact, third))):
+        lower = [poly.mul(tuple(-x for x in root), c) for c in product]
+        product = [poly.add(x, y) for x, y in zip([*lower, ()], [(), *product], strict=True)]
+    assert algebra.multiple_on_axis(product) is multiple

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from glmref import analyze, load
+from glmref.catalogue.lookup import document
 from glmref.exact.expression import parse
 from glmref.prove import (
     classes,
@@ -74,3 +75,23 @@ def test_an_analysis_holds_what_was_found_and_is_strict_json(name: str) -> None:
         assert same(found.symmetric["L_hat"], turned.L_hat)
         D = found.g_symplectic["D"]
         assert same([D["D_P"]], [form.D_P]) and same([D["D_Q"]], [form.D_Q])
+
+
+#: Orders of an analysis, by the claim: what is not in a file has none.
+ORDERS = {"order": "order", "order-identity": "order_identity", "stage-order": "stage_order",
+          "embedded-order": "order_embedded", "dense-order": "order_dense",
+          "w-order": "order_w"}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "name", ["rk4", "bogacki-shampine-3-2", "dormand-prince-5-4", "rodas3", "ros3p", "g4123"]
+)
+def test_orders_are_those_that_the_file_claims(name: str) -> None:
+    found, claims = analyze(load(name)), document(name)["claims"]
+    plain = found.as_json()
+    for claim, key in ORDERS.items():
+        shown = getattr(found, key)
+        if claim in claims:
+            assert shown == plain[key] == claims[claim], claim
+        elif claim in ("embedded-order", "dense-order", "w-order"):
+            assert shown is None and key not in plain, claim

@@ -13,6 +13,7 @@ from glmref.prove.lie import (
     SPLITTING,
     VERLET_F,
     VERLET_K,
+    bracket,
     images,
     lie_basis,
     spans,
@@ -120,3 +121,9 @@ def test_images_are_sums_over_the_words_of_a_tree(order, kind):
             for element in lie_basis(order, kind)
         ]
         assert list(row) == expected
+
+
+def test_a_bracket_is_the_difference_of_both_products():
+    x, y = {"f": Fraction(2), "fk": Fraction(1)}, {"k": Fraction(3)}
+    assert bracket(x, y) == {"fk": 6, "kf": -6, "fkk": 3, "kfk": -3}
+    assert bracket(x, x) == {} and bracket(x, {}) == {}

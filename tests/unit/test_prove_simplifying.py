@@ -133,3 +133,19 @@ def test_what_an_enclosure_cannot_mean_is_refused(changes: dict[str, Any], said:
 def test_equations_without_a_meaning_are_refused(text: str) -> None:
     with pytest.raises(DataError):
         RungeKuttaSystem(with_equations([text]))
+
+
+@pytest.mark.parametrize(
+    ("entry", "equations", "order"),
+    [
+        ("x/2+y", ["order [o]"], 2),  # b = 1, as entries that are linear in the unknowns show
+        ("x*y", ["order [o]"], 0),
+        ("x*y", ["order [o]", "order o"], 2),
+    ],
+)
+def test_where_unknowns_are_multiplied_equations_alone_give_conditions(
+    entry: str, equations: list[str], order: int
+) -> None:
+    d = {"class": "rk", "A": [[entry]], "b": ["1"], "unknowns": {"x": "0.5", "y": "0.25"},
+         "enclosure": {"equations": equations}}  # fmt: skip
+    assert RungeKuttaSystem(d).order() == order

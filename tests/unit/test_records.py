@@ -3,14 +3,19 @@
 import json
 import math
 import os
+import time
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from glmref.compute.records import RecordFile, checksum, finite, key_of, read_records
+from glmref.compute import RecordFolder, measure, records
+from glmref.compute.records import RecordFile, checksum, finite, key_of, read_records, scan
 from glmref.errors import DataError, UsageError
+from glmref.system import files
+from glmref.system.files import Lock
 
+posix = pytest.mark.skipif(os.name != "posix", reason="links, pipes and locks of POSIX")
 TASKS = [{"method": "a", "h": h} for h in (0.1, 0.2, 0.3)]
 
 
@@ -196,3 +201,127 @@ def test_a_store_that_is_only_read_changes_nothing(tmp_path):
     assert len(RecordFile(path).records) == 2
     assert path.read_bytes() == whole[:-20]  # another process may be writing that line
     assert [x.name for x in tmp_path.iterdir()] == [path.name]
+
+
+@posix
+def test_a_link_called_as_the_lock_is_not_followed(tmp_path):
+    precious = tmp_path / "precious"
+    precious.write_text("mine", encoding="utf-8")
+    (tmp_path / ".records.jsonl.lock").symlink_to(precious)
+    with pytest.raises(UsageError, match="cannot be written"):
+        RecordFile(tmp_path / "records.jsonl").append(TASKS[0], {"outcome": "completed"})
+    assert precious.read_text(encoding="utf-8") == "mine"
+
+
+@posix
+def test_a_file_has_one_lock_whatever_links_lead_to_it(tmp_path):
+    path, link = tmp_path / "a" / "records.jsonl", tmp_path / "b" / "linked.jsonl"
+    RecordFile(path).append(TASKS[0], {"outcome": "completed"})
+    link.parent.mkdir()
+    link.symlink_to(path)
+    with RecordFile(link).exclusive(), pytest.raises(UsageError, match="is in use by process"):
+        RecordFile(path).append(TASKS[1], {"outcome": "completed"})
+
+
+@posix
+def test_a_pipe_in_place_of_the_file_for_damaged_lines_is_refused_at_once(tmp_path):
+    path = tmp_path / "records.jsonl"
+    RecordFile(path).append(TASKS[0], {"outcome": "completed"})
+    path.write_bytes(path.read_bytes() + b"damaged\n")
+    os.mkfifo(tmp_path / "records.jsonl.aside")
+    with pytest.raises(UsageError, match="cannot be written"):
+        RecordFile(path).append(TASKS[1], {"outcome": "completed"})
+
+
+@pytest.mark.parametrize("how", ["deleted", "replaced", "changed"])
+def test_a_file_that_another_program_changes_is_not_written_on(tmp_path, how):
+    path = tmp_path / "records.jsonl"
+    store = RecordFile(path)
+    with store.exclusive():
+        store.append(TASKS[0], {"outcome": "completed"})
+        if how == "changed":
+            path.write_bytes(path.read_bytes() + b"x\n")
+        else:
+            path.unlink()
+        if how == "replaced":
+            path.write_bytes(b"of somebody\n")
+        before = path.read_bytes() if path.exists() else None
+        with pytest.raises(UsageError, match="changed, moved or deleted"):
+            store.append(TASKS[1], {"outcome": "completed"})
+    assert (path.read_bytes() if path.exists() else None) == before
+
+
+def test_without_locks_of_the_system_an_empty_lock_file_is_respected(tmp_path, monkeypatch):
+    """On a full disk the holder cannot write who it is."""
+    monkeypatch.setattr(Lock, "_flock", lambda *_: False)
+    monkeypatch.setattr(Lock, "_sign", lambda *_: None)
+    first, second = (Lock(tmp_path / ".lock", "it") for _ in range(2))
+    with (
+        first,
+        pytest.raises(UsageError, match=r"in use by another process.*delete .*\.locked"),
+    ):
+        second.acquire()
+    assert list(tmp_path.iterdir()) == []
+    with Lock(tmp_path / ".lock", "it"):
+        pass
+
+
+def _squares(task):
+    return {"outcome": "completed", "square": task["n"] ** 2}
+
+
+def test_a_folder_whose_first_file_was_deleted_goes_on(tmp_path):
+    tasks = [{"n": k} for k in range(10)]
+    measure(_squares, tasks[:6], RecordFolder(tmp_path, each=3))
+    (tmp_path / "records-000001.jsonl").unlink()
+    assert measure(_squares, tasks, RecordFolder(tmp_path, each=3)) == 7  # did not end
+    assert sorted(x["square"] for x in RecordFolder(tmp_path).records()) == [
+        k * k for k in range(10)
+    ]
+
+
+def test_a_copy_of_a_file_in_a_folder_is_refused(tmp_path):
+    measure(_squares, [{"n": k} for k in range(3)], RecordFolder(tmp_path))
+    first = tmp_path / "records-000001.jsonl"
+    (tmp_path / "records-000002.jsonl").write_bytes(first.read_bytes())
+    with pytest.raises(DataError, match=r"records-000002\.jsonl: 3 of its records"):
+        RecordFolder(tmp_path)
+
+
+def test_each_bit_of_a_record_that_flips_is_seen(tmp_path):
+    path = tmp_path / "records.jsonl"
+    measured = {"error": 1.2345e-08, "seconds": 0.0019999999999999914, "outcome": "completed"}
+    RecordFile(path).append(TASKS[0], measured)
+    content, right = path.read_bytes(), read_records(path)
+    for k in range(8 * (len(content) - 1)):
+        changed = bytearray(content)
+        changed[k // 8] ^= 1 << k % 8
+        path.write_bytes(changed)
+        found = scan(path)
+        assert found.faults and found.records in ([], right), (k, bytes(changed))
+
+
+@pytest.mark.parametrize("piece", [b'{"format":"', b'{"format":"x","a":'])
+def test_a_long_line_that_begins_as_many_records_is_read_in_linear_time(tmp_path, piece):
+    path = tmp_path / "records.jsonl"
+    RecordFile(path).append(TASKS[0], {"outcome": "completed"})
+    path.write_bytes(path.read_bytes()[:-1] + piece * 100_000)  # took half a minute
+    begun = time.process_time()
+    assert len(scan(path).records) == 1
+    assert time.process_time() - begun < 2
+
+
+def test_the_ends_of_lines_of_a_file_are_not_changed_on_windows(tmp_path, monkeypatch):
+    binary, flags, true_open = 1 << 40, {}, os.open
+
+    def seen(path, given, mode=0o777):
+        flags.setdefault(str(path), []).append(given & binary)
+        return true_open(path, given & ~binary, mode)
+
+    monkeypatch.setattr(os, "open", seen)
+    for module in (files, records):
+        monkeypatch.setattr(module, "BINARY", binary)
+    path = tmp_path / "records.jsonl"
+    measure(lambda task: {"x": 1}, [{"method": "a"}], RecordFile(path))
+    files.read_bytes(path, 1000)
+    assert flags[str(path)] == [binary] * len(flags[str(path)])

@@ -1,8 +1,8 @@
 """Which values a pair needs: those that are reached and seen."""
 
 from glmref.catalogue.lookup import load
-from glmref.exact import linalg
-from glmref.method import as_matrix, as_vector
+from glmref.exact import Ball, linalg
+from glmref.method import GLM, as_matrix, as_vector
 from glmref.method.sweep import build_partitioned as build
 from glmref.theory.reduction import reduction
 
@@ -47,3 +47,16 @@ def test_the_published_pairs_are_not_partitioned_runge_kutta_methods():
     for name in ("pair-4-4", "pair-4-5", "pair-4-6", "pair-6-7", "pair-6-10"):
         found = reduction(load(name))
         assert (found.reducible, found.reached, found.seen) == (False, (2, 2), (2, 2))
+
+
+def test_decimals_that_may_be_equal_leave_open_whether_a_value_is_needed():
+    """Two stages read y1 + y2/2 as far as the decimals say: whether alike is not known."""
+
+    def read(second):
+        U = [["1", Ball.decimal("0.500", 3)], ["1", Ball.decimal(second, 3)]]
+        V = [["1", "0"], ["0", "1"]]
+        return reduction(GLM(A=[["0"] * 2] * 2, U=U, B=[["1/2", "1/2"], ["1", "-1"]], V=V))
+
+    assert read("0.500").reducible is None
+    assert read("0.502").reducible is None
+    assert read("0.503").reducible is False

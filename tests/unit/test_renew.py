@@ -43,7 +43,7 @@ def test_one_value_has_nothing_to_renew() -> None:
 
 @pytest.mark.parametrize("wrong", [-1, 2.5, True, "often"])
 def test_what_is_no_number_of_steps_is_refused(wrong: object) -> None:
-    with pytest.raises(UsageError, match="`renew` must be a number of steps"):
+    with pytest.raises(UsageError, match="`renew` must be a whole number"):
         solve(KEPLER, "g6245-w3", h=0.05, steps=50, renew=wrong)  # type: ignore[arg-type]
 
 

@@ -9,6 +9,7 @@ import pytest
 from glmref.errors import ExactnessError
 from glmref.exact import Exact, root_of_unity
 from glmref.exact.expression import parse, shown_number, to_text
+from glmref.exact.roots import Roots
 
 ATOMS = (
     *("exp(2*pi*i/7)", "exp(6*pi*i/7)", "exp(2*pi*i/5)", "exp(2*pi*i/9)", "root(2,3)", "root(12,4)"),
@@ -129,6 +130,18 @@ def test_many_digits_of_a_small_difference() -> None:
     assert cmath.isclose(complex(real), cmath.cos(2 * cmath.pi / 7))
 
 
+@pytest.mark.parametrize("factor", ["1", "1+2*i", "2+i", "3+exp(2*pi*i/5)", "exp(4*pi*i/5)/9"])
+def test_a_ball_is_narrow_beside_its_number_where_its_terms_cancel(factor: str) -> None:
+    """(root(2,3) - 1)^100 is 3e-59, made of terms of 10^29; a ball of 53 bits decides its size."""
+    power = number(factor)
+    for _ in range(100):
+        power = power * (number("root(2,3)") - 1)
+    roots = power._as_roots()
+    assert roots is not None
+    found = roots.enclosed(53)
+    assert (found.real.rad() + found.imag.rad()) * 2**53 < found.abs_lower()
+
+
 def test_positive_roots_of_rationals_meet_without_an_open_zero() -> None:
     """Each is kept by its minimal polynomial, of which flint alone cannot decide so much."""
     x = number("root(6,12)+root(2/9,3)*root(9/5,2)")
@@ -150,3 +163,12 @@ def test_a_sum_with_very_long_numbers_is_not_divided_by():
     with pytest.raises(ExactnessError, match=r"with numbers of \d+ bits is not divided by"):
         Exact(1) / x
     assert not x.is_zero()
+
+
+@pytest.mark.parametrize("turn", [4, 8, 12, 24])
+def test_flint_gets_square_roots_for_what_they_are(turn: int) -> None:
+    """Of a root of unity and its conjugate it knows no relation: verdicts took hours."""
+    value = Exact._made(Roots.of_unity(Fraction(1, turn)))
+    assert "Pow" not in repr(value._element) and value == root_of_unity(1, turn)
+    real = Exact._wrap(value._element) + Exact._wrap(value._element).conjugate()
+    assert real.conjugate() is real and (real - 2 * value.real).is_zero()

@@ -744,6 +744,8 @@ def test_charts_show_error_against_time_and_against_evaluations(tmp_path):
         ("steps = [20, 40]", f"h = ['2*pi/{MOST_STEPS + 1}']", "does not divide t_end"),
         ("steps = [20, 40]", "h = [1e-308]", "does not divide t_end"),
         ("repeats = 1", "repeats = 1001", "whole number from 1 to 1000"),
+        ("repeats = 1", f"budget = '{'1' + '+0' * 50}'", "positive number or an expression"),
+        ("repeats = 1", "#" * (200_012 - len(SMALL)), "200001 bytes"),
         ("repeats = 1", "budget = '1/0'", "positive number or an expression"),
         ("repeats = 1", f"a{'.a' * 101} = 1", "a key has more than 100 parts"),
         ("steps = [20, 40]", f"steps = {list(range(1, MOST_ENTRIES + 2))}", "make several scenes"),
@@ -759,11 +761,11 @@ def test_what_is_just_beyond_a_limit_is_refused(tmp_path, old, new, message):
 
 def test_what_is_just_inside_the_limits_is_read(tmp_path):
     text = SMALL.replace("steps = [20, 40]", f"h = ['2*pi/{MOST_STEPS}']")
-    text = text.replace("repeats = 1", "repeats = 1000")
+    text = text.replace("repeats = 1", f"repeats = 1000\nbudget = '1.{'+0' * 49}'")
     text = text.replace("A small scene", "x" * MAX_TEXT)
     text = text.replace('"small"', f'"{"x" * MAX_NAME}"')
-    scene = load_scene(write(tmp_path, text))
-    assert scene.grid[0][1] == MOST_STEPS and scene.repeats == 1000
+    scene = load_scene(write(tmp_path, text + "#" * (200_000 - len(text))))
+    assert scene.grid[0][1] == MOST_STEPS and (scene.repeats, scene.budget) == (1000, 1)
     assert len(scene.name) == MAX_NAME and len(scene.title) == MAX_TEXT
 
 

@@ -2,6 +2,7 @@
 
 import re
 from fractions import Fraction as F
+from math import gcd
 
 import pytest
 
@@ -25,6 +26,14 @@ def test_eigenvalues_come_by_increasing_argument():
     values = [root_of_unity(k, 8) for k in (7, 4, 0, 1)] + [exact(0)]
     found = unimodular_eigenvalues(diagonal(values))
     assert [e.value for e in found] == [root_of_unity(k, 8) for k in (0, 1, 4, 7)]
+
+
+@pytest.mark.parametrize("n", [3, 5, 8, 10, 12])
+def test_roots_of_unity_are_found_in_fields_that_hold_them(n):
+    """All of one order but the first, beside an irrational number: no polynomial is rational."""
+    turns = [root_of_unity(k, n) for k in range(2, n) if gcd(k, n) == 1]
+    found = unimodular_eigenvalues(diagonal([*turns, exact(2).sqrt() - 1]))
+    assert [e.value for e in found] == turns
 
 
 def test_eigenvalues_that_are_no_roots_of_unity_are_found():

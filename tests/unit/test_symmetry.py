@@ -173,9 +173,9 @@ def test_wrong_digits_are_refuted_among_published_decimals():
 
 def test_order_6_symmetry_is_decided_quickly():
     m = glmref.load("g6245-w3")
-    began = time.perf_counter()
+    began = time.process_time()
     symmetry(m)
-    assert time.perf_counter() - began < 1  # 20 ms on a free machine
+    assert time.process_time() - began < 1  # 20 ms on a free machine
 
 
 def test_verlet_exchanges_sweeps_and_symplectic_euler_does_not():

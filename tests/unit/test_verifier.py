@@ -11,7 +11,7 @@ import pytest
 from glmref.errors import DataError
 from glmref.findings import Verdict
 from glmref.prove.verifier import verify_file
-from tests.adversary.deceive import shipped
+from tests.adversary.deceive import doc, findings, shipped
 
 WHY = {"flag": "OrderOverclaimed", "why": "It is the classical method."}
 
@@ -64,3 +64,14 @@ def test_what_cannot_be_checked_is_named(tmp_path: Path) -> None:
     broken = {"claim": "symmetric", **WHY, "found": ""}
     with pytest.raises(DataError, match=r"own\.json.*symmetric"):
         verify_file(written(tmp_path, claims={"order": 4}, broken=broken))
+
+
+def test_what_has_no_residual_says_none() -> None:
+    """The eigenvalue 2 of V refutes stability and measures nothing; B 1 is 2 instead of 1."""
+    d = doc("glm", {"zero-stable": True, "consistent": True}, A=[["0"]], U=[["1", "0"]],
+            B=[["2"], ["0"]], V=[["1", "0"], ["0", "2"]])  # fmt: skip
+    found = findings(d)
+    assert {c: (x.verdict, x.residual) for c, x in found.items()} == {
+        "zero-stable": (Verdict.FAILS, 0.0),
+        "consistent": (Verdict.FAILS, 1.0),
+    }

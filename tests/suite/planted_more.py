@@ -1,0 +1,359 @@
+"""Wrong integrators, continued: single entries, halves of pairs, histories, Rosenbrock methods."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+
+from glmref.catalogue.lookup import load
+from glmref.conformance.adapters.reference import Adapter as Reference
+from glmref.engine.reference import StageSolver
+
+from .planted import Base, StoppedBase, planted
+from .planted_runs import PLANTED, Foreign, RunOnly
+from .real_defects import Rosenbrock
+
+__all__ = ["PLANTED", "Foreign"]
+
+
+# --- entries ------------------------------------------------------------------------------------
+
+
+@planted("step", "B[1][2] is -0.3333333333 and must be 0.3333333333", methods=("rk4",))
+class WeightSign(Base):
+    without = ("stages",)
+
+    def spoil(self, engine: Any) -> None:
+        engine.B[0, 1] *= -1
+
+
+@planted("stages", "A[4][1] is -3.733333333", "A[4][2] is 0.9777777778",
+         methods=("dormand-prince-5",))  # fmt: skip
+class EntriesExchanged(Base):
+    def spoil(self, engine: Any) -> None:
+        engine.A[3, :2] = engine.A[3, 1::-1]
+
+
+@planted("step", "A[1][2] is 0.300263195 and must be -0.03597666752", methods=("gauss-3",))
+class TableTransposed(Base):
+    without = ("stages",)
+
+    def spoil(self, engine: Any) -> None:
+        engine.A = engine.A.T.copy()
+
+
+@planted("step", "V[1][1] is -0.3333333333 and must be 1.333333333", methods=("bdf-2",))
+class PastWeightsExchanged(Base):
+    without = ("stages", "solve")
+
+    def spoil(self, engine: Any) -> None:
+        engine.V[0] = engine.V[0, ::-1]
+
+
+@planted("abscissae", "f is evaluated at times other than", methods=("dormand-prince-5",))
+class OneAbscissaWrong(Base):
+    def spoil(self, engine: Any) -> None:
+        engine.c[2] = 0.2
+
+
+@planted("abscissae", "f is evaluated at times other than", methods=("rk4",))
+class TimeAdvancedFirst(Base):
+    def step(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
+        return super().step(method, problem, t + h, y, h)
+
+
+@planted("step", "B[1][1] is", methods=("dormand-prince-5",))
+class LastDigits(Base):
+    """No stage equations are solved, so that rounding alone may show."""
+
+    without = ("stages",)
+
+    def spoil(self, engine: Any) -> None:
+        engine.B[0, 0] += 2e-12
+
+
+# --- halves of pairs ----------------------------------------------------------------------------
+
+
+@planted("step", "B_hat[1][2] is 0.6666 and must be 0.6666666667",
+         methods=("lobatto-iiia-iiib-3",))  # fmt: skip
+class WeightOfMomentum(Base):
+    without = ("stages", "solve")
+
+    def spoil(self, engine: Any) -> None:
+        engine.B_hat[0, 1] = 0.6666
+
+
+@planted("step", "V_hat[1][1] is -1 and must be 1", methods=("pair-4-4",))
+class ValuesOfMomentumNegated(Base):
+    without = ("stages",)
+
+    def spoil(self, engine: Any) -> None:
+        engine.V_hat *= -1
+
+
+@planted("step", "B_hat[1][1] is 0.3950617284 and must be 0.07142857143",
+         methods=("dormand-prince-rkn-4-3",))  # fmt: skip
+class VelocityWeightsExchanged(Base):
+    without = ("stages", "solve")
+
+    def spoil(self, engine: Any) -> None:
+        engine.B_hat[0, :2] = engine.B_hat[0, 1::-1]
+
+
+@planted("step", "B_hat[1][1] is -0.5 and must be 0.5", methods=("stormer-verlet",))
+class KickSign(Base):
+    without = ("stages", "solve")
+
+    def step(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
+        q, p = np.split(y, 2)
+        p = p - h / 2 * problem.dp(q)
+        q = q + h * problem.dq(p)
+        return np.concatenate([q, p - h / 2 * problem.dp(q)])
+
+
+def composed(problem: Any, y: Any, sizes: tuple[float, ...]) -> Any:
+    """Steps of position Verlet, one after the other."""
+    q, p = np.split(y, 2)
+    for h in sizes:
+        q = q + h / 2 * problem.dq(p)
+        p = p + h * problem.dp(q)
+        q = q + h / 2 * problem.dq(p)
+    return np.concatenate([q, p])
+
+
+#: Sizes of the three steps of a method of order 4 (Forest and Ruth; Yoshida): outer, inner.
+OUTER, INNER = 1 / (2 - 2 ** (1 / 3)), 1 - 2 / (2 - 2 ** (1 / 3))
+
+
+@planted("step", "A[2][2] is 1.351207192 and must be -0.175603596", methods=("forest-ruth-4",))
+class CompositionOutOfOrder(Base):
+    without = ("stages", "solve")
+
+    def step(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
+        return composed(problem, y, (OUTER * h, OUTER * h, INNER * h))
+
+
+# --- arithmetic, starts, stage equations --------------------------------------------------------
+
+
+@planted("step", "the integrator does something more", methods=("rk4",))
+class StepSquared(Base):
+    """h squared in one of the stages."""
+
+    without = ("stages", "solve")
+
+    def step(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
+        f, k1 = problem.f, problem.f(t, y)
+        k2 = f(t + h / 2, y + h * h / 2 * k1)
+        k3 = f(t + h / 2, y + h / 2 * k2)
+        return y + h / 6 * (k1 + 2 * k2 + 2 * k3 + f(t + h, y + h * k3))
+
+
+@planted("stages", "the integrator does something more", methods=("gauss-2",))
+class StagesSolvedLoosely(StoppedBase):
+    class Loose(StageSolver):
+        def __call__(self, function: Any, x: Any, scale: Any) -> Any:
+            while np.abs((new := function(x)) - x).max() > 1e-7:
+                x = new
+            return new
+
+    solver: ClassVar[type[StageSolver]] = Loose
+
+
+@planted("start", "0.125 times the right ones (h)", methods=("thesis-3-8",))
+class StartTimesStep(Base):
+    def start(self, method: str, problem: Any, h: float) -> Any:
+        values = super().start(method, problem, h)
+        values[1:] *= h
+        return values
+
+
+@planted("finish", methods=("g4123",))
+class FinishBackwards(Base):
+    without = ("solve",)
+
+    def finish(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
+        return super().finish(method, problem, t, y, -h)
+
+
+# --- runs ---------------------------------------------------------------------------------------
+
+
+@planted("trajectory", "StepHalved", methods=("dormand-prince-5",))
+class AccurateStepHalved(RunOnly):
+    """The error of a step is below what the vectors show as wrong."""
+
+    def solve(
+        self, method: str, problem: Any, h: float, steps: int, start: Any = None
+    ) -> np.ndarray:
+        return super().solve(method, problem, h / 2, 2 * steps, start)[-1]
+
+
+@planted("trajectory", methods=("dormand-prince-5",))
+class LastSlopeOfWrongStage(Base):
+    """First same as last, only where the input is the last output; stage 6 is kept and not 7."""
+
+    without = ("stages", "solve")
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.last: Any = (None, None)
+
+    def step(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
+        engine, (end, slope) = self._engine(method, problem), self.last
+        slopes = [slope if end is not None and np.array_equal(end, y) else problem.f(t, y)]
+        for i in range(1, 7):
+            at = y + h * sum(engine.A[i, j] * k for j, k in enumerate(slopes))
+            slopes.append(problem.f(t + engine.c[i] * h, at))
+        new = y + h * sum(b * k for b, k in zip(engine.B[0], slopes, strict=True))
+        self.last = (new.copy(), slopes[5])
+        return new
+
+
+@planted("trajectory", methods=("ab-2",))
+class PastNotCarried(RunOnly):
+    """The slope of the first step is used in all steps."""
+
+    def solve(
+        self, method: str, problem: Any, h: float, steps: int, start: Any = None
+    ) -> np.ndarray:
+        engine, rows = Reference(self.methods), [np.array(start)[0]]
+        values = np.array(start)
+        for n in range(steps):
+            new = engine.step(method, problem, problem.t_span[0] + n * h, values, h)
+            values = np.array([new[0], *values[1:]])
+            rows.append(values[0])
+        return np.array(rows)
+
+
+@planted("order", "falls like h^2", "these give order 2", methods=("ab-4",))
+class HistoryReversed(RunOnly):
+    """Starts by Runge-Kutta steps, and keeps their slopes in the wrong order."""
+
+    starts = "own"
+
+    def solve(
+        self, method: str, problem: Any, h: float, steps: int, start: Any = None
+    ) -> np.ndarray:
+        f, t, y = problem.f, problem.t_span[0], np.array(problem.y0)
+        rows, slopes = [y], [f(t, y)]
+        for n in range(steps):
+            if n < 3:
+                y = Foreign().step("", problem, t, y, h)
+            else:
+                y = y + h / 24 * np.array([55, -59, 37, -9]) @ np.array(slopes)
+            t += h
+            rows.append(y)
+            slopes = [*slopes, f(t, y)] if n < 3 else [f(t, y), *slopes[:3]]
+        return np.array(rows)
+
+
+# --- claims of integrators outside the catalogue ------------------------------------------------
+
+
+@planted("order", "every number is a single precision number", methods=("mine",))
+class SinglePrecisionClaimed(Foreign):
+    methods: ClassVar = {"mine": {"order": 4}}
+
+    def step(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
+        return super().step(method, problem, t, y, h).astype(np.float32)
+
+
+@planted("order", "its coefficients have order 3", "nearest is forest-ruth-4", methods=("mine",))
+class CompositionClaimed(Foreign):
+    methods: ClassVar = {"mine": {"order": 4, "symplectic": True}}
+    problems = ("pendulum", "kepler")
+
+    def step(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
+        return composed(problem, y, (OUTER * h, OUTER * h, INNER * h))
+
+
+@planted("order", "at the times at which f is called misses", methods=("mine",))
+class TimesClaimed(Foreign):
+    """Right for y' = f(y) only."""
+
+    methods: ClassVar = {"mine": {"order": 4}}
+
+    def step(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
+        f, k1 = problem.f, problem.f(t, y)
+        k2 = f(t + h / 3, y + h / 2 * k1)
+        k3 = f(t + h / 3, y + h / 2 * k2)
+        return y + h / 6 * (k1 + 2 * k2 + 2 * k3 + f(t + h, y + h * k3))
+
+
+@planted("repeatable", "keeps something from call to call", methods=("mine",))
+class LastSlopeKeptForeign(Foreign):
+    """First same as last, whatever the new input is; of a method the catalogue lacks."""
+
+    methods: ClassVar = {"mine": {"order": 4}}
+
+    def __init__(self) -> None:
+        self.last: Any = None
+
+    def step(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
+        known = self.last is not None and len(self.last) == len(y)
+        f, k1 = problem.f, np.asarray(self.last if known else problem.f(t, y))
+        k2 = f(t + h / 2, y + h / 2 * k1)
+        k3 = f(t + h / 2, y + h / 2 * k2)
+        self.last = f(t + h, y + h * k3)
+        return y + h / 6 * (k1 + 2 * k2 + 2 * k3 + self.last)
+
+
+@planted("answer", "changes the array", methods=("mine",))
+class InputOverwrittenForeign(Foreign):
+    methods: ClassVar = {"mine": {"order": 4}}
+
+    def step(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
+        y[...] = super().step(method, problem, t, y, h)
+        return y
+
+
+@planted("symplectic", "M^T J M", methods=("mine",))
+class RunNotSymplectic(Foreign):
+    """A claim of one that shows its runs only; it was not looked at."""
+
+    methods: ClassVar = {"mine": {"order": 4, "symplectic": True}}
+
+    def __init__(self) -> None:
+        self.single, self.step = self.step, None  # type: ignore[method-assign]
+
+    def solve(self, method: str, problem: Any, h: float, steps: int) -> Any:
+        y, t = np.array(problem.y0), problem.t_span[0]
+        for n in range(steps):
+            y = self.single(method, problem, t + n * h, y, h)
+        return y
+
+
+class Grk4t(Rosenbrock):
+    """Kaps and Rentrop's method, with its table."""
+
+    methods: ClassVar = {"mine": {"order": 4}}
+
+    def __init__(self) -> None:
+        known: Any = load("grk4t")
+        self.b = np.array([float(x) for x in known.b])
+        self.A, self.G = (
+            np.array([[float(x) for x in row] for row in rows])
+            for rows in (known.alpha, known.gamma)
+        )
+
+
+@planted("order", "falls like h^1", methods=("mine",))
+class JacobianTransposed(Grk4t):
+    def jacobian(self, problem: Any, t: float, y: Any) -> Any:
+        return problem.jacobian(t, y).T
+
+
+@planted("order", "falls like h^1.00", methods=("mine",))
+class OtherGamma(Grk4t):
+    def __init__(self) -> None:
+        super().__init__()
+        np.fill_diagonal(self.G, 0.25)
+
+
+@planted("order", "falls like h^0.97", methods=("mine",))
+class NoDerivativeByTime(Grk4t):
+    def by_time(self, problem: Any, t: float, y: Any) -> Any:
+        return 0.0
