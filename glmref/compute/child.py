@@ -10,8 +10,9 @@ from __future__ import annotations
 import contextlib
 import faulthandler
 import os
+import re
 import signal
-import tempfile
+import socket
 import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping
@@ -26,6 +27,7 @@ from time import perf_counter
 from typing import Any
 
 from ..errors import GlmrefError, UsageError
+from ..system.cache import lock_folder
 from ..system.files import reason
 from ..system.process import end_with_parent
 
@@ -207,7 +209,7 @@ def _serve(pipe: Connection, limits: Limits, folder: str) -> None:
     with contextlib.suppress(EOFError, OSError):
         try:
             settled = not limits.pinned or _pin()
-        except OSError as error:
+        except (OSError, UsageError) as error:
             settled = error
         pipe.send(settled)
         while True:
@@ -255,11 +257,19 @@ def _pin() -> bool:
     """Stay on a physical core that no other timed task of this user has; wait a while for one."""
     if fcntl is None or not hasattr(os, "sched_setaffinity"):
         return True
+    folder = lock_folder()
+    if folder is None:
+        raise UsageError(
+            "timed tasks lock their cores in a folder that only you can write, and neither the "
+            "user cache nor the temporary directory has one; set XDG_CACHE_HOME to a folder of "
+            "yours"
+        )
+    host = re.sub(r"[^\w.-]", "_", socket.gethostname())  # homes may be shared
     own, begun = physical_cores(), perf_counter()
     while perf_counter() - begun < _WAIT:
         for core in own:
-            path = Path(tempfile.gettempdir(), f"glmref-core-{os.getuid()}-{core}.lock")
-            descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
+            path = folder / f"core-{host}-{core}.lock"
+            descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o600)
             try:
                 fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except OSError:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import stat
 import sys
 import tempfile
 from pathlib import Path
@@ -25,9 +26,29 @@ def cache_folder() -> Path | None:
     if base is not None and _writable(base / "glmref" / "kernels"):
         return base / "glmref" / "kernels"
     # code is read from there and run: the folder must be this user's, and nobody else's
-    user = str(os.getuid()) if hasattr(os, "getuid") else os.environ.get("USERNAME") or "user"
-    fallback = Path(tempfile.gettempdir()) / f"glmref-{user}"
+    fallback = _temporary()
     return fallback if _writable(fallback, private=True) else None
+
+
+def lock_folder() -> Path | None:
+    """Return a folder for locks between the processes of this user that only this user can write.
+
+    It does not depend on ``$GLMREF_CACHE``, since locks of a machine must be the same for all runs.
+
+    Returns
+    -------
+    Path or None
+        ``None`` where neither the platform's user cache nor the temporary directory has one.
+    """
+    base = _user_cache()
+    places = [_temporary()] if base is None else [base / "glmref" / "locks", _temporary()]
+    return next((place for place in places if _writable(place, private=True)), None)
+
+
+def _temporary() -> Path:
+    """Return the folder of this user below the temporary directory; it may be missing."""
+    user = str(os.getuid()) if hasattr(os, "getuid") else os.environ.get("USERNAME") or "user"
+    return Path(tempfile.gettempdir()) / f"glmref-{user}"
 
 
 def _user_cache() -> Path | None:
@@ -48,7 +69,9 @@ def _writable(folder: Path, *, private: bool = False) -> bool:
         folder.mkdir(0o700 if private else 0o777, parents=True, exist_ok=True)
         if private and hasattr(os, "getuid"):
             about = folder.lstat()
-            if about.st_uid != os.getuid() or about.st_mode & 0o022:
+            if not stat.S_ISDIR(about.st_mode) or about.st_uid != os.getuid():
+                return False
+            if about.st_mode & 0o022:
                 return False
     except (OSError, ValueError):
         return False

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -190,16 +190,62 @@ def test_a_core_that_another_timed_task_has_is_waited_for_and_refused_in_the_end
         pytest.skip("nothing is pinned here")
     from glmref.compute import child
 
-    monkeypatch.setattr(child.tempfile, "gettempdir", lambda: str(tmp_path))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     monkeypatch.setattr(child, "_WAIT", 0.2)
-    import fcntl
-
-    with contextlib.ExitStack() as held:
-        for core in physical_cores():
-            lock = tmp_path / f"glmref-core-{os.getuid()}-{core}.lock"
-            stream = held.enter_context(lock.open("w"))
-            fcntl.flock(stream, fcntl.LOCK_EX)
+    held: list[int] = []
+    monkeypatch.setattr(child, "_core", held)
+    before = os.sched_getaffinity(0)
+    try:
+        for _ in physical_cores():
+            assert child._pin()
+            os.sched_setaffinity(0, before)
         assert not child._pin()
+    finally:
+        os.sched_setaffinity(0, before)
+        for descriptor in held:
+            os.close(descriptor)
+    assert len(list(tmp_path.glob("glmref/locks/core-*"))) == len(physical_cores())
+
+
+def test_the_lock_of_a_core_follows_no_link_and_needs_a_private_folder(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """A link that another user planted below the temporary directory made a file elsewhere."""
+    if sys.platform != "linux":
+        pytest.skip("nothing is pinned here")
+    from glmref.compute import child
+    from glmref.system import cache
+
+    monkeypatch.setattr(child, "_core", [])
+    elsewhere = tmp_path / "elsewhere"
+    locks = tmp_path / "glmref" / "locks"
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    folder = cache.lock_folder()
+    assert folder == locks and locks.stat().st_mode & 0o077 == 0
+    for core in physical_cores():
+        (locks / f"core-{socket.gethostname()}-{core}.lock").symlink_to(elsewhere)
+    with pytest.raises(OSError, match="symbolic link"):
+        child._pin()
+    assert not elsewhere.exists()
+    # a folder that others can write, or a link to one, is passed over; and without any, a sentence
+    temporary = tmp_path / "tmp"
+    temporary.mkdir()
+    monkeypatch.setattr("tempfile.gettempdir", lambda: str(temporary))
+    for name, spoil in (("shared", lambda p: p.chmod(0o777)), ("file", None)):
+        base = tmp_path / name
+        monkeypatch.setenv("XDG_CACHE_HOME", str(base))
+        (base / "glmref").mkdir(parents=True)
+        if spoil:
+            (base / "glmref" / "locks").mkdir()
+            spoil(base / "glmref" / "locks")
+        else:
+            (base / "glmref" / "locks").symlink_to(locks)
+        assert cache.lock_folder() == temporary / f"glmref-{os.getuid()}"
+    (temporary / f"glmref-{os.getuid()}").rmdir()
+    (temporary / f"glmref-{os.getuid()}").symlink_to(elsewhere)
+    with pytest.raises(UsageError, match="only you can write"):
+        child._pin()
+    assert not elsewhere.exists()
 
 
 def test_a_child_that_ended_is_not_started_again_by_its_task() -> None:
