@@ -2,17 +2,31 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from difflib import get_close_matches
 
 _LONGEST = 1500  # characters of a sentence; what is longer quotes somebody's data
+LONGEST_QUOTE = 120  # characters of a value in a sentence
+#: Values in a sentence: texts in quotes and lists. Apostrophes within words begin none.
+_QUOTED = re.compile(r"""(?<!\w)'[^']*'|(?<!\w)"[^"]*"|\[[^][]*\]""")
+
+
+def shortened(text: str, most: int = LONGEST_QUOTE) -> str:
+    """Return a text of at most ``most`` characters; what is longer ends in dots and its length."""
+    return text if len(text) <= most else f"{text[: most - 20]}... ({len(text)} characters)"
 
 
 class GlmrefError(Exception):
-    """Base of every error this package raises on purpose; its text is one sentence for the user."""
+    """Base of every error this package raises on purpose; its text is one sentence for the user.
+
+    The sentence quotes at most :data:`LONGEST_QUOTE` characters of a value.
+    """
 
     def __str__(self) -> str:
         text = super().__str__()
+        if len(text) > LONGEST_QUOTE:
+            text = _QUOTED.sub(lambda found: shortened(found[0]), text)
         return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."
 
 

@@ -133,8 +133,4 @@ def unique(pairs: Sequence[tuple[str, Any]], where: str = "") -> dict[str, Any]:
 
 def shown(value: object) -> str:
     """A value as JSON, shortened for a message."""
-    try:
-        text = json.dumps(value, default=repr)
-    except Exception:  # whatever a class of the user raises
-        text = arguments.shown(value)
-    return text if len(text) <= 60 else text[:57] + "..."
+    return arguments.shown(value, lambda x: json.dumps(x, default=repr))

@@ -7,7 +7,9 @@
 
 Every ``q...`` of ``y0`` goes with the ``p...`` that ends alike (``q1`` and ``p1``, ``qx`` and
 ``px``), unless ``coordinates`` and ``momenta`` list them. Large systems write ``q[i]`` and ``p[i]``
-in sums, see :mod:`.sums`. Expressions are read through the whitelist of :mod:`.formula`.
+in sums, see :mod:`.sums`; bodies in a plane ``qx[i]`` and ``qy[i]``. With ``n`` given, an entry of
+y0 is a formula in the number i of the site. Expressions are read through the whitelist of
+:mod:`.formula`.
 """
 
 from __future__ import annotations
@@ -20,15 +22,15 @@ from keyword import iskeyword
 from typing import Any
 
 from ..errors import UsageError, did_you_mean
-from ..system.arguments import listed, shown
+from ..system.arguments import listed, shown, whole
 from .canonical import equations, shared, timed
 from .formula import FUNCTIONS, Formula, Number, exact_number
-from .sums import hamiltonian_parts
+from .sums import FLAT, Layout, hamiltonian_parts
 
 #: Characters of one expression: differentiating takes the square of the number of terms.
 LONGEST = 5_000
-#: Components that a system without sums may have.
-MOST_NAMED = 100
+#: Components that a system without sums may have; sites of one whose start is given by formulas.
+MOST_NAMED, MOST_SITES = 100, 100_000
 
 Start = Mapping[str, Any] | Sequence[Any]
 
@@ -38,7 +40,7 @@ def hamiltonian_entries(
     momenta: Sequence[str] | None = None, parameters: Mapping[str, Any] | None = None,
     t_end: Any = 10, t0: Any = 0, invariants: Mapping[str, str] | None = None,
     observables: Mapping[str, str] | None = None, name: str = "own", source: str = "",
-    time: Any = None,
+    time: Any = None, n: int | None = None,
 ) -> dict[str, Any]:  # fmt: skip
     """Entries of a problem q' = dH/dp, p' = -dH/dq, with what is separable of it seen.
 
@@ -48,7 +50,8 @@ def hamiltonian_entries(
         The Hamiltonian, such as ``"p**2/2 - cos(q)"``; it may depend on ``t``, and then nothing
         is separable and nothing is conserved.
     y0 : mapping or sequence
-        Initial value: coordinate -> number or expression, or all of them in order, q before p.
+        Initial value: coordinate -> number or expression, or all of them in order, q before p; or
+        lists (or arrays) q and p of one length, or qx, qy, px and py.
     coordinates, momenta : sequence of str, optional
         Names of q and p, in order; by default every ``q...`` of ``y0`` with its ``p...``.
     parameters : mapping, optional
@@ -61,6 +64,9 @@ def hamiltonian_entries(
         What it is and where it comes from.
     time : number, optional
         Typical time of the motion, from which step sizes are guessed.
+    n : int, optional
+        Length of every list of ``y0``, whose entries are then formulas in ``i`` from 0 to n - 1,
+        in ``n`` and the parameters: ``{"q": "sin(pi*i/n)", "p": 0}``.
 
     Returns
     -------
@@ -78,10 +84,13 @@ def hamiltonian_entries(
         if given is not None:
             _several(what, given, "names")
     values = _parameters(parameters)
+    y0 = _sites(y0, n) if n is not None else _lists(y0)
     names = _Names.of(y0, coordinates, momenta, values)
     entries: dict[str, Any]
     if "sum" in _text(H, "H") or names.indexed:
-        entries = hamiltonian_parts(_text(H, "H"), names.half, values)
+        entries = hamiltonian_parts(_text(H, "H"), names.half, values, names.layout)
+        if len(names.layout.q) > 1 and "f" not in entries:
+            entries["bodies"] = names.half // len(names.layout.q)
         scalars = {k: v for k, v in values.items() if not isinstance(v, tuple)}
     else:
         scalars = names.scalars(values)
@@ -103,7 +112,7 @@ def equation_entries(
     t_end: Any = 10, t0: Any = 0, invariants: Mapping[str, str] | None = None,
     observables: Mapping[str, str] | None = None, name: str = "own", source: str = "",
     time: Any = None, coordinates: Sequence[str] | None = None,
-    momenta: Sequence[str] | None = None,
+    momenta: Sequence[str] | None = None, n: int | None = None,
 ) -> dict[str, Any]:  # fmt: skip
     """Entries of a problem y' = f(t, y) from one expression per component.
 
@@ -116,7 +125,7 @@ def equation_entries(
         Initial value, by the same names or in the same order.
     parameters, t_end, t0, invariants, observables, name, source, time :
         As in :func:`hamiltonian_entries`.
-    coordinates, momenta :
+    coordinates, momenta, n :
         Refused: they go with H.
 
     Raises
@@ -126,6 +135,8 @@ def equation_entries(
     """
     if coordinates is not None or momenta is not None:
         raise UsageError("`coordinates` and `momenta` go with `H`; the keys of `f` name components")
+    if n is not None:
+        raise UsageError("`n` goes with `H`; give every component of `f` its own start in `y0`")
     _several("y0", y0, "numbers")
     if not isinstance(f, str):
         _several("f", f, "expressions")
@@ -133,7 +144,7 @@ def equation_entries(
     if isinstance(f, Mapping):
         if not f:
             raise UsageError("`f` must have an equation at least")
-        names = _Names(tuple(map(str, f)), 0, ())
+        names = _Names(tuple(map(str, f)), 0)
         names.check(values)
         if not isinstance(y0, Mapping) and len(y0) != len(f):
             raise UsageError(f"`y0` must have {len(f)} entries as `f` has, got {len(y0)}")
@@ -170,6 +181,60 @@ def _several(name: str, given: Any, what: str) -> None:
         listed(name, given, f"a list or a table of {what}")
 
 
+def _lists(y0: Start) -> Start:
+    """Return a start whose arrays are lists."""
+    if not isinstance(y0, Mapping):
+        return y0
+    for key, value in y0.items():
+        if getattr(value, "ndim", 1) > 1:
+            raise UsageError(
+                f"`y0.{shown(key, str)}` has the shape {value.shape} and must be a list; flatten "
+                f"it, or give bodies in a plane as qx, qy, px and py"
+            )
+    return {k: v.tolist() if hasattr(v, "tolist") else v for k, v in y0.items()}
+
+
+def _sites(y0: Start, n: Any) -> Start:
+    """Return a start given by formulas in the number of the site, written out for every site."""
+    n = whole("n", n, 1, MOST_SITES)
+    if not isinstance(y0, Mapping):
+        raise UsageError("`n` goes with formulas by name, as in y0 = { q = 'sin(pi*i/n)', p = 0 }")
+    found: dict[str, list[str]] = {}
+    for key, value in y0.items():
+        text = value if isinstance(value, str) else str(exact_number(value, f"y0.{key}"))
+        try:
+            tree = ast.parse(_text(text, f"y0.{key}"), mode="eval")
+        except (SyntaxError, ValueError, MemoryError, RecursionError):
+            raise UsageError(f"`y0.{shown(key, str)}` cannot be read: {shown(text)}") from None
+        code = ast.unparse(tree)
+        found[str(key)] = [
+            ast.unparse(_AtSite(i, n).visit(ast.parse(code, mode="eval"))) for i in range(n)
+        ]
+    return found
+
+
+class _AtSite(ast.NodeTransformer):
+    """Writes the numbers of a site and of all sites for ``i`` and ``n``; takes remainders."""
+
+    def __init__(self, i: int, n: int) -> None:
+        self.values = {"i": i, "n": n}
+
+    def visit_Name(self, node: ast.Name) -> ast.expr:
+        value = self.values.get(node.id)
+        return node if value is None else ast.Constant(value)
+
+    def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
+        self.generic_visit(node)
+        sides = (node.left, node.right)
+        if not isinstance(node.op, ast.Mod):
+            return node
+        try:
+            left, right = (eval(ast.unparse(side), {"__builtins__": {}}) for side in sides)
+            return ast.Constant(left % right)
+        except Exception:
+            raise UsageError("`y0` takes remainders of whole numbers only, as in i % 2") from None
+
+
 def _is_free(name: str) -> bool:
     """Whether a user may give this name; those that end in _ are given to subexpressions."""
     taken = (*FUNCTIONS, "pi", "t", "sum", "range")
@@ -196,7 +261,7 @@ def _parameters(given: Mapping[str, Any] | None) -> dict[str, Number | tuple[Num
     for key, value in (given or {}).items():
         name = str(key)
         if not _is_free(name) or name == "y":
-            raise UsageError(f"`parameters` has {name[:40]!r}, {_why_not(name)}")
+            raise UsageError(f"`parameters` has {shown(name)}, {_why_not(name)}")
         if isinstance(value, list | tuple):
             found[name] = tuple(exact_number(x, f"{name}[{k}]") for k, x in enumerate(value))
         else:
@@ -236,14 +301,12 @@ class _Names:
         Names in the order of y = (q, p); empty where components are written ``q[i]``.
     half : int
         Number of coordinates, 0 where f is given.
-    vectors : tuple of (str, int)
-        Vector names and where in y each begins.
+    layout : Layout
+        The lists of which q and p consist, where components are numbered.
     """
 
-    def __init__(
-        self, of_y: tuple[str, ...], half: int, vectors: tuple[tuple[str, int], ...]
-    ) -> None:
-        self.of_y, self.half, self.vectors = of_y, half, vectors
+    def __init__(self, of_y: tuple[str, ...], half: int, layout: Layout = FLAT) -> None:
+        self.of_y, self.half, self.layout = of_y, half, layout
 
     @property
     def indexed(self) -> bool:
@@ -255,7 +318,7 @@ class _Names:
         """Components written ``y[k]``."""
         if isinstance(y0, Mapping):
             raise UsageError("`y0` must be a list as `f` is; name the components of both or none")
-        return cls((), 0, (("y", 0),))
+        return cls((), 0)
 
     @classmethod
     def of(
@@ -270,50 +333,56 @@ class _Names:
             if len(q) != len(p):
                 raise UsageError(f"`momenta` must be {len(q)} names as `coordinates`, got {len(p)}")
         elif isinstance(y0, Mapping):
-            vectors = [str(k) for k, v in y0.items() if isinstance(v, list | tuple)]
-            if vectors:
-                return cls._vectors(y0, vectors)
             q = [str(k) for k in y0 if str(k).startswith("q")]
             p = ["p" + name[1:] for name in q]
             unpaired = [str(k) for k in y0 if str(k) not in (*q, *p)]
             if unpaired or not q:
+                odd = shown(", ".join(unpaired) or "no coordinate", str)
                 raise UsageError(
-                    f"`y0` has {', '.join(unpaired) or 'no coordinate'}, where every q... needs "
-                    f"its p...; or list `coordinates` and `momenta`"
+                    f"`y0` has {odd}, where every q... needs its p...; or list `coordinates` and "
+                    f"`momenta`"
                 )
         else:
             half, odd = divmod(len(y0), 2)
             if odd or not half:
                 raise UsageError(f"`y0` must list q and then as many p, got {len(y0)} entries")
             if half > 1:
-                return cls((), half, (("q", 0), ("p", half)))
+                return cls((), half)
             q, p = ["q"], ["p"]
+        if isinstance(y0, Mapping) and any(isinstance(x, list | tuple) for x in y0.values()):
+            return cls._of_lists(y0, Layout(tuple(q), tuple(p)), parameters)
         if len(q) > MOST_NAMED:
             raise UsageError(
                 f"`y0` has {2 * len(q)} names and at most {2 * MOST_NAMED} are read; number them, "
                 f"as in y0 = {{ q = [...], p = [...] }} with sums over q[i]"
             )
-        names = cls((*q, *p), len(q), ())
+        names = cls((*q, *p), len(q))
         names.check(parameters)
         return names
 
     @classmethod
-    def _vectors(cls, y0: Mapping[str, Any], vectors: list[str]) -> _Names:
-        sizes = {k: len(y0[k]) for k in vectors}
-        if set(y0) != {"q", "p"} or len(sizes) != 2 or sizes["q"] != sizes["p"] or not sizes["q"]:
+    def _of_lists(
+        cls, y0: Mapping[str, Any], layout: Layout, parameters: Mapping[str, Any]
+    ) -> _Names:
+        """Components numbered by site, in lists of one length."""
+        wanted = (*layout.q, *layout.p)
+        sizes = {len(x) if isinstance(x, list | tuple) else 0 for x in y0.values()}
+        if set(y0) != set(wanted) or len(sizes) != 1 or 0 in sizes:
+            every = shown(f"{', '.join(wanted[:-1])} and {wanted[-1]}", str)
             raise UsageError(
-                "`y0` must give two lists q and p of one length, or a number for each name"
+                f"`y0` must give lists {every} of one length, or a number for each name"
             )
-        return cls((), sizes["q"], (("q", 0), ("p", sizes["q"])))
+        cls(wanted, 0).check(parameters)
+        return cls((), len(layout.q) * sizes.pop(), layout)
 
     def check(self, parameters: Mapping[str, Any]) -> None:
         """Refuse names that cannot be told apart."""
         seen: set[str] = set()
         for name in self.of_y:
             if not _is_free(name):
-                raise UsageError(f"`y0` has {name[:40]!r}, {_why_not(name)}")
+                raise UsageError(f"`y0` has {shown(name)}, {_why_not(name)}")
             if name in seen or name in parameters:
-                raise UsageError(f"the name {name!r} has two meanings; rename one")
+                raise UsageError(f"the name {shown(name)} has two meanings; rename one")
             seen.add(name)
 
     def scalars(self, values: Mapping[str, Any]) -> dict[str, Number]:
@@ -332,7 +401,7 @@ class _Names:
             tree = ast.parse(text, mode="eval")
             return ast.unparse(_Rename(self).visit(tree))
         except (SyntaxError, ValueError, MemoryError, RecursionError):
-            raise UsageError(f"`{what}` cannot be read: {text[:200]!r}") from None
+            raise UsageError(f"`{what}` cannot be read: {shown(text)}") from None
 
     def scalar(
         self, what: str, text: Any, parameters: Mapping[str, Number],
@@ -370,14 +439,18 @@ class _Names:
         if not isinstance(y0, Mapping):
             return tuple(y0)
         if not self.of_y:
-            return (*y0["q"], *y0["p"])
+            halves = (self.layout.q, self.layout.p)
+            sites = (zip(*(y0[k] for k in half), strict=True) for half in halves)
+            return tuple(x for half in sites for site in half for x in site)
         missing = [name for name in self.of_y if name not in y0]
         more = [str(name) for name in y0 if name not in self.of_y]
         if missing or more:
             wrong = (
-                f"lacks {missing[0]}" if missing else f"has {more[0]:.40}, which has no equation"
+                f"lacks {shown(missing[0], str)}"
+                if missing
+                else f"has {shown(more[0], str)}, which has no equation"
             )
-            raise UsageError(f"`y0` {wrong}; its names are {', '.join(self.of_y[:20])}")
+            raise UsageError(f"`y0` {wrong}; its names are {shown(', '.join(self.of_y), str)}")
         return tuple(y0[name] for name in self.of_y)
 
     def watched(
@@ -399,24 +472,21 @@ class _Rename(ast.NodeTransformer):
 
     def __init__(self, names: _Names) -> None:
         self.places = {name: k for k, name in enumerate(names.of_y)}
-        self.vectors = dict(names.vectors)
-        self.size = names.half
+        self.layout, self.half = names.layout, 0 if names.of_y else names.half
 
     def visit_Subscript(self, node: ast.Subscript) -> ast.expr:
-        index = node.slice
-        if (
-            isinstance(node.value, ast.Name)
-            and node.value.id in self.vectors
-            and isinstance(index, ast.Constant)
-            and type(index.value) is int
-        ):
-            if self.size and not 0 <= index.value < self.size:
-                raise UsageError(
-                    f"`{node.value.id}` has {self.size} components, from 0 on; there is no "
-                    f"{ast.unparse(node)}"
-                )
-            return _component(self.vectors[node.value.id] + index.value)
-        return node
+        index, vector = node.slice, node.value.id if isinstance(node.value, ast.Name) else ""
+        part = self.layout.half_of(vector) if self.half else ""
+        if not part or not isinstance(index, ast.Constant) or type(index.value) is not int:
+            return node
+        each = len(self.layout.q)
+        if not 0 <= index.value < self.half // each:
+            raise UsageError(
+                f"`{vector}` has {self.half // each} components, from 0 on; there is no "
+                f"{ast.unparse(node)}"
+            )
+        k = (self.layout.q if part == "q" else self.layout.p).index(vector)
+        return _component(each * index.value + k + (self.half if part == "p" else 0))
 
     def visit_Name(self, node: ast.Name) -> ast.expr:
         return _component(self.places[node.id]) if node.id in self.places else node

@@ -7,8 +7,9 @@
   derivative of the term by it.
 
 Both are plain Python in the sense of :class:`.loops.Loops`, a few lines for any number of bodies.
-``n`` is the number of coordinates; indices are whole-number arithmetic in the variables of the
-sum, ``%`` included; a parameter that is a list is read as ``m[i]``.
+``n`` is the length of each list of y0; indices are whole-number arithmetic in the variables of the
+sum, ``%`` included; a parameter that is a list is read as ``m[i]``. Bodies in a plane have lists
+``qx``, ``qy``, ``px`` and ``py``; q then lists the bodies one after another, x before y.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import UsageError
+from ..system.arguments import shown
 from .canonical import shared
 from .derivative import differentiated
 from .formula import FUNCTIONS, Formula, Number
@@ -34,17 +36,43 @@ Values = Mapping[str, Number | tuple[Number, ...]]
 
 
 @dataclass(frozen=True)
+class Layout:
+    """Which lists q and p consist of, entry by entry in turn: ``("q",)``, or ``("qx", "qy")``."""
+
+    q: tuple[str, ...] = ("q",)
+    p: tuple[str, ...] = ("p",)
+
+    @property
+    def sites(self) -> str:
+        """Length n of each list, as source in ``half``, the number of coordinates."""
+        return "half" if len(self.q) == 1 else f"(half // {len(self.q)})"
+
+    def half_of(self, vector: str) -> str:
+        """Return ``"q"`` for a list of coordinates, ``"p"`` for one of momenta, else ``""``."""
+        return "q" if vector in self.q else "p" if vector in self.p else ""
+
+    def place(self, vector: str, index: str) -> str:
+        """Return the index in q, or in p, of an entry of a list, as source."""
+        k, each = (self.q if vector in self.q else self.p).index(vector), len(self.q)
+        return index if each == 1 else f"{each} * ({index}) + {k}"
+
+
+#: One list q and one list p.
+FLAT = Layout()
+
+
+@dataclass(frozen=True)
 class _Term:
     """One term of H: an expression under some loops."""
 
     #: Variable and range of each loop, outermost first, as source.
     loops: tuple[tuple[str, str], ...]
     formula: Formula  #: The term, of shape () in ``y[0]``, ``y[1]``..., one for each of ``slots``.
-    slots: tuple[tuple[str, str], ...]  #: ``"q"`` or ``"p"`` and the index as source.
+    slots: tuple[tuple[str, str], ...]  #: Name of the list and the index as source.
     names: Mapping[str, str]  #: Other names of the formula -> source.
 
 
-def hamiltonian_parts(H: str, half: int, values: Values) -> dict[str, Any]:
+def hamiltonian_parts(H: str, half: int, values: Values, layout: Layout = FLAT) -> dict[str, Any]:
     """Return the equations of a Hamiltonian written with sums, as entries of a problem.
 
     Parameters
@@ -55,6 +83,8 @@ def hamiltonian_parts(H: str, half: int, values: Values) -> dict[str, Any]:
         Number of coordinates.
     values : mapping
         Parameters: numbers, and lists of numbers.
+    layout : Layout
+        The lists of which q and p consist.
 
     Returns
     -------
@@ -66,20 +96,20 @@ def hamiltonian_parts(H: str, half: int, values: Values) -> dict[str, Any]:
     UsageError
         For what is no such sum, and for an index beyond the components.
     """
-    reader = _Reader(half, values)
+    reader = _Reader(half, values, layout)
     terms = reader.terms(H)
     for term in terms:
-        _check_indices(term, half, values)
-    write = _Writer(reader.constants)
+        _check_indices(term, half, values, layout)
+    write = _Writer(reader.constants, layout)
     moving = [term for term in terms if term.slots]  # a constant is in H and not in its gradient
-    kinetic = [term for term in moving if {v for v, _ in term.slots} == {"p"}]
-    potential = [term for term in moving if {v for v, _ in term.slots} == {"q"}]
+    kinetic = [term for term in moving if _halves(term, layout) == {"p"}]
+    potential = [term for term in moving if _halves(term, layout) == {"q"}]
     bodies = {"hamiltonian": write.energy(terms)}
     if len(kinetic) + len(potential) < len(moving):
         bodies["f"] = write.gradient("f_into", "t, y", "len(y) // 2", moving)
     else:
         bodies["dp"] = write.gradient("force_into", "q", "len(q)", potential)
-        if _is_unit(kinetic):
+        if _is_unit(kinetic, layout):
             bodies["force"] = bodies.pop("dp")
         else:
             bodies["dq"] = write.gradient("velocity_into", "p", "len(p)", kinetic)
@@ -88,29 +118,37 @@ def hamiltonian_parts(H: str, half: int, values: Values) -> dict[str, Any]:
     return {k: Loops(b, shapes.get(k, (half,)), constants) for k, b in bodies.items()}
 
 
-def _is_unit(kinetic: list[_Term]) -> bool:
-    """Whether T is sum(p[i]**2/2) over all i, so that q' = p."""
-    if len(kinetic) != 1:
-        return False
-    term = kinetic[0]
-    ((variable, bounds),) = term.loops if len(term.loops) == 1 else (("", ""),)
-    everywhere = bounds == "0, half"
-    slope = shared(differentiated(term.formula, len(term.slots)))
-    return everywhere and term.slots == (("p", variable),) and slope.outputs == ("y[0]",)
+def _halves(term: _Term, layout: Layout) -> set[str]:
+    """Which of q and p a term names."""
+    return {layout.half_of(vector) for vector, _ in term.slots}
+
+
+def _is_unit(kinetic: list[_Term], layout: Layout) -> bool:
+    """Return whether T is the sum of the squares of all momenta by 2, so that q' = p."""
+    named: list[str] = []
+    for term in kinetic:
+        ((variable, bounds),) = term.loops if len(term.loops) == 1 else (("", ""),)
+        slope = shared(differentiated(term.formula, len(term.slots)))
+        itself = tuple(f"y[{k}]" for k in range(len(term.slots)))
+        everywhere = bounds == f"0, {layout.sites}" and {i for _, i in term.slots} == {variable}
+        if not everywhere or slope.outputs != itself:
+            return False
+        named += [vector for vector, _ in term.slots]
+    return sorted(named) == sorted(layout.p)
 
 
 class _Reader:
     """Reads the expression; what is not understood is refused in one sentence."""
 
-    def __init__(self, half: int, values: Values) -> None:
-        self.half = half
+    def __init__(self, half: int, values: Values, layout: Layout) -> None:
+        self.half, self.layout = half, layout
         self.whole: dict[str, int] = {}
         self.places: dict[str, str] = {}
         self.lists: dict[str, tuple[int, int]] = {}
         numbers: list[Number] = []
         for name, value in values.items():
             if name == "n":
-                raise UsageError("`parameters.n` is the number of coordinates already; rename it")
+                raise UsageError("`parameters.n` is the length of each list already; rename it")
             if isinstance(value, tuple):
                 self.lists[name] = (len(numbers), len(value))
                 numbers += value
@@ -119,7 +157,7 @@ class _Reader:
                 self.whole[name] = value
             self.places[name] = f"params[{len(numbers)}]"
             numbers.append(value)
-        self.places["n"] = "half"
+        self.places["n"] = layout.sites
         self.constants = numbers
 
     def terms(self, H: str) -> list[_Term]:
@@ -129,7 +167,7 @@ class _Reader:
             found: list[_Term] = []
             self._split(tree, [], found)
         except (SyntaxError, ValueError, MemoryError, RecursionError):
-            raise UsageError(f"`H` cannot be read: {H[:200]!r}") from None
+            raise UsageError(f"`H` cannot be read: {shown(H)}") from None
         return found
 
     def _split(self, tree: ast.expr, factors: list[tuple[str, str]], found: list[_Term]) -> None:
@@ -142,13 +180,13 @@ class _Reader:
             self._split(tree.operand, [("-(", ")"), *factors], found)
         elif isinstance(tree, ast.BinOp) and _sums(tree.left) and not _sums(tree.right):
             if not isinstance(tree.op, ast.Mult | ast.Div):
-                raise UsageError(f"`H` has {ast.unparse(tree)[:80]!r}; {_HELP}")
+                raise UsageError(f"`H` has {shown(ast.unparse(tree))}; {_HELP}")
             sign = "*" if isinstance(tree.op, ast.Mult) else "/"
             self._refuse_components(tree.right)
             self._split(tree.left, [("(", f"){sign}({ast.unparse(tree.right)})"), *factors], found)
         elif isinstance(tree, ast.BinOp) and _sums(tree.right) and not _sums(tree.left):
             if not isinstance(tree.op, ast.Mult):
-                raise UsageError(f"`H` has {ast.unparse(tree)[:80]!r}; {_HELP}")
+                raise UsageError(f"`H` has {shown(ast.unparse(tree))}; {_HELP}")
             self._refuse_components(tree.left)
             self._split(tree.right, [(f"({ast.unparse(tree.left)})*(", ")"), *factors], found)
         else:
@@ -157,7 +195,7 @@ class _Reader:
     def _refuse_components(self, tree: ast.expr) -> None:
         if any(isinstance(x, ast.Subscript) for x in ast.walk(tree)):
             raise UsageError(
-                f"`H` multiplies a sum by {ast.unparse(tree)[:80]!r}; a factor of a sum must not "
+                f"`H` multiplies a sum by {shown(ast.unparse(tree))}; a factor of a sum must not "
                 f"name components"
             )
 
@@ -169,7 +207,7 @@ class _Reader:
                 or tree.keywords
                 or not isinstance(tree.args[0], ast.GeneratorExp)
             ):
-                raise UsageError(f"`H` has {ast.unparse(tree)[:80]!r}; {_HELP}")
+                raise UsageError(f"`H` has {shown(ast.unparse(tree))}; {_HELP}")
             generator = tree.args[0]
             for one in generator.generators:
                 loops.append(self._loop(one, [name for name, _ in loops]))
@@ -185,7 +223,7 @@ class _Reader:
                 self._split(ast.BinOp(left, tree.op, right), factors, found)
                 return
         if _sums(tree):
-            raise UsageError(f"`H` has a sum inside {ast.unparse(tree)[:80]!r}; {_HELP}")
+            raise UsageError(f"`H` has a sum inside {shown(ast.unparse(tree))}; {_HELP}")
         text = ast.unparse(tree)
         for before, after in factors:
             text = before + text + after
@@ -208,10 +246,12 @@ class _Reader:
             or not 1 <= len(call.args) <= 2
             or call.keywords
         ):
-            raise UsageError(f"`H` loops over {ast.unparse(call)[:80]!r}; {_HELP}")
+            raise UsageError(f"`H` loops over {shown(ast.unparse(call))}; {_HELP}")
         name = one.target.id
         if name in outer or name in self.places or name in self.lists or name in FUNCTIONS:
-            raise UsageError(f"the variable {name!r} of a sum in `H` means something else already")
+            raise UsageError(
+                f"the variable {shown(name)} of a sum in `H` means something else already"
+            )
         bounds = [self.index(x, outer) for x in call.args]
         return name, ", ".join(bounds if len(bounds) == 2 else ["0", *bounds])
 
@@ -222,7 +262,7 @@ class _Reader:
         if isinstance(tree, ast.Name) and tree.id in variables:
             return tree.id
         if isinstance(tree, ast.Name) and tree.id == "n":
-            return "half"
+            return self.layout.sites
         if isinstance(tree, ast.Name) and tree.id in self.whole:
             return str(self.whole[tree.id])
         if isinstance(tree, ast.UnaryOp) and isinstance(tree.op, ast.USub):
@@ -235,7 +275,7 @@ class _Reader:
             sign = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*"}[type(tree.op)]
             return ast.unparse(ast.parse(f"({left}) {sign} ({right})", mode="eval"))
         raise UsageError(
-            f"`H` has the index {ast.unparse(tree)[:80]!r}; an index is whole-number arithmetic in "
+            f"`H` has the index {shown(ast.unparse(tree))}; an index is whole-number arithmetic in "
             f"the variables of its sums, n and whole parameters"
         )
 
@@ -259,14 +299,14 @@ class _Slots(ast.NodeTransformer):
     def visit_Subscript(self, node: ast.Subscript) -> ast.expr:
         vector = node.value.id if isinstance(node.value, ast.Name) else ""
         index = self.reader.index(node.slice, self.variables)
-        if vector in ("q", "p"):
+        if self.reader.layout.half_of(vector):
             if (vector, index) not in self.slots:
                 self.slots.append((vector, index))
             place = self.slots.index((vector, index))
             return ast.Subscript(ast.Name("y", ast.Load()), ast.Constant(place), ast.Load())
         if vector in self.reader.lists:
             return self._named(f"params[{self.reader.lists[vector][0]} + {index}]")
-        raise UsageError(f"`H` has {ast.unparse(node)[:80]!r}; components are q[i] and p[i]")
+        raise UsageError(f"`H` has {shown(ast.unparse(node))}; components are {self._components}")
 
     def visit_Name(self, node: ast.Name) -> ast.expr:
         if node.id in FUNCTIONS or node.id == "pi":
@@ -275,12 +315,18 @@ class _Slots(ast.NodeTransformer):
             return self._named(f"{node.id}")
         if node.id in self.reader.places:
             return self._named(self.reader.places[node.id])
-        if node.id in ("q", "p") or node.id in self.reader.lists:
-            raise UsageError(f"`H` uses {node.id!r} without an index; {_HELP}")
+        if self.reader.layout.half_of(node.id) or node.id in self.reader.lists:
+            raise UsageError(f"`H` uses {shown(node.id)} without an index; {_HELP}")
         raise UsageError(
-            f"`H` contains the unknown name {node.id!r}; give it in `parameters`, or write "
-            f"components as q[i] and p[i]"
+            f"`H` contains the unknown name {shown(node.id)}; give it in `parameters`, or write "
+            f"components as {self._components}"
         )
+
+    @property
+    def _components(self) -> str:
+        layout = self.reader.layout
+        *first, last = (f"{name}[i]" for name in (*layout.q, *layout.p))
+        return f"{', '.join(first)} and {last}"
 
     def _named(self, source: str) -> ast.expr:
         for name, known in self.names.items():
@@ -294,14 +340,14 @@ class _Slots(ast.NodeTransformer):
 # --- checking and writing -------------------------------------------------------------------------
 
 
-def _check_indices(term: _Term, half: int, values: Values) -> None:
+def _check_indices(term: _Term, half: int, values: Values, layout: Layout) -> None:
     """Refuse an index beyond the components, or beyond a list of parameters."""
     lists = {k: len(v) for k, v in values.items() if isinstance(v, tuple)}
     offsets, place = {}, 0
     for name, value in values.items():
         offsets[name] = place
         place += len(value) if isinstance(value, tuple) else 1
-    checks = [(vector, index, 0, half) for vector, index in term.slots]
+    checks = [(vector, index, 0, half // len(layout.q)) for vector, index in term.slots]
     for source in term.names.values():
         inside = source.removeprefix("params[").removesuffix("]")
         owner = next((k for k in lists if inside.startswith(f"{offsets[k]} + ")), None)
@@ -315,9 +361,9 @@ def _check_indices(term: _Term, half: int, values: Values) -> None:
                 raise UsageError(f"`H` divides by zero in the index {index}") from None
             if found.size and (found.min() < least or found.max() >= size):
                 bad = int(found.min() if found.min() < least else found.max())
-                shown = index.replace("half", "n")
+                said = index.replace(layout.sites, "n")
                 raise UsageError(
-                    f"`H` uses {vector}[{shown}] with the index {bad}; {vector} has {size} "
+                    f"`H` uses {vector}[{said}] with the index {bad}; {vector} has {size} "
                     f"entries, from 0 on"
                 )
 
@@ -346,14 +392,14 @@ def _places(
 class _Writer:
     """Writes loop bodies; their numbers go into one list of constants."""
 
-    def __init__(self, constants: list[Number]) -> None:
-        self.constants = list(constants)
+    def __init__(self, constants: list[Number], layout: Layout) -> None:
+        self.constants, self.layout = list(constants), layout
 
     def energy(self, terms: list[_Term]) -> Callable[..., Any]:
         """The body that adds up H."""
         lines = ["def energy(y, params):", "    half = len(y) // 2", "    total = 0 * y[0]"]
         for term in terms:
-            inner, (value,) = self._term(term, shared(term.formula), lambda v, i: _in_y(v, i))
+            inner, (value,) = self._term(term, shared(term.formula), self._in_y)
             lines += _nested(term.loops, [*inner, f"total += {value}"])
         return _made([*lines, "    return total"], "energy")
 
@@ -362,7 +408,9 @@ class _Writer:
     ) -> Callable[..., Any]:
         """The body that fills ``out`` with dH/dp, with -dH/dq, or with both."""
         vector = arguments[-1]
-        source = _in_y if vector == "y" else lambda v, i: f"{v}[{i}]"
+        source = (
+            self._in_y if vector == "y" else lambda v, i: f"{vector}[{self.layout.place(v, i)}]"
+        )
         lines = [f"def {name}({arguments}, params, out):", f"    half = {half}"]
         lines += [f"    for k_ in range(len({vector})):", f"        out[k_] = 0 * {vector}[k_]"]
         for term in terms:
@@ -371,12 +419,17 @@ class _Writer:
             for (which, index), value in zip(term.slots, values, strict=True):
                 if value == "0":
                     continue
-                place = index
-                if vector == "y":
-                    place = f"half + {index}" if which == "q" else index
-                inner.append(f"out[{place}] {'-' if which == 'q' else '+'}= {value}")
+                place, force = self.layout.place(which, index), which in self.layout.q
+                if vector == "y" and force:
+                    place = f"half + {place}"
+                inner.append(f"out[{place}] {'-' if force else '+'}= {value}")
             lines += _nested(term.loops, inner)
         return _made(lines, name)
+
+    def _in_y(self, vector: str, index: str) -> str:
+        """Return the component of y = (q, p) as source."""
+        place = self.layout.place(vector, index)
+        return f"y[{place}]" if vector in self.layout.q else f"y[half + {place}]"
 
     def _term(
         self, term: _Term, formula: Formula, source: Callable[[str, str], str]
@@ -441,10 +494,6 @@ class _Texts(ast.NodeTransformer):
 def exact_decimal(value: Any) -> Number:
     """A literal as the number it reads as: 0.1 is 1/10."""
     return value if isinstance(value, int) else Fraction(repr(value))
-
-
-def _in_y(vector: str, index: str) -> str:
-    return f"y[{index}]" if vector == "q" else f"y[half + {index}]"
 
 
 def _nested(loops: tuple[tuple[str, str], ...], inner: list[str]) -> list[str]:

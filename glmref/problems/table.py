@@ -26,7 +26,7 @@ OWN = ("H", "f", "file")
 #: Keys of the table.
 KEYS = (
     *(*OWN, "y0", "coordinates", "momenta", "parameters", "t_end", "t0"),
-    *("invariants", "observables", "name", "source", "time"),
+    *("invariants", "observables", "name", "source", "time", "n"),
 )
 #: Bytes of a file that describes a problem.
 MAX_BYTES = 200_000

@@ -37,15 +37,13 @@ from ..errors import DataError, UsageError
 from ..problems import names as problem_names
 from .campaign_kinds import CAMPAIGN_KINDS, CampaignKind
 from .model import KINDS
-from .reading import MAX_NAME, Reader
+from .reading import MAX_NAME, Reader, between
 
 FORMAT = "glmref-campaign-1"
 #: Values of one axis at the most, and points of a sample.
 MOST = 10_000_000
 _TEXTS = ("format", "name", "title", "question")
 _KEYS = (*_TEXTS, "kind", "seed", "budget", "limits", "fixed", "grid", "sample", "report")
-_RANGE = ("from", "to", "count", "spacing")
-_SPACING = ("linear", "log")
 _DRAWS = ("halton", "random")
 #: What a picture makes of the numbers that fall on one cell.
 REDUCE = {"max": max, "min": min, "sum": math.fsum, "mean": lambda x: math.fsum(x) / len(x)}
@@ -137,7 +135,7 @@ class Campaign:
             else:
                 unit = [float(x) for x in generator.random(len(self.sample))]
             yield {
-                key: _between(*bounds, u)
+                key: between(*bounds, u)
                 for (key, bounds), u in zip(self.sample.items(), unit, strict=True)
             }
 
@@ -153,12 +151,6 @@ def _radical_inverse(number: int, base: int) -> float:
         result += rest * digit
         digit /= base
     return result
-
-
-def _between(low: float, high: float, spacing: str, u: float) -> float:
-    """The value at a place of a range, rounded so that it is short in a record."""
-    value = low * (high / low) ** u if spacing == "log" else low + (high - low) * u
-    return float(f"{value:.12g}")
 
 
 # --- reading --------------------------------------------------------------------------------------
@@ -212,7 +204,7 @@ class _CampaignReader(Reader):
             kind=kind,
             fixed=self._table("fixed"),
             grid={key: self._axis(("grid", key), x) for key, x in grid.items()},
-            sample={key: self._range(("sample", key), x) for key, x in sample.items()},
+            sample={key: self.range_of(("sample", key), x) for key, x in sample.items()},
             count=self.whole(("sample", "count"), count, MOST) if sample else 1,
             draw=self.choice(("sample", "draw"), draw, _DRAWS),
             seed=seed,
@@ -269,11 +261,7 @@ class _CampaignReader(Reader):
         if value == "all" and key in ("method", "problem"):
             return tuple(method_names("methods") if key == "method" else problem_names())
         if isinstance(value, dict):
-            self.known(where, value, _RANGE)
-            count = self.whole((*where, "count"), value.get("count"), MOST)
-            low, high, spacing = self._range(where, value)
-            steps = max(count - 1, 1)
-            return tuple(_between(low, high, spacing, k / steps) for k in range(count))
+            return self.spread(where, value, MOST)
         values = tuple(self.items(where, value))
         known = {"method": method_names("methods"), "problem": problem_names()}.get(key)
         for item in values:
@@ -297,16 +285,6 @@ class _CampaignReader(Reader):
         if not found:
             raise self.fail(where, f"no method is {' and '.join(asked)}")
         return found
-
-    def _range(self, where: tuple[str, ...], value: Any) -> tuple[float, float, str]:
-        if not isinstance(value, dict):
-            raise self.fail(where, f"`{'.'.join(where)}` must be a range {{ from = .., to = .. }}")
-        spacing = self.choice((*where, "spacing"), value.get("spacing", "linear"), _SPACING)
-        positive = spacing == "log"
-        low, high = (
-            self.number((*where, end), value.get(end), positive=positive) for end in ("from", "to")
-        )
-        return low, high, spacing
 
     def _limits(self, timed: bool) -> Limits:
         table = self._table("limits")

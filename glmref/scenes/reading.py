@@ -55,6 +55,8 @@ MOST_LISTED = 40  # words in a sentence on what is none of them
 #: Entries of a list, and runs of a scene: the largest shipped one has some hundred.
 MOST_ENTRIES, MOST_TASKS = 1_000, 100_000
 MOST_STEPS = 10**9
+#: Keys of a range, and how its values may be spaced.
+RANGE, SPACING = ("from", "to", "count", "spacing"), ("linear", "log")
 #: Characters of a line that can hold a key: patterns are not tried on longer ones.
 _LONGEST_LINE = 1_000
 
@@ -223,6 +225,29 @@ class Reader:
             if item in value[:k]:
                 raise self.fail(where, f"`{'.'.join(where)}` holds {shown(item)} twice; delete one")
             yield item
+
+    def range_of(
+        self, where: tuple[str, ...], value: Any, spacing: str = "linear"
+    ) -> tuple[float, float, str]:
+        """Read the ends of a range and how it is spaced, by default as ``spacing`` says."""
+        if not isinstance(value, dict):
+            raise self.fail(where, f"`{'.'.join(where)}` must be a range {{ from = .., to = .. }}")
+        spacing = self.choice((*where, "spacing"), value.get("spacing", spacing), SPACING)
+        positive = spacing == "log"
+        low, high = (
+            self.number((*where, end), value.get(end), positive=positive) for end in ("from", "to")
+        )
+        return low, high, spacing
+
+    def spread(
+        self, where: tuple[str, ...], value: Any, most: int, spacing: str = "linear"
+    ) -> tuple[float, ...]:
+        """Read a range ``{ from = .., to = .., count = .. }`` and return its values."""
+        low, high, spacing = self.range_of(where, value, spacing)
+        self.known(where, value, RANGE)
+        count = self.whole((*where, "count"), value.get("count"), most)
+        steps = max(count - 1, 1)
+        return tuple(between(low, high, spacing, k / steps) for k in range(count))
 
     def known(self, where: tuple[str, ...], table: Mapping[str, Any], allowed: Any) -> None:
         """Refuse keys that mean nothing."""
@@ -447,6 +472,16 @@ class Reader:
         if ("h" in given) == ("steps" in given):
             both = "both" if "h" in given else "neither"
             raise self.fail(at("h"), f"give `h` or `steps`, one of them; the scene has {both}")
+        key = "steps" if "steps" in given else "h"
+        if isinstance(given[key], dict):  # each h is rounded to a whole number of steps
+            values = self.spread(at(key), given[key], MOST_ENTRIES, "log")
+            if not all(x > 0 for x in values):
+                raise self.fail(at(key), f"`{key}` must be a range of positive numbers")
+            numbers = [x if key == "steps" else t_end / x for x in values]
+            whole = [round(min(x, 2.0 * MOST_STEPS)) for x in numbers]
+            if not all(0 < n <= MOST_STEPS for n in whole):
+                raise self.fail(at(key), f"`{key}` must lead to 1 to {MOST_STEPS:,} steps")
+            return (), tuple(dict.fromkeys(whole))
         if "steps" in given:
             steps = self._list(at("steps"), given, "steps")
             return (), tuple(self.whole(at("steps"), n, MOST_STEPS) for n in steps)
@@ -503,6 +538,12 @@ class Reader:
         if peers and not tolerances:
             raise self.fail(at("peers"), "peers need `tolerances`, a list such as [1e-6, 1e-9]")
         return tuple(self.choice(at("peers"), x, NAMES) for x in peers)
+
+
+def between(low: float, high: float, spacing: str, u: float) -> float:
+    """The value at a place of a range, rounded so that it is short in a record."""
+    value = low * (high / low) ** u if spacing == "log" else low + (high - low) * u
+    return float(f"{value:.12g}")
 
 
 def _line_of_digits(text: str) -> int:

@@ -8,7 +8,7 @@ from operator import index
 from pathlib import Path
 from typing import Any
 
-from ..errors import GlmrefError, UsageError
+from ..errors import GlmrefError, UsageError, shortened
 
 
 def shown(value: object, write: Callable[[Any], str] = repr, most: int = 60) -> str:
@@ -28,9 +28,7 @@ def shown(value: object, write: Callable[[Any], str] = repr, most: int = 60) -> 
     except Exception:  # such as a whole number of thousands of digits
         kind = type(value).__name__
         return "a whole number with thousands of digits" if kind == "int" else f"a {kind}"
-    if len(text) > most:
-        text = f"{text[: most - 20]}... ({len(text)} characters)"
-    return "".join(x if x.isprintable() else "?" for x in text)
+    return "".join(x if x.isprintable() else "?" for x in shortened(text, most))
 
 
 def one_of(

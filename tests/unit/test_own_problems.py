@@ -5,8 +5,9 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+import glmref
 from glmref import Problem, UsageError, solve
-from glmref.errors import DataError
+from glmref.errors import DataError, GlmrefError
 from glmref.problems import from_path, problem
 from glmref.problems.table import from_table
 from glmref.scenes import load_scene, plan, run
@@ -207,7 +208,7 @@ def test_decimals_mean_decimals_at_every_precision():
         ({"H": "q[0]*sum(p[i] for i in range(n))", "y0": {"q": [1, 2], "p": [0, 0]}}, "factor"),
         ({"H": "sum(m[i]*p[i] for i in range(n))", "y0": {"q": [1, 2], "p": [0, 0]},
           "parameters": {"m": [1]}}, "m has 1 entries"),
-        ({"H": "p**2/2", "y0": {"q": [1], "p": [1, 2]}}, "two lists q and p of one length"),
+        ({"H": "p**2/2", "y0": {"q": [1], "p": [1, 2]}}, "lists q and p of one length"),
         ({"H": 3, "y0": {"q": 1, "p": 0}}, "must be an expression"),
         ({"H": "p**2/2", "y0": 3}, "`y0` must be a list or a table of numbers, got 3"),
         ({"f": ["y[0]"], "y0": 0.5}, "`y0` must be a list or a table"),
@@ -357,3 +358,124 @@ def test_a_hamiltonian_of_t_is_integrated_and_nothing_of_it_is_conserved():
 def test_a_wrong_name_is_answered_with_what_to_do(H, parameters, words):
     with pytest.raises(UsageError, match=words):
         Problem.from_hamiltonian(H, {"q": 1, "p": 0}, parameters=parameters)
+
+
+SPRINGS = "sum(p[i]**2/2 for i in range(n)) + sum((q[i+1] - q[i])**2/2 for i in range(n - 1))"
+PLANE = (
+    "sum(px[i]**2/2 for i in range(n)) + sum(py[i]**2/2 for i in range(n))"
+    " - sum(m[i]/sqrt((qx[i] - qx[j])**2 + (qy[i] - qy[j])**2 + 1/10)"
+    " for i in range(n) for j in range(i))"
+)
+NAMED = "(px0**2 + py0**2 + px1**2 + py1**2)/2 - 3/sqrt((qx1 - qx0)**2 + (qy1 - qy0)**2 + 1/10)"
+
+
+def test_arrays_lists_and_formulas_of_a_start_are_one():
+    n = 7
+    array = np.array([np.sin(i / n) for i in range(n)])
+    whole = [
+        Problem.from_hamiltonian(SPRINGS, {"q": array, "p": np.zeros(n)}),
+        Problem.from_hamiltonian(SPRINGS, {"q": array.tolist(), "p": [0] * n}),
+        Problem.from_hamiltonian(SPRINGS, {"q": "sin(i/n)", "p": 0}, n=n),
+        from_table({"H": SPRINGS, "y0": {"q": "sin(i/n)", "p": "0"}, "n": n}),
+    ]
+    for one in whole:
+        assert one.y0.tolist() == whole[1].y0.tolist()
+        assert one.second_order
+
+
+def test_a_formula_of_a_start_takes_parameters_and_remainders():
+    own = Problem.from_hamiltonian(
+        SPRINGS, {"q": "a*(i % 2)", "p": "(-1)**i"}, parameters={"a": "3"}, n=4
+    )
+    assert own.y0.tolist() == [0, 3, 0, 3, 1, -1, 1, -1]
+
+
+def test_bodies_in_a_plane_move_as_their_components_do():
+    """Lists are the same system as a name for each component, in another order."""
+    start = {"qx": [1, "-1/2"], "qy": [0, 1], "px": [0, "1/4"], "py": ["1/2", 0]}
+    plane = Problem.from_hamiltonian(PLANE, start, parameters={"m": [1, 3]})
+    names = {f"{k}{i}": x for k, xs in start.items() for i, x in enumerate(xs)}
+    order = ["qx0", "qy0", "qx1", "qy1"]
+    named = Problem.from_hamiltonian(
+        NAMED, names, coordinates=order, momenta=["p" + x[1:] for x in order]
+    )
+    assert plane.bodies == 2 and plane.second_order and named.second_order
+    assert plane.y0.tolist() == named.y0.tolist()
+    y = plane.y0 + 0.25 * np.arange(8)
+    assert plane.f(0.0, y) == pytest.approx(named.f(0.0, y), rel=1e-15, abs=1e-15)
+    assert plane.hamiltonian(y) == pytest.approx(named.hamiltonian(y), rel=1e-15)
+
+
+def test_the_kinetic_energy_of_a_plane_may_be_one_sum():
+    joined = PLANE.replace(
+        "sum(px[i]**2/2 for i in range(n)) + sum(py[i]**2/2 for i in range(n))",
+        "sum((px[i]**2 + py[i]**2)/2 for i in range(n))",
+    )
+    start = {"qx": [1, 2], "qy": [0, 0], "px": [0, 0], "py": [1, 0]}
+    assert Problem.from_hamiltonian(joined, start, parameters={"m": [1, 3]}).second_order
+    half = PLANE.replace(" + sum(py[i]**2/2 for i in range(n))", "")  # y does not move by p_y
+    assert not Problem.from_hamiltonian(half, start, parameters={"m": [1, 3]}).second_order
+
+
+@pytest.mark.parametrize(
+    ("y0", "more", "message"),
+    [
+        ({"qx": [1], "qy": [0, 1], "px": [0], "py": [0]}, {}, "qx, qy, px and py of one length"),
+        ({"q": np.zeros((2, 2)), "p": np.zeros((2, 2))}, {}, "has the shape"),
+        ({"q": "i/0.5 % 2", "p": 0}, {"n": 0}, "`n` must be a whole number from 1"),
+        ({"q": "q[i]", "p": 0}, {"n": 3}, "q"),
+        ({"q": "sin(i", "p": 0}, {"n": 3}, "cannot be read"),
+        ({"q": "q % 2", "p": 0}, {"n": 3}, "remainders of whole numbers"),
+        ([1, 0], {"n": 3}, "by name"),
+    ],
+)  # fmt: skip
+def test_a_start_that_does_not_fit_is_said(y0, more, message):
+    with pytest.raises(UsageError, match=message):
+        Problem.from_hamiltonian(SPRINGS, y0, **more)
+
+
+def test_an_index_beyond_a_list_of_the_plane_is_named():
+    """Without this, qx[n] would be an entry of another body."""
+    start = {"qx": [1, 2], "qy": [0, 0], "px": [0, 0], "py": [1, 0]}
+    with pytest.raises(UsageError, match=r"qx\[i \+ 1\] with the index 2; qx has 2 entries"):
+        Problem.from_hamiltonian("sum(px[i]**2/2 + qx[i+1] for i in range(n))", start)
+
+
+LONG = "x" * 9_000
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: Problem.from_hamiltonian(LONG, {"q": 1, "p": 0}),
+        lambda: Problem.from_hamiltonian(f"p**2/2 + {LONG[:999]}", {"q": 1, "p": 0}),
+        lambda: Problem.from_hamiltonian(SPRINGS, {"q": np.full(5_000, np.nan), "p": [0] * 5_000}),
+        lambda: Problem.from_hamiltonian("p**2/2", {LONG: 1, "p": 0}),
+        lambda: Problem.from_hamiltonian("p**2/2", [LONG, 0]),
+        lambda: Problem.from_equations({"x": LONG}, {"x": 1}),
+        lambda: Problem.from_equations({"x": "1"}, {"x": 1, LONG: 2}),
+        lambda: from_table({"file": LONG}),
+        lambda: from_table({LONG: 1}),
+        lambda: glmref.problem(LONG),
+        lambda: glmref.load(LONG),
+        lambda: glmref.compare(LONG),
+        lambda: glmref.compare("kepler", methods=[LONG]),
+        lambda: glmref.solve("kepler", "rk4", h=LONG),
+        lambda: glmref.solve("kepler", "rk4", h=0.1, engine=LONG),
+        lambda: Problem(f=("y[0]",), y0=list(range(5_000)), terms=LONG),
+    ],
+)  # fmt: skip
+def test_no_sentence_quotes_more_than_120_characters_of_a_value(call):
+    with pytest.raises(GlmrefError) as said:
+        call()
+    text = str(said.value)
+    assert "x" * 121 not in text
+    assert len(text) <= 600, text
+
+
+def test_what_is_quoted_by_mistake_is_cut_where_it_leaves():
+    quoted = UsageError(f"`a` must be short, got '{LONG}' and [{', '.join('1' * 999)}]; it isn't")
+    assert len(str(quoted)) < 320
+    assert str(quoted).endswith("; it isn't")
+    plain = f"a user's word 'one' {'is long ' * 30}'two'"
+    assert str(UsageError(plain)) == plain

@@ -47,6 +47,40 @@ def write(folder, text=SMALL, name="small.toml"):
     return path
 
 
+def test_step_sizes_may_be_a_range(tmp_path):
+    given = "steps = [20, 40]"
+    steps = load_scene(write(tmp_path, SMALL.replace(given, RANGES["steps"]))).steps
+    assert steps == (10, 100, 1000, 10000)
+    h = load_scene(write(tmp_path, SMALL.replace(given, RANGES["h"]))).grid
+    # each h is 2 pi by a whole number, so that runs end at the same time
+    assert [n for _, n in h] == [63, 628, 6283]
+    assert all(size == pytest.approx(2 * 3.141592653589793 / n, rel=1e-15) for size, n in h)
+    linear = SMALL.replace(given, "steps = { from = 2, to = 5, count = 4, spacing = 'linear' }")
+    assert load_scene(write(tmp_path, linear)).steps == (2, 3, 4, 5)
+
+
+RANGES = {
+    "steps": "steps = { from = 10, to = 10_000, count = 4 }",
+    "h": 'h = { from = "1/10", to = 0.001, count = 3 }',
+}
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("h = { from = 1, to = 0.1 }", "h.count` must be a whole number from 1"),
+        ("h = { from = 1, to = 0, count = 3 }", "h.to` must be a positive number"),
+        ("h = { from = 1, to = 2, count = 3, by = 1 }", "no key 'by'"),
+        ("steps = { from = 1e-3, to = 2, count = 3 }", "must lead to 1 to"),
+        ("h = { from = 1, to = 1e-12, count = 3 }", "must lead to 1 to"),
+        ("h = { from = 1, to = -2, count = 3, spacing = 'linear' }", "positive"),
+    ],
+)
+def test_a_range_that_does_not_fit_is_said(tmp_path, line, message):
+    with pytest.raises(DataError, match=re.escape(message)):
+        load_scene(write(tmp_path, SMALL.replace("steps = [20, 40]", line)))
+
+
 def line_of(text, start):
     return next(k for k, line in enumerate(text.splitlines(), 1) if line.startswith(start))
 
