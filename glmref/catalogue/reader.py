@@ -277,8 +277,7 @@ class _Reader(Entries):
 
     def _lmm(self) -> GLM:
         coefficients = self._alpha_beta()
-        built = self._one_step(families.linear_multistep(*coefficients))
-        return replace(built, multistep=coefficients)
+        return self._one_step(families.linear_multistep(*coefficients))
 
     def _one_leg(self) -> GLM:
         coefficients = self._alpha_beta()

@@ -47,10 +47,11 @@ def analyze(name: str, form: str) -> int:
         say(csv_text([("fact", "value"), *record.items()]))
     else:
         say(_page(record, measured, Style.of(sys.stdout)))
-    decisions = [record["g_symplectic"]["holds"], record["symmetric"]["holds"]]
+    decisions = [record[k]["holds"] for k in ("g_symplectic", "symmetric") if k in record]
     decisions += [
         record[k]
         for k in ("explicit", "preconsistent", "consistent", "zero_stable", "parasitism_free")
+        if k in record
     ]
     return INTERNAL if None in decisions else HOLDS
 

@@ -101,7 +101,8 @@ def linear_multistep(alpha: Entries, beta: Entries, name: str = "") -> GLM:
     if fs:
         V = (*V, (_ZERO,) * r, *(unit(len(ys) + j) for j in range(len(fs) - 1)))
         B = (*B, (_ONE,), *(((_ZERO,),) * (len(fs) - 1)))
-    return GLM(A=((b[k],),), U=(new_y if implicit else unit(0),), B=B, V=V, name=name)
+    U = (new_y if implicit else unit(0),)
+    return GLM(A=((b[k],),), U=U, B=B, V=V, name=name, multistep=(a, b))
 
 
 def one_leg(alpha: Entries, beta: Entries, name: str = "") -> GLM:

@@ -24,6 +24,7 @@ from ..catalogue.claims import (
     PRECONSISTENT,
     STAGE_ORDER,
     SYMMETRIC,
+    SYMMETRIC_REDUCED,
     W_ORDER,
     ZERO_STABLE,
 )
@@ -72,6 +73,9 @@ class Analysis(Shown):
         ``"free"`` a start and a finish belong to the method.
     order_proved : list[int or None]
         A proved lower and a proved upper bound of it.
+    order_to_digits : str or None
+        Of rounded decimals the largest residual through ``order``, such as ``"2.0e-16"``. All
+        orders, and the residuals beyond, are then those of the numbers within their digits.
     order_identity : int
         Order of the first value taken as the solution.
     order_witness : str
@@ -101,10 +105,15 @@ class Analysis(Shown):
         0] and of [0, iy] on which no eigenvalue of M(z) leaves the closed unit disc.
         ``periodicity``: largest y below which all are simple and of modulus one; of a pair on the
         oscillator. ``math.inf`` for a whole half-axis.
-    g_symplectic : dict[str, Any]
-        ``{"holds", "G", "D"}``.
-    symmetric : dict[str, Any]
-        ``{"holds", "L", "P"}``.
+    stability_parts : dict[str, dict] or None
+        Of an additive method the same of each implicit part for y' = f_c(t, y) alone, by its
+        number.
+    g_symplectic : dict[str, Any] or None
+        ``{"holds", "G", "D"}``; ``None`` for an additive method, of which no form is defined.
+    symmetric : dict[str, Any] or None
+        ``{"holds", "L", "P"}``, and where it does not hold ``"reduced"``: whether it does without
+        values that are not needed or follow from others, and ``"why"``. ``None`` for an additive
+        method.
     growth : list[dict[str, Any]]
         ``[{"eigenvalue", "mu"}, ...]``.
     proof : Proof
@@ -128,8 +137,8 @@ class Analysis(Shown):
     stage_order: int
     order_witness: str
     error_constants: dict[str, float]
-    g_symplectic: dict[str, Any]
-    symmetric: dict[str, Any]
+    g_symplectic: dict[str, Any] | None
+    symmetric: dict[str, Any] | None
     growth: list[dict[str, Any]]
     parasitism_free: bool | None
     abscissae: list[str] | None
@@ -143,19 +152,32 @@ class Analysis(Shown):
     order_embedded: dict[str, int] | None = None
     order_dense: int | None = None
     order_w: int | None = None
+    order_to_digits: str | None = None
+    stability_parts: dict[str, dict[str, Any]] | None = None
     undecided: dict[str, str] | None = None
 
     def __repr__(self) -> str:
-        return f"<Analysis {self.method or '(unnamed)'}: order {self.order}, {self.proof}>"
+        to = f" to {self.order_to_digits}" if self.order_to_digits else ""
+        return f"<Analysis {self.method or '(unnamed)'}: order {self.order}{to}, {self.proof}>"
 
     def as_json(self) -> dict[str, Any]:
         """Return the record, with its format, as JSON-ready values."""
         found = {"format": FORMAT, **asdict(self), "proof": str(self.proof)}
         found["stability"] = plain_ends(self.stability)
-        for key in ("order_parts", "order_embedded", "order_dense", "order_w", "undecided"):
-            if found[key] is None:  # of methods that have such parts only
+        if self.stability_parts is not None:
+            found["stability_parts"] = {k: plain_ends(x) for k, x in self.stability_parts.items()}
+        additive = ("parasitism_free", "growth") if self.g_symplectic is None else ()
+        for key in (*_OF_SOME, *additive):
+            if key in additive or found[key] is None:
                 del found[key]
         return found
+
+
+#: What only methods have that it applies to.
+_OF_SOME = (
+    *("order_parts", "order_embedded", "order_dense", "order_w", "order_to_digits"),
+    *("g_symplectic", "symmetric", "stability_parts", "undecided"),
+)
 
 
 def plain_ends(stability: Mapping[str, Any]) -> dict[str, Any]:
@@ -304,24 +326,31 @@ class _Questions:
             self.facts = facts_of(self.facts.method, implied=self.facts.implied)
             return nothing, str(error)
 
-    def truth(self, claim: str, seconds: float | None = None) -> bool | None:
-        """Whether a claim that is true or false is true."""
+    def truth(
+        self,
+        claim: str,
+        seconds: float | None = None,
+        of: Callable[[Facts], Facts] = lambda f: f,
+        where: str = "",
+    ) -> bool | None:
+        """Whether a claim that is true or false is true, of the method or of a part of it."""
 
         def known(facts: Facts) -> tuple[bool | None, str]:
+            facts = of(facts)
             found = facts.kernel.known(claim, proposal_for(facts, claim))
             return found.truth, found.reason or "the digits do not decide it"
 
-        answer = self.ask(claim, known, None, seconds)
+        answer = self.ask(where + claim, known, None, seconds)
         if answer is None:
             return None
         truth, reason = answer
         if truth is None:
-            self.undecided[claim] = reason
+            self.undecided[where + claim] = reason
         return truth
 
     def range(self, claim: str) -> Range:
         """Proved bounds of an order; no upper bound and the reason where none was found."""
-        found = self.ask(claim, lambda f: asdict(f.kernel.range(claim)))
+        found = self.ask(claim, lambda f: asdict(f.nominal.kernel.range(claim)))
         if found is None:
             return Range(0, None, reason=self.undecided[claim])
         return Range(**found)
@@ -333,13 +362,15 @@ def _shared(q: _Questions) -> dict[str, Any]:
     same = order.value == identity.value or q.facts.is_one_step
     constants, norm = q.ask("error-constants", _constants, ({}, 0.0))
     settled = order.lower == order.upper
-    misses = q.ask("consistency", lambda f: [x.witness for x in f.consistencies if x.witness], [])
+    misses = q.ask(
+        "consistency", lambda f: [x.witness for x in f.nominal.consistencies if x.witness], []
+    )
     why = q.ask("staircase", staircase, "")
     return {
         "method": q.facts.method.name,
         "explicit": q.truth(EXPLICIT.key),
         "preconsistent": q.truth(PRECONSISTENT.key),
-        "consistent": q.truth(CONSISTENT.key),
+        "consistent": q.truth(CONSISTENT.key, of=lambda f: f.nominal),
         "zero_stable": q.truth(ZERO_STABLE.key),
         "order": order.value,
         "order_proved": [order.lower, order.upper],
@@ -351,15 +382,24 @@ def _shared(q: _Questions) -> dict[str, Any]:
         ),
         "error_constants": constants,
         "parasitism_free": None if q.facts.method.additive else q.truth(PARASITISM_FREE.key),
-        "proof": q.facts.proof,
+        "proof": Proof(q.ask("order", lambda f: str(f.nominal.proof), str(q.facts.proof))),
         "consistency_witness": "; ".join(dict.fromkeys(misses)),
         "error_norm": norm,
-        "order_embedded": q.ask("order-embedded", lambda f: _row_orders(f.kernel)),
+        "order_embedded": q.ask("order-embedded", lambda f: _row_orders(f.nominal.kernel)),
+        "order_to_digits": q.ask("order", lambda f: _size_to(f, order.value)),
     }
 
 
+def _size_to(facts: Facts, order: int) -> str | None:
+    """The largest residual through an order of rounded decimals, rounded up."""
+    if facts.nominal is facts:
+        return None
+    sizes = [min(x, sys.float_info.max) for x in facts.kernel.nearly()]
+    return rounded_up(Fraction(repr(max(sizes[:order], default=0.0)))) if sizes else None
+
+
 def _constants(facts: Facts) -> tuple[dict[str, float], float]:
-    order = facts.classical_order
+    order = facts.nominal.classical_order
     return {str(t): _real(x) for t, x in order.residuals.items()}, error_norm(order)
 
 
@@ -371,16 +411,32 @@ def _row_orders(kernel: Kernel) -> dict[str, int] | None:
         return None
 
 
-def _stability(q: _Questions) -> dict[str, Any]:
-    """A- and L-stability and the intervals of a single method or of one that is one if linear."""
+def _stability(q: _Questions, part: int = 0) -> dict[str, Any]:
+    """A- and L-stability and the intervals of a method that is a single one on linear systems.
+
+    That is one method, a Rosenbrock method, or one part of an additive method.
+    """
+    where = f"part {part}: " if part else ""
+
+    def linear(f: Facts) -> Facts:
+        return facts_of(f.method.part(part)) if part else f
+
+    def interval(name: str, of: Callable[[Any], Any]) -> Any:
+        return q.ask(f"{where}{name} interval", lambda f: of(linear(f).linear).end, None, STABILITY)
+
     return {
-        "A": q.truth(A_STABLE.key, STABILITY),
-        "L": q.truth(L_STABLE.key, STABILITY),
-        "real": q.ask("real interval", lambda f: real_interval(f.linear).end, None, STABILITY),
-        "imaginary": q.ask(
-            "imaginary interval", lambda f: imaginary_interval(f.linear).end, None, STABILITY
-        ),
+        "A": q.truth(A_STABLE.key, STABILITY, linear, where),
+        "L": q.truth(L_STABLE.key, STABILITY, linear, where),
+        "real": interval("real", real_interval),
+        "imaginary": interval("imaginary", imaginary_interval),
     }
+
+
+def _stability_of_parts(q: _Questions) -> dict[str, dict[str, Any]] | None:
+    """The same of each implicit part of an additive method, by its number."""
+    m = q.facts.method
+    implicit = [n for n in range(1, m.k + 1) if m.part(n).implicit_stages]
+    return {str(n): _stability(q, n) for n in implicit} or None
 
 
 def _open(order: Range) -> str:
@@ -437,7 +493,6 @@ def _steps(sizes: Sequence[Fraction], proved: int) -> str:
 def _analyzed_sum(q: _Questions) -> Analysis:
     """An additive method: the whole by trees in the colours of its parts, and each part alone."""
     m = q.facts.method
-    nothing = {"holds": None}
     return Analysis(
         **_shared(q),
         stages=len(m.b) if m.rosenbrock else m.s,
@@ -445,11 +500,12 @@ def _analyzed_sum(q: _Questions) -> Analysis:
         implicit_stages=[i for i, row in enumerate(m.gamma, 1) if row[i - 1].is_zero() is not True]
         if m.rosenbrock
         else list(m.implicit_stages),
-        g_symplectic={**nothing, "G": None, "D": None},
-        symmetric={**nothing, "L": None, "P": None},
+        g_symplectic=None,
+        symmetric=None,
         growth=[],
         abscissae=None,
         stability=_stability(q) if m.rosenbrock else {},
+        stability_parts=None if m.rosenbrock else _stability_of_parts(q),
         order_nystrom=None,
         quadrature_constant=None,
         order_w=q.range(W_ORDER.key).value if m.rosenbrock else None,
@@ -493,9 +549,10 @@ def _analyzed(q: _Questions) -> Analysis:
             "G": form("G", _matrix),
             "D": form("D", _vector) if single else {x: form(x, _vector) for x in ("D_P", "D_Q")},
         },
-        symmetric={"holds": q.truth(SYMMETRIC.key)}
+        symmetric={"holds": (holds := q.truth(SYMMETRIC.key))}
         | held
-        | {"P": exchanges[0] if single else exchanges},
+        | {"P": exchanges[0] if single else exchanges}
+        | (_reduced(q) if single and holds is False and values != [1] else {}),
         growth=q.ask("growth", lambda f: _growth(f, single), []),
         abscissae=q.ask("abscissae", lambda f: _vector(f.abscissae)),
         stability=stability,
@@ -504,6 +561,29 @@ def _analyzed(q: _Questions) -> Analysis:
         order_dense=q.range(DENSE_ORDER.key).value if single and m.dense is not None else None,
         undecided=q.undecided or None,
     )
+
+
+def _reduced(q: _Questions) -> dict[str, Any]:
+    """Whether a method that is not symmetric as it stands is so without values it can do without.
+
+    A multistep method is symmetric where alpha_m = -alpha_(k-m) and beta_m = beta_(k-m), which as
+    a tableau carries h f of values that it carries, too (Hairer, Lubich, Wanner 2006, XV.1).
+    """
+
+    def known(f: Facts) -> tuple[bool | None, str]:
+        if f.method.multistep is not None:
+            alpha, beta = f.method.multistep
+            gaps = [x + y for x, y in zip(alpha, reversed(alpha), strict=True)]
+            gaps += [x - y for x, y in zip(beta, reversed(beta), strict=True)]
+            truths = [x.is_zero() for x in gaps]
+            truth = None if None in truths and False not in truths else all(truths)
+            why = "alpha_m = -alpha_(k-m), beta_m = beta_(k-m)"
+            return truth, f"{why}: the values h f follow from the values y" if truth else ""
+        truth = f.kernel.known(SYMMETRIC_REDUCED.key, proposal_for(f, SYMMETRIC_REDUCED.key)).truth
+        return truth, f.reduction.witness if truth else ""
+
+    truth, why = q.ask("symmetric in reduced form", known, None, STABILITY) or (None, "")
+    return {"reduced": truth, "why": why}
 
 
 def _growth(facts: Facts, single: bool) -> list[dict[str, Any]]:
@@ -532,7 +612,7 @@ def _periodicity(facts: Facts) -> float | None:
 
 
 def _quadrature(facts: Facts) -> float | None:
-    found = facts.quadrature_error
+    found = facts.nominal.quadrature_error
     return None if found is None else _real(found[0])
 
 

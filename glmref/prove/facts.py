@@ -15,6 +15,7 @@ from ..exact import Scalar
 from ..exact.linalg import Vector
 from ..findings import Proof
 from ..method import Method
+from ..method.digits import within_digits
 from ..theory.consistency import consistency, zero_stability
 from ..theory.nystrom import nystrom_order_of
 from ..theory.order import order_of
@@ -56,6 +57,15 @@ class Facts:
     def kernel(self) -> Kernel:
         """The rules that give verdicts about this method."""
         return Kernel(self.method, self.implied)
+
+    @cached_property
+    def nominal(self) -> Facts:
+        """The facts that orders are taken from: of rounded decimals those within their digits."""
+        rounded = within_digits(self.method) if self.method.is_exact else None
+        if rounded is None:
+            return self
+        near, claim = facts_of(rounded), self.kernel.row_claim
+        return near if near.kernel.range(claim).value > self.kernel.range(claim).value else self
 
     @property
     def proof(self) -> Proof:

@@ -33,7 +33,7 @@ _STABILITY = {
 }
 _WHOLE = {"real": "the negative real axis", "imaginary": "the imaginary axis"}
 #: What several keys say together.
-_TOGETHER = ("error_constants", "error_norm", "quadrature_constant")
+_TOGETHER = ("error_constants", "error_norm", "quadrature_constant", "order_to_digits")
 
 
 def analysis_rows(
@@ -69,6 +69,19 @@ def analysis_rows(
             rows += _error_constants(record)
         elif key == "stability":
             rows += [(_STABILITY[k], _stability(k, x, measured or {})) for k, x in value.items()]
+        elif key == "stability_parts":
+            rows += [
+                (f"{_STABILITY[k]}, part {n}", _stability(k, x, {}))
+                for n, found in value.items()
+                for k, x in found.items()
+            ]
+        elif key == "order":
+            digits = record.get("order_to_digits")
+            put(key, f"{value} to {digits}, the decimals being rounded" if digits else value)
+        elif key == "symmetric":
+            put(key, _symmetric(value))
+            if value["holds"]:
+                put(key, {k: x for k, x in value.items() if k != "holds"})
         elif key == "order_proved":
             rows.append(("order proved", _proved(*value)))
         elif key == "implicit_stages":
@@ -76,6 +89,13 @@ def analysis_rows(
         elif key not in ("format", "method", *_TOGETHER):
             put(_TITLES.get(key, key.replace("_", " ")), value)
     return rows
+
+
+def _symmetric(found: Mapping[str, Any]) -> str:
+    """Say whether a method is symmetric, as it stands or in reduced form."""
+    if found.get("reduced"):
+        return f"yes (in reduced form): {found['why']}"
+    return shown_value(found["holds"])
 
 
 def _proved(lower: int | None, upper: int | None) -> str:

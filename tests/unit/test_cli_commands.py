@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -322,11 +323,23 @@ def test_a_rosenbrock_method_is_analysed_and_drawn_in_its_own_terms(
     code, out, _ = run("analyze", "ros3-printed")
     rows = dict(x.split(maxsplit=1) for x in out.splitlines() if x.startswith("stages"))
     assert code == 3 and rows == {"stages": "3"}
-    assert out.count("no vector v has") == 1
+    assert "order                                      3 to " in out
     assert "order of row embedded" in out and "embedded embedded" not in out
     code, out, _ = run("show", "ros3-printed", "--plot", str(tmp_path / "r.svg"))
     assert code == 0 and (tmp_path / "r.svg").read_text().startswith("<")
     assert "class rosenbrock: 3 stages, 1 value\n" in out
+
+
+def test_what_does_not_apply_to_an_imex_method_is_not_listed(run: Run) -> None:
+    """And its implicit part is analysed: ARS(2,3,2) of Ascher, Ruuth and Spiteri is L-stable."""
+    code, out, _ = run("analyze", "ars-2-3-2")
+    assert code == 0
+    for word in ("symplectic", "symmetric", "parasitism", "not decided", "growth"):
+        assert word not in out
+    assert re.search(r"^L-stable, part 2 +yes$", out, re.MULTILINE) and "part 1" not in out
+    code, out, _ = run("analyze", "ars-2-3-2", "--format", "json")
+    record = json.loads(out)
+    assert record["stability_parts"]["2"]["L"] is True and "symmetric" not in record
 
 
 def test_a_method_file_given_to_check_is_named_as_one(run: Run) -> None:

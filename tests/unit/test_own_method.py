@@ -15,6 +15,7 @@ from glmref.errors import DataError, UsageError
 from glmref.exact import Exact
 from glmref.exact.expression import parse
 from glmref.system.shown import DARK
+from glmref.views.facts import analysis_rows
 from glmref.views.show import show
 from glmref.views.tables import Style
 
@@ -63,7 +64,8 @@ def test_a_rounded_tableau_is_told_from_an_exact_one() -> None:
         method = glmref.from_rk([[0, 0], [2 * third, 0]], [0.25, 0.75])
     assert seen[0].filename == __file__
     facts = glmref.analyze(method)
-    assert facts.order == 1 and "order 2 to" in facts.order_witness
+    assert facts.order == 2 and "order 2 to" in facts.order_witness
+    assert facts.order_proved == [1, 2] and facts.order_to_digits == "5.0e-17"
     assert glmref.analyze(glmref.from_rk([["0", "0"], ["2/3", "0"]], ["1/4", "3/4"])).order == 2
 
 
@@ -72,6 +74,22 @@ def test_multistep_and_splitting_coefficients_make_methods() -> None:
     assert glmref.analyze(ab2).order == 2
     assert glmref.analyze(glmref.from_splitting([0.5, 0.5], [1.0])).order == 2
     assert glmref.analyze(glmref.from_one_leg([-1, 1], [0.5, 0.5])).order == 2
+
+
+def test_the_trapezoidal_rule_is_symmetric_however_it_is_written() -> None:
+    stages = glmref.from_rk([[0, 0], ["1/2", "1/2"]], ["1/2", "1/2"])
+    assert glmref.analyze(stages).symmetric["holds"]
+    steps = glmref.from_lmm([-1, 1], ["1/2", "1/2"])
+    milne = glmref.load("milne-simpson")
+    for method in (steps, milne):
+        found = glmref.analyze(method).symmetric
+        assert (found["holds"], found["reduced"]) == (False, True)
+        assert "alpha_m = -alpha_(k-m)" in found["why"]
+        rows = dict(analysis_rows(glmref.analyze(method).as_json()))
+        assert rows["symmetric"].startswith("yes (in reduced form): ")
+        assert "symmetric L" not in rows
+    for method in (glmref.load("ab-2"), glmref.load("bdf-2")):
+        assert glmref.analyze(method).symmetric["reduced"] is False
 
 
 def test_zero_printed_with_digits_is_zero(tmp_path: Path) -> None:

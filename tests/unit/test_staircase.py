@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import warnings
 from decimal import Decimal, localcontext
 from fractions import Fraction
 from typing import Any
 
+import numpy as np
 import pytest
 
+import glmref
 from glmref.catalogue.lookup import document as shipped
 from glmref.catalogue.reader import load_document
 from glmref.prove.analysis import analyze
+from glmref.views.facts import analysis_rows
 
 SOURCE = {"citation": "c", "where": "w", "status": "derived"}
 
@@ -65,11 +69,29 @@ def test_decimals_say_order_and_digits() -> None:
     assert 1e-34 < size < 1e-31
 
 
-def test_rounded_fractions_have_order_0_exactly() -> None:
+def test_rounded_decimals_have_their_order_to_digits() -> None:
     found = analyze(load_document(document(3, lambda x: str(Fraction(rounded(x, 33))))))
-    assert found.order == 0
+    assert (found.order, found.order_proved, str(found.proof)) == (6, [0, 6], "measured")
+    assert found.order_to_digits is not None and 1e-34 < float(found.order_to_digits) < 1e-31
+    assert f"order 6 to {found.order_to_digits}, " in repr(found)
+    (row,) = [text for name, text in analysis_rows(found.as_json()) if name == "order"]
+    assert row.startswith(f"6 to {found.order_to_digits}, ")
     assert found.order_witness.startswith("order 6 to ")
     assert "order 0 exactly" in found.order_witness
+
+
+@pytest.mark.parametrize("name", ["forest-ruth-4", "yoshida-4", "rk4"])
+def test_a_method_in_doubles_has_its_order_to_16_digits(name: str) -> None:
+    exact = glmref.load(name)
+    doubles = {x: np.array(y, dtype=float) for x, y in vars(exact).items() if x[0] in "AUBV"
+               and x.partition("_")[0] in "AUBV"}  # fmt: skip
+    if name == "forest-ruth-4":
+        doubles["separable"] = True
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        found = analyze(type(exact)(**doubles))
+    assert found.order == 4 and set(found.error_constants) == set(analyze(exact).error_constants)
+    assert found.order_to_digits is not None and 1e-17 < float(found.order_to_digits) < 1e-15
 
 
 def test_an_exact_method_has_no_staircase() -> None:
