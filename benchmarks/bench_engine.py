@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks import compare_c, compare_textbook
 from glmref import solve
 from glmref.catalogue.lookup import load
 from glmref.engine.codegen import ARGUMENTS, Options, kernel_source
@@ -20,6 +19,7 @@ from glmref.engine.shape import shape_of
 from glmref.engine.starting_values import starting_values, zero_start
 from glmref.engine.sweep import step_form
 from glmref.problems import problem
+from tools.measure import compare_c, compare_textbook
 
 METHODS = ["rk4", "gauss-3", "s4-symmetric", "g6245", "stormer-verlet", "kahan-li-8"]
 PROBLEMS = {"kepler": 0.02, "henon-heiles": 0.1, "outer-solar-system": 50.0}

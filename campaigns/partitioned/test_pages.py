@@ -69,7 +69,7 @@ def test_other_data_give_another_table_of_longer_runs(monkeypatch):
 def test_every_table_between_marks_is_computed():
     for page, names in PAGES.items():
         there = set(re.findall(r"<!-- table: (\S+) -->", text(page)))
-        assert there - {"against-c"} == set(names)  # that one: benchmarks/engine_tables.py
+        assert there - {"against-c"} == set(names)  # that one: tools/measure/engine_tables.py
 
 
 def test_a_table_without_a_place_is_refused():

@@ -65,9 +65,11 @@ def _measure(pattern: str | None, commits: str, *, quick: bool) -> int:
 
 
 def _asv(*arguments: str) -> int:
-    """Run asv with its output on stderr, so that stdout has the results alone."""
+    """Run asv with its output on stderr, so that stdout has only the results, and no questions."""
     command = [sys.executable, "-m", "asv", *arguments]
-    return subprocess.run(command, stdout=sys.stderr, check=False).returncode
+    return subprocess.run(
+        command, stdin=subprocess.DEVNULL, stdout=sys.stderr, check=False
+    ).returncode
 
 
 def _print_cells(cells: Sequence[dict[str, Any]], form: str) -> None:

@@ -17,7 +17,7 @@ PAIR_PAGE = ROOT / "campaigns" / "partitioned" / "README.md"
 def tables():
     """The module that writes the tables, read from its file: it needs nothing but Python."""
     spec = importlib.util.spec_from_file_location(
-        "engine_tables", ROOT / "benchmarks" / "engine_tables.py"
+        "engine_tables", ROOT / "tools" / "measure" / "engine_tables.py"
     )
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
@@ -36,7 +36,7 @@ def against_c(rows):
 
 def test_the_page_shows_what_is_stored(rows):
     page = PAGE.read_text(encoding="utf-8")
-    assert tables().filled(page, rows) == page, "run python -m benchmarks.measure_engine --write"
+    assert tables().filled(page, rows) == page, "run python -m tools.measure.engine --write"
     for comparison, key in (("lanes", "gain"), ("sweep", "evaluations"), ("c", "evaluations")):
         other = [dict(x, **{key: 99.0}) if x["comparison"] == comparison else x for x in rows]
         assert tables().filled(page, other) != page, comparison
@@ -97,7 +97,7 @@ def test_the_record_says_where_and_how_it_was_measured():
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
 def test_the_loop_in_c_has_the_bits_of_the_kernel(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(str(ROOT))
-    from benchmarks import compare_c
+    from tools.measure import compare_c
 
     case = compare_c.Case("pair-6-8", "kepler", tmp_path)
     ours, theirs = case.engine(case.kernel, 1000), case.c(1000)

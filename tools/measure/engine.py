@@ -1,12 +1,12 @@
-"""Measure the engine: ``python -m benchmarks.measure_engine [--write] [COMPARISON ...]``.
+"""Measure the engine: ``python -m tools.measure.engine [--write] [COMPARISON ...]``.
 
-Four comparisons: ``c`` and ``sweep`` of :mod:`benchmarks.compare_c`, ``lanes`` of
-:mod:`benchmarks.compare_lanes` and ``kepler`` of :mod:`benchmarks.compare_kepler`; where some are
-named, only these are measured, and the rows of the others are those of the record. Prints the
-tables; with ``--write`` stores what was measured in data/measurements/engine.json and the tables in
+Four comparisons: ``c`` and ``sweep`` of :mod:`tools.measure.compare_c`, ``lanes`` of
+:mod:`tools.measure.compare_lanes` and ``kepler`` of :mod:`tools.measure.compare_kepler`; where
+some are named, only these are measured, and the rows of the others are those of the record. Prints
+the tables; with ``--write`` it stores them in data/measurements/engine.json and in
 docs/engine.md and campaigns/partitioned/README.md; without names also the table of
-:mod:`benchmarks.compare_textbook`, so that one command renews the page. Needs a C compiler, heyoka,
-scipy.
+:mod:`tools.measure.compare_textbook`, so that one command renews the page. Needs a C compiler,
+heyoka, scipy.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from benchmarks import compare_c, compare_kepler, compare_lanes, compare_textbook
-from benchmarks.engine_tables import PAIR_TABLES, TABLES, filled
 from glmref.catalogue.strict_json import write_json
 from glmref.measure.timing import circumstances
+from tools.measure import compare_c, compare_kepler, compare_lanes, compare_textbook
+from tools.measure.engine_tables import PAIR_TABLES, TABLES, filled
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 RECORD = ROOT / "data" / "measurements" / "engine.json"
 PAGE = ROOT / "docs" / "engine.md"
 PAIR_PAGE = ROOT / "campaigns" / "partitioned" / "README.md"
@@ -98,7 +98,7 @@ def record(wanted: Sequence[str], known: dict[str, Any]) -> dict[str, Any]:
         "name": "engine",
         "question": "How fast are the compiled kernels against hand-written C, evaluations alone, "
         "the reference engine and other people's integrators?",
-        "command": "python -m benchmarks.measure_engine --write",
+        "command": "python -m tools.measure.engine --write",
         "problem": "Kepler (e = 3/5), Hénon-Heiles, outer solar system, pendulum",
         "measured": MEASURED,
         "where": where,

@@ -1,6 +1,6 @@
 """The compiled engine against hand-written C loops of the same arithmetic, and other bounds.
 
-``benchmarks/c`` holds each loop as one would write it by hand: the same operations in the same
+``tools/measure/c`` holds each loop as one would write it by hand: the same operations in the same
 order, which is checked, since the end states must be equal to the last bit. Pairs and splittings
 share one loop, ``sweep.c``, with a table of stages that is printed from the method's data. Beside
 it: the force alone as often as the method evaluates it, each evaluation at the result of the one
@@ -26,7 +26,6 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.timing import interleaved, quartiles, ratios
 from glmref.catalogue.lookup import load
 from glmref.engine.forms import StepForm
 from glmref.engine.kernel import Kernel, prepare
@@ -34,6 +33,7 @@ from glmref.engine.reference import stepper
 from glmref.engine.starting_values import zero_start
 from glmref.problems import problem
 from glmref.problems.model import Problem
+from tools.measure.timing import interleaved, quartiles, ratios
 
 SOURCES = Path(__file__).parent / "c"
 FLAGS = ("-O3", "-march=native", "-ffp-contract=off", "-fno-math-errno")

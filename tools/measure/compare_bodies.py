@@ -1,6 +1,6 @@
-"""The loop over pairs of bodies, and one that vectors fit: ``python -m benchmarks.compare_bodies``.
+"""Pairs of bodies, and a loop that vectors fit: ``python -m tools.measure.compare_bodies``.
 
-``benchmarks/c/bodies.c`` has the force of N bodies twice: every pair once, as the engine computes
+``tools/measure/c/bodies.c`` has the force of N bodies twice: every pair once, as the engine has
 it, and with the pulled body inside, which computes every pair twice and is packed into vectors.
 Both have the same bits. Microseconds of processor time for one evaluation, least of interleaved
 repetitions, at ``-O3`` with vectors as wide as the processor has.
@@ -14,8 +14,8 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.compare_c import built
-from benchmarks.timing import interleaved
+from tools.measure.compare_c import built
+from tools.measure.timing import interleaved
 
 BODIES = (4, 8, 16, 32, 64, 128)
 LOOPS = {"pairs": ("-DPAIRS",), "packed": (), "packed, 512 bits": ("-mprefer-vector-width=512",)}

@@ -4,8 +4,8 @@ Kepler with eccentricities spread over [0, 0.6] and Hénon-Heiles with initial m
 The time in lanes is that of the whole call; one by one it is that of the kernel alone, on every
 400th trajectory.
 
-``python -m benchmarks.compare_lanes`` compares threads: whole calls, seconds of the clock, least of
-interleaved repetitions, with one thread and with two, four .. up to the number of processors; with
+``python -m tools.measure.compare_lanes`` compares threads: whole calls, seconds of the clock, least
+of interleaved repetitions, with one thread and with two, four .. up to all processors; with
 ``loops``, right-hand sides with loops over sites or bodies: 16 trajectories one by one and in
 vectors of lanes, the steps alone, least of interleaved repetitions.
 """
@@ -20,7 +20,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from benchmarks.timing import interleaved, quartiles
 from glmref.catalogue.lookup import load
 from glmref.engine.ensemble import solve_ensemble
 from glmref.engine.kernel import prepare
@@ -28,6 +27,7 @@ from glmref.engine.reference import stepper
 from glmref.engine.runners import Lanes, Runner, Singles
 from glmref.engine.starting_values import zero_start
 from glmref.problems import problem
+from tools.measure.timing import interleaved, quartiles
 
 LANES, STEPS, SAMPLE = 10_000, 1000, 25
 METHODS = ("rk4", "gauss-2", "gauss-3", "s4-symmetric", "g6245", "stormer-verlet")

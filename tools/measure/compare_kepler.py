@@ -18,7 +18,6 @@ from typing import Any
 import mpmath
 import numpy as np
 
-from benchmarks.timing import interleaved, quartiles
 from glmref.catalogue.lookup import load
 from glmref.engine.kernel import prepare
 from glmref.engine.outcome import StartFailed
@@ -26,10 +25,11 @@ from glmref.engine.reference import stepper
 from glmref.engine.solve import solve
 from glmref.engine.starting_values import starting_values
 from glmref.measure.longtime import along
-from glmref.method import GLM, PartitionedGLM
+from glmref.method import GLM
 from glmref.method.classical import collocation
 from glmref.method.families import runge_kutta
 from glmref.problems import problem
+from tools.measure.timing import interleaved, quartiles
 
 PERIODS, SAMPLES = 1000, 97
 GOALS = (1e-9, 1e-12)
@@ -78,15 +78,15 @@ class Row:
 def gauss(s: int, digits: int = 250) -> GLM:
     """Gauss with s stages, nodes to so many digits: more than the engine's identities ask for."""
     with mpmath.workdps(digits + 50):
-        polynomial = mpmath.taylor(lambda x: mpmath.legendre(s, x), 0, s)[::-1]
-        roots = mpmath.polyroots(polynomial, maxsteps=500, extraprec=2000)
+        near = np.polynomial.legendre.leggauss(s)[0]
+        roots = [mpmath.findroot(lambda x: mpmath.legendre(s, x), float(x)) for x in near]
         scale = mpmath.mpf(10) ** digits
-        nodes = sorted(int(mpmath.nint((1 + mpmath.re(x)) / 2 * scale)) for x in roots)
+        nodes = sorted(int(mpmath.nint((1 + x) / 2 * scale)) for x in roots)
     A, b = collocation([Fraction(node, 10**digits) for node in nodes])
     return runge_kutta(A, b, name=f"gauss-{s}")
 
 
-def method_of(name: str) -> GLM | PartitionedGLM:
+def method_of(name: str) -> Any:
     """The method of the catalogue, or Gauss with more stages than the catalogue has."""
     return gauss(int(name[-1])) if name in ("gauss-6", "gauss-8") else load(name)
 

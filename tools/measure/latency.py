@@ -1,4 +1,4 @@
-"""What a run costs besides its steps: ``python -m benchmarks.latency [--repeats N] [--json FILE]``.
+"""The cost of a run besides its steps: ``python -m tools.measure.latency [--json FILE]``.
 
 ``--methods`` measures the first and the second run of every method that has a start or a finish, or
 of those named after it, each in a process forked from one that has imported everything: the least

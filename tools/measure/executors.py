@@ -1,6 +1,6 @@
 """What a task costs besides itself: executors under many small tasks.
 
-    python -m benchmarks.measure_campaigns [FILE] [--only gain] [--tasks N] [--minutes M]
+    python -m tools.measure.executors [FILE] [--only gain] [--tasks N] [--minutes M]
 
 One table. Empty tasks for the overhead; tasks of 50 ms, which sleep or keep a processor busy, for
 the gain of a second worker, one and two in turn and the best of five rounds; and a campaign of many
@@ -190,7 +190,7 @@ PARTS: dict[str, Callable[[argparse.Namespace], Any]] = {
 
 def main(arguments: Sequence[str]) -> None:
     """Measure, print a table, and write the file."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.measure_campaigns")
+    parser = argparse.ArgumentParser(prog="python -m tools.measure.executors")
     parser.add_argument("file", type=Path, nargs="?", help="where the figures go, in JSON")
     parser.add_argument("--only", choices=PARTS, action="append", help="a part of the table")
     parser.add_argument("--tasks", type=int, default=MILLION, help="of the long campaign")
@@ -200,7 +200,7 @@ def main(arguments: Sequence[str]) -> None:
         "format": "glmref-measurement-1",
         "name": given.file.stem if given.file else "campaigns",
         "title": "What a task of a campaign costs besides itself",
-        "how": "python -m benchmarks.measure_campaigns FILE",
+        "how": "python -m tools.measure.executors FILE",
         "where": circumstances(),
         **{part: PARTS[part](given) for part in given.only or PARTS},
     }
@@ -210,6 +210,6 @@ def main(arguments: Sequence[str]) -> None:
 
 
 if __name__ == "__main__":
-    from benchmarks.measure_campaigns import main as measure_all  # tasks are imported by name
+    from tools.measure.executors import main as measure_all  # tasks are imported by name
 
     measure_all(sys.argv[1:])

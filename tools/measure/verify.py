@@ -1,4 +1,4 @@
-"""Time ``glmref verify`` over the whole catalogue: ``python -m benchmarks.measure_verify [FILE]``.
+"""Time ``glmref verify`` over the whole catalogue: ``python -m tools.measure.verify [FILE]``.
 
 Prints the document of the measurement, or writes it to a file.
 """
@@ -46,7 +46,7 @@ def measured() -> dict[str, Any]:
         "format": "glmref-measurement-1",
         "name": "verify-time",
         "title": "What it takes to check the whole catalogue",
-        "how": "python -m benchmarks.measure_verify FILE",
+        "how": "python -m tools.measure.verify FILE",
         "notes": [NOTE],
         "files": len(names("all")),
         "wall": statistics.median(x["wall"] for x in runs),

@@ -1,6 +1,6 @@
-"""The engine beside plain C: ``python -m benchmarks.compare_textbook [--write] [NAME ...]``.
+"""The engine beside plain C: ``python -m tools.measure.compare_textbook [--write] [NAME ...]``.
 
-``benchmarks/c/textbook.c`` states each method by its formulas, in an order of operations of its
+``tools/measure/c/textbook.c`` states each method by its formulas, in an order of operations of its
 own, so that bits differ; its author had not read the engine, but for that of ``g6245-w3``. Names
 are of methods and problems; ``--write`` puts the table of all of them into docs/engine.md. Four
 kinds of it are compiled, with and without compensated sums and with and without fused operations,
@@ -21,9 +21,6 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.compare_c import CONTRACTED, PROBLEMS, Loop, built
-from benchmarks.engine_tables import filled
-from benchmarks.timing import interleaved
 from glmref import load, problem
 from glmref.engine.kernel import Kernel, State, prepare
 from glmref.engine.reference import stepper
@@ -31,6 +28,9 @@ from glmref.engine.starting_values import starting_values
 from glmref.exact import Scalar
 from glmref.method import GLM, PartitionedGLM
 from glmref.method.component import SEPARABLE
+from tools.measure.compare_c import CONTRACTED, PROBLEMS, Loop, built
+from tools.measure.engine_tables import filled
+from tools.measure.timing import interleaved
 
 #: Method -> macro of its C source.
 METHODS = {
@@ -57,7 +57,7 @@ KINDS = {
     "plain, fused": (CONTRACTED,),
 }
 _NEAR = 1e-9
-PAGE = Path(__file__).resolve().parents[1] / "docs" / "engine.md"
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "engine.md"
 
 
 @dataclass(frozen=True)

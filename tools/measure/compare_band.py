@@ -1,4 +1,4 @@
-"""Newton's method on a large chain beside LAPACK: ``python -m benchmarks.compare_band``.
+"""Newton's method on a large chain beside LAPACK: ``python -m tools.measure.compare_band``.
 
 The reference is written with numpy and scipy from the textbook: Gauss with three stages in the
 variables of Butcher (1976), one real and one complex band factored by gbtrf, the Jacobian of the
@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 from scipy.linalg import lapack
 
-from benchmarks.timing import interleaved
 from glmref import load, problem
 from glmref.engine.kernel import prepare
+from tools.measure.timing import interleaved
 
 LAPACK: Any = lapack
 LOWER, UPPER = 3, 1
@@ -33,9 +33,11 @@ class Reference:
         method: Any = load("gauss-3")
         self.A = np.array([[float(x) for x in row] for row in method.A])
         self.b = np.array([float(x) for x in method.B[0]])
+        values: Any
+        T: Any
         values, T = (np.asarray(x, dtype=complex) for x in np.linalg.eig(self.A))
         real, pair = int(np.argmin(abs(values.imag))), int(np.argmax(values.imag))
-        inverse = np.linalg.inv(T)
+        inverse: Any = np.linalg.inv(T)
         self.real, self.pair = float(values[real].real), complex(values[pair])
         self.into = inverse[real].real, inverse[pair]
         self.back = T[:, real].real, T[:, pair]
