@@ -52,8 +52,7 @@ def _measure(pattern: str | None, commits: str, *, quick: bool) -> int:
     if find_spec("asv") is None:
         raise UsageError("asv is not installed; pip install 'glmref[bench]'")
     chosen = [*(["--quick"] if quick else []), *(["--bench", pattern] if pattern else [])]
-    if _asv("machine", "--yes"):
-        raise UsageError("`asv machine --yes` failed; its message is above")
+    _describe_machine()
     code = _asv("run", commits, *chosen)
     if code not in (0, _BENCHMARK_FAILED):
         raise UsageError(f"`asv run {commits}` failed with exit code {code}; see its words above")
@@ -65,11 +64,29 @@ def _measure(pattern: str | None, commits: str, *, quick: bool) -> int:
 
 
 def _asv(*arguments: str) -> int:
-    """Run asv with its output on stderr, so that stdout has only the results, and no questions."""
+    """Run asv, which can ask nothing, with its output on stderr: stdout has only the results."""
     command = [sys.executable, "-m", "asv", *arguments]
     return subprocess.run(
         command, stdin=subprocess.DEVNULL, stdout=sys.stderr, check=False
     ).returncode
+
+
+def _describe_machine() -> None:
+    """Let asv note what it finds of this machine; the questions that it prints are answered so.
+
+    Raises
+    ------
+    UsageError
+        Where asv fails; what it printed is on stderr then.
+    """
+    command = [sys.executable, "-m", "asv", "machine", "--yes"]
+    done = subprocess.run(
+        command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        text=True, errors="replace", check=False,
+    )  # fmt: skip
+    if done.returncode:
+        sys.stderr.write(done.stdout)
+        raise UsageError("`asv machine --yes` failed; its message is above")
 
 
 def _print_cells(cells: Sequence[dict[str, Any]], form: str) -> None:

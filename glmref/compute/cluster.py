@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import logging
 import os
+import sys
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
@@ -161,7 +162,8 @@ class _Run:
                     "ended is kept, so run the same command again"
                 )
             # Dask keeps the last 100,000 keys in it, half a kilobyte each
-            getattr(import_module("dask.utils").key_split, "cache_clear", bool)()
+            if (utils := sys.modules.get("dask.utils")) is not None:
+                getattr(utils.key_split, "cache_clear", bool)()
 
     def _parcel(self, waiting: Iterator[Task]) -> list[Task]:
         """Tasks that travel together: as many as take :data:`TOGETHER` seconds, fewer at the end.
@@ -270,6 +272,10 @@ def cluster(where: str) -> Iterator[Dask]:
     UsageError
         Where Dask is not installed, or no scheduler answers.
     """
+    local = not where or where.isdecimal()
+    number = (int(where[:5]) if where else len(cores())) if local else 0
+    if local and not 0 < number < 10_000:
+        raise UsageError("a cluster needs one worker or more, and has 9999 at the most")
     try:
         distributed = import_module("distributed")
     except ImportError:
@@ -279,10 +285,7 @@ def cluster(where: str) -> Iterator[Dask]:
         ) from None
     level = logging.DEBUG if os.environ.get("GLMREF_DEBUG") else logging.CRITICAL
     logging.getLogger("distributed").setLevel(level)
-    if not where or where.isdecimal():
-        number = int(where[:5]) if where else len(cores())
-        if not 0 < number < 10_000:
-            raise UsageError("a cluster needs one worker or more, and has 9999 at the most")
+    if local:
         with import_module("dask").config.set(QUIET), ExitStack() as opened:
             try:
                 made = opened.enter_context(

@@ -301,6 +301,36 @@ def test_every_public_name_is_found_and_every_unknown_one_is_not() -> None:
         _ = glmref.nothing
 
 
+def test_benchmarks_need_what_the_package_installs_and_nothing_else() -> None:
+    """asv imports all of its folder in an environment that holds the wheel and its dependencies."""
+    import tomllib
+
+    root = PACKAGE.parent
+    project = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    given = {re.split(r"[^\w-]", x)[0] for x in project["dependencies"]}
+    allowed = {"flint" if x == "python-flint" else x for x in given} | {"glmref"}
+    waiting = sorted((root / "benchmarks").rglob("*.py"))
+    assert {x.name for x in waiting if not x.name.startswith("bench_")} == {"__init__.py"}
+    seen: set[Path] = set()
+    while waiting:
+        path = waiting.pop()
+        if path in seen:
+            continue
+        seen.add(path)
+        for node in ast.walk(ast.parse(text(path))):
+            names = [a.name for a in node.names] if isinstance(node, ast.Import) else []
+            if isinstance(node, ast.ImportFrom):
+                names = [f"{node.module}.{a.name}" for a in node.names]
+            for name in names:
+                top, *rest = name.split(".")
+                if top == "tools":
+                    found = [root.joinpath(top, *rest[:k]).with_suffix(".py") for k in (1, 2)]
+                    waiting += [x for x in found if x.is_file()]
+                else:
+                    assert top in allowed | sys.stdlib_module_names, f"{path.name} imports {name}"
+    assert len(seen) > 6
+
+
 def test_a_module_lists_names_only_where_it_offers_imports() -> None:
     others = ("campaigns", "tools", "benchmarks", "tests")
     paths = [*SOURCES, *(x for y in others for x in (PACKAGE.parent / y).rglob("*.py"))]

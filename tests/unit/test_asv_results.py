@@ -107,6 +107,7 @@ def test_stored_results_are_shown(
 ASV = """
 import json, pathlib, sys
 pathlib.Path("calls").open("a").write(json.dumps(sys.argv[1:]) + chr(10))
+print("num_cpu [2]:" if sys.argv[1] == "machine" else "", sys.stdin.read(1))
 sys.exit(CODES.get(sys.argv[1], 0))
 """
 
@@ -136,7 +137,8 @@ def test_asv_is_called_as_it_wants(
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     monkeypatch.syspath_prepend(str(tmp_path))
     assert main(["bench", "--quick", "--bench", "Work"]) == code
-    assert words in capfd.readouterr().err
+    err = capfd.readouterr().err
+    assert words in err and ("num_cpu" in err) == ("machine" in codes)
     calls = [json.loads(line) for line in (tmp_path / "calls").read_text().splitlines()]
     assert calls[0] == ["machine", "--yes"]
     if "machine" not in codes:
