@@ -21,6 +21,7 @@ from ..errors import UsageError
 from ..method import Method
 from ..problems.model import Problem
 from ..system.arguments import one_of, shown, whole
+from .clocks import solved_form, with_clocks, without_clocks
 from .expressions import Unsupported
 from .function_checks import inspected
 from .kept import stepper_of
@@ -61,14 +62,16 @@ def solve_ensemble(
     UsageError
         One sentence on an argument that does not fit.
     """
-    problem, method = resolved(problem, method)
-    d = problem.dimension
+    given_problem, method = resolved(problem, method)
+    problem, d = solved_form(given_problem, method), given_problem.dimension
     y0 = array_of(initial, "`initial`", (None, d), f"(N, d) with d = {d}")
     if y0.dtype.kind == "c":
         raise UsageError("`initial` must be real, got complex numbers")
     if not np.isfinite(y0).all():
         row = int(np.flatnonzero(~np.isfinite(y0).all(axis=1))[0])
         raise UsageError(f"`initial` must be finite, got {shown(y0[row].tolist())} in row {row}")
+    if problem is not given_problem:
+        y0 = with_clocks(y0, problem)
     if width is not None and (width := whole("width", width)) not in (1, *WIDTHS):
         raise UsageError(f"`width` must be 1 or one of {WIDTHS}, got {shown(width)}")
     if check_arithmetic(arithmetic) == "quick":
@@ -95,7 +98,8 @@ def solve_ensemble(
             found.y[:, lost] = y0[lost]
             found.values[lost] = zero_start(runner.engine, y0[lost])
         notices = seen.afterwards(found.t[-1], found.y[-1, 0]) if seen.seen else ()
-    return replace(found, notices=(*found.notices, *notices_of(method), *notices))
+    found = replace(found, notices=(*found.notices, *notices_of(method), *notices))
+    return without_clocks(found, given_problem)
 
 
 def _starts(

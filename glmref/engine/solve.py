@@ -13,6 +13,7 @@ from ..errors import UsageError
 from ..method import Method
 from ..problems.model import Problem
 from ..system.arguments import flag, one_of, shown, whole
+from .clocks import solved_form, without_clocks
 from .function_checks import inspected
 from .kept import stepper_of
 from .kernel import SOLVERS
@@ -106,7 +107,8 @@ def solve(
     UsageError
         One sentence on an argument that does not fit.
     """
-    problem, chosen = resolved(problem, method)
+    given_problem, chosen = resolved(problem, method)
+    problem = solved_form(given_problem, chosen)
     one_of("engine", engine, ENGINES)
     if digits is not None:
         digits = whole("digits", digits, 1, MOST_DIGITS)
@@ -154,8 +156,8 @@ def solve(
         else:
             run.by_kernel(arithmetic, form, solver, interpreted=engine == "interpreted")
         solution = run.solution()
-        if not seen.seen:
-            return solution
-        at_end = (solution.t[-1], solution.y[-1]) if len(solution.t) else (t0, y0)
-        notices = seen.afterwards(*at_end)
-        return replace(solution, notices=(*solution.notices, *notices))
+        if seen.seen:
+            at_end = (solution.t[-1], solution.y[-1]) if len(solution.t) else (t0, y0)
+            notices = seen.afterwards(*at_end)
+            solution = replace(solution, notices=(*solution.notices, *notices))
+        return without_clocks(solution, given_problem)

@@ -19,10 +19,13 @@ from typing import Any
 import numpy as np
 
 from ..compute.records import finite
+from ..engine.clocks import solved_form, without_clocks
 from ..engine.outcome import Solution
 from ..engine.solve import solve
 from ..errors import UsageError
 from ..method import Method
+from ..problems.canonical import timed
+from ..problems.formula import Formula
 from ..problems.model import Problem
 
 #: Fewest samples from which an exponent is read.
@@ -113,7 +116,7 @@ def follow(
     Parameters
     ----------
     problem : Problem
-        Autonomous, because each stretch restarts the clock.
+        Any; a stretch of one whose formulas contain t begins at its own time.
     h, steps
         Step size and number of steps.
     start, renew, engine, cancel
@@ -126,8 +129,17 @@ def follow(
     Solution
         A solution with history; its counts and seconds are those of the whole run.
     """
+    solved = solved_form(problem, method)
+    if solved is not problem:  # whose time is a component, so that stretches may restart the clock
+        found = follow(
+            solved, method, h=h, steps=steps, start=start, renew=renew, engine=engine,
+            cancel=cancel, lost=lost and (lambda part: lost(without_clocks(part, problem))),
+        )  # fmt: skip
+        return without_clocks(found, problem)
     renew = renew if method.carried > 1 else 0
     done, length = 0, min(steps, renew or ROWS)
+    clocked = isinstance(problem.f, Formula) and timed(problem.f)
+    t0, end = map(float, problem.t_span)
     rows: list[Solution] = []
     while True:
         every = max(1, length // ROWS)
@@ -135,13 +147,15 @@ def follow(
             problem, method, h=h, steps=length, every=every, start=start, renew=renew,
             engine=engine, history=True, cancel=cancel,
         )  # fmt: skip
-        rows.append(replace(part, t=np.asarray(part.t, dtype=float) + done * h))
+        shift = 0.0 if clocked else done * h
+        rows.append(replace(part, t=np.asarray(part.t, dtype=float) + shift))
         done += part.steps
         if not part.completed or done >= steps or (lost is not None and lost(rows[-1])):
             break
-        if renew:
-            problem = replace(problem, y0=tuple(part.y[-1].tolist()))
-        else:
+        begin = (t0 + done * h, end) if clocked else problem.t_span
+        if renew or clocked:
+            problem = replace(problem, y0=tuple(part.y[-1].tolist()), t_span=begin)
+        if not renew:
             values = part.values
             start = lambda _problem, _h, values=values: values  # noqa: E731
         length = min(done, steps - done)

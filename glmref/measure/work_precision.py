@@ -18,6 +18,7 @@ import numpy as np
 
 from ..catalogue.lookup import load
 from ..compute.records import finite
+from ..engine.clocks import solved_form, without_clocks
 from ..engine.outcome import Outcome, Solution
 from ..engine.reference import stepper
 from ..engine.solve import solve
@@ -126,7 +127,7 @@ def measure(
         For a question the problem cannot answer, or arguments that do not fit.
     """
     _check_questions(problem, ask)
-    begin = _started(problem, method, h, start)
+    begin = _started(solved_form(problem, method), method, h, start)
     options: dict[str, Any] = {"h": h, "engine": engine, "start": lambda *_: begin.values}
     if renew:  # each renewal needs the start itself
         options |= {"start": start, "renew": renew}
@@ -135,7 +136,8 @@ def measure(
         end = float(problem.t_span[1] if t_end is None else t_end)
         whole = steps if steps is not None else round((end - float(problem.t_span[0])) / h)
         options["every"] = max(1, abs(whole) // SAMPLES)
-    solution, timing = _timed(problem, method, options, repeats, budget)
+    solution, timing = _timed(solved_form(problem, method), method, options, repeats, budget)
+    solution = without_clocks(solution, problem)
     return Work(
         method=method.name,
         problem=problem.name,

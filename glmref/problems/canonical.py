@@ -2,7 +2,8 @@
 
 The gradient comes from :func:`.derivative.differentiated`; expressions that occur more than once in
 it are computed once. H = T(p) + V(q) is recognised from the variables in dH/dp and in dH/dq, and
-T = p^T p / 2, for which q'' = -V'(q), from a second derivative that is the identity.
+T = p^T p / 2, for which q'' = -V'(q), from a second derivative that is the identity. Parts of
+H = T(p, t) + V(q, t) are kept with time as their last component, see ``Problem.clocked``.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from .derivative import differentiated
 from .formula import Formula
 
 
-def equations(H: Formula, half: int) -> dict[str, Formula]:
+def equations(H: Formula, half: int) -> dict[str, Any]:
     """Return Hamilton's equations as the entries of a :class:`.model.Problem`.
 
     Parameters
@@ -30,26 +31,65 @@ def equations(H: Formula, half: int) -> dict[str, Formula]:
 
     Returns
     -------
-    dict of str to Formula
+    dict
         ``force`` where H = p^T p / 2 + V(q), else ``dq`` and ``dp`` where H = T(p) + V(q), else
-        ``f``; always ``f`` where H depends on t.
+        ``f``. Where H depends on t ``f``, and as ``clocked`` the parts of T(p, t) + V(q, t).
     """
     slope = shared(differentiated(shared(H), 2 * half))
     by_p, by_q = slope.outputs[half:], tuple(_minus(text) for text in slope.outputs[:half])
     # names of their own: f has the common subexpressions of both
     velocity, force = _taken(slope, by_p, "v"), _taken(slope, by_q)
-    if (
-        not timed(H)
-        and all(i >= half for i in velocity.indices)
-        and all(i < half for i in force.indices)
-    ):
-        dp = force.substituted("y", "q", 0)
-        matrix = constant_matrix(velocity, half, half)
-        if matrix == [[Fraction(i == j) for j in range(half)] for i in range(half)]:
-            return {"force": replace(dp, variables=("q",))}
-        dq = velocity.substituted("y", "p", -half)
-        return {"dq": replace(dq, variables=("p",)), "dp": replace(dp, variables=("q",))}
-    return {"f": replace(_taken(slope, by_p + by_q), variables=("t", "y"))}
+    whole: dict[str, Any] = {"f": replace(_taken(slope, by_p + by_q), variables=("t", "y"))}
+    if any(i < half for i in velocity.indices) or any(i >= half for i in force.indices):
+        return whole
+    dp = force.substituted("y", "q", 0)
+    matrix = constant_matrix(velocity, half, half)
+    if matrix == _identity(half) and _vanishes_at_zero(velocity):
+        if timed(H):
+            return whole | {"clocked": {"force": _clocked(dp, "q", half, "0")}}
+        return {"force": replace(dp, variables=("q",))}
+    dq = velocity.substituted("y", "p", -half)
+    if timed(H):
+        parts = {"dq": _clocked(dq, "p", half, "1"), "dp": _clocked(dp, "q", half, "1")}
+        return whole | {"clocked": parts}
+    return {"dq": replace(dq, variables=("p",)), "dp": replace(dp, variables=("q",))}
+
+
+def _identity(half: int) -> list[list[Fraction | None]]:
+    return [[Fraction(i == j) for j in range(half)] for i in range(half)]
+
+
+def _vanishes_at_zero(formula: Formula) -> bool:
+    """Return whether a formula is 0 where its vector is: p + 1 has the derivative of p, too."""
+
+    class Zero(ast.NodeTransformer):
+        def visit_Subscript(self, node: ast.Subscript) -> ast.expr:
+            return ast.Constant(0)
+
+    values: dict[str, Fraction | None] = {k: Fraction(v) for k, v in formula.parameters.items()}
+    for name, text in formula.common:
+        values[name] = _exact(Zero().visit(ast.parse(text, mode="eval").body), values)
+    outputs = [Zero().visit(ast.parse(text, mode="eval").body) for text in formula.outputs]
+    return all(_exact(tree, values) == 0 for tree in outputs)
+
+
+def _clocked(part: Formula, vector: str, half: int, slope: str) -> Formula:
+    """Return a part with t written as one more component of its vector, of the slope given."""
+
+    class Clock(ast.NodeTransformer):
+        def visit_Name(self, node: ast.Name) -> ast.expr:
+            return ast.parse(f"{vector}[{half}]", mode="eval").body if node.id == "t" else node
+
+    def written(text: str) -> str:
+        return ast.unparse(Clock().visit(ast.parse(text, mode="eval")))
+
+    return replace(
+        part,
+        outputs=(*map(written, part.outputs), slope),
+        common=tuple((name, written(text)) for name, text in part.common),
+        variables=(vector,),
+        shape=(half + 1,),
+    )
 
 
 def timed(formula: Formula) -> bool:

@@ -47,8 +47,8 @@ def hamiltonian_entries(
     Parameters
     ----------
     H : str
-        The Hamiltonian, such as ``"p**2/2 - cos(q)"``; it may depend on ``t``, and then nothing
-        is separable and nothing is conserved.
+        The Hamiltonian, such as ``"p**2/2 - cos(q)"``; it may depend on ``t`` outside of
+        sums, and is then not conserved.
     y0 : mapping or sequence
         Initial value: coordinate -> number or expression, or all of them in order, q before p; or
         lists (or arrays) q and p of one length, or qx, qy, px and py.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from types import MappingProxyType, SimpleNamespace
 from typing import Any, ClassVar
 
@@ -64,6 +65,9 @@ class Problem:
         Whether f = J grad H in the coordinates y = (q, p).
     bodies : int
         How many bodies' positions q lists one after another, each with as many components.
+    clocked : Mapping[str, Any]
+        Of q' = f(p, t), p' = k(q, t) the parts ``dq`` and ``dp``, or ``force``, whose last
+        component is time; :meth:`from_hamiltonian` sets it, and :attr:`extended` is made of it.
     exact : Any
         ``exact(t, y0)`` -> (d,), in closed form: the solution at t that starts at t_span[0].
     scales : Mapping[str, float]
@@ -96,6 +100,7 @@ class Problem:
     observables: Mapping[str, Any] = field(default_factory=dict)
     canonical: bool = False
     bodies: int = 1
+    clocked: Mapping[str, Any] = field(default_factory=dict)
     exact: Any = None
     scales: Mapping[str, float] = field(default_factory=dict)
     context: Any = None
@@ -278,6 +283,29 @@ class Problem:
     def second_order(self) -> bool:
         """Whether q'' = force(q)."""
         return self.force is not None
+
+    @cached_property
+    def extended(self) -> Problem | None:
+        """The same motion as an autonomous separable problem in y = (q, s, p, sigma), or None.
+
+        Both clocks s and sigma start at t0; s is time in p' = k(q, s), sigma in q' = f(p, sigma).
+        Where q' = p, sigma is the constant velocity 1 of s.
+        """
+        if not self.clocked:
+            return None
+        half, begin = self.dimension // 2, self.t_span[0]
+        start = self.y0.tolist() if callable(self.initial) else list(self.initial)
+        last = 1 if "force" in self.clocked else begin
+        found = Problem(
+            **self.clocked,
+            y0=(*start[:half], begin, *start[half:], last),
+            name=self.name,
+            source=self.source,
+            parameters=self.parameters,
+            t_span=self.t_span,
+            scales=self.scales,
+        )
+        return found if self.context is None else found.on(self.context)
 
     @property
     def references(self) -> tuple[Reference, ...]:

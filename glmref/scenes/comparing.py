@@ -230,11 +230,12 @@ class Comparison:
 
 def kind_of(problem: Problem) -> str:
     """Which candidates fit a problem: a key of :data:`CANDIDATES`."""
-    if problem.second_order:
+    split = problem if problem.separable else problem.extended
+    if split is not None and split.second_order:
         return "second order"
-    if problem.separable:
-        half = problem.dimension // 2
-        linear = isinstance(problem.dq, Formula) and constant_matrix(problem.dq, 0, half)
+    if split is not None:
+        half = split.dimension // 2
+        linear = isinstance(split.dq, Formula) and constant_matrix(split.dq, 0, half)
         return "second order" if linear else "separable"
     return "Hamiltonian" if problem.canonical else "general"
 

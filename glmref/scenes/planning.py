@@ -10,6 +10,7 @@ from typing import Any
 from .. import __version__
 from ..catalogue.lookup import document, load
 from ..compute.records import key_of
+from ..engine.clocks import solved_form
 from ..engine.kept import expressed
 from ..engine.kernel import choose_form
 from ..engine.shape import shape_of
@@ -196,9 +197,10 @@ def _cost(method: Method, subject: Problem) -> Cost:
     """Count the evaluations of a step: one for an explicit stage, unless the last step had it."""
     form, palette = None, method.palette
     if method.parts == 2:  # of a separable problem those of p' = k(q) count, at the stages Q
-        palette = SEPARABLE if subject.separable else GENERAL
+        solved = solved_form(subject, method)
+        palette = SEPARABLE if solved.separable else GENERAL
         try:
-            form, _ = choose_form(method, subject, "auto")
+            form, _ = choose_form(method, solved, "auto")
         except GlmrefError:  # the pair does not apply: its tasks will say so, and cost nothing
             return Cost(0, 0, 0)
     counted = len(method.components[0].A)

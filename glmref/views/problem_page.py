@@ -24,6 +24,10 @@ def kind_of(problem: Problem) -> str:
         return "second order, q'' = g(q)"
     if problem.separable:
         return "separable, q' = dq(p), p' = dp(q)"
+    if problem.extended is not None:
+        return "separable with time: " + (
+            "q'' = g(q, t)" if problem.extended.second_order else "q' = dq(p, t), p' = dp(q, t)"
+        )
     if problem.canonical:
         return "Hamiltonian, not separable"
     return "y' = f(t, y)"

@@ -339,8 +339,21 @@ def test_a_hamiltonian_of_t_is_integrated_and_nothing_of_it_is_conserved():
     for method in ("rk4", "gauss-3"):
         ours, theirs = (solve(one, method, h=0.05).y[-1] for one in (driven, by_hand))
         np.testing.assert_allclose(ours, theirs, rtol=1e-14)
-    with pytest.raises(UsageError, match="for separable problems"):
-        solve(driven, "stormer-verlet", h=0.05)
+    split = [solve(driven, "stormer-verlet", h=h).y[-1] for h in (0.05, 0.025)]
+    exact = solve(driven, "gauss-3", h=0.05).y[-1]
+    coarse, fine = (np.abs(y - exact).max() for y in split)
+    assert coarse / fine == pytest.approx(4, rel=0.05)
+
+
+@pytest.mark.parametrize("extra", ["3*p", "p*sin(1)", "p/3 - p/2"])
+def test_a_velocity_that_is_p_and_a_constant_is_no_second_order_form(extra):
+    """q'' = g(q) takes q' = p: the derivative of q' by p does not tell p + 3 from p."""
+    own = Problem.from_hamiltonian(f"p**2/2 + {extra} + q**2/2", {"q": 1, "p": 0})
+    assert own.separable and not own.second_order
+    slope = own.f(0.0, own.y0)[0]
+    assert slope != 0 and own.dq(own.y0[1:]) == pytest.approx([slope])
+    exact = solve(own, "gauss-5", h=0.05, steps=40).y[-1]
+    assert solve(own, "blanes-moan-6", h=0.05, steps=40).y[-1] == pytest.approx(exact, rel=1e-9)
 
 
 @pytest.mark.parametrize(
