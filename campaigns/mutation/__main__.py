@@ -31,8 +31,8 @@ SUBPACKAGES: dict[str, str] = {
 }
 #: Quick tests that are collected, and beginnings of those that concern other subpackages.
 TESTS = ("tests/unit", "tests/laws", "tests/adversary", "tests/literature", "tests/attack",
-         "tests/suite/test_bad_input.py", "tests/suite/test_checker.py",
-         "tests/suite/test_checker_catalogue.py", "tests/repo/test_coq.py")  # fmt: skip
+         "tests/suite/test_bad_input.py", "tests/suite/test_judge.py",
+         "tests/suite/test_judge_catalogue.py", "tests/repo/test_coq.py")  # fmt: skip
 OTHERS = (
     *("compute", "report", "cli", "campaigns", "chart", "portrait", "plane", "measure"),
     *("convergence", "asv", "typed", "bibtex", "labels", "work_precision", "audit", "peers"),

@@ -7,9 +7,12 @@ from typing import Any
 
 import pytest
 
-from checker import glmref_check
+from glmref import judge
 from glmref.catalogue.reader import load_document
 from glmref.findings import Verdict
+from glmref.judge.numbers import PLACES, around
+from glmref.judge.proof import record_of
+from glmref.judge.towers import Tower
 from glmref.prove.verifier import facts_for
 
 HEAD = {"format": "glmref-method-1", "name": "x"}
@@ -140,7 +143,7 @@ for claim, value in (("parasitism-free", True), ("growth", [])):
 @pytest.mark.parametrize("name", FORGED)
 def test_a_forged_certificate_is_refused(name: str) -> None:
     d, claim, declared, verdict, parts = FORGED[name]
-    accepted, why = glmref_check.verdict(certificate(d, claim, declared, verdict, parts))
+    accepted, why = judge.verdict(certificate(d, claim, declared, verdict, parts))
     assert not accepted, why
     if name != "blank":  # no file at all
         facts = facts_for(load_document({**HEAD, "source": SOURCE, **d, "claims": {}}))
@@ -153,23 +156,23 @@ def test_a_refusal_leaves_no_series_behind() -> None:
     series = {"order": 1, "principal": "identity", "trees": "all"}
     below, above = ("order-at-least", series), ("order-at-most", {**series, "tree": "[o]"})
     true = certificate(EULER, "order", 1, "holds", [below, above])
-    assert glmref_check.verdict(true)[0]
-    assert glmref_check.record_of.cache_info().currsize == 1
-    assert not glmref_check.verdict(certificate(EULER, "order", 1, "fails", [below, above]))[0]
-    assert glmref_check.record_of.cache_info().currsize == 0
+    assert judge.verdict(true)[0]
+    assert record_of.cache_info().currsize == 1
+    assert not judge.verdict(certificate(EULER, "order", 1, "fails", [below, above]))[0]
+    assert record_of.cache_info().currsize == 0
 
 
 def test_a_number_of_one_certificate_is_not_taken_for_that_of_another() -> None:
     """g1 is sqrt(2) in one field and sqrt(3) in the next: an interval was kept for both."""
     roots = [
-        glmref_check.Tower(
+        Tower(
             [{"name": "g1", "polynomial": [f"-{n}", "0"], "real": ["1", "2"], "imag": ["0", "0"]}]
         ).generator(0)
         for n in (2, 3)
     ]
     assert roots[0] != roots[1]
     for root, square in zip(roots, (2, 3), strict=True):
-        box = glmref_check.around(root)
-        ends = [Fraction(x, 2**glmref_check.PLACES) for x in (box.lo, box.hi)]
+        box = around(root)
+        ends = [Fraction(x, 2**PLACES) for x in (box.lo, box.hi)]
         assert ends[0] ** 2 < square < ends[1] ** 2
-        assert glmref_check.around(root) is box
+        assert around(root) is box

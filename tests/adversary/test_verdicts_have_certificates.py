@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from checker import glmref_check as check
+from glmref import judge
 from glmref.catalogue.claims import CLAIMS
 from glmref.cli.certifying import write_certificates
 from glmref.errors import DataError, ExactnessError, GlmrefError
@@ -83,7 +83,7 @@ def without_a_certificate(d: dict[str, Any], folder: Path) -> list[str]:
     refused = []
     for path in (folder / "out").rglob("*.json"):
         certificate = json.loads(path.read_text(encoding="utf-8"))
-        accepted, why = check.verdict(certificate)
+        accepted, why = judge.verdict(certificate)
         if accepted:
             decided.discard(certificate["statement"]["claim"])
         else:
@@ -349,12 +349,12 @@ def test_bounds_of_two_rows_do_not_refute_their_orders(tmp_path: Path) -> None:
     write_certificates([str(tmp_path / "deceiver.json")], tmp_path / "out")
     (path,) = (tmp_path / "out").rglob("*.json")
     certificate = json.loads(path.read_text(encoding="utf-8"))
-    assert check.verdict(certificate)[0]
+    assert judge.verdict(certificate)[0]
     certificate["statement"]["verdict"] = "fails"
-    assert not check.verdict(certificate)[0]
+    assert not judge.verdict(certificate)[0]
     bound = {"order": 3, "principal": "identity", "trees": "all", "tree": "[[[o]]]"}
     certificate["parts"][0]["witness"]["parts"] = [{"rule": "order-at-most", "witness": bound}]
-    assert check.verdict(certificate) == (False, "the rows may have the orders")
+    assert judge.verdict(certificate) == (False, "the rows may have the orders")
 
 
 @pytest.mark.parametrize(

@@ -15,10 +15,11 @@ from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
-from checker import glmref_check as check
 from glmref.catalogue.reader import load_document
 from glmref.cli.certifying import write_certificates
 from glmref.errors import GlmrefError
+from glmref.judge import command
+from glmref.judge.refusals import Unreadable
 from glmref.prove.verifier import verify
 
 from .tally import Tally
@@ -42,13 +43,13 @@ def sound() -> tuple[dict[str, Any], ...]:
 def judge(draw: random.Random) -> tuple[str, Iterable[str]]:
     """Mutate one certificate and have it checked."""
     content = mutated(draw, draw.choice(sound()))
-    with tempfile.TemporaryDirectory() as name, patch.object(check, "SECONDS", int(SECONDS)):
+    with tempfile.TemporaryDirectory() as name, patch.object(command, "SECONDS", int(SECONDS)):
         path = Path(name) / "x.json"
         path.write_bytes(content)
         try:
-            (text,) = check.read(str(path))
-            accepted, sentence = check.check(text)
-        except check.Unreadable as error:
+            (text,) = command.read(str(path))
+            accepted, sentence = command.check(text)
+        except Unreadable as error:
             return "unreadable", _sentence(str(error))
     if not accepted:
         return "no", _sentence(sentence)

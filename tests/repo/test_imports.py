@@ -22,7 +22,7 @@ from glmref.prove.verdict_cache import SUBPACKAGES
 from tests.sources import PACKAGE, SOURCES, nodes, text
 
 LAYERS = [
-    "errors findings system",
+    "judge errors findings system",
     "exact method",
     "catalogue theory compute",
     "prove derive",
@@ -126,7 +126,7 @@ def test_every_room_stands_in_the_table_and_no_other() -> None:
     assert set(HEIGHT) == set(inside())
     assert len(LAYERS) <= 9
     packages = {path.name for path in PACKAGE.iterdir() if (path / "__init__.py").is_file()}
-    assert len(packages) <= 18
+    assert len(packages) <= 19
 
 
 def test_contributing_has_the_table() -> None:
@@ -148,6 +148,18 @@ def test_what_decides_a_verdict_is_in_the_checksum_of_those_that_are_kept() -> N
     subpackages = {x.removesuffix(".py") for x in SUBPACKAGES if "/" not in x}
     assert "prove" in subpackages and all((PACKAGE / x).exists() for x in SUBPACKAGES)
     assert {x: inside()[x] - subpackages for x in subpackages if inside()[x] - subpackages} == {}
+
+
+def test_the_judge_imports_python_and_itself_only() -> None:
+    """It is the lowest layer: what decides does not rest on what it decides about."""
+    assert HEIGHT["judge"] == (0, 0)
+    modules = [path for path in SOURCES if subpackage_of(path) == "judge"]
+    assert len(modules) > 20
+    for path in modules:
+        inner = {module for module in imported(path) if module[0] == "glmref"}
+        assert all(module[:2] == ("glmref", "judge") for module in inner), path
+        outer = {module[0] for module in imported(path)} - {"glmref"}
+        assert outer <= sys.stdlib_module_names, path
 
 
 def test_an_import_from_above_is_seen() -> None:

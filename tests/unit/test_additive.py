@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 import glmref
-from checker.glmref_check import verdict as checked
 from glmref import GLM, AdditiveGLM, PartitionedGLM, UsageError
 from glmref.catalogue.lookup import document
 from glmref.catalogue.reader import load_document
 from glmref.errors import DataError
 from glmref.findings import Verdict
+from glmref.judge import verdict as checked
 from glmref.prove.certificate import certificates_of
 from glmref.prove.verifier import facts_for
 from glmref.theory.order import order_of, order_residuals

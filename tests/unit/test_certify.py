@@ -13,7 +13,7 @@ import jsonschema
 import pytest
 from click.testing import CliRunner
 
-from checker import glmref_check
+from glmref import judge
 from glmref.catalogue.lookup import data_root
 from glmref.catalogue.reader import load_document
 from glmref.cli.certifying import certify, write_certificates
@@ -112,7 +112,7 @@ def test_claims_and_their_contraries_have_certificates_that_pass(name: str, tmp_
                 d[part]["order"] = d["claims"][f"{part}-order"]
         for path in (tmp_path / kind).iterdir():
             certificate = json.loads(path.read_text(encoding="utf-8"))
-            accepted, why = glmref_check.verdict(certificate)
+            accepted, why = judge.verdict(certificate)
             assert accepted, (kind, path.name, why)
             statement = certificate["statement"]
             said.setdefault(statement["claim"], []).append(statement["verdict"])
@@ -157,7 +157,7 @@ def test_enclosed_methods_have_certificates_that_pass(
     found = [json.loads(x.read_text(encoding="utf-8")) for x in (tmp_path / "c").iterdir()]
     assert not missing and {x["statement"]["claim"] for x in found} == set(d["claims"])
     for x in found:
-        accepted, why = glmref_check.verdict(x)
+        accepted, why = judge.verdict(x)
         assert accepted, (x["statement"], why)
         fails = x["statement"]["claim"] in otherwise
         assert x["statement"]["verdict"] == ("fails" if fails else "holds")
@@ -205,7 +205,7 @@ def test_each_way_of_losing_stability_has_its_certificate(name: str, tmp_path: P
         assert said == steps
         holds = "a-stable" in said and (claim == "a-stable" or "l-limit" in said)
         assert found["statement"]["verdict"] == ("holds" if holds else "fails")
-        assert glmref_check.verdict(found)[0]
+        assert judge.verdict(found)[0]
 
 
 def changed(name: str, claim: str, place: tuple[Any, ...], value: Any) -> dict[str, Any]:
@@ -236,7 +236,7 @@ def test_what_a_changed_entry_breaks_has_its_certificate(
     (claim,) = document["claims"]
     (path,) = (tmp_path / "c").glob(f"*{claim}*")
     found = json.loads(path.read_text(encoding="utf-8"))
-    assert not missing and glmref_check.verdict(found)[0]
+    assert not missing and judge.verdict(found)[0]
     assert found["statement"]["verdict"] == "fails"
     assert rule in [x["rule"] for x in found["parts"]]
 
@@ -261,7 +261,7 @@ def test_order_2_is_refuted_where_values_may_be_exchanged(
     _, missing = write_certificates([str(tmp_path / "x.json")], tmp_path / "c")
     (path,) = (tmp_path / "c").iterdir()
     found = json.loads(path.read_text(encoding="utf-8"))
-    accepted, why = glmref_check.verdict(found)
+    accepted, why = judge.verdict(found)
     assert accepted and not missing, why
     assert found["statement"]["verdict"] == ("holds" if order == 1 else "fails")
 
@@ -276,7 +276,7 @@ def certified(d: dict[str, Any], claim: str, facts: Any = None) -> dict[str, Any
     ((_, found),) = certificates_of(facts, {claim: (declared, facts.judge(claim, declared))})
     assert isinstance(found, dict), found
     found = json.loads(json.dumps(found))
-    accepted, why = glmref_check.verdict(found)
+    accepted, why = judge.verdict(found)
     assert accepted, why
     return found
 
@@ -302,7 +302,7 @@ def test_the_eigenvalue_at_which_a_pair_grows_is_named(claim: str, third: str, p
     assert found["parts"][-1] == {"rule": "grows", "witness": {"part": part}}
     for other in {0, 1, 2, -1} - {part}:
         found["parts"][-1]["witness"]["part"] = other
-        assert not glmref_check.verdict(found)[0], other
+        assert not judge.verdict(found)[0], other
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 4])
@@ -321,7 +321,7 @@ def test_growth_of_a_pair_with_shared_stages_has_two_numbers_for_each_eigenvalue
         found["parts"][-1] = {"rule": "grows", "witness": {"part": -1}}
     else:
         found["parts"][-1] = {"rule": "growth", "witness": {"list": []}}
-    assert not glmref_check.verdict(found)[0]
+    assert not judge.verdict(found)[0]
 
 
 @pytest.mark.parametrize(
@@ -418,7 +418,7 @@ def test_what_refutes_an_order_of_several_values_sees_no_unknown(seed: int) -> N
         for part in found["parts"]:
             part["witness"]["order"] = other
         found["statement"]["declared"] = found["document"]["claims"]["order"] = other
-        assert not glmref_check.verdict(found)[0], other
+        assert not judge.verdict(found)[0], other
 
 
 def test_a_finish_without_unknowns_has_no_test(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -462,7 +462,7 @@ def test_two_stages_in_decimals_that_differ_refute_preconsistency(
     assert found["parts"] == [{"rule": "not-preconsistent", "witness": {"colour": "o"}}]
     found["document"]["V"][0][0] = "1"
     found["document"]["U"] = [["1.000000", "0"]] * 3
-    assert not glmref_check.verdict(found)[0]
+    assert not judge.verdict(found)[0]
 
 
 @pytest.mark.parametrize("mu", [("5/2", "1/2"), ("-1", "9/10"), ("3", "3/2")])

@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from checker import glmref_check
+from glmref import judge
 from glmref.catalogue.reader import load_document
 from glmref.exact import Exact, linalg
 from glmref.exact.expression import parse, to_text
@@ -41,11 +41,11 @@ def proved(d: dict[str, Any], claim: str, declared: Any) -> tuple[bool, list[Any
     """Whether the claim holds, and the parts; the checker accepts them, for this verdict only."""
     found = written(d, claim, declared)
     assert isinstance(found, dict), (claim, declared, found)
-    accepted, why = glmref_check.verdict(found)
+    accepted, why = judge.verdict(found)
     assert accepted, (claim, declared, why)
     holds = found["statement"]["verdict"] == "holds"
     found["statement"]["verdict"] = "fails" if holds else "holds"
-    assert not glmref_check.verdict(found)[0], (claim, declared)
+    assert not judge.verdict(found)[0], (claim, declared)
     return holds, found["parts"]
 
 
@@ -187,7 +187,7 @@ def test_a_pair_whose_u_is_not_determined_is_reducible() -> None:
             found = written(d, "reducible", False)
             assert isinstance(found, dict)
             found["parts"][0]["rule"], found["statement"]["verdict"] = "irreducible", "holds"
-            assert not glmref_check.verdict(found)[0]
+            assert not judge.verdict(found)[0]
 
 
 @pytest.mark.parametrize("seed", [171, 291, 384, 393])
@@ -307,9 +307,9 @@ def test_radicals_beside_decimals_stand_in_the_field(root: str) -> None:
         found = written(d, claim, declared)
         assert isinstance(found, dict)
         assert root in found["field"]["radicals"]
-        assert glmref_check.verdict(found)[0]
+        assert judge.verdict(found)[0]
         del found["field"]["radicals"][root]
-        assert not glmref_check.verdict(found)[0]
+        assert not judge.verdict(found)[0]
 
 
 @pytest.mark.parametrize("name", ["tsitouras-5-4", "s3-w3", "rodas4", "ros34pw2", "ros3p"])
@@ -434,7 +434,7 @@ def test_abscissae_that_are_certainly_others(letters: str) -> None:
         assert c is not None
         right = [to_text(x) for x in c]
         found["statement"]["declared"] = found["document"]["claims"]["abscissae"] = right
-        accepted, why = glmref_check.verdict(found)
+        accepted, why = judge.verdict(found)
         assert (accepted, why) == (False, "the abscissae may be as declared")
 
 

@@ -11,7 +11,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from checker.glmref_check import verdict
 from glmref.catalogue.claims import EMBEDDED_DIFFERENCE, EMBEDDED_ORDER, ORDER_TO_DIGITS
 from glmref.catalogue.lookup import document, load
 from glmref.catalogue.reader import load_document
@@ -20,6 +19,7 @@ from glmref.exact import exact, linalg
 from glmref.exchange.export import export
 from glmref.exchange.import_tables import read_table
 from glmref.findings import Verdict
+from glmref.judge import verdict
 from glmref.method import GLM
 from glmref.method.embedded import EmbeddedRow
 from glmref.prove.analysis import analyze

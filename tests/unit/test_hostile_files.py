@@ -12,10 +12,10 @@ from pathlib import Path
 
 import pytest
 
-from checker import glmref_check
 from glmref.cli import main
 from glmref.conformance.expected_failures import read_known_failures
 from glmref.errors import DataError, UsageError
+from glmref.judge.command import main as judge_main
 from glmref.report import read
 from glmref.system.files import Lock, read_bytes, started, write_bytes
 
@@ -88,7 +88,7 @@ def test_a_named_pipe_is_no_tableau_and_no_certificate(
     (tmp_path / "link").symlink_to("x")
     (tmp_path / "loop").symlink_to("loop")
     for name in ("x", "link", "loop"):
-        for read_it, given in ((main, ["check"]), (glmref_check.main, [])):
+        for read_it, given in ((main, ["check"]), (judge_main, [])):
             assert read_it([*given, str(tmp_path / name)]) == 2
             captured = capsys.readouterr()
             assert captured.out == "" and captured.err.count("\n") == 1

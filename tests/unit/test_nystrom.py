@@ -6,11 +6,11 @@ from typing import Any
 
 import pytest
 
-from checker.glmref_check import verdict
 from glmref.catalogue.lookup import document, load
 from glmref.catalogue.reader import load_document
 from glmref.errors import DataError
 from glmref.findings import Verdict
+from glmref.judge import verdict
 from glmref.method.component import SEPARABLE
 from glmref.method.families import splitting
 from glmref.prove.certificate import certificates_of

@@ -11,13 +11,13 @@ from typing import Any
 
 import pytest
 
-from checker.glmref_check import verdict
 from glmref.catalogue.claims import ORDER_TO_DIGITS, stated_orders
 from glmref.catalogue.lookup import document
 from glmref.catalogue.reader import load_document
 from glmref.errors import DataError
 from glmref.exact import Exact
 from glmref.findings import Verdict
+from glmref.judge import verdict
 from glmref.prove import digits
 from glmref.prove.analysis import JUMP, _steps
 from glmref.prove.certificate import certificates_of

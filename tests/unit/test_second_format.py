@@ -12,7 +12,7 @@ import jsonschema
 import pytest
 
 import glmref
-from checker import glmref_check
+from glmref import judge
 from glmref.catalogue.files import document
 from glmref.catalogue.lookup import data_root
 from glmref.catalogue.reader import load_document
@@ -116,12 +116,12 @@ def test_the_checker_accepts_the_certificate_of_every_claim(doc: dict[str, Any])
             assert isinstance(certificate, dict), (claim, certificate)
             certificate = json.loads(json.dumps(certificate))
             jsonschema.validate(certificate, CERTIFICATE)
-            accepted, sentence = glmref_check.verdict(certificate)
+            accepted, sentence = judge.verdict(certificate)
             assert accepted, (claim, sentence)
             assert certificate["statement"]["verdict"] == verdict
             turned = copy.deepcopy(certificate)
             turned["statement"]["verdict"] = {"holds": "fails", "fails": "holds"}[verdict]
-            assert not glmref_check.verdict(turned)[0]
+            assert not judge.verdict(turned)[0]
 
 
 def test_a_changed_digit_of_an_embedded_row_fails_its_claims() -> None:

@@ -1,4 +1,4 @@
-"""Certificates of the catalogue pass the checker; enclosed ones with a changed number do not."""
+"""The judge accepts certificates of the catalogue; enclosed ones with a changed number do not."""
 
 from __future__ import annotations
 
@@ -13,12 +13,17 @@ from typing import Any
 import jsonschema
 import pytest
 
-from checker import glmref_check as check
+from glmref import judge
 from glmref.catalogue.files import names
 from glmref.catalogue.lookup import data_root, document
 from glmref.catalogue.reader import load_document
 from glmref.cli.certifying import write_certificates
 from glmref.findings import Verdict
+from glmref.judge.document import Method
+from glmref.judge.numbers import Interval, apart
+from glmref.judge.proof import Proof
+from glmref.judge.refusals import Refused
+from glmref.judge.rules_growth import unshared
 from glmref.prove.verifier import verify
 
 #: One file of each kind: sweeps with one and several values, pairs, splittings, an exact method with
@@ -43,7 +48,7 @@ def read(folder: Path) -> Iterator[dict[str, Any]]:
 def refused(certificates: Iterator[dict[str, Any]]) -> list[str]:
     found = []
     for x in certificates:
-        accepted, why = check.verdict(x)
+        accepted, why = judge.verdict(x)
         if not accepted:
             found.append(f"{x['statement']['method']} {x['statement']['claim']}: {why}")
     return found
@@ -182,7 +187,7 @@ def changed(sample: dict[Any, dict[str, Any]], count: int, seed: int) -> list[st
         if json.dumps(value) == json.dumps(sample[name]):
             continue
         count -= 1
-        if check.verdict(value)[0]:
+        if judge.verdict(value)[0]:
             accepted.append(f"{name} {change.__name__}")
     return accepted
 
@@ -203,7 +208,7 @@ def test_a_condition_of_a_start_cannot_be_left_out(sample: dict[Any, dict[str, A
     for key in (("t115-i", "starting-order"), ("pair-4-4", "starting-order")):
         value = copy.deepcopy(sample[key])
         value["field"]["proofs"]["starting"]["conditions"].pop()
-        assert not check.verdict(value)[0]
+        assert not judge.verdict(value)[0]
 
 
 def test_a_changed_entry_of_an_additive_method_is_refused(
@@ -214,39 +219,39 @@ def test_a_changed_entry_of_an_additive_method_is_refused(
         for i in range(count):
             value = copy.deepcopy(sample["ars-4-4-3", "order"])
             value["document"]["parts"][part]["A"][count - 1][i] += "+1/97"
-            assert not check.verdict(value)[0]
+            assert not judge.verdict(value)[0]
             value = copy.deepcopy(sample["ars-4-4-3", "order"])
             value["document"]["parts"][part]["b"][i] += "+1/97"
-            assert not check.verdict(value)[0]
+            assert not judge.verdict(value)[0]
 
 
 def test_parts_of_an_additive_method_share_their_stages(sample: dict[Any, dict[str, Any]]) -> None:
     value = copy.deepcopy(sample["ars-4-4-3", "preconsistent"])
     value["document"]["parts"][1] = {"A": [["0"]], "b": ["1"]}
-    assert "other stages" in check.verdict(value)[1]
+    assert "other stages" in judge.verdict(value)[1]
     value = copy.deepcopy(sample["ars-4-4-3", "preconsistent"])
     value["statement"]["claim"] = "symplectic"
     value["document"]["claims"] = {}
-    assert "no meaning" in check.verdict(value)[1]
+    assert "no meaning" in judge.verdict(value)[1]
 
 
 def test_a_sweep_that_is_not_preconsistent_is_refused(sample: dict[Any, dict[str, Any]]) -> None:
     """The first row of X must be 1 identically, however little it differs."""
     value = copy.deepcopy(sample["t115-i", "order"])
     value["document"]["X"][0][2] = "1+1/1" + "0" * 80
-    accepted, why = check.verdict(value)
+    accepted, why = judge.verdict(value)
     assert not accepted
     assert "first row" in why
 
 
 def test_a_truth_that_is_not_decided_is_a_refusal() -> None:
-    around_zero = check.Interval(-1, 1)
-    with pytest.raises(check.Refused):
+    around_zero = Interval(-1, 1)
+    with pytest.raises(Refused):
         bool(around_zero)
-    with pytest.raises(check.Refused):
+    with pytest.raises(Refused):
         _ = around_zero == 0
-    assert not check.apart(around_zero)
-    assert check.apart(check.Interval(1, 2))
+    assert not apart(around_zero)
+    assert apart(Interval(1, 2))
 
 
 # ------------------------------------------------------------------- orders by trees without branches
@@ -268,14 +273,14 @@ def test_changes_of_a_certificate_by_paths_are_refused(
         row = rng.choice(matrix)
         k = rng.randrange(len(row))
         row[k] += "+1/10000000000000007"
-        assert not check.verdict(value)[0]
+        assert not judge.verdict(value)[0]
     value = copy.deepcopy(sample[key])
     for part in value["parts"]:  # the words for other trees
         for before, after in (("nystrom-paths", "paths"), ("paths", "nystrom-paths")):
             if part["witness"].get("trees") == before:
                 part["witness"]["trees"] = after
                 break
-    assert not check.verdict(value)[0]
+    assert not judge.verdict(value)[0]
 
 
 @pytest.mark.parametrize("key", ALONG[2::2], ids=" ".join)
@@ -291,21 +296,21 @@ def test_a_changed_start_is_refused_along_paths(
         # a late round may use a stage that counts at higher orders only: the claim is still true
         whole = {**document(key[0]), **value["document"]}
         (found,) = (x for x in verify(load_document(whole)) if x.claim == key[1])
-        assert check.verdict(value)[0] == (found.verdict is Verdict.HOLDS), (m, i, j)
+        assert judge.verdict(value)[0] == (found.verdict is Verdict.HOLDS), (m, i, j)
 
 
 def test_pairs_that_share_an_eigenvalue_are_refused(sample: dict[Any, dict[str, Any]]) -> None:
     value = copy.deepcopy(sample["multistep-rkn-8", "parasitism-free"])
     assert [part["rule"] for part in value["parts"]] == ["bounded", "bounded", "unshared"]
-    proof = check.Proof(value)
-    check.unshared(proof, {})
+    proof = Proof(value)
+    unshared(proof, {})
     for first in ("1", "2"):  # the eigenvalues of the first block: exp(+-i pi/3); 1 twice
         value["document"]["p"]["V"][1][1] = first
         if first == "1":
             value["document"]["q"]["V"] = value["document"]["p"]["V"]
         else:
             value["document"]["q"]["V"] = [["1"]]
-        other = check.Proof(sample["multistep-rkn-8", "parasitism-free"])
-        other.method = check.Method(value["document"], proof.record.numbers)
-        with pytest.raises(check.Refused):
-            check.unshared(other, {})
+        other = Proof(sample["multistep-rkn-8", "parasitism-free"])
+        other.method = Method(value["document"], proof.record.numbers)
+        with pytest.raises(Refused):
+            unshared(other, {})

@@ -1,0 +1,87 @@
+"""Tables of claims: which there are, and which parts prove which statement (section 7)."""
+
+WITNESS = {  # keys of a witness, after the bar those that may be missing; of form, symmetric: there
+    "order-at-least": "order principal trees", "order-at-most": "order principal trees | tree",
+    "stage-order-at-least": "q", "stage-order-at-most": "q | tree", "start-at-least": "q",
+    "start-at-most": "q | tree", "finish-at-least": "q", "finish-at-most": "q | tree",
+    "not-preconsistent": "colour", "no-order-1": "colour", "bounded": "which",
+    "unbounded": "which | block", "eigen": "which zeta", "grows": "part",
+    "not-quadratic": "| several-values", "not-symmetric": "| singular", "equivalent": "U B V",
+    "not-a-stable": "| y infinity pole axis start", "implied-order": "order principal trees",
+    "implied-stage-order": "q", "implied-start": "q", "implied-finish": "q", "row": "row parts",
+    "dense": "order tree", "not-dense": "order tree", "to-digits": "rows",
+    "not-to-digits": "row | tree order", "form": "G | D D_P D_Q",
+    "symmetric": "L | P L_hat P_Q P_P",
+}  # fmt: skip
+
+
+ORDERS = ("order", "order-identity", "effective-order", "nystrom-order", "w-order")
+
+
+PROVES = {
+    "preconsistent": ("preconsistent", "not-preconsistent"),
+    "consistent": ("consistent", "no-order-1"),
+    "symplectic": ("quadratic", "not-quadratic"),
+    "g-symplectic": (
+        "preconsistent form|form",
+        ("given-form-fails|preconsistent given-form-fails|no-form|preconsistent no-form|"
+         "not-preconsistent")),
+    "symmetric": ("symmetric", "not-symmetric"),
+    "symmetric-reduced": ("equivalent irreducible symmetric",
+                          "equivalent irreducible not-symmetric"),
+    "explicit": ("explicit", "implicit"),
+    "reducible": ("reducible", "irreducible"),
+    "zero-stable": ("bounded*", "unbounded"),
+    "a-stable": ("bounded a-stable", "not-a-stable|unbounded not-a-stable"),
+    "l-stable": ("bounded a-stable l-limit", "not-a-stable|unbounded not-a-stable|not-l-limit"),
+    "parasitism-free": ("eigen* growth|bounded* unshared", "eigen* grows|unbounded"),
+    "growth": ("eigen* growth|bounded* unshared", "eigen* grows|unbounded|bounded* unshared"),
+    "abscissae": ("abscissae", "other-abscissae|no-order-1"),
+    "error-constant": ("error-constant", "other-error-constant"),
+    "embedded-difference": ("differences", "no-differences"),
+    "row-sums": ("row-sums", "no-row-sums"),
+    "dense-end": ("dense-end", "no-dense-end"),
+    "dense-order": ("dense|not-dense", "dense|not-dense"),
+    "embedded-order": ("row+", "row+|row"),
+    "order-to-digits": ("to-digits", "not-to-digits"),
+}  # fmt: skip
+
+
+SECOND = {"stage-order": "stage-order", "starting-order": "start",
+          "nystrom-starting-order": "start", "finishing-order": "finish"}  # fmt: skip
+
+
+VALUES = ("growth", "abscissae", "error-constant", "embedded-order", "order-to-digits")
+
+
+ABSENT = {  # claim: key of the document that it is about, the value where there is none
+    "embedded-order": ("embedded", {}), "embedded-difference": ("embedded", False),
+    "row-sums": ("c", True), "dense-end": ("dense", False), "dense-order": ("dense", 0),
+    "starting-order": ("starting", 0), "finishing-order": ("finishing", 0),
+}  # fmt: skip
+
+
+ADDITIVE = {  # claims of methods for a sum of right-hand sides
+    "order", "order-identity", "effective-order", "stage-order", "preconsistent", "consistent",
+    "zero-stable", "explicit", "embedded-order", "embedded-difference", "order-to-digits",
+    "abscissae",
+}  # fmt: skip
+
+
+ROSENBROCK = {"order", "w-order", "a-stable", "l-stable", "embedded-order", "embedded-difference",
+              "order-to-digits"}  # fmt: skip
+
+
+LOOKS_AT = {  # rules, and keys of witnesses, that look at exact zeros or at these matrices only
+    "explicit": "", "absent": "", "several-values": "", "bounded": "V", "unbounded": "V",
+    "singular": "V", "unshared": "V",
+    "preconsistent": "UV", "not-preconsistent": "UV", "consistent": "UBV",
+}  # fmt: skip
+
+
+#: Claims about decimals that the rules for exact numbers decide too, with intervals for numbers.
+AS_EXACT = {
+    "preconsistent", "consistent", "zero-stable", "symplectic", "g-symplectic", "symmetric",
+    "parasitism-free", "growth", "abscissae", "embedded-difference", "row-sums", "dense-end",
+    "dense-order", "error-constant", "explicit", "reducible", "embedded-order",
+}  # fmt: skip

@@ -1,0 +1,112 @@
+"""Trees by classes at a stage order, and the plan of the principal parts (sections 6.2, 6.3)."""
+
+from fractions import Fraction
+from functools import cache
+
+from .linalg import inverse_matrix
+from .refusals import require
+from .trees import LEAF, attach, cut, gamma, show, size, trees
+
+
+@cache
+def reduced(t, q):
+    """Return the class of a tree at stage order q, and its factor."""
+    children, factor = [], Fraction(1)
+    for child in t[1]:
+        if 1 < size(child) <= q:
+            children += [LEAF] * size(child)
+            factor /= gamma(child)
+        else:
+            below, times_ = reduced(child, q)
+            children.append(below)
+            factor *= times_
+    return (t[0], tuple(sorted(children))), factor
+
+
+@cache
+def classes(n, q):
+    """Return the trees of an order that are their own class."""
+    return [t for t in trees((("o", "o"),), n) if reduced(t, q)[0] == t]
+
+
+@cache
+def pairs_of(n, q):
+    """Return the unordered pairs of classes of total order n."""
+    return [(t, u) for m in range(1, n // 2 + 1) for i, t in enumerate(classes(m, q))
+            for j, u in enumerate(classes(n - m, q)) if m < n - m or i <= j]  # fmt: skip
+
+
+def spread_of(t, u, q):
+    """Return the coefficients of x(t * u) + x(u * t) in the values of x at the classes."""
+    row = {}
+    for grown in (attach(t, u), attach(u, t)):
+        below, factor = reduced(grown, q)
+        row[below] = row.get(below, 0) + factor
+    return row
+
+
+class Span:
+    """Independent rows of rationals, by name of the column."""
+
+    def __init__(self):
+        self.rows = {}
+
+    def add(self, row):
+        """Add a row; return whether it was independent of the others."""
+        rest = {k: Fraction(x) for k, x in row.items() if x}
+        while rest:
+            lead = min(rest, key=repr)
+            if lead not in self.rows:
+                self.rows[lead] = {k: x / rest[lead] for k, x in rest.items()}
+                return True
+            factor = rest[lead]
+            for k, x in self.rows[lead].items():
+                rest[k] = rest.get(k, 0) - factor * x
+            rest = {k: x for k, x in rest.items() if x}
+        return False
+
+
+@cache
+def plan(n, q, free):
+    """Return (pairs that define zeta_1 at an even order, pairs left over, inverse matrix)."""
+    unknown, span, defining, left, rows = classes(n, q), Span(), [], [], []
+    for pair in pairs_of(n, q):
+        row = spread_of(*pair, q)
+        (defining if span.add(row) else left).append(pair)
+    for t, u in defining:
+        row = spread_of(t, u, q)
+        rows.append([row.get(x, Fraction(0)) for x in unknown])
+    for t in free:
+        below, factor = reduced(t, q)
+        require(span.add({below: factor}), f"zeta_1({show(t)}) is not free")
+        rows.append([factor if x == below else Fraction(0) for x in unknown])
+    require(len(rows) == len(unknown), f"the free trees of order {n} are not all given")
+    return defining, left, inverse_matrix([list(map(Fraction, row)) for row in rows])
+
+
+def cut_classes(t, q):
+    """Return {class: weight} of what is left when branches are cut, t itself included."""
+    found = {}
+    for s, weight in cut(t):
+        below, factor = reduced(s, q)
+        found[below] = found.get(below, 0) + weight * factor
+    return found
+
+
+def conditions_follow(n, q, given, free):
+    """Tell whether R = 0 at the given trees of an odd order n gives R = 0 at all of them (6.3)."""
+    if n == 1:
+        return LEAF in given
+    left, span, count = plan(n - 1, q, free.get(n - 1, ()))[1], Span(), 0
+    for t, u in pairs_of(n, q):
+        row = spread_of(t, u, q)
+        for a, x in cut_classes(t, q).items():
+            for b, y in cut_classes(u, q).items():
+                at = (a, b) if (a, b) in left else (b, a)
+                if size(a) + size(b) == n - 1 and at in left:
+                    row[at] = row.get(at, 0) - x * y
+        count += span.add(row)
+    for t in given:
+        if size(t) == n:
+            count += span.add({reduced(t, q)[0]: 1})
+    return count == len(classes(n, q)) + len(left)

@@ -1,0 +1,86 @@
+"""The command: files of certificates in, one line for each certificate out."""
+
+import argparse
+import json
+import os
+import pathlib
+import signal
+import sys
+
+from .proof import verdict
+from .refusals import Refused, Unreadable, beyond, require
+
+SECONDS = 60  # wall clock for one certificate
+
+
+MEGABYTES = 32  # size of a file
+
+
+def printed(text):
+    """Return a text of others on one line that a terminal does not obey."""
+    return "".join(x if x.isprintable() else ascii(x)[1:-1] for x in text)
+
+
+def no_float(text):
+    """Refuse a JSON number that is not whole."""
+    raise Refused(f"{text[:40]} is a JSON number that is not whole")
+
+
+def no_twins(pairs):
+    """Refuse an object that has a key twice."""
+    found = dict(pairs)
+    require(len(found) == len(pairs), "a key stands twice in one object")
+    return found
+
+
+def read(path):
+    """Return the texts of the certificates in a file: one, or one on each line."""
+    try:
+        # a pipe of the shell has no name; one that has may have no writer, and opening it waits
+        if pathlib.Path(os.path.realpath(path)).is_fifo():
+            raise Unreadable("it cannot be read: it is a named pipe")
+        with open(path, "rb") as file:
+            text = file.read(MEGABYTES * 2**20 + 1).decode("utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise Unreadable(f"it cannot be read: {error}") from error
+    lines = [line for line in text.splitlines() if line.strip()]
+    several = len(lines) > 1 and all(line[0] == "{" and line[-1] == "}" for line in lines)
+    return lines if several and len(text) <= MEGABYTES * 2**20 else [text]
+
+
+def check(text):
+    """Return (accepted, sentence) for one certificate, within the limits of time and size."""
+    if hasattr(signal, "SIGALRM"):
+        signal.signal(signal.SIGALRM, beyond)
+        signal.alarm(SECONDS)
+    try:
+        require(len(text) <= MEGABYTES * 2**20, "beyond the limits of this checker")
+        return verdict(json.loads(text, parse_float=no_float, parse_constant=no_float,
+                                  object_pairs_hook=no_twins))  # fmt: skip
+    except json.JSONDecodeError as error:
+        raise Unreadable(f"no JSON: {error}") from error
+    except Refused as refused:
+        return False, str(refused)
+    except (RecursionError, ValueError):
+        return False, "beyond the limits of this checker"
+    finally:
+        if hasattr(signal, "SIGALRM"):
+            signal.alarm(0)
+
+
+def main(arguments=None):
+    """Check the files named and return the exit code."""
+    parser = argparse.ArgumentParser(description="Check certificates of glmref-certificate-1.")
+    parser.add_argument("files", nargs="+", metavar="FILE", help="one certificate, or one a line")
+    code = 0
+    for path in parser.parse_args(arguments).files:
+        try:
+            for text in read(path):
+                accepted, sentence = check(text)
+                answer = f"{path}: {'yes' if accepted else 'no'}: {sentence}"
+                sys.stdout.write(f"{printed(answer)}\n")
+                code = code if accepted else 1
+        except Unreadable as error:
+            sys.stderr.write(f"{printed(f'{path}: {error}')}\n")
+            return 2
+    return code

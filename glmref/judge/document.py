@@ -1,0 +1,401 @@
+"""From the document of a method to its matrices A, U, B, V (section 1)."""
+
+from collections import namedtuple
+from fractions import Fraction
+
+from .claims import ORDERS, SECOND
+from .linalg import (
+    apply,
+    combine,
+    diagonal,
+    dot,
+    identity,
+    kernel,
+    less,
+    minus,
+    multiples,
+    ones,
+    solve,
+    star,
+    times,
+    transpose,
+)
+from .numbers import Interval, inverse, total, vanishes
+from .refusals import as_object, keys, not_covered, require
+
+COMMON = "$schema format name title class field broken notes digits constants claims source"
+
+
+CLASSES = {  # needed keys, optional keys
+    "glm": ("A U B V", "G D output starting finishing embedded"),
+    "rk": ("A b", "starting finishing c embedded dense unknowns enclosure"),
+    "composition": ("base gamma", "starting finishing"),
+    "lmm": ("alpha beta", "starting finishing"),
+    "one-leg": ("alpha beta", "G starting finishing"),
+    "additive": ("parts", "embedded"),
+    "nystrom": ("A b b_prime c", "A_prime embedded"),
+    "rosenbrock": ("alpha gamma b", "embedded unknowns enclosure"),
+    "sweep": ("D X V G", "unknowns enclosure starting finishing"),
+    "splitting": ("first a b", "unknowns enclosure starting"),
+    "partitioned-rk": ("A b A_hat b_hat", "starting separable"),
+    "partitioned": ("q p", "G D_P D_Q separable starting"),
+    "pair-sweep": ("stages b w c v V V_hat G", "unknowns enclosure starting"),
+}
+
+
+class Component(namedtuple("Component", "A U B V")):
+    """Matrices A (stages, slopes), U, B, V."""
+
+    __slots__ = ()
+
+    @property
+    def r(self):
+        """Number of values."""
+        return len(self.V)
+
+
+class Method:
+    """Components with their colours, the palette, and what else the file gives."""
+
+    def __init__(self, document, numbers, base=None):
+        self.document, self.numbers = document, numbers
+        kind = document.get("class")
+        require(isinstance(kind, str) and kind in CLASSES, f"no class is called {kind!r}")
+        needed, optional = CLASSES[kind]
+        keys(document, needed + " class", COMMON + " " + optional, where="document")
+        formats = ("glmref-method-1", "glmref-method-2")
+        require(document.get("format", formats[0]) in formats, "another format")
+        require((base is not None) == (kind == "composition"), "a base belongs to compositions")
+        self.kind, self.base = kind, base
+        made = getattr(self, "make_" + kind.replace("-", "_"))()
+        self.pair, self.additive = type(made) is tuple, kind in ("additive", "rosenbrock")
+        self.system = "rosenbrock" if kind == "rosenbrock" else ""
+        self.parts = {"f": made[0], "k": made[1]} if self.pair else {"o": made}
+        if self.additive:
+            self.parts = made
+        blocks = {"glm": {"o": document}}
+        if kind == "partitioned":
+            blocks = {kind: {"f": document["q"], "k": document["p"]}}
+        self.declared = {
+            c: self.list("output", block)
+            for c, block in blocks.get(kind, {}).items()
+            if "output" in block
+        }
+        fixed = {"splitting": True, "pair-sweep": True, "partitioned-rk": False,
+                 "nystrom": "A_prime" not in document}  # fmt: skip
+        self.separable = self.pair and document.get("separable", fixed.get(kind, False)) is True
+        children = {"f": "k", "k": "f"} if self.separable else {}
+        self.palette = tuple((c, children.get(c, "".join(self.parts))) for c in self.parts)
+
+    def single(self):
+        """Return the component of a method that is no pair."""
+        require("o" in self.parts, "the rule is for single methods")
+        return self.parts["o"]
+
+    def part(self, colour):
+        """Return the component of a colour."""
+        require(isinstance(colour, str) and colour in self.parts, f"no component {colour!r}")
+        return self.parts[colour]
+
+    def list(self, key, source=None):
+        """Return a vector of the document."""
+        return self.numbers.vector((source or self.document).get(key), self.document)
+
+    def matrix(self, key, source=None):
+        """Return a matrix of the document."""
+        return self.numbers.matrix((source or self.document).get(key), self.document)
+
+    def form(self, key="G"):
+        """Return a matrix that may be written as its diagonal."""
+        return self.numbers.form(self.document[key], self.document)
+
+    @staticmethod
+    def runge_kutta(A, b):
+        """Return the component of a Runge-Kutta method."""
+        return Component(A, [[Fraction(1)] for _ in A], [b], [[Fraction(1)]])
+
+    def make_glm(self, source=None):
+        """Return the matrices as they stand."""
+        return Component(*(self.matrix(key, source) for key in "AUBV"))
+
+    def make_rk(self):
+        """Return A, U = 1, B = b, V = 1."""
+        return self.runge_kutta(self.matrix("A"), self.list("b"))
+
+    def make_composition(self):
+        """Return the base with steps gamma_1 h, gamma_2 h, .."""
+        require(isinstance(self.base, dict) and self.base.get("class") == "rk", "a base must be rk")
+        require(self.base.get("name") == self.document.get("base"), "the base has another name")
+        base, gamma = Method(self.base, self.numbers).single(), self.list("gamma")
+        (b,), zero, A, left = base.B, [Fraction(0)], [], []
+        for k, g in enumerate(gamma, 1):
+            right = zero * (len(b) * (len(gamma) - k))
+            A += [left + multiples(g, row) + right for row in base.A]
+            left = left + multiples(g, b)
+        return self.runge_kutta(A, left)
+
+    def multistep(self):
+        """Return alpha and beta of equal lengths."""
+        alpha, beta = self.list("alpha"), self.list("beta")
+        require(len(alpha) == len(beta) >= 2, "alpha and beta have other lengths")
+        require(bool(alpha[-1]), "alpha_k is 0")
+        return alpha, beta
+
+    def make_lmm(self):
+        """Return the form with one stage and the values y and f that are needed."""
+        alpha, beta = self.multistep()
+        k, unit = len(alpha) - 1, inverse(alpha[-1])
+        a, b = multiples(unit, alpha), multiples(unit, beta)
+        implicit = bool(b[k])
+        low = next((m for m in range(k) if a[m]), k - 1)
+        ys = list(range(k - 1, low - 1, -1))
+        first = next((m for m in range(k + 1) if b[m]), k)
+        fs = list(range(k - 1 if implicit else k - 2, first - 1, -1))
+        r, e = len(ys) + len(fs), identity(len(ys) + len(fs))
+        new = [-a[m] for m in ys] + [b[m] for m in fs]
+        V = [new, *e[: len(ys) - 1]]
+        B = [b[k] if implicit else b[k - 1]] + [Fraction(0)] * (len(ys) - 1)
+        if fs:
+            V += [[Fraction(0)] * r, *e[len(ys) : r - 1]]
+            B += [Fraction(1)] + [Fraction(0)] * (len(fs) - 1)
+        return Component([[b[k]]], [new if implicit else e[0]], [[x] for x in B], V)
+
+    def make_one_leg(self):
+        """Return the one-leg form."""
+        alpha, beta = self.multistep()
+        unit, k = inverse(alpha[-1]), len(alpha) - 1
+        a, back = multiples(unit, alpha), range(k - 1, -1, -1)
+        V = [[-a[m] for m in back], *identity(k)[: k - 1]]
+        U = [beta[m] - x for m, x in zip(back, multiples(beta[k], a[-2::-1]), strict=True)]
+        B = [[unit]] + [[Fraction(0)] for _ in range(k - 1)]
+        return Component([[unit * beta[k]]], [U], B, V)
+
+    def make_sweep(self):
+        """Return B = X D, U = X^* G V, A from S = X^* G X."""
+        X, d, V = self.matrix("X"), self.list("D"), self.matrix("V")
+        left = times(star(X), self.form())
+        S, none = times(left, X), self.numbers.explicit
+        texts = self.document.get("enclosure", {}).get("equations", [])
+        if none is None and any(str(text).startswith("explicit") for text in texts):
+            not_covered("stages of a sweep that an equation makes explicit")
+        for i, row in enumerate(S):
+            own = Fraction(0) if i in (none or ()) else d[i] * row[i] * Fraction(1, 2)
+            row[i:] = [own] + [Fraction(0)] * (len(d) - i - 1)
+            row[:i] = [x * y for x, y in zip(d, row[:i], strict=False)]
+        return Component(S, times(left, V), times(X, diagonal(d)), V)
+
+    def make_partitioned(self):
+        """Return two methods as they stand."""
+        for key in ("q", "p"):
+            keys(self.document[key], "A U B V", "output", where=f"component {key}")
+        return self.make_glm(self.document["q"]), self.make_glm(self.document["p"])
+
+    def make_partitioned_rk(self):
+        """Return two Runge-Kutta methods."""
+        return self.make_rk(), self.runge_kutta(self.matrix("A_hat"), self.list("b_hat"))
+
+    def make_additive(self):
+        """Return a Runge-Kutta method for each right-hand side; the colours are digits."""
+        parts = self.document["parts"]
+        require(isinstance(parts, list) and 2 <= len(parts) <= 9, "there are 2 to 9 parts")
+        for part in parts:
+            keys(part, "A b", where="part")
+        return {str(n): self.runge_kutta(self.matrix("A", part), self.list("b", part))
+                for n, part in enumerate(parts, 1)}  # fmt: skip
+
+    def make_rosenbrock(self):
+        """Return f - J with alpha and J with alpha + gamma below it, on two sets of stages."""
+        alpha, gamma, b = self.matrix("alpha"), self.matrix("gamma"), self.list("b")
+        require(len(alpha) == len(gamma), "alpha and gamma have other shapes")
+        rows, none = alpha + combine(alpha, gamma), [Fraction(0)] * len(b)
+        return {"1": self.runge_kutta([x + none for x in rows], b + none),
+                "2": self.runge_kutta([none + x for x in rows], none + b)}  # fmt: skip
+
+    def make_nystrom(self):
+        """Return the pair q' = p, p' = k: the stages p and p + h k_l, from which Q is combined."""
+        zero, see, c, A = Fraction(0), "A_prime" in self.document, self.list("c"), self.matrix("A")
+        s = len(c)
+        require(len(A) == s and all(len(x) == s for x in A), "A has another shape")
+        below_q = [[x - total(row), *row] for x, row in zip(c, A, strict=True)]
+        below_p = [[zero] * s, *identity(s)]
+        if see:
+            below_q = [[zero] * (2 * s + 1)] * (s + 1) + [row + [zero] * s for row in below_q]
+            below_p = [[zero] * (s + 1) + row for row in below_p + self.matrix("A_prime")]
+        pairs = zip((below_q, below_p), self.weights(self.document), strict=True)
+        return tuple(self.runge_kutta(*pair) for pair in pairs)
+
+    def weights(self, source):
+        """Return the weights of a row of the file, for each component."""
+        if self.kind == "additive":
+            return self.matrix("b", source)
+        b = self.list("b", source)
+        none = [Fraction(0)] * len(b)
+        if self.kind == "rosenbrock":
+            return [b + none, none + b]
+        if self.kind == "nystrom":
+            more = none if "A_prime" in self.document else []
+            first = [1 - total(b), *b, *more]
+            return [first, more + [Fraction(0)] * bool(more) + self.list("b_prime", source)]
+        return [b]
+
+    def rows(self):
+        """Return {name: (weights of the solution, of the estimate) by colour} of `embedded`."""
+        given = self.document.get("embedded", [])
+        require(isinstance(given, list) and len(given) <= 20, "embedded is a list")
+        own = {"rk": "b", "additive": "b", "nystrom": "b b_prime", "rosenbrock": "b", "glm": "b v"}
+        require(not given or self.kind in own, "no rows are embedded here")
+        found = {}
+        for row in given:
+            error = self.kind == "rk" and "error" in as_object(row)
+            keys(row, "name " + ("error" if error else own[self.kind]), where="embedded")
+            require(row["name"] not in ("b", *found), "a name stands twice in embedded")
+            weights = self.weights({"b": row["error"]} if error else row)
+            if self.kind == "glm":
+                found[row["name"]] = {"o": (weights[0], self.list("v", row))}, {}
+                continue
+            require(len(weights) == len(self.parts), "embedded has another number of rows")
+            weights = dict(zip(self.parts, weights, strict=True))
+            fine = all(len(self.part(c).B[0]) == len(w) for c, w in weights.items())
+            require(fine, "embedded has another length")
+            other = {c: less(self.part(c).B[0], w) for c, w in weights.items()}
+            found[row["name"]] = (other, weights) if error else (weights, other)
+        return found
+
+    def with_parts(self, parts, system="", separable=None):
+        """Return this method with other components."""
+        other = object.__new__(Method)
+        other.__dict__.update(self.__dict__, parts=parts, system=system)
+        other.pair = set(parts) == {"f", "k"}
+        other.additive = set(parts) == {"1", "2"} or (self.additive and len(parts) > 1)
+        if other.pair and not self.pair:
+            other.separable, other.palette = False, (("f", "fk"), ("k", "fk"))
+        if set(parts) == {"o"}:
+            other.palette = (("o", "o"),)
+        return other
+
+    def for_claim(self, claim):
+        """Return the method that a claim is about."""
+        if self.kind == "rosenbrock" and claim in ("a-stable", "l-stable"):
+            beta = combine(self.matrix("alpha"), self.matrix("gamma"))
+            return self.with_parts({"o": self.runge_kutta(beta, self.list("b"))})
+        if self.kind == "rosenbrock":
+            return self.with_parts(self.parts, "w" if claim == "w-order" else "rosenbrock")
+        if self.kind != "rk" or "c" not in self.document or claim not in (*ORDERS, *SECOND):
+            return self
+        m, c = self.single(), self.list("c")
+        require(len(c) == len(m.A), "c has another length")
+        if all(type(x) is not Interval and not x for x in gaps_of_rows(self)):
+            return self  # what is not decided is a c of its own, which A 1 is too
+        require(claim in (*ORDERS, "stage-order"), "a claim with c apart")
+        rest = [Fraction(0)] * (len(c) - 1)
+        time = self.runge_kutta([[x, *rest] for x in c], [Fraction(1), *rest])
+        return self.with_parts({"f": m, "k": time}, "time")
+
+    def with_row(self, weights):
+        """Return the method with other weights by colour; of class glm with weights of the values.
+
+        There the values after a step are moved along u, so that their output is the row.
+        """
+        if self.kind != "glm":
+            parts = {c: self.runge_kutta(m.A, weights[c]) for c, m in self.parts.items()}
+            return self.with_parts(parts, self.system)
+        m, (b, v), u = self.single(), weights["o"], self.u("o")
+        w = reading(self, "o", u)
+        require(len(b) == len(m.A) and len(v) == m.r, "embedded has another length")
+
+        def moved(M, own):
+            gap = less(own, apply(transpose(M), w))
+            return [[x + k * y for x, y in zip(r, gap, strict=True)]
+                    for k, r in zip(u, M, strict=True)]  # fmt: skip
+
+        return self.with_parts(
+            {"o": Component(m.A, m.U, moved(m.B, b), moved(m.V, v))}, self.system
+        )
+
+    def make_splitting(self):
+        """Return the pair of a splitting: P stages from a, Q stages from b."""
+        first, a, b, zero = self.document["first"], self.list("a"), self.list("b"), Fraction(0)
+        require(first in ("q", "p"), "first is q or p")
+        early = int(first == "q")
+        A = [[x if i < j + early else zero for i, x in enumerate(a)] for j in range(len(b))]
+        A_hat = [[x if j + early <= i else zero for j, x in enumerate(b)] for i in range(len(a))]
+        return self.runge_kutta(A, a), self.runge_kutta(A_hat, b)
+
+    def make_pair_sweep(self):
+        """Return the pair of a sweep through the letters of `stages`."""
+        letters = self.document["stages"]
+        require(isinstance(letters, str) and set(letters) <= set("PQ"), "stages are letters P, Q")
+        P, Q = ([n for n, x in enumerate(letters) if x == y] for y in "PQ")
+        G, b, c, zero = self.form(), self.list("b"), self.list("c"), Fraction(0)
+        X = [ones(len(P)), *(self.matrix("w") if self.document["w"] else [])]
+        Y = [ones(len(Q)), *(self.matrix("v") if self.document["v"] else [])]
+        V, V_hat, S = self.matrix("V"), self.matrix("V_hat"), times(transpose(X), G, Y)
+        below = [[P[i] < Q[j] for j in range(len(Q))] for i in range(len(P))]
+        A = [[x * S[i][j] if below[i][j] else zero for i, x in enumerate(b)] for j in range(len(Q))]
+        A_hat = [[zero if below[i][j] else x * S[i][j] for j, x in enumerate(c)]
+                 for i in range(len(P))]  # fmt: skip
+        U, U_hat = times(transpose(Y), transpose(G), V), times(transpose(X), G, V_hat)
+        return (Component(A, U, times(X, diagonal(b)), V),
+                Component(A_hat, U_hat, times(Y, diagonal(c)), V_hat))  # fmt: skip
+
+    def check_shapes(self):
+        """Refuse matrices that do not fit each other, and stages of a pair that do not meet."""
+        stages = {len(m.A) for m in self.parts.values()}
+        require(not self.additive or len(stages) == 1, "the parts have other stages")
+        for c, m in self.parts.items():
+            slopes, r = len(m.B[0]), m.r
+            partner = self.parts["k" if c == "f" else "f"] if self.pair else m
+            fits = len(m.A) == len(m.U) == len(partner.B[0]) and len(m.A[0]) == slopes
+            fits = fits and len(m.U[0]) == len(m.V[0]) == len(m.B) == r
+            fits = fits and (self.separable or len(m.A) == slopes)
+            require(fits, f"shapes of component {c} do not fit")
+
+    def vectors_to_one(self, colour, consistent=False):
+        """Return (u, whether it is the only one) with V u = u and U u = 1, u None where none is.
+
+        Of a `consistent` method also B 1 + V v = u + v for some v: w u = w B 1 for all w = w V.
+        """
+        m = self.part(colour)
+        shift = minus(m.V, identity(m.r))
+        N, rows, right = kernel(shift), list(m.U), ones(len(m.U))
+        if consistent:
+            left = kernel(transpose(shift))
+            rows, right = rows + left, right + apply(left, apply(m.B, ones(len(m.B[0]))))
+        if not N:
+            return None, True
+        c, unique = solve([apply(N, row) for row in rows], right)
+        return (None if c is None else apply(transpose(N), c)), unique
+
+    def u(self, colour):
+        """Return the u with V u = u and U u = 1, which must be the only one."""
+        u, unique = self.vectors_to_one(colour)
+        require(u is not None and unique, "there is not one u with V u = u, U u = 1")
+        return u
+
+
+def first_place(u):
+    """Return the first place where u is not 0."""
+    place = next((k for k, x in enumerate(u) if bool(x)), None)
+    require(place is not None, "u is 0")
+    return place
+
+
+def reading(method, colour, u):
+    """Return the row that reads the solution: as declared, or 1 / u_k at the first place k."""
+    w = method.declared.get(colour)
+    if w is None:
+        k = first_place(u)
+        return [inverse(u[k]) if j == k else Fraction(0) for j in range(len(u))]
+    require(len(w) == len(u) and vanishes(dot(w, u) - 1), "the output does not read the solution")
+    return w
+
+
+def gaps_of_rows(method):
+    """Return A 1 - c, or of a Nystrom method 2 A 1 - c^2 and A' 1 - c."""
+    if method.kind == "nystrom":
+        A, c = method.matrix("A"), method.list("c")
+        gaps = [2 * total(row) - x * x for row, x in zip(A, c, strict=True)]
+        inner = method.matrix("A_prime") if "A_prime" in method.document else []
+        return gaps + [total(row) - x for row, x in zip(inner, c, strict=False)]
+    m = method.single()
+    return less(apply(m.A, ones(len(m.A))), method.list("c"))

@@ -1,0 +1,200 @@
+"""Polynomials and where their roots lie: Schur, Cohn, Sturm, Yun (section 5)."""
+
+from fractions import Fraction
+from itertools import pairwise
+
+from .linalg import at_matrix, characteristic, times
+from .numbers import Interval, Ring, conj, inverse, is_nil, live, sign, squared, vanishes
+from .refusals import require
+
+
+def horner(coefficients, x):
+    """Return the value of a polynomial, constant first."""
+    value = coefficients[-1]
+    for c in reversed(coefficients[:-1]):
+        value = value * x + c
+    return value
+
+
+def derivative(p):
+    """Return p' of a list of coefficients, constant first."""
+    return [k * c for k, c in enumerate(p)][1:] or [Fraction(0)]
+
+
+def trim(p):
+    """Return p without leading zeros; constant first."""
+    p = list(p)
+    while p and not p[-1]:
+        p.pop()
+    return p
+
+
+def multiply(p, q):
+    """Return p q."""
+    out = [Fraction(0)] * (len(p) + len(q) - 1) if p and q else []
+    for i, a in enumerate(p):
+        for j, b in enumerate(q):
+            if not (is_nil(a) or is_nil(b)):
+                out[i + j] = out[i + j] + a * b
+    return trim(out)
+
+
+def plus(p, q, factor=1):
+    """Return p + factor q."""
+    n = max(len(p), len(q))
+    p, q = (list(x) + [Fraction(0)] * (n - len(x)) for x in (p, q))
+    return trim([a + factor * b for a, b in zip(p, q, strict=True)])
+
+
+def divide(p, q):
+    """Return quotient and remainder."""
+    p, q, unit, out = trim(p), trim(q), inverse(trim(q)[-1]), []
+    out = [Fraction(0)] * max(len(p) - len(q) + 1, 0)
+    while len(p) >= len(q):
+        shift, factor = len(p) - len(q), p[-1] * unit
+        out[shift] = factor
+        p = trim([x - factor * q[i - shift] if i >= shift else x for i, x in enumerate(p)][:-1])
+    return out, p
+
+
+def gcd(p, q):
+    """Return a monic greatest common divisor."""
+    p, q = trim(p), trim(q)
+    while q:
+        p, q = q, divide(p, q)[1]
+    return [inverse(p[-1]) * x for x in p]
+
+
+def mirror(p):
+    """Return p~, the coefficients conjugated and reversed."""
+    return [conj(x) for x in reversed(p)]
+
+
+def margins(p):
+    """Yield |p_n|^2 - |p_0|^2 along the steps of Schur and Cohn, None where Cohn's step fails."""
+    p = trim(p)
+    require(p, "a polynomial is 0")
+    while len(p) > 1:
+        a, b = conj(p[-1]), p[0]
+        if type(b) is not Interval and not b:
+            p = p[1:]
+            continue
+        margin = squared(a) - squared(b)
+        yield margin
+        if margin:
+            p = [a * x - b * y for x, y in zip(p, mirror(p), strict=True)][1:]
+        elif vanishes([conj(a) * x - conj(b) * y for x, y in zip(mirror(p), p, strict=True)]):
+            p = derivative(p)
+        else:
+            yield None
+            return
+
+
+def is_schur(p):
+    """Tell whether all roots lie inside the circle (Schur, Cohn)."""
+    return all(sign(x) > 0 for x in margins(p))
+
+
+def in_disc(p):
+    """Tell whether all roots lie in the closed disc (Schur, Cohn)."""
+    return all(x is not None and sign(x) >= 0 for x in margins(p))
+
+
+def is_unbounded(M):
+    """Tell whether the powers of M are not bounded: a root outside, or a defective one on it.
+
+    What the characteristic polynomial shares with its mirror image is q, the rest is h.
+    """
+    p = characteristic(M)
+    if not in_disc(p):
+        return True
+    h, q = p, [Fraction(1)]
+    while not live(h[0]):
+        h = h[1:]
+    inside = p[: len(p) - len(h)]  # the roots 0, which the mirror image has at infinity
+    while len(h) > 1 and len(shared := gcd(h, mirror(h))) > 1:
+        h, q = divide(h, shared)[0], multiply(q, shared)
+    require(is_schur(h), "a root on the circle is left")
+    left = at_matrix(divide(q, gcd(q, derivative(q)))[0], M)
+    rest = at_matrix(inside + h, M)
+    for _ in M:  # rad(q)(M) h(M)^r is 0 where no root of q is defective
+        left = times(left, rest)
+    return not vanishes(left)
+
+
+def from_roots(numbers):
+    """Return the product of (x - mu)."""
+    p = [Fraction(1)]
+    for mu in numbers:
+        p = plus([Fraction(0), *p], p, -mu)
+    return p
+
+
+def interpolate(nodes, values):
+    """Return the polynomial with these values at the nodes (Newton)."""
+    p, basis, rest = [], [Fraction(1)], list(values)
+    for k, node in enumerate(nodes):
+        p = plus(p, basis, rest[0])
+        basis = multiply(basis, [-node, Fraction(1)])
+        steps = [y - x for x, y in zip(nodes, nodes[k + 1 :], strict=False)]
+        rest = [(b - a) * (1 / step) for (a, b), step in zip(pairwise(rest), steps, strict=True)]
+    return p
+
+
+class OnAxis(Ring):
+    """A polynomial in z = i y with real coefficients; its conjugate has -z in the place of z."""
+
+    __slots__ = ("p",)
+
+    def __init__(self, p):
+        self.p = trim(p)
+
+    def __bool__(self):
+        return bool(self.p)
+
+    def __add__(self, other):
+        return OnAxis(plus(self.p, other.p))
+
+    def __mul__(self, other):
+        return OnAxis(multiply(self.p, other.p if isinstance(other, OnAxis) else [other]))
+
+    __rmul__ = __mul__
+
+    def conj(self):
+        """Return the conjugate."""
+        return OnAxis([-c if k % 2 else c for k, c in enumerate(self.p)])
+
+
+def real_roots(p):
+    """Return the number of different real roots of p (Sturm)."""
+    chain = [trim(p), derivative(trim(p))]
+    while trim(chain[-1]):
+        chain.append([-x for x in divide(chain[-2], chain[-1])[1]])
+    ends = []
+    for side in (-1, 1):
+        signs = [sign(q[-1]) * side ** (len(q) - 1) for q in map(trim, chain) if q]
+        ends.append(sum(a != b for a, b in pairwise(signs)))
+    return ends[0] - ends[1]
+
+
+def nowhere_negative(p):
+    """Tell whether p(y) >= 0 for all real y: no real root of odd multiplicity, a positive end."""
+    p = trim(p)
+    if sign(p[-1]) < 0 or len(p) % 2 == 0:
+        return False
+    common = gcd(p, derivative(p))  # Yun: factors of multiplicity 1, 2, ..
+    first, rest, k = divide(p, common)[0], common, 1
+    while len(first) > 1:
+        shared = gcd(first, rest)
+        factor = divide(first, shared)[0]
+        if k % 2 and len(factor) > 1 and real_roots(factor):
+            return False
+        first, rest, k = shared, divide(rest, shared)[0], k + 1
+    return True
+
+
+def no_root_but_zero(p):
+    """Tell whether p has no real root other than 0."""
+    while p and not p[0]:
+        p = p[1:]
+    return len(p) <= 1 or not real_roots(p)

@@ -1,0 +1,232 @@
+"""Starting series and what follows from them (sections 3 and 4)."""
+
+from fractions import Fraction
+
+from .classes import reduced
+from .document import Component, first_place, reading
+from .linalg import (
+    apply,
+    combine,
+    dot,
+    identity,
+    inverse_matrix,
+    is_exact,
+    kernel,
+    less,
+    minus,
+    multiples,
+    placewise,
+    rank,
+    scale,
+    solve,
+    times,
+    transpose,
+)
+from .numbers import Interval, apart, as_real, inverse, is_nil, vanishes
+from .refusals import require
+from .trees import cut, gamma, less_cuts, paths, pool_of, size, trees
+
+
+class Series:
+    """A starting series eta and what follows from it; also, without U, the series of a start.
+
+    Above stage order q = 1 the xi of a tree are those of its class (6.2).
+    """
+
+    q = 1
+
+    def __init__(self, part, u, eta):
+        self.part, self.u, self.eta_of = part, u, eta
+        self.known = {}
+
+    @classmethod
+    def of_tables(cls, tables, u=None):
+        """Return the series of a starting or finishing method, {colour: (A, B)}."""
+        parts = {c: Component(A, [[]] * len(A), B, None) for c, (A, B) in tables.items()}
+        return cls(parts.__getitem__, u, lambda tree: [])
+
+    def derivative(self, tree):
+        """Return xiD(t), the product of the xi of the children."""
+        return placewise(len(self.part(tree[0]).A[0]), map(self.stages, tree[1]))
+
+    def stages(self, tree):
+        """Return xi(t) = A xiD(t) + U eta(t), that of its class times the factor."""
+        tree, factor = reduced(tree, self.q) if self.q > 1 else (tree, 1)
+        if tree not in self.known:
+            m = self.part(tree[0])
+            slopes, values = apply(m.A, self.derivative(tree)), apply(m.U, self.eta_of(tree))
+            self.known[tree] = [x + y for x, y in zip(slopes, values, strict=True)]
+        found = self.known[tree]
+        return found if factor == 1 else multiples(factor, found)
+
+    def value(self, tree):
+        """Return B xiD(t)."""
+        return apply(self.part(tree[0]).B, self.derivative(tree))
+
+    def residual(self, tree):
+        """Return R(t) = B xiD(t) - ((E eta)(t) - eta(t))."""
+        flow = [x * Fraction(1, gamma(tree)) for x in self.u[tree[0]]]
+        return less_cuts(less(self.value(tree), flow), tree, self.eta_of)
+
+
+def path_orders(method, series, colour, most):
+    """Return for each stage through which order, `most` or less, paths t give c^|t| / |t|!."""
+    c = series.stages((colour, ()))
+    reached = [min(1, most)] * len(c)
+    for n in range(2, most + 1):
+        (tree,) = [t for t in paths(method.palette, n) if t[0] == colour]
+        for i, x in enumerate(series.stages(tree)):
+            if reached[i] == n - 1 and vanishes(x - c[i] ** n * Fraction(1, gamma(tree))):
+                reached[i] = n
+    return reached
+
+
+class Solved(Series):
+    """The starting series that an order needs, found order by order (4).
+
+    (I - V) eta(t) = R(t) leaves N beta(t) open, V N = N. The principal parts beta are 0, or those
+    with which the conditions W R(t) = 0 of the next order hold.
+    """
+
+    def __init__(self, method, identity_mode, nystrom):
+        self.method, self.nystrom = method, nystrom
+        self.free, self.last, self.order, self.filled = not identity_mode, None, 0, 0
+        self.loose = False  # whether principal parts of a lower order are not the only ones
+        self.W, self.N, self.lift, self.eta, self.k, self.w, parts = {}, {}, {}, {}, {}, {}, {}
+        self.gaps = {}
+        super().__init__(parts.__getitem__, {}, self.cut_value)
+        plain = as_real if method.numbers.unknowns else lambda x: x
+        for c, m in method.parts.items():
+            require(is_exact(m.V), "V holds decimals")
+            shift = minus(m.V, identity(m.r))
+            N, W = kernel(shift), kernel(transpose(shift))
+            require(N, "V u = u has no solution")
+            if len(N) == 1:
+                seen = sorted((x for x in apply(m.U, N[0]) if apart(x)),
+                              key=lambda x: type(x) is Interval)  # fmt: skip
+                require(seen, "U u is 0")  # of order 1 is only a method with U u = 1
+                N = [multiples(inverse(seen[0]), N[0])]
+                u = N[0]
+            else:
+                u, unique = method.vectors_to_one(c, consistent=True)
+                require(u is not None and unique, "u is not determined")
+            W = times(inverse_matrix(times(W, transpose(N))), W)
+            w = reading(method, c, u)
+            border = times(transpose(N), [w] if len(N) == 1 else W)
+            lift = inverse_matrix(combine(scale(-1, shift), border))
+            first = None if c in method.declared or len(N) > 1 else first_place(u)
+            self.u[c], self.k[c], self.w[c] = plain(u), first, plain(w)
+            self.W[c], self.N[c], self.lift[c] = plain(W), plain(N), plain(lift)
+            parts[c] = Component(*map(plain, m[:3]), None)
+        self.simple = all(len(N) == 1 for N in self.N.values())
+
+    def cut_value(self, s):
+        """Return eta at what is left of a tree, 0 at one that does not count where r = 1."""
+        if s not in self.eta and self.method.system:
+            return [Fraction(0)]  # the one value is the solution
+        return self.eta[s]
+
+    def move(self, s, beta):
+        """Add N beta to eta(s)."""
+        for b, n in zip(beta, self.N[s[0]], strict=True):
+            self.eta[s] = [x + b * y for x, y in zip(self.eta[s], n, strict=True)]
+
+    def settle(self):
+        """Find the principal parts of the last order, where 1 is a simple eigenvalue of each V."""
+        n, palette = self.order + 1, dict(self.method.palette)
+        if n == 2:
+            first, *others = trees(self.method.palette, 1)
+            for s in others:
+                self.move(s, self.condition((s[0], (first,))))
+            return
+        found = {}
+        leaf = {c: (children[0], ()) for c, children in palette.items()}
+        level = pool_of(self.method, n - 1, self.nystrom)
+        for s in sorted(level, key=lambda s: (-len(s[1]), -s[1].count(leaf[s[0]]))):
+            t = (s[0], tuple(sorted((*s[1], leaf[s[0]]))))
+            (value,), ways = self.condition(t), 0
+            for kept, weight in cut(t):
+                if kept == s:
+                    ways = weight
+                elif kept in found:
+                    value = value - found[kept] * weight
+            found[s] = value * (1 / ways)
+        for s, beta in found.items():
+            if not is_nil(beta):
+                self.move(s, [beta])
+
+    def settle_all(self):
+        """Find the principal parts of the last order from all conditions of the next one.
+
+        They are the only ones, at order 1 up to the flow; `last` is the order where there are none.
+        """
+        method, m = self.method, self.method.parts
+        place, units = {}, []
+        for s in pool_of(method, self.order, self.nystrom):
+            d, reads = len(self.N[s[0]]), apply(self.N[s[0]], self.w[s[0]])
+            if not self.free:  # eta(s) is not read as the solution
+                read = dot(self.w[s[0]], self.eta[s])
+                self.move(s, [-read * x for x in apply(self.W[s[0]], self.u[s[0]])])
+            basis = identity(d) if self.free else kernel([reads])
+            place[s] = range(len(units), len(units) + len(basis))
+            units += basis
+        rows, right = [], []
+        for t in pool_of(method, self.order + 1, self.nystrom):
+            block = [[Fraction(0)] * len(units) for _ in self.W[t[0]]]
+            for s, weight in [*cut(t), *((s, None) for s in t[1][:1] if len(t[1]) == 1)]:
+                for j in place.get(s, ()):
+                    e = apply(transpose(self.N[s[0]]), units[j])
+                    image = units[j] if weight else apply(
+                        times(self.W[t[0]], m[t[0]].B, m[s[0]].U), e)  # fmt: skip
+                    for row, x in zip(block, image, strict=True):
+                        row[j] = row[j] + (-weight * x if weight else x)
+            rows, right = rows + block, right + [-x for x in self.condition(t)]
+        beta, unique = solve(rows, right) if units else ([], True)
+        if beta is None or (not units and not vanishes(right)):
+            self.last = self.order
+            return
+        line = self.order == 1 and self.free and len(units) - rank(rows) == 1
+        self.loose = self.loose or not (unique or line)
+        for s, at in place.items():
+            for j in at:
+                self.move(s, [beta[j] * x for x in units[j]])
+
+    def advance(self, order):
+        """Go on until the conditions of an order can be evaluated; eta is known below it."""
+        while self.order < order and self.last is None:
+            if self.order:
+                self.fill()
+                if not self.simple:
+                    self.settle_all()
+                    self.known = {t: x for t, x in self.known.items() if size(t) < self.order}
+                elif self.free:
+                    self.settle()
+            if self.last is None:
+                self.order += 1
+
+    def fill(self):
+        """Find eta at the trees of the order that was reached, principal parts 0."""
+        while self.filled < self.order:
+            self.filled += 1
+            for t in self.pool(self.filled):
+                c, right = t[0], self.residual(t)
+                self.gaps[t] = apply(self.W[c], right)
+                self.eta[t] = [Fraction(0) if j == self.k[c] else dot(row, right)
+                               for j, row in enumerate(self.lift[c])]  # fmt: skip
+
+    def condition(self, t):
+        """Return W R(t)."""
+        return self.gaps[t] if t in self.gaps else apply(self.W[t[0]], self.residual(t))
+
+    def pool(self, order):
+        """Return the trees of an order that count."""
+        return pool_of(self.method, order, self.nystrom)
+
+    def shift(self, t, sigma):
+        """Return what eta(t) gains by the flow through sigma, for one method."""
+        gain = [x * sigma ** size(t) * Fraction(1, gamma(t)) for x in self.u["o"]]
+        for s, weight in cut(t):
+            if s != t:
+                factor = weight * sigma ** (size(t) - size(s))
+                gain = [x + factor * y for x, y in zip(gain, self.eta_of(s), strict=True)]
+        return gain
