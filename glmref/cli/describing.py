@@ -101,11 +101,12 @@ def _page(record: Mapping[str, Any], measured: Mapping[str, float] | None, style
 def _measured(method: Any, record: Mapping[str, Any]) -> dict[str, float]:
     """Ends of the stability intervals that are not proved, in floating point."""
     from ..measure.stability import interval
+    from ..prove.facts import facts_of
 
     rays = {"real": -1 + 0j, "imaginary": 1j}
     stability = record["stability"]
     open_ = [key for key in rays if key in stability and stability[key] is None]
-    return {key: interval(method, rays[key]) for key in open_}
+    return {key: interval(facts_of(method).linear, rays[key]) for key in open_}
 
 
 @click.command(short_help="Show what the thesis prints, and what is right.")

@@ -1,0 +1,98 @@
+"""Every command that takes a method, on every shipped file and every one that is wrong on purpose.
+
+A method of a rare class reaches code that the tests of a command do not: each answer must be an
+exit code that the command documents, and never an internal error.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from glmref.catalogue.lookup import names, path_of
+from glmref.cli import main
+from glmref.exchange.export import TARGETS
+
+METHODS = names("methods")
+BROKEN = names("broken")
+#: Parts of names of methods of which some answer takes seconds.
+LONG = ("6245", "robust", "thesis-3-8", "hairer", "order8", "tanaka", "-10", "-12", "-14", "s7", "s9")
+#: One scene for all classes of methods: a Hamiltonian that is separable and quadratic.
+SCENE = """
+format = "glmref-scene-1"
+name = "every"
+title = "One method"
+question = "Does it run?"
+methods = ["{method}"]
+ask = ["state"]
+answer = {{ kind = "fastest", at = 1e-3 }}
+t_end = 1
+steps = [8]
+repeats = 1
+problem = {{ name = "harmonic-oscillator" }}
+"""
+
+
+def code_of(capsys: pytest.CaptureFixture[str], *arguments: str) -> int:
+    """Run a command line, which must not end in an internal error."""
+    code = main(arguments)
+    err = capsys.readouterr().err
+    assert code in (0, 1, 2, 3) and "internal error" not in err, (arguments, err)
+    assert code != 2 or err.count("\n") <= 2, (arguments, err)
+    return code
+
+
+@pytest.mark.sampled(8, besides=LONG)
+@pytest.mark.parametrize("name", [*METHODS, *BROKEN])
+def test_what_describes_a_method_takes_every_one(
+    name: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    picture = tmp_path / "picture.svg"
+    assert code_of(capsys, "show", name) == 0
+    assert code_of(capsys, "show", name, "--decimal", "5") == 0
+    assert code_of(capsys, "cite", name) == 0
+    code_of(capsys, "show", name, "--plot", str(picture))
+    code_of(capsys, "check", str(path_of(name)))
+    for target in TARGETS:
+        code_of(capsys, "export", name, "--to", target)
+
+
+@pytest.mark.sampled(4, besides=LONG)
+@pytest.mark.parametrize("name", [*METHODS, *BROKEN])
+def test_every_method_is_analysed(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """`verify` and `certify` run on every file in tests/suite/test_catalogue and test_checker."""
+    assert code_of(capsys, "analyze", name) in (0, 3)
+
+
+@pytest.mark.sampled(2, whole=80)
+@pytest.mark.parametrize("name", METHODS)
+def test_a_scene_takes_every_method(
+    name: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    scene = tmp_path / "every.toml"
+    scene.write_text(SCENE.format(method=name))
+    assert code_of(capsys, "run", str(scene), "--plan") in (0, 2)
+    code_of(capsys, "run", str(scene), "--output", str(tmp_path / "out"))
+
+
+OWN = {
+    "format": "glmref-method-2", "name": "mine", "class": "rosenbrock",
+    "alpha": [["0", "0"], ["1", "0"]], "gamma": [["g", "0"], ["-2*g", "g"]], "b": ["1/2", "1/2"],
+    "constants": {"g": "1-sqrt(2)/2"},
+    "claims": {"order": 2}, "source": {"citation": "x", "where": "y", "status": "derived"},
+}  # fmt: skip
+
+
+def test_a_rosenbrock_method_that_is_not_decided_in_time_is_measured(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The ends of its intervals were asked of the additive method, which has no rounded form."""
+    monkeypatch.setattr("glmref.prove.analysis.STABILITY", 1e-9)
+    path = tmp_path / "mine.json"
+    path.write_text(json.dumps(OWN))
+    assert main(["analyze", str(path), "--format", "json"]) in (0, 3)
+    found = json.loads(capsys.readouterr().out)
+    # L-stable with this gamma: nothing leaves the unit disc as far as is looked
+    assert found["stability_measured"]["imaginary"] == 64
