@@ -13,6 +13,7 @@ from ..compute import Executor, in_order
 from ..compute.executors import Here
 from ..errors import GlmrefError, UsageError
 from ..system.budget import PROVING, limited
+from ..system.files import named_in
 from .judge import judge
 from .nearest_method import Library
 from .readers import FORMATS, SUFFIXES, declared_orders, read
@@ -69,6 +70,15 @@ def _text(path: Path) -> str | None:
         return None
 
 
+def _leads_out(root: Path, path: Path) -> bool:
+    """Return whether a file of a checkout is a link to one elsewhere, or is reached by one."""
+    try:
+        named_in(root, path.relative_to(root), "SOURCE")
+    except UsageError:
+        return True
+    return False
+
+
 def audit(
     source: Path,
     form: str,
@@ -102,11 +112,14 @@ def audit(
         raise UsageError(f"there is no reader for {form!r}; one of {', '.join(FORMATS)}")
     paths = files(source, form)
     root = source if source.is_dir() else source.parent
+    outside = {path for path in paths if source.is_dir() and _leads_out(root, path)}
     declared: dict[str, int] = {}
     for path in paths:
-        text = _text(path)
+        text = None if path in outside else _text(path)
         declared |= declared_orders(text) if text else {}
-    rows = list(_rows(paths, form, declared))
+    rows = list(_rows([path for path in paths if path not in outside], form, declared))
+    remark = "a link that leads out of the checkout; it is not followed"
+    rows += [(path, _unread(1, path.name, remark)) for path in sorted(outside)]
     tasks = [{**task, "search": search, "compare": compare} for _, task in rows if "number" in task]
     judged = in_order((on or Here()).run(judge_table, tasks), tasks)
     for path, row in rows:

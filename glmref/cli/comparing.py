@@ -30,10 +30,10 @@ def problems(names: tuple[str, ...], form: str) -> int:
     from .. import problems as collection
     from ..views.problem_page import c_source, described, kind_of, page
 
+    if form == "c" and len(names) != 1:
+        raise UsageError("--format c writes one problem; name one")
     chosen = [_found(name) for name in names] or [_found(name) for name in collection.names()]
     if form == "c":
-        if len(names) != 1:
-            raise UsageError("--format c writes one problem; name one")
         say(c_source(chosen[0][0]))
     elif form == "json":
         listed = [described(problem, about) for problem, about in chosen]

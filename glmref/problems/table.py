@@ -17,7 +17,7 @@ from typing import Any
 
 from ..catalogue.strict_toml import loads
 from ..errors import DataError, UsageError
-from ..system.files import read_text
+from ..system.files import named_in, read_text
 from .from_expressions import equation_entries, hamiltonian_entries, time_of
 from .model import Problem
 
@@ -40,7 +40,7 @@ def from_table(table: Mapping[str, Any], folder: Path | None = None) -> Problem:
     table : mapping
         Keys of :data:`KEYS`; exactly one of ``H``, ``f`` and ``file``.
     folder : Path, optional
-        Where the path in ``file`` starts; the working folder by default.
+        Where the path in ``file`` starts and must stay; without, it is any path of the caller.
 
     Raises
     ------
@@ -98,7 +98,8 @@ def from_file(
         ``"mine.py:make"``: path and name of a function that returns a :class:`Problem`, or the
         table of one.
     folder : Path, optional
-        Where a relative path starts.
+        That of the document which names the file: then it must lie there, see
+        :func:`~glmref.system.files.named_in`.
     parameters : mapping, optional
         Keyword arguments of the function.
     **changes :
@@ -112,7 +113,8 @@ def from_file(
     path_text, colon, maker = str(where).rpartition(":")
     if not colon or not maker.isidentifier():
         raise UsageError(f"`file` must be like 'mine.py:make', got {str(where)[:100]!r}")
-    path = Path(path_text) if folder is None else folder / path_text
+    # without a folder it is the caller's own code that names the file, and not a document
+    path = Path(path_text) if folder is None else named_in(folder, path_text, "file")
     if path.suffix != ".py" or not path.is_file():
         raise UsageError(f"`file` names {str(path)[:200]!r}, which is no Python file there")
     spec = spec_from_file_location(f"glmref_user_{path.stem}", path)

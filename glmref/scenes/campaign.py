@@ -202,7 +202,7 @@ class _CampaignReader(Reader):
         campaign = Campaign(
             **{key: given[key] for key in ("name", "title", "question")},
             kind=kind,
-            fixed=self._table("fixed"),
+            fixed={k: self._named(("fixed", k), x) for k, x in self._table("fixed").items()},
             grid={key: self._axis(("grid", key), x) for key, x in grid.items()},
             sample={key: self.range_of(("sample", key), x) for key, x in sample.items()},
             count=self.whole(("sample", "count"), count, MOST) if sample else 1,
@@ -263,13 +263,19 @@ class _CampaignReader(Reader):
         if isinstance(value, dict):
             return self.spread(where, value, MOST)
         values = tuple(self.items(where, value))
-        known = {"method": method_names("methods"), "problem": problem_names()}.get(key)
         for item in values:
-            if known is not None and not str(item).endswith(".json"):
-                self.choice(where, item, known)
-            elif not isinstance(item, str | int | float):
+            if not isinstance(item, str | int | float):
                 raise self.fail(where, f"`{'.'.join(where)}` must hold texts and numbers")
-        return values
+        return tuple(self._named(where, item) for item in values)
+
+    def _named(self, where: tuple[str, ...], value: Any) -> Any:
+        """Return a value; of a method or a problem the name of a shipped one, or a method file."""
+        if where[-1] == "method" and isinstance(value, str) and value.endswith(".json"):
+            return self.method_file(where, value)
+        if where[-1] in ("method", "problem"):
+            known = method_names("methods") if where[-1] == "method" else problem_names()
+            self.choice(where, value, known)
+        return value
 
     def _methods(self, where: tuple[str, ...], kinds: Any) -> tuple[str, ...]:
         """Shipped methods of a class or with a property, or with all of several."""

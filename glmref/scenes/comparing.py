@@ -264,16 +264,18 @@ def compare(
     UsageError
         For a problem, a method or a number that does not fit.
     """
-    subject = _subject(problem)
+    # a problem's file may be executed: after what can be refused without it
+    own = None if methods is None else list(_methods(methods))
     if not 1e-14 <= (tolerance := number("tolerance", tolerance)) < 1:
         raise UsageError(f"`tolerance` must lie between 1e-14 and 1, got {tolerance!r}")
     budget = number("budget", budget)
+    subject = _subject(problem)
     begin, end = map(float, subject.t_span)
     end = end if t_end is None else number("t_end", t_end)
     if end == begin:
         raise UsageError(f"`t_end` must be another time than {begin:g}, got {end!r}")
     kind = kind_of(subject)
-    chosen = list(_methods(CANDIDATES[kind] if methods is None else methods))
+    chosen = list(_methods(CANDIDATES[kind])) if own is None else own
     deadline = perf_counter() + budget
     error, reference = _judge(subject, end, tolerance)
     found = []

@@ -14,7 +14,7 @@ from pathlib import Path
 from tomllib import TOMLDecodeError
 from typing import Any
 
-from ..catalogue.lookup import data_root, document, is_broken
+from ..catalogue.lookup import data_root, document, is_broken, is_shipped
 from ..catalogue.lookup import names as method_names
 from ..catalogue.lookup import path_of as method_path
 from ..catalogue.strict_json import shown
@@ -24,7 +24,7 @@ from ..measure.peers import NAMES
 from ..problems import problem as build
 from ..problems.formula import Formula
 from ..problems.table import OWN, from_table
-from ..system.files import kind_of, read_bytes, read_text, reason
+from ..system.files import kind_of, named_in, read_bytes, read_text, reason
 from .model import ANSWERS, ASK, FORMAT, JUDGING, KINDS, STARTS, Answer, Scene
 
 _TEXTS = ("format", "name", "title", "question")
@@ -257,6 +257,20 @@ class Reader:
                 hint = f"did you mean {near[0]!r}?" if near else f"known are {', '.join(allowed)}"
                 raise self.fail((*where, key), f"there is no key {key[:80]!r} here; {hint}")
 
+    def named(self, where: tuple[str, ...], name: Any) -> Path:
+        """Return the file that an entry names, of the folder of this file; see `named_in`."""
+        try:
+            return named_in(self.path.parent, name, ".".join(where), f"the file {self.path.name}")
+        except UsageError as error:
+            raise self.fail(where, str(error)) from None
+
+    def method_file(self, where: tuple[str, ...], name: str) -> str:
+        """Return the path of a method file: a shipped one, or one of the folder of this file."""
+        if is_shipped(Path(name)):
+            return name
+        self.named(where, name)
+        return str(self.path.parent / name)
+
     # --- the scene --------------------------------------------------------------------------------
 
     def scene(self, *, quick: bool) -> Scene:
@@ -403,7 +417,7 @@ class Reader:
         folder = self.path.resolve().parent
         definition: dict[str, Any] = {**table, "folder": str(folder)}
         if "file" in table:
-            definition["sha256"] = self._digest(folder, table["file"])
+            definition["sha256"] = self._digest(table["file"])
         try:
             problem = from_table(table, folder)
             json.dumps(definition)
@@ -415,15 +429,9 @@ class Reader:
             ) from None
         return problem, {}, definition
 
-    def _digest(self, folder: Path, where: Any) -> str:
-        """Checksum of the Python file: a scene executes a file of its own folder only."""
-        path = Path(str(where).rpartition(":")[0])
-        inside = (folder / path).resolve()
-        if path.is_absolute() or not inside.is_relative_to(folder):
-            raise self.fail(
-                ("problem", "file"),
-                f"`problem.file` must lie in the folder of the scene, got {shown(where)}",
-            )
+    def _digest(self, where: Any) -> str:
+        """Return the checksum of the Python file that the scene executes."""
+        inside = self.named(("problem", "file"), str(where).rpartition(":")[0])
         try:
             return hashlib.sha256(read_bytes(inside, MAX_BYTES)).hexdigest()
         except (DataError, ValueError):
@@ -514,9 +522,8 @@ class Reader:
 
     def _method(self, name: str, where: tuple[str, ...]) -> str:
         """Return a shipped name, or the path of a file, which may lie beside the scene's."""
-        beside = self.path.parent / name
-        if name.endswith(".json") and beside.is_file():
-            return str(beside)
+        if name.endswith(".json"):
+            name = self.method_file(where, name)
         try:
             path = method_path(name)
         except UsageError as error:

@@ -144,6 +144,42 @@ def one_name(path: Path) -> str:
     return shown(path.name, lambda name: repr(name)[1:-1], 300) or printable(path)
 
 
+def named_in(folder: Path, name: object, key: str, what: str = "the file that names it") -> Path:
+    """Return the file that a document names: one of the document's folder or below it.
+
+    The only rule for which files a scene, a problem, a campaign or a checkout can make glmref open
+    or execute. Links are followed first, so that one that leads out of the folder is refused.
+
+    Parameters
+    ----------
+    folder : Path
+        Where the document lies.
+    name : object
+        What the document says; its path is relative to `folder`.
+    key : str
+        The entry of the document, for the sentence.
+    what : str
+        The document, for the sentence.
+
+    Raises
+    ------
+    UsageError
+        For a path that is absolute, leads out of the folder, or cannot be followed.
+    """
+    try:
+        path = Path(str(name))
+        found = (folder / path).resolve()
+        inside = not path.is_absolute() and found.is_relative_to(folder.resolve())
+    except (OSError, ValueError, RuntimeError):  # a loop of links, a zero byte
+        inside = False
+    if not inside:
+        raise UsageError(
+            f"`{key}` must lie in the folder of {what} or below it, got {shown(name)}; move the "
+            f"file there"
+        )
+    return found
+
+
 # --- writing --------------------------------------------------------------------------------------
 
 

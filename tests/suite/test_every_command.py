@@ -18,7 +18,19 @@ from glmref.exchange.export import TARGETS
 METHODS = names("methods")
 BROKEN = names("broken")
 #: Parts of names of methods of which some answer takes seconds.
-LONG = ("6245", "robust", "thesis-3-8", "hairer", "order8", "tanaka", "-10", "-12", "-14", "s7", "s9")
+LONG = (
+    "6245",
+    "robust",
+    "thesis-3-8",
+    "hairer",
+    "order8",
+    "tanaka",
+    "-10",
+    "-12",
+    "-14",
+    "s7",
+    "s9",
+)
 #: One scene for all classes of methods: a Hamiltonian that is separable and quadratic.
 SCENE = """
 format = "glmref-scene-1"

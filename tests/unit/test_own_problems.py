@@ -303,7 +303,7 @@ def test_a_scene_executes_a_file_beside_it_only(tmp_path):
     assert plan(load_scene(tmp_path / "good.toml")).tasks[0] != before
     for file in ("../mine.py:make", str(tmp_path / "mine.py:make")):
         (inner / "bad.toml").write_text(SCENE.format(problem=f'file = "{file}"'))
-        with pytest.raises(DataError, match="must lie in the folder of the scene"):
+        with pytest.raises(DataError, match="must lie in the folder of the file"):
             load_scene(inner / "bad.toml")
 
 
