@@ -20,7 +20,7 @@ from typing import Any
 
 from glmref.catalogue.lookup import document
 from glmref.catalogue.strict_json import write_json
-from glmref.compute import Done, Limits, RecordFile, executor, measure
+from glmref.compute import Done, Limits, Records, executor, measure
 from glmref.compute.choosing import ENVIRONMENT
 from glmref.compute.identity import identity
 from glmref.compute.records import key_of
@@ -88,7 +88,7 @@ def carried_out(
         module = sys.modules[module].__spec__.name  # type: ignore[union-attr]
     what = {"function": f"{module}:{function.__qualname__}", "with": _sources()}
     tasks = [{**what, "case": dict(case)} for case in cases]
-    store = RecordFile(None if beside is None else _kept(beside, function.__name__))
+    store = Records(None if beside is None else _kept(beside, function.__name__))
     number = sum(1 for _ in store.missing(tasks))
 
     def record(task: Mapping[str, Any], done: Done) -> dict[str, Any]:
@@ -120,7 +120,7 @@ def note(document: dict[str, Any], text: str) -> None:
 
 
 def _kept(path: Path, what: str) -> Path:
-    return path.with_name(f".{path.stem}.{what}.jsonl")
+    return path.with_name(f".{path.stem}.{what}.sqlite")
 
 
 def _one(task: Mapping[str, Any]) -> Any:

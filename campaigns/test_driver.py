@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from campaigns.driver import arguments, carried_out, complete
+from glmref.compute import Records
 from glmref.compute.choosing import ENVIRONMENT
 from glmref.errors import UsageError
 from tests.unit.faulty_tasks import behave
@@ -24,13 +25,13 @@ def test_what_has_ended_is_kept_until_the_file_is_complete(tmp_path: Path) -> No
     file = tmp_path / "rows.json"
     with pytest.raises(UsageError, match=r"'n': 9.*internal error: ValueError: seven"):
         carried_out(behave, [*CASES, {"n": 9, "how": "fail"}], beside=file)
-    (kept,) = tmp_path.glob(".rows.*.jsonl")
-    before = kept.read_bytes()
-    assert before.count(b"\n") == len(CASES)
+    (kept,) = tmp_path.glob(".rows.*.sqlite")
+    before = list(Records(kept))
+    assert len(before) == len(CASES)
     # the same again: read, not measured
     rows = carried_out(behave, CASES, beside=file)
     assert [x["square"] for x in rows] == [k * k for k in range(6)]
-    assert kept.read_bytes() == before
+    assert list(Records(kept)) == before
     complete(file, {"rows": rows})
     assert json.loads(file.read_text(encoding="utf-8")) == {"rows": rows}
     assert list(tmp_path.iterdir()) == [file]
@@ -43,8 +44,8 @@ def test_rows_of_other_sources_are_measured_again(
     carried_out(behave, CASES, beside=file)
     monkeypatch.setattr("campaigns.driver._sources", lambda: "others")
     carried_out(behave, CASES, beside=file)
-    (kept,) = tmp_path.glob(".rows.*.jsonl")
-    assert kept.read_bytes().count(b"\n") == 2 * len(CASES)
+    (kept,) = tmp_path.glob(".rows.*.sqlite")
+    assert len(Records(kept)) == 2 * len(CASES)
 
 
 def test_the_word_on_is_taken_out_and_holds(monkeypatch: pytest.MonkeyPatch) -> None:

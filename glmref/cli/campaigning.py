@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..catalogue import canonical
 from ..errors import UsageError
 from ..system.files import make_folder
 from ..views.tables import Style, columns, json_text, one_line
 from .output import HOLDS, INTERNAL, Progress, complain, format_option, on_option, say
 
 if TYPE_CHECKING:
-    from ..compute import Done, Executor, RecordFolder
+    from ..compute import Done, Executor, Records
     from ..scenes.campaign import Campaign
 
 #: Tasks of a pilot, and seconds that each of them may take.
@@ -37,18 +38,19 @@ _FAILURES = ("internal error", "process killed")
     show_default=True,
     help="Folder in which the campaign gets a folder of its own.",
 )
-@format_option(("table", "json"), "What stdout gets.")
+@format_option(("table", "json", "jsonl"), "What stdout gets: jsonl is one record a line.")
 @on_option
 def campaign(
     name: str | None, planned: bool, pages: bool, output: Path, form: str, on: str | None
 ) -> int:
     """Carry out a campaign: what its records lack, and no task twice.
 
-    Without a name the shipped campaigns are listed. Records are lines of JSON in OUTPUT/NAME; the
-    same command goes on after whatever stopped it. In the end a page with the map or the front, and
-    a table in Parquet where pyarrow is installed. --plan measures a few of the tasks for the cost.
+    Without a name the shipped campaigns are listed. Records are kept in OUTPUT/NAME/records.sqlite;
+    the same command goes on after whatever stopped it. In the end a page with the map or the front,
+    and a table in Parquet where pyarrow is installed. --plan measures a few of the tasks for the
+    cost.
     """
-    from ..compute import RecordFolder, executor
+    from ..compute import Records, executor
     from ..scenes.campaign import campaign_names, load_campaign
 
     if name is None:
@@ -57,7 +59,8 @@ def campaign(
         say(columns(rows, style=Style.of(sys.stdout), head=("campaign", "size", "question")))
         return HOLDS
     wanted = load_campaign(name)
-    store = RecordFolder(output / wanted.name)
+    folder = output / wanted.name
+    store = Records(folder / "records.sqlite")
     if planned:
         _show_plan(wanted, store, form)
         return HOLDS
@@ -71,8 +74,8 @@ def campaign(
             number, spent = _carry_out(wanted, store, where, outcomes)
     for notice in store.notices:
         click.echo(f"note: {one_line(notice)}", err=True)
-    store = RecordFolder(output / wanted.name)
-    written = _write(wanted, store)
+    store = Records(folder / "records.sqlite")
+    written = _write(wanted, store, make_folder(folder))
     summary = {
         "format": "glmref-campaign-run-1",
         "campaign": wanted.name,
@@ -85,6 +88,9 @@ def campaign(
     }
     if form == "json":
         say(json_text(summary))
+    elif form == "jsonl":
+        for record in store:
+            say(canonical.compact(record).decode())
     else:
         said = ", ".join(f"{n} {x}" for x, n in outcomes.most_common()) or "nothing was missing"
         say(f"{number:,} tasks in {spent:,.0f} s of processes: {said}")
@@ -96,7 +102,7 @@ def campaign(
 
 
 def _carry_out(
-    wanted: Campaign, store: RecordFolder, where: Executor, outcomes: Counter[str]
+    wanted: Campaign, store: Records, where: Executor, outcomes: Counter[str]
 ) -> tuple[int, float]:
     """Carry out what is missing within the budget; return how many tasks, and their seconds."""
     from ..compute import measure
@@ -128,24 +134,23 @@ def _carry_out(
     return number, spent
 
 
-def _write(wanted: Campaign, store: RecordFolder) -> list[Path]:
+def _write(wanted: Campaign, store: Records, folder: Path) -> list[Path]:
     """Write the page and the table; return what was written."""
     from ..report.campaigns import campaign_page, write_parquet
 
-    make_folder(store.path)
-    page, table = store.path / "index.html", store.path / "results.parquet"
-    campaign_page(wanted, store.records(), page)
+    page, table = folder / "index.html", folder / "results.parquet"
+    campaign_page(wanted, iter(store), page)
     written = [page]
     if len(store):
         try:
-            write_parquet(store.records(), store.records(), table)
+            write_parquet(iter(store), iter(store), table)
             written.append(table)
         except UsageError as error:
             click.echo(f"note: {error}", err=True)
     return written
 
 
-def _show_plan(wanted: Campaign, store: RecordFolder, form: str) -> None:
+def _show_plan(wanted: Campaign, store: Records, form: str) -> None:
     """Say what there is to do, and what it costs by a few tasks that are carried out for it."""
     from ..compute.child import cores, physical_cores
     from ..compute.executors import Local

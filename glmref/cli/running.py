@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..catalogue.canonical import compact
 from ..errors import UsageError
 from ..system.shown import Drawing
 from ..views.tables import Style, columns, counted, csv_text, json_text, one_line
@@ -52,7 +53,9 @@ SHORT = {"state error": "state", "energy error": "energy", "largest rest": "rest
     show_default=True,
     help="Folder for records and pictures.",
 )
-@format_option()
+@format_option(
+    ("table", "json", "csv", "jsonl"), "Format of the output: jsonl is one record a line."
+)
 @on_option
 def run(
     names: tuple[str, ...],
@@ -66,9 +69,9 @@ def run(
 ) -> int:
     """Run scenes and answer their questions.
 
-    A SCENE is one of `glmref run --list`; a FILE is your own scene. Records are kept as lines of
-    JSON in the output folder, one file a scene: a run that was stopped, or killed, goes on where it
-    was. Delete the file to measure anew. Exit code 3 when a run ended in an error.
+    A SCENE is one of `glmref run --list`; a FILE is your own scene. Records are kept in the output
+    folder, in one SQLite file a scene: a run that was stopped, or killed, goes on where it was.
+    Delete the file to measure again. Exit code 3 when a run ended in an error.
     """
     from .. import scenes as scenery
     from ..compute import executor
@@ -104,6 +107,9 @@ def run(
         say(json_text(documents[0] if len(documents) == 1 else documents))
     elif form == "csv":
         _write_csv(plans, documents)
+    elif form == "jsonl":
+        for record in (r for document in documents for r in document["records"]):
+            say(compact(record).decode())
     refused = [r for d in documents for r in d["records"] if r["outcome"] == scenery.SYSTEM_REFUSED]
     if refused:
         others = len(refused) - 1
@@ -161,11 +167,11 @@ def _show_plans(plans: Sequence[Plan], form: str) -> None:
 def _carry_out(plan: Plan, output: Path, where: Executor, *, quick: bool) -> dict[str, Any]:
     """Run what is missing, write the pictures, and return everything as one document."""
     from .. import scenes as scenery
-    from ..compute import RecordFile
+    from ..compute import Records
 
     scene = plan.scene
     stem = scene.name + ("-quick" if quick else "")
-    store = RecordFile(output / f"{stem}.jsonl")
+    store = Records(output / f"{stem}.sqlite")
     with Progress(len(list(store.missing(plan.tasks))), scene.name, "run") as progress:
 
         def advance(task: Mapping[str, Any], record: Mapping[str, Any]) -> None:

@@ -7,7 +7,7 @@ Public names::
 
     executor("local:4") -> Executor     in this process, in processes, on a Dask cluster
     Limits(seconds=, memory=, ...)      what a task may take
-    RecordFile, RecordFolder            results on the disk, by content of their task
+    Records(path)                       results on the disk, by content of their task
     measure(function, tasks, store)     carry out what the store lacks
 """
 
@@ -16,15 +16,14 @@ from __future__ import annotations
 from .child import Done, Limits
 from .choosing import executor
 from .executors import Executor, in_order
-from .records import RecordFile
-from .running import RecordFolder, measure
+from .records import Records
+from .running import measure
 
 __all__ = [
     "Done",
     "Executor",
     "Limits",
-    "RecordFile",
-    "RecordFolder",
+    "Records",
     "executor",
     "in_order",
     "measure",

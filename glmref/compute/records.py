@@ -1,10 +1,11 @@
-"""Records that survive: one JSON object a line, with a checksum, appended, synced, resumed by key.
+"""Records that survive: one table of SQLite, with a row for each task.
 
 A *task* is a JSON-ready mapping that says what to measure; its key is a hash of its canonical text.
-A record is the task with what was measured, and a checksum over both. Whatever happens to a file (a
-writer killed in the middle of a line, a full disk, a bit that flips, two writers at once, lines of
-another program) costs the lines that it hit and no others: they are moved to a file beside it, one
-sentence says so, and their tasks are measured again. Only the process that holds the lock writes.
+A record is the task with what was measured, and a checksum over both. SQLite brings a record to the
+disk before it counts, and undoes what a killed process or a full disk left half written. A record
+whose checksum disagrees is measured again; where the file itself is damaged, what can be read of it
+is moved to a new one. Only the process that holds the lock writes. The records of earlier versions,
+JSON objects one a line, are taken over.
 """
 
 from __future__ import annotations
@@ -15,462 +16,506 @@ import json
 import math
 import os
 import re
+import sqlite3
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ..catalogue.canonical import compact
 from ..errors import DataError, UsageError
 from ..system.files import (
-    BINARY,
-    Lock,
-    lines_of,
     make_folder,
+    one_name,
     printable,
     read_bytes,
-    reason,
-    sync_folder,
+    require_regular,
+    write_bytes,
 )
-from ..system.files import write_bytes as replace_file
+
+Record = dict[str, Any]
 
 FORMAT = "glmref-record-1"
 #: The field with the checksum of a record; records of version 0.1.0 and before have none.
 CHECKSUM = "sha256"
-#: A record file is read as a whole; this many bytes are some million records.
-MAX_BYTES = 1 << 30
-
+SUFFIX = ".sqlite"
+#: Bytes of a record, and of a file of records in lines.
+MAX_RECORD, MAX_BYTES = 1 << 26, 1 << 30
+#: Bytes that a record has at least: its format, its key and its checksum.
+_LEAST = 150
+#: Seconds to wait for a reader that holds the file.
+_PATIENCE = 30.0
+_TABLE = "CREATE TABLE record (key TEXT PRIMARY KEY, record TEXT NOT NULL)"
+_INSERT = "INSERT OR REPLACE INTO record VALUES (?, ?)"
 _HEXADECIMAL = re.compile("[0-9a-f]{64}")
-_BEGIN = re.compile(r'\{\s*"format"\s*:\s*"')
-#: What begins as a record in a damaged line, and is none, so many times.
-_TRIES = 100
 
 
 def key_of(task: Mapping[str, Any]) -> str:
-    """Sixteen hexadecimal digits that depend on the task's content alone."""
+    """Return sixteen hexadecimal digits that depend only on the content of the task."""
     return hashlib.sha256(compact(task, sort_keys=True)).hexdigest()[:16]
 
 
 def checksum(record: Mapping[str, Any]) -> str:
-    """SHA-256 of a record's canonical text without its checksum, in hexadecimal digits."""
+    """Return the SHA-256 of a record's canonical text without its checksum, in hexadecimal."""
     return hashlib.sha256(
         compact({k: x for k, x in record.items() if k != CHECKSUM}, sort_keys=True)
     ).hexdigest()
 
 
-def wrong_checksum(record: Mapping[str, Any]) -> bool:
-    """Whether a record has a checksum that its content contradicts; an old record has none."""
-    if CHECKSUM not in record:
-        return _has_checksum(record)
-    try:
-        return record[CHECKSUM] != checksum(record)
-    except ValueError:  # NaN, which is never written
-        return True
-
-
-def _has_checksum(record: Mapping[str, Any]) -> bool:
-    """Whether there is a checksum, be it under a name that was damaged."""
-    last = record[next(reversed(list(record)))] if record else None
-    return CHECKSUM in record or (
-        isinstance(last, str) and _HEXADECIMAL.fullmatch(last) is not None
-    )
-
-
 def finite(value: float | None) -> float | None:
-    """A float that JSON can carry: NaN and infinities become ``None``."""
+    """Return a float that JSON can carry: ``None`` for NaN and infinities."""
     return None if value is None or not math.isfinite(value) else float(value)
 
 
-# --- reading --------------------------------------------------------------------------------------
+def made(task: Mapping[str, Any], measured: Mapping[str, Any]) -> Record:
+    """Return the record of a task, with its checksum.
+
+    Raises
+    ------
+    ValueError
+        For NaN or an infinity.
+    """
+    record = {"format": FORMAT, "key": key_of(task), "task": dict(task), **measured}
+    # what is read back: tuples are lists and keys are texts there, and the sum is over that
+    record = json.loads(json.dumps(record, allow_nan=False))
+    return {**record, CHECKSUM: checksum(record)}
 
 
-@dataclass(frozen=True)
-class Fault:
-    """A line that is no record."""
-
-    line: int  #: Its number, from 1.
-    why: str  #: What is wrong, as the end of a sentence that begins with "it".
-    raw: bytes  #: Its content.
-    foreign: bool = False  #: Whether it is sound JSON of something else.
-    second: bool = False  #: Whether it is a sound record of a task that has one already.
+# --- reading a text -------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Content:
-    """What a file of records holds."""
+def parsed(text: bytes) -> Record:
+    """Return the record that a text holds; one of version 0.1.0 has no checksum.
 
-    records: list[dict[str, Any]]  #: Sound records in order, the first of each task.
-    kept: list[bytes]  #: Their lines.
-    faults: list[Fault]  #: The other lines.
-    #: Number of the last line, where its writer was stopped in the middle of it.
-    torn: int | None = None
-    whole: int = 0  #: Bytes up to the end of the last line that has one.
-    unended: bool = False  #: Whether the last record is sound and has lost the end of its line.
-
-
-class _NotARecord(Exception):
-    """Why a line is no record."""
-
-    def __init__(self, why: str, *, foreign: bool = False) -> None:
-        super().__init__(why)
-        self.foreign = foreign
-
-
-def _record(raw: bytes) -> dict[str, Any]:
-    """Read one line."""
+    Raises
+    ------
+    ValueError
+        For anything else; its text is the rest of a sentence that begins with "it".
+    """
     try:
-        record = json.loads(raw.decode("utf-8"))
+        record = json.loads(text.decode("utf-8"))
     except (ValueError, RecursionError):
-        raise _NotARecord("is not a JSON record") from None
-    sound = _sound(record)
-    # two texts can be one number, so that the checksum agrees although a digit has changed
-    if CHECKSUM in sound and compact(sound) != raw.strip():
-        raise _NotARecord("is not as it was written")
-    return sound
-
-
-def _sound(record: Any) -> dict[str, Any]:
-    """Check what a line holds."""
-    form = record.get("format") if isinstance(record, dict) else None
-    if not isinstance(record, dict) or not isinstance(form, str):
-        foreign = not isinstance(record, dict) or not _has_checksum(record)
-        raise _NotARecord(f"is not a record of format {FORMAT}", foreign=foreign)
-    # sound JSON is somebody's, unless it has a checksum that shows that it was changed
-    foreign = not _has_checksum(record) or not wrong_checksum(record)
-    if form != FORMAT:
-        raise _NotARecord(
-            f"is a record of format {form[:40]!r}, and this version reads {FORMAT!r}",
-            foreign=foreign,
+        raise ValueError("it is not JSON") from None
+    if not isinstance(record, dict) or not record:
+        raise ValueError("it is not a record")
+    last = record[next(reversed(record))]
+    # a checksum of which the name is damaged
+    summed = CHECKSUM in record or (isinstance(last, str) and _HEXADECIMAL.fullmatch(last))
+    if record.get("format") != FORMAT and not summed:
+        raise ValueError(
+            f"its format is {str(record.get('format'))[:40]!r}, and this version reads {FORMAT!r}"
         )
-    if "key" not in record or not isinstance(record.get("task"), dict):
-        raise _NotARecord(f"is not a record of format {FORMAT}", foreign=foreign)
-    if wrong_checksum(record):
-        raise _NotARecord("is damaged: its checksum does not agree with its content")
     try:
-        key = key_of(record["task"])
-    except ValueError:
-        key = ""
-    if record["key"] != key:
-        raise _NotARecord("is damaged: its key does not agree with its task")
+        # two texts can be one number, so that the checksum agrees although a digit has changed
+        changed = summed and (
+            record.get(CHECKSUM) != checksum(record) or compact(record) != text.strip()
+        )
+    except ValueError:  # NaN, which is never written
+        changed = True
+    if changed:
+        raise ValueError("it is damaged: its checksum does not agree with its content")
+    if record.get("format") != FORMAT:
+        raise ValueError(
+            f"its format is {str(record.get('format'))[:40]!r}, and this version reads {FORMAT!r}"
+        )
+    if not isinstance(record.get("task"), dict):
+        raise ValueError("it does not say what was run")
     return record
 
 
-def _salvaged(raw: bytes) -> list[dict[str, Any]]:
-    """Find the records of a line that is damaged: those alone whose checksum agrees."""
-    found: list[dict[str, Any]] = []
-    decoder, text = json.JSONDecoder(), raw.decode("utf-8", "replace")
-    failed = 0
-    for begin in _BEGIN.finditer(text):
-        try:
-            record = _sound(decoder.raw_decode(text, begin.start())[0])
-        except (ValueError, RecursionError, _NotARecord):
-            failed += 1
-            if failed == _TRIES:  # each takes as long as the line
-                break
-            continue
-        if CHECKSUM in record:
-            found.append(record)
-    return found
+def lines_of(path: Path) -> Iterator[tuple[int, Record | None, str]]:
+    """Read a file of records one a line.
+
+    Yields
+    ------
+    tuple of int, dict or None, str
+        The number of a line from 1, its record, and why it has none, as the rest of a sentence
+        that begins with "it".
+
+    Raises
+    ------
+    DataError
+        For a file that cannot be read.
+    """
+    for number, line in enumerate(read_bytes(path, MAX_BYTES).splitlines(keepends=True), start=1):
+        if line.strip():
+            try:
+                yield number, parsed(line), ""
+            except ValueError as error:
+                whole = line.endswith((b"\n", b"\r"))
+                yield (
+                    number,
+                    None,
+                    str(error) if whole else "the run was stopped while it was written",
+                )
 
 
-def scan(path: Path) -> Content:
-    """Read a file of records, and tell sound lines from others.
+def earlier(path: Path) -> list[Path]:
+    """Return the files in lines that the records of a path were kept in by earlier versions."""
+    base = path.with_suffix("")
+    found = [base.with_suffix(".jsonl")]
+    with contextlib.suppress(OSError, ValueError):
+        parts = re.compile(re.escape(base.name) + r"-\d{6}\.jsonl")
+        found += sorted(x for x in path.parent.iterdir() if parts.fullmatch(x.name))
+    return [x for x in found if os.path.lexists(x)]
+
+
+# --- the file -------------------------------------------------------------------------------------
+
+
+class Records:
+    """The records of a file, by the content of their tasks.
+
+    Reading changes nothing. Writing happens under a lock, which a run holds from its first task to
+    its last.
+
+    Parameters
+    ----------
+    path : Path or None
+        The file, created with its folder when something is written. For ``NAME.jsonl``, where an
+        earlier version kept records in lines, it is ``NAME.sqlite``. ``None`` keeps records in
+        memory only.
+
+    Attributes
+    ----------
+    notices : list of str
+        Sentences on what was damaged.
 
     Raises
     ------
     DataError
         For a file that cannot be read, or that holds something else than records.
     """
-    try:
-        content = read_bytes(path, MAX_BYTES) if os.path.lexists(path) else b""
-    except DataError:
-        if not os.path.lexists(path):  # deleted between the two calls
-            return Content([], [], [])
-        raise
-    records: dict[str, dict[str, Any]] = {}
-    kept: list[bytes] = []
-    faults: list[Fault] = []
-    torn, whole, unended = None, 0, False
-    for number, (raw, ended) in enumerate(lines_of(content), start=1):
-        whole += len(raw) + 1 if ended else 0
-        if not raw.strip():
-            continue
-        try:
-            rows = [(_record(raw), raw)]
-            if not ended and CHECKSUM not in rows[0][0]:
-                raise _NotARecord("is not ended")
-            unended = not ended
-        except _NotARecord as error:
-            rows = [(record, compact(record)) for record in _salvaged(raw)]
-            if ended or rows:
-                faults.append(Fault(number, str(error), raw, error.foreign))
-            else:
-                torn = number
-        for record, line in rows:
-            if record["key"] in records:
-                why = "is a second record of the same task"
-                faults.append(Fault(number, why, line, second=True))
-            else:
-                records[record["key"]] = record
-                kept.append(line)
-    return Content(list(records.values()), kept, faults, torn, whole, unended)
-
-
-def _refuse_foreign(path: Path, content: Content) -> None:
-    """Refuse a file without a single record that holds something else: it is somebody's."""
-    foreign = next((fault for fault in content.faults if fault.foreign), None)
-    if foreign is not None and not content.records:
-        raise DataError(
-            f"{path.name}: line {foreign.line} {foreign.why}; move the file away to measure anew"
-        )
-
-
-def read_records(path: Path) -> list[dict[str, Any]]:
-    """Read the records of a sound file; a torn last line is passed over.
-
-    Raises
-    ------
-    DataError
-        For a line in the middle that is not a record, and for a second record of a task.
-    """
-    content = scan(path)
-    _refuse_foreign(path, content)
-    for fault in content.faults:
-        raise DataError(f"{path.name}: line {fault.line} {fault.why}; delete that line")
-    return content.records
-
-
-# --- writing --------------------------------------------------------------------------------------
-
-
-class RecordFile:
-    """Append records to a file; know which tasks it already holds.
-
-    Reading changes nothing. Writing happens under a lock, which a run holds from its first task to
-    its last; what is damaged is repaired when the lock is taken.
-
-    Parameters
-    ----------
-    path : Path or None
-        The file, created with its folder when something is written. ``None`` keeps records in
-        memory only.
-
-    Attributes
-    ----------
-    records : list of dict
-        The records, in the order of the file.
-    notices : list of str
-        Sentences on what was damaged.
-    faulty : bool
-        Whether the file has lines that are no records.
-
-    Raises
-    ------
-    DataError
-        For a file that holds something else than records.
-    """
 
     def __init__(self, path: Path | None) -> None:
-        self.path = path
-        self.records: list[dict[str, Any]] = []
+        self.path = path.with_suffix(SUFFIX) if path and path.suffix == ".jsonl" else path
         self.notices: list[str] = []
-        self.faulty = False
-        self._by_key: dict[str, dict[str, Any]] = {}
-        self._holds = 0
-        self._size = 0  # bytes of the file, as long as the lock is held
-        if path is not None:
-            self._take(self._read(path))
+        self._memory: dict[str, Record] = {}
+        self._file: sqlite3.Connection | None = None
+        self._held = False
+        self._place: tuple[int, int] | None = None  # device and inode while the lock is held
+        if self.path is not None and not self._open():
+            for lines in earlier(self.path):
+                self._take_over(lines)
 
-    @staticmethod
-    def _read(path: Path) -> Content:
-        content = scan(path)
-        _refuse_foreign(path, content)
-        return content
+    def _take_over(self, path: Path) -> None:
+        """Have the records of a file in lines in memory, until the table is made."""
+        first, faults = "", 0
+        for number, record, why in lines_of(path):
+            if record is None:
+                first, faults = first or f"{path.name}: line {number}: {why}", faults + 1
+            else:
+                self._memory.setdefault(key_of(record["task"]), record)
+        if faults and not self._memory and "stopped" not in first:  # somebody's
+            raise DataError(f"{first}; move the file away to measure anew")
+        if faults:
+            more = f", and {faults - 1} lines more" if faults > 1 else ""
+            self._notice(f"{first}{more}; what cannot be read is measured again")
 
-    def _take(self, content: Content) -> None:
-        self.records = content.records
-        self._by_key = {record["key"]: record for record in self.records}
-        self.faulty = bool(content.faults) or content.torn is not None
+    def _notice(self, text: str) -> None:
+        if text not in self.notices:
+            self.notices.append(text)
 
-    def find(self, task: Mapping[str, Any]) -> dict[str, Any] | None:
-        """Return the record of a task, if it is there."""
-        return self._by_key.get(key_of(task))
+    # --- reading
+
+    def _open(self) -> sqlite3.Connection | None:
+        """Return a connection that reads, or ``None`` where there is no table yet."""
+        if self._file is None and self.path is not None and os.path.lexists(self.path):
+            file = _connected(self.path, "ro")
+            if file.execute("SELECT count(*) FROM sqlite_schema").fetchone() == (0,):
+                file.close()  # its writer was stopped before it made the table
+            else:
+                self._file = file
+        return self._file
+
+    def close(self) -> None:
+        """Close the file; it is opened again where it is needed."""
+        if self._file is not None:
+            self._file.close()
+            self._file = None
+
+    def __del__(self) -> None:
+        self.close()
+
+    def find(self, task: Mapping[str, Any]) -> Record | None:
+        """Return the record of a task, if there is a sound one."""
+        key = key_of(task)
+        if key in self._memory or (file := self._open()) is None:
+            return self._memory.get(key)
+        try:
+            row = file.execute("SELECT record FROM record WHERE key = ?", (key,)).fetchone()
+            return None if row is None else parsed(row[0])
+        except (sqlite3.Error, ValueError) as error:
+            self._damaged(error)
+            return None
 
     def missing(self, tasks: Iterable[Mapping[str, Any]]) -> Iterator[Mapping[str, Any]]:
-        """Tasks without a record, in order."""
+        """Yield the tasks without a record, in order."""
         return (task for task in tasks if self.find(task) is None)
+
+    def __iter__(self) -> Iterator[Record]:
+        """Yield the sound records in the order in which they were written."""
+        yield from list(self._memory.values())
+        if (file := self._open()) is not None:
+            for record in _rows(file):
+                if record is None:
+                    self._damaged("")
+                elif key_of(record["task"]) not in self._memory:
+                    yield record
+
+    def __len__(self) -> int:
+        """Return the number of records in the file and in memory."""
+        try:
+            file = self._open()
+            count = "SELECT count(*) FROM record"
+            return len(self._memory) + (file.execute(count).fetchone()[0] if file else 0)
+        except sqlite3.DatabaseError:
+            return sum(1 for _ in self)
+
+    def _damaged(self, why: object) -> None:
+        assert self.path is not None
+        self._notice(f"{one_name(self.path)} is damaged; what cannot be read is measured again")
+
+    # --- writing
 
     @contextlib.contextmanager
     def exclusive(self) -> Iterator[None]:
-        """Hold the file's lock: read it anew, repair what is damaged, and be the only writer.
+        """Hold the lock, repair what is damaged, and be the only writer.
 
         Raises
         ------
         UsageError
             Where another process holds the lock, and where the folder cannot be written.
         """
-        if self.path is None or self._holds:
-            self._holds += 1
-            try:
-                yield
-            finally:
-                self._holds -= 1
+        if self.path is None or self._held:
+            yield
             return
         make_folder(self.path.parent)
-        target = Path(os.path.realpath(self.path))  # one lock for a file, whatever leads to it
-        lock = Lock(
-            target.with_name(f".{target.name}.lock"),
-            f"the record file {printable(self.path)}",
-        )
-        try:
-            lock.acquire()
-        except OSError as error:
-            raise UsageError(
-                f"the output folder {printable(self.path.parent)} cannot be written "
-                f"({reason(error)}); name another --output"
-            ) from None
-        try:
-            self._holds = 1
-            self._repair(self.path)
-            yield
-        finally:
-            self._holds = 0
-            lock.release()
+        with locked(Path(os.path.realpath(self.path))):  # one lock, whatever link leads to it
+            self.close()
+            self._held = True
+            try:
+                self._begin(self.path)
+                yield
+            finally:
+                self._held = False
+                with contextlib.suppress(sqlite3.Error):  # a file at rest has no other beside it
+                    if self._file is not None:
+                        self._file.execute("PRAGMA user_version = 0")
+                        self._file.execute("PRAGMA journal_mode = DELETE")
+                self.close()
 
-    def _repair(self, path: Path) -> None:
-        """Move what is no record to a file beside this one, and end the last line."""
-        content = self._read(path)
-        self._take(content)
-        if content.torn is not None:
-            self.notices.append(
-                f"{path.name}: line {content.torn} was not written to its end; its task is "
-                f"measured again"
-            )
+    def _begin(self, path: Path) -> None:
+        """Open the file for writing, a repaired one where it is damaged."""
         try:
-            if content.faults:
-                aside = path.with_name(f"{path.name}.aside")
-                _append(aside, b"".join(fault.raw + b"\n" for fault in content.faults))
-                replace_file(path, b"".join(line + b"\n" for line in content.kept))
-                self.notices += _told(path.name, aside.name, content.faults)
-            elif content.torn is not None:
-                os.truncate(path, content.whole)
-            elif content.unended:
-                _append(path, b"\n")
-            self._size = path.stat().st_size if path.exists() else 0
-        except OSError as error:
-            raise self._refusal(path, error) from None
-        self.faulty = False
+            self._file = file = _connected(path, "rwc")
+            try:
+                sound = file.execute("PRAGMA integrity_check(1)").fetchone() == (b"ok",)
+            except sqlite3.DatabaseError:
+                sound = False
+            if not sound:
+                self._damaged("")
+                _rewrite(path, file)
+                self._file = file = _connected(path, "rwc")
+            file.execute("PRAGMA journal_mode = WAL")
+            file.execute("PRAGMA synchronous = FULL")
+            file.execute(_TABLE.replace("TABLE", "TABLE IF NOT EXISTS"))
+            file.execute(f"PRAGMA user_version = {os.getpid()}")
+            _insert(file, self._memory.values())
+        except (sqlite3.Error, OSError) as error:
+            raise self._refusal(error) from None
+        self._memory.clear()
+        self._place = _place(path)
 
-    def _refusal(self, path: Path, error: OSError) -> UsageError:
-        what = "the record of a task" if self._holds else "a repaired record file"
+    def _refusal(self, error: object) -> UsageError:
+        kept = "records"
+        with contextlib.suppress(sqlite3.Error, DataError):
+            kept = f"{len(self)} records"
         return UsageError(
-            f"{printable(path)}: {what} cannot be written ({reason(error)}); the "
-            f"{len(self.records)} records before it are kept, so make room and run the same "
-            f"command again"
+            f"{printable(self.path or '')}: the record of a task cannot be written ({error}); the "
+            f"{kept} before it are kept, so make room and run the same command again"
         )
 
-    def append(self, task: Mapping[str, Any], measured: Mapping[str, Any]) -> dict[str, Any]:
+    def append(self, task: Mapping[str, Any], measured: Mapping[str, Any]) -> Record:
         """Add one record; see :meth:`append_all`."""
         return self.append_all([(task, measured)])[0]
 
     def append_all(
         self, results: Iterable[tuple[Mapping[str, Any], Mapping[str, Any]]]
-    ) -> list[dict[str, Any]]:
-        """Add records and make sure that they are on the disk before returning them.
+    ) -> list[Record]:
+        """Add records, all or none, and bring them to the disk before returning them.
 
         Raises
         ------
         ValueError
             For NaN or an infinity, which JSON lacks; nothing is written then.
         UsageError
-            Where the system refuses to write; the file then ends with the record before.
+            Where the system refuses to write; the records before are kept.
         """
-        records = [self.made(task, measured) for task, measured in results]
-        if records:
+        records = [made(task, measured) for task, measured in results]
+        if self.path is None:
+            self.remember(*records)
+        elif records:
             with self.exclusive():
-                if self.path is not None:
-                    self._write(self.path, b"".join(compact(x) + b"\n" for x in records))
-                for record in records:
-                    self.remember(record)
+                if _place(self.path) != self._place:
+                    raise UsageError(
+                        f"{printable(self.path)}: another program has moved or deleted the file "
+                        f"while this one was writing it; run the same command again"
+                    )
+                assert self._file is not None
+                try:
+                    _insert(self._file, records)
+                except sqlite3.Error as error:
+                    raise self._refusal(error) from None
         return records
 
-    @staticmethod
-    def made(task: Mapping[str, Any], measured: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the record of a task, with its checksum.
-
-        Raises
-        ------
-        ValueError
-            For NaN or an infinity.
-        """
-        record = {"format": FORMAT, "key": key_of(task), "task": dict(task), **measured}
-        # what is read back: tuples are lists and keys are texts there, and the sum is over that
-        record = json.loads(json.dumps(record, allow_nan=False))
-        return {**record, CHECKSUM: checksum(record)}
-
-    def remember(self, record: dict[str, Any]) -> None:
-        """Have a record in memory alone."""
-        if record["key"] not in self._by_key:
-            self.records.append(record)
-        self._by_key[record["key"]] = record
-
-    def _write(self, path: Path, lines: bytes) -> None:
-        try:
-            if (path.stat().st_size if path.exists() else 0) != self._size:
-                raise UsageError(
-                    f"{printable(path)}: another program has changed, moved or deleted the file "
-                    f"while this one was writing it; run the same command again"
-                )
-            self._size = _append(path, lines)
-        except OSError as error:
-            raise self._refusal(path, error) from None
+    def remember(self, *records: Record) -> None:
+        """Have records in memory only."""
+        self._memory |= {key_of(record["task"]): record for record in records}
 
 
-def _append(path: Path, content: bytes) -> int:
-    """Append to a file on the disk, or leave it as it was; return its size.
+def _connected(path: Path, mode: str) -> sqlite3.Connection:
+    """Open a file of records, or an empty one.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    mode : str
+        ``"ro"``, or ``"rwc"`` to write it.
 
     Raises
     ------
-    OSError
-        Where the system refuses.
+    DataError
+        For a file that is not regular, cannot be read, or holds something else.
     """
-    new = not path.exists()
-    # without O_NONBLOCK, opening a named pipe waits for a reader
-    flags = os.O_WRONLY | os.O_APPEND | os.O_CREAT | BINARY | getattr(os, "O_NONBLOCK", 0)
-    descriptor = os.open(path, flags, 0o666)
+    name = one_name(path)
     try:
-        size = os.fstat(descriptor).st_size
+        if os.path.lexists(path):
+            require_regular(path, os.stat(path).st_mode)
+        uri = f"{path.absolute().as_uri()}?mode={mode}"
+        file = sqlite3.connect(uri, _PATIENCE, uri=True, check_same_thread=False)
+        file.text_factory = bytes
+        file.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, MAX_RECORD)
+    except (sqlite3.Error, OSError, ValueError) as error:
+        raise DataError(f"{name}: the file cannot be read ({error})") from None
+    try:
+        # nothing but this table: a view or a trigger of somebody would be run
+        schema = file.execute("SELECT sql FROM sqlite_schema WHERE sql IS NOT NULL").fetchall()
+    except sqlite3.DatabaseError as error:
+        file.close()
+        if error.sqlite_errorname in ("SQLITE_NOTADB", "SQLITE_CORRUPT"):
+            raise _foreign(name, error) from None
+        raise DataError(f"{name}: the file cannot be read ({error})") from None
+    if schema not in ([(_TABLE.encode(),)], []):
+        file.close()
+        raise _foreign(name, "it has other tables")
+    return file
+
+
+def _foreign(name: str, why: object) -> DataError:
+    return DataError(f"{name} is not a file of records ({why}); move it away to measure anew")
+
+
+def _insert(file: sqlite3.Connection, records: Iterable[Record]) -> None:
+    """Write records in one transaction."""
+    rows = [
+        (key_of(x["task"]), compact(x if CHECKSUM in x else {**x, CHECKSUM: checksum(x)}).decode())
+        for x in records
+    ]
+    with file:
+        file.executemany(_INSERT, rows)
+
+
+def _rows(file: sqlite3.Connection) -> Iterator[Record | None]:
+    """Yield the records in order, ``None`` for what is damaged."""
+    pages, size = (file.execute(f"PRAGMA {x}").fetchone()[0] for x in ("page_count", "page_size"))
+    most = pages * size // _LEAST
+    try:
+        most = min(most, file.execute("SELECT max(rowid) FROM record").fetchone()[0] or 0)
+    except sqlite3.DatabaseError:
+        yield None
+    for number in range(1, most + 1):  # one by one: a scan ends at the first damaged page
         try:
-            rest = memoryview(content)
-            while rest:
-                rest = rest[os.write(descriptor, rest) :]
-            os.fsync(descriptor)
-        except OSError:
-            # on a full disk part of a line may have been written
-            with contextlib.suppress(OSError):
-                os.ftruncate(descriptor, size)
-            raise
+            row = file.execute("SELECT record FROM record WHERE rowid = ?", (number,)).fetchone()
+            if row is not None:
+                yield parsed(row[0])
+        except (sqlite3.DatabaseError, ValueError):
+            yield None
+
+
+def _rewrite(path: Path, file: sqlite3.Connection) -> None:
+    """Move what can be read of a damaged file to a new one; the old one stays beside it."""
+    records = [x for x in _rows(file) if x is not None]
+    file.close()
+    new = path.with_name(f".{path.name}.new")
+    new.unlink(missing_ok=True)
+    fresh = sqlite3.connect(new)
+    try:
+        fresh.execute(_TABLE)
+        _insert(fresh, records)
     finally:
-        os.close(descriptor)
-    if new:
-        sync_folder(path.parent)
-    return size + len(content)
+        fresh.close()
+    write_bytes(path.with_name(f"{path.name}.damaged"), path.read_bytes())
+    for end in ("-wal", "-shm"):
+        path.with_name(path.name + end).unlink(missing_ok=True)
+    os.replace(new, path)
 
 
-def _told(name: str, aside: str, faults: list[Fault]) -> list[str]:
-    """Sentences on lines that were moved."""
-    told: list[str] = []
-    twice = [fault for fault in faults if fault.second]
-    other = [fault for fault in faults if not fault.second]
-    if other:
-        more = f", and {len(other) - 1} lines more" if len(other) > 1 else ""
-        told.append(
-            f"{name}: line {other[0].line} {other[0].why}{more}; moved to {aside}, and what "
-            f"cannot be read in them is measured again"
-        )
-    if twice:
-        told.append(
-            f"{name}: {len(twice)} of the lines repeat a task, the first at line "
-            f"{twice[0].line}; the first record of each task is kept, the others moved to {aside}"
-        )
-    return told
+def _place(path: Path) -> tuple[int, int] | None:
+    """Return device and inode of a file, ``None`` where there is none."""
+    try:
+        about = os.stat(path)
+    except OSError:
+        return None
+    return about.st_dev, about.st_ino
+
+
+@contextlib.contextmanager
+def locked(path: Path) -> Iterator[None]:
+    """Hold the lock of a record file, which the system ends with the process.
+
+    Raises
+    ------
+    UsageError
+        Where another process holds it, or the folder cannot be written.
+    """
+    place = path.with_name(f".{path.name}.lock")
+    lock, before = None, None
+    # the one who held it may have deleted the file between two of these calls
+    while lock is None or before is None or _place(place) != before:
+        try:
+            with contextlib.suppress(FileExistsError):
+                place.touch(exist_ok=False)
+            before = _place(place)
+            require_regular(place, os.lstat(place).st_mode)  # what a link leads to is not ours
+            lock = sqlite3.connect(place, 0.0)
+            lock.execute("BEGIN EXCLUSIVE")
+        except (DataError, OSError, sqlite3.Error) as error:
+            if getattr(error, "sqlite_errorname", "") == "SQLITE_BUSY":
+                raise UsageError(
+                    f"the record file {printable(path)} is in use by {_holder(path)}; wait until "
+                    f"it has ended, or name another --output"
+                ) from None
+            if isinstance(error, FileNotFoundError) or _place(place) != before:
+                continue
+            raise UsageError(
+                f"the output folder {printable(path.parent)} cannot be written ({error}); name "
+                f"another --output"
+            ) from None
+    try:
+        yield
+    finally:
+        with contextlib.suppress(OSError):  # Windows deletes no file that is open
+            place.unlink()
+        lock.close()
+
+
+def _holder(path: Path) -> str:
+    """Return which process writes a file; it is noted in its head."""
+    with contextlib.suppress(sqlite3.Error, DataError), contextlib.closing(
+        _connected(path, "ro")
+    ) as file:  # fmt: skip
+        number = file.execute("PRAGMA user_version").fetchone()[0]
+        if number:
+            return f"process {number}"
+    return "another process"

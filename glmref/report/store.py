@@ -22,16 +22,16 @@ from ..catalogue.files import names as shipped_names
 from ..catalogue.keys import FORMAT as METHOD
 from ..catalogue.keys import class_of_keys
 from ..catalogue.lookup import read_method
-from ..compute.records import wrong_checksum
+from ..compute.records import SUFFIX, Records, earlier, lines_of
 from ..errors import DataError, UsageError
 from ..system.arguments import shown
-from ..system.files import lines_of, read_bytes, read_text
+from ..system.files import read_text
 from ..system.shown import DARK
 from ..views.tables import counted
 from .asv_results import Cell, read_results
 
-#: Formats of the records, of the findings and of stability regions that are understood.
-RECORD, FINDINGS, REGIONS = "glmref-record-1", "glmref-findings-1", "glmref-stability-1"
+#: Formats of the findings and of stability regions that are understood.
+FINDINGS, REGIONS = "glmref-findings-1", "glmref-stability-1"
 #: Names of the documents with the orders that runs show, and with error constants.
 ORDERS, CONSTANTS = "observed-orders", "error-constants"
 #: File by which a folder of pages is known: only such a folder, or an empty one, is written over.
@@ -178,7 +178,7 @@ def _take(found: Results, path: Path, methods: frozenset[str]) -> None:
             cells = read_results(path)
             found.benchmarks += cells
             found.files.append((path.name, counted(len(cells), "cell") + " of benchmarks"))
-        elif path.suffix == ".jsonl":
+        elif path.suffix in (SUFFIX, ".jsonl"):
             _take_records(found, path)
         elif path.suffix == ".json":
             _take_document(found, path, methods)
@@ -224,41 +224,33 @@ def _drawing(path: Path) -> str:
 
 
 def _take_records(found: Results, path: Path) -> None:
-    records: list[Record] = []
-    keys: set[str] = set()
-    for number, (raw, ended) in enumerate(lines_of(read_bytes(path, MAX_BYTES)), start=1):
-        if not raw.strip():
-            continue
-        try:
-            record = json.loads(raw)
-        except (ValueError, RecursionError):
-            why = "it is not JSON" if ended else "the run was stopped while it was written"
-            found.odd.append(Odd(f"{path.name}, line {number}", why))
-            continue
-        why = _refused(record)
-        if not why and str(record.get("key")) in keys:
+    """Read the records of a run, from the file that it writes or from lines of JSON."""
+    if path.suffix != SUFFIX and any(path in earlier(x) for x in path.parent.glob(f"*{SUFFIX}")):
+        return  # that file has taken them over
+    records: dict[str, Record] = {}
+    for where, record, why in _stored(path):
+        if record is not None and not isinstance(
+            record["task"].get("method", record["task"].get("peer")), str
+        ):
+            why = "it does not say what was run"
+        elif record is not None and str(record.get("key")) in records:
             why = "it is a second record of the same task, and the first is shown"
         if why:
-            found.odd.append(Odd(f"{path.name}, line {number}", why))
-        else:
-            keys.add(str(record.get("key")))
-            records.append(record)
-    found.runs.append(RunFile(path.stem, tuple(records)))
+            found.odd.append(Odd(where, why))
+        elif record is not None:
+            records[str(record.get("key"))] = record
+    found.runs.append(RunFile(path.stem, tuple(records.values())))
     found.files.append((path.name, counted(len(records), "record")))
 
 
-def _refused(record: Any) -> str:
-    """Why a line is no record that can be shown, or ``""``."""
-    if not isinstance(record, dict):
-        return "it is not a record"
-    if record.get("format") != RECORD:
-        return f"its format is {record.get('format')!r}, and this version reads {RECORD}"
-    task = record.get("task")
-    if not isinstance(task, dict) or not isinstance(task.get("method", task.get("peer")), str):
-        return "it does not say what was run"
-    if wrong_checksum(record):
-        return "it is damaged: its checksum does not agree with its content"
-    return ""
+def _stored(path: Path) -> Iterator[tuple[str, Record | None, str]]:
+    """Yield place, record and what is wrong of each record of a file."""
+    if path.suffix == SUFFIX:
+        store = Records(path)
+        yield from ((path.name, record, "") for record in store)
+        yield from ((path.name, None, notice) for notice in store.notices)
+    else:
+        yield from ((f"{path.name}, line {n}", record, why) for n, record, why in lines_of(path))
 
 
 def _take_document(found: Results, path: Path, methods: frozenset[str]) -> None:

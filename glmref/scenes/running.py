@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
 import warnings
 from collections import Counter
@@ -13,11 +12,12 @@ from typing import Any
 import numpy as np
 
 from ..catalogue.lookup import load
-from ..compute import Done, Executor, Limits, RecordFile
+from ..compute import Done, Executor, Limits, Records
 from ..compute.child import MEMORY
 from ..compute.executors import Here
+from ..compute.records import made
 from ..engine.outcome import StartFailed
-from ..errors import GlmrefError, UsageError
+from ..errors import GlmrefError
 from ..measure.attempt import FUNCTION_FAILED, check_function, given_by_user
 from ..measure.law import fit_law, samples_of
 from ..measure.longtime import along, energy_deviation, follow, g_form, watch
@@ -62,7 +62,7 @@ BEYOND = 1e6
 
 def run(
     scene: Scene | Plan,
-    store: RecordFile | None = None,
+    store: Records | None = None,
     *,
     advance: Callable[[Mapping[str, Any], Mapping[str, Any]], None] | None = None,
     on: Executor | None = None,
@@ -73,7 +73,7 @@ def run(
     ----------
     scene : Scene or Plan
         A scene, or the plan of one.
-    store : RecordFile or None
+    store : Records or None
         Where records are kept; in memory by default.
     advance : Callable[[Mapping[str, Any], Mapping[str, Any]], None] or None
         Called after each new record with the task and the record.
@@ -92,7 +92,7 @@ def run(
         Where another process measures the same, or a record cannot be written.
     """
     todo = scene if isinstance(scene, Plan) else plan(scene)
-    store = RecordFile(None) if store is None else store
+    store = Records(None) if store is None else store
     if any(True for _ in store.missing(todo.tasks)):
         with store.exclusive():
             missing = list(store.missing(todo.tasks))
@@ -100,9 +100,6 @@ def run(
                 for task, record in _kept(store, results):
                     if advance is not None:
                         advance(task, record)
-    elif store.faulty:
-        with contextlib.suppress(UsageError), store.exclusive():
-            pass  # that repairs the file, where it can be written
     found = (store.find(task) for task in todo.tasks)
     return [record for record in found if record is not None]
 
@@ -131,7 +128,7 @@ def mixed_machines(scene: Scene, records: Sequence[Mapping[str, Any]]) -> list[s
 
 
 def _kept(
-    store: RecordFile, results: Iterable[tuple[Mapping[str, Any], Done]]
+    store: Records, results: Iterable[tuple[Mapping[str, Any], Done]]
 ) -> Iterator[tuple[Mapping[str, Any], dict[str, Any]]]:
     """Keep what tasks gave, in memory alone where another machine could do better."""
     rows = [(task, _record(done)) for task, done in results]
@@ -139,7 +136,7 @@ def _kept(
     yield from zip([task for task, _ in lasting], store.append_all(lasting), strict=True)
     for task, measured in rows:
         if measured["outcome"] == SYSTEM_REFUSED:
-            record = store.made(task, measured)
+            record = made(task, measured)
             store.remember(record)
             yield task, record
 

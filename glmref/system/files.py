@@ -1,4 +1,4 @@
-"""Files under faults: bounded reading, writing in one piece, and a lock that says who holds it.
+"""Files under faults: bounded reading, and writing in one piece.
 
 What the system refuses (a full disk, a quota, a read-only folder, a folder where a file must be)
 becomes a sentence that names the path and the reason. A file that is written whole is replaced in
@@ -8,30 +8,18 @@ one piece, so that a process killed at any instant leaves the old content or the
 from __future__ import annotations
 
 import contextlib
-import errno
 import hashlib
-import json
 import os
-import socket
 import stat
 from collections.abc import Iterator
 from contextvars import ContextVar
-from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
 
 from ..errors import DataError, UsageError
 from .arguments import shown
 
-try:
-    import fcntl
-except ImportError:  # not POSIX: the lock is a file that is made exclusively
-    fcntl = None  # type: ignore[assignment]
-
 #: Windows changes ends of lines in files that are opened without it.
 BINARY = getattr(os, "O_BINARY", 0)
-#: What `flock` answers on a file system that has no locks.
-_NO_LOCKS = {errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOTSUP, errno.EINVAL}
 
 
 def reason(error: OSError | ValueError) -> str:
@@ -74,6 +62,25 @@ def noting() -> Iterator[dict[str, str]]:
 # --- reading --------------------------------------------------------------------------------------
 
 
+def require_regular(path: Path, mode: int) -> None:
+    """Refuse a folder, a named pipe, a device or a socket.
+
+    Parameters
+    ----------
+    path : Path
+        The file, for the sentence.
+    mode : int
+        Its mode, as ``os.stat`` returns it.
+
+    Raises
+    ------
+    DataError
+        For what is not a regular file.
+    """
+    if not stat.S_ISREG(mode):
+        raise DataError(f"{one_name(path)}: it is {kind_of(mode)}, and a regular file is needed")
+
+
 def read_bytes(path: Path, most: int) -> bytes:
     """Read a regular file of bounded size.
 
@@ -97,8 +104,7 @@ def read_bytes(path: Path, most: int) -> bytes:
         raise DataError(f"{name}: the file cannot be read ({reason(error)})") from None
     try:
         about = os.fstat(descriptor)
-        if not stat.S_ISREG(about.st_mode):
-            raise DataError(f"{name}: it is {kind_of(about.st_mode)}, and a regular file is needed")
+        require_regular(path, about.st_mode)
         if about.st_size > most:
             raise DataError(
                 f"{name}: the file has {about.st_size} bytes and at most {most} are read; "
@@ -278,173 +284,3 @@ def sync_folder(folder: Path) -> None:
             os.fsync(descriptor)
         finally:
             os.close(descriptor)
-
-
-# --- lock -----------------------------------------------------------------------------------------
-
-
-class Lock:
-    """A lock between processes, as a file that says who holds it.
-
-    The lock itself is the system's (``flock``): it ends with the process that holds it, however
-    that ends, so that neither a crash nor a process number that is used again can leave it behind.
-    The file's content (host, process, when that process began, since when) serves the sentence for
-    those who come second. Where the system has no such locks the file itself is the lock, made
-    exclusively; then one left by a crash has to be deleted, and the sentence says so.
-
-    Parameters
-    ----------
-    path : Path
-        The lock's file; it is deleted when the lock is given back.
-    what : str
-        What is locked, for the sentence.
-    """
-
-    def __init__(self, path: Path, what: str) -> None:
-        self.path, self.what = path, what
-        self._descriptor: int | None = None
-
-    def acquire(self) -> None:
-        """Take the lock, or say who has it.
-
-        Raises
-        ------
-        UsageError
-            Where another process holds it.
-        OSError
-            Where the file cannot be made, as in a folder that is read-only.
-        """
-        for _ in range(100):
-            # what a link of that name leads to is not ours to write
-            flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0)
-            descriptor = os.open(self.path, flags, 0o644)
-            try:
-                able = self._flock(descriptor)
-                # the one who held it may have deleted the file between our two calls
-                if able and self._is_current(descriptor):
-                    self._sign(descriptor)
-                    self._descriptor, descriptor = descriptor, -1
-                    return
-            finally:
-                if descriptor >= 0:
-                    os.close(descriptor)
-            if not able:
-                self._acquire_without_flock()
-                return
-        raise UsageError(self._held())
-
-    def _flock(self, descriptor: int) -> bool:
-        """Ask the system for the lock; ``False`` where it has none to give."""
-        if fcntl is None:
-            return False
-        try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:
-            if error.errno in (errno.EWOULDBLOCK, errno.EACCES):
-                raise UsageError(self._held()) from None
-            if error.errno in _NO_LOCKS:
-                return False
-            raise
-        return True
-
-    def _acquire_without_flock(self) -> None:
-        """Make a second file exclusively: the first may be what another one has just made."""
-        with contextlib.suppress(OSError):
-            self.path.unlink()
-        self.path = self.path.with_name(f"{self.path.name}ed")
-        try:
-            descriptor = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o644)
-        except FileExistsError:
-            raise UsageError(
-                f"{self._held()}; if that process is gone, delete {printable(self.path)}"
-            ) from None
-        self._sign(descriptor)
-        self._descriptor = descriptor
-
-    def _is_current(self, descriptor: int) -> bool:
-        try:
-            now = os.stat(self.path)
-        except FileNotFoundError:
-            return False
-        mine = os.fstat(descriptor)
-        return (now.st_dev, now.st_ino) == (mine.st_dev, mine.st_ino)
-
-    def _sign(self, descriptor: int) -> None:
-        """Write who holds the lock; on a full disk it is held all the same."""
-        owner = {
-            "host": socket.gethostname(),
-            "pid": os.getpid(),
-            "started": started(os.getpid()),
-            "since": datetime.now(UTC).isoformat(timespec="seconds"),
-        }
-        with contextlib.suppress(OSError):
-            os.ftruncate(descriptor, 0)
-            os.write(descriptor, json.dumps(owner).encode() + b"\n")
-
-    def owner(self) -> dict[str, Any]:
-        """Return what the holder wrote of itself; empty where nothing can be read."""
-        try:
-            found = json.loads(read_bytes(self.path, 4096))
-        except (DataError, ValueError, RecursionError):
-            return {}
-        return found if isinstance(found, dict) else {}
-
-    def _held(self) -> str:
-        owner = self.owner()
-        pid, host = owner.get("pid"), owner.get("host")
-        who = "another process"
-        here = host == socket.gethostname()
-        if isinstance(pid, int) and not (here and started(pid) != owner.get("started")):
-            who = f"process {pid}" + ("" if here else f" on {str(host)[:80]!r}")
-            who += f" since {str(owner.get('since'))[:40]}"
-        return f"{self.what} is in use by {who}; wait until it has ended, or name another --output"
-
-    def release(self) -> None:
-        """Give the lock back and delete its file."""
-        descriptor, self._descriptor = self._descriptor, None
-        if descriptor is None:
-            return
-        ours = False
-        with contextlib.suppress(OSError):
-            ours = self._is_current(descriptor)
-        if fcntl is None:  # Windows deletes no file that is open
-            os.close(descriptor)
-        with contextlib.suppress(OSError):
-            if ours:
-                self.path.unlink()  # before a lock of the system ends: nobody can have taken it yet
-        if fcntl is not None:
-            os.close(descriptor)
-
-    def __enter__(self) -> Lock:
-        self.acquire()
-        return self
-
-    def __exit__(self, *exception: object) -> None:
-        self.release()
-
-
-def started(pid: int) -> str | None:
-    """Return when a process began, as the system counts; ``None`` where it is gone or untold.
-
-    With the boot it tells a process from another one that has got its number later. It is no time
-    of the clock: a clock that jumps does not change it.
-    """
-    try:
-        line = Path(f"/proc/{pid}/stat").read_text(encoding="ascii", errors="replace")
-        boot = Path("/proc/sys/kernel/random/boot_id").read_text(encoding="ascii").strip()
-    except OSError:
-        return None
-    # the name, in brackets, may hold blanks and brackets; the time is field 22
-    return f"{boot} {line.rpartition(')')[2].split()[19]}"
-
-
-def lines_of(content: bytes) -> Iterator[tuple[bytes, bool]]:
-    """Yield the lines of a file without their ends, and whether each has one."""
-    start = 0
-    while start < len(content):
-        end = content.find(b"\n", start)
-        if end < 0:
-            yield content[start:], False
-            return
-        yield content[start:end], True
-        start = end + 1

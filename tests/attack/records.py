@@ -15,7 +15,9 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from glmref.compute.records import CHECKSUM, RecordFile, scan
+from glmref.compute import Records
+from glmref.compute.records import CHECKSUM, lines_of, made
+from glmref.errors import DataError, GlmrefError
 from glmref.report.store import read as read_report
 
 from .tally import Tally
@@ -31,7 +33,7 @@ def sound() -> tuple[dict[str, Any], ...]:
     """Records as a run writes them."""
     tasks = [{"scene": "x", "method": m, "h": h} for m in ("rk4", "gauss-2") for h in (0.1, 0.05)]
     return tuple(
-        RecordFile.made(task, {"error": 1e-3 / (k + 1), "outcome": "completed", "rows": [[k, 0.5]]})
+        made(task, {"error": 1e-3 / (k + 1), "outcome": "completed", "rows": [[k, 0.5]]})
         for k, task in enumerate(tasks)
     )
 
@@ -70,19 +72,28 @@ def _hit(draw: random.Random, content: bytes) -> bytes:
 
 
 def judge(draw: random.Random) -> tuple[str, Iterable[str]]:
-    """Damage a file of records and read it in both ways."""
+    """Damage a file of records, as it is kept or in lines, and read it in both ways."""
     lines = [json.dumps(x, separators=(",", ":")).encode() for x in sound()]
-    content = b"".join(line + b"\n" for line in lines)
-    for _ in range(draw.choice((1, 1, 2, 4))):
-        content = _hit(draw, content) if content else content
+    content, kept = b"".join(line + b"\n" for line in lines), draw.random() < 0.5
     written = [json.dumps(x, sort_keys=True) for x in sound()]
     wrong: list[str] = []
     with tempfile.TemporaryDirectory() as name:
-        path = Path(name) / "x.jsonl"
+        path = Path(name) / ("x.sqlite" if kept else "x.jsonl")
+        if kept:
+            store = Records(path)
+            store.append_all((x["task"], _measured(x)) for x in sound())
+            store.close()
+            content = path.read_bytes()
+        for _ in range(draw.choice((1, 1, 2, 4))):
+            content = _hit(draw, content) if content else content
         path.write_bytes(content)
         report = read_report([path], ["rk4", "gauss-2"])
-        found = scan(path)
-        for where, records in (("a run", found.records), ("the report", list(report.records))):
+        try:
+            run = Records(path)
+            found = list(run)
+        except DataError:
+            run, found = None, []
+        for where, records in (("a run", found), ("the report", list(report.records))):
             # records of version 0.1.0 have no checksum, so that a change of them is not seen
             texts = [json.dumps(x, sort_keys=True) for x in records if CHECKSUM in x]
             wrong += [
@@ -90,12 +101,25 @@ def judge(draw: random.Random) -> tuple[str, Iterable[str]]:
             ]
             if len(set(texts)) < len(texts):
                 wrong.append(f"{where} reads a record twice")
-            strange = [x for x in map(bytes.strip, content.split(b"\n")) if x and x not in lines]
-        summed = all(CHECKSUM in x for x in found.records)
-        if strange and summed and not found.faults and found.torn is None:
-            wrong.append(f"a change is not seen: {strange[0][:200]!r}")
-    end = f"{len(found.records)} of {len(written)} records"
+        if not kept:
+            strange = [x for x in map(bytes.strip, content.splitlines()) if x and x not in lines]
+            read = [(record, why) for _, record, why in lines_of(path)]
+            summed = all(record is None or CHECKSUM in record for record, _ in read)
+            if strange and summed and not any(why for _, why in read):
+                wrong.append(f"a change is not seen: {strange[0][:200]!r}")
+        elif run is not None:
+            try:
+                run.append_all((x["task"], _measured(x)) for x in sound())
+                if sorted(json.dumps(x, sort_keys=True) for x in run) != sorted(written):
+                    wrong.append("what was lost is not there after it was written again")
+            except GlmrefError as error:
+                wrong += [] if "cannot be written" in str(error) else [str(error)]
+    end = f"{len(found)} of {len(written)} records"
     return end, wrong
+
+
+def _measured(record: dict[str, Any]) -> dict[str, Any]:
+    return {k: x for k, x in record.items() if k not in ("format", "key", "task", CHECKSUM)}
 
 
 def attack(count: int, seed: int) -> Tally:

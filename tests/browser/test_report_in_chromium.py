@@ -15,7 +15,7 @@ import pytest
 
 from glmref import scenes
 from glmref.catalogue.lookup import data_root, names
-from glmref.compute.records import RecordFile
+from glmref.compute.records import Records
 from glmref.report import build, read
 from glmref.report.markup import number
 from tests.browser.chromium import visit
@@ -28,7 +28,7 @@ NAME = "oscillator-quick"
 
 @pytest.fixture(scope="module")
 def records(tmp_path_factory: pytest.TempPathFactory) -> list[dict[str, Any]]:
-    store = RecordFile(tmp_path_factory.mktemp("run") / f"{NAME}.jsonl")
+    store = Records(tmp_path_factory.mktemp("run") / f"{NAME}.sqlite")
     return scenes.run(scenes.load_scene("oscillator", quick=True), store)
 
 

@@ -6,14 +6,13 @@ kernel, and the checksum, which is over them.
 
 from __future__ import annotations
 
-import json
 import os
 import subprocess
 import sys
 from pathlib import Path
 from typing import Any
 
-from glmref.compute.records import read_records
+from glmref.compute import Records
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -76,23 +75,22 @@ class Runs:
         return subprocess.CompletedProcess(process.args, process.returncode, out, err)
 
     def path(self, name: str) -> Path:
-        return self.folder / name / "tiny.jsonl"
+        return self.folder / name / "tiny.sqlite"
 
     def records(self, name: str) -> list[dict[str, Any]]:
         """Records of a run without what depends on the clock; the file must be sound."""
         return [
             {key: value for key, value in record.items() if key not in TIMES}
-            for record in read_records(self.path(name))
+            for record in Records(self.path(name))
         ]
 
     def check(self, name: str) -> None:
         """Assert that nothing is lost, nothing is there twice, and every bit is right."""
-        lines = self.path(name).read_bytes().splitlines()
-        keys = [json.loads(line)["key"] for line in lines]
+        keys = [record["key"] for record in self.records(name)]
         assert len(keys) == len(set(keys)) == TASKS
         assert self.records(name) == self.right
         left = sorted(path.name for path in (self.folder / name).iterdir())
-        assert left == ["tiny.jsonl"], left
+        assert left == ["tiny.sqlite"], left
 
 
 def sentence(done: subprocess.CompletedProcess[str]) -> str:

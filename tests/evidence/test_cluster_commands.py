@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from glmref.cli import main
-from glmref.compute import RecordFile, RecordFolder
+from glmref.compute import Records
 from glmref.conformance.generate import write as write_vectors
 from tests.evidence.test_cluster_kills import Cluster
 
@@ -94,8 +94,8 @@ def test_runs_of_a_scene_have_the_same_records(places: list[str], tmp_path: Path
     for on in places:
         folder = tmp_path / on[:4]
         assert main(["run", "no-field", "--quick", "--output", str(folder), "--on", on]) == 0
-        (file,) = folder.glob("*.jsonl")
-        found = RecordFile(file).records
+        (file,) = folder.glob("*.sqlite")
+        found = Records(file)
         records.append({x["key"]: {k: y for k, y in x.items() if k not in TIMES} for x in found})
     assert records[0] == records[1] == records[2] and len(records[0]) > 10
 
@@ -106,7 +106,7 @@ def test_a_campaign_has_the_same_records(places: list[str], tmp_path: Path) -> N
     for on in places:
         folder = tmp_path / on[:4]
         assert main(["campaign", str(file), "--output", str(folder), "--on", on]) == 0
-        records.append({x["key"]: x for x in RecordFolder(folder / "small").records()})
+        records.append({x["key"]: x for x in Records(folder / "small" / "records.sqlite")})
     assert records[0] == records[1] == records[2] and len(records[0]) == 20
 
 

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import pytest
 
-from glmref.compute import Limits, RecordFolder, executor, in_order, measure
+from glmref.compute import Limits, Records, executor, in_order, measure
 from glmref.compute.child import FAILED, KILLED, MEMORY, TIME_LIMIT
 from glmref.errors import UsageError
 from tests.evidence.test_cluster_kills import Cluster
@@ -56,7 +56,7 @@ def test_tasks_that_hang_eat_die_and_fail_cost_no_other_task(cluster: Cluster) -
 
 def test_a_worker_that_falls_silent_costs_no_task(cluster: Cluster, tmp_path: Path) -> None:
     """SIGSTOP, as where a network is cut: the scheduler gives its tasks to the other worker."""
-    store = RecordFolder(tmp_path / "records")
+    store = Records(tmp_path / "records" / "records.sqlite")
     stopped: list[int] = []
 
     def advance(task: object, record: object) -> None:
@@ -69,7 +69,7 @@ def test_a_worker_that_falls_silent_costs_no_task(cluster: Cluster, tmp_path: Pa
             time.sleep(0.1)
         number = measure(behave, TASKS, store, on, advance=advance)
     assert stopped and number == 40
-    records = list(store.records())
+    records = list(store)
     assert len({x["key"] for x in records}) == len(records) == 40
     assert sorted(x["square"] for x in records) == [k * k for k in range(40)]
 
@@ -111,7 +111,7 @@ class Wire:
 CUT = """
 import sys
 from pathlib import Path
-from glmref.compute import RecordFolder, executor, measure
+from glmref.compute import Records, executor, measure
 from glmref.errors import UsageError
 from tests.evidence.test_cluster_faults import TASKS, Wire
 from tests.unit.faulty_tasks import behave
@@ -128,7 +128,7 @@ if __name__ == "__main__":
 
     try:
         with executor(f"dask:{wire.address}") as on:
-            measure(behave, TASKS, RecordFolder(Path(folder)), on, advance=advance)
+            measure(behave, TASKS, Records(Path(folder) / "records.sqlite"), on, advance=advance)
     except UsageError as error:
         sys.stderr.write(f"Error: {error}\\n")
         sys.exit(2)
@@ -149,11 +149,13 @@ def test_a_cut_network_ends_with_a_sentence_and_the_same_command_does_the_rest(
     )
     assert cut.returncode == 2, cut.stderr
     assert "the connection to the scheduler of the Dask cluster was lost" in cut.stderr
-    kept = len(RecordFolder(folder))
+    kept = len(Records(folder / "records.sqlite"))
     assert 10 <= kept < 40
     with executor(f"dask:{cluster.file}") as on:
-        assert measure(behave, TASKS, RecordFolder(folder), on) == 40 - kept
-    assert sorted(x["square"] for x in RecordFolder(folder).records()) == [k * k for k in range(40)]
+        assert measure(behave, TASKS, Records(folder / "records.sqlite"), on) == 40 - kept
+    assert sorted(x["square"] for x in Records(folder / "records.sqlite")) == [
+        k * k for k in range(40)
+    ]
 
 
 def test_a_worker_with_other_sources_is_refused_in_a_sentence(tmp_path: Path) -> None:

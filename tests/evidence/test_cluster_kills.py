@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from glmref.compute import RecordFile, RecordFolder, measure
+from glmref.compute import Records, measure
 from tests.unit.faulty_tasks import behave
 
 pytestmark = pytest.mark.skipif(find_spec("distributed") is None, reason="dask is not installed")
@@ -23,7 +23,7 @@ SCRIPT = """
 import sys
 from pathlib import Path
 from glmref.cli.output import complain
-from glmref.compute import RecordFolder, executor, measure
+from glmref.compute import Records, executor, measure
 from glmref.errors import UsageError
 from tests.unit.faulty_tasks import behave
 
@@ -32,7 +32,7 @@ if __name__ == "__main__":
     tasks = [{"n": k, "how": "sleep", "seconds": 0.03} for k in range(int(count))]
     try:
         with executor(f"dask:{scheduler}") as on:
-            measure(behave, tasks, RecordFolder(Path(folder)), on)
+            measure(behave, tasks, Records(Path(folder) / "records.sqlite"), on)
     except UsageError as error:
         complain(str(error))
         sys.exit(2)
@@ -79,7 +79,7 @@ class Cluster:
 
 
 def known(folder: Path) -> int:
-    return sum(path.read_bytes().count(b"\n") for path in folder.glob("*.jsonl"))
+    return len(Records(folder / "records.sqlite"))
 
 
 #: Three minutes on two cores: asked for by the environment variable GLMREF_LONG.
@@ -124,8 +124,8 @@ def test_nothing_is_lost_and_nothing_is_done_twice(count: int, kills: int, tmp_p
             process.kill()
             cluster.kill()
     assert codes == [2, 0]
-    records = list(RecordFolder(folder).records())
+    records = list(Records(folder / "records.sqlite"))
     assert len(records) == len({x["key"] for x in records}) == count
-    own = RecordFile(None)
+    own = Records(None)
     measure(behave, [{"n": k, "how": "sleep", "seconds": 0.03} for k in range(count)], own)
-    assert {x["key"]: x for x in records} == {x["key"]: x for x in own.records}
+    assert {x["key"]: x for x in records} == {x["key"]: x for x in own}

@@ -14,7 +14,7 @@ import pytest
 
 from glmref.catalogue.files import data_root
 from glmref.cli import main
-from glmref.compute import RecordFolder
+from glmref.compute import Records
 from glmref.compute.child import attempt
 from glmref.compute.records import key_of
 from glmref.errors import DataError, UsageError
@@ -188,7 +188,7 @@ def test_a_campaign_is_carried_out_once_and_shown(
     assert main(words) == 0
     assert json.loads(capsys.readouterr().out)["carried_out"] == 0
     folder = tmp_path / "small"
-    records = list(RecordFolder(folder).records())
+    records = list(Records(folder / "records.sqlite"))
     assert len({x["key"] for x in records}) == 6
     page = (folder / "index.html").read_text(encoding="utf-8")
     for words_of_page in ("Does it work?", "6 of 6 tasks", "frequency", "leapfrog-one-leg"):

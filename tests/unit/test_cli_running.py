@@ -14,6 +14,7 @@ import pytest
 
 from glmref.cli import main
 from glmref.cli.running import _narrowed
+from glmref.compute import Records
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -51,7 +52,7 @@ def test_a_run_prints_table_picture_and_answer_and_leaves_records(scene, tmp_pat
     printed = capsys.readouterr().out
     for word in ("A tiny scene", "heun-2", "state error", "a heun-2   b rk4", "answer  relative"):
         assert word in printed
-    assert len((out / "tiny.jsonl").read_text("utf-8").splitlines()) == 4
+    assert len(Records(out / "tiny.sqlite")) == 4
     assert (out / "tiny.svg").read_text("utf-8").startswith("<svg")
     assert (out / "tiny-evaluations.svg").exists()
 
@@ -153,46 +154,43 @@ def test_a_run_that_is_killed_keeps_its_records_and_the_rerun_does_the_rest(scen
         SCENE.replace("[20, 40]", str(counts)).replace('"heun-2", ', ""), encoding="utf-8"
     )
     out = tmp_path / "out"
-    path = out / "tiny.jsonl"
+    path = out / "tiny.sqlite"
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     process = glmref("run", scene, "--output", out, **quiet)
     deadline = time.monotonic() + 120
-    while not (path.exists() and path.read_bytes().count(b"\n") >= 3):
+    while len(Records(path)) < 3:
         assert process.poll() is None and time.monotonic() < deadline
         time.sleep(0.005)
     process.send_signal(signal.SIGKILL)
     assert process.wait() == -signal.SIGKILL
-    kept = path.read_bytes()
-    whole = kept[: kept.rfind(b"\n") + 1]
-    assert 3 <= whole.count(b"\n") < 12
-    for line, steps in zip(whole.splitlines(), counts, strict=False):  # every line is a record
-        record = json.loads(line)
+    kept = list(Records(path))
+    assert 3 <= len(kept) < 12
+    for record, steps in zip(kept, counts, strict=False):
         assert (record["task"]["steps"], record["outcome"]) == (steps, "completed")
-    # a kill in the middle of a write leaves part of a line, without its end
-    path.write_bytes(whole + whole.splitlines()[0][:200])
     again = glmref("run", scene, "--output", out, "--format", "json", stdout=subprocess.PIPE)
     document = json.loads(again.communicate(timeout=120)[0])
     assert again.returncode == 0
-    assert document["resumed"] == whole.count(b"\n")
+    assert document["resumed"] == len(kept)
     assert document["measured"] == 12 - document["resumed"]
     assert [record["task"]["steps"] for record in document["records"]] == counts
-    assert path.read_bytes().startswith(whole)  # nothing that was there was measured again
-    assert path.read_bytes().count(b"\n") == len(counts)
+    assert list(Records(path))[: len(kept)] == kept  # nothing that was there was measured again
+    assert len(Records(path)) == len(counts)
     third = glmref("run", scene, "--output", out, "--format", "json", stdout=subprocess.PIPE)
     assert json.loads(third.communicate(timeout=120)[0])["measured"] == 0
 
 
 def test_records_of_another_version_end_with_code_2_and_one_sentence(scene, tmp_path, capsys):
     out = tmp_path / "out"
-    assert main(["run", str(scene), "--output", str(out), "--format", "csv"]) == 0
+    assert main(["run", str(scene), "--output", str(out), "--format", "jsonl"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [json.loads(line) for line in lines] == list(Records(out / "tiny.sqlite"))
+    (out / "tiny.sqlite").unlink()
     path = out / "tiny.jsonl"
-    lines = path.read_text(encoding="utf-8").splitlines()
     records = [{**json.loads(line), "format": "glmref-record-0"} for line in lines]
     for record in records:
         del record["sha256"]
     older = "".join(json.dumps(record) + "\n" for record in records)
     path.write_text(older, encoding="utf-8")
-    capsys.readouterr()
     assert main(["run", str(scene), "--output", str(out)]) == 2
     captured = capsys.readouterr()
     assert captured.out == ""

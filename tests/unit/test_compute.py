@@ -17,7 +17,7 @@ from typing import Any
 
 import pytest
 
-from glmref.compute import Done, Executor, Limits, RecordFile, RecordFolder, executor, measure
+from glmref.compute import Done, Executor, Limits, Records, executor, measure
 from glmref.compute.child import (
     FAILED,
     KILLED,
@@ -29,7 +29,6 @@ from glmref.compute.child import (
 )
 from glmref.compute.executors import Here, Local, in_order
 from glmref.compute.identity import difference, identity
-from glmref.compute.records import read_records
 from glmref.errors import UsageError
 from tests.unit.faulty_tasks import behave, unsendable, where
 
@@ -382,69 +381,46 @@ def test_no_scheduler_is_a_sentence(monkeypatch: pytest.MonkeyPatch, tmp_path: P
 
 
 def test_what_is_missing_is_carried_out_and_written_first(tmp_path: Path) -> None:
-    path = tmp_path / "r.jsonl"
-    assert measure(behave, SQUARES[:10], RecordFile(path)) == 10
+    path = tmp_path / "r.sqlite"
+    assert measure(behave, SQUARES[:10], Records(path)) == 10
     seen: list[int] = []
 
     def advance(task: Any, record: Any) -> None:
-        on_disk = {x["key"] for x in read_records(path)}
+        on_disk = {x["key"] for x in Records(path)}
         assert record["key"] in on_disk
         seen.append(task["n"])
 
-    assert measure(behave, SQUARES, RecordFile(path), Local(2), advance=advance) == 30
+    assert measure(behave, SQUARES, Records(path), Local(2), advance=advance) == 30
     assert sorted(seen) == list(range(10, 40))
-    assert len(read_records(path)) == 40
+    assert len(Records(path)) == 40
 
 
-def test_a_folder_of_records_holds_each_task_once_in_files_of_bounded_size(tmp_path: Path) -> None:
-    store = RecordFolder(tmp_path / "f", each=16)
-    assert measure(behave, SQUARES[:30], store) == 30
-    again = RecordFolder(tmp_path / "f", each=16)
+def test_records_hold_each_task_once(tmp_path: Path) -> None:
+    path = tmp_path / "f" / "records.sqlite"
+    assert measure(behave, SQUARES[:30], Records(path)) == 30
+    again = Records(path)
     assert len(again) == 30
     assert measure(behave, SQUARES, again) == 10
-    assert [len(read_records(x)) for x in again.files()] == [16, 16, 8]
-    assert sorted(x["square"] for x in again.records()) == [k * k for k in range(40)]
+    assert sorted(x["square"] for x in again) == [k * k for k in range(40)]
     # the near miss: another content is another task
-    assert measure(behave, [{"n": 3, "how": "well"}], RecordFolder(tmp_path / "f")) == 1
-
-
-def test_what_is_read_does_not_grow_with_the_number_of_records(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    from glmref.compute import records
-
-    read, scan = [], records.scan
-    monkeypatch.setattr(records, "scan", lambda path: read.append(path) or scan(path))
-    store = RecordFolder(tmp_path, each=100)
-    measure(behave, [{"n": k} for k in range(300)], store)
-    assert len(read) == 2 * len(store.files()) == 6  # as a file is opened, and as its lock is taken
-
-
-def test_a_torn_line_in_a_folder_is_repaired_and_its_task_done_again(tmp_path: Path) -> None:
-    measure(behave, SQUARES, RecordFolder(tmp_path, each=16))
-    last = RecordFolder(tmp_path).files()[-1]
-    last.write_bytes(last.read_bytes()[:-20])
-    store = RecordFolder(tmp_path)
-    assert measure(behave, SQUARES, store) == 1
-    assert "was not written to its end" in store.notices[0]
-    assert len(RecordFolder(tmp_path)) == 40
+    assert measure(behave, [{"n": 3, "how": "well"}], Records(path)) == 1
 
 
 def test_a_second_writer_is_refused(tmp_path: Path) -> None:
-    store = RecordFolder(tmp_path)
+    store = Records(tmp_path / "records.sqlite")
     with store.exclusive(), pytest.raises(UsageError, match="in use by process"):
-        measure(behave, SQUARES, RecordFolder(tmp_path))
+        measure(behave, SQUARES, Records(tmp_path / "records.sqlite"))
 
 
 SCRIPT = """
 import sys
 from pathlib import Path
-from glmref.compute import RecordFolder, executor, measure
+from glmref.compute import Records, executor, measure
 from tests.unit.faulty_tasks import behave
 if __name__ == "__main__":
     tasks = [{"n": k, "how": "sleep", "seconds": 0.01} for k in range(200)]
     with executor("local:2") as on:
-        measure(behave, tasks, RecordFolder(Path(sys.argv[1]), each=50), on)
+        measure(behave, tasks, Records(Path(sys.argv[1]) / "records.sqlite"), on)
 """
 
 
@@ -461,14 +437,14 @@ def test_a_run_that_is_killed_and_run_again_loses_nothing_and_does_nothing_twice
     environment = {**os.environ, "PYTHONPATH": str(root)}
     first = subprocess.Popen(command, env=environment)
     until = time.monotonic() + 60
-    while not list(folder.glob("*.jsonl")) and time.monotonic() < until:
+    while not len(Records(folder / "records.sqlite")) and time.monotonic() < until:
         time.sleep(0.01)
     first.send_signal(signal.SIGKILL)
     first.wait()
-    kept = len(RecordFolder(folder))
+    kept = len(Records(folder / "records.sqlite"))
     assert 0 < kept < 200
     subprocess.run(command, env=environment, check=True)
-    records = list(RecordFolder(folder).records())
+    records = list(Records(folder / "records.sqlite"))
     assert len(records) == len({x["key"] for x in records}) == 200
     assert sorted(x["square"] for x in records) == [k * k for k in range(200)]
     assert json.loads(json.dumps(records)) == records

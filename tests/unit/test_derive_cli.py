@@ -16,6 +16,7 @@ import pytest
 
 from glmref.catalogue.canonical import canonical
 from glmref.cli import main
+from glmref.compute import Records
 from glmref.derive import recipes
 
 ANSATZ = Path(__file__).with_name("three-stages.toml")
@@ -91,11 +92,11 @@ def command(*words: str) -> list[str]:
     return [sys.executable, "-m", "glmref", "derive", *words]
 
 
-def wait_for_lines(state: Path, count: int, process: subprocess.Popen[bytes]) -> None:
-    """Until the state file has as many lines, or the search has ended."""
+def wait_for_records(state: Path, count: int, process: subprocess.Popen[bytes]) -> None:
+    """Wait until the state file has as many records, or the search has ended."""
     until = time.monotonic() + 120
     while process.poll() is None and time.monotonic() < until:
-        if state.is_file() and state.read_bytes().count(b"\n") >= count:
+        if len(Records(state)) >= count:
             return
         time.sleep(0.02)
     raise AssertionError("the search ended before it could be stopped")
@@ -107,16 +108,16 @@ def test_a_search_that_is_stopped_goes_on_where_it_was(
     how: signal.Signals, code: int, tmp_path: Path
 ) -> None:
     """Interrupted or killed, the second run takes over what the first one kept."""
-    state = tmp_path / "state.jsonl"
+    state = tmp_path / "state"
     words = [str(ANSATZ), "--starts", "96", "--state", str(state)]
     process = subprocess.Popen(command(*words), stderr=subprocess.PIPE, stdout=subprocess.PIPE)
-    wait_for_lines(state, 1, process)
+    wait_for_records(state, 1, process)
     process.send_signal(how)
     _, complaint = process.communicate()
     assert process.returncode == code
     if how is signal.SIGINT:
         assert f"the same command goes on from {state}".encode() in complaint
-    kept = state.read_bytes().count(b"\n")
+    kept = len(Records(state))
     assert kept < 3  # parcels of 32 starts
     ran: list[int] = []
     options = {"ansatz": str(ANSATZ), "starts": "96"}

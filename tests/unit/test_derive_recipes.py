@@ -9,9 +9,10 @@ from typing import Any
 
 import pytest
 
-from glmref.catalogue.canonical import canonical
+from glmref.catalogue.canonical import canonical, compact
 from glmref.catalogue.lookup import document, load, path_of
 from glmref.catalogue.reader import load_document
+from glmref.compute import Records
 from glmref.derive import recipes
 from glmref.derive.recipes import conjugation, order8
 from glmref.derive.recipes.order6_family import Quadratic, family, least_growth, solve_forms
@@ -267,8 +268,10 @@ def test_search_finds_a_method_and_resumes_where_it_stopped(tmp_path: Path) -> N
     whole = recipes.run("search", options)
     assert whole.documents[0]["claims"]["order"] == 6
     recipes.run("search", {**options, "starts": "64", "state": str(state)})
-    lines = state.read_text(encoding="utf-8").splitlines()
-    state.write_text("\n".join([lines[0], lines[1][:20]]), encoding="utf-8")  # killed while writing
+    first, second = Records(state)
+    # as an earlier version leaves it that is killed while it writes
+    state.write_bytes(compact(first) + b"\n" + compact(second)[:20])
+    state.with_suffix(".sqlite").unlink()
     ran: list[int] = []
     resumed = recipes.run(
         "search", {**options, "state": str(state)}, lambda what, done, total: ran.append(done)

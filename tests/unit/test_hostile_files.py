@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
-import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -17,7 +15,7 @@ from glmref.conformance.expected_failures import read_known_failures
 from glmref.errors import DataError, UsageError
 from glmref.judge.command import main as judge_main
 from glmref.report import read
-from glmref.system.files import Lock, read_bytes, started, write_bytes
+from glmref.system.files import read_bytes, write_bytes
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="uses named pipes and devices")
 
@@ -60,12 +58,13 @@ def test_no_command_reads_what_is_no_file(
         assert captured.out == "" and captured.err.count("\n") == 1 and "odd.toml" in captured.err
 
 
-def test_a_report_passes_over_what_is_no_file(odd: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("suffix", ["sqlite", "jsonl"])
+def test_a_report_passes_over_what_is_no_file(suffix: str, odd: Path, tmp_path: Path) -> None:
     if odd.is_dir():
         pytest.skip("a folder is searched")
-    odd.rename(tmp_path / "odd.jsonl")
+    odd.rename(tmp_path / f"odd.{suffix}")
     (entry,) = read([tmp_path]).odd
-    assert entry.where == "odd.jsonl" and "a regular file is needed" in entry.why
+    assert entry.where == f"odd.{suffix}" and "a regular file is needed" in entry.why
 
 
 def test_links_to_the_folders_above_are_not_followed(tmp_path: Path) -> None:
@@ -121,8 +120,11 @@ def test_known_failures_are_a_file(odd: Path) -> None:
         read_known_failures(odd, ["x"])
 
 
-def test_a_record_file_is_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    os.mkfifo(tmp_path / "oscillator-quick.jsonl")
+@pytest.mark.parametrize("suffix", ["sqlite", "jsonl"])
+def test_a_record_file_is_a_file(
+    suffix: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    os.mkfifo(tmp_path / f"oscillator-quick.{suffix}")
     assert main(["run", "oscillator", "--quick", "--output", str(tmp_path)]) == 2
     assert "it is a named pipe, and a regular file is needed" in capsys.readouterr().err
 
@@ -214,79 +216,3 @@ def test_a_file_is_replaced_in_one_piece_or_not_at_all(
     assert link.is_symlink() and path.read_bytes() == b"new"
     assert path.stat().st_mode & 0o777 == 0o640
     assert sorted(x.name for x in tmp_path.iterdir()) == ["link", "x"]
-
-
-# --- locks ----------------------------------------------------------------------------------------
-
-HOLD = """
-import sys, time
-from pathlib import Path
-from glmref.system.files import Lock
-with Lock(Path(sys.argv[1]), "it"):
-    print("held", flush=True)
-    sys.stdin.read()
-"""
-
-
-def test_a_lock_says_who_holds_it_and_ends_with_its_holder(tmp_path: Path) -> None:
-    path = tmp_path / "lock"
-    root = Path(__file__).resolve().parents[2]
-    for end in ("kill", "close"):
-        holder = subprocess.Popen(
-            [sys.executable, "-c", HOLD, str(path)], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-            env={**os.environ, "PYTHONPATH": str(root)},
-        )  # fmt: skip
-        assert holder.stdin is not None and holder.stdout is not None
-        assert holder.stdout.readline() == b"held\n"
-        with pytest.raises(UsageError, match=rf"it is in use by process {holder.pid} since 20"):
-            Lock(path, "it").acquire()
-        if end == "kill":
-            holder.kill()
-        holder.stdin.close()
-        holder.wait()
-        holder.stdout.close()
-        with Lock(path, "it") as lock:
-            assert lock.owner()["pid"] == os.getpid()
-        assert not path.exists()
-
-
-def test_without_locks_of_the_system_the_file_is_the_lock(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("glmref.system.files.fcntl", None)
-    path = tmp_path / "lock"
-    with Lock(path, "it"):
-        with pytest.raises(UsageError, match=f"process {os.getpid()} since .*delete"):
-            Lock(path, "it").acquire()
-        assert [x.name for x in tmp_path.iterdir()] == ["locked"]
-    assert not any(tmp_path.iterdir())
-    Lock(path, "it").acquire()  # left by a crash
-    with pytest.raises(UsageError, match="if that process is gone, delete"):
-        Lock(path, "it").acquire()
-
-
-@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads /proc")
-def test_a_process_is_known_by_when_it_began() -> None:
-    mine = started(os.getpid())
-    time.sleep(0.02)
-    assert mine and mine == started(os.getpid()) and started(2**22 + 1) is None
-
-
-def test_a_lock_without_locks_of_the_system_is_closed_before_its_file_is_deleted(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Windows deletes no file that is open."""
-    monkeypatch.setattr("glmref.system.files.fcntl", None)
-    true_unlink = Path.unlink
-
-    def unlink(path: Path, missing_ok: bool = False) -> None:
-        assert not any(
-            os.path.samestat(os.stat(path), os.fstat(int(x))) for x in os.listdir("/dev/fd")
-            if os.path.exists(f"/dev/fd/{x}")
-        )  # fmt: skip
-        true_unlink(path, missing_ok)
-
-    monkeypatch.setattr(Path, "unlink", unlink)
-    with Lock(tmp_path / "lock", "it"):
-        pass
-    assert not any(tmp_path.iterdir())

@@ -1,22 +1,37 @@
-"""Records survive: keys depend on content, torn lines are dropped, others are refused."""
+"""Records survive: keys depend on content, damage is seen, what is sound is kept and not lost."""
 
 import json
 import math
 import os
+import sqlite3
+import subprocess
+import sys
 import time
+from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from glmref.compute import RecordFolder, measure, records
-from glmref.compute.records import RecordFile, checksum, finite, key_of, read_records, scan
+from glmref.compute import measure
+from glmref.compute.records import Records, checksum, finite, key_of, lines_of, made
 from glmref.errors import DataError, UsageError
-from glmref.system import files
-from glmref.system.files import Lock
 
 posix = pytest.mark.skipif(os.name != "posix", reason="links, pipes and locks of POSIX")
+ROOT = Path(__file__).resolve().parents[2]
 TASKS = [{"method": "a", "h": h} for h in (0.1, 0.2, 0.3)]
+DONE = {"outcome": "completed"}
+
+
+def three(path):
+    store = Records(path)
+    for n, task in enumerate(TASKS):
+        store.append(task, {**DONE, "state_error": 1.5e-9 * n, "notices": ["é"]})
+    return list(Records(path))
+
+
+def lines(path, *records):
+    path.write_text("".join(json.dumps(x, separators=(",", ":")) + "\n" for x in records), "utf-8")
 
 
 def test_a_key_depends_on_content_not_on_order():
@@ -40,288 +55,360 @@ def test_nan_and_infinities_become_none():
 
 
 def test_what_was_appended_is_read_back_and_not_missing(tmp_path):
-    path = tmp_path / "folder" / "records.jsonl"
-    store = RecordFile(path)
+    path = tmp_path / "folder" / "records.sqlite"
+    store = Records(path)
     for task in TASKS[:2]:
-        store.append(task, {"outcome": "completed"})
-    again = RecordFile(path)
-    assert [r["task"] for r in again.records] == TASKS[:2]
+        store.append(task, DONE)
+    again = Records(path)
+    assert [r["task"] for r in again] == TASKS[:2] and len(again) == 2
     assert list(again.missing(TASKS)) == TASKS[2:]
     assert again.find(TASKS[0])["outcome"] == "completed"
     assert again.find(TASKS[2]) is None
 
 
-def test_a_record_is_on_the_disk_when_append_returns(tmp_path):
-    path = tmp_path / "records.jsonl"
-    RecordFile(path).append(TASKS[0], {"outcome": "completed"})
-    assert path.read_text(encoding="utf-8").endswith("}\n")
-    assert len(read_records(path)) == 1
-
-
-@pytest.mark.parametrize("cut", [1, 10, 60])
-def test_a_torn_last_line_costs_that_record_only(tmp_path, cut):
-    path = tmp_path / "records.jsonl"
-    store = RecordFile(path)
-    for task in TASKS:
-        store.append(task, {"outcome": "completed"})
-    content = path.read_bytes()
-    path.write_bytes(content[:-cut])
-    again = RecordFile(path)
-    # a cut of one byte takes the newline only: the checksum shows that the record is whole
-    assert list(again.missing(TASKS)) == (TASKS[2:] if cut > 1 else [])
-    again.append(TASKS[2] if cut > 1 else {"method": "b"}, {"outcome": "completed"})
-    assert len(read_records(path)) == (3 if cut > 1 else 4)
-
-
-def test_a_torn_line_in_the_middle_is_refused_with_its_number(tmp_path):
-    path = tmp_path / "records.jsonl"
-    RecordFile(path).append(TASKS[0], {"outcome": "completed"})
-    with path.open("a", encoding="utf-8") as stream:
-        stream.write('{"broken\n{}\n')
-    with pytest.raises(DataError, match="line 2"):
-        read_records(path)
-
-
-def test_a_file_of_another_kind_is_refused(tmp_path):
-    path = tmp_path / "records.jsonl"
-    path.write_text('{"something": "else"}\n', encoding="utf-8")
-    with pytest.raises(DataError, match="line 1 is not a record of format"):
-        read_records(path)
-
-
-@pytest.mark.parametrize(
-    "text", ["[]", "7", "null", '{"format": 2}', '{"format": "glmref-record-1"}']
-)
-def test_a_line_that_is_json_but_no_record_is_refused(tmp_path, text):
-    path = tmp_path / "records.jsonl"
-    path.write_text(text + "\n", encoding="utf-8")
-    with pytest.raises(DataError, match="line 1 is not a record"):
-        RecordFile(path)
-
-
-def test_records_of_another_version_are_refused_in_one_sentence(tmp_path):
-    path = tmp_path / "records.jsonl"
-    record = RecordFile(None).append(TASKS[0], {"outcome": "completed"})
-    record["format"] = "glmref-record-2"
-    path.write_text(json.dumps({**record, "sha256": checksum(record)}) + "\n", "utf-8")
-    with pytest.raises(DataError) as caught:
-        RecordFile(path)
-    assert str(caught.value) == (
-        "records.jsonl: line 1 is a record of format 'glmref-record-2', and this version reads "
-        "'glmref-record-1'; move the file away to measure anew"
-    )
-
-
 def test_without_a_path_records_stay_in_memory():
-    store = RecordFile(None)
-    store.append(TASKS[0], {"outcome": "completed"})
-    assert store.find(TASKS[0]) is not None
+    store = Records(None)
+    store.append(TASKS[0], DONE)
+    assert store.find(TASKS[0]) is not None and len(store) == 1
 
 
 def test_a_record_that_json_cannot_hold_is_refused_and_not_written(tmp_path):
-    path = tmp_path / "records.jsonl"
-    store = RecordFile(path)
+    store = Records(tmp_path / "records.sqlite")
     with pytest.raises(ValueError):
-        store.append(TASKS[0], {"error": math.inf})
-    assert store.find(TASKS[0]) is None
-    assert read_records(path) == []
-
-
-def three(path):
-    store = RecordFile(path)
-    for n, task in enumerate(TASKS):
-        store.append(task, {"outcome": "completed", "state_error": 1.5e-9 * n, "notices": ["é"]})
-    return path.read_bytes(), store.records
-
-
-@pytest.mark.slow
-def test_no_bit_flips_unseen(tmp_path):
-    path = tmp_path / "records.jsonl"
-    whole, right = three(path)
-    for bit in range(0, 8 * len(whole), 7):  # every byte, and every place in a byte
-        content = bytearray(whole)
-        content[bit // 8] ^= 1 << bit % 8
-        path.write_bytes(bytes(content))
-        store = RecordFile(path)
-        lost = list(store.missing(TASKS))
-        assert len(lost) <= 1, bit
-        for record in store.records:  # what is kept is what was written
-            assert record in right, bit
-        with store.exclusive():  # which repairs the file
-            for task in lost:
-                store.append(task, {"outcome": "completed"})
-        assert bool(lost) <= bool(store.notices), bit
-        assert sorted(r["key"] for r in read_records(path)) == sorted(r["key"] for r in right)
-        path.with_name("records.jsonl.aside").unlink(missing_ok=True)
-
-
-@pytest.mark.parametrize("room", [0, 1, 50, 200])
-def test_a_disk_that_fills_in_the_middle_of_a_record_leaves_no_part_of_it(
-    tmp_path, monkeypatch, room
-):
-    path = tmp_path / "records.jsonl"
-    store = RecordFile(path)
-    store.append(TASKS[0], {"outcome": "completed"})
-    before = path.read_bytes()
-    write = os.write
-    left = [room]
-
-    def full(descriptor, content):
-        if os.fstat(descriptor).st_size < len(before):
-            return write(descriptor, content)  # the lock's
-        if not left[0]:
-            raise OSError(28, "No space left on device")
-        done = write(descriptor, bytes(content)[: left[0]])
-        left[0] -= done
-        return done
-
-    with monkeypatch.context() as patch:
-        patch.setattr(os, "write", full)
-        with pytest.raises(UsageError) as caught:
-            store.append(TASKS[1], {"outcome": "completed", "message": "x" * 300})
-    assert "cannot be written (No space left on device); the 1 records before" in str(caught.value)
-    assert path.read_bytes() == before
-    store.append(TASKS[1], {"outcome": "completed"})
-    assert [r["task"] for r in read_records(path)] == TASKS[:2]
-
-
-def test_records_without_a_checksum_stay_readable(tmp_path):
-    path = tmp_path / "records.jsonl"
-    _, right = three(path)
-    old = [{key: x for key, x in record.items() if key != "sha256"} for record in right]
-    path.write_text("".join(json.dumps(record) + "\n" for record in old), encoding="utf-8")
-    assert read_records(path) == old
-    assert not list(RecordFile(path).missing(TASKS)) and not RecordFile(path).faulty
+        store.append_all([(TASKS[0], DONE), (TASKS[1], {"error": math.inf})])
+    assert list(store) == [] and list(tmp_path.iterdir()) == []
 
 
 def test_a_store_that_is_only_read_changes_nothing(tmp_path):
-    path = tmp_path / "records.jsonl"
-    whole, _ = three(path)
-    path.write_bytes(whole[:-20])
-    assert len(RecordFile(path).records) == 2
-    assert path.read_bytes() == whole[:-20]  # another process may be writing that line
-    assert [x.name for x in tmp_path.iterdir()] == [path.name]
+    path = tmp_path / "records.sqlite"
+    right = three(path)
+    whole = path.read_bytes()
+    store = Records(path)
+    assert list(store) == right and not list(store.missing(TASKS))
+    store.close()
+    assert path.read_bytes() == whole
+    assert list(tmp_path.iterdir()) == [path]  # no log and no lock at rest
+
+
+def test_a_file_that_cannot_be_written_is_read(tmp_path):
+    path = tmp_path / "records.sqlite"
+    right = three(path)
+    path.chmod(0o400)
+    tmp_path.chmod(0o500)
+    try:
+        assert list(Records(path)) == right
+    finally:
+        tmp_path.chmod(0o700)
+
+
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+from glmref.compute import Records
+store = Records(Path(sys.argv[1]))
+with store.exclusive():
+    store.append({"n": 1}, {"outcome": "completed"})
+    with store._file:
+        store._file.execute("INSERT INTO record VALUES ('half', 'written')")
+        os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+@posix
+def test_a_writer_that_is_killed_in_a_transaction_loses_that_and_nothing_else(tmp_path):
+    path = tmp_path / "records.sqlite"
+    three(path)
+    done = subprocess.run(
+        [sys.executable, "-c", KILLED, str(path)],
+        env={**os.environ, "PYTHONPATH": str(ROOT)}, check=False,
+    )  # fmt: skip
+    assert done.returncode == -9
+    assert [x["task"] for x in Records(path)] == [*TASKS, {"n": 1}]  # its log is read
+    store = Records(path)
+    store.append({"n": 2}, DONE)  # its lock has ended with it
+    assert len(store) == 5 and store.notices == []
+    store.close()
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@posix
+@pytest.mark.parametrize("room", [0, 20_000, 60_000])
+def test_a_disk_that_fills_costs_no_record_that_was_there(tmp_path, room):
+    path = tmp_path / "records.sqlite"
+    right = three(path)
+    script = (
+        "import resource, sys\nfrom pathlib import Path\nfrom glmref.compute import Records\n"
+        "from glmref.errors import UsageError\n"
+        f"resource.setrlimit(resource.RLIMIT_FSIZE, ({room}, {room}))\n"
+        "store = Records(Path(sys.argv[1]))\n"
+        "try:\n    for n in range(50): store.append({'n': n}, {'message': 'x' * 3000})\n"
+        "except UsageError as error: print(error)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script, str(path)], capture_output=True, text=True,
+        env={**os.environ, "PYTHONPATH": str(ROOT)}, check=True,
+    )  # fmt: skip
+    assert "cannot be written (" in done.stdout, (done.stdout, done.stderr)
+    found = list(Records(path))
+    assert found[:3] == right
+    assert f"the {len(found)} records before" in done.stdout or room < 40_000
+    assert [x["task"]["n"] for x in found[3:]] == list(range(len(found) - 3))
+    Records(path).append({"n": 99}, DONE)
+    assert len(Records(path)) == len(found) + 1
+
+
+def flips(path, right, bits):
+    """Flip bits of a file, one at a time; what is read is right or missing, and can be repaired."""
+    whole = path.read_bytes()
+    refused = 0
+    for bit in bits:
+        content = bytearray(whole)
+        content[bit // 8] ^= 1 << bit % 8
+        path.write_bytes(bytes(content))
+        try:
+            store = Records(path)
+            assert all(x in right for x in store), bit
+            lost = list(store.missing(TASKS))
+            with store.exclusive():
+                for task in store.missing(TASKS):
+                    store.append(task, DONE)
+        except (DataError, UsageError) as error:
+            assert "move it away" in str(error) or "a readonly database" in str(error), bit
+            refused += 1
+        else:
+            assert not lost or store.notices, bit
+            assert sorted(x["key"] for x in store) == sorted(x["key"] for x in right), bit
+        finally:
+            for other in path.parent.iterdir():
+                other.unlink()
+    return refused
+
+
+def test_a_bit_of_a_record_that_flips_costs_that_record(tmp_path):
+    path = tmp_path / "records.sqlite"
+    right = three(path)
+    content = path.read_bytes()
+    begin = content.find(b'{"format"')
+    assert flips(path, right, range(8 * begin, 8 * begin + 800, 23)) == 0
+
+
+@pytest.mark.slow
+def test_no_bit_of_a_file_flips_unseen(tmp_path):
+    path = tmp_path / "records.sqlite"
+    right = three(path)
+    size = 8 * path.stat().st_size
+    refused = flips(path, right, [*range(0, 8 * 600, 7), *range(8 * 600, size, 41)])
+    assert refused < 1000  # the head of the file and its table of contents
+
+
+def test_a_damaged_file_is_kept_beside_the_new_one(tmp_path):
+    path = tmp_path / "records.sqlite"
+    store = Records(path)
+    with store.exclusive():
+        for n in range(200):
+            store.append({"n": n}, {**DONE, "message": "x" * 200})
+    store.close()
+    content = bytearray(path.read_bytes())
+    page = content.find(b'"task":{"n":100}') // 4096  # a page of records in the middle
+    content[page * 4096 : page * 4096 + 1000] = b"\xff" * 1000
+    path.write_bytes(bytes(content))
+    store = Records(path)
+    assert measure(_squares, [{"n": n} for n in range(200)], store) > 0
+    assert sorted(x["task"]["n"] for x in store) == list(range(200))
+    assert store.notices == ["records.sqlite is damaged; what cannot be read is measured again"]
+    assert path.with_name("records.sqlite.damaged").read_bytes() == content
+    assert sum("square" in x for x in store) < 40  # the others were kept
+
+
+@pytest.mark.parametrize(
+    ("content", "why"),
+    [(b"of somebody" * 99, "file is not a database"), (None, "it has other tables")],
+)
+def test_a_file_of_another_kind_is_refused_and_left_as_it_is(tmp_path, content, why):
+    path = tmp_path / "records.sqlite"
+    if content is None:
+        with sqlite3.connect(path) as other:
+            other.execute("CREATE VIEW record AS SELECT 'k' AS key, 'x' AS record")
+        other.close()
+    else:
+        path.write_bytes(content)
+    before = path.read_bytes()
+    with pytest.raises(DataError, match=rf"records.sqlite is not a file of records \({why}\)"):
+        Records(path)
+    assert path.read_bytes() == before
 
 
 @posix
 def test_a_link_called_as_the_lock_is_not_followed(tmp_path):
     precious = tmp_path / "precious"
-    precious.write_text("mine", encoding="utf-8")
-    (tmp_path / ".records.jsonl.lock").symlink_to(precious)
-    with pytest.raises(UsageError, match="cannot be written"):
-        RecordFile(tmp_path / "records.jsonl").append(TASKS[0], {"outcome": "completed"})
-    assert precious.read_text(encoding="utf-8") == "mine"
+    for content in ("mine", None):
+        precious.unlink(missing_ok=True)
+        if content:
+            precious.write_text(content, encoding="utf-8")
+        (tmp_path / ".records.sqlite.lock").unlink(missing_ok=True)
+        (tmp_path / ".records.sqlite.lock").symlink_to(precious)
+        with pytest.raises(UsageError, match="cannot be written"):
+            Records(tmp_path / "records.sqlite").append(TASKS[0], DONE)
+        assert not content or precious.read_text(encoding="utf-8") == "mine"
+        assert precious.exists() == bool(content)
 
 
 @posix
 def test_a_file_has_one_lock_whatever_links_lead_to_it(tmp_path):
-    path, link = tmp_path / "a" / "records.jsonl", tmp_path / "b" / "linked.jsonl"
-    RecordFile(path).append(TASKS[0], {"outcome": "completed"})
+    path, link = tmp_path / "a" / "records.sqlite", tmp_path / "b" / "linked.sqlite"
+    Records(path).append(TASKS[0], DONE)
     link.parent.mkdir()
     link.symlink_to(path)
-    with RecordFile(link).exclusive(), pytest.raises(UsageError, match="is in use by process"):
-        RecordFile(path).append(TASKS[1], {"outcome": "completed"})
+    with Records(link).exclusive(), pytest.raises(UsageError, match="is in use by process"):
+        Records(path).append(TASKS[1], DONE)
+
+
+HOLD = """
+import sys
+from pathlib import Path
+from glmref.compute import Records
+with Records(Path(sys.argv[1])).exclusive():
+    print("held", flush=True)
+    sys.stdin.read()
+"""
 
 
 @posix
-def test_a_pipe_in_place_of_the_file_for_damaged_lines_is_refused_at_once(tmp_path):
-    path = tmp_path / "records.jsonl"
-    RecordFile(path).append(TASKS[0], {"outcome": "completed"})
-    path.write_bytes(path.read_bytes() + b"damaged\n")
-    os.mkfifo(tmp_path / "records.jsonl.aside")
-    with pytest.raises(UsageError, match="cannot be written"):
-        RecordFile(path).append(TASKS[1], {"outcome": "completed"})
+@pytest.mark.parametrize("end", ["kill", "close"])
+def test_a_lock_says_who_holds_it_and_ends_with_its_holder(tmp_path, end):
+    path = tmp_path / "records.sqlite"
+    holder = subprocess.Popen(
+        [sys.executable, "-c", HOLD, str(path)], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )  # fmt: skip
+    assert holder.stdin is not None and holder.stdout is not None
+    assert holder.stdout.readline() == b"held\n"
+    with pytest.raises(UsageError, match=rf"is in use by process {holder.pid}; wait until"):
+        Records(path).append(TASKS[0], DONE)
+    assert list(Records(path)) == []  # it can be read meanwhile
+    if end == "kill":
+        holder.kill()
+    holder.stdin.close()
+    holder.wait()
+    holder.stdout.close()
+    Records(path).append(TASKS[0], DONE)
+    assert list(tmp_path.iterdir()) == [path]
 
 
-@pytest.mark.parametrize("how", ["deleted", "replaced", "changed"])
-def test_a_file_that_another_program_changes_is_not_written_on(tmp_path, how):
-    path = tmp_path / "records.jsonl"
-    store = RecordFile(path)
+def test_a_lock_that_its_holder_deletes_meanwhile_is_not_taken_twice(tmp_path, monkeypatch):
+    """One of the two would write without a lock."""
+    path = tmp_path / "records.sqlite"
+    connect, first = sqlite3.connect, []
+
+    def late(place, *rest, **options):
+        found = connect(place, *rest, **options)
+        if str(place).endswith(".lock") and not first:
+            first.append(place)
+            place.unlink()  # its holder ends between the two calls
+        return found
+
+    monkeypatch.setattr(sqlite3, "connect", late)
+    with Records(path).exclusive(), pytest.raises(UsageError, match="is in use"):
+        Records(path).append(TASKS[0], DONE)
+
+
+@pytest.mark.parametrize("how", ["deleted", "replaced"])
+def test_a_file_that_another_program_moves_is_not_written_on(tmp_path, how):
+    path = tmp_path / "records.sqlite"
+    store = Records(path)
     with store.exclusive():
-        store.append(TASKS[0], {"outcome": "completed"})
-        if how == "changed":
-            path.write_bytes(path.read_bytes() + b"x\n")
-        else:
-            path.unlink()
+        store.append(TASKS[0], DONE)
+        path.unlink()
         if how == "replaced":
             path.write_bytes(b"of somebody\n")
-        before = path.read_bytes() if path.exists() else None
-        with pytest.raises(UsageError, match="changed, moved or deleted"):
-            store.append(TASKS[1], {"outcome": "completed"})
-    assert (path.read_bytes() if path.exists() else None) == before
+        with pytest.raises(UsageError, match="moved or deleted"):
+            store.append(TASKS[1], DONE)
+    assert (path.read_bytes() if path.exists() else None) == (
+        b"of somebody\n" if how == "replaced" else None
+    )
 
 
-def test_without_locks_of_the_system_an_empty_lock_file_is_respected(tmp_path, monkeypatch):
-    """On a full disk the holder cannot write who it is."""
-    monkeypatch.setattr(Lock, "_flock", lambda *_: False)
-    monkeypatch.setattr(Lock, "_sign", lambda *_: None)
-    first, second = (Lock(tmp_path / ".lock", "it") for _ in range(2))
-    with (
-        first,
-        pytest.raises(UsageError, match=r"in use by another process.*delete .*\.locked"),
-    ):
-        second.acquire()
-    assert list(tmp_path.iterdir()) == []
-    with Lock(tmp_path / ".lock", "it"):
-        pass
+# --- files of earlier versions: a record a line ----------------------------------------------------
 
 
-def _squares(task):
-    return {"outcome": "completed", "square": task["n"] ** 2}
+def test_records_in_lines_are_taken_over_and_their_file_is_left(tmp_path):
+    right = [made(task, DONE) for task in TASKS]
+    old = [{k: x for k, x in right[0].items() if k != "sha256"}, *right[1:]]  # of version 0.1.0
+    lines(tmp_path / "records.jsonl", *old)
+    before = (tmp_path / "records.jsonl").read_bytes()
+    store = Records(tmp_path / "records.sqlite")
+    assert not list(store.missing(TASKS)) and len(store) == 3
+    assert list(tmp_path.iterdir()) == [tmp_path / "records.jsonl"]  # reading writes nothing
+    store.append({"n": 1}, DONE)
+    assert list(Records(tmp_path / "records.sqlite")) == [*right, made({"n": 1}, DONE)]
+    assert (tmp_path / "records.jsonl").read_bytes() == before
+    # and where the earlier name is given
+    assert len(Records(tmp_path / "records.jsonl")) == 4
 
 
-def test_a_folder_whose_first_file_was_deleted_goes_on(tmp_path):
-    tasks = [{"n": k} for k in range(10)]
-    measure(_squares, tasks[:6], RecordFolder(tmp_path, each=3))
-    (tmp_path / "records-000001.jsonl").unlink()
-    assert measure(_squares, tasks, RecordFolder(tmp_path, each=3)) == 7  # did not end
-    assert sorted(x["square"] for x in RecordFolder(tmp_path).records()) == [
-        k * k for k in range(10)
-    ]
+def test_the_files_of_a_campaign_are_taken_over(tmp_path):
+    for n, task in enumerate(TASKS, start=1):
+        lines(tmp_path / f"records-{n:06}.jsonl", made(task, DONE))
+    lines(tmp_path / "records-quick.jsonl", made({"n": 1}, DONE))  # of another scene
+    assert [x["task"] for x in Records(tmp_path / "records.sqlite")] == TASKS
 
 
-def test_a_copy_of_a_file_in_a_folder_is_refused(tmp_path):
-    measure(_squares, [{"n": k} for k in range(3)], RecordFolder(tmp_path))
-    first = tmp_path / "records-000001.jsonl"
-    (tmp_path / "records-000002.jsonl").write_bytes(first.read_bytes())
-    with pytest.raises(DataError, match=r"records-000002\.jsonl: 3 of its records"):
-        RecordFolder(tmp_path)
-
-
-def test_each_bit_of_a_record_that_flips_is_seen(tmp_path):
+def test_damage_of_lines_costs_the_lines_it_hit(tmp_path):
     path = tmp_path / "records.jsonl"
-    measured = {"error": 1.2345e-08, "seconds": 0.0019999999999999914, "outcome": "completed"}
-    RecordFile(path).append(TASKS[0], measured)
-    content, right = path.read_bytes(), read_records(path)
+    lines(path, *(made(task, DONE) for task in TASKS))
+    first, second, third = path.read_bytes().splitlines(keepends=True)
+    path.write_bytes(b"not a record\n" + first + second.replace(b"0.2", b"0.7") + third[:-9])
+    store = Records(path)
+    assert [x["task"] for x in store] == TASKS[:1] and list(store.missing(TASKS)) == TASKS[1:]
+    (said,) = store.notices
+    assert said == (
+        "records.jsonl: line 1: it is not JSON, and 2 lines more; what cannot be read is measured "
+        "again"
+    )
+
+
+@pytest.mark.parametrize("text", ["[]", "7", "null", '{"format": 2}', '{"something": "else"}',
+                                  '{"format": "glmref-record-1"}'])  # fmt: skip
+def test_a_file_of_lines_that_are_no_records_is_refused(tmp_path, text):
+    path = tmp_path / "records.jsonl"
+    path.write_text(text + "\n", encoding="utf-8")
+    with pytest.raises(DataError, match=r"records.jsonl: line 1: it.*; move the file away"):
+        Records(tmp_path / "records.sqlite")
+
+
+def test_records_of_another_version_are_refused_in_one_sentence(tmp_path):
+    record = made(TASKS[0], DONE)
+    record["format"] = "glmref-record-2"
+    lines(tmp_path / "records.jsonl", {**record, "sha256": checksum(record)})
+    with pytest.raises(DataError) as caught:
+        Records(tmp_path / "records.sqlite")
+    assert str(caught.value) == (
+        "records.jsonl: line 1: its format is 'glmref-record-2', and this version reads "
+        "'glmref-record-1'; move the file away to measure anew"
+    )
+
+
+def test_each_bit_of_a_line_that_flips_is_seen(tmp_path):
+    path = tmp_path / "records.jsonl"
+    lines(path, made(TASKS[0], {"error": 1.2345e-08, "seconds": 0.0019999999999999914, **DONE}))
+    content = path.read_bytes()
+    ((_, right, _),) = lines_of(path)
     for k in range(8 * (len(content) - 1)):
         changed = bytearray(content)
         changed[k // 8] ^= 1 << k % 8
         path.write_bytes(changed)
-        found = scan(path)
-        assert found.faults and found.records in ([], right), (k, bytes(changed))
+        found = [(record, why) for _, record, why in lines_of(path)]
+        assert all(record is None and why for record, why in found), (k, bytes(changed), right)
 
 
-@pytest.mark.parametrize("piece", [b'{"format":"', b'{"format":"x","a":'])
-def test_a_long_line_that_begins_as_many_records_is_read_in_linear_time(tmp_path, piece):
+@pytest.mark.parametrize("piece", [b'{"format":"', b'{"format":"x","a":', b"[", b"9"])
+def test_a_long_line_is_read_in_linear_time(tmp_path, piece):
     path = tmp_path / "records.jsonl"
-    RecordFile(path).append(TASKS[0], {"outcome": "completed"})
-    path.write_bytes(path.read_bytes()[:-1] + piece * 100_000)  # took half a minute
+    path.write_bytes(piece * 100_000)
     begun = time.process_time()
-    assert len(scan(path).records) == 1
+    assert [record for _, record, _ in lines_of(path)] == [None]
     assert time.process_time() - begun < 2
 
 
-def test_the_ends_of_lines_of_a_file_are_not_changed_on_windows(tmp_path, monkeypatch):
-    binary, flags, true_open = 1 << 40, {}, os.open
-
-    def seen(path, given, mode=0o777):
-        flags.setdefault(str(path), []).append(given & binary)
-        return true_open(path, given & ~binary, mode)
-
-    monkeypatch.setattr(os, "open", seen)
-    for module in (files, records):
-        monkeypatch.setattr(module, "BINARY", binary)
-    path = tmp_path / "records.jsonl"
-    measure(lambda task: {"x": 1}, [{"method": "a"}], RecordFile(path))
-    files.read_bytes(path, 1000)
-    assert flags[str(path)] == [binary] * len(flags[str(path)])
+def _squares(task):
+    return {"outcome": "completed", "square": task["n"] ** 2}

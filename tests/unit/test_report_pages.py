@@ -15,7 +15,7 @@ import glmref
 from glmref import scenes
 from glmref.catalogue.lookup import data_root, document, names
 from glmref.cli import main
-from glmref.compute.records import RecordFile
+from glmref.compute.records import Records
 from glmref.errors import UsageError
 from glmref.report import build, read
 from glmref.report.markup import number
@@ -64,7 +64,7 @@ def table(path: Path, id_: str) -> list[dict[str, str]]:
 @pytest.fixture(scope="module")
 def records(tmp_path_factory: pytest.TempPathFactory) -> list[dict[str, Any]]:
     """Real records of a short run."""
-    store = RecordFile(tmp_path_factory.mktemp("run") / "oscillator-quick.jsonl")
+    store = Records(tmp_path_factory.mktemp("run") / "oscillator-quick.sqlite")
     return scenes.run(scenes.load_scene("oscillator", quick=True), store)
 
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from glmref.catalogue.lookup import data_root
 from glmref.cli import main
-from glmref.compute.records import RecordFile
+from glmref.compute.records import Records
 from glmref.errors import DataError, GlmrefError, UsageError
 from glmref.scenes import answer, charts, load_scene, names, orbits, plan, reading, rows, run
 from glmref.scenes.answers import duration, seconds_at
@@ -373,21 +373,21 @@ def test_a_plan_is_plain_json(tmp_path):
 
 def test_a_scene_runs_and_a_second_run_measures_nothing(tmp_path):
     scene = load_scene(write(tmp_path))
-    path = tmp_path / "small.jsonl"
+    path = tmp_path / "small.sqlite"
     seen = []
-    first = run(scene, RecordFile(path), advance=lambda task, record: seen.append(record))
+    first = run(scene, Records(path), advance=lambda task, record: seen.append(record))
     assert len(first) == len(seen) == 4
     content = path.read_bytes()
-    again = run(scene, RecordFile(path), advance=lambda task, record: seen.append(record))
+    again = run(scene, Records(path), advance=lambda task, record: seen.append(record))
     assert (again, len(seen), path.read_bytes()) == (first, 4, content)
 
 
 def test_one_more_step_size_measures_only_that(tmp_path):
-    path = tmp_path / "small.jsonl"
-    run(load_scene(write(tmp_path)), RecordFile(path))
+    path = tmp_path / "small.sqlite"
+    run(load_scene(write(tmp_path)), Records(path))
     seen = []
     more = load_scene(write(tmp_path, SMALL.replace("[20, 40]", "[20, 40, 80]")))
-    records = run(more, RecordFile(path), advance=lambda task, record: seen.append(task["steps"]))
+    records = run(more, Records(path), advance=lambda task, record: seen.append(task["steps"]))
     assert seen == [80, 80]
     assert len(records) == 6
 

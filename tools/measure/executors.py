@@ -22,7 +22,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from glmref.compute import RecordFolder, executor, measure
+from glmref.compute import Records, executor, measure
 from glmref.measure.timing import circumstances
 
 EMPTY, FIFTY, SECONDS, ROUNDS = 10_000, 100, 0.05, 5
@@ -113,16 +113,17 @@ def many(on: str, count: int, limit: float) -> dict[str, Any]:
             sys.stderr.write(f"{seen[-1]}\n")
 
     with tempfile.TemporaryDirectory() as name, executor(on) as where:
-        store = RecordFolder(Path(name), each=10_000)
+        file = Path(name, "records.sqlite")
+        store = Records(file)
         begun, spent = time.perf_counter(), _processor_seconds()
         measure(
             nothing, tasks(count), store, where,
             advance=advance, stop=lambda: time.perf_counter() - begun > limit,
         )  # fmt: skip
         seconds, spent = time.perf_counter() - begun, _processor_seconds() - spent
-        size = sum(path.stat().st_size for path in store.files())
+        size = file.stat().st_size
         again = time.perf_counter()
-        left = sum(1 for _ in RecordFolder(Path(name)).missing(tasks(done)))
+        left = sum(1 for _ in Records(file).missing(tasks(done)))
         again = time.perf_counter() - again
     assert left == 0
     return {

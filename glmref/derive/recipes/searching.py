@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from ...compute import RecordFile, executor, measure
+from ...compute import Records, executor, measure
 from ...errors import GlmrefError, UsageError
 from ...findings import Proof
 from ..ansatz import Ansatz
@@ -90,7 +90,7 @@ def _ends(
     progress: Progress,
 ) -> Iterator[Found]:
     """Ends of all starts in order; those that the state lacks are computed first."""
-    store = RecordFile(Path(options["state"]) if options["state"] else None)
+    store = Records(Path(options["state"]) if options["state"] else None)
     tasks = list(tasks_of(ansatz, seed=seed, starts=starts, scale=scale))
     done = sum(task["starts"] for task in tasks if store.find(task))
 
