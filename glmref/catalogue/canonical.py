@@ -172,7 +172,7 @@ def datapackage(root: Path, head: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def refresh(root: Path) -> list[Path]:
-    """Bring the method files into canonical form, then datapackage.json and SHA256SUMS up to date.
+    """Bring the method files into canonical form, lay out the hostile ones, update the hashes.
 
     Returns
     -------
@@ -194,6 +194,8 @@ def refresh(root: Path) -> list[Path]:
     for folder in ("methods", "broken"):
         for path in sorted((root / folder).rglob("*.json")):
             put(path, canonical(json.loads(path.read_text(encoding="utf-8"))))
+    for path in sorted((root / "hostile").glob("*.json")):
+        put(path, laid_out(json.loads(path.read_text(encoding="utf-8"))))
     package = root / _PACKAGE
     head = json.loads(package.read_text(encoding="utf-8"))
     put(package, canonical(datapackage(root, head)))
