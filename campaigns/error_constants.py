@@ -20,6 +20,7 @@ from glmref.catalogue.lookup import load, names
 from glmref.prove.facts import facts_of
 from glmref.theory.error_constants import error_norm
 from glmref.theory.order import OrderResult, highest_order, order_of
+from glmref.theory.trees import MAX_ORDER
 
 #: So many trees are named, those with the largest residuals.
 LARGEST = 8
@@ -35,11 +36,14 @@ def row(case: Mapping[str, Any]) -> dict[str, Any]:
         ``norm``, Euclidean, of residual over symmetry; ``largest``, pairs of a tree and its
         residual (its modulus where it is complex). Of a pair with an order of its own on
         second-order systems, ``nystrom`` has the same on the trees that count there, where all
-        trees of order p + 1 are compared.
+        trees of order p + 1 are compared. Trees of an order above 13 are not: ``trees`` is 0.
     """
     facts = facts_of(load(case["method"]))
     method, claims = facts.method, facts.method.claims
     result = facts.classical_order
+    if result.at_least and claims["order"] >= MAX_ORDER:
+        empty = {"trees": 0, "nonzero": 0, "norm": 0.0, "largest": []}
+        return {"order": int(claims["order"]), **empty}
     if result.at_least:  # trees are compared up to an order by default, and none fails there
         result = order_of(method, max_order=int(claims["order"]) + 1, principal="identity")
     found = _constants(result)

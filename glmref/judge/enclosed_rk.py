@@ -9,13 +9,19 @@ from .krawczyk import Linear, at_values
 from .linalg import apply, dot, placewise
 from .numbers import is_nil, total
 from .refusals import keys, require
-from .trees import LEAF, attach, gamma, pool_of, read_tree, size, trees
+from .trees import LEAF, attach, gamma, is_coloured, pool_of, read_tree
 
-RK_EQUATION = re.compile(r"order (\S+)|embedded (.+) (\S+)|column ([1-9][0-9]?)")
+RK_EQUATION = re.compile(r"order (\S+)|embedded (.+) (\S+)|column ([1-9][0-9]?)"
+                         r"|stage ([1-9][0-9]?) ([1-9][0-9]?)")  # fmt: skip
+
+
+def bush(n):
+    """Return the tree of n vertices whose root has leaves only."""
+    return "o", (LEAF,) * (n - 1)
 
 
 class RungeKutta(Enclosed):
-    """A file of class rk or rosenbrock with an enclosure: trees, and D(1) at columns (6.8)."""
+    """A file of class rk or rosenbrock with an enclosure: trees, D(1), C(k) at stages (6.8)."""
 
     def prepare(self):
         """Read what stands below a vertex, the rows of weights and the equations."""
@@ -34,6 +40,7 @@ class RungeKutta(Enclosed):
         self.rows = {None: self.numbers.vector(doc["b"], doc)}
         for row in doc.get("embedded", []):
             keys(row, "name b", where="embedded")
+            require(row["name"] not in ("column", "stage"), "a row with the name of an equation")
             self.rows[row["name"]] = self.numbers.vector(row["b"], doc)
         self.s = len(self.A)
         shapes = [len(x) for x in (*self.A, *self.rows.values())]
@@ -41,19 +48,25 @@ class RungeKutta(Enclosed):
         self.equations = [self.read(text) for text in self.texts]
         self.columns = len(self.below) == 1 and all(
             ("column", j) in self.equations or self.vanishes(j) for j in range(self.s))  # fmt: skip
+        self.mirrored = len(self.below) == 1 and self.is_mirrored()
+        self.gauss = len(self.below) == 1 and self.is_gauss()
 
     def read(self, text):
-        """Return an equation ("column", j) or (row, tree)."""
+        """Return an equation ("column", j), ("stage", (i, k)) or (row, tree)."""
         found = isinstance(text, str) and RK_EQUATION.fullmatch(text)
         require(found, f"{str(text)[:40]!r} is no equation")
-        first, row, second, column = found.groups()
+        first, row, second, column, *stage = found.groups()
+        if stage[0]:
+            i, k = map(int, stage)
+            require(len(self.below) == 1 and max(i, k) <= self.s, "an equation names another stage")
+            return "stage", (i - 1, k)
         if column:
             one = len(self.below) == 1
             require(one and int(column) <= self.s, "an equation names another column")
             return "column", int(column) - 1
         require(row is None or row in self.rows, "an equation names another row")
         tree = read_tree(first or second)
-        require(tree in trees(self.palette, size(tree)), "an equation names another tree")
+        require(is_coloured(tree, self.palette), "an equation names another tree")
         return row, self.plain(tree)
 
     def plain(self, t):
@@ -84,9 +97,42 @@ class RungeKutta(Enclosed):
         def weights(t):
             return placewise(self.s, [apply(matrices[t[0]], weights(child)) for child in t[1]])
 
-        return [self.column(A, rows[None], what) if row == "column"
-                else dot(rows[row], weights(what)) - Fraction(1, gamma(what))
-                for row, what in self.equations]  # fmt: skip
+        def residual(row, what):
+            if row == "column":
+                return self.column(A, rows[None], what)
+            if row == "stage":
+                i, k = what
+                c_to_k = weights(bush(k + 1))[i] * Fraction(1, k)
+                return dot(A[i], weights(bush(k))) - c_to_k
+            return dot(rows[row], weights(what)) - Fraction(1, gamma(what))
+
+        return [residual(*equation) for equation in self.equations]
+
+    def is_mirrored(self):
+        """Tell whether a_i'j' = b_j - a_ij and b_j' = b_j identically, i' = s + 1 - i."""
+        b = self.rows[None]
+        gaps = [x - y for x, y in zip(b, reversed(b), strict=True)]
+        for row, other in zip(self.A, reversed(self.A), strict=True):
+            gaps += [x + y - z for x, y, z in zip(row, reversed(other), b, strict=True)]
+        return all(map(is_nil, gaps))
+
+    def has_stage(self, i, k):
+        """Tell whether C(k) is given at a stage where it is so below k (6.8)."""
+        mirror = self.s - 1 - i
+        return k == 1 or ("stage", (i, k)) in self.equations or (self.mirrored and (
+            ("stage", (mirror, k)) in self.equations or (i == mirror and k % 2 == 1)))  # fmt: skip
+
+    def is_gauss(self):
+        """Tell whether B(2 s) and C(s) are given: it is the Gauss method then (6.8)."""
+        quadrature = all(
+            (self.mirrored and k % 2 == 0)
+            or (None, bush(k)) in self.equations
+            or (k == 1 and is_nil(total(self.rows[None]) - 1))
+            for k in range(1, 2 * self.s + 1)
+        )
+        return quadrature and all(
+            self.has_stage(i, k) for k in range(1, self.s + 1) for i in range(self.s)
+        )
 
     def given(self, t, row):
         """Tell whether the condition of a tree follows from the equations (6.8)."""
@@ -106,6 +152,9 @@ class RungeKutta(Enclosed):
         """Refuse unless the equations give order p with the weights of a row."""
         require(not nystrom and identity_mode, "one value is carried")
         require(row in self.rows, "no row of embedded has the name")
+        if row is None and self.gauss:
+            require(p <= 2 * self.s, "the Gauss method has order 2 s")
+            return
         for n in range(1, p + 1):
             fine = all(self.given(t, row) for t in pool_of(method, n, nystrom))
             require(fine, f"the conditions of order {n}")
@@ -116,11 +165,14 @@ class RungeKutta(Enclosed):
             return len(self.rows) > 1 and all(self.given(LEAF, row) for row in self.rows)
         if len(self.below) > 1:
             return False
+        if claim in ("symplectic", "g-symplectic", "symmetric", "a-stable"):
+            return self.gauss
         return claim == "preconsistent" or (claim == "consistent" and self.given(LEAF, None))
 
     def zero_growths(self):
         """No growth parameter is an equation."""
 
     def stage_order_holds(self, q, p):
-        """Refuse all but q = 1, which c = A 1 is."""
-        require(len(self.below) == 1 and q == 1 <= p, "the stages are not given")
+        """Refuse all but q = 1, which c = A 1 is, and q <= s of the Gauss method."""
+        most = self.s if self.gauss else 1
+        require(len(self.below) == 1 and q <= min(p, most), "the stages are not given")

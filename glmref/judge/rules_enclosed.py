@@ -13,7 +13,7 @@ from .trees import PATHS, mode
 def implied_order(proof, w):
     """Rule implied-order."""
     identity_mode, nystrom = mode(w)
-    p = whole(w["order"], 1, 14)
+    p = whole(w["order"], 1, 20)
     require(nystrom not in PATHS, "paths decide for exact pairs")
     root = proof.root()
     more = (proof.row, proof.method) if isinstance(root, RungeKutta) else ()

@@ -6,7 +6,20 @@ from .linalg import apply, equal, is_exact, kernel, less, ones
 from .numbers import apart, total, vanishes
 from .refusals import require, whole
 from .series import path_orders
-from .trees import PATHS, gamma, mode, pool_of, read_tree, show, size, through
+from .trees import (
+    PATHS,
+    gamma,
+    is_coloured,
+    is_nystrom,
+    mode,
+    paths,
+    pool_of,
+    read_tree,
+    show,
+    size,
+    stands,
+    through,
+)
 
 
 def preconsistent(proof, w, consistent=False):
@@ -23,7 +36,7 @@ def not_preconsistent(proof, w, consistent=False):
 def asked(proof, w):
     """Return (order, identity?, which trees) of a witness."""
     identity_mode, nystrom = mode(w)
-    return whole(w["order"], 0, 20 if nystrom in PATHS else 14), identity_mode, nystrom
+    return whole(w["order"], 0, 20), identity_mode, nystrom
 
 
 def order_at_least(proof, w):
@@ -62,8 +75,15 @@ def order_at_most(proof, w):
 
 def named_tree(proof, w, order, nystrom):
     """Return the tree of a witness, which must be one of this order."""
-    tree = read_tree(w.get("tree"))
-    require(tree in pool_of(proof.method, order, nystrom), "the tree has another order")
+    tree, method = read_tree(w.get("tree")), proof.method
+    fine = size(tree) == order and (
+        tree in paths(method.palette, order)
+        if nystrom in PATHS
+        else is_coloured(tree, method.palette)
+        and stands(tree, method.system)
+        and (not nystrom or is_nystrom(tree))
+    )
+    require(fine, "the tree has another order")
     return tree
 
 

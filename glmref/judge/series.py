@@ -119,11 +119,13 @@ class Solved(Series):
             self.W[c], self.N[c], self.lift[c] = plain(W), plain(N), plain(lift)
             parts[c] = Component(*map(plain, m[:3]), None)
         self.simple = all(len(N) == 1 for N in self.N.values())
+        #: whether the values are the solution itself
+        self.solved = identity_mode and all(m.r == 1 for m in method.parts.values())
 
     def cut_value(self, s):
-        """Return eta at what is left of a tree, 0 at one that does not count where r = 1."""
-        if s not in self.eta and self.method.system:
-            return [Fraction(0)]  # the one value is the solution
+        """Return eta at what is left of a tree, 0 where the one value is the solution."""
+        if s not in self.eta and (self.method.system or self.solved):
+            return [Fraction(0)]
         return self.eta[s]
 
     def move(self, s, beta):
@@ -194,7 +196,7 @@ class Solved(Series):
     def advance(self, order):
         """Go on until the conditions of an order can be evaluated; eta is known below it."""
         while self.order < order and self.last is None:
-            if self.order:
+            if self.order and not self.solved:
                 self.fill()
                 if not self.simple:
                     self.settle_all()

@@ -57,6 +57,14 @@ def is_nystrom(tree):
     return not bad and all(map(is_nystrom, tree[1]))
 
 
+def is_coloured(tree, palette):
+    """Tell whether every vertex has a colour of the palette, and children that it may have."""
+    below = dict(palette)
+    return tree[0] in below and all(
+        child[0] in below[tree[0]] and is_coloured(child, palette) for child in tree[1]
+    )
+
+
 @cache
 def stands(tree, system):
     """Tell whether a tree does not vanish on the systems of a method."""

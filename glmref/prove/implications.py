@@ -18,6 +18,8 @@ order >= p                preconsistent; symmetric (or a product of flows); the 
                           conditions of the odd orders through p (of all orders)
 order, w-order >= p, rows classes rk (c = A 1) and rosenbrock: the equations give every tree through
                           p for the weights of each row, those of b by D(1) (:mod:`.simplifying`)
+symplectic, symmetric,    class rk: the equations give B(2s) and C(s), as only the Gauss method has
+a-stable, stage-order     them (:mod:`.simplifying`)
 order-identity >= p       that, and every principal part below p is an exact zero
 explicit                  the equations ``explicit I``
 growth = 0                V has r different eigenvalues, and for each of modulus 1 other than 1, as
@@ -43,6 +45,7 @@ from fractions import Fraction
 from typing import Any
 
 from ..catalogue.claims import (
+    A_STABLE,
     CONSISTENT,
     EFFECTIVE_ORDER,
     EMBEDDED_DIFFERENCE,
@@ -143,15 +146,21 @@ def implied_by(document: Mapping[str, Any] | None, method: Any) -> Implied | Non
 
 
 def _enclosed_runge_kutta(document: Mapping[str, Any]) -> Implied:
-    orders, any_matrix = prove_runge_kutta(document)
+    proved = prove_runge_kutta(document)
+    orders = proved.orders
     p, rows = orders[""], orders.keys() - {""}
     true = {PRECONSISTENT.key: "U = V = 1", CONSISTENT.key: "the condition of one vertex"}
     if rows and all(orders[x] for x in rows):  # b and each row sum to 1
         true[EMBEDDED_DIFFERENCE.key] = "the condition of one vertex for each row"
     if document["class"] == "rosenbrock":
-        return Implied(true, {ORDER.key: p, W_ORDER.key: any_matrix}, rows=orders, seal=_SEAL)
+        return Implied(
+            true, {ORDER.key: p, W_ORDER.key: proved.any_matrix}, rows=orders, seal=_SEAL
+        )
     at_least = {x.key: p for x in (ORDER, ORDER_IDENTITY, EFFECTIVE_ORDER)}
-    return Implied(true, at_least | {STAGE_ORDER.key: 1}, rows=orders, seal=_SEAL)
+    at_least[STAGE_ORDER.key] = proved.gauss or 1
+    if proved.gauss:
+        true |= {x.key: "the Gauss method" for x in (SYMPLECTIC, G_SYMPLECTIC, SYMMETRIC, A_STABLE)}
+    return Implied(true, at_least, rows=orders, seal=_SEAL)
 
 
 def _enclosed(document: Mapping[str, Any]) -> Implied:

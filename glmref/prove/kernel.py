@@ -600,10 +600,14 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
         return None
 
     def _above_implied(self, series: StartingSeries, nystrom: bool) -> Range | None:
-        """The range of a pair with one value each where a bush refutes more than is implied."""
+        """The range of one value each where a bush refutes more than is implied.
+
+        Of one method where the trees of what is implied are thousands: it stands without them.
+        """
         key = NYSTROM_ORDER.key if nystrom else ORDER.key
-        p = self.implied.at_least.get(key, 0) if self.implied and not self.shared else 0
-        return self._beyond(series, 0, p + 1, (), nystrom) if p else None
+        p = self.implied.at_least.get(key, 0) if self.implied else 0
+        wanted = p > MAX_ORDER[0] - 2 if not self.is_pair else p and not self.shared
+        return self._beyond(series, 0, p + 1, (), nystrom) if wanted else None
 
     def _bushes(self, series: StartingSeries, n: int, nystrom: bool = False) -> dict[str, Scalar]:
         """``b c^(n-1) - 1/n`` of a method that carries one value: conditions of order n.
@@ -662,7 +666,8 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
         if (free, False) not in self.timed.series:  # a start with free principal parts, by paths
             reason = "trees with branches, which stage order asks for, were not compared"
             return Range(1, None, exact=exact, value=1, reason=reason)
-        series = self.timed.series[free, False].through(top)
+        # of one value carried each order stands by itself, and the first that fails is the last
+        series = self.timed.series[free, False].through(1 if self.one_step else top)
         if order.upper is None and not series.simple:  # others may have a higher order
             return Range(1 if order.lower else 0, None, exact=exact, value=1, reason=order.reason)
         trees, nodes = series.trees, series.trees.level(1)
@@ -673,6 +678,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
         lower = top if order.lower else 0
         for q in range(1, top + 1):
             answers, refuted = [], False
+            series.through(q)
             for t in filter(series.counts, trees.level(q)):
                 value = series.eta.get(t, self._none(t, series))
                 power = times(Fraction(1, trees.density[t]), series.power(c[trees.colour[t]], q))

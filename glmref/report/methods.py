@@ -62,13 +62,13 @@ NEEDS: tuple[tuple[str, tuple[str, ...], str], ...] = (
     ),
     (
         "Hamiltonian, not separable",
-        ("gauss-4", "gauss-5"),
+        ("gauss-5", "gauss-7"),
         "symplectic, of high order, the fastest measured here on Kepler's problem",
     ),
     (
         "Hamiltonian, large, stages by Newton's method",
-        ("gauss-3", "s5i2-w3"),
-        "the second is diagonally implicit, for up to 100,000 steps",
+        ("gauss-3", "gauss-4"),
+        "symplectic, the stages solved one by one",
     ),
     ("quadratic invariants", ("gauss-2", "gauss-3"), "conserved exactly in the solution itself"),
     ("stiff and dissipative", ("radau-iia-3", "tr-bdf2"), "L-stable; no symplectic method is"),

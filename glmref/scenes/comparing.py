@@ -41,13 +41,13 @@ if TYPE_CHECKING:
 CANDIDATES = {
     "second order": (
         *("stormer-verlet", "blanes-moan-rkn-6-11", "blanes-moan-rkn-6-14", "kahan-li-8"),
-        *("gauss-4", "gauss-5", "pair-rkn-6-8b", "multistep-rkn-8", "multistep-rkn-10"),
+        *("gauss-4", "gauss-5", "gauss-7", "pair-rkn-6-8b", "multistep-rkn-8", "multistep-rkn-10"),
     ),
     "separable": (
         *("stormer-verlet", "blanes-moan-4", "blanes-moan-6", "kahan-li-8", "gauss-4"),
-        *("gauss-5", "pair-6-8", "multistep-8"),
+        *("gauss-5", "gauss-7", "pair-6-8", "multistep-8"),
     ),
-    "Hamiltonian": ("gauss-2", "gauss-3", "gauss-4", "gauss-5", "s5i1-w3"),
+    "Hamiltonian": ("gauss-2", "gauss-3", "gauss-4", "gauss-5", "gauss-7", "s5i1-w3"),
     "general": (
         *("rk4", "dormand-prince-5", "cooper-verner-8", "gauss-4", "radau-iia-3", "sdirk-4"),
     ),

@@ -130,7 +130,7 @@ def _error_constants(record: Mapping[str, Any]) -> list[tuple[str, str]]:
     """
     residuals, order = record["error_constants"], record["order"]
     wrong = {tree: x for tree, x in residuals.items() if x}
-    said = f"none of {len(residuals)} trees"
+    said = f"none of {len(residuals)} trees" if residuals else "not computed"
     if wrong:
         worst = max(wrong, key=lambda tree: abs(wrong[tree]))
         size = f"{abs(wrong[worst]):.6g}"

@@ -20,6 +20,7 @@ from glmref.prove.implications import (
     _zero_start,
     implied_by,
 )
+from glmref.prove.simplifying import Proved
 from glmref.prove.system import Equation, SweepSystem
 
 
@@ -186,7 +187,7 @@ def test_the_sentence_about_the_first_row_names_no_component_of_one_method():
 @pytest.mark.parametrize("kind", ["rk", "rosenbrock"])
 def test_estimates_sum_to_zero_where_every_row_is_consistent(kind, orders, difference, monkeypatch):
     """An order 0 of a row says that no equation is about its sum."""
-    monkeypatch.setattr(implications, "prove_runge_kutta", lambda document: (orders, 3))
+    monkeypatch.setattr(implications, "prove_runge_kutta", lambda document: Proved(orders, 3))
     found = implications.implied_by({"class": kind, "enclosure": {}, "claims": {"order": 5}}, None)
     assert found is not None
     assert (EMBEDDED_DIFFERENCE.key in found.true) == difference

@@ -13,6 +13,8 @@ from glmref.catalogue.reader import load_document
 from glmref.errors import DataError, ExactnessError
 from glmref.exact import Exact, linalg
 from glmref.findings import Verdict
+from glmref.judge import enclosed_rk, enclosures
+from glmref.judge.fields import Numbers
 from glmref.prove.implications import implied_by
 from glmref.prove.simplifying import RungeKuttaSystem, _column, _weights
 from glmref.prove.verifier import verify
@@ -128,7 +130,18 @@ def test_what_an_enclosure_cannot_mean_is_refused(changes: dict[str, Any], said:
 
 
 @pytest.mark.parametrize(
-    "text", ["column 8", "column 0", "embedded other [o]", "order", "defect 1", "embedded [o]"]
+    "text",
+    [
+        "column 8",
+        "column 0",
+        "stage 8 2",
+        "stage 1 8",
+        "stage 1",
+        "embedded other [o]",
+        "order",
+        "defect 1",
+        "embedded [o]",
+    ],
 )
 def test_equations_without_a_meaning_are_refused(text: str) -> None:
     with pytest.raises(DataError):
@@ -149,3 +162,60 @@ def test_where_unknowns_are_multiplied_equations_alone_give_conditions(
     d = {"class": "rk", "A": [[entry]], "b": ["1"], "unknowns": {"x": "0.5", "y": "0.25"},
          "enclosure": {"equations": equations}}  # fmt: skip
     assert RungeKuttaSystem(d).order() == order
+
+
+def gauss(s: int, **changes: Any) -> dict[str, Any]:
+    return {**copy.deepcopy(catalogue.document(f"gauss-{s}")), **changes}
+
+
+def read_by_the_judge(doc: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> Any:
+    """The equations as the judge reads them, without the interval test."""
+    monkeypatch.setattr(
+        enclosures, "only_root", lambda function, published, digits, proof: published
+    )
+    numbers = Numbers({"kind": "enclosure", "generators": [], "radicals": {}})
+    return enclosed_rk.RungeKutta(doc, numbers, {"radius": "1e-60", "centre": [], "inverse": []})
+
+
+@pytest.mark.parametrize("s", [6, 7])
+def test_of_a_gauss_method_every_equation_is_needed(s: int, monkeypatch: Any) -> None:
+    system = RungeKuttaSystem(gauss(s))
+    assert system.is_gauss and system.order() == 2 * s
+    assert read_by_the_judge(gauss(s), monkeypatch).gauss
+    for k in range(len(system.equations)):
+        doc = gauss(s)
+        doc["enclosure"]["equations"][k] = "stage 1 1"  # says nothing: c = A 1
+        assert not RungeKuttaSystem(doc).is_gauss, k
+        assert not read_by_the_judge(doc, monkeypatch).gauss, k
+
+
+@pytest.mark.parametrize(("s", "place"), [(6, ("A", 5, 0)), (7, ("A", 3, 4)), (6, ("b", 5))])
+def test_half_of_the_equations_say_enough_of_a_mirrored_table_only(
+    s: int, place: tuple[Any, ...], monkeypatch: Any
+) -> None:
+    doc = gauss(s)
+    inner: Any = doc
+    for key in place[:-1]:
+        inner = inner[key]
+    inner[place[-1]] = "b2"
+    assert not RungeKuttaSystem(doc).is_gauss
+    assert not read_by_the_judge(doc, monkeypatch).gauss
+
+
+def test_the_stages_of_the_middle_follow_at_odd_powers_only() -> None:
+    system = RungeKuttaSystem(gauss(7))
+    assert [k for k in range(1, 8) if system._has_stage(3, k)] == list(range(1, 8))
+    texts = [e.text for e in system.equations if not e.text.startswith("stage 4")]
+    doc = gauss(7)
+    doc["enclosure"]["equations"] = texts
+    assert [k for k in range(1, 8) if RungeKuttaSystem(doc)._has_stage(3, k)] == [1, 3, 5, 7]
+
+
+@pytest.mark.parametrize("s", [6, 7, 8])
+def test_a_gauss_method_has_every_property_of_its_kind(s: int) -> None:
+    claims = {"order": 2 * s, "stage-order": s, "symplectic": True, "symmetric": True}
+    doc = gauss(s, claims={**claims, "a-stable": True})
+    assert {x.verdict for x in verify(load_document(doc))} == {Verdict.HOLDS}
+    for wrong in ({"order": 2 * s - 1}, {"order": 2 * s + 1}, {"stage-order": s - 1}):
+        found = verify(load_document(gauss(s, claims={"order": 2 * s, **wrong})))
+        assert Verdict.FAILS in {x.verdict for x in found}, wrong

@@ -11,11 +11,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from fractions import Fraction
 from importlib import import_module
 from typing import Any
 
-import mpmath
 import numpy as np
 
 from glmref.catalogue.lookup import load
@@ -25,9 +23,6 @@ from glmref.engine.reference import stepper
 from glmref.engine.solve import solve
 from glmref.engine.starting_values import starting_values
 from glmref.measure.longtime import along
-from glmref.method import GLM
-from glmref.method.classical import collocation
-from glmref.method.families import runge_kutta
 from glmref.problems import problem
 from tools.measure.timing import interleaved, quartiles
 
@@ -38,7 +33,7 @@ GRID = tuple(round(20 * 1.08**k) for k in range(64))
 TOLERANCES = tuple(10 ** (-k / 2) for k in range(16, 33))
 
 METHODS = (
-    "gauss-3", "gauss-4", "gauss-5", "gauss-6", "gauss-8", "g6245", "g6245-w3", "order8-s5-w3",
+    *(f"gauss-{s}" for s in range(3, 9)), "g6245", "g6245-w3", "order8-s5-w3",
     "s4-symmetric", "kahan-li-8", "suzuki-umeno-8", "blanes-moan-rkn-6-14", "pair-rkn-6-9",
 )  # fmt: skip
 KEPLER = problem("kepler", eccentricity="3/5")
@@ -75,22 +70,6 @@ class Row:
     note: str
 
 
-def gauss(s: int, digits: int = 250) -> GLM:
-    """Gauss with s stages, nodes to so many digits: more than the engine's identities ask for."""
-    with mpmath.workdps(digits + 50):
-        near = np.polynomial.legendre.leggauss(s)[0]
-        roots = [mpmath.findroot(lambda x: mpmath.legendre(s, x), float(x)) for x in near]
-        scale = mpmath.mpf(10) ** digits
-        nodes = sorted(int(mpmath.nint((1 + x) / 2 * scale)) for x in roots)
-    A, b = collocation([Fraction(node, 10**digits) for node in nodes])
-    return runge_kutta(A, b, name=f"gauss-{s}")
-
-
-def method_of(name: str) -> Any:
-    """The method of the catalogue, or Gauss with more stages than the catalogue has."""
-    return gauss(int(name[-1])) if name in ("gauss-6", "gauss-8") else load(name)
-
-
 def energy_error(y: np.ndarray) -> float:
     """Largest relative deviation of the energy from the initial one."""
     energy = along(KEPLER.hamiltonian, np.vstack([np.array(KEPLER.y0), y]))
@@ -101,7 +80,7 @@ class Integrator:
     """One method: its error by steps per period, and the run that is timed."""
 
     def __init__(self, name: str) -> None:
-        self.name, self.method = name, method_of(name)
+        self.name, self.method = name, load(name)
         self.seen: dict[int, tuple[float, str]] = {}
 
     def error(self, n: int) -> float:
