@@ -22,19 +22,25 @@ PLACES = (Path("report"), Path(".asv", "results"))
 )
 @click.option("--single-file", "single", is_flag=True, help="Everything on one page.")
 @click.option(
+    "--all", "every", is_flag=True,
+    help="The catalogue too: every method, the errata, the measurements that come with the data.",
+)  # fmt: skip
+@click.option(
     "--docs",
     default="",
     metavar="PLACE",
     help="Where the documentation lies: a folder seen from the pages, such as .., or an address.",
 )
-def report(results: tuple[Path, ...], output: Path | None, single: bool, docs: str) -> int:
-    """Write HTML pages of stored results: methods, runs, errata, benchmarks; nothing is computed.
+def report(
+    results: tuple[Path, ...], output: Path | None, single: bool, every: bool, docs: str
+) -> int:
+    """Write HTML pages of stored results: runs, methods, benchmarks; nothing is computed.
 
     RESULTS are files and folders: records of `glmref run`, findings of `glmref verify --format
     json` and of the conformance suite, portraits NAME.svg of `glmref show NAME --plot`, results of
     asv, method files of your own, which get a page each. By default the folder report and
-    .asv/results. The measurements that come with the data (verdicts, observed orders,
-    stability regions and others) are shown where RESULTS have none.
+    .asv/results. Pages are written of these only; with --all also those of the catalogue, with the
+    measurements that come with the data (verdicts, observed orders, stability regions).
     """
     from ..catalogue.files import data_root
     from ..catalogue.lookup import names
@@ -43,12 +49,14 @@ def report(results: tuple[Path, ...], output: Path | None, single: bool, docs: s
 
     shipped = data_root() / "measurements"
     places = list(results) or [x for x in PLACES if x.exists()]
-    if shipped.is_dir():
+    if every and shipped.is_dir():
         places.append(shipped)
     found = read(places, names("methods"))
     if output is None:
         output = Path("report", "pages.html") if single else Path("report", "pages")
-    written = build(found, output, single=single, docs=docs)
+    written = build(
+        found, output, single=single, docs=docs, methods=names("methods") if every else None
+    )
     for odd in found.odd:
         complain(f"not shown: {odd.where}: {odd.why}")
     records = sum(len(run.records) for run in found.runs)

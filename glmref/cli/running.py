@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from textwrap import fill
@@ -13,6 +14,7 @@ import click
 
 from ..catalogue.canonical import compact
 from ..errors import UsageError
+from ..system.files import write_text
 from ..system.shown import Drawing
 from ..views.tables import Style, columns, counted, csv_text, json_text, one_line
 from .output import (
@@ -187,17 +189,22 @@ def _carry_out(plan: Plan, output: Path, where: Executor, *, quick: bool) -> dic
     if "picture" in scene.ask:
         pictures, missed = _draw(scene, records, output, stem)
         notices += missed
-    return {
+    document: dict[str, Any] = {
         "format": "glmref-run-1",
         "scene": scene.name,
+        "title": scene.title,
         "question": scene.question,
         "answer": scenery.answer(scene, records),
+        "judged": scene.answer.error,
         "measured": missing,
         "resumed": len(records) - missing,
         "pictures": pictures,
         "notices": list(dict.fromkeys(notices)),
-        "records": records,
     }
+    with suppress(UsageError):  # a folder that cannot be written costs this and not the answer
+        # what `glmref report` shows above the records
+        write_text(output / f"{stem}.run.json", json_text(document) + "\n", sync=False)
+    return {**document, "records": records}
 
 
 def _note(notice: str) -> None:

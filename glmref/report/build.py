@@ -24,14 +24,18 @@ from .store import MARK, Results
 _SAID = "Pages of `glmref report`. This folder is written anew; keep nothing else in it.\n"
 
 
-def pages_of(site: Site, results: Results, methods: Sequence[str]) -> list[Page]:
+def pages_of(
+    site: Site, results: Results, methods: Sequence[str], *, catalogue: bool
+) -> list[Page]:
     """Every page, in the order of the bar."""
     known = frozenset(methods)
-    front = [overview(site, results, methods)]
+    front = [overview(site, results, methods, catalogue=catalogue)]
     front += [run_page(site, run, known) for run in results.runs]
     front += measurement_pages(results)
-    front.append(errata_page(site, known))
-    front.append(history_page(results))
+    if catalogue:
+        front.append(errata_page(site, known))
+    if catalogue or results.benchmarks:
+        front.append(history_page(results))
     front.append(measured_page(results, __version__))
     return front + [method_page(site, results, name) for name in by_class(results, methods)]
 
@@ -51,7 +55,8 @@ def build(
     single : bool
         Everything on one page.
     methods : Sequence[str] or None
-        Methods with a page of their own; all of the catalogue by default.
+        Methods of the catalogue that get a page, with the overview of them and the errata; by
+        default only those that the results say something about.
     docs : str
         Where the documentation lies, a folder seen from the pages or an address of the web.
 
@@ -64,11 +69,13 @@ def build(
     if colon and scheme not in ("http", "https"):
         raise UsageError(f"the documentation is a folder or an address of the web, got {docs!r}")
     site = Site(single, docs.rstrip("/"))
-    chosen = names("methods") if methods is None else list(methods)
+    shipped = names("methods")
+    told = {*results.findings, *results.portraits, *results.regions}
+    chosen = [x for x in shipped if x in told] if methods is None else list(methods)
     chosen += [name for name in results.of_others() if name not in chosen]
-    pages = pages_of(site, results, chosen)
+    pages = pages_of(site, results, chosen, catalogue=methods is not None)
     drawn = [lines for page in pages for lines in page.pictures]
-    site = replace(site, looks=looks(drawn, frozenset(chosen)))
+    site = replace(site, looks=looks(drawn, frozenset({*shipped, *chosen})))
     if single:
         if os.path.isdir(output):
             raise UsageError(f"{printable(output)} is a folder; with a single file, name a file")

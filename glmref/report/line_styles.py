@@ -2,7 +2,7 @@
 
 The look is a number: its rest modulo 7, 8 and 5 is the colour, the mark and the dash of a line, so
 that 280 looks differ. Methods of one picture have different colours as long as there are enough,
-then different marks.
+then lines of one colour different dashes, then different marks.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Sequence, Set
 
-_COLOURS, _MARKS, _LOOKS = 7, 8, 280
+_COLOURS, _MARKS, _DASHES, _LOOKS = 7, 8, 5, 280
 
 
 def looks(pictures: Iterable[Sequence[str]], methods: Set[str]) -> dict[str, int]:
@@ -42,10 +42,18 @@ def looks(pictures: Iterable[Sequence[str]], methods: Set[str]) -> dict[str, int
         near = [chosen[x] for x in beside[one] if x in chosen]
         colours = Counter(k % _COLOURS for k in near)
         marks = Counter(k % _MARKS for k in near)
+        dashes = Counter((k % _COLOURS, k % _DASHES) for k in near)
         taken = set(near)
         chosen[one] = min(
             range(_LOOKS),
-            key=lambda k: (k in taken, colours[k % _COLOURS], marks[k % _MARKS], used[k], k),
+            key=lambda k: (
+                k in taken,
+                colours[k % _COLOURS],
+                dashes[k % _COLOURS, k % _DASHES],
+                marks[k % _MARKS],
+                used[k],
+                k,
+            ),
         )
         used[chosen[one]] += 1
     return {line: chosen[one] for line, one in of.items()}

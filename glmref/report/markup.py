@@ -118,6 +118,7 @@ class Figure:
     caption: str
     series: str = "method"  #: Key of the column that names a line.
     marks: bool = True  #: Whether every point has one.
+    bars: bool = True  #: Whether quartiles of run times are drawn.
     #: Equal axes, points that are not joined; names of runs that do not set the range.
     plane: Sequence[str] | None = None
 

@@ -29,10 +29,9 @@ from ..catalogue.reader import load_document
 from ..method import Method
 from ..views.bibtex import source_entry
 from ..views.show import parts
-from ..views.tables import counted
 from .markup import Column, Page, Site, Table, number, render, wrapped
 from .measurements import title_of
-from .runs import answer_of, tab_of
+from .runs import about, answer_of, tab_of
 from .stability import stability
 from .store import Record, Results, method_of
 from .typeset import typeset, typeset_table
@@ -97,19 +96,16 @@ _COLUMNS = (
 )
 
 
-def overview(site: Site, results: Results, names: Sequence[str]) -> Page:
-    """Every method in one table that can be sorted and filtered."""
-    evaluations = _evaluations(results)
-    cells = [_row(site, results, name, evaluations) for name in names]
-    table = Table("methods", f"{len(cells)} methods", _COLUMNS, cells, sortable=True)
+def overview(site: Site, results: Results, names: Sequence[str], *, catalogue: bool) -> Page:
+    """Return the first page: every run, and of the catalogue every method in one table."""
+    table = None
+    if catalogue:
+        evaluations = _evaluations(results)
+        cells = [_row(site, results, name, evaluations) for name in names]
+        table = Table("methods", f"{len(cells)} methods", _COLUMNS, cells, sortable=True)
+    runs = [(site.link(tab_of(run), about(run)[0]), about(run)[1], answer_of(run))
+            for run in results.runs]  # fmt: skip
     measured = [
-        (
-            site.link(tab_of(run), run.name),
-            answer_of(run) or counted(len(run.records), "record"),
-        )
-        for run in results.runs
-    ]
-    measured += [
         (site.link(f"measured-{x}", x), title_of(x, doc))
         for x, doc in sorted(results.measurements.items())
     ]
@@ -121,12 +117,13 @@ def overview(site: Site, results: Results, names: Sequence[str]) -> Page:
         "index.html",
         site=site,
         table=table,
+        runs=runs,
         measured=measured,
-        needs=[row for row in needs if row[1]],
+        needs=[row for row in needs if row[1]] if catalogue else [],
         own=[site.link(f"method-{x}", x) for x in names if not is_shipped_name(x)],
-        proved=_proved(results, names),
+        proved=_proved(results, names) if catalogue else None,
     )
-    return Page("index", "Methods and proofs", body, "overview")
+    return Page("index", "Methods and proofs" if catalogue else "Results", body, "overview")
 
 
 def _proved(results: Results, names: Sequence[str]) -> Mapping[str, Any]:

@@ -15,6 +15,8 @@ from .store import Record, RunFile, is_number, method_of, path_in
 
 _ERRORS = ("state_error", "energy_error", "invariant_drift", "form_drift", "largest")
 _COSTS = ("seconds", "evaluations", "steps", "h")
+#: Runs of a picture in which each has a bar: more would cover it.
+MOST_BARS = 100
 #: Scenes in the menu by what they answer.
 _KINDS = {
     "fastest": "error against run time", "accurate": "error against evaluations",
@@ -85,25 +87,26 @@ def run_page(site: Site, run: RunFile, methods: frozenset[str]) -> Page:
     methods : frozenset[str]
         Names that have a page of their own.
     """
-    scene = _shipped(run)
-    title = scene.title if scene else run.name
-    judged = f"{scene.answer.error}_error" if scene else ""
+    title, question, judged = about(run)
     shown = [(c, get) for c, get in COLUMNS if any(get(x) is not None for x in run.records)]
     cells = [[number(get(record)) for _, get in shown] for record in run.records]
     caption = f"{counted(len(cells), 'record')} of {run.name}"
     table = Table(f"t-{run.name}", caption, [column for column, _ in shown], cells)
     keys = {column.key for column, _ in shown}
     # the error that the scene judges by comes first
-    errors = sorted((key for key in _ERRORS if key in keys), key=lambda key: key != judged)
+    errors = sorted(
+        (key for key in _ERRORS if key in keys), key=lambda key: key != f"{judged}_error"
+    )
     costs = [key for key in _COSTS if key in keys]
     horizon = _horizon(run)
     far = f" Runs go {horizon}." if horizon else ""
     work = None
     if errors and costs:
+        few = len(run.records) <= MOST_BARS
+        bars = " Bars span the quartiles of the run times." if few else ""
         work = Figure(
             table.id, costs, errors, f"error against cost, {title}",
-            "Runs of one method are joined in the order of the file. Bars span the quartiles "
-            f"of the run times.{far}",
+            f"Runs of one method are joined in the order of the file.{bars}{far}", bars=few,
         )  # fmt: skip
     used = dict.fromkeys(method_of(x) for x in run.records)
     curves, paths = _curves(run, title, far), orbits(run, title, far)
@@ -111,7 +114,7 @@ def run_page(site: Site, run: RunFile, methods: frozenset[str]) -> Page:
     drawn += [(paths.figure, paths.table)] if paths else []
     body = render(
         "run.html",
-        scene=scene,
+        question=question,
         quick=_is_quick(run),
         answer=answer_of(run),
         mixed=_mixed(run),
@@ -125,6 +128,15 @@ def run_page(site: Site, run: RunFile, methods: frozenset[str]) -> Page:
     )
     pictures = tuple(figure.lines_of(numbers) for figure, numbers in drawn if figure)
     return Page(tab_of(run), title, body, run.name, "scenes", _kind(run), pictures)
+
+
+def about(run: RunFile) -> tuple[str, str, str]:
+    """Return title, question and judged error: of the shipped scene, or as the run wrote them."""
+    scene = _shipped(run)
+    if scene is not None:
+        return scene.title, scene.question, scene.answer.error
+    found = {key: str(run.about.get(key, "")) for key in ("title", "question", "judged")}
+    return found["title"] or run.name, found["question"], found["judged"]
 
 
 def _horizon(run: RunFile) -> str:
@@ -146,11 +158,11 @@ def _kind(run: RunFile) -> str:
 
 
 def answer_of(run: RunFile) -> str:
-    """The answer that the records of a shipped scene give; ``""`` for another scene."""
+    """Return the answer of the records of a shipped scene, else what the run wrote, or ``""``."""
     from ..scenes import answer, names
 
     if run.scene not in names():
-        return ""
+        return str(run.about.get("answer", ""))
     if not run.records:
         return "no record yet"
     try:

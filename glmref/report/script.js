@@ -222,7 +222,7 @@
         make("path", { class: `line c${look.color}`, "stroke-dasharray": look.dash, fill: "none",
           d: "M" + mine.map((p) => `${p.u.toFixed(1)} ${p.v.toFixed(1)}`).join("L") }, group);
         const bar = (q) => (box.left + Math.min(1, Math.max(0, ax.at(Number(q)))) * box.wide).toFixed(1);
-        const bars = kx !== "seconds" ? [] : mine.filter((p) => p.row.q25 > 0 && p.row.q75 > 0)
+        const bars = kx !== "seconds" || this.figure.dataset.bars === "no" ? [] : mine.filter((p) => p.row.q25 > 0 && p.row.q75 > 0)
           .map((p) => `M${bar(p.row.q25)} ${p.v.toFixed(1)}H${bar(p.row.q75)}`);
         if (bars.length) make("path", { class: `spread c${look.color}`, d: bars.join("") }, group);
         mine.forEach((p, n) => {

@@ -12,7 +12,7 @@ import os
 import re
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeGuard
@@ -32,6 +32,8 @@ from .asv_results import Cell, read_results
 
 #: Formats of the findings and of stability regions that are understood.
 FINDINGS, REGIONS = "glmref-findings-1", "glmref-stability-1"
+#: Format of what `glmref run` says of a scene, and the end of the name of that file.
+ABOUT, ABOUT_SUFFIX = "glmref-run-1", ".run"
 #: Names of the documents with the orders that runs show, and with error constants.
 ORDERS, CONSTANTS = "observed-orders", "error-constants"
 #: File by which a folder of pages is known: only such a folder, or an empty one, is written over.
@@ -57,6 +59,8 @@ class RunFile:
 
     name: str  #: Stem of the file: the scene's name, with ``-quick`` for a quick run.
     records: tuple[Record, ...]  #: In the order of the file.
+    #: What `glmref run` wrote of the scene: title, question, answer, the error it judges by.
+    about: Record = field(default_factory=dict)
 
     @property
     def scene(self) -> str:
@@ -69,6 +73,7 @@ class Results:
     """Everything that was found."""
 
     runs: list[RunFile] = field(default_factory=list)  #: Record files.
+    abouts: dict[str, Record] = field(default_factory=dict)  #: Name of a run -> what it answers.
     #: Method -> findings of `glmref verify`; of two about one claim the one that was read first.
     findings: dict[str, list[Record]] = field(default_factory=dict)
     benchmarks: list[Cell] = field(default_factory=list)  #: Cells of asv.
@@ -147,6 +152,7 @@ def read(paths: Iterable[Path], methods: Iterable[str] = ()) -> Results:
                 drawn += [one] if one.suffix == ".svg" and one.stem not in known else []
     for one in drawn:  # of a method of the user, which may be read after its portrait
         _take(found, one, frozenset(found.of_others()))
+    found.runs = [replace(run, about=found.abouts.get(run.name, {})) for run in found.runs]
     found.runs.sort(key=lambda run: run.name)
     return found
 
@@ -274,6 +280,9 @@ def _take_document(found: Results, path: Path, methods: frozenset[str]) -> None:
             if isinstance(region, dict):
                 found.regions.setdefault(method, region)
         found.files.append((path.name, counted(len(document["methods"]), "stability region")))
+    elif form == ABOUT:
+        texts = {k: x for k, x in document.items() if isinstance(x, str)}
+        found.abouts[path.stem.removesuffix(ABOUT_SUFFIX)] = texts
     elif (
         isinstance(form, str) and form.startswith("glmref-") and not form.startswith(FINDINGS[:-1])
     ):

@@ -18,9 +18,10 @@ from glmref.cli import main
 from glmref.compute.records import Records
 from glmref.errors import UsageError
 from glmref.report import build, read
+from glmref.report.line_styles import looks
 from glmref.report.markup import number
 from glmref.report.orbits import MOST
-from glmref.report.runs import COLUMNS
+from glmref.report.runs import COLUMNS, MOST_BARS
 from glmref.report.stability import stability
 
 METHODS = ("rk4", "gauss-2", "gsymplectic-n", "pair-4-4")
@@ -373,7 +374,7 @@ def test_without_an_argument_every_method_has_verdict_proof_order_and_region(
     tmp_path: Path,
 ) -> None:
     results = read([data_root() / "measurements"])
-    build(results, tmp_path / "site")
+    build(results, tmp_path / "site", methods=names("methods"))
     shipped = json.loads((data_root() / "measurements" / "stability.json").read_text("utf-8"))
     seen = json.loads((data_root() / "measurements" / "observed-orders.json").read_text("utf-8"))
     observed = {(x["method"], x["claim"]): x["observed"] for x in seen["orders"]}
@@ -496,6 +497,68 @@ def test_the_command_names_what_it_cannot_show_and_says_what_to_open(
     assert len(capsys.readouterr().err.splitlines()) == 1
 
 
+OWN = """\
+format = "glmref-scene-1"
+name = "duffing"
+title = "A Duffing <oscillator>"
+question = "Which method has the state right to 1e-4 first?"
+methods = ["stormer-verlet", "rk4"]
+h = { from = 0.2, to = 0.02, count = 3 }
+t_end = 2
+ask = ["state", "orbit"]
+
+[problem]
+H = "p**2/2 - q**2/2 + q**4/4"
+y0 = { q = "3/2", p = 0 }
+
+[answer]
+kind = "accurate"
+at = 1e-4
+"""
+
+
+def test_an_own_scene_has_its_page_and_nothing_of_the_catalogue(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "duffing.toml").write_text(OWN, encoding="utf-8")
+    assert main(["run", "duffing.toml", "--format", "json"]) == 0
+    answer = json.loads(capsys.readouterr().out)["answer"]
+    assert main(["report"]) == 0
+    site = tmp_path / "report" / "pages"
+    written = {path.name for path in site.rglob("*") if path.is_file()}
+    assert written == {"index.html", "run-duffing.html", "measured.html", "glmref-report.txt"}
+    page, index = (
+        (site / name).read_text(encoding="utf-8") for name in ("run-duffing.html", "index.html")
+    )
+    assert "<h1>A Duffing &lt;oscillator&gt;</h1>" in page
+    question = "<p><strong>Which method has the state right to 1e-4 first?</strong></p>"
+    assert question in page and f'<p class="answer">{answer}</p>' in unescape(page)
+    assert page.count("<figure") == 2  # error against cost, and the orbit
+    assert page.index(question) < page.index("<figure")
+    assert "A Duffing &lt;oscillator&gt;</a>" in index and answer in unescape(index)
+    for text in ("What is proved here", "All methods", "observed-orders", "Errata"):
+        assert text not in index and text not in page
+    assert main(["report", "--all", "--output", "whole"]) == 0
+    assert (tmp_path / "whole" / "method-rk4.html").is_file()
+
+
+def test_bars_of_many_runs_are_left_out_and_the_caption_says_so(tmp_path: Path, records) -> None:
+    many = [{**records[n % len(records)], "evaluations": 1000 + n} for n in range(MOST_BARS + 1)]
+    few = pages(tmp_path / "few", stored(tmp_path / "a", "oscillator-quick", records))
+    lots = pages(tmp_path / "many", stored(tmp_path / "b", "oscillator-quick", many))
+    for site, drawn in ((few, True), (lots, False)):
+        text = (site / "run-oscillator-quick.html").read_text(encoding="utf-8")
+        assert ("data-bars=no" in text) != drawn and ("Bars span the quartiles" in text) == drawn
+
+
+def test_lines_of_one_colour_differ_in_their_dashes() -> None:
+    """With more lines than colours, marks alone would tell lines apart."""
+    lines = [f"m{k}" for k in range(21)]
+    found = looks([lines], frozenset(lines))
+    assert len({(k % 7, k % 5) for k in found.values()}) == len(lines)
+
+
 # --- methods of the user ----------------------------------------------------------------------------
 
 MINE = {
@@ -545,13 +608,13 @@ def test_the_first_page_answers_which_method_and_what_is_proved() -> None:
     assert all(set(take) <= set(names) for _, take, _ in NEEDS)
     assert not any("broken" in str(x) for x in NEEDS)
     found = read([data_root() / "measurements" / "verification.json"])
-    body = str(overview(Site(), found, names).body)
+    body = str(overview(Site(), found, names, catalogue=True).body)
     assert "Which method for which need" in body and "What is proved here" in body
     claims = sum(len(rows) for name, rows in found.findings.items() if name in names)
     assert f"{len(names)} methods make {claims} claims" in body
     assert body.index("Which method") < body.index("What is proved") < body.index("All methods")
     assert "<code>docs/choose.md</code>" in body
-    linked = str(overview(Site(docs=".."), found, names).body)
+    linked = str(overview(Site(docs=".."), found, names, catalogue=True).body)
     assert '<a href="../choose.html">' in linked and "docs/choose.md" not in linked
 
 
