@@ -1,8 +1,8 @@
 """Orders of Runge-Kutta-like schemes, each put as a system of coloured stages the kernel knows.
 
-The conditions are those of :class:`glmref.prove.series.StartingSeries`, on the trees of
-:mod:`glmref.prove.forest`. A scheme says only which matrix stands below a vertex of each colour,
-which weights are above it, and which coloured trees its systems have:
+The conditions are those of :class:`glmref.theory.starting_series.StartingSeries`. A scheme says
+only which matrix stands below a vertex of each colour, which weights are above it, and which
+coloured trees its systems have:
 
 *Runge-Kutta*, c = A 1: one colour.
 
@@ -29,18 +29,19 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cache
 from typing import Any
 
 from ..errors import BudgetError
 from ..exact import Exact, Scalar
 from ..exact.linalg import Matrix, Vector, row_sums
+from ..method.component import Palette
 from ..method.nystrom import nystrom as as_pair
 from ..prove import kernel
-from ..prove.algebra import nystrom_filter
-from ..prove.forest import Forest, forest
 from ..prove.kernel import Reach
 from ..system.budget import limited, spend
 from ..theory.coefficients import is_zero
+from ..theory.trees import Tree, is_nystrom
 
 _ZERO, _ONE = Exact(0), Exact(1)
 #: Largest order that is looked at, by the number of colours.
@@ -53,11 +54,11 @@ HIGH = 90.0
 class Scheme:
     """A scheme as coloured stages."""
 
-    palette: tuple[tuple[str, str], ...]  #: Colours with the colours their children may have.
+    palette: Palette  #: Colours with the colours their children may have.
     blocks: Mapping[str, tuple[Matrix, Vector]]  #: (A, b) by colour.
     roots: str  #: Colours whose trees are conditions.
     #: Which trees the systems have, or ``None`` for all.
-    counts: Callable[[Forest], Callable[[int], bool]] | None = None
+    counts: Callable[[Tree], bool] | None = None
     #: Pattern and replacement that write a tree for a reader.
     written: tuple[tuple[str, str], ...] = ()
     #: The scheme on ``y' = f(y)``, where time is a colour of its own.
@@ -106,15 +107,13 @@ def reach(scheme: Scheme, most: int, *, stop: float = float("inf"), high: bool =
     Reach
         How far they hold; trees in the notation of the documentation.
     """
-    trees = forest(scheme.palette)
-    every = None if scheme.counts is None else scheme.counts(trees)
     largest = LARGEST.get(len(scheme.palette), 4)
     high = high and len(scheme.palette) == 1
 
-    def counts(t: int) -> bool:
+    def counts(t: Tree) -> bool:
         if high:
             spend()  # tens of thousands of trees
-        return every is None or every(t)
+        return scheme.counts is None or scheme.counts(t)
 
     found = kernel.reach(
         scheme.palette,
@@ -164,11 +163,11 @@ def runge_kutta(
     A: Matrix, b: Vector, c: Sequence[Scalar] | None = None, *, apart: bool = False
 ) -> Scheme:
     """Scheme of A (s, s), b (s,), and c (s,) where it differs from A 1, or stands ``apart``."""
-    plain = Scheme((("o", "o"),), {"o": (A, b)}, "o")
+    plain = Scheme({"o": "o"}, {"o": (A, b)}, "o")
     if c is None or (not apart and _sums_to(A, c)):
         return plain
     return Scheme(
-        (("f", "ft"), ("t", "")),
+        {"f": "ft", "t": ""},
         {"f": (A, b), "t": (_with_sums(c), _first(len(c)))},
         "f",
         autonomous=plain,
@@ -193,8 +192,8 @@ def additive(
             time = name.upper()
             times[name] = time
             blocks[time] = (_with_sums(given), _first(len(given)))
-    palette = [(x, names + times.get(x, "")) for x in names] + [(x, "") for x in times.values()]
-    return Scheme(tuple(palette), blocks, names)
+    palette = {x: names + times.get(x, "") for x in names} | dict.fromkeys(times.values(), "")
+    return Scheme(palette, blocks, names)
 
 
 def general_linear(A: Matrix, rows: Sequence[Vector]) -> Scheme:
@@ -212,7 +211,7 @@ def general_linear(A: Matrix, rows: Sequence[Vector]) -> Scheme:
     """
     names = "opqrstuvwxyz"[: len(rows)]
     return Scheme(
-        tuple((x, "o") for x in names),
+        dict.fromkeys(names, "o"),
         {x: (A, b) for x, b in zip(names, rows, strict=True)},
         names,
         None,
@@ -220,20 +219,14 @@ def general_linear(A: Matrix, rows: Sequence[Vector]) -> Scheme:
     )
 
 
-def _filtered(good: Callable[[Forest, int], bool]) -> Callable[[Forest], Callable[[int], bool]]:
+def _filtered(good: Callable[[Tree], bool]) -> Callable[[Tree], bool]:
     """Trees that are good at every vertex."""
 
-    def make(trees: Forest) -> Callable[[int], bool]:
-        known: dict[int, bool] = {}
+    @cache
+    def counts(t: Tree) -> bool:
+        return good(t) and all(map(counts, t.children))
 
-        def counts(t: int) -> bool:
-            if t not in known:
-                known[t] = good(trees, t) and all(map(counts, trees.children[t]))
-            return known[t]
-
-        return counts
-
-    return make
+    return counts
 
 
 def nystrom(
@@ -260,10 +253,10 @@ def nystrom(
     """
     pair = as_pair(A, b, b_prime, c, A_prime)
     return Scheme(
-        (("f", "k"), ("k", "f" if pair.separable else "fk")),
+        {"f": "k", "k": "f" if pair.separable else "fk"},
         {x.colour: (x.A, x.B[0]) for x in pair.components},
         roots,
-        nystrom_filter,
+        is_nystrom,
     )
 
 
@@ -273,11 +266,10 @@ def _sum(a: Matrix, b: Matrix) -> Matrix:
     )
 
 
-def _chained(T: Forest, t: int) -> bool:
+def _chained(t: Tree) -> bool:
     """An only child is s (alpha + gamma below it), children of a branching vertex are m."""
-    below = T.children[t]
-    wanted = "s" if len(below) == 1 else "m"
-    return all(T.colour[x] == wanted for x in below)
+    wanted = "s" if len(t.children) == 1 else "m"
+    return all(x.colour == wanted for x in t.children)
 
 
 def rosenbrock(alpha: Matrix, gamma: Matrix, b: Vector) -> Scheme:
@@ -286,7 +278,7 @@ def rosenbrock(alpha: Matrix, gamma: Matrix, b: Vector) -> Scheme:
     ``k_i = h f(y + sum alpha_ij k_j) + h J sum gamma_ij k_j``, ``y1 = y + sum b_i k_i``.
     """
     return Scheme(
-        (("m", "ms"), ("s", "ms")),
+        {"m": "ms", "s": "ms"},
         {"m": (alpha, b), "s": (_sum(alpha, gamma), b)},
         "m",
         _filtered(_chained),
@@ -302,10 +294,10 @@ def w_method(alpha: Matrix, gamma: Matrix, b: Vector) -> Scheme:
     """
     both = _sum(alpha, gamma)
     return Scheme(
-        (("f", "fj"), ("j", "FJ"), ("F", "fj"), ("J", "FJ")),
+        {"f": "fj", "j": "FJ", "F": "fj", "J": "FJ"},
         {"f": (alpha, b), "j": (alpha, b), "F": (both, b), "J": (both, b)},
         "fj",
-        _filtered(lambda T, t: T.colour[t] in "fF" or len(T.children[t]) < 2),
+        _filtered(lambda t: t.colour in "fF" or len(t.children) < 2),
         ((r"F", "f"), (r"j", "J")),
     )
 
@@ -325,13 +317,13 @@ def splitting(a: Vector, b: Vector, *, kick_first: bool = False, quadratic: bool
         )
 
     return Scheme(
-        (("f", "k"), ("k", "f")),
+        {"f": "k", "k": "f"},
         {
             "f": (lower(a, diagonal=not kick_first), a),
             "k": (lower(b, diagonal=kick_first), b),
         },
         "fk",
-        nystrom_filter if quadratic else None,
+        is_nystrom if quadratic else None,
     )
 
 

@@ -6,8 +6,7 @@ answer ``None`` says that they leave it open.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from fractions import Fraction
+from collections.abc import Sequence
 from typing import Any
 
 from ..errors import ExactnessError
@@ -16,7 +15,6 @@ from ..exact.expression import shown_number
 from ..exact.linalg import Matrix, Vector
 from ..system.budget import spend
 from ..theory import polynomials as poly
-from ..theory.coefficients import is_zero, plus, times
 from ..theory.root_location import is_nonnegative, is_schur, real_roots, unimodular_roots
 from ..theory.stability import schur_cohn
 from .ranges import Known
@@ -59,60 +57,6 @@ def is_exact(*matrices: Sequence[Sequence[Any]]) -> bool:
 def scaled(d: Sequence[Scalar], a: Matrix) -> Matrix:
     """diag(d) a."""
     return tuple(tuple(x * y for y in row) for x, row in zip(d, a, strict=True))
-
-
-#: By the systems of a method, whether a vertex with these children can stand in a tree: the others
-#: vanish. A test of the colour, the number of children and their colours.
-_VERTICES: dict[str, Callable[[str, int, str], bool]] = {
-    "": lambda colour, n, below: True,
-    # q' = M^-1 p is linear in p and does not see q (HLW 2006, II.2.3)
-    "nystrom": lambda colour, n, below: colour != "f" or (n < 2 and "f" not in below),
-    "time": lambda colour, n, below: colour != "k" or n == 0,
-    "w": lambda colour, n, below: colour != "2" or n < 2,
-    "rosenbrock": lambda colour, n, below: n < 2 if colour == "2" else n != 1,
-}
-
-
-def stands(system: str, colour: str, count: int, below: str = "") -> bool:
-    """Whether a vertex of a colour with so many children can stand in a tree of these systems."""
-    return _VERTICES[system](colour, count, below)
-
-
-def system_filter(system: str, trees: Any) -> Any:
-    """Which trees count on the systems of a method; see :mod:`glmref.method.rosenbrock`."""
-    stands, known = _VERTICES[system], {}
-
-    def counts(t: int) -> bool:
-        if t not in known:
-            below = trees.children[t]
-            colours = "".join(trees.colour[x] for x in below)
-            known[t] = stands(trees.colour[t], len(below), colours) and all(map(counts, below))
-        return known[t]
-
-    return counts
-
-
-def nystrom_filter(trees: Any) -> Any:
-    """Trees of second-order systems."""
-    return system_filter("nystrom", trees)
-
-
-def first_nonzero(residual: Sequence[Any]) -> Scalar:
-    """The residual of a tree as one number: the first entry that is not certainly zero."""
-    chosen = next((x for x in residual if is_zero(x) is False), None)
-    if chosen is None:
-        chosen = next((x for x in residual if is_zero(x) is not True), 0)
-    return scalars([chosen])[0]
-
-
-def scalars(vector: Sequence[Any]) -> Vector:
-    """The entries as numbers of the exact field or balls."""
-    return tuple(Exact(x) if isinstance(x, int | Fraction) else x for x in vector)
-
-
-def difference(x: Sequence[Any], y: Sequence[Any]) -> Vector:
-    """x - y."""
-    return scalars([plus(a, times(-1, b)) for a, b in zip(x, y, strict=True)])
 
 
 def bilinear(u: Vector, G: Matrix, v: Vector) -> Scalar:
@@ -178,39 +122,6 @@ def first_value(basis: list[Vector]) -> Vector | None:
             return None
         return tuple(1 / x if j == k else _ZERO for j, x in enumerate(u))
     return None
-
-
-def sum_over_cuts(trees: Any, t: int, a: Mapping[Any, Any], b: Mapping[Any, Any]) -> Any:
-    """Sum of b(kept) times the product of a(branches) over all ways to cut with the root kept."""
-
-    def grown(tree: int) -> list[tuple[tuple[int, ...], Any]]:
-        # the ways to cut below the root: kept children, and the product of a over the branches
-        ways: list[tuple[tuple[int, ...], Any]] = [((), 1)]
-        for child in trees.children[tree]:
-            inner = [(None, a[child][0])] + [
-                (trees.tree(trees.colour[child], kept), weight) for kept, weight in cached(child)
-            ]
-            merged: dict[tuple[int, ...], Any] = {}
-            for kept, weight in ways:
-                for grown_child, factor in inner:
-                    if is_zero(factor) is True:
-                        continue
-                    key = kept if grown_child is None else tuple(sorted((*kept, grown_child)))
-                    merged[key] = plus(merged.get(key, 0), times(weight, factor))
-            ways = list(merged.items())
-        return ways
-
-    memo = a.setdefault("cuts", {})  # type: ignore[attr-defined]
-
-    def cached(tree: int) -> list[tuple[tuple[int, ...], Any]]:
-        if tree not in memo:
-            memo[tree] = grown(tree)
-        return memo[tree]
-
-    total: Any = 0
-    for kept, weight in cached(t):
-        total = plus(total, times(weight, b[trees.tree(trees.colour[t], kept)][0]))
-    return total
 
 
 def inside_circle(p: Any) -> bool | None:

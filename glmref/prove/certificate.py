@@ -9,7 +9,6 @@ output, is said with the reason.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from fractions import Fraction
 from functools import cached_property
 from typing import Any, Self
 
@@ -44,22 +43,19 @@ from ..exact.linalg import Matrix, Vector
 from ..findings import Proof, Verdict
 from ..method.embedded import EmbeddedRow
 from ..theory import polynomials as poly
-from ..theory.coefficients import is_zero, plus, times
+from ..theory.coefficients import difference, is_zero, scalars
+from ..theory.starting_series import StartingSeries
 from .algebra import (
     bounded,
     consistency_vectors,
     diagonal_values,
-    difference,
     is_exact,
     preconsistency,
-    scalars,
 )
 from .certificate_enclosed import equation_numbers, method_proof, start_proofs
 from .field import Tower, radicals_of, written_out
 from .finders import proposal_for
-from .forest import Paths
 from .kernel import Judgement, Kernel
-from .series import StartingSeries
 
 FORMAT = "glmref-certificate-1"
 Part = dict[str, Any]
@@ -97,7 +93,7 @@ def certificates_of(
 
 def _trees(series: StartingSeries, nystrom: bool) -> str:
     """Which trees a series is about, in the words of a certificate."""
-    if isinstance(series.trees, Paths):
+    if series.along_paths:
         return "nystrom-paths" if nystrom else "paths"
     return "nystrom" if nystrom else "all"
 
@@ -332,7 +328,7 @@ class _Writer:
             "principal": "free" if free else "identity",
             "trees": _trees(series, nystrom),
         }
-        count = sum(1 for n in range(1, p + 1) for t in series.trees.level(n) if series.counts(t))
+        count = sum(len(series.level(n)) for n in range(1, p + 1))
         self.identities.append(f"B xiD(t) + V eta(t) = (E eta)(t), {count} trees")
         self.identities.append(f"the condition of {found.tree} is not zero, order {p + 1}")
         return [
@@ -385,19 +381,13 @@ class _Writer:
 
     def _failing_stage(self, witness: Mapping[str, Any], q: int) -> str:
         series = self.kernel.timed.series[witness["principal"] == "free", False]
-        trees = series.trees
-        none = Kernel._none
-        c = {
-            trees.colour[t]: series.stage(t, series.eta.get(t, none(t, series)))
-            for t in trees.level(1)
-        }
-        for t in filter(series.counts, trees.level(q + 1)):
-            power = times(Fraction(1, trees.density[t]), series.power(c[trees.colour[t]], q + 1))
-            defect = plus(series.stage(t, series.eta.get(t, none(t, series))), times(-1, power))
+        c = {colour: series.abscissae(colour) for colour in series.palette}
+        for t in series.level(q + 1):
+            defect = series.defect(t, c[t.colour], series.value(t))
             if witness["principal"] == "free" and q + 1 == witness["order"]:
-                defect = series.fixed_stages(trees.colour[t], defect)
+                defect = series.fixed_stages(t.colour, defect)
             if is_zero(defect) is False:
-                return trees.text[t]
+                return str(t)
         raise ExactnessError("no stage was found that is not the solution")
 
     def _starting_order(self, *, nystrom: bool = False) -> list[Part]:
@@ -417,13 +407,12 @@ class _Writer:
         given = kernel._start_series(series, p)
         eta = dict(kernel._shifted(series, given, p) if free else series.eta)
         failing: dict[str, Any] = {"tree": ""} if q < p else {}
-        for t in filter(series.counts, series.trees.level(q + 1)) if q < p else ():
-            own = eta.get(t, Kernel._none(t, series))
-            gap = scalars([plus(x, times(-1, y)) for x, y in zip(given[t], own, strict=True)])
+        for t in series.level(q + 1) if q < p else ():
+            gap = difference(given[t], eta.get(t, series.value(t)))
             if q + 1 == p and free:
                 gap = kernel._without_principal(series, t, gap)
             if any(x.is_zero() is False for x in gap):
-                failing = {"tree": series.trees.text[t]}
+                failing = {"tree": str(t)}
                 break
         self.identities.append(f"the start agrees with the series through order {q}")
         return [
@@ -926,10 +915,7 @@ class _EnclosedWriter(_Writer):
         series = kernel.series[False, nystrom]
         found = kernel.range(self.claim)
         given = kernel._start_series(series, (found.upper or 0) + 1)
-        for t in series.trees.level((found.upper or 0) + 1):
-            if not series.counts(t):
-                continue
-            own = series.eta.get(t, Kernel._none(t, series))
-            if any(x.is_zero() is False for x in difference(given[t], own)):
-                return {"tree": series.trees.text[t]}
+        for t in series.level((found.upper or 0) + 1):
+            if any(x.is_zero() is False for x in difference(given[t], series.value(t))):
+                return {"tree": str(t)}
         raise ExactnessError("no tree refutes the start")

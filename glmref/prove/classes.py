@@ -42,8 +42,7 @@ from ..errors import DataError
 from ..exact import Exact, linalg
 from ..exact.linalg import Matrix
 from ..method.component import ROOTED, SEPARABLE, Palette
-from ..theory.nystrom import is_nystrom
-from ..theory.trees import Tree, parse_tree, pruned, single, tree, trees
+from ..theory.trees import Tree, is_nystrom, parse_tree, pruned, single, tree, trees
 
 Pair = tuple[Tree, Tree]
 

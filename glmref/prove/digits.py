@@ -20,8 +20,9 @@ from ..catalogue.claims import SOLUTION
 from ..errors import ExactnessError
 from ..exact import Exact, linalg, rounded_decimal
 from ..exact.linalg import Vector
+from ..method.component import Palette
 from ..system.budget import spend
-from .forest import Forest, forest
+from ..theory.trees import Tree, tree, trees
 
 if TYPE_CHECKING:
     from .kernel import Judgement, Proposal
@@ -80,7 +81,7 @@ class Sized:
 
 
 #: Colour of the root, trees above it, density.
-Shape = tuple[str, Sequence[int], int]
+Shape = tuple[str, Sequence[Tree], int]
 
 
 class _Vector:
@@ -106,7 +107,7 @@ class _Fixed:
 
     def __init__(self, kernel: Any, bits: int) -> None:
         self.bits, self.one = bits, 1 << bits
-        self.trees: Forest = forest(kernel.palette)
+        self.palette: Palette = kernel.palette
         #: by colour the entries (j, a_ij) of each row that are not zero, and |a|_inf
         self.rows: dict[str, list[list[tuple[int, int]]]] = {}
         self.norm: dict[str, int] = {}
@@ -116,8 +117,8 @@ class _Fixed:
             self.norm[colour] = max(sum(map(abs, row)) + len(row) for row in dense)
         self.matrices = {c: A for c, (A, *_) in kernel.blocks.items()}
         self.columns = {c: len(A[0]) for c, (A, *_) in kernel.blocks.items()}
-        self._weights: dict[int, _Vector] = {}
-        self._below: dict[int, _Vector] = {}
+        self._weights: dict[Tree, _Vector] = {}
+        self._below: dict[Tree, _Vector] = {}
 
     def scaled(self, values: Sequence[Any]) -> list[int]:
         """Rational numbers, each less than one unit too small."""
@@ -133,32 +134,30 @@ class _Fixed:
             found.append(fraction.numerator * self.one // fraction.denominator)
         return found
 
-    def weights(self, t: int) -> _Vector:
+    def weights(self, t: Tree) -> _Vector:
         """Phi(t) at the slopes of the colour of its root."""
         if t not in self._weights:
-            T = self.trees
-            if T.children[t]:
+            if t.children:
                 self._weights[t] = _Vector(*self.product(t))
             else:
-                self._weights[t] = _Vector([self.one] * self.columns[T.colour[t]], 0)
+                self._weights[t] = _Vector([self.one] * self.columns[t.colour], 0)
         return self._weights[t]
 
-    def product(self, t: int) -> tuple[list[int], int]:
+    def product(self, t: Tree) -> tuple[list[int], int]:
         """Phi of a tree with children: the product for the tree without the last one, and A Phi."""
         spend()
-        T = self.trees
-        x = self.weights(T.tree(T.colour[t], T.children[t][:-1]))
-        y = self.below(T.children[t][-1])
+        x = self.weights(tree(t.children[:-1], t.colour))
+        y = self.below(t.children[-1])
         # |(x + d)(y + e) - x y| <= |x| ry + |y| rx + rx ry; the shift loses less than 1
         error = x.size * y.radius + y.size * x.radius + x.radius * y.radius
         bits = self.bits
         found = [u * v >> bits for u, v in zip(x.values, y.values, strict=True)]
         return found, (error >> bits) + 2
 
-    def below(self, t: int) -> _Vector:
+    def below(self, t: Tree) -> _Vector:
         """A Phi(t), A that of the colour of its root."""
         if t not in self._below:
-            colour = self.trees.colour[t]
+            colour = t.colour
             w = self.weights(t)
             v, bits = w.values, self.bits
             # each entry of A is less than 1 too small, which weighs |v|_1 + s r at most
@@ -167,13 +166,12 @@ class _Fixed:
             self._below[t] = _Vector(rows, (error >> bits) + 2)
         return self._below[t]
 
-    def residual(self, t: int, b: _Vector) -> tuple[int, int]:
+    def residual(self, t: Tree, b: _Vector) -> tuple[int, int]:
         """Bounds of ``|b Phi(t) - 1 / gamma(t)|``, in units."""
-        T = self.trees
-        if t in self._weights or not T.children[t]:
+        if t in self._weights or not t.children:
             w = self.weights(t)
-            return self.gap(b, w.values, w.radius, T.density[t])
-        return self.gap(b, *self.product(t), T.density[t])
+            return self.gap(b, w.values, w.radius, t.density)
+        return self.gap(b, *self.product(t), t.density)
 
     def gap(self, b: _Vector, v: Sequence[int], r: int, density: int) -> tuple[int, int]:
         """Bounds of ``|b v - 1 / density|``; each entry of b is less than 1 too small."""
@@ -182,88 +180,91 @@ class _Fixed:
         found = abs((sum(map(mul, b.values, v)) >> self.bits) - self.one // density)
         return max(found - radius, 0), found + radius
 
-    def exactly(self, tree: Shape, b: Mapping[str, Any]) -> Fraction:
+    def exactly(self, shape: Shape, b: Mapping[str, Any]) -> Fraction:
         """``|b Phi(t) - 1 / gamma(t)|`` itself, in units."""
-        T = self.trees
 
-        def phi(colour: str, below: Sequence[int]) -> Vector:
+        def phi(colour: str, below: Sequence[Tree]) -> Vector:
             spend()
             value: Vector = (Exact(1),) * self.columns[colour]
             for child in below:
-                inner = phi(T.colour[child], T.children[child])
-                inner = linalg.matvec(self.matrices[T.colour[child]], inner)
+                inner = phi(child.colour, child.children)
+                inner = linalg.matvec(self.matrices[child.colour], inner)
                 value = tuple(x * y for x, y in zip(value, inner, strict=True))
             return value
 
-        root, below, density = tree
+        root, below, density = shape
         gap = (linalg.dot(tuple(b[root]), phi(root, below)) - Exact(1) / density).as_fraction()
         return abs(gap) * self.one
 
-    def shape(self, t: int) -> Shape:
+    @staticmethod
+    def shape(t: Tree) -> Shape:
         """Colour of the root, trees above it, and density of a tree."""
-        return self.trees.colour[t], self.trees.children[t], self.trees.density[t]
+        return t.colour, t.children, t.density
+
+    def level(self, n: int, counts: Callable[[Tree], bool]) -> Iterator[Tree]:
+        """Trees of an order that are conditions."""
+        return filter(counts, trees(n, self.palette))
 
     def judged(
-        self, b: Mapping[str, Any], order: int, size: str, counts: Callable[[int], bool]
+        self, b: Mapping[str, Any], order: int, size: str, counts: Callable[[Tree], bool]
     ) -> Sized:
         """Compare the residuals of the weights b by colour with what is declared."""
         scaled = {c: _Vector(self.scaled(row), 1) for c, row in b.items()}
-        T, most, least = self.trees, Fraction(size) * self.one, step_below(size) * self.one
+        most, least = Fraction(size) * self.one, step_below(size) * self.one
         low, high = Fraction(0), Fraction(0)
         largest = ""
         for n in range(1, order + 1):
-            for t in filter(counts, T.level(n)):
+            for t in self.level(n, counts):
                 if n < order:
                     self.weights(t)  # kept: of the last order they serve nothing else
-                x, y = self.residual(t, scaled[T.colour[t]])
+                x, y = self.residual(t, scaled[t.colour])
                 if x <= most < y or x <= least < y:  # it may be that number itself
                     x = y = self.exactly(self.shape(t), b)
                 if x > most:
                     if rounded_up(Fraction(x, self.one)) != rounded_up(Fraction(y, self.one)):
                         y = self.exactly(self.shape(t), b)
                     found = rounded_up(Fraction(y, self.one))
-                    reason = f"tree {T.text[t]} of order {n} has residual {found}"
-                    return Sized(False, reason, T.text[t])
+                    reason = f"tree {t} of order {n} has residual {found}"
+                    return Sized(False, reason, str(t))
                 if x > low:
-                    low, largest = Fraction(x), T.text[t]
+                    low, largest = Fraction(x), str(t)
                 high = max(high, Fraction(y))
         if not low > least:
             if low == 0 and order <= LISTED and self.vanish(b, order, counts):
                 reason = f"the residuals through order {order} are 0: claim the order without size"
                 return Sized(False, reason, order=order)
             if low and rounded_up(low / self.one) != rounded_up(high / self.one):
-                trees = (t for n in range(1, order + 1) for t in filter(counts, T.level(n)))
-                unsure = (t for t in trees if self.residual(t, scaled[T.colour[t]])[1] > low)
+                every = (t for n in range(1, order + 1) for t in self.level(n, counts))
+                unsure = (t for t in every if self.residual(t, scaled[t.colour])[1] > low)
                 high = max(low, *(self.exactly(self.shape(t), b) for t in unsure))
             shown = rounded_up(high / self.one)
             reason = f"the residuals through order {order} are at most {shown}"
             return Sized(False, reason, order=order)
         assert high <= most, "a residual that may be larger was computed exactly"
-        for tree, shape, (_, y) in self.beyond(order + 1, scaled, counts):
+        for text, shape, (_, y) in self.beyond(order + 1, scaled, counts):
             if y > GAP * most and self.exactly(shape, b) > GAP * most:
-                return Sized(True, "", largest, tree)
+                return Sized(True, "", largest, text)
         reason = f"no condition of order {order + 1} has a residual above {GAP} times {size}"
         return Sized(False, reason, order=order + 1)
 
-    def vanish(self, b: Mapping[str, Any], order: int, counts: Callable[[int], bool]) -> bool:
+    def vanish(self, b: Mapping[str, Any], order: int, counts: Callable[[Tree], bool]) -> bool:
         """Whether all conditions through an order hold exactly."""
-        T = self.trees
         return all(
             self.exactly(self.shape(t), b) == 0
             for n in range(1, order + 1)
-            for t in filter(counts, T.level(n))
+            for t in self.level(n, counts)
         )
 
     def sizes(
-        self, b: Mapping[str, Any], most: int, counts: Callable[[int], bool]
+        self, b: Mapping[str, Any], most: int, counts: Callable[[Tree], bool]
     ) -> list[Fraction]:
         """Largest residual through each order, at most, and last the first that is no rounding."""
         scaled = {c: _Vector(self.scaled(row), 1) for c, row in b.items()}
-        T, found = self.trees, [Fraction(0)]
+        found = [Fraction(0)]
         for n in range(1, most + 1):
             largest = found[-1]
-            for t in filter(counts, T.level(n)):
-                x, y = (Fraction(z, self.one) for z in self.residual(t, scaled[T.colour[t]]))
+            for t in self.level(n, counts):
+                x, y = (Fraction(z, self.one) for z in self.residual(t, scaled[t.colour]))
                 if y > largest:
                     sure = rounded_up(x) == rounded_up(y)
                     largest = y if sure else max(largest, self.exactly(self.shape(t), b) / self.one)
@@ -275,25 +276,22 @@ class _Fixed:
         return [*found, max(found[-1], Fraction(last, self.one))]
 
     def beyond(
-        self, order: int, b: Mapping[str, _Vector], counts: Callable[[int], bool]
+        self, order: int, b: Mapping[str, _Vector], counts: Callable[[Tree], bool]
     ) -> Iterator[tuple[str, Shape, tuple[int, int]]]:
         """Trees of an order with bounds of their residuals: first those with one branch.
 
         Of one method without a system of its own every tree counts, and those with one child need
         no list of the trees of their order.
         """
-        T = self.trees
-        if len(T.palette) == 1:
+        if len(self.palette) == 1:
             (weights,) = b.values()
-            for t in T.level(order - 1):
+            for t in islice(trees(order - 1, self.palette), ONE_BRANCH + 2):
                 y = self.below(t)
-                density = order * T.density[t]
+                density = order * t.density
                 bounds = self.gap(weights, y.values, y.radius, density)
-                yield f"[{T.text[t]}]", (T.colour[t], (t,), density), bounds
-                if t - T.level(order - 1)[0] > ONE_BRANCH:
-                    break
-        for t in filter(counts, T.level(order)):
-            yield T.text[t], self.shape(t), self.residual(t, b[T.colour[t]])
+                yield f"[{t}]", (t.colour, (t,), density), bounds
+        for t in self.level(order, counts):
+            yield str(t), self.shape(t), self.residual(t, b[t.colour])
 
 
 def _carries_on(A: Any, U: Any, B: Any, V: Any) -> bool:
@@ -326,9 +324,9 @@ class DigitRules:
             for name, x in kernels.items()
         }
 
-    def _counted(self, trees: Forest) -> Callable[[int], bool]:
+    def _counted(self) -> Callable[[Tree], bool]:
         """Which trees are conditions."""
-        return self.timed._counts(trees, nystrom=self._is_nystrom)
+        return self.timed._counts(nystrom=self._is_nystrom)
 
     def to_digits(self, declared: Mapping[str, Any]) -> dict[str, Sized]:
         """What is known of each of the declared orders, by the names of the weights."""
@@ -341,7 +339,7 @@ class DigitRules:
             raise ExactnessError(f"trees are compared through order {most} here")
         exponent = max(-int(e.partition("e")[2]) for _, e in sized.values())
         fixed = _Fixed(self.timed, SPARE + 4 * exponent)
-        counts = self._counted(fixed.trees)
+        counts = self._counted()
         return {name: fixed.judged(weights, *sized[name], counts) for name, weights in rows.items()}
 
     def sizes_to_digits(self) -> dict[str, list[Fraction]]:
@@ -356,7 +354,7 @@ class DigitRules:
         """
         self._check_one_value()
         fixed = _Fixed(self.timed, SPARE + 4 * SMALLEST)
-        counts, most = self._counted(fixed.trees), self._most(nystrom=self._is_nystrom)
+        counts, most = self._counted(), self._most(nystrom=self._is_nystrom)
         rows = self._rows_of_weights()
         return {name: fixed.sizes(weights, most, counts) for name, weights in rows.items()}
 

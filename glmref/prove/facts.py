@@ -17,8 +17,7 @@ from ..findings import Proof
 from ..method import Method
 from ..method.digits import within_digits
 from ..theory.consistency import consistency, zero_stability
-from ..theory.nystrom import nystrom_order_of
-from ..theory.order import order_of
+from ..theory.order import nystrom_order_of, order_of
 from ..theory.parasitism import growth
 from ..theory.reduction import reduction
 from ..theory.symmetry import symmetry

@@ -11,10 +11,11 @@ from ..errors import ExactnessError
 from ..exact import Exact, Scalar, linalg
 from ..exact.linalg import Matrix, Vector
 from ..system.budget import fits
+from ..theory.coefficients import difference
+from ..theory.starting_series import NoOrderOne, NotPreconsistent, Prepared
 from .algebra import (
     all_of,
     bilinear,
-    difference,
     full_rank,
     involutions,
     is_exact,
@@ -23,7 +24,6 @@ from .algebra import (
     vanishes,
 )
 from .ranges import Known
-from .series import Component, NoOrderOne, NotPreconsistent
 
 _ZERO, _ONE = Exact(0), Exact(1)
 #: Whose slopes a component uses: its own, or of a pair those of the other one.
@@ -39,7 +39,7 @@ class FormRules:
         shared: bool
         exact: bool
         one_step: bool
-        _components: dict[str, Component]
+        _components: dict[str, Prepared]
 
     # -- forms -------------------------------------------------------------------------------------
 

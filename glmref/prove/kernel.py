@@ -41,39 +41,45 @@ from ..exact.expression import Text, parse
 from ..exact.linalg import Matrix, Vector
 from ..findings import Finding, Proof, Verdict
 from ..method import Method
+from ..method.component import Palette
 from ..method.preconsistency import first_functional, output, outputs
-from ..theory.coefficients import apply, is_zero, plus, times, weighted
-from .algebra import (
-    acyclic,
-    all_of,
-    compared,
-    consistency_vectors,
+from ..theory.coefficients import (
+    apply,
     difference,
     first_nonzero,
-    full_rank,
-    is_exact,
-    nystrom_filter,
-    preconsistency,
+    is_zero,
+    plus,
     scalars,
-    sum_over_cuts,
-    system_filter,
+    times,
+    weighted,
 )
-from .digits import DigitRules, rounded_up
-from .forest import Forest, Paths, forest, paths
-from .form_rules import OTHER, FormRules
-from .growth_rules import GrowthRules
-from .implications import Implied
-from .ranges import MAX_ORDER, Known, Range
-from .rows import RowRules
-from .series import (
-    Component,
+from ..theory.order import MANY_STARTS
+from ..theory.series import Series, compose, shift
+from ..theory.starting_series import (
     NoOrderOne,
     NotPreconsistent,
+    Prepared,
     StartingSeries,
     component,
     read,
     tableau_series,
 )
+from ..theory.trees import Tree, counted, single, trees
+from .algebra import (
+    acyclic,
+    all_of,
+    compared,
+    consistency_vectors,
+    full_rank,
+    is_exact,
+    preconsistency,
+)
+from .digits import DigitRules, rounded_up
+from .form_rules import OTHER, FormRules
+from .growth_rules import GrowthRules
+from .implications import Implied
+from .ranges import MAX_ORDER, Known, Range
+from .rows import RowRules
 from .stability_rules import StabilityRules
 
 _ZERO, _ONE = Exact(0), Exact(1)
@@ -214,7 +220,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
             c.colour: None if c.output is None else output(c)  # refuses one that reads another
             for c in method.components
         }
-        self.palette = tuple(method.palette.items())
+        self.palette = method.palette
         self.shared = method.shared
         self.one_step = all(len(b[3]) == 1 for b in self.blocks.values())
         self.exact = all(is_exact(*b) for b in self.blocks.values())
@@ -316,11 +322,11 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
     # -- orders ----------------------------------------------------------------------------------
 
     @cached_property
-    def _components(self) -> dict[str, Component]:
+    def _components(self) -> dict[str, Prepared]:
         return {c: component(*b, self.outputs[c]) for c, b in self.blocks.items()}
 
     def range(self, claim: str) -> Range:
-        """Proved bounds of an order: see :mod:`glmref.prove.series` for the theorem."""
+        """Proved bounds of an order: see :mod:`glmref.theory.starting_series` for the theorem."""
         return self._with_implied(claim, self._rule(claim))
 
     def _with_implied(self, claim: str, found: Range) -> Range:
@@ -378,12 +384,11 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
         """The series of the searches made, for the claims that are about a start."""
         return {}
 
-    def _counts(self, trees: Forest, *, nystrom: bool) -> Callable[[int], bool]:
+    def _counts(self, *, nystrom: bool) -> Callable[[Tree], bool]:
         """Which trees count: those of second-order systems, or of the systems of the method."""
-        return nystrom_filter(trees) if nystrom else system_filter(self.method.system, trees)
+        return counted("nystrom" if nystrom else self.method.system)
 
     def _search(self, *, free: bool, nystrom: bool) -> Range:
-        trees = forest(self.palette)
         try:
             components = self._components
         except NotPreconsistent as reason:
@@ -394,8 +399,8 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
             found = self._along_paths(components, free=free, nystrom=nystrom)
             if found is not None:
                 return found
-        counts = self._counts(trees, nystrom=nystrom)
-        series = StartingSeries(components, trees, free=free, counts=counts)
+        counts = self._counts(nystrom=nystrom)
+        series = StartingSeries(components, self.palette, free=free, counts=counts)
         self.series[free, nystrom] = series
         found = None if free else self._above_implied(series, nystrom)
         if found is not None:
@@ -408,8 +413,8 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
                 beyond = self._beyond(series, lower, n, sizes, nystrom)
                 if beyond is not None:
                     return beyond
-            level: dict[int, Scalar] = {}
-            answers: dict[int, bool | None] = {}
+            level: dict[Tree, Scalar] = {}
+            answers: dict[Tree, bool | None] = {}
             failing = None
             for t in series.advance():
                 level[t] = first_nonzero(series.residual(t))
@@ -418,17 +423,9 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
                     failing = t
                     break
             if failing is not None:
-                upper, more = n - 1, ""
-                if not series.complete:
-                    upper, more = (
-                        None,
-                        (
-                            "the eigenvalue 1 of V is multiple, and whether other principal parts "
-                            "reach a higher order is not decided"
-                        ),
-                    )
+                upper, more = (n - 1, "") if series.complete else (None, MANY_STARTS)
                 return Range(
-                    lower, upper, trees.text[failing], level[failing].magnitude(), tuple(sizes),
+                    lower, upper, str(failing), level[failing].magnitude(), tuple(sizes),
                     self.exact, more, n - 1,
                 )  # fmt: skip
             series.settle()
@@ -443,7 +440,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
         return Range(lower, None, sizes=tuple(sizes), exact=self.exact, value=most)
 
     def _along_paths(
-        self, components: dict[str, Component], *, free: bool, nystrom: bool
+        self, components: dict[str, Prepared], *, free: bool, nystrom: bool
     ) -> Range | None:
         """Order of a pair whose stages are the solution, by trees without branches; else ``None``.
 
@@ -469,8 +466,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
         another is a similarity, which keeps eigenvalues. Below order 9 all trees are compared in
         that case, where only these two orders and no series are kept.
         """
-        trees = paths(self.palette)
-        series = StartingSeries(components, trees, free=False)
+        series = StartingSeries(components, self.palette, free=False, along_paths=True)
         proved = all(c.certain for c in components.values())
         if not (proved and series.simple):
             return None
@@ -489,7 +485,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
                 else:
                     self.series[free, nystrom] = series
                 size = residual.magnitude()
-                return Range(n - 1, n - 1, trees.text[failing], size, exact=self.exact, value=n - 1)
+                return Range(n - 1, n - 1, str(failing), size, exact=self.exact, value=n - 1)
             series.settle()
             zero = all(x.is_zero() is True for x in level.values())
             if not (zero and on_solution):
@@ -501,14 +497,8 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
     def _on_solution(self, series: StartingSeries, n: int, colours: str) -> bool:
         """Whether ``xi(t) = c^n / n!`` at the stages of these colours, t the path of order n."""
         for colour in colours:
-            first, last = (
-                next(t for t in series.trees.level(m) if series.trees.colour[t] == colour)
-                for m in (1, n)
-            )
-            c, x = (
-                scalars(series.stage(t, series.eta.get(t, self._none(t, series))))
-                for t in (first, last)
-            )
+            (last,) = (t for t in series.level(n) if t.colour == colour)
+            c, x = (scalars(series.stage(t, series.value(t))) for t in (single(colour), last))
             if not all(_is_power(*pair, n) for pair in zip(x, c, strict=True)):
                 return False
         return True
@@ -539,11 +529,8 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
                 )
                 for c, (A, U, B, V) in self.blocks.items()
             }
-            trees = forest(self.palette)
-            series = StartingSeries(
-                components, trees, free=not self.one_step,
-                counts=self._counts(trees, nystrom=False),
-            )  # fmt: skip
+            counts = self._counts(nystrom=False)
+            series = StartingSeries(components, self.palette, free=not self.one_step, counts=counts)
             sizes = [
                 max(
                     (plus(weighted(row, c.u), -1)).magnitude() if row else 1.0
@@ -627,16 +614,16 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
             value = plus(self._seen(c, power), Fraction(-1, factorial(n)))
             return {"[" * (n - 1) + "o" + "]" * (n - 1): scalars([value])[0]}
         found = {}
-        for leaf in reversed(series.trees.level(1)):  # the root is of the other colour: f first
-            root = next(c for c, below in self.palette if series.trees.colour[leaf] in below)
-            text = series.trees.text[leaf] * (n - 1)
-            power = series.power(series.stage(leaf, self._none(leaf, series)), n - 1)
+        for leaf in reversed(tuple(self.palette)):  # the root is of the other colour: f first
+            root = next(c for c, below in self.palette.items() if leaf in below)
+            text = leaf * (n - 1)
+            power = series.power(series.stage(single(leaf), (0,)), n - 1)
             value = plus(self._seen(series.components[root], power), Fraction(-1, n))
             (found[f"{root.replace('o', '')}[{text}]"],) = scalars([value])
         return {t: x for t, x in found.items() if not (nystrom and t[0] == "f" and n > 2)}
 
     @staticmethod
-    def _seen(c: Component, slopes: tuple[Any, ...]) -> Any:
+    def _seen(c: Prepared, slopes: tuple[Any, ...]) -> Any:
         """W B times slopes, of a method that carries one value."""
         return apply(c.W, apply(c.B, slopes))[0]
 
@@ -670,22 +657,15 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
         series = self.timed.series[free, False].through(1 if self.one_step else top)
         if order.upper is None and not series.simple:  # others may have a higher order
             return Range(1 if order.lower else 0, None, exact=exact, value=1, reason=order.reason)
-        trees, nodes = series.trees, series.trees.level(1)
-        c = {
-            trees.colour[t]: series.stage(t, series.eta.get(t, self._none(t, series)))
-            for t in nodes
-        }
+        c = {colour: series.abscissae(colour) for colour in series.palette}
         lower = top if order.lower else 0
         for q in range(1, top + 1):
             answers, refuted = [], False
             series.through(q)
-            for t in filter(series.counts, trees.level(q)):
-                value = series.eta.get(t, self._none(t, series))
-                power = times(Fraction(1, trees.density[t]), series.power(c[trees.colour[t]], q))
-                defect = plus(series.stage(t, value), times(-1, power))
-                fixed = defect
+            for t in series.level(q):
+                fixed = defect = series.defect(t, c[t.colour], series.value(t))
                 if free and q >= order.lower:
-                    fixed = series.fixed_stages(trees.colour[t], defect)
+                    fixed = series.fixed_stages(t.colour, defect)
                 refuted = refuted or is_zero(fixed) is False
                 # the principal part is free only where the order is known to end here
                 answers.append(is_zero(fixed if q == order.upper else defect))
@@ -697,10 +677,6 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
                 lower = min(lower, q - 1)
         upper = order.upper
         return Range(min(lower, order.lower), upper, exact=exact, value=top, reason=f"found {top}")
-
-    @staticmethod
-    def _none(t: int, series: StartingSeries) -> tuple[int, ...]:
-        return (0,) * len(series.components[series.trees.colour[t]].u)
 
     # -- starts and finishes -----------------------------------------------------------------------
 
@@ -734,7 +710,6 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
         series = self.series[free, nystrom].through(p)
         given = self._start_series(series, p)
         eta = self._shifted(series, given, p) if free else series.eta
-        trees, none = series.trees, self._none
         # where 1 is a multiple eigenvalue another series may have a higher order
         known_series = series.simple or known.upper is not None
         proved = known_series and self._start_fits(series, p, nystrom=nystrom)
@@ -751,8 +726,8 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
         exact = self.exact and self._exact_start()
         for q in range(1, p + 1):
             answers = []
-            for t in (t for t in trees.level(q) if series.counts(t)):
-                gap = difference(given[t], eta.get(t, none(t, series)))
+            for t in series.level(q):
+                gap = difference(given[t], eta.get(t, series.value(t)))
                 strict = gap
                 if q >= known.lower and free:
                     gap = self._without_principal(series, t, gap)
@@ -761,9 +736,9 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
                     upper = q - 1 if series.complete else None  # others may agree with it
                     return Range(
                         min(lower, known.lower), upper, exact=exact, value=q - 1,
-                        reason=f"tree {trees.text[t]} differs by {gap[bad].magnitude():.6g} in "
+                        reason=f"tree {t} differs by {gap[bad].magnitude():.6g} in "
                         f"value {bad + 1}" if start is not None else
-                        f"a carried value starts with a term of {trees.text[t]}",
+                        f"a carried value starts with a term of {t}",
                     )  # fmt: skip
                 # the principal part is free only where the order is known to end here
                 answers += [y.is_zero() for y in (gap if q == known.upper else strict)]
@@ -788,7 +763,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
         second-order systems f is linear: what counts is how stages Q use stages Q, two orders up.
         """
         start: Any = self.method.starting
-        if not isinstance(series.trees, Paths) or start is None:
+        if not series.along_paths or start is None:
             return True
         f, k = start.components
         if nystrom:
@@ -839,11 +814,11 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
         if start is None:
             found: dict[Any, tuple[Any, ...]] = {c: x.u for c, x in series.components.items()}
             for n in range(1, p + 1):
-                found |= {t: self._none(t, series) for t in series.trees.level(n)}
+                found |= {t: (0,) * len(found[t.colour]) for t in series.level(n)}
             return found
         if (series, p) not in self._start_tables:
             table = {c.colour: (c.A, c.B, tuple(x for (x,) in c.V)) for c in start.components}
-            found = tableau_series(series.trees, table, p, series.counts)
+            found = tableau_series(series.level, table, p)
             self._start_tables[series, p] = found
         return self._start_tables[series, p]
 
@@ -851,46 +826,21 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
     def _start_tables(self) -> dict[tuple[StartingSeries, int], dict[Any, tuple[Any, ...]]]:
         return {}
 
-    def _shifted(self, series: StartingSeries, given: Mapping[Any, Any], p: int) -> dict[int, Any]:
-        """eta E^a, with a such that its output agrees with that of the start at one vertex.
-
-        ``(eta E^a)(t) = u a^|t| / gamma(t) + sum N(t, s) a^m / m! eta(s)``, m = |t| - |s|.
-        """
-        trees = series.trees
-        (node,) = trees.level(1)
-        c = series.components["o"]
-        own = series.eta.get(node, self._none(node, series))
-        ahead = read(c, difference(given[node], own))
+    @staticmethod
+    def _shifted(
+        series: StartingSeries, given: Mapping[Any, Any], p: int
+    ) -> Mapping[Tree, tuple[Any, ...]]:
+        """Return eta E^a, with a such that its output is that of the start at one vertex."""
+        c, node = series.components["o"], single()
+        ahead = read(c, difference(given[node], series.value(node)))
         if is_zero(ahead) is True:
             return series.eta
-        powers: list[Any] = [1]
-        for _ in range(p):
-            powers.append(times(ahead, powers[-1]))
-        factors: dict[tuple[int, int, int], Scalar] = {}
+        eta = {t: x for t, x in series.eta.items() if t.order <= p}
+        return shift(Series(eta, c.u, p, series.palette), ahead)
 
-        def power(m: int, over: int, under: int) -> Scalar:
-            """``a^m over / under``."""
-            if (m, over, under) not in factors:
-                (factors[m, over, under],) = scalars([times(Fraction(over, under), powers[m])])
-            return factors[m, over, under]
-
-        moved: dict[int, Any] = {}
-        for n in range(1, p + 1):
-            for t in trees.level(n):
-                terms = [(power(n, 1, trees.density[t]), c.u)]
-                for kept, ways in trees.cuts[t].items():
-                    if kept in series.eta:
-                        m = n - trees.order[kept]
-                        terms.append((power(m, ways, factorial(m)), series.eta[kept]))
-                weights = list(enumerate(x for x, _ in terms))
-                moved[t] = tuple(
-                    weighted(weights, x) for x in zip(*(v for _, v in terms), strict=True)
-                )
-        return moved
-
-    def _without_principal(self, series: StartingSeries, t: int, gap: Vector) -> Vector:
+    def _without_principal(self, series: StartingSeries, t: Tree, gap: Vector) -> Vector:
         """What no principal part N beta changes of a difference: W is 0 at it."""
-        c = series.components[series.trees.colour[t]]
+        c = series.components[t.colour]
         for along, column in zip(apply(c.W, gap), c.N, strict=True):
             gap = difference(gap, times(along, column))
         return gap
@@ -910,27 +860,28 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
         if self.timed is not self:
             raise ExactnessError("the order of a finish is judged where c = A 1")
         known = self.order_range(free=True)
-        p, trees = known.value, forest(self.palette)
-        everything = lambda t: True  # noqa: E731
+        p = known.value
         (w,) = outputs(self.method)
         series = self.series.get((True, False))
         given = {"o": start.u} if series is None else self._start_series(series, p)
-        a: dict[Any, Any] = {t: (linalg.dot(w, scalars(x)),) for t, x in given.items()}
-        b = tableau_series(trees, {"o": (finish.A, (finish.b,), (_ONE,))}, p, everything)
+        a: dict[Any, Any] = {t: linalg.dot(w, scalars(x)) for t, x in given.items()}
+        b = tableau_series(trees, {"o": (finish.A, (finish.b,), (_ONE,))}, p)
         exact = self.exact and self._exact_start() and is_exact(finish.A, (finish.b,))
-        if (a["o"][0] - 1).is_zero() is not True:
+        if (a.pop("o") - 1).is_zero() is not True:
             raise ExactnessError("a finishing method needs an output that starts from y itself")
+        del b["o"]
+        both = compose(Series(a, 1, p), Series({t: x for t, (x,) in b.items()}, 1, p))
         lower, proved = 0, True
         for q in range(1, p + 1):
             answers = []
-            for t in trees.level(q):
-                total = plus(a[t][0], sum_over_cuts(trees, t, a, b))
+            for t in trees(q):
+                total = both[t]
                 answer = is_zero(total)
                 if answer is False:
                     size = total.magnitude()
                     return Range(
                         min(lower, known.lower), q - 1, exact=exact, value=q - 1,
-                        reason=f"tree {trees.text[t]} differs by {size:.6g} in value 1",
+                        reason=f"tree {t} differs by {size:.6g} in value 1",
                     )  # fmt: skip
                 answers.append(answer)
             proved = proved and None not in answers
@@ -1021,9 +972,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
                 series = self.series.get((False, False))
                 if series is None or not series.simple:
                     raise ExactnessError("the abscissae are not decided within the digits")
-                (node,) = series.trees.level(1)
-                eta = series.eta.get(node, self._none(node, series))
-                found, unique = list(scalars(series.stage(node, eta))), True
+                found, unique = list(scalars(series.abscissae("o"))), True
         if len(found) != len(declared):
             return Known(False, exact, f"{len(found)} abscissae found, {len(declared)} declared")
         known = compared(found, declared, exact=exact)
@@ -1181,11 +1130,11 @@ class Reach:
 
 
 def reach(
-    palette: tuple[tuple[str, str], ...],
+    palette: Palette,
     blocks: Mapping[str, tuple[Matrix, Vector]],
     *,
     roots: str,
-    counts: Callable[[int], bool],
+    counts: Callable[[Tree], bool],
     most: int,
     stop: float,
 ) -> Reach:
@@ -1193,7 +1142,7 @@ def reach(
 
     Parameters
     ----------
-    palette : tuple of (str, str)
+    palette : Palette
         Colours with the colours their children may have.
     blocks : mapping
         (A, b) by colour: ``X = y + h A F``, ``y+ = y + h b F``.
@@ -1211,16 +1160,13 @@ def reach(
     """
     one = ((_ONE,),)
     exact = all(is_exact(A, (b,)) for A, b in blocks.values())
-    trees = forest(palette)
     components = {c: component(A, one * len(A), (b,), one) for c, (A, b) in blocks.items()}
-    series = StartingSeries(components, trees, free=False, counts=counts)
+    series = StartingSeries(components, palette, free=False, counts=counts)
     sizes, worst, first, residuals = [], [], [], []
     proved, refuted = 0, None
     for n in range(1, most + 1):
         level = {
-            t: first_nonzero(series.residual(t))
-            for t in series.advance()
-            if trees.colour[t] in roots
+            t: first_nonzero(series.residual(t)) for t in series.advance() if t.colour in roots
         }
         answers = {t: x.is_zero() for t, x in level.items()}
         if refuted is None and False in answers.values():
@@ -1231,9 +1177,9 @@ def reach(
         at = max(size, key=size.__getitem__, default=None)
         no = next((t for t, x in answers.items() if x is False), None)
         sizes.append(0.0 if at is None else size[at])
-        worst.append("" if at is None else trees.text[at])
-        first.append("" if no is None else trees.text[no])
-        residuals.append({trees.text[t]: x for t, x in level.items()})
+        worst.append("" if at is None else str(at))
+        first.append("" if no is None else str(no))
+        residuals.append({str(t): x for t, x in level.items()})
         if sizes[-1] > stop:
             break
     return Reach(proved, tuple(sizes), tuple(worst), refuted, exact, tuple(first),

@@ -9,8 +9,8 @@ from ..catalogue.claims import NYSTROM_ORDER, ORDER, ORDER_IDENTITY
 from ..errors import ExactnessError
 from ..exact import Exact, Scalar, linalg
 from ..exact.linalg import Vector
+from ..theory.trees import Tree, trees
 from .algebra import all_of, consistent_values, constants, first_value, is_exact
-from .forest import Forest, forest
 from .ranges import MAX_ORDER, Known, Range
 
 if TYPE_CHECKING:
@@ -34,25 +34,23 @@ def _all_zero(gaps: Sequence[tuple[Scalar, str]], *, exact: bool) -> Known:
     return Known(truth, exact, f"{text} {shown}", gap.magnitude())
 
 
-def stage_weights(A: Sequence[Vector], trees: Forest, known: dict[int, Vector], t: int) -> Vector:
+def stage_weights(A: Sequence[Vector], known: dict[Tree, Vector], t: Tree) -> Vector:
     """Weights of the stages at a tree: the product over its children of A times theirs.
 
     Parameters
     ----------
     A : matrix (s, s)
-    trees : Forest
-        Of one colour.
     known : dict
         What was found before, by tree; kept up to date.
-    t : int
-        The tree.
+    t : Tree
+        Of one colour.
 
     References: Butcher, "Numerical Methods for Ordinary Differential Equations" (2016), 312.
     """
     if t not in known:
         value: Vector = (_ONE,) * len(A)
-        for child in trees.children[t]:
-            below = linalg.matvec(tuple(A), stage_weights(A, trees, known, child))
+        for child in t.children:
+            below = linalg.matvec(tuple(A), stage_weights(A, known, child))
             value = tuple(x * y for x, y in zip(value, below, strict=True))
         known[t] = value
     return known[t]
@@ -221,24 +219,23 @@ class RowRules:
             return Range(0, 0, reason="the file gives no dense output")
         if m.in_time is not m or not m.is_one_step:
             raise ExactnessError("dense output is judged where c = A 1 and one value is carried")
-        trees = forest((("o", "o"),))
         columns = linalg.transpose(m.dense)
         exact = self.exact and is_exact(m.dense)
-        phi: dict[int, Vector] = {}
+        phi: dict[Tree, Vector] = {}
         lower, proved, sizes = 0, True, [0.0]
         for n in range(1, MAX_ORDER[0] + 1):
-            for t in trees.level(n):
-                weights = stage_weights(m.A, trees, phi, t)
+            for t in trees(n):
+                weights = stage_weights(m.A, phi, t)
                 for power in range(1, max(n, len(columns)) + 1):
                     value: Scalar = _ZERO
                     if power <= len(columns):
                         value = linalg.dot(columns[power - 1], weights)
                     if power == n:
-                        value = value - Exact(1) / trees.density[t]
+                        value = value - Exact(1) / t.density
                     if value.is_zero() is False:
                         reason = f"the power {power} of theta is off"
                         return Range(
-                            lower, n - 1, trees.text[t], value.magnitude(), tuple(sizes[1:]),
+                            lower, n - 1, str(t), value.magnitude(), tuple(sizes[1:]),
                             exact, reason, n - 1,
                         )  # fmt: skip
                     proved = proved and value.is_zero() is True

@@ -46,8 +46,7 @@ from ..errors import DataError, ExactnessError
 from ..exact import Exact, ball, linalg
 from ..exact.expression import parse
 from ..method.component import ROOTED, Palette
-from ..theory.trees import MAX_ORDER, Tree, parse_tree, single, tree, trees
-from .algebra import stands
+from ..theory.trees import MAX_ORDER, Tree, parse_tree, single, stands, tree, trees
 from .enclosure import WIDTH, root_of
 from .system import Affine
 

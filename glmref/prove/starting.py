@@ -34,10 +34,9 @@ from ..exact import Ball, Exact, ball, linalg
 from ..exact.expression import parse
 from ..exact.linalg import Matrix
 from ..method import GLM, Method, PartitionedGLM
-from ..theory.nystrom import is_nystrom
 from ..theory.order import order_of
 from ..theory.symmetry import symmetry
-from ..theory.trees import Tree
+from ..theory.trees import Tree, is_nystrom
 from .classes import Family, classes, reduce_tree
 from .equations import Series
 from .krawczyk import Krawczyk, Outcome, is_rounding, krawczyk

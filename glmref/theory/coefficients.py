@@ -10,6 +10,7 @@ from fractions import Fraction
 from typing import Any
 
 from ..exact import Ball, Exact, Jet, Scalar, sum_of_products
+from ..exact.linalg import Vector
 
 #: An int, a Fraction, a Scalar, or a tuple of them.
 Coefficient = Any
@@ -80,3 +81,37 @@ def sparse(matrix: Sequence[Sequence[Any]]) -> Rows:
 def apply(rows: Rows, x: Sequence[Any]) -> tuple[Any, ...]:
     """Matrix times column."""
     return tuple([weighted(row, x) for row in rows])
+
+
+def combination(terms: Sequence[tuple[Scalar, Coefficient]]) -> Coefficient:
+    """Sum of ``factor * coefficient`` over the terms, at least one; vectors entry by entry."""
+    row = list(enumerate(factor for factor, _ in terms))
+    if isinstance(terms[0][1], tuple):
+        return tuple([weighted(row, x) for x in zip(*(x for _, x in terms), strict=True)])
+    return weighted(row, [x for _, x in terms])
+
+
+def tidy(vector: Sequence[Any]) -> tuple[Any, ...]:
+    """Replace exact zeros by the int 0, which costs nothing from then on."""
+    return tuple([0 if is_zero(x) is True else x for x in vector])
+
+
+def scalars(vector: Sequence[Any]) -> Vector:
+    """Return the entries as numbers of the exact field, balls or jets."""
+    return tuple([Exact(x) if isinstance(x, int | Fraction) else x for x in vector])
+
+
+def first_nonzero(residual: Sequence[Any]) -> Scalar:
+    """Return the residual of a tree as one number: the first entry that is certainly not zero.
+
+    Where there is none, the first that may be different from zero.
+    """
+    chosen = next((x for x in residual if is_zero(x) is False), None)
+    if chosen is None:
+        chosen = next((x for x in residual if is_zero(x) is not True), 0)
+    return scalars([chosen])[0]
+
+
+def difference(x: Sequence[Any], y: Sequence[Any]) -> Vector:
+    """Return x - y."""
+    return scalars([plus(a, times(-1, b)) for a, b in zip(x, y, strict=True)])

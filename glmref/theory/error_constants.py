@@ -10,8 +10,7 @@ from typing import Any
 from ..errors import UsageError
 from ..exact import Scalar
 from ..method.component import ROOTED
-from .blocks import as_scalar
-from .coefficients import plus, times
+from .coefficients import plus, scalars, times
 from .order import OrderResult
 from .trees import Tree, pruned, trees
 
@@ -68,7 +67,7 @@ def conjugate_error(result: OrderResult) -> dict[Tree, Scalar]:
         total: Any = result.residuals[t]
         for j, x in row.items():
             total = plus(total, times(x, best[j]))
-        moved[t] = as_scalar(total)
+        (moved[t],) = scalars([total])
     return moved
 
 

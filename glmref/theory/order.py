@@ -8,8 +8,8 @@ no finishing method is needed. A method of k components has a starting series fo
 in k colours: a tree with root ``f`` belongs to q, one with root ``k`` to p, and one with root ``1``
 to the first right-hand side of an additive method. With ``principal="free"`` symplectic Euler has
 order 2 on separable systems, being conjugate to Störmer-Verlet there. The treatment is complete:
-see :mod:`glmref.theory.conditions` for the conditions and the proof that deciding order by order,
-with at most one choice of the principal parts left each time, loses no starting series.
+see :mod:`glmref.theory.starting_series` for the conditions and the proof that deciding order by
+order, with at most one choice of the principal parts left each time, loses no starting series.
 
 References
 ----------
@@ -21,7 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from typing import Literal
 
 from ..errors import ExactnessError, UsageError
 from ..exact import Scalar
@@ -30,17 +30,20 @@ from ..findings import Proof
 from ..method import Method
 from ..method.component import Palette
 from ..method.stage_order import is_shared
-from .blocks import Block, NotPreconsistent, as_scalar, block_of
-from .coefficients import is_zero, plus, times
-from .conditions import Conditions
+from .coefficients import first_nonzero, is_zero, scalars
 from .series import Series
-from .trees import MAX_ORDER, Tree, trees
-from .vanishing_trees import counted
+from .starting_series import NotPreconsistent, StartingSeries, component
+from .trees import MAX_ORDER, Tree, counted, trees_up_to
 
 Principal = Literal["free", "identity"]
 
 #: Characters of the reason that an undecided number gives: such numbers print at any length.
 _LONGEST_REASON = 200
+#: Why no order above the one found is excluded.
+MANY_STARTS = (
+    "the eigenvalue 1 of V is multiple, and whether other principal parts reach a higher order is "
+    "not decided"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,10 +69,6 @@ class OrderResult:
     outputs: Mapping[str, Vector] = field(default_factory=dict)
     #: c = A 1 + U v by root colour (``"o"``; ``"f"`` for Q and ``"k"`` for P); empty at order 0.
     abscissae: Mapping[str, Vector] = field(default_factory=dict)
-    #: Largest q <= p such that every stage is the solution at time c_i h, ``xi(t) = c^|t| /
-    #: gamma(t)`` for all trees of order <= q, for this starting series (at q = p for some choice of
-    #: its free principal parts, where several values are carried).
-    stage_order: int = 0
     proof: Proof = Proof.EXACT  #: Exact, or enclosed where balls took part.
     #: Upper bound of the residuals of all trees of order <= p; 0.0 when exact.
     largest_residual: float = 0.0
@@ -136,57 +135,44 @@ def order_of(
     most = highest_order(method.palette) if max_order is None else max_order
     _check_arguments(most, principal)
     proof = Proof.EXACT if method.is_exact else Proof.ENCLOSED
+    free = principal == "free"
     try:
-        blocks = {c.colour: block_of(c) for c in method.components}
+        components = {c.colour: component(*c.matrices, c.output) for c in method.components}
     except NotPreconsistent as reason:
         return OrderResult(0, principal, proof=proof, reason=f"not preconsistent: {reason}")
     except ExactnessError as reason:
         return OrderResult(0, principal, proof=proof, decided=False, reason=str(reason))
-    conditions = Conditions(blocks, method.palette, principal)
+    # free principal parts are determined by trees that may not count
+    kept = (lambda t: True) if free else counts
+    series = StartingSeries(components, method.palette, free=free, counts=kept)
     result = OrderResult(
         0,
         principal,
         proof=proof,
-        multiplicity=max(len(b.N) for b in blocks.values()),
-        outputs={colour: block.output for colour, block in blocks.items()},
+        multiplicity=max(len(c.N) for c in components.values()),
+        outputs={colour: c.output for colour, c in components.items()},
     )
-    if not all(b.certain for b in blocks.values()):
-        reason = "V has the eigenvalue 1 only within the radius of its balls"
-        result = replace(result, reason=reason)
-    return _search(conditions, result, most, counts)
+    return _search(series, result, most, counts)
 
 
-def order_residuals(
-    method: Method, order: int, *, principal: Principal = "identity"
-) -> dict[Tree, Scalar]:
-    """Return the residuals of all conditions through the given order, decided or not.
+def nystrom_order_of(pair: Method, *, max_order: int = 9) -> OrderResult:
+    """Decide the order of a pair on second-order systems, q' = M^-1 p, p' = k(q).
 
-    For solvers: works for every number type, and goes on past residuals that are not zero. With a
-    free principal part the conditions that only determine it are left out.
+    The outputs are taken as the solution itself (no finishing method). Symplectic
+    Runge-Kutta-Nystrom methods in the form of splittings of p^2/2 + V(q) are the case r = 1.
 
-    Raises
-    ------
-    UsageError
-        When a component has no u with V u = u and U u = 1.
+    Returns
+    -------
+    OrderResult
+        As :func:`order_of`, the starting series on the trees that count only; order 0 where the
+        pair is not preconsistent.
+
+    References
+    ----------
+    Hairer, Lubich, Wanner, "Geometric Numerical Integration" (2006), sections II.2.3 and III.2.3;
+    Blanes and Moan, J. Comput. Appl. Math. 142 (2002), 313-330.
     """
-    _check_arguments(order, principal)
-    try:
-        blocks = {c.colour: block_of(c) for c in method.components}
-    except NotPreconsistent as reason:
-        raise UsageError(f"the method {method.name!r} is not preconsistent: {reason}") from None
-    return residuals_of(blocks, method.palette, order, principal)
-
-
-def residuals_of(
-    blocks: Mapping[str, Block], palette: Palette, order: int, principal: Principal
-) -> dict[Tree, Scalar]:
-    """Residuals of all conditions through the given order, of prepared methods."""
-    conditions = Conditions(blocks, palette, principal)
-    found: dict[Tree, Scalar] = {}
-    for _ in range(order):
-        level = conditions.advance()
-        found.update({t: _one(x) for t, x in level.items() if t not in conditions.determined})
-    return found
+    return order_of(pair, max_order=max_order, principal="identity", counts=counted("nystrom"))
 
 
 def _check_arguments(order: int, principal: str) -> None:
@@ -196,20 +182,14 @@ def _check_arguments(order: int, principal: str) -> None:
         raise UsageError(f"the order must be an integer from 1 to {MAX_ORDER}, got {order!r}")
 
 
-def _one(residual: Sequence[Any]) -> Scalar:
-    """The residual of a tree as one number: the first entry that is not certainly zero."""
-    value = next((x for x in residual if is_zero(x) is not True), 0)
-    return as_scalar(value)
-
-
 def _search(
-    conditions: Conditions, result: OrderResult, max_order: int, counts: Callable[[Tree], bool]
+    series: StartingSeries, result: OrderResult, max_order: int, counts: Callable[[Tree], bool]
 ) -> OrderResult:
     """Advance until a tree that counts fails or ``max_order`` is reached."""
     largest, undecided = 0.0, []
     for n in range(1, max_order + 1):
         try:
-            level = {t: _one(x) for t, x in conditions.advance().items() if counts(t)}
+            level = {t: first_nonzero(series.residual(t)) for t in series.advance() if counts(t)}
             answers = {t: is_zero(x) for t, x in level.items()}
         except ExactnessError as reason:  # a number too large to be told from zero
             return replace(
@@ -223,81 +203,38 @@ def _search(
         failing = next((t for t, answer in answers.items() if answer is False), None)
         if failing is not None:
             result = replace(result, failing_tree=failing, residual=level[failing], residuals=level)
-            return _finish(conditions, result, n - 1, largest, undecided, counts)
+            return _finish(series, result, n - 1, largest, undecided)
         undecided += [t for t, answer in answers.items() if answer is None]
         largest = max([largest, *(level[t].magnitude() for t, a in answers.items() if a is None)])
-    result = replace(result, at_least=True)
-    return _finish(conditions, result, max_order, largest, undecided, counts)
+    return _finish(series, replace(result, at_least=True), max_order, largest, undecided)
 
 
 def _finish(
-    conditions: Conditions,
+    series: StartingSeries,
     result: OrderResult,
     order: int,
     largest: float,
     undecided: Sequence[Tree],
-    counts: Callable[[Tree], bool],
 ) -> OrderResult:
     """Add to a result what follows once the order is known."""
-    complete = conditions.complete or result.at_least
-    if not complete:
-        more = (
-            "the eigenvalue 1 of V is multiple, and whether other principal parts reach a higher "
-            "order is not decided"
-        )
-        result = replace(result, reason="; ".join(x for x in (result.reason, more) if x))
-    eta = _starting_series(conditions, order, counts) if order else None
-    nodes = [] if eta is None else [(node, eta[node]) for node in trees(1, conditions.palette)]
-    c = {node.colour: conditions.stage_vector(node, value) for node, value in nodes}
-    return replace(
+    complete = series.complete or result.at_least
+    result = replace(
         result,
         order=order,
         largest_residual=largest,
         undecided=tuple(undecided),
         decided=complete,
-        eta=eta,
-        abscissae={colour: tuple(map(as_scalar, x)) for colour, x in c.items()},
-        stage_order=0 if eta is None else _stage_order(conditions, eta, c, order, counts),
+        reason="" if complete else MANY_STARTS,
     )
-
-
-def _starting_series(conditions: Conditions, order: int, counts: Callable[[Tree], bool]) -> Series:
-    """The starting series through ``order``, principal parts of that order zero."""
-    values = {t: x for t, x in conditions.eta.items() if t.order < order}
-    last = conditions.eta if conditions.order == order else conditions.last_free
-    values.update({t: x for t, x in last.items() if t.order == order})
-    return Series(
-        {t: tuple(map(as_scalar, x)) for t, x in values.items() if counts(t)},
-        {colour: block.u for colour, block in conditions.blocks.items()},
-        order,
-        conditions.palette,
-    )
-
-
-def _stage_order(
-    conditions: Conditions,
-    eta: Series,
-    c: Mapping[str, Sequence[Any]],
-    order: int,
-    counts: Callable[[Tree], bool],
-) -> int:
-    for q in range(1, order + 1):
-        for t in filter(counts, trees(q, conditions.palette)):
-            defect = conditions.stage_defect(t, eta[t], c[t.colour])
-            if q == order and _adjustable(conditions, eta, t.colour):
-                defect = tuple(plus(x, times(-1, defect[0])) for x in defect[1:])
-            if is_zero(defect) is False:
-                return q - 1
-    return order
-
-
-def _adjustable(conditions: Conditions, eta: Series, colour: str) -> bool:
-    """Whether the free principal parts of the highest order are chosen to suit the stages.
-
-    Not for a Runge-Kutta method that starts from the solution itself: its stage order is that of
-    the literature, 1 for the midpoint rule.
-    """
-    if not conditions.free or len(conditions.blocks[colour].u) > 1:
-        return conditions.free
-    known = (x for t, x in eta.support().items() if t.colour == colour)
-    return any(is_zero(conditions.principal_part(colour, x)) is not True for x in known)
+    if not order:
+        return result
+    # of the last order principal parts are free, whatever the next one would determine
+    values = {
+        t: scalars(series.plain(t) if t.order == order else series.value(t))
+        for t in trees_up_to(order, series.palette)
+        if series.counts(t)
+    }
+    empty = {colour: c.u for colour, c in series.components.items()}
+    eta = Series(values, empty, order, series.palette)
+    c = {x: scalars(series.abscissae(x)) for x in series.palette}
+    return replace(result, eta=eta, abscissae=c)

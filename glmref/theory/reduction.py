@@ -19,11 +19,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..exact import linalg
+from ..exact import Exact, linalg
 from ..exact.linalg import Matrix
 from ..method import Method
 from ..method.preconsistency import Block, preconsistency_vector
-from .blocks import kernel
 
 
 @dataclass(frozen=True)
@@ -72,11 +71,10 @@ def reduction(m: Method) -> Reduction:
             ("reached", reached_rows(c), reached),
             ("seen by a stage", observed_rows(c), seen),
         ):
-            missing, sure = kernel(rows)
-            found.append(r - len(missing))
-            if missing:
+            found.append(len(linalg.independent_rows(rows, r)))
+            if found[-1] < r:
                 faults.append(f"{found[-1]} of the {r} values{whose} are ever {what}")
-                certain = certain and sure
+                certain = certain and all(isinstance(x, Exact) for row in rows for x in row)
     reducible = bool(faults) if certain else None
     witness = "only " + "; ".join(faults) if faults else ""
     return Reduction(reducible, tuple(reached), tuple(seen), witness)

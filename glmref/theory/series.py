@@ -13,12 +13,17 @@ Hairer, Lubich, Wanner, "Geometric Numerical Integration" (2006), sections III.1
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from fractions import Fraction
+from functools import cache
+from math import factorial
+from typing import Any
 
 from ..errors import UsageError
+from ..exact import Scalar
 from ..method.component import ROOTED, Palette
-from .coefficients import Coefficient, is_zero, plus, times
-from .trees import Tree, trees_up_to
+from .coefficients import Coefficient, combination, is_zero, plus, scalars, times
+from .trees import Tree, coproduct, pruned, trees_up_to
 
 
 class Series(Mapping[Tree, Coefficient]):
@@ -112,3 +117,108 @@ class Series(Mapping[Tree, Coefficient]):
 
 def _minus(a: Coefficient, b: Coefficient) -> Coefficient:
     return plus(a, times(-1, b))
+
+
+def identity(order: int, palette: Palette = ROOTED) -> Series:
+    """Return the series of the identity map."""
+    return Series({}, 1, order, palette)
+
+
+def flow(order: int, time: Any = 1, palette: Palette = ROOTED) -> Series:
+    """Return the series of the exact flow after ``time * h``: ``time^|t| / gamma(t)``."""
+    powers: list[Any] = [1]
+    for _ in range(order):
+        powers.append(times(time, powers[-1]))
+    values = {
+        t: times(Fraction(1, t.density), powers[t.order]) for t in trees_up_to(order, palette)
+    }
+    return Series(values, 1, order, palette)
+
+
+def _check_pair(first: Series, second: Series) -> int:
+    if dict(first.palette) != dict(second.palette):
+        raise UsageError("series over different palettes cannot be composed")
+    if any(
+        isinstance(x, tuple) or is_zero(_minus(x, 1)) is not True for x in first._empty.values()
+    ):
+        raise UsageError("the series applied first must be scalar, with empty coefficient 1")
+    return min(first.order, second.order)
+
+
+def compose(first: Series, second: Series) -> Series:
+    """Return the series of: apply ``first``, then ``second``.
+
+    ``(first second)(t) = second(empty) first(t) + sum second(kept) * product of first(removed)``
+    over all cuts of t that keep the root. ``second`` may be vector-valued.
+
+    Raises
+    ------
+    UsageError
+        When ``first`` is not scalar with empty coefficient 1.
+
+    References
+    ----------
+    Butcher (2016), section 383; Hairer, Lubich, Wanner (2006), theorem III.1.10.
+    """
+    order = _check_pair(first, second)
+    values: dict[Tree, Coefficient] = {}
+    for t in trees_up_to(order, first.palette):
+        total = times(first[t], second.empty(t.colour))
+        for kept, removed, multiplicity in coproduct(t):
+            factor = _product(first, removed, multiplicity)
+            total = plus(total, times(factor, second[kept]))
+        values[t] = total
+    return Series(values, second._empty, order, first.palette)
+
+
+def _product(series: Series, removed: Iterable[Tree], start: int) -> Any:
+    result: Any = start
+    for t in removed:
+        result = times(result, series[t])
+    return result
+
+
+def inverse(series: Series) -> Series:
+    """Return the series b with ``compose(series, b)`` and ``compose(b, series)`` the identity.
+
+    Raises
+    ------
+    UsageError
+        When ``series`` is not scalar with empty coefficient 1.
+    """
+    order = _check_pair(series, series)
+    values: dict[Tree, Any] = {}
+    for t in trees_up_to(order, series.palette):
+        total = series[t]
+        for kept, removed, multiplicity in coproduct(t):
+            if removed:
+                factor = _product(series, removed, multiplicity)
+                total = plus(total, times(factor, values[kept]))
+        values[t] = times(-1, total)
+    return Series(values, 1, order, series.palette)
+
+
+def shift(series: Series, time: Any = 1) -> Series:
+    """Return ``E^time series``: follow the exact flow for ``time * h``, then apply the series.
+
+    The same as ``compose(flow(order, time), series)``, by counting growth orders instead of cuts
+    (see :func:`~glmref.theory.trees.pruned`).
+    """
+    values: dict[Tree, Coefficient] = {}
+    powers: list[Any] = [1]
+    for _ in range(series.order):
+        powers.append(times(time, powers[-1]))
+
+    @cache
+    def weight(removed: int, ways: int, size: int) -> Scalar:
+        return scalars([times(Fraction(ways, size), powers[removed])])[0]
+
+    known = series.support()
+    for t in trees_up_to(series.order, series.palette):
+        terms = [(weight(t.order, 1, t.density), series.empty(t.colour))]
+        for kept, ways in pruned(t).items():
+            if kept in known:
+                removed = t.order - kept.order
+                terms.append((weight(removed, ways, factorial(removed)), known[kept]))
+        values[t] = combination(terms)
+    return Series(values, series._empty, series.order, series.palette)

@@ -5,7 +5,8 @@ brackets as its subtrees: ``[o[oo]]``. Two-coloured trees write the colour of ev
 ``k``, before its bracket: ``f[kk[f]]``. For ``q' = f(q, p)``, ``p' = k(q, p)`` a vertex ``f``
 stands for f; its children ``f`` differentiate f by q, its children ``k`` by p. For a separable
 system (f depends on p only, k on q only) colours alternate along every edge. The vertices of an
-additive method have the numbers of its right-hand sides as colours, ``1[12]``.
+additive method have the numbers of its right-hand sides as colours, ``1[12]``. Other schemes of
+coloured stages may use any letter.
 
 References
 ----------
@@ -15,21 +16,25 @@ Hairer, Lubich, Wanner, "Geometric Numerical Integration" (2006), sections III.1
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from math import comb, factorial
+from operator import attrgetter
+from string import ascii_letters
 from types import MappingProxyType
 from typing import Any, NoReturn
 
 from ..errors import UsageError
 from ..method.component import ROOTED, Palette
 
-#: Largest order for which all trees are listed (12486 one-coloured trees have order 13).
-MAX_ORDER = 13
+#: Largest order for which all trees are listed (32973 one-coloured trees have order 14).
+MAX_ORDER = 14
 
 #: Colours that occur together: of one method, of a partitioned one, of the parts of a sum.
 _FAMILIES = ("o", "fk", "123456789")
-_COLOURS = "".join(_FAMILIES)
+_READ = "".join(_FAMILIES)
+#: Every colour, in the order in which trees are sorted; those of a palette stand in this order.
+_COLOURS = ascii_letters + "123456789"
 _MAX_TEXT = 2000  # characters of a tree's text form
 
 
@@ -40,12 +45,14 @@ class Tree:
     Make them with :func:`tree`, :func:`parse_tree` or :func:`trees`.
     """
 
-    __slots__ = ("_repeat", "children", "colour", "density", "order", "symmetry")
+    __slots__ = ("_repeat", "children", "colour", "density", "key", "order", "symmetry")
     colour: str  #: Colour of the root.
     children: tuple[Tree, ...]  #: Subtrees of the root, in ascending order (see :attr:`key`).
     order: int  #: Number of vertices, ``|t|``.
     density: int  #: ``gamma(t)``, the product over all vertices of the order of the subtree there.
     symmetry: int  #: ``sigma(t)``, the order of the automorphism group.
+    #: Sort key: by order, then colour, then the largest children first.
+    key: tuple[Any, ...]
     _repeat: int  # how many of the last children are equal
 
     def __new__(cls) -> NoReturn:
@@ -57,12 +64,6 @@ class Tree:
 
     def __delattr__(self, name: str) -> NoReturn:
         raise AttributeError(f"a Tree is immutable: `{name}` cannot be deleted")
-
-    @property
-    def key(self) -> tuple[Any, ...]:
-        """Sort key: by order, then colour, then the largest children first."""
-        below = tuple(child.key for child in reversed(self.children))
-        return (self.order, _COLOURS.index(self.colour), below)
 
     @property
     def labellings(self) -> int:
@@ -98,6 +99,7 @@ _set_children = Tree.children.__set__  # type: ignore[attr-defined]
 _set_order = Tree.order.__set__  # type: ignore[attr-defined]
 _set_density = Tree.density.__set__  # type: ignore[attr-defined]
 _set_symmetry = Tree.symmetry.__set__  # type: ignore[attr-defined]
+_set_key = Tree.key.__set__  # type: ignore[attr-defined]
 _set_repeat = Tree._repeat.__set__  # type: ignore[attr-defined]
 _blank = object.__new__
 
@@ -112,6 +114,7 @@ def _make_single(colour: str) -> Tree:
     _set_order(new, 1)
     _set_density(new, 1)
     _set_symmetry(new, 1)
+    _set_key(new, (1, _COLOURS.index(colour), ()))
     _MADE[colour][()] = new
     return new
 
@@ -143,6 +146,7 @@ def _graft_all(rests: Sequence[Tree], last: Tree) -> list[Tree]:
             _set_order(new, order)
             _set_density(new, rest.density // rest.order * last.density * order)
             _set_symmetry(new, rest.symmetry * last.symmetry * repeat)
+            _set_key(new, (order, rest.key[1], (last.key, *rest.key[2])))
             _set_repeat(new, repeat)
         result.append(new)
     return result
@@ -162,15 +166,18 @@ def tree(children: Iterable[Tree] = (), colour: str = "o") -> Tree:
         For an unknown colour.
     """
     if colour not in _SINGLE:
-        raise UsageError(f"`colour` must be one of {', '.join(_COLOURS)}, got {colour!r}")
+        raise UsageError(f"`colour` must be a letter or a digit from 1 to 9, got {colour!r}")
+    below = tuple(sorted(children, key=_key))
+    known = _MADE[colour].get(below)
+    if known is not None:
+        return known
     result = _SINGLE[colour]
-    for child in sorted(children, key=_key):
+    for child in below:
         result = _graft(result, child)
     return result
 
 
-def _key(t: Tree) -> tuple[Any, ...]:
-    return t.key
+_key = attrgetter("key")
 
 
 def parse_tree(text: str) -> Tree:
@@ -187,10 +194,10 @@ def parse_tree(text: str) -> Tree:
     place = 0
     while place < len(text):
         letter = text[place]
-        if letter == "[" or (letter in _COLOURS[1:] and text[place + 1 : place + 2] == "["):
+        if letter == "[" or (letter in _READ[1:] and text[place + 1 : place + 2] == "["):
             open_roots.append(("o" if letter == "[" else letter, []))
             place += 1 if letter == "[" else 2
-        elif letter in _COLOURS:
+        elif letter in _READ:
             open_roots[-1][1].append(_SINGLE[letter])
             place += 1
         elif letter == "]" and len(open_roots) > 1 and open_roots[-1][1]:
@@ -229,6 +236,8 @@ class _Listing:
 
     def __init__(self, palette: Palette) -> None:
         self.palette = dict(palette)
+        if sorted(palette, key=_COLOURS.index) != list(palette):
+            raise UsageError(f"the colours of a palette are in order, got {', '.join(palette)}")
         self.levels: list[dict[str, list[Tree]]] = [{}, {c: [_SINGLE[c]] for c in palette}]
         self.sorted: list[tuple[Tree, ...]] = [(), tuple(_SINGLE[c] for c in palette)]
 
@@ -267,7 +276,7 @@ def trees(order: int, palette: Palette = ROOTED) -> tuple[Tree, ...]:
     Raises
     ------
     UsageError
-        For an order outside 1..:data:`MAX_ORDER`.
+        For an order outside 1..:data:`MAX_ORDER`, or a palette that is not in order.
     """
     if not isinstance(order, int) or not 1 <= order <= MAX_ORDER:
         raise UsageError(f"`order` must be an integer from 1 to {MAX_ORDER}, got {order!r}")
@@ -280,6 +289,76 @@ def trees(order: int, palette: Palette = ROOTED) -> tuple[Tree, ...]:
 def trees_up_to(order: int, palette: Palette = ROOTED) -> tuple[Tree, ...]:
     """Return all trees of order 1 to ``order`` (which may be 0), in ascending order."""
     return tuple(t for n in range(1, order + 1) for t in trees(n, palette))
+
+
+@cache
+def paths(order: int, colours: tuple[tuple[str, str], ...]) -> tuple[Tree, ...]:
+    """Return the trees of an order without branches: for each colour of the root one or none.
+
+    Parameters
+    ----------
+    order : int
+        At least 1.
+    colours : tuple of (str, str)
+        The items of a palette.
+    """
+    if order == 1:
+        return tuple(_SINGLE[colour] for colour, _ in colours)
+    below = paths(order - 1, colours)
+    return tuple(
+        _graft(_SINGLE[colour], t) for colour, allowed in colours for t in below
+        if t.colour in allowed
+    )  # fmt: skip
+
+
+#: By the systems of a method, whether a vertex can stand in a tree: the others vanish. A test of
+#: its colour, the number of its children and their colours.
+_VERTICES: dict[str, Callable[[str, int, str], bool]] = {
+    "": lambda colour, n, below: True,
+    # q' = M^-1 p is linear in p and does not see q (HLW 2006, II.2.3)
+    "nystrom": lambda colour, n, below: colour != "f" or (n < 2 and "f" not in below),
+    # y' = f(t, y) with t' = 1, which has no arguments: a vertex k is a leaf
+    "time": lambda colour, n, below: colour != "k" or n == 0,
+    # the sum of f(y) - J y and J y, J linear (Hairer, Wanner 1996, IV.7)
+    "w": lambda colour, n, below: colour != "2" or n < 2,
+    # the same with J = f'(y), where the derivative of the first part vanishes
+    "rosenbrock": lambda colour, n, below: n < 2 if colour == "2" else n != 1,
+}
+
+
+def stands(system: str, colour: str, count: int, below: str = "") -> bool:
+    """Return whether a vertex of a colour with so many children can stand in a tree of a system."""
+    return _VERTICES[system](colour, count, below)
+
+
+@cache
+def counted(system: str) -> Callable[[Tree], bool]:
+    """Return the filter of the trees that count on some systems: the others vanish there.
+
+    Parameters
+    ----------
+    system : str
+        That of a method (:attr:`glmref.method.Method.system`), or ``"nystrom"`` for second-order
+        systems. There f is linear: its second derivative is zero, and with it the elementary
+        differential of every tree in which a vertex f has two children or more.
+
+    The trees left contain, with a tree, all its subtrees and all trees left when branches are cut
+    off: their conditions are a system in which the others do not occur.
+    """
+    good = _VERTICES[system]
+    if not system:
+        return lambda t: True
+
+    @cache
+    def counts(t: Tree) -> bool:
+        below = t.children
+        colours = "".join([x.colour for x in below])
+        return good(t.colour, len(below), colours) and all(map(counts, below))
+
+    return counts
+
+
+is_nystrom = counted("nystrom")
 
 
 @cache
@@ -317,3 +396,28 @@ def _insert(rest: Tree, child: Tree) -> Tree:
     if not rest.children or rest.children[-1] is child:
         return _graft(rest, child)
     return tree((*rest.children, child), rest.colour)
+
+
+@cache
+def coproduct(t: Tree) -> tuple[tuple[Tree, tuple[Tree, ...], int], ...]:
+    """Cut ``t`` in all ways that keep its root: triples (kept, removed, multiplicity).
+
+    The removed trees are sorted. The first triple is ``(t, (), 1)``; the term in which nothing is
+    kept is not among them.
+
+    References
+    ----------
+    Hairer, Lubich, Wanner (2006), section III.1.4; Butcher (2016), section 383.
+    """
+    if not t.children:
+        return ((t, (), 1),)
+    last = t.children[-1]
+    rest = tree(t.children[:-1], t.colour)
+    found: dict[tuple[Tree, tuple[Tree, ...]], int] = {}
+    for kept_rest, removed_rest, ways in coproduct(rest):
+        for kept_last, removed_last, more in ((None, (last,), 1), *coproduct(last)):
+            kept = tree((*kept_rest.children, kept_last), t.colour) if kept_last else kept_rest
+            removed = tuple(sorted((*removed_rest, *removed_last), key=lambda x: x.key))
+            found[kept, removed] = found.get((kept, removed), 0) + ways * more
+    ranked = sorted(found.items(), key=lambda item: (-item[0][0].order, item[0][0].key))
+    return tuple((kept, removed, ways) for (kept, removed), ways in ranked)

@@ -24,19 +24,10 @@ from typing import Any
 RULES = (
     "kernel", "growth_rules", "stability_rules", "form_rules", "rows", "ranges", "digits", "implications",
 )  # fmt: skip
-MODULES = (*RULES, "series", "algebra", "forest")
+MODULES = (*RULES, "theory.starting_series", "algebra")
 #: What holds on to names of a module, and is executed again after it.
 DEPENDENTS = {
-    "forest": (
-        "series",
-        "algebra",
-        "growth_rules",
-        "stability_rules",
-        "form_rules",
-        "kernel",
-        "finders",
-    ),
-    "series": ("form_rules", "kernel", "finders"),
+    "theory.starting_series": ("form_rules", "kernel", "finders"),
     "algebra": ("growth_rules", "stability_rules", "form_rules", "kernel", "finders"),
     "growth_rules": ("kernel", "finders"),
     "form_rules": ("kernel", "finders"),
@@ -57,8 +48,7 @@ DEPENDENTS = {
 }
 #: What else notices a mutant of a module that the cases do not notice.
 TESTS = {
-    "forest": ("tests/unit/test_multistep_pairs.py",),
-    "series": ("tests/unit/test_kernel.py",),
+    "theory.starting_series": ("tests/unit/test_kernel.py",),
     "algebra": ("tests/unit/test_kernel.py",),
     "implications": ("tests/unit/test_implications.py", "tests/unit/test_prove_simplifying.py"),
     "digits": ("tests/unit/test_order_to_digits.py", "tests/unit/test_embedded_values.py"),
@@ -102,13 +92,18 @@ def mutants(tree: ast.Module) -> Iterator[tuple[str, ast.Module]]:
                 inner.id = name
 
 
+def _module(name: str) -> ModuleType:
+    """A module by its name in ``glmref.prove``, or with that of its subpackage."""
+    return importlib.import_module(f"glmref.{name if '.' in name else f'prove.{name}'}")
+
+
 def sample(share: int) -> Iterator[tuple[str, str, ast.Module]]:
     """One mutant in ``share`` of kernel and table of implications: module, label, tree.
 
     A mutant is drawn by its text, so that a change of the code elsewhere draws no others.
     """
     for name in RULES:
-        module = importlib.import_module(f"glmref.prove.{name}")
+        module = _module(name)
         with open(module.__file__ or "", encoding="utf-8") as file:
             tree = ast.parse(file.read())
         for label, mutant in mutants(tree):
@@ -318,13 +313,13 @@ def _fails(name: str, tree: ast.Module | None, run: Callable[[], bool]) -> bool:
         resource.setrlimit(resource.RLIMIT_CPU, (90, 91))
         code = 1
         try:
-            module = importlib.import_module(f"glmref.prove.{name}")
+            module = _module(name)
             for other in DEPENDENTS[name]:
-                importlib.import_module(f"glmref.prove.{other}")
+                _module(other)
             with open(module.__file__ or "", encoding="utf-8") as file:
                 _execute(module, file.read() if tree is None else tree)
             for other in DEPENDENTS[name]:
-                follower = importlib.import_module(f"glmref.prove.{other}")
+                follower = _module(other)
                 with open(follower.__file__ or "", encoding="utf-8") as file:
                     _execute(follower, file.read())
             code = int(run())
@@ -349,7 +344,7 @@ def main(arguments: tuple[str, ...] = ()) -> int:
     for name in names:
         if bench.notices(name, None) or noticed_by_tests(name, None):
             raise SystemExit(f"{name} without a change gives other answers")
-        module = importlib.import_module(f"glmref.prove.{name}")
+        module = _module(name)
         with open(module.__file__ or "", encoding="utf-8") as file:
             tree = ast.parse(file.read())
         seen: Counter[str] = Counter()

@@ -37,7 +37,7 @@ def adds_up(method):
 
 
 def predicted(method):
-    q = Facts(method).order.stage_order
+    q = Facts(method).kernel.range("stage-order").value
     return q if adds_up(method) else q + 1
 
 

@@ -8,8 +8,9 @@ from hypothesis import strategies as st
 from glmref.method import GLM
 from glmref.method.component import GENERAL, ROOTED, SEPARABLE
 from glmref.theory.order import order_of
+from glmref.theory.series import Series, compose, flow, identity, inverse, shift
 from glmref.theory.trees import trees_up_to
-from tests.bseries import Series, combine, compose, flow, identity, inverse, shift
+from tests.bseries import combine
 from tests.examples import examples
 
 ORDER = 4
@@ -121,4 +122,4 @@ def test_equivalent_methods_have_the_same_order(T, stages):
         V=[[1, 0], [0, -1]],
     )
     result = order_of(g4123.transform(T).permute_stages(stages))
-    assert (result.order, result.stage_order, str(result.failing_tree)) == (4, 1, "[[o][o]]")
+    assert (result.order, str(result.failing_tree)) == (4, "[[o][o]]")

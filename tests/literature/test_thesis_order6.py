@@ -11,7 +11,7 @@ from glmref.exact import Exact, exact, linalg, root_of_unity
 from glmref.exact.linalg import Matrix, Vector
 from glmref.method import GLM
 from glmref.theory.order import order_of
-from tests.bseries import Series, compose
+from glmref.theory.series import Series, compose
 
 from .exactly import (
     after_step,

@@ -11,7 +11,8 @@ from glmref.exact import Exact, exact, linalg, root_of_unity
 from glmref.exact.linalg import Matrix, Vector
 from glmref.method import GLM, StartingMethod
 from glmref.theory.order import order_of
-from tests.bseries import Series, elementary_weights, shift
+from glmref.theory.series import Series, shift
+from tests.bseries import elementary_weights
 
 from .exactly import (
     after_step,

@@ -123,16 +123,11 @@ def test_a_step_of_the_staircase_is_a_rounding_and_far_below_the_next():
 
 def _scheme(A, b, *, most, stop=10.0, below=9):
     """`reach` of a Runge-Kutta method, with the trees below an order."""
-    from glmref.prove.forest import forest
     from glmref.prove.kernel import reach
 
-    palette = (("o", "o"),)
-    trees = forest(palette)
-    trees.level(most)
     return reach(
-        palette, {"o": (A, b)}, roots="o", counts=lambda t: trees.order[t] < below, most=most,
-        stop=stop,
-    )  # fmt: skip
+        {"o": "o"}, {"o": (A, b)}, roots="o", counts=lambda t: t.order < below, most=most, stop=stop
+    )
 
 
 def test_the_first_order_that_fails_is_kept_and_an_order_is_proved_after_the_one_below_it():
@@ -287,13 +282,13 @@ def test_a_scheme_of_two_colours_is_exact_where_both_are():
 
     zero, one = Exact(0), Exact(1)
     found = reach(
-        (("f", "fk"), ("k", "fk")), {"f": (((zero,),), (one,)), "k": (((ball(0),),), (one,))},
+        {"f": "fk", "k": "fk"}, {"f": (((zero,),), (one,)), "k": (((ball(0),),), (one,))},
         roots="fk", counts=lambda t: True, most=1, stop=1.0,
     )  # fmt: skip
     assert (found.proved, found.exact) == (1, False)
     half = Exact(Fraction(1, 2))
     found = reach(
-        (("f", "fk"), ("k", "fk")), {"f": (((zero,),), (one,)), "k": (((zero,),), (half,))},
+        {"f": "fk", "k": "fk"}, {"f": (((zero,),), (one,)), "k": (((zero,),), (half,))},
         roots="fk", counts=lambda t: True, most=1, stop=1.0,
     )  # fmt: skip
     assert (found.proved, found.refuted, found.sizes) == (0, 1, (0.5,))

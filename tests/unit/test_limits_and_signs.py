@@ -13,7 +13,7 @@ from glmref.exact import ball, exact
 from glmref.exact.expression import parse
 from glmref.exact.jet import jets
 from glmref.theory import order as theory_order
-from glmref.theory.conditions import Conditions
+from glmref.theory.starting_series import StartingSeries
 
 
 def test_the_sign_of_an_exact_zero_is_zero() -> None:
@@ -40,7 +40,7 @@ def test_an_order_that_could_not_be_looked_for_is_not_decided(
         raise ExactnessError("too large")
 
     euler = GLM(A=[["0"]], U=[["1"]], B=[["1"]], V=[["1"]])
-    for place, name in ((Conditions, "advance"), (theory_order, "block_of")):
+    for place, name in ((StartingSeries, "advance"), (theory_order, "component")):
         with monkeypatch.context() as changed:
             changed.setattr(place, name, too_large)
             found = theory_order.order_of(euler)

@@ -10,11 +10,11 @@ import pytest
 from glmref import verify
 from glmref.catalogue.lookup import load
 from glmref.exact import Exact
-from glmref.prove.algebra import first_nonzero, nystrom_filter
-from glmref.prove.forest import forest, paths
 from glmref.prove.kernel import Kernel
-from glmref.prove.series import StartingSeries
+from glmref.theory.coefficients import first_nonzero
 from glmref.theory.parasitism import growth
+from glmref.theory.starting_series import StartingSeries
+from glmref.theory.trees import is_nystrom, paths, pruned
 
 #: First halves of alpha and beta with their denominators: Quinlan and Tremaine (1990), Quinlan
 #: (1999), Hairer, Lubich and Wanner (2006), table XV.7.1.
@@ -158,22 +158,21 @@ def test_paths_decide_as_all_trees_of_second_order_systems_do():
     kernel = Kernel(load("quinlan-8a"))
     found = kernel.order_range(free=False, nystrom=True)
     assert (found.lower, found.upper) == (8, 8)
-    trees = forest(kernel.palette)
-    series = StartingSeries(kernel._components, trees, free=False, counts=nystrom_filter(trees))
+    series = StartingSeries(kernel._components, kernel.palette, free=False, counts=is_nystrom)
     levels = [
         {t: first_nonzero(series.residual(t)).is_zero() for t in series.advance()} for _ in range(9)
     ]
     assert [all(level.values()) for level in levels] == [True] * 8 + [False]
-    assert found.tree in {trees.text[t] for t, zero in levels[8].items() if not zero}
+    assert found.tree in {str(t) for t, zero in levels[8].items() if not zero}
 
 
 def test_there_is_one_path_of_each_order_and_colour():
-    found = paths((("f", "k"), ("k", "f")))
-    assert [found.text[t] for n in (1, 2, 3) for t in found.level(n)] == [
+    palette = (("f", "k"), ("k", "f"))
+    assert [str(t) for n in (1, 2, 3) for t in paths(n, palette)] == [
         "f", "k", "f[k]", "k[f]", "f[k[f]]", "k[f[k]]",
     ]  # fmt: skip
-    assert found.density[found.level(5)[0]] == 120
-    assert set(found.cuts[found.level(4)[0]].values()) == {1}
+    assert paths(5, palette)[0].density == 120
+    assert set(pruned(paths(4, palette)[0]).values()) == {1}
 
 
 @pytest.mark.parametrize("name", ["pair-6-7", "ruth-3"])

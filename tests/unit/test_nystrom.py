@@ -16,9 +16,8 @@ from glmref.method.families import splitting
 from glmref.prove.certificate import certificates_of
 from glmref.prove.rows import nystrom_gaps
 from glmref.prove.verifier import facts_for
-from glmref.theory.nystrom import is_nystrom, nystrom_order_of
-from glmref.theory.order import order_of
-from glmref.theory.trees import parse_tree, trees
+from glmref.theory.order import nystrom_order_of, order_of
+from glmref.theory.trees import is_nystrom, parse_tree, trees
 
 
 def test_a_vertex_f_with_two_children_does_not_count():

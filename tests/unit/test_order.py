@@ -2,6 +2,8 @@
 
 import time
 from fractions import Fraction as F
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -12,21 +14,17 @@ from glmref.exact.expression import parse
 from glmref.exact.linalg import block_diagonal
 from glmref.findings import Proof
 from glmref.method import GLM
-from glmref.method.component import GENERAL, ROOTED, SEPARABLE
-from glmref.theory.blocks import make_block
+from glmref.method.component import GENERAL, ROOTED, SEPARABLE, Component
+from glmref.prove.kernel import Kernel
 from glmref.theory.error_constants import (
     _solve_rational,
     commutator_row,
     conjugate_error,
     error_norm,
 )
-from glmref.theory.order import (
-    highest_order,
-    order_of,
-    order_residuals,
-    residuals_of,
-)
+from glmref.theory.order import highest_order, order_of
 from glmref.theory.trees import parse_tree, trees, trees_up_to
+from tests.bseries import order_residuals
 
 # name, order and failing tree with a free principal part, then with the identity, stage order
 SHARP = [
@@ -54,7 +52,8 @@ SHARP = [
 def test_order_holds_and_the_next_fails(name, order, tree, identity, tree_i, stage):
     method = load(name)
     free = order_of(method)
-    assert (free.order, str(free.failing_tree), free.stage_order) == (order, tree, stage)
+    assert (free.order, str(free.failing_tree)) == (order, tree)
+    assert Kernel(method).range("stage-order").value == stage
     assert free.decided
     assert free.proof is Proof.EXACT
     assert free.largest_residual == 0.0
@@ -116,7 +115,7 @@ def test_starting_series_of_g4123_is_that_of_the_literature():
 
 def test_the_starting_series_satisfies_the_definition():
     # M S = S E, written out with series of another module
-    from tests.bseries import shift
+    from glmref.theory.series import shift
 
     method = load("g4123")
     result = order_of(method)
@@ -216,9 +215,9 @@ def test_an_eigenvalue_that_balls_leave_open_is_said():
     third, two = Ball.decimal("0.3333333333", 10), Ball.decimal("0.6666666667", 10)
     method = GLM(A=[[0]], U=[[1, 0]], B=[[1], [1]], V=[[third, two], [third, two]])
     result = order_of(method)
-    assert result.order == 1
+    assert (result.order, result.decided) == (0, False)
     assert result.proof is Proof.ENCLOSED
-    assert "only within the radius" in result.reason
+    assert "whether 1 is an eigenvalue is open" in result.reason
 
 
 @pytest.mark.parametrize(
@@ -238,8 +237,6 @@ def test_a_method_that_is_not_preconsistent_has_order_0_and_a_reason(blocks, say
     result = order_of(GLM(**blocks))
     assert (result.order, result.decided, result.eta) == (0, True, None)
     assert says in result.witness
-    with pytest.raises(UsageError, match="not preconsistent"):
-        order_residuals(GLM(**blocks), 2)
 
 
 def test_a_method_that_is_not_consistent_fails_at_the_single_node():
@@ -286,7 +283,7 @@ def test_the_search_ends_at_max_order():
 
 
 @pytest.mark.parametrize(
-    "arguments", [{"principal": "any"}, {"max_order": 0}, {"max_order": 14}, {"max_order": 2.5}]
+    "arguments", [{"principal": "any"}, {"max_order": 0}, {"max_order": 15}, {"max_order": 2.5}]
 )
 def test_wrong_arguments_are_refused(arguments):
     with pytest.raises(UsageError):
@@ -302,9 +299,7 @@ def test_residuals_for_solvers_go_on_past_what_fails():
         "[oo]": F(-1, 3),
         "[[o]]": F(-1, 6),
     }
-    assert [str(t) for t in order_residuals(euler, 3, principal="free")] == ["o", "[o]", "[[o]]"]
-    with pytest.raises(UsageError):
-        order_residuals(euler, 0)
+    assert [str(t) for t in order_residuals(euler, 3, free=True)] == ["o", "[o]", "[[o]]"]
 
 
 def test_conditions_take_numbers_that_carry_a_gradient():
@@ -315,8 +310,8 @@ def test_conditions_take_numbers_that_carry_a_gradient():
     def residuals(b11, a21):
         A = (n.A[0], (a21, n.A[1][1]))
         B = ((b11, n.B[0][1]), n.B[1])
-        blocks = {"o": make_block(A, n.U, B, n.V)}
-        return residuals_of(blocks, ROOTED, 5, "free")
+        of_jets: Any = SimpleNamespace(components=[Component("o", A, n.U, B, n.V)], palette=ROOTED)
+        return order_residuals(of_jets, 5, free=True)
 
     carried = residuals(b, a)
     step = F(1, 10**40)

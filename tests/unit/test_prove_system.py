@@ -26,10 +26,10 @@ from glmref.prove.kernel import Kernel
 from glmref.prove.krawczyk import Outcome, _compared
 from glmref.prove.order_conditions import abscissae
 from glmref.prove.ranges import Range
-from glmref.prove.series import NotPreconsistent, component
 from glmref.prove.simplifying import RungeKuttaSystem
 from glmref.prove.starting import _check_even, start_orders
 from glmref.prove.system import Affine, Equation, SweepSystem
+from glmref.theory.starting_series import NotPreconsistent, component
 from glmref.theory.trees import parse_tree, single, trees, trees_up_to
 from tests.adversary.deceive import shipped
 

@@ -8,20 +8,10 @@ from glmref.errors import UsageError
 from glmref.exact import Ball, exact
 from glmref.exact.expression import parse
 from glmref.method.component import GENERAL, SEPARABLE
-from glmref.theory.coefficients import plus, times, weighted
+from glmref.theory.coefficients import is_zero, plus, times, weighted
+from glmref.theory.series import Series, compose, flow, identity, inverse, shift
 from glmref.theory.trees import parse_tree, single
-from tests.bseries import (
-    Series,
-    combine,
-    compose,
-    derivative,
-    elementary_weights,
-    flow,
-    identity,
-    inverse,
-    is_zero,
-    shift,
-)
+from tests.bseries import combine, derivative, elementary_weights
 
 RK4 = ([[0, 0, 0, 0], [F(1, 2), 0, 0, 0], [0, F(1, 2), 0, 0], [0, 0, 1, 0]],
        [F(1, 6), F(1, 3), F(1, 3), F(1, 6)])  # fmt: skip

@@ -11,6 +11,7 @@ from glmref.method.component import GENERAL, ROOTED, SEPARABLE
 from glmref.theory.trees import (
     MAX_ORDER,
     Tree,
+    coproduct,
     parse_tree,
     pruned,
     single,
@@ -18,7 +19,6 @@ from glmref.theory.trees import (
     trees,
     trees_up_to,
 )
-from tests.bseries import coproduct
 
 PALETTES = [ROOTED, GENERAL, SEPARABLE]
 

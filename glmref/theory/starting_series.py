@@ -1,6 +1,6 @@
-"""Starting series and order conditions over coloured trees, for k components: the kernel's own.
+"""Starting series and order conditions of general linear methods, in any number of colours.
 
-Component c has the blocks (A, U, B, V) and the colour c; ``X = h A F + U x``, ``x+ = h B F + V x``.
+Prepared c has the blocks (A, U, B, V) and the colour c; ``X = h A F + U x``, ``x+ = h B F + V x``.
 For a tree t = [t1 .. tm] with root colour c, eta(empty) = u_c::
 
     xiD(t) = xi(t1) ... xi(tm)                          xi(t) = A xiD(t) + U eta(t)
@@ -8,20 +8,39 @@ For a tree t = [t1 .. tm] with root colour c, eta(empty) = u_c::
 
 A starting method S with M S = S E + O(h^(p+1)) exists exactly if these can be solved through p.
 W (rows) and N (columns) are bases of the left and right eigenvectors of V to 1, W N = I: then t has
-the condition ``W R(t) = 0``, and eta(t) is determined up to ``N beta(t)``. Changing beta at the
-trees of order k changes the condition of a tree t of order k + 1 by
+the condition ``W R(t) = 0``, and eta(t) is determined up to ``N beta(t)``, its principal part.
 
-    (L beta)(t) = K beta(t1) [only if t = [t1]] - sum n(s, t) beta(s),     K = W B U N
+The principal parts
+-------------------
+*They enter linearly, one order later.* Changing beta at the trees of order k changes the condition
+of a tree t of order k + 1 by
 
-**L is injective for k >= 2** (proof in :mod:`glmref.theory.conditions`): for each s of order k let
-t be s with one more leaf of a fixed colour at its root; taken by falling number of children, and of
-such leaves, of s, these equations are triangular in beta with n(s, t) > 0 on the diagonal, and K
-plays no part. So *at most one* choice of beta at order k satisfies the conditions of these t, and
-it is found by back substitution; the conditions of the other trees decide. At k = 1 the kernel of L
-must be the shift along the flow, S E^a, which acts on all starting series: then a normalisation
-loses nothing. This is the case for one colour with a simple eigenvalue, and for any number of
-colours with simple eigenvalues, where [x]_y says beta_x - beta_y = known; for one colour with a
-multiple eigenvalue the rank of K - I is computed.
+    (L beta)(t) = K beta(t1) [only if t = [t1]] - sum n(s, t) beta(s),     K = W B U N,
+
+the sum over the trees s left when a leaf of t is removed, n(s, t) counting the leaves. K is 1 for a
+simple eigenvalue (then K = w B 1 = w u, by the condition of order 1).
+
+*They are unique.* L is injective for k >= 2: among the trees where a beta in its kernel is not zero
+take s with the most children, and among those with the most leaves of one colour x at the root. Let
+t be s with one more such leaf at the root. It has two children or more, so K plays no part.
+Removing from t a leaf that is not a child of the root leaves more children at the root than s has;
+removing a leaf of another colour there leaves more leaves x. So beta is zero on all the trees in
+the sum but s, hence n(s, t) beta(s) = 0, and n(s, t) > 0. The same proof is an algorithm: the
+conditions of the trees with such a leaf at the root determine beta by back substitution; the
+conditions of the other trees remain, and they decide.
+
+*At k = 1 one parameter is left, and it does not matter.* L maps beta(single nodes) to the trees of
+order 2; its kernel holds the multiples of W u, because S E^a (follow the flow for a h, then start)
+is a starting method whenever S is: M S E^a = S E E^a = S E^a E. These shifts act on all starting
+series, and reach every value of the parameter. So a solution with the parameter normalised to zero
+exists whenever any solution exists. For any number of colours with simple eigenvalues the kernel is
+exactly that (the tree [x] with root y says beta_x - beta_y = known); for one colour with a multiple
+eigenvalue the rank of K - I is computed.
+
+Hence deciding order by order is complete, though the conditions are not linear as a whole: at each
+order at most one choice of the principal parts is left, up to the shift. In the language of
+Butcher (1969): the method's underlying one-step method Phi satisfies Phi beta = beta E; beta is
+unique up to the centraliser of E, and that is the flow itself.
 
 Over balls every quantity encloses that of each method within them, since each step (solving with
 the exact V, back substitution) does. A residual that excludes zero excludes every starting series
@@ -45,11 +64,22 @@ from typing import Any
 from ..errors import ExactnessError
 from ..exact import Exact, linalg
 from ..exact.linalg import Matrix, Vector
+from ..method.component import Palette
 from ..method.preconsistency import first_functional
 from ..system.budget import spend
-from ..theory.coefficients import Rows, apply, is_zero, plus, sparse, times, weighted
-from .algebra import scalars
-from .forest import Forest
+from .coefficients import (
+    Rows,
+    apply,
+    combination,
+    is_zero,
+    plus,
+    scalars,
+    sparse,
+    tidy,
+    times,
+    weighted,
+)
+from .trees import Tree, paths, pruned, single, tree, trees
 
 _ZERO, _ONE = Exact(0), Exact(1)
 
@@ -63,7 +93,7 @@ class NoOrderOne(NotPreconsistent):
 
 
 @dataclass(frozen=True, eq=False)
-class Component:
+class Prepared:
     """One colour's method, prepared; its V is exact.
 
     Attributes
@@ -76,8 +106,8 @@ class Component:
         V u = u, U u = 1.
     N, W
         See the module docstring.
-    output : Rows
-        One row w with w u = 1 that reads the solution off the values: the declared one, or that of
+    output : Vector
+        w with w u = 1 that reads the solution off the values: the declared one, or that of
         the first k with u_k not 0.
     lift : Rows
         R -> the solution x of (I - V) x = R with w x = 0, for W R = 0.
@@ -92,14 +122,14 @@ class Component:
     slopes: int
     u: Vector
     N: tuple[Vector, ...]
-    output: Rows
+    output: Vector
     lift: Rows
     certain: bool
 
 
-def read(c: Component, values: Sequence[Any]) -> Any:
+def read(c: Prepared, values: Sequence[Any]) -> Any:
     """The solution that a vector of values holds: what the output functional sees of it."""
-    return apply(c.output, values)[0]
+    return weighted([(j, x) for j, x in enumerate(c.output) if not x.vanishes()], values)
 
 
 def component(
@@ -110,7 +140,7 @@ def component(
     output: Vector | None = None,
     *,
     measured: bool = False,
-) -> Component:
+) -> Prepared:
     """Prepare one component.
 
     Parameters
@@ -167,7 +197,7 @@ def component(
         raise ExactnessError("whether the declared output reads the solution is not decided")
     lift = _lift(D, N, left, u, w)
     certain = all(x.is_zero() is True for x in seen)
-    return Component(
+    return Prepared(
         sparse(A),
         sparse(U),
         sparse(B),
@@ -175,7 +205,7 @@ def component(
         len(A[0]),
         u,
         tuple(N),
-        sparse((w,)),
+        w,
         lift,
         certain,
     )
@@ -193,7 +223,7 @@ def _lift(D: Matrix, N: Sequence[Vector], left: Sequence[Vector], u: Vector, w: 
     )
 
 
-def _apply_u(c: Component) -> tuple[Any, ...]:
+def _apply_u(c: Prepared) -> tuple[Any, ...]:
     return apply(c.W, c.u)
 
 
@@ -239,14 +269,16 @@ class StartingSeries:
 
     Parameters
     ----------
-    components : dict[str, Component]
+    components : dict[str, Prepared]
         By colour, in the order of the palette.
-    trees : Forest
-        All trees of the palette.
+    palette : Palette
+        Colours of the trees.
     free : bool
         Whether principal parts are free; otherwise w eta(t) = 0, w the output.
-    counts : Callable[[int], bool]
+    counts : Callable[[Tree], bool]
         Which trees count; the set is closed under subtrees and cuts.
+    along_paths : bool
+        Whether only the trees without branches are looked at.
 
     Attributes
     ----------
@@ -260,27 +292,44 @@ class StartingSeries:
 
     def __init__(
         self,
-        components: dict[str, Component],
-        trees: Forest,
+        components: dict[str, Prepared],
+        palette: Palette,
         *,
         free: bool,
-        counts: Callable[[int], bool] = lambda t: True,
+        counts: Callable[[Tree], bool] = lambda t: True,
+        along_paths: bool = False,
     ) -> None:
-        self.components, self.trees, self.free, self.counts = components, trees, free, counts
+        self.components, self.palette, self.free, self.counts = components, palette, free, counts
+        self.along_paths = along_paths
         self.simple = all(len(c.N) == 1 for c in components.values())
         self.complete = self.simple or len(components) == 1
         self.order = 0
-        self.eta: dict[int, tuple[Any, ...]] = {}
-        self.determined: frozenset[int] = frozenset()
-        self._waiting: list[int] = []  # trees of the last order whose eta is not found yet
-        self._rights: dict[int, tuple[Any, ...]] = {}
+        self.eta: dict[Tree, tuple[Any, ...]] = {}
+        self.determined: frozenset[Tree] = frozenset()
+        self._waiting: list[Tree] = []  # trees of the last order whose eta is not found yet
+        self._rights: dict[Tree, tuple[Any, ...]] = {}
         # xi(t) = ratio * product of stored vectors: trees that a stage order makes alike cost once
         self._bases: list[tuple[Any, ...]] = []
-        self._stage: dict[int, tuple[Fraction, tuple[int, ...]]] = {}
+        self._stage: dict[Tree, tuple[Fraction, tuple[int, ...]]] = {}
         self._shared: dict[tuple[str, tuple[int, ...]], tuple[Fraction, tuple[int, ...]]] = {}
         self._images: dict[tuple[str, tuple[int, ...], bool], tuple[Any, ...]] = {}
         self._products: dict[tuple[int, ...], tuple[Any, ...]] = {}
         self._abscissae: dict[str, int] = {}
+
+    def level(self, n: int) -> list[Tree]:
+        """Return the trees of an order that count."""
+        if self.along_paths:
+            return list(filter(self.counts, paths(n, tuple(self.palette.items()))))
+        return list(filter(self.counts, trees(n, self.palette)))
+
+    def value(self, t: Tree) -> tuple[Any, ...]:
+        """Return eta(t)."""
+        found = self.eta.get(t)
+        return (0,) * len(self.components[t.colour].u) if found is None else found
+
+    def plain(self, t: Tree) -> tuple[Any, ...]:
+        """Return eta(t) with its principal part zero; the conditions of its order are known."""
+        return tidy(apply(self.components[t.colour].lift, self._right(t)))
 
     # -- stages
 
@@ -302,32 +351,32 @@ class StartingSeries:
             self._products[monomial] = tuple(map(times, first, last))
         return self._products[monomial]
 
-    def _slope(self, t: int) -> tuple[Fraction, tuple[int, ...]]:
+    def _slope(self, t: Tree) -> tuple[Fraction, tuple[int, ...]]:
         ratio, factors = Fraction(1), []
-        for child in self.trees.children[t]:
+        for child in t.children:
             factor, monomial = self._stage[child]
             ratio *= factor
             factors += monomial
         return ratio, tuple(sorted(factors))
 
-    def stage(self, t: int, value: Sequence[Any]) -> tuple[Any, ...]:
+    def stage(self, t: Tree, value: Sequence[Any]) -> tuple[Any, ...]:
         """xi(t) from its definition, with eta(t) = value."""
-        colour = self.trees.colour[t]
+        colour = t.colour
         ratio, monomial = self._slope(t)
         vector = times(ratio, self._image(colour, monomial, stages=True))
         return plus(vector, apply(self.components[colour].U, value))
 
-    def output(self, t: int) -> tuple[Any, ...]:
+    def output(self, t: Tree) -> tuple[Any, ...]:
         """B xiD(t)."""
         ratio, monomial = self._slope(t)
-        return times(ratio, self._image(self.trees.colour[t], monomial, stages=False))
+        return times(ratio, self._image(t.colour, monomial, stages=False))
 
-    def settle_stage(self, t: int) -> None:
+    def settle_stage(self, t: Tree) -> None:
         """Find xi(t), from eta(t) if it is there."""
-        colour, value = self.trees.colour[t], self.eta.get(t)
+        colour, value = t.colour, self.eta.get(t)
         if value is not None:
             vector = self.stage(t, value)
-            self._stage[t] = self._store(t, vector, Fraction(1, self.trees.density[t]))
+            self._stage[t] = self._store(t, vector, Fraction(1, t.density))
             return
         ratio, monomial = self._slope(t)
         if ratio == 0:
@@ -335,17 +384,17 @@ class StartingSeries:
             return
         key = (colour, monomial)
         if key not in self._shared:
-            wanted = 1 / (self.trees.density[t] * ratio)
+            wanted = 1 / (t.density * ratio)
             self._shared[key] = self._store(t, self._image(*key, stages=True), wanted)
         factor, found = self._shared[key]
         self._stage[t] = (ratio * factor, found)
 
-    def _store(self, t: int, vector: Any, wanted: Fraction) -> tuple[Fraction, tuple[int, ...]]:
+    def _store(self, t: Tree, vector: Any, wanted: Fraction) -> tuple[Fraction, tuple[int, ...]]:
         """Write a stage vector as zero, as ``wanted * c^|t|``, or as a new one."""
-        vector = tuple(0 if is_zero(x) is True else x for x in vector)
+        vector = tidy(vector)
         if all(type(x) is int and x == 0 for x in vector):
             return Fraction(0), ()
-        order, colour = self.trees.order[t], self.trees.colour[t]
+        order, colour = t.order, t.colour
         base = self._abscissae.get(colour)
         if base is not None:
             power = self._product((base,) * order)
@@ -358,6 +407,16 @@ class StartingSeries:
         if order == 1:
             self._abscissae[colour] = len(self._bases) - 1
         return Fraction(1), (len(self._bases) - 1,)
+
+    def abscissae(self, colour: str) -> tuple[Any, ...]:
+        """Return c = xi of the single node: a stage stands at ``t + c_i h``; of order 2 or more."""
+        node = single(colour)
+        return self.stage(node, self.value(node))
+
+    def defect(self, t: Tree, c: tuple[Any, ...], value: Sequence[Any]) -> tuple[Any, ...]:
+        """Return ``xi(t) - c^|t| / gamma(t)``, stage by stage, where eta(t) is ``value``."""
+        expected = times(Fraction(1, t.density), self.power(c, t.order))
+        return plus(self.stage(t, value), times(-1, expected))
 
     @staticmethod
     def power(c: tuple[Any, ...], n: int) -> tuple[Any, ...]:
@@ -385,25 +444,23 @@ class StartingSeries:
 
     # -- conditions
 
-    def _right(self, t: int) -> tuple[Any, ...]:
+    def _right(self, t: Tree) -> tuple[Any, ...]:
         """R(t)."""
-        T = self.trees
-        c = self.components[T.colour[t]]
+        c = self.components[t.colour]
         ratio, monomial = self._slope(t)
         terms = []
         if ratio:
-            terms.append((_exactly(ratio), self._image(T.colour[t], monomial, stages=False)))
-        terms.append((_weight(1, T.density[t]), c.u))
+            terms.append((_exactly(ratio), self._image(t.colour, monomial, stages=False)))
+        terms.append((_weight(1, t.density), c.u))
         if self.eta:
-            for kept, ways in T.cuts[t].items():
+            for kept, ways in pruned(t).items():
                 value = self.eta.get(kept)
-                if value is not None:
-                    terms.append((_weight(ways, factorial(T.order[t] - T.order[kept])), value))
-        weights = list(enumerate(w for w, _ in terms))
-        return tuple([weighted(weights, x) for x in zip(*(v for _, v in terms), strict=True)])
+                if value is not None and kept is not t:
+                    terms.append((_weight(ways, factorial(t.order - kept.order)), value))
+        return combination(terms)
 
-    def _set(self, t: int, value: tuple[Any, ...]) -> None:
-        value = tuple(0 if is_zero(x) is True else x for x in value)
+    def _set(self, t: Tree, value: tuple[Any, ...]) -> None:
+        value = tidy(value)
         if all(type(x) is int and x == 0 for x in value):
             self.eta.pop(t, None)
         else:
@@ -416,25 +473,25 @@ class StartingSeries:
         self.settle()
         return self
 
-    def advance(self) -> list[int]:
+    def advance(self) -> list[Tree]:
         """Go to the next order; its trees that count."""
         self.settle()
-        T, n = self.trees, self.order + 1
-        level, self._rights = [t for t in T.level(n) if self.counts(t)], {}
+        n = self.order + 1
+        level, self._rights = self.level(n), {}
         if n == 2:
             self._settle_first()
         elif n > 2 and (self.free or not self.simple):
             self._rights = self._settle_principal(n)
         self.determined = frozenset(self._rights) if self.free else frozenset()
-        for t in T.level(n - 1):
-            if t not in self._stage and self.counts(t):
+        for t in self.level(n - 1) if n > 1 else ():
+            if t not in self._stage:
                 self.settle_stage(t)
         self.order, self._waiting = n, level
         return level
 
-    def residual(self, t: int) -> tuple[Any, ...]:
+    def residual(self, t: Tree) -> tuple[Any, ...]:
         """``W R(t)`` of a tree of the last order, zero where it determines a principal part."""
-        c = self.components[self.trees.colour[t]]
+        c = self.components[t.colour]
         if t in self.determined:
             return (0,) * len(c.N)
         if t not in self._rights:
@@ -447,35 +504,33 @@ class StartingSeries:
         for t in self._waiting:
             spend()
             right = self._rights[t] if t in self._rights else self._right(t)
-            self._set(t, apply(self.components[self.trees.colour[t]].lift, right))
+            self._set(t, apply(self.components[t.colour].lift, right))
         self._waiting = []
 
     def _settle_first(self) -> None:
         """Principal parts at the single vertices, up to the shift along the flow."""
-        T = self.trees
-        first, *others = T.level(1)
+        first, *others = map(single, self.palette)
         if not self.simple:
             if self.complete:
                 self._settle_first_multiple(first)
             return
         if not self.free:
             return
-        T.level(2)
         self.settle_stage(first)
         for node in others:
-            t = T.tree(T.colour[node], (first,))
-            c = self.components[T.colour[node]]
+            t = tree((first,), node.colour)
+            c = self.components[node.colour]
             (beta,) = apply(c.W, self._right(t))
-            self._set(node, plus(self.eta.get(node, (0,) * len(c.u)), times(beta, c.u)))
+            self._set(node, plus(self.value(node), times(beta, c.u)))
 
-    def _settle_first_multiple(self, node: int) -> None:
+    def _settle_first_multiple(self, node: Tree) -> None:
         """One colour, several eigenvectors: (K - I) beta = -residual of [o], of corank 1.
 
         The shift along the flow adds a multiple of W u to beta, which takes one entry to zero; the
         others solve a regular part of the system, so that corank 1 is proved, over balls too.
         """
-        c = self.components[self.trees.colour[node]]
-        before = self.eta.get(node, (0,) * len(c.u))
+        c = self.components[node.colour]
+        before = self.value(node)
         right = plus(apply(c.B, self.stage(node, before)), times(-1, before))
         residual = scalars(apply(c.W, plus(right, times(Fraction(-1, 2), c.u))))
         columns = [scalars(apply(c.W, apply(c.B, apply(c.U, x)))) for x in c.N]
@@ -487,7 +542,7 @@ class StartingSeries:
         if beta is not None:
             self._set(node, plus(before, self._principal(c, beta, whole=False)))
 
-    def _principal(self, c: Component, beta: Sequence[Any], *, whole: bool) -> tuple[Any, ...]:
+    def _principal(self, c: Prepared, beta: Sequence[Any], *, whole: bool) -> tuple[Any, ...]:
         """N beta; without its part along u that the output sees, unless whole."""
         total: Any = (0,) * len(c.u)
         for factor, vector in zip(beta, c.N, strict=True):
@@ -496,28 +551,27 @@ class StartingSeries:
             return total
         return plus(total, times(-1, times(read(c, total), c.u)))
 
-    def _settle_principal(self, n: int) -> dict[int, tuple[Any, ...]]:
+    def _settle_principal(self, n: int) -> dict[Tree, tuple[Any, ...]]:
         """Principal parts of order n - 1 >= 2 by back substitution; R(t) of the trees used."""
         if not self.complete:
             return {}
-        T = self.trees
-        smaller = T.level(n - 1)
-        leaf = {c: T.tree(T.palette[c][0], ()) for c in T.palette}
-        larger = {s: T.tree(T.colour[s], (*T.children[s], leaf[T.colour[s]])) for s in smaller}
+        smaller = trees(n - 1, self.palette)
+        leaf = {c: single(below[0]) for c, below in self.palette.items()}
+        larger = {s: tree((*s.children, leaf[s.colour]), s.colour) for s in smaller}
         right = {t: self._right(t) for t in larger.values()}
-        residual = {t: apply(self.components[T.colour[t]].W, x) for t, x in right.items()}
+        residual = {t: apply(self.components[t.colour].W, x) for t, x in right.items()}
         if all(is_zero(x) is True for x in residual.values()):
             return right
-        below = {t: [(s, m) for s, m in T.cuts[t].items() if T.order[s] == n - 1] for t in right}
+        below = {t: [(s, m) for s, m in pruned(t).items() if s.order == n - 1] for t in right}
         ranked = sorted(
-            smaller, key=lambda s: (-len(T.children[s]), -T.children[s].count(leaf[T.colour[s]]))
+            smaller, key=lambda s: (-len(s.children), -s.children.count(leaf[s.colour]))
         )
-        beta: dict[int, tuple[Any, ...]] = {}
+        beta: dict[Tree, tuple[Any, ...]] = {}
         for s in ranked:
             t, ways = larger[s], 0
             value: Any = residual[t]
             for kept, count in below[t]:
-                if kept == s:
+                if kept is s:
                     ways = count
                 elif kept in beta:
                     value = plus(value, times(-count, beta[kept]))
@@ -525,7 +579,7 @@ class StartingSeries:
             if is_zero(value) is not True:
                 beta[s] = value
         moved = {
-            s: self._principal(self.components[T.colour[s]], x, whole=self.free)
+            s: self._principal(self.components[s.colour], x, whole=self.free)
             for s, x in beta.items()
         }
         for s, x in moved.items():
@@ -539,20 +593,29 @@ class StartingSeries:
 
 
 def tableau_series(
-    trees: Forest, table: Mapping[str, Any], p: int, counts: Callable[[int], bool]
+    level: Callable[[int], Sequence[Tree]], table: Mapping[str, Any], p: int
 ) -> dict[Any, tuple[Any, ...]]:
-    """Series of Runge-Kutta-like values: xi = A xiD, value = B xiD; multiples of y by colour.
+    """Return the series of values ``B xiD``, xi = A xiD, by tree, and the multiples of y by colour.
+
+    Parameters
+    ----------
+    level : callable
+        The trees of an order.
+    table : Mapping[str, Any]
+        (A, B, multiples of y) by colour.
+    p : int
+        Last order.
 
     The stages are those of a :class:`StartingSeries` with eta = 0.
     """
     components = {
-        c: Component(sparse(A), (), sparse(B), (), len(B[0]), tuple(u), (), (), (), certain=True)
+        c: Prepared(sparse(A), (), sparse(B), (), len(B[0]), tuple(u), (), (), (), certain=True)
         for c, (A, B, u) in table.items()
     }
-    series = StartingSeries(components, trees, free=False, counts=counts)
+    series = StartingSeries(components, dict.fromkeys(table, ""), free=False)
     found: dict[Any, tuple[Any, ...]] = {c: x.u for c, x in components.items()}
     for n in range(1, p + 1):
-        for t in (t for t in trees.level(n) if counts(t)):
+        for t in level(n):
             found[t] = series.output(t)
             if n < p:
                 series.settle_stage(t)

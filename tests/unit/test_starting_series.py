@@ -1,4 +1,4 @@
-"""Conditions: the linear map behind free principal parts, and agreement with direct formulas."""
+"""Starting series: the linear map behind free principal parts, and agreement with direct formulas."""
 
 from fractions import Fraction as F
 
@@ -8,10 +8,9 @@ from glmref.exact import exact
 from glmref.exact.linalg import rank
 from glmref.method import GLM
 from glmref.method.component import GENERAL, ROOTED, SEPARABLE
-from glmref.theory.blocks import make_block
-from glmref.theory.conditions import Conditions
+from glmref.theory.series import flow
 from glmref.theory.trees import pruned, trees
-from tests.bseries import elementary_weights, flow
+from tests.bseries import elementary_weights, order_residuals, series_of
 
 
 def commutator(order, palette):
@@ -51,19 +50,17 @@ def rk4():
 def test_residuals_of_a_runge_kutta_method_are_weights_minus_the_flow():
     A, b = rk4()
     m = GLM(A=A, U=[[1]] * 4, B=[b], V=[[1]])
-    conditions = Conditions({"o": make_block(m.A, m.U, m.B, m.V)}, ROOTED, "identity")
     weights, exact_flow = elementary_weights(A, b, 7), flow(7)
-    for _ in range(7):
-        for t, (residual,) in conditions.advance().items():
-            assert residual == weights[t] - exact_flow[t]
+    for t, residual in order_residuals(m, 7).items():
+        assert residual == weights[t] - exact_flow[t]
 
 
 def test_the_number_of_effective_order_conditions():
     # |T_k+1| - |T_k| conditions are left at order k + 1 >= 3 (Butcher 1969)
     A, b = rk4()
     m = GLM(A=A, U=[[1]] * 4, B=[b], V=[[1]])
-    conditions = Conditions({"o": make_block(m.A, m.U, m.B, m.V)}, ROOTED, "free")
-    left = [len(conditions.advance()) - len(conditions.determined) for _ in range(7)]
+    series = series_of(m, free=True)
+    left = [len(series.advance()) - len(series.determined) for _ in range(7)]
     assert left == [1, 1, 1, 2, 5, 11, 28]
 
 
@@ -79,11 +76,9 @@ def test_trees_that_a_stage_order_makes_alike_are_computed_once():
         B=[["5/18", "4/9", "5/18"]],
         V=[[1]],
     )
-    conditions = Conditions(
-        {"o": make_block(gauss.A, gauss.U, gauss.B, gauss.V)}, ROOTED, "identity"
-    )
+    series = series_of(gauss, free=False)
     for _ in range(6):
-        assert all(residual == (0,) for residual in conditions.advance().values())
+        assert all(series.residual(t) == (0,) for t in series.advance())
     # 37 trees, but powers of c to the fifth and what the missing A c^3 = c^4 / 4 adds: [[ooo]] and
     # its like
-    assert len(conditions._images) < 12
+    assert len(series._images) < 24  # A and B times each
