@@ -18,15 +18,6 @@ from glmref.theory.series import Series
 from glmref.theory.starting_series import StartingSeries, component
 from glmref.theory.trees import Tree, trees, trees_up_to
 
-__all__ = [
-    "combine",
-    "derivative",
-    "elementary_weights",
-    "order_residuals",
-    "series_of",
-    "values_series",
-]
-
 
 def series_of(method: Method, *, free: bool) -> StartingSeries:
     """Return the starting series of a method, before the first order."""

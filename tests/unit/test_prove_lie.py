@@ -20,8 +20,8 @@ from glmref.prove.lie import (
     verlet_logarithm,
     words,
 )
-from glmref.theory.order import order_residuals
 from glmref.theory.trees import parse_tree, trees
+from tests.bseries import order_residuals
 
 
 def test_moving_the_root_changes_its_colour():
