@@ -16,7 +16,7 @@ import click
 
 from .. import __version__
 from ..errors import GlmrefError
-from ..system.process import guarded, within
+from ..system.process import guarded, limited_by_parent, within
 from .auditing import audit, check
 from .benching import bench
 from .browsing import cite, list_, show
@@ -110,7 +110,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return guarded("glmref", lambda: _run(list(arguments)), BAD_INPUT)
 
     seconds = _time_limit(list(arguments))
-    return program() if seconds is None else within("glmref", seconds, program)
+    if seconds is None or limited_by_parent():
+        return program()
+    return within("glmref", seconds, [sys.executable, "-m", "glmref", *arguments])
 
 
 def _time_limit(arguments: list[str]) -> int | None:

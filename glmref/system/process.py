@@ -10,20 +10,21 @@ from __future__ import annotations
 import contextlib
 import faulthandler
 import io
-import json
 import os
 import signal
-import socket
+import subprocess
 import sys
 import threading
 import traceback
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from types import FrameType
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from .. import errors
 from .budget import EXCESS, spent
+
+if TYPE_CHECKING:
+    from multiprocessing.connection import Connection
 
 #: 128 and the number of SIGINT or SIGPIPE, as shells count.
 INTERRUPTED, PIPE_CLOSED = 130, 141
@@ -40,17 +41,6 @@ TOO_LONG, TOO_LONG_CODE = "the time limit is over; what was finished is printed 
 _groups: set[int] = set()
 #: The signal that was received; an engine may turn the exception into an outcome of its own.
 _received: list[int] = []
-
-
-class Terminated(KeyboardInterrupt):
-    """The process was told to end by a signal that is not Ctrl-C.
-
-    Whoever cleans up after Ctrl-C does so after this as well.
-    """
-
-    def __init__(self, number: int) -> None:
-        super().__init__(number)
-        self.number = number
 
 
 if hasattr(os, "register_at_fork"):
@@ -159,29 +149,28 @@ def silence() -> None:
 # --- signals --------------------------------------------------------------------------------------
 
 
-def _terminate(number: int, frame: FrameType | None) -> None:
-    if _received:  # a second one must not stop what the first has begun to end
-        return
-    _received.append(number)
-    raise KeyboardInterrupt if number == signal.SIGINT else Terminated(number)
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    if not _received:  # a second one must not stop what the first has begun to end
+        _received.append(number)
+        raise KeyboardInterrupt
 
 
 @contextlib.contextmanager
 def signals(name: str) -> Iterator[threading.Event]:
-    """Turn the first of SIGINT, SIGTERM and SIGHUP into an exception, and end who does not hear it.
+    """Convert the first SIGINT, SIGTERM, SIGHUP or SIGALRM into a ``KeyboardInterrupt``.
 
-    SIGTERM and SIGHUP become :class:`Terminated`. Outside of the main thread nothing is changed;
-    Windows has Ctrl-C only, and nothing that ends who does not hear it.
+    The process is killed where it does not react within :data:`GRACE`. Outside of the main thread
+    nothing is changed; Windows has Ctrl-C only, and nothing that kills the process.
 
     Parameters
     ----------
     name : str
-        The program, for the sentence of an end by force.
+        The program, for the sentence of a process that is killed.
 
     Yields
     ------
     threading.Event
-        Once it is set, the process is not ended by force any more.
+        Once it is set, the process is not killed any more.
     """
     ended = threading.Event()
     if threading.current_thread() is not threading.main_thread():
@@ -195,8 +184,8 @@ def signals(name: str) -> Iterator[threading.Event]:
     ]
     if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
         wanted.append(signal.SIGINT)
-    with _watched(ended, name) if posix else contextlib.nullcontext():
-        before = {number: signal.signal(number, _terminate) for number in wanted}
+    with _killer(ended, name) if posix else contextlib.nullcontext():
+        before = {number: signal.signal(number, _interrupt) for number in wanted}
         try:
             yield ended
         finally:
@@ -206,56 +195,43 @@ def signals(name: str) -> Iterator[threading.Event]:
 
 
 @contextlib.contextmanager
-def _watched(ended: threading.Event, name: str) -> Iterator[None]:
-    """Have a thread woken by signals, which ends the process where nothing else hears them."""
-    reader, writer = socket.socketpair()
-    writer.setblocking(False)
-    watcher = threading.Thread(target=_watch, args=(reader, ended, name), daemon=True)
-    wakeup = signal.set_wakeup_fd(writer.fileno(), warn_on_full_buffer=False)
+def _killer(ended: threading.Event, name: str) -> Iterator[None]:
+    """Have a thread kill the process where no handler of a signal runs, as in machine code."""
+    reader, writer = os.pipe()
+    os.set_blocking(writer, False)
+
+    def watch() -> None:
+        while number := os.read(reader, 1):
+            if signal.getsignal(number[0]) is _interrupt and not ended.wait(GRACE):
+                end_children()
+                _write_error(name, _sentence(number[0]))
+                os._exit(_code(number[0]))
+
+    watcher = threading.Thread(target=watch, daemon=True)
+    wakeup = signal.set_wakeup_fd(writer, warn_on_full_buffer=False)
     watcher.start()
     try:
         yield
     finally:
         signal.set_wakeup_fd(wakeup)
-        with contextlib.suppress(OSError):
-            writer.send(b"\0")
+        os.close(writer)
         watcher.join(timeout=1.0)
-        reader.close()
-        writer.close()
-
-
-def _watch(reader: socket.socket, ended: threading.Event, name: str) -> None:
-    """Wait for a signal; end the process where it has not ended itself some time after it."""
-    while True:
-        try:
-            number = reader.recv(1)
-        except OSError:
-            return
-        if not number or number == b"\0":
-            return
-        if number[0] not in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, TIME_OVER):
-            continue
-        if signal.getsignal(number[0]) in (signal.SIG_IGN, signal.SIG_DFL):
-            continue
-        if not ended.wait(GRACE):
-            _end_by_force(name, number[0])
-
-
-def _end_by_force(name: str, number: int) -> None:
-    end_children()
-    with contextlib.suppress(OSError):
-        os.write(2, f"{name}: {_word(number)}\n".encode())
-    os._exit(_code(number))
+        os.close(reader)
 
 
 def _code(number: int) -> int:
     return TOO_LONG_CODE if number == TIME_OVER else 128 + number
 
 
-def _word(number: int) -> str:
+def _sentence(number: int) -> str:
     if number == TIME_OVER:
         return TOO_LONG
     return "interrupted" if number == signal.SIGINT else f"ended by {signal.Signals(number).name}"
+
+
+def _write_error(name: str, sentence: str) -> None:
+    with contextlib.suppress(OSError):
+        os.write(2, f"{name}: {sentence}\n".encode())
 
 
 def guarded(name: str, function: Callable[[], int], bad: int) -> int:
@@ -294,14 +270,14 @@ def guarded(name: str, function: Callable[[], int], bad: int) -> int:
 
 
 def _outcome(function: Callable[[], int], bad: int) -> tuple[int, str]:
-    """Exit code and sentence of what a program does."""
+    """Return exit code and sentence of what a program does."""
     try:
         code = function()
         sys.stdout.flush()
     except BrokenPipeError:
         return PIPE_CLOSED, ""
     except KeyboardInterrupt:
-        return INTERRUPTED, _word(_received[-1] if _received else signal.SIGINT)
+        return INTERRUPTED, _sentence(_received[-1] if _received else signal.SIGINT)
     except MemoryError:
         return bad, "the memory does not suffice; ask for less, or allow more (ulimit -v)"
     except OSError as error:
@@ -312,28 +288,15 @@ def _outcome(function: Callable[[], int], bad: int) -> tuple[int, str]:
 
 # --- a limit of time ------------------------------------------------------------------------------
 
-
-def _fork(program: Callable[[], int]) -> int:
-    """Start a process that runs a program and ends; nothing of the caller runs a second time."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # threads: none that this package starts holds a lock
-        child = os.fork()
-    if child:
-        return child
-    code = 1
-    try:
-        code = program()
-    except BaseException as error:
-        sys.excepthook(type(error), error, error.__traceback__)
-    finally:
-        os._exit(code)
+#: Set in the surroundings of a program that :func:`within` runs.
+LIMITED = "_GLMREF_LIMITED"
 
 
-def within(name: str, seconds: float, program: Callable[[], int]) -> int:
-    """Run a program in a child that is ended when its time is over, whatever it does then.
+def within(name: str, seconds: float, command: Sequence[str]) -> int:
+    """Run a command in a process that is ended when its time is over, whatever it does then.
 
     A library that does not return holds the interpreter, and neither a signal nor a thread of its
-    process can end it in a sentence. This process only waits, and hands on the signals it gets.
+    process can end it in a sentence. This process only waits, and passes on the signals it gets.
 
     Parameters
     ----------
@@ -341,76 +304,61 @@ def within(name: str, seconds: float, program: Callable[[], int]) -> int:
         The program, as sentences on stderr begin.
     seconds : float
         Wall-clock time.
-    program : callable
-        What it does, through :func:`guarded`; returns the exit code.
+    command : sequence of str
+        A program that calls :func:`limited_by_parent`, and :func:`guarded` for what it does.
 
     Returns
     -------
     int
         The exit code of the program; 2 where its time is over.
     """
-    if not hasattr(os, "fork") or TIME_OVER is None:
-        print(f"{name}: this system has no time limits; leave it out", file=sys.stderr)  # noqa: T201
-        return TOO_LONG_CODE
     open_streams()
-    # a child would wait for ever for the thread of a timer that runs, which it does not have
-    faulthandler.cancel_dump_traceback_later()
-
-    def timed() -> int:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
-        nowhere = open(os.devnull, "w")  # noqa: SIM115
-        # this timer, which needs no interpreter, serves where the parent is gone
-        faulthandler.dump_traceback_later(2 * seconds + 1, exit=True, file=nowhere)
-        return program()
-
-    child, killed = 0, False
+    if TIME_OVER is None:
+        _write_error(name, "this system has no time limits; leave it out")
+        return TOO_LONG_CODE
     early: list[int] = []
+    child: subprocess.Popen[bytes] | None = None
 
-    def tell(number: int) -> None:
-        if child:
-            os.kill(child, number)
-        else:
-            early.append(number)
+    def pass_on(number: int, frame: FrameType | None) -> None:
+        early.append(number) if child is None else child.send_signal(number)
 
-    def over(number: int, frame: FrameType | None) -> None:
-        nonlocal killed
-        if signal.getitimer(signal.ITIMER_REAL)[1]:  # the second time: it has not heard the first
-            killed = True
-            signal.setitimer(signal.ITIMER_REAL, 0)
-        else:
-            signal.setitimer(signal.ITIMER_REAL, 2 * GRACE, 2 * GRACE)
-        tell(signal.SIGKILL if killed else number)
-
-    def hand_on(number: int, frame: FrameType | None) -> None:
-        if number != signal.SIGINT or not _in_foreground():  # Ctrl-C reaches the child by itself
-            tell(number)
-
-    # the handlers come before the child: a signal that finds none ends this process alone, and one
-    # that is blocked here may find another thread of the caller
-    handlers = {**dict.fromkeys((signal.SIGINT, signal.SIGTERM, signal.SIGHUP), hand_on),
-                TIME_OVER: over}  # fmt: skip
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, handlers)
-    before = {number: signal.signal(number, handler) for number, handler in handlers.items()
+    # the handlers come before the child: a signal that finds none would end this process alone
+    numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, TIME_OVER)
+    before = {number: signal.signal(number, pass_on) for number in numbers
               if signal.getsignal(number) is not signal.SIG_IGN}  # fmt: skip
-    child = _fork(timed)
-    for number in early:
-        os.kill(child, number)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
-    signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+    killed = False
     try:
-        _, status = os.waitpid(child, 0)
+        child = subprocess.Popen(command, env={**os.environ, LIMITED: str(seconds)})
+        for number in early:
+            child.send_signal(number)
+        try:
+            code = child.wait(seconds)
+        except subprocess.TimeoutExpired:
+            child.send_signal(TIME_OVER)
+            try:
+                code = child.wait(2 * GRACE)
+            except subprocess.TimeoutExpired:
+                child.kill()
+                code, killed = child.wait(), True
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
         for number, handler in before.items():
             signal.signal(number, handler)
-    code = os.waitstatus_to_exitcode(status)
-    if killed or code == -TIME_OVER:  # the latter before it could hear
-        with contextlib.suppress(OSError):
-            os.write(2, f"{name}: {TOO_LONG}\n".encode())
+    if killed or code == -TIME_OVER:  # the latter before it could react
+        _write_error(name, TOO_LONG)
         return TOO_LONG_CODE
     return 128 - code if code < 0 else code
+
+
+def limited_by_parent() -> bool:
+    """Return whether :func:`within` runs this process, which ends soon after its time in any case.
+
+    The timer that ends it needs no interpreter, and serves where the parent was killed.
+    """
+    seconds = os.environ.pop(LIMITED, None)
+    if seconds is not None:
+        nowhere = open(os.devnull, "w")  # noqa: SIM115
+        faulthandler.dump_traceback_later(2 * float(seconds) + 1, exit=True, file=nowhere)
+    return seconds is not None
 
 
 #: Of time on the clock a program apart may take so many times its processor time.
@@ -418,7 +366,7 @@ CLOCK = 10.0
 #: How a program apart ended whose time was over.
 OVER = "time over"
 
-#: Hands a JSON value to the caller. What comes next may take so many seconds of processor time, or
+#: Hands a value to the caller. What comes next may take so many seconds of processor time, or
 #: those that are left where none are given.
 Say = Callable[[Any, float | None], None]
 
@@ -432,7 +380,7 @@ class Said(NamedTuple):
     seconds: float  #: Processor time of its process.
 
     def error(self, budget: float) -> Exception:
-        """Why what it did last has no answer."""
+        """Return why what it did last has no answer."""
         if self.ended == OVER:
             return spent(budget, " within one operation")
         return RuntimeError(f"the process of the proof was ended by {self.ended}")
@@ -441,8 +389,9 @@ class Said(NamedTuple):
 def apart(program: Callable[[Say], object], seconds: float) -> Said:
     """Run a program in a process that the system ends when its processor time is over.
 
-    One operation of a library may compute for hours and hears no signal. So timers of the system
-    end its process. Where the system gives no process, the program runs here, without an end.
+    One operation of a library may compute for hours and reacts to no signal. So timers of the
+    system end its process. Where the system gives no process, the program runs here, without an
+    end.
 
     Parameters
     ----------
@@ -453,90 +402,74 @@ def apart(program: Callable[[Say], object], seconds: float) -> Said:
 
     Raises
     ------
-    GlmrefError
-        As the program raised it.
-    RuntimeError
-        For any other exception of the program, with its traceback as a note.
+    Exception
+        As the program raised it, with its traceback as a note.
     """
+    # few programs run apart, and it takes a while to load
+    from multiprocessing import get_context
+
     messages: list[Any] = []
-    read, write = os.pipe()
     try:
-        child = _fork(lambda: _say_all(program, seconds, write))
-    except (AttributeError, OSError):  # there is no fork, or no process is to be had
-        os.close(read)
+        context = get_context("fork")
+        reader, writer = context.Pipe(duplex=False)
+        child = context.Process(target=_run_apart, args=(program, seconds, writer), daemon=True)
+        before = _seconds_of_children()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # threads: none that this package starts holds a lock
+            child.start()
+    except (ValueError, OSError):  # there is no fork, or no process is to be had
         program(lambda message, _: messages.append(message))
         return Said(messages, "", 0.0)
-    finally:
-        os.close(write)
-    remember_group(child)
+    writer.close()
+    raised: Exception | None = None
     try:
-        with open(read, "rb") as stream:
-            lines = stream.read().split(b"\n")[:-1]  # what is cut off is not said
+        with contextlib.suppress(EOFError, OSError):
+            while raised is None:
+                message, raised = reader.recv()
+                if raised is None:
+                    messages.append(message)
     except BaseException:  # such as Ctrl-C
-        os.kill(child, signal.SIGKILL)
+        child.kill()
         raise
     finally:
-        _, status, usage = os.wait4(child, 0)
-        forget_group(child)
-    for line in map(json.loads, lines):
-        if "raised" in line:
-            raise _raised(*line["raised"])
-        messages.append(line["said"])
-    code = os.waitstatus_to_exitcode(status)
-    ended = ending(code) if code else ""
-    if -code in (TIME_OVER, signal.SIGPROF):
-        ended = OVER
-    return Said(messages, ended, usage.ru_utime + usage.ru_stime)
+        child.join()
+        reader.close()
+    if raised is not None:
+        raise raised
+    code = child.exitcode or 0
+    over = -code in (TIME_OVER, signal.SIGPROF)
+    ended = OVER if over else ending(code) if code else ""
+    return Said(messages, ended, _seconds_of_children() - before)
 
 
-def _say_all(program: Callable[[Say], object], seconds: float, write: int) -> int:
-    """Run a program apart. Signals end this process at once: the handlers are its caller's."""
-    os.setpgid(0, 0)  # what a terminal sends is for the caller, who ends this process
+def _seconds_of_children() -> float:
+    times = os.times()
+    return times.children_user + times.children_system
+
+
+def _run_apart(program: Callable[[Say], object], seconds: float, writer: Connection) -> None:
+    """Run a program in its process. Signals end it at once: the handlers are its caller's."""
     signal.set_wakeup_fd(-1)
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGALRM, signal.SIGPROF):
+    for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGALRM, signal.SIGPROF):
         signal.signal(number, signal.SIG_DFL)
-    # nor is it stopped where it writes on a terminal with `stty tostop`
-    signal.signal(signal.SIGTTOU, signal.SIG_IGN)
-    stream = open(write, "wb")  # noqa: SIM115
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the caller, who kills it
 
-    def let(seconds: float) -> None:
+    def allow(seconds: float) -> None:
         most = max(seconds, 0.0) + EXCESS
         signal.setitimer(signal.ITIMER_PROF, most)
         signal.setitimer(signal.ITIMER_REAL, CLOCK * most)
 
-    def put(line: dict[str, Any]) -> None:
-        stream.write(json.dumps(line).encode() + b"\n")
-        stream.flush()
-
     def say(message: Any, seconds: float | None) -> None:
-        put({"said": message})
+        writer.send((message, None))
         if seconds is not None:
-            let(seconds)
+            allow(seconds)
 
-    let(seconds)
+    allow(seconds)
     try:
         program(say)
     except Exception as error:
-        put({"raised": [type(error).__name__, str(error), traceback.format_exc()]})
-    return 0
-
-
-def _raised(name: str, text: str, trace: str) -> Exception:
-    """An exception as its process described it."""
-    kind = MemoryError if name == "MemoryError" else getattr(errors, name, None)
-    if kind is not None:
-        return kind(text)
-    error = RuntimeError(f"{name}: {text}")
-    error.add_note(trace)
-    return error
-
-
-def _in_foreground() -> bool:
-    """Whether a terminal sends Ctrl-C to this process and its children."""
-    with contextlib.suppress(OSError):
-        terminal = os.open("/dev/tty", os.O_RDONLY | os.O_NOCTTY)
+        error.add_note(traceback.format_exc())
         try:
-            return os.tcgetpgrp(terminal) == os.getpgrp()
-        finally:
-            os.close(terminal)
-    return False
+            writer.send((None, error))
+        except Exception:  # it cannot be sent as it is
+            writer.send((None, RuntimeError(f"{type(error).__name__}: {error}")))

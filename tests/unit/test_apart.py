@@ -137,21 +137,23 @@ def test_a_process_that_crashes_is_named() -> None:
     assert str(said.error(1)) == "the process of the proof was ended by SIGKILL"
 
 
-def test_a_process_that_cannot_say_why_it_fails_is_named() -> None:
-    """As where the memory does not suffice for the traceback of an exception."""
+def test_a_process_that_ends_by_itself_is_named() -> None:
+    """As where the memory does not suffice for an exception."""
+    said = apart(lambda _: os._exit(7), 60)
+    assert (said.messages, said.ended) == ([], "exit code 7")
 
-    def program(_: Say) -> None:
-        process.json = None  # type: ignore[attr-defined]
-        raise MemoryError
 
-    said = apart(program, 60)
-    assert (said.messages, said.ended) == ([], "exit code 1")
+class Unsendable(Exception):
+    """An error that another process cannot receive."""
+
+    def __reduce__(self) -> Any:
+        raise TypeError
 
 
 @pytest.mark.parametrize(
     ("raised", "kind", "text"),
     [(DataError("no"), DataError, "no"), (MemoryError(), MemoryError, ""),
-     (KeyError("x"), RuntimeError, "KeyError: 'x'")],
+     (KeyError("x"), KeyError, "'x'"), (Unsendable("y"), RuntimeError, "Unsendable: y")],
 )  # fmt: skip
 def test_an_exception_apart_is_that_of_the_caller(
     raised: Exception, kind: type[Exception], text: str
@@ -162,7 +164,7 @@ def test_an_exception_apart_is_that_of_the_caller(
     with pytest.raises(kind) as caught:
         apart(program, 60)
     assert str(caught.value) == text
-    if kind is RuntimeError:
+    if kind is not RuntimeError:
         assert "in program" in caught.value.__notes__[0]
 
 
@@ -200,8 +202,15 @@ def test_without_a_process_a_program_runs_here(monkeypatch: pytest.MonkeyPatch) 
 
     monkeypatch.setattr(os, "fork", refused)
     assert apart(lambda say: say(os.getpid(), 1.0), 60) == ([os.getpid()], "", 0.0)
-    monkeypatch.delattr(os, "fork")
-    assert apart(lambda say: say(os.getpid(), 1.0), 60) == ([os.getpid()], "", 0.0)
+
+
+def test_the_processor_time_of_a_program_apart_is_known() -> None:
+    def program(_: Say) -> None:
+        until = time.process_time() + 0.3
+        while time.process_time() < until:
+            pass
+
+    assert 0.25 < apart(program, 60).seconds < 2
 
 
 def test_a_program_apart_has_a_thread_as_caller() -> None:

@@ -19,7 +19,7 @@ from glmref.cli.parallel import Checked, check, check_all
 from glmref.findings import Finding, Verdict
 from glmref.prove import verifier as verification
 from glmref.system import process
-from glmref.system.process import guarded, within
+from glmref.system.process import within
 
 COMMAND = [sys.executable, "-m", "glmref"]
 posix = pytest.mark.skipif(os.name != "posix", reason="uses POSIX signals and devices")
@@ -200,36 +200,56 @@ def test_ctrl_c_reaches_the_program_once_and_no_child_complains() -> None:
     assert "0 fail, 0 open" in out
 
 
-#: A process of its own: a fork of that of the tests has none of their threads, and all their locks.
+#: The program that is limited; it says itself that its time is over, as on any machine.
 LIMITED = """
-import faulthandler, multiprocessing, os, signal, sys, time
+import os, signal, sys, time
 from collections import deque
 from itertools import repeat
 from glmref.system import process
-from glmref.system.process import guarded, within
+from glmref.system.process import guarded, limited_by_parent
 
 process.GRACE = 0.4
 
 def over():
     print("found", flush=True)
-    os.kill(os.getppid(), process.TIME_OVER)  # as when the time is over now, on any machine
+    os.kill(os.getppid(), signal.SIGUSR1)
 
 def endless():
     over()
-    deque(repeat(0), maxlen=0)  # hears no signal, and no other thread runs meanwhile
+    deque(repeat(0), maxlen=0)  # no handler runs, and no other thread meanwhile
 
 def slow():
     over()
     time.sleep(60)
 
-def ends():
-    raise KeyboardInterrupt
+assert limited_by_parent()
+sys.exit(guarded("glmref", {program}, 2))
+"""
+#: The program that limits it.
+LIMITS = """
+import signal, subprocess, sys
+from glmref.system import process
+
+process.GRACE = 0.4
+wait = subprocess.Popen.wait
+
+def over(number, frame):
+    raise subprocess.TimeoutExpired("it", 900)
+
+def waited(child, timeout=None):
+    if timeout == 900:
+        signal.signal(signal.SIGUSR1, over)
+    return wait(child, timeout)
+
+subprocess.Popen.wait = waited
+signal.signal(signal.SIGUSR1, signal.SIG_IGN)
+sys.exit(process.within("glmref", 900, [sys.executable, "-c", sys.argv[1]]))
 """
 
 
-def limited(script: str) -> subprocess.CompletedProcess[str]:
+def limited(program: str, parent: str = LIMITS) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [sys.executable, "-c", LIMITED + script],
+        [sys.executable, "-c", parent, LIMITED.replace("{program}", program)],
         capture_output=True,
         text=True,
         timeout=60,
@@ -240,67 +260,40 @@ def limited(script: str) -> subprocess.CompletedProcess[str]:
 @posix
 @pytest.mark.parametrize("program", ["endless", "slow"])
 def test_a_time_limit_ends_what_cannot_be_stopped_in_one_sentence(program: str) -> None:
-    done = limited(f"sys.exit(within('glmref', 900, lambda: guarded('glmref', {program}, 2)))")
+    done = limited(program)
     assert (done.returncode, done.stdout, done.stderr) == (
         2, "found\n", "glmref: the time limit is over; what was finished is printed or kept\n",
     )  # fmt: skip
 
 
 @posix
-def test_a_timer_that_runs_already_does_not_stop_the_program() -> None:
-    timer = "faulthandler.dump_traceback_later(900, exit=True, file=open(os.devnull, 'w'))\n"
-    done = limited(timer + "sys.exit(within('glmref', 5, lambda: guarded('glmref', int, 2)))")
-    assert (done.returncode, done.stderr) == (0, "")
-
-
-@posix
-def test_a_signal_before_the_program_is_waited_for_is_handed_on() -> None:
-    done = limited(
-        "fork = os.fork\n"
-        "def late():\n    child = fork()\n    time.sleep(0.5 if child else 0)\n    return child\n"
-        "os.fork = late\n"
-        "sys.exit(within('glmref', 900, lambda: guarded('glmref', slow, 2)))"
+def test_a_signal_before_the_program_is_waited_for_is_passed_on() -> None:
+    early = LIMITS.replace(
+        "sys.exit(",
+        "start = subprocess.Popen.__init__\n"
+        "def late(*given, **more):\n"
+        "    signal.raise_signal(signal.SIGTERM)\n    start(*given, **more)\n"
+        "subprocess.Popen.__init__ = late\n"
+        "sys.exit(",
     )
-    assert (done.returncode, done.stdout) == (2, "found\n")
+    assert limited("slow", early).returncode == 143
 
 
 @posix
-def test_nothing_of_the_caller_runs_again_where_the_program_fails() -> None:
-    done = limited(
-        "try:\n    code = within('x', 60, lambda: 1 // 0)\n"
-        "finally:\n    print('after', flush=True)\nsys.exit(code)"
-    )
-    assert (done.returncode, done.stdout) == (1, "after\n")
-    assert done.stderr.endswith("ZeroDivisionError: integer division or modulo by zero\n")
+def test_a_program_whose_parent_is_killed_ends_all_the_same() -> None:
+    """Also one that reacts to no signal."""
+    environment = {**os.environ, process.LIMITED: "0.1"}
+    begun = time.monotonic()
+    script = LIMITED.replace("{program}", "lambda: deque(repeat(0), maxlen=0)")
+    done = subprocess.run([sys.executable, "-c", script], env=environment, check=False, timeout=60)
+    assert done.returncode == 1 and time.monotonic() - begun > 1.2
 
 
 @posix
-def test_the_children_of_the_caller_outlive_a_program_that_is_ended() -> None:
-    done = limited(
-        "child = multiprocessing.get_context('fork').Process(target=time.sleep, args=(60,))\n"
-        "child.start()\n"
-        "group = os.posix_spawn('/bin/sleep', ['sleep', '60'], os.environ, setpgroup=0)\n"
-        "process.remember_group(group)\n"
-        "code = within('glmref', 60, lambda: guarded('glmref', ends, 2))\n"
-        "time.sleep(0.2)\n"
-        "print(code, child.is_alive(), os.waitpid(group, os.WNOHANG)[0])\n"
-        "child.kill(); process.end_groups()"
-    )
-    assert done.stdout == "130 True 0\n"
-
-
-@posix
-@pytest.mark.filterwarnings("ignore:os.fork")  # of a library that another test loaded
 def test_a_time_limit_changes_nothing_else(capfd: pytest.CaptureFixture[str]) -> None:
-    assert within("glmref", 60, lambda: guarded("glmref", lambda: 3, 2)) == 3
-
-    def ended() -> int:
-        print("found", flush=True)
-        os.kill(os.getppid(), signal.SIGTERM)  # the one that a shell knows
-        time.sleep(60)
-        return 0
-
-    assert within("glmref", 60, lambda: guarded("glmref", ended, 2)) == 143
+    assert within("glmref", 60, [sys.executable, "-c", "raise SystemExit(3)"]) == 3
+    script = LIMITED.replace("{program}", "slow").replace("SIGUSR1", "SIGTERM")
+    assert within("glmref", 60, [sys.executable, "-c", script]) == 143
     assert capfd.readouterr() == ("found\n", "glmref: ended by SIGTERM\n")
     assert main(["--time-limit", "60", "verify", "rk4", "--no-cache"]) == 0
     assert "6 hold" in capfd.readouterr().out
