@@ -465,7 +465,11 @@ def staircase(facts: Facts) -> str:
         beyond the proved one is nearly reached.
     """
     kernel = facts.kernel
-    proved = kernel.range(kernel.row_claim).lower
+    known = kernel.range(kernel.row_claim)
+    proved = known.lower
+    alone = kernel.one_step and not kernel.is_pair and not facts.method.embedded
+    if alone and proved == known.upper and known.residual >= SMALL:
+        return ""  # the largest residual through any higher order is not below this one
     try:
         sizes = kernel.sizes_to_digits() if facts.kernel.exact else {}
     except ExactnessError:

@@ -10,7 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from time import thread_time
+from dataclasses import dataclass
+from time import monotonic, thread_time
 
 from ..errors import BudgetError, UndecidedError
 
@@ -23,7 +24,21 @@ EXCESS = 2.0
 #: Most coefficients of a linear system that is written down; each takes up to 100 bytes.
 CELLS = 20_000_000
 
-_limit: ContextVar[tuple[float, float] | None] = ContextVar("limit", default=None)
+
+@dataclass(slots=True)
+class _Limit:
+    """A budget in force.
+
+    A thread computes no longer than time passes, so that the clock of its processor time, which
+    takes microseconds to read, is left alone until ``wake``.
+    """
+
+    until: float  # processor time of the thread at which the budget is spent
+    seconds: float  # the whole budget
+    wake: float = 0.0  # monotonic time before which it cannot be spent
+
+
+_limit: ContextVar[_Limit | None] = ContextVar("limit", default=None)
 _watch: ContextVar[Callable[[], None] | None] = ContextVar("watch", default=None)
 
 
@@ -48,7 +63,8 @@ def limited(seconds: float | None, used: float = 0.0) -> Iterator[None]:
         yield
         return
     until = thread_time() + seconds - used
-    token = _limit.set(outer if outer is not None and outer[0] <= until else (until, seconds))
+    inner = outer if outer is not None and outer.until <= until else _Limit(until, seconds)
+    token = _limit.set(inner)
     try:
         yield
     finally:
@@ -77,14 +93,18 @@ def spend() -> None:
     if watch is not None:
         watch()
     limit = _limit.get()
-    if limit is not None and thread_time() > limit[0]:
-        raise spent(limit[1])
+    if limit is None or (now := monotonic()) < limit.wake:
+        return
+    rest = limit.until - thread_time()
+    if rest < 0:
+        raise spent(limit.seconds)
+    limit.wake = now + rest
 
 
 def left() -> tuple[float, float] | tuple[None, None]:
     """Seconds of processor time that are left, and of the budget; ``None`` without a limit."""
     limit = _limit.get()
-    return (None, None) if limit is None else (limit[0] - thread_time(), limit[1])
+    return (None, None) if limit is None else (limit.until - thread_time(), limit.seconds)
 
 
 def spent(seconds: float, where: str = "") -> BudgetError:

@@ -8,6 +8,7 @@ Where the roots lie is decided in :mod:`glmref.theory.root_location`.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from fractions import Fraction
 
@@ -231,6 +232,7 @@ def approximate_roots(p: Polynomial) -> list[complex]:
     size = len(coefficients)
     radius = 1 + max((abs(a) for a in coefficients), default=0.0)
     roots = [min(radius, 2.0) * (0.4 + 0.9j) ** k for k in range(size)]
+    last = math.inf
     for _ in range(500):
         change = 0.0
         for k in range(size):
@@ -245,6 +247,8 @@ def approximate_roots(p: Polynomial) -> list[complex]:
             step = value / spread
             roots[k] -= step
             change = max(change, abs(step))
-        if change < 1e-15 * radius:
+        # near the roots changes fall until rounding stops them: what comes after gains nothing
+        if change < 1e-15 * radius or last <= change < 1e-9 * radius:
             break
+        last = change
     return roots

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from typing import cast
 
 from ..errors import ExactnessError, UsageError
@@ -55,6 +56,7 @@ def stability_matrix(m: GLM, z: Scalar | int | Fraction) -> Matrix:
     return linalg.add(m.V, linalg.scale(at, linalg.matmul(m.B, stages)))
 
 
+@lru_cache(maxsize=8)
 def stability_polynomial(m: GLM) -> Bivariate:
     """``P(w, z) = det(w I - M(z)) det(I - z A)``: coefficients of 1, w, .., w^r, polynomials in z.
 
