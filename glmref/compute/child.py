@@ -8,7 +8,6 @@ everywhere, and costs neither the worker nor another task.
 from __future__ import annotations
 
 import contextlib
-import faulthandler
 import os
 import re
 import signal
@@ -16,12 +15,11 @@ import socket
 import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import CancelledError, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, replace
 from multiprocessing import current_process, get_context, resource_tracker
-from multiprocessing.connection import Connection
-from multiprocessing.process import BaseProcess
 from pathlib import Path
-from pickle import PicklingError
 from threading import Lock
 from time import perf_counter
 from typing import Any
@@ -114,6 +112,8 @@ def attempt(function: Function, task: Task) -> Done:
 class Child:
     """A process for one task after another; it is started when it is needed, and again if it died.
 
+    It is a pool of one: where several tasks share a pool, one that kills its process ends them all.
+
     Parameters
     ----------
     limits : Limits
@@ -124,8 +124,7 @@ class Child:
 
     def __init__(self, limits: Limits, folder: str = "") -> None:
         self.limits, self.folder = limits, folder
-        self._process: BaseProcess | None = None
-        self._pipe: Connection | None = None
+        self._pool: ProcessPoolExecutor | None = None
         self._ended = False
 
     def carry_out(self, function: Function, task: Task) -> Done:
@@ -140,16 +139,20 @@ class Child:
     def _once(self, function: Function, task: Task) -> Done:
         limit, begun = self.limits.seconds, perf_counter()
         failure = Done(failure=KILLED, message="the process of the task ended before it did")
-        pipe = self._pipe or self._start()
-        with contextlib.suppress(EOFError, OSError):
-            pipe.send((function, task, limit))
-            if pipe.poll(limit):
-                return pipe.recv()
+        pool = self._pool or self._start()
+        try:
+            return pool.submit(_attempt_in, function, task, limit).result(limit)
+        except TimeoutError:
             failure = Done(failure=TIME_LIMIT, message=f"stopped after {limit:g} s")
+        except (BrokenProcessPool, CancelledError, RuntimeError):  # it died, or was ended
+            pass
+        except Exception as error:
+            message = f"the result cannot be sent ({type(error).__name__}: {error})"
+            return Done(failure=FAILED, message=message)
         self._kill()
         return replace(failure, seconds=perf_counter() - begun)
 
-    def _start(self) -> Connection:
+    def _start(self) -> ProcessPoolExecutor:
         try:
             os.chdir(os.getcwd())  # as the process will
         except OSError as error:
@@ -158,41 +161,35 @@ class Child:
                 f"({reason(error)}); go to another one"
             ) from None
         # spawn: the same on every system, and no thread of the parent can be caught half-way
-        context = get_context("spawn")
+        pool = ProcessPoolExecutor(1, get_context("spawn"), _begin, (self.limits, self.folder))
+        self._pool = pool
         with _starting, _surroundings():
-            pipe, theirs = context.Pipe()
-            given = (theirs, self.limits, self.folder)
-            # a daemon: where this process ends without having ended it, nobody waits for it
-            process = context.Process(target=_serve, args=given, daemon=True)
-            process.start()
-            theirs.close()
-        self._process = process
+            ready = pool.submit(_ready, self.limits)
+        try:
+            if not self._ended and not ready.result():
+                raise UsageError(
+                    "timed tasks need a core each, and all cores have one; ask for fewer "
+                    "processes, or wait until the other run has ended"
+                )
+        except (OSError, BrokenProcessPool, UsageError) as error:
+            self._kill()
+            if isinstance(error, BrokenProcessPool) and not self._ended:
+                raise UsageError(
+                    "a process for tasks cannot be started; a script that asks for processes needs "
+                    "`if __name__ == '__main__':` before what it does"
+                ) from None
+            if not self._ended:
+                raise
         if self._ended:  # while it was started
             self._kill()
-            return pipe
-        try:
-            settled = pipe.recv()
-        except (EOFError, OSError):
-            if self._ended:
-                return pipe
-            self._kill()
-            raise UsageError(
-                "a process for tasks cannot be started; a script that asks for processes needs "
-                "`if __name__ == '__main__':` before what it does"
-            ) from None
-        if settled is not True:
-            self._kill()
-            raise settled or UsageError(
-                "timed tasks need a core each, and all cores have one; ask for fewer processes, or "
-                "wait until the other run has ended"
-            )
-        self._pipe = pipe
-        return pipe
+        return pool
 
     def _kill(self) -> None:
-        process, self._process, self._pipe = self._process, None, None
-        if process is not None:
-            process.kill()
+        pool, self._pool = self._pool, None
+        if pool is not None:
+            for process in list((pool._processes or {}).values()):
+                process.kill()
+            pool.shutdown(wait=False, cancel_futures=True)
 
     def end(self) -> None:
         """End the process, whatever it does; a task that it had is not tried again."""
@@ -203,43 +200,11 @@ class Child:
 # --- inside of the child --------------------------------------------------------------------------
 
 
-def _serve(pipe: Connection, limits: Limits, folder: str) -> None:
-    """Say whether there is a core, where one is needed, and answer tasks until the pipe ends."""
-    _begin(limits, folder)
-    with contextlib.suppress(EOFError, OSError):
-        try:
-            settled = not limits.pinned or _pin()
-        except (OSError, UsageError) as error:
-            settled = error
-        pipe.send(settled)
-        while True:
-            done = _attempt_in(*pipe.recv())
-            try:
-                pipe.send(done)
-            except (TypeError, AttributeError, PicklingError) as error:
-                message = f"the result cannot be sent ({type(error).__name__}: {error})"
-                pipe.send(Done(failure=FAILED, message=message))
-
-
-def _attempt_in(function: Function, task: Task, limit: float | None) -> Done:
-    if limit is None:
-        return attempt(function, task)
-    # the parent ends what takes too long; this timer, which needs no interpreter, serves where
-    # the parent is gone and machine code holds the interpreter, so that nothing else is heard
-    with open(os.devnull, "w") as nowhere:
-        faulthandler.dump_traceback_later(_ABANDONED * limit + 1, exit=True, file=nowhere)
-        try:
-            return attempt(function, task)
-        finally:
-            faulthandler.cancel_dump_traceback_later()
-
-
 def _begin(limits: Limits, folder: str) -> None:
     """Leave Ctrl-C to the parent, end with it, however it ends, and take on the limits."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if hasattr(signal, "pthread_sigmask"):
         signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
-    current_process()._config["daemon"] = False  # type: ignore[attr-defined]  # as any program
     end_with_parent()
     if folder:
         with contextlib.suppress(OSError):
@@ -248,6 +213,23 @@ def _begin(limits: Limits, folder: str) -> None:
         with contextlib.suppress(OSError, ValueError):
             _, most = resource.getrlimit(resource.RLIMIT_DATA)
             resource.setrlimit(resource.RLIMIT_DATA, (limits.memory, most))
+
+
+def _ready(limits: Limits) -> bool:
+    """Return whether there is a core, where one is needed."""
+    return not limits.pinned or _pin()
+
+
+def _attempt_in(function: Function, task: Task, limit: float | None) -> Done:
+    if limit is None or not hasattr(signal, "setitimer"):
+        return attempt(function, task)
+    # the parent ends what takes too long; this timer, which needs no interpreter, serves where
+    # the parent is gone and machine code holds the interpreter, so that no thread runs
+    signal.setitimer(signal.ITIMER_REAL, _ABANDONED * limit + 1)
+    try:
+        return attempt(function, task)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
 
 
 _core: list[int] = []  # the descriptor of the lock; it is held as long as the process lives

@@ -8,10 +8,10 @@ than ten.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from itertools import islice
-from queue import Empty, SimpleQueue
-from typing import Any, Protocol
+from queue import SimpleQueue
+from typing import Protocol
 
 from ..errors import UsageError
 from .child import (
@@ -113,48 +113,29 @@ class Local:
         idle: SimpleQueue[Child] = SimpleQueue()
         for child in children:
             idle.put(child)
-        ended: SimpleQueue[tuple[Task, Done | BaseException]] = SimpleQueue()
 
-        def carry_out(task: Task) -> None:
+        def carry_out(task: Task) -> Done:
             child = idle.get()
             try:
-                ended.put((task, child.carry_out(function, task)))
-            except BaseException as error:  # it is raised where results are waited for
-                ended.put((task, error))
+                return child.carry_out(function, task)
             finally:
                 idle.put(child)
 
         waiting = iter(tasks)
         threads = ThreadPoolExecutor(count)
+        running: dict[Future[Done], Task] = {}
         try:
-            running = 0
             while True:
-                for task in islice(waiting, 2 * count - running):
-                    threads.submit(carry_out, task)
-                    running += 1
+                for task in islice(waiting, 2 * count - len(running)):
+                    running[threads.submit(carry_out, task)] = task
                 if not running:
                     return
-                results = []
-                for task, done in taken(ended):
-                    if isinstance(done, BaseException):
-                        raise done
-                    results.append((task, done))
-                running -= len(results)
-                yield results
+                ended, _ = wait(running, return_when=FIRST_COMPLETED)
+                yield [(running.pop(one), one.result()) for one in ended]
         finally:
             threads.shutdown(wait=False, cancel_futures=True)
             for child in children:
                 child.end()
-
-
-def taken(queue: SimpleQueue[Any]) -> list[Any]:
-    """Wait for an item of a queue, and take with it those that are there as well."""
-    items = [queue.get()]
-    try:
-        while True:
-            items.append(queue.get_nowait())
-    except Empty:
-        return items
 
 
 def in_order(results: Iterable[Results], tasks: Iterable[Task]) -> Iterator[tuple[Task, Done]]:
