@@ -13,6 +13,7 @@ from ..errors import ExactnessError
 from ..exact import Exact, Scalar, linalg
 from ..exact.expression import shown_number
 from ..exact.linalg import Matrix, Vector
+from ..method.stage_order import dependency_blocks
 from ..system.budget import spend
 from ..theory import polynomials as poly
 from ..theory.root_location import is_nonnegative, is_schur, real_roots, unimodular_roots
@@ -94,17 +95,6 @@ def _with_one(basis: list[Vector]) -> Vector | None:
     """The first vector of a basis whose last entry is not 0, divided by it, without that entry."""
     whole = next((x for x in basis if not x[-1].vanishes()), None)
     return None if whole is None else tuple(x / whole[-1] for x in whole[:-1])
-
-
-def preconsistency(U: Matrix, V: Matrix) -> Vector | None:
-    """u with V u = u, U u = 1, over exact numbers; ``None`` proves that there is none."""
-    return _with_one(constants(U, V))
-
-
-def consistency_vectors(U: Matrix, B: Matrix, V: Matrix) -> tuple[Vector, Vector] | None:
-    """u and v with V u = u, U u = 1, B 1 + V v = u + v; ``None`` proves that there are none."""
-    both, r = _with_one(consistent_values(U, B, V)), len(V)
-    return None if both is None else (both[:r], both[r:])
 
 
 def first_value(basis: list[Vector]) -> Vector | None:
@@ -207,47 +197,15 @@ def diagonal_blocks(V: Matrix) -> list[Matrix]:
 
 
 def diagonal_values(V: Matrix) -> list[list[int]]:
-    """The values that belong to each diagonal block."""
-    r = len(V)
-    reach = [{j for j in range(r) if V[i][j].is_zero() is not True} | {i} for i in range(r)]
-    for _ in range(r):
-        reach = [set().union(*(reach[j] for j in x)) for x in reach]
-    found, done = [], set()
-    for i in range(r):
-        if i not in done:
-            group = [j for j in range(r) if j in reach[i] and i in reach[j]]
-            done |= set(group)
-            found.append(group)
-    return found
+    """Return the values that belong to each diagonal block."""
+    blocks = dependency_blocks(len(V), lambda i, j: V[i][j].is_zero() is not True)
+    return [list(block.stages) for block in blocks]
 
 
 def full_rank(rows: Matrix, r: int) -> bool | None:
-    """Whether the rows span everything: elimination with pivots that exclude zero."""
-    if is_exact(rows):
-        return linalg.rank(rows) == r
-    work = [list(row) for row in rows]
-    for column in range(r):
-        rest = [i for i in range(column, len(work)) if work[i][column].is_zero() is False]
-        if not rest:
-            return None
-        at = max(rest, key=lambda i: work[i][column].ball().lower_magnitude())
-        work[column], work[at] = work[at], work[column]
-        for i in range(column + 1, len(work)):
-            factor = work[i][column] / work[column][column]
-            work[i] = [x - factor * y for x, y in zip(work[i], work[column], strict=True)]
-    return True
-
-
-def acyclic(needs: dict[Any, set[Any]]) -> bool:
-    """Whether a graph of needs has no cycle."""
-    waiting = dict(needs)
-    while waiting:
-        ready = [a for a, b in waiting.items() if not b & waiting.keys()]
-        if not ready:
-            return False
-        for a in ready:
-            del waiting[a]
-    return True
+    """Return whether the rows span everything; ``None`` where balls leave it open."""
+    full = len(linalg.independent_rows(rows, r)) == r
+    return True if full else False if is_exact(rows) else None
 
 
 def involutions(

@@ -42,15 +42,14 @@ from ..exact.expression import parse, to_text
 from ..exact.linalg import Matrix, Vector
 from ..findings import Proof, Verdict
 from ..method.embedded import EmbeddedRow
+from ..method.preconsistency import consistency_vector, preconsistency_vector
 from ..theory import polynomials as poly
 from ..theory.coefficients import difference, is_zero, scalars
 from ..theory.starting_series import StartingSeries
 from .algebra import (
     bounded,
-    consistency_vectors,
     diagonal_values,
     is_exact,
-    preconsistency,
 )
 from .certificate_enclosed import equation_numbers, method_proof, start_proofs
 from .field import Tower, radicals_of, written_out
@@ -338,12 +337,13 @@ class _Writer:
 
     def _no_order(self) -> Part:
         """A component that is not consistent."""
-        for c, (_, U, B, V) in self.kernel.blocks.items():
-            if consistency_vectors(U, B, V) is None if is_exact(U, B, V) else (
+        for c in self.kernel.method.components:
+            _, U, B, V = c.matrices
+            if consistency_vector(c) is None if is_exact(U, B, V) else (
                 is_exact(V) and self._other_u(U, B, V)
             ):  # fmt: skip
                 self.identities.append("u and v of consistency do not exist")
-                return {"rule": "no-order-1", "witness": {"colour": c}}
+                return {"rule": "no-order-1", "witness": {"colour": c.colour}}
         raise ExactnessError("order 1 is not excluded by consistency")
 
     @staticmethod
@@ -479,11 +479,11 @@ class _Writer:
 
     def _no_vector(self) -> Part:
         """A component for which V u = u, U u = 1 contradict each other."""
-        for c, (_, U, _, V) in self.kernel.blocks.items():
-            if not is_exact(V):
+        for c in self.kernel.method.components:
+            if not is_exact(c.V):
                 continue
-            if preconsistency(U, V) is None if is_exact(U) else self._differing(U, V):
-                return {"rule": "not-preconsistent", "witness": {"colour": c}}
+            if preconsistency_vector(c) is None if is_exact(c.U) else self._differing(c.U, c.V):
+                return {"rule": "not-preconsistent", "witness": {"colour": c.colour}}
         raise ExactnessError("no vector refutes preconsistency")
 
     @staticmethod
@@ -544,7 +544,7 @@ class _Writer:
 
     def _eliminated_form(self) -> tuple[Matrix, list[Vector]]:
         """A form that no finder proposes."""
-        vectors = [preconsistency(b[1], b[3]) for b in self.kernel.blocks.values()]
+        vectors = [preconsistency_vector(c) for c in self.kernel.method.components]
         u, u_hat = vectors[0], vectors[-1]
         assert u is not None and u_hat is not None
         found = self.kernel.some_form(u, u_hat)
@@ -552,7 +552,7 @@ class _Writer:
         return found
 
     def _no_form(self) -> list[Part]:
-        if any(preconsistency(b[1], b[3]) is None for b in self.kernel.blocks.values()):
+        if any(preconsistency_vector(c) is None for c in self.kernel.method.components):
             return [self._no_vector()]
         if not self.kernel.is_real:
             raise ExactnessError("that a complex method has no form is not written out")
@@ -595,8 +595,8 @@ class _Writer:
 
     def _has_vectors(self) -> bool:
         """Whether every component is consistent."""
-        blocks = self.kernel.blocks.values()
-        return all(consistency_vectors(U, B, V) is not None for _, U, B, V in blocks)
+        components = self.kernel.method.components
+        return all(consistency_vector(c) is not None for c in components)
 
     def _error_constant(self) -> list[Part]:
         rule = "error-constant" if self.holds else "other-error-constant"

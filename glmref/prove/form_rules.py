@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from ..errors import ExactnessError
 from ..exact import Exact, Scalar, linalg
 from ..exact.linalg import Matrix, Vector
+from ..method.preconsistency import preconsistency_vector
 from ..system.budget import fits
 from ..theory.coefficients import difference
 from ..theory.starting_series import NoOrderOne, NotPreconsistent, Prepared
@@ -19,7 +20,6 @@ from .algebra import (
     full_rank,
     involutions,
     is_exact,
-    preconsistency,
     scaled,
     vanishes,
 )
@@ -39,6 +39,7 @@ class FormRules:
         shared: bool
         exact: bool
         one_step: bool
+        method: Any
         _components: dict[str, Prepared]
 
     # -- forms -------------------------------------------------------------------------------------
@@ -78,8 +79,7 @@ class FormRules:
         all its solutions have u^* G u = 0 is found by elimination, so that no form exists.
         """
         vectors = [
-            preconsistency(b[1], b[3]) if is_exact(b[1], b[3]) else None
-            for b in self.blocks.values()
+            preconsistency_vector(c) if is_exact(c.U, c.V) else None for c in self.method.components
         ]
         if any(x is None for x in vectors):
             if all(is_exact(b[1], b[3]) for b in self.blocks.values()):

@@ -42,7 +42,14 @@ from ..exact.linalg import Matrix, Vector
 from ..findings import Finding, Proof, Verdict
 from ..method import Method
 from ..method.component import Palette
-from ..method.preconsistency import first_functional, output, outputs
+from ..method.preconsistency import (
+    abscissae,
+    consistency_vector,
+    output,
+    outputs,
+    preconsistency_vector,
+)
+from ..method.stage_order import has_cycle
 from ..theory.coefficients import (
     apply,
     difference,
@@ -54,6 +61,7 @@ from ..theory.coefficients import (
     weighted,
 )
 from ..theory.order import MANY_STARTS
+from ..theory.reduction import observed_rows, reached_rows
 from ..theory.series import Series, compose, shift
 from ..theory.starting_series import (
     NoOrderOne,
@@ -66,16 +74,13 @@ from ..theory.starting_series import (
 )
 from ..theory.trees import Tree, counted, single, trees
 from .algebra import (
-    acyclic,
     all_of,
     compared,
-    consistency_vectors,
     full_rank,
     is_exact,
-    preconsistency,
 )
 from .digits import DigitRules, rounded_up
-from .form_rules import OTHER, FormRules
+from .form_rules import FormRules
 from .growth_rules import GrowthRules
 from .implications import Implied
 from .ranges import MAX_ORDER, Known, Range
@@ -894,9 +899,10 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
     def _preconsistent(self, witness: Mapping[str, Any]) -> Known:
         """V u = u and U u = 1 for some u: a linear system, eliminated (Butcher 2016, 510B)."""
         answers, exact = [], True
-        for A, U, B, V in self.blocks.values():
+        for c in self.method.components:
+            A, U, B, V = c.matrices
             if is_exact(U, V):
-                answers.append(preconsistency(U, V) is not None)
+                answers.append(preconsistency_vector(c) is not None)
                 continue
             exact = False
             try:
@@ -914,9 +920,10 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
     def _consistent(self, witness: Mapping[str, Any]) -> Known:
         """B 1 + V v = u + v as well, linear in (u, v) (Butcher 2016, 510C)."""
         answers, exact = [], True
-        for A, U, B, V in self.blocks.values():
+        for part in self.method.components:
+            A, U, B, V = part.matrices
             if is_exact(U, B, V):
-                answers.append(consistency_vectors(U, B, V) is not None)
+                answers.append(consistency_vector(part) is not None)
                 continue
             exact = False
             try:
@@ -948,20 +955,13 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
             exact = consistent = all(is_exact(*block) for block in self.blocks.values())
             if exact:
                 found, unique = [], True
-                for colour, (A, U, B, V) in self.blocks.items():
-                    both = consistency_vectors(U, B, V)
-                    if both is None:
+                for part in self.method.components:
+                    c = abscissae(part)
+                    if c is None:
                         return Known(False, True, "the method has no abscissae")
-                    u, v = both
-                    w = self.outputs[colour] or first_functional(u)
-                    if linalg.dot(w, u) != 1:
-                        raise ExactnessError("the declared output does not read the solution")
-                    ahead = linalg.dot(w, v)
-                    v = tuple(x - ahead * y for x, y in zip(v, u, strict=True))
-                    c = linalg.matvec(A, (_ONE,) * len(A))
-                    found += [x + y for x, y in zip(c, linalg.matvec(U, v), strict=True)]
-                    gap = linalg.sub(V, linalg.identity(len(V)))
-                    unique = unique and linalg.rank(gap) == len(V) - 1
+                    found += c
+                    gap = linalg.sub(part.V, linalg.identity(len(part.V)))
+                    unique = unique and linalg.rank(gap) == len(gap) - 1
             elif self.method.additive:
                 raise ExactnessError("abscissae of additive methods are judged of exact numbers")
             else:
@@ -1013,51 +1013,20 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
         an entry; in a separable pair stages Q need stages P and the other way. Only exact zeros say
         that nothing is needed, only entries that exclude zero that something is.
         """
-        edges = self._needs()
         structural = self.implied is None or not self.implied.zeros
-        if acyclic({a: set(b) for a, b in edges.items()}):
+        m = self.method
+        if not has_cycle(m.components, m.palette, lambda x: True):
             return Known(True, structural)
-        if not acyclic({a: {x for x, sure in b.items() if sure} for a, b in edges.items()}):
+        if has_cycle(m.components, m.palette, lambda x: x.is_zero() is False):
             return Known(False, self.exact)
         raise ExactnessError("whether some entries of A are zero is not decided within the digits")
-
-    def _needs(self) -> dict[tuple[str, int], dict[tuple[str, int], bool]]:
-        """What each stage needs: stage -> {stage: whether certainly}; stages of f are Q, of k P."""
-        edges: dict[tuple[str, int], dict[tuple[str, int], bool]] = {}
-        for c, (A, _, _, _) in self.blocks.items():
-            other = c if self.shared else OTHER[c]
-            for i, row in enumerate(A):
-                needs = edges.setdefault(("" if self.shared else c, i), {})
-                for j, x in enumerate(row):
-                    zero = x.is_zero()
-                    if zero is not True:
-                        there = ("" if self.shared else other, j)
-                        needs[there] = needs.get(there, False) or zero is False
-        return edges
-
-    def reached_and_seen(self, colour: str) -> tuple[Matrix, Matrix]:
-        """Rows that span what is reached, u and V^k B, and what is seen, U V^k."""
-        A, U, B, V = self.blocks[colour]
-        try:
-            u = preconsistency(U, V) if is_exact(U, V) else component(A, U, B, V).u
-        except NotPreconsistent as reason:
-            raise ExactnessError(f"what u reaches is not decided: {reason}") from reason
-        reached = list(linalg.transpose(B)) + ([u] if u is not None else [])
-        layer = linalg.transpose(B)
-        seen, images = list(U), U
-        for _ in range(len(V) - 1):
-            layer = linalg.matmul(layer, linalg.transpose(V))
-            images = linalg.matmul(images, V)
-            reached += layer
-            seen += images
-        return tuple(reached), tuple(seen)
 
     def _reducible(self, witness: Mapping[str, Any]) -> Known:
         """Some value is never reached (from u, B by V) or never seen (by U V^k): Kalman (1963)."""
         answers = [
-            full_rank(rows, len(b[3]))
-            for c, b in self.blocks.items()
-            for rows in self.reached_and_seen(c)
+            full_rank(rows, len(c.V))
+            for c in self.method.components
+            for rows in (reached_rows(c), observed_rows(c))
         ]
         full = all_of(answers)
         return Known(None if full is None else not full, self.exact)
