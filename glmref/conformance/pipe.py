@@ -34,19 +34,20 @@ import math
 import os
 import selectors
 import shlex
-import signal
 import subprocess
 import sys
 import time
 from collections.abc import Iterable, Iterator
 from typing import Any
+from uuid import uuid4
 
 import numpy as np
 
 from ..catalogue.strict_json import unique
 from ..errors import DataError, GlmrefError, UsageError
 from ..system.files import reason
-from ..system.process import ending, forget_group, remember_group
+from ..system.process import MARK, end_group, ending, remember_group
+from ..system.terminal import escaped
 
 #: Seconds a program may be silent.
 PATIENCE = 60.0
@@ -111,6 +112,7 @@ class PipeAdapter:
 
     def _start_program(self) -> None:
         self._pending, self._searched, self._running = bytearray(), 0, True
+        mark = uuid4().hex
         try:
             self.process = subprocess.Popen(
                 self.command,
@@ -119,12 +121,13 @@ class PipeAdapter:
                 stderr=subprocess.PIPE,
                 bufsize=0,
                 start_new_session=True,
+                env={**os.environ, MARK: mark},
             )
         except (OSError, ValueError) as error:
             raise UsageError(
                 f"the program {self.command[0]!r} cannot be started ({reason(error)})"
             ) from None
-        remember_group(self.process.pid)
+        remember_group(self.process.pid, mark)
         for stream in (self.process.stdin, self.process.stdout, self.process.stderr):
             assert stream is not None
             os.set_blocking(stream.fileno(), False)
@@ -169,9 +172,7 @@ class PipeAdapter:
                 time.sleep(0.005)
         finally:
             # its number is its group's, and nobody else's while it is not waited for
-            with contextlib.suppress(OSError):
-                os.killpg(self.process.pid, signal.SIGKILL)
-            forget_group(self.process.pid)
+            end_group(self.process.pid)
             _close(streams[1:])
             self.process.wait()
 
@@ -384,7 +385,8 @@ class PipeAdapter:
         self._shown += len(chunk)
         with contextlib.suppress(OSError, ValueError):
             if shown:
-                sys.stderr.write(shown.decode("utf-8", "backslashreplace"))
+                text = shown.decode("utf-8", "backslashreplace")
+                sys.stderr.write("\n".join(map(escaped, text.split("\n"))))
             if len(shown) < len(chunk) and self._shown - len(chunk) < MAX_STDERR:
                 sys.stderr.write("\n[more of the program's stderr is not shown]\n")
             sys.stderr.flush()

@@ -18,6 +18,7 @@ import threading
 import traceback
 import warnings
 from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -37,8 +38,10 @@ TIME_OVER = getattr(signal, "SIGALRM", None)
 #: What is said then, and the exit code, which is that of a refusal.
 TOO_LONG, TOO_LONG_CODE = "the time limit is over; what was finished is printed or kept", 2
 
-#: Process groups of programs that were started, to be ended with this process.
-_groups: set[int] = set()
+#: Process groups of programs that were started, to be ended with this process: group -> mark.
+_groups: dict[int, str] = {}
+#: Environment variable that marks a program and what it starts, whatever group that moves to.
+MARK = "GLMREF_PROGRAM"
 #: The signal that was received; an engine may turn the exception into an outcome of its own.
 _received: list[int] = []
 
@@ -47,22 +50,56 @@ if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_groups.clear)  # they are those of the parent
 
 
-def remember_group(group: int) -> None:
-    """Have a process group ended when this process is."""
-    _groups.add(group)
+def remember_group(group: int, mark: str = "") -> None:
+    """Have a process group ended when this process is.
+
+    Parameters
+    ----------
+    group : int
+        Its number.
+    mark : str
+        Value of :data:`MARK` in its environment, by which members that left it are found.
+    """
+    _groups[group] = mark
 
 
 def forget_group(group: int) -> None:
-    """Take back what :func:`remember_group` was told."""
-    _groups.discard(group)
+    """Take back :func:`remember_group`."""
+    _groups.pop(group, None)
+
+
+def end_group(group: int) -> None:
+    """Kill a process group, and what it started that has left it by ``setsid``."""
+    with contextlib.suppress(OSError):
+        os.killpg(group, signal.SIGKILL)
+    mark = _groups.pop(group, "")
+    for _ in range(_ROUNDS if mark else 0):
+        found = _marked(mark)
+        for pid in found:
+            with contextlib.suppress(OSError):
+                os.kill(pid, signal.SIGKILL)
+        if not found:
+            break
+
+
+#: How often marked processes are looked for: one may start another between two looks.
+_ROUNDS = 20
+
+
+def _marked(mark: str) -> list[int]:
+    """Return the processes with a mark in their environment, where the system shows it (Linux)."""
+    found, wanted = [], f"{MARK}={mark}".encode()
+    for place in Path("/proc").glob("[0-9]*/environ"):
+        with contextlib.suppress(OSError):  # gone, or of another user; that of a zombie is empty
+            if wanted in place.read_bytes().split(b"\0"):
+                found.append(int(place.parent.name))
+    return found
 
 
 def end_groups() -> None:
     """End the programs that were started and not ended yet."""
     for group in tuple(_groups):
-        with contextlib.suppress(OSError):
-            os.killpg(group, signal.SIGKILL)
-        _groups.discard(group)
+        end_group(group)
 
 
 def end_children() -> None:

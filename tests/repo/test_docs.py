@@ -175,3 +175,15 @@ def test_the_page_of_the_python_interface_has_every_public_name():
     page = text("api.md")
     missing = [x for x in glmref.__all__ if not re.search(rf"glmref\.(\w+\.)*{x}\b", page)]
     assert missing == ["__version__"]
+
+
+def test_the_promises_of_the_page_on_security_have_tests() -> None:
+    page = (DOCS / "security.md").read_text(encoding="utf-8")
+    table = page.partition("| promise | test |\n|---|---|\n")[2].partition("\n\n")[0]
+    rows = [[x.strip() for x in line.strip("|").split("|")] for line in table.splitlines()]
+    assert len(rows) > 12
+    for promise, tests in rows:
+        named = re.findall(r"`(tests/[\w/]+\.py)::(\w+)`", tests)
+        assert named and len(named) == tests.count("::"), promise
+        for path, function in named:
+            assert f"\ndef {function}(" in (DOCS.parent / path).read_text(encoding="utf-8"), function

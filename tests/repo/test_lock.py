@@ -93,4 +93,6 @@ def test_the_conda_recipe_asks_for_what_the_project_asks_for() -> None:
     ((name, target),) = project["scripts"].items()
     assert found["build"]["entry_points"] == [f"{name} = {target}"]
     assert found["about"]["license"] == project["license"]
+    # the wheel holds the data, too
+    assert {x.stem for x in (ROOT / "LICENSES").iterdir()} < set(project["license"].split(" AND "))
     assert (ROOT / found["about"]["license_file"]).is_file()

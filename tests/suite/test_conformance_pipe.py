@@ -17,6 +17,7 @@ from glmref.conformance.checks import Suite
 from glmref.conformance.subject import AdapterError, Subject
 from glmref.errors import UsageError
 from glmref.findings import Verdict
+from tests.attack.pipes import alive
 
 SERVER = """
 import json, sys
@@ -217,3 +218,55 @@ def test_a_program_that_is_silent_is_given_up(tmp_path: Path, monkeypatch) -> No
     monkeypatch.setattr("glmref.conformance.pipe.PATIENCE", 0.2)
     with pytest.raises(UsageError, match=r"did not answer within 0\.2 seconds"):
         load_adapter(f"cmd:{shlex.quote(sys.executable)} -c 'import sys; sys.stdin.read()'")
+
+
+def test_what_a_program_writes_to_its_stderr_is_obeyed_by_no_terminal(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    body = """
+    sys.stderr.write("one\\x1b]0;title\\x07two\\nthree\\r\\x9b2J")
+    sys.stderr.flush()
+    answer = {"error": "no"}
+"""
+    about = {"methods": ["rk4"], "offers": ["step"]}
+    load_adapter(program(tmp_path, about, body)).close()
+    adapter = load_adapter(program(tmp_path, about, body))
+    with pytest.raises(Exception, match="no"):
+        adapter.step("rk4", problem("pendulum"), 0.0, np.array([[1.0], [0.0]]), 0.1)
+    adapter.close()
+    err = capfd.readouterr().err
+    assert "one\\u001b]0;title\\u0007two\nthree" in err
+    assert not set(err) & {"\x1b", "\x07", "\x9b", "\r"}
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the system shows no environments")
+def test_what_left_the_group_of_a_program_ends_with_it(tmp_path: Path) -> None:
+    """A grandchild that had called setsid lived on, as its group was not the program's."""
+    body = """
+    if not os.fork():
+        os.setsid()
+        if os.fork():
+            os._exit(0)
+        for number in (0, 1, 2):
+            os.close(number)
+        open("PIDS", "w").write(str(os.getpid()))
+        time.sleep(600)
+    os.wait()
+    answer = {"error": "no"}
+""".replace("PIDS", str(tmp_path / "pids"))
+    about = {"methods": ["rk4"], "offers": ["step"]}
+    adapter = load_adapter(program(tmp_path, about, "    import os, time\n" + body))
+    with pytest.raises(Exception, match="no"):
+        adapter.step("rk4", problem("pendulum"), 0.0, np.array([[1.0], [0.0]]), 0.1)
+    for _ in range(1000):
+        if (tmp_path / "pids").exists() and (tmp_path / "pids").read_text():
+            break
+        time.sleep(0.01)
+    stray = int((tmp_path / "pids").read_text())
+    assert alive(stray)
+    adapter.close()
+    for _ in range(1000):  # the end of a process that was killed takes its time
+        if not alive(stray):
+            break
+        time.sleep(0.01)
+    assert not alive(stray)
