@@ -63,11 +63,6 @@ def remember_group(group: int, mark: str = "") -> None:
     _groups[group] = mark
 
 
-def forget_group(group: int) -> None:
-    """Take back :func:`remember_group`."""
-    _groups.pop(group, None)
-
-
 def end_group(group: int) -> None:
     """Kill a process group, and what it started that has left it by ``setsid``."""
     with contextlib.suppress(OSError):

@@ -186,4 +186,6 @@ def test_the_promises_of_the_page_on_security_have_tests() -> None:
         named = re.findall(r"`(tests/[\w/]+\.py)::(\w+)`", tests)
         assert named and len(named) == tests.count("::"), promise
         for path, function in named:
-            assert f"\ndef {function}(" in (DOCS.parent / path).read_text(encoding="utf-8"), function
+            assert f"\ndef {function}(" in (DOCS.parent / path).read_text(encoding="utf-8"), (
+                function
+            )
