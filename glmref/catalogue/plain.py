@@ -17,6 +17,7 @@ from ..exact import Scalar
 from ..exact.expression import parse
 from ..system.arguments import listed, whole
 from .claims import (
+    ABSCISSAE,
     DENSE_ORDER,
     EMBEDDED_DIFFERENCE,
     EMBEDDED_ORDER,
@@ -118,7 +119,7 @@ class _Plain:
             else:
                 claims.pop(EMBEDDED_ORDER.key, None)
         if kind == "glm" and "c" in found:
-            claims.setdefault("abscissae", found.pop("c"))
+            claims.setdefault(ABSCISSAE.key, found.pop("c"))
         self._finish(kind, found, claims)
         claims.said, claims.times = tuple(self.said), times
         return found, claims

@@ -193,7 +193,7 @@ def additive(
             time = "abcdefghi"[int(name) - 1]
             times[name] = time
             blocks[time] = (_with_sums(given), _first(len(given)))
-    palette = {x: names + times.get(x, "") for x in names} | dict.fromkeys(times.values(), "")
+    palette = dict.fromkeys(times.values(), "") | {x: times.get(x, "") + names for x in names}
     return Scheme(palette, blocks, names)
 
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, Protocol
 
+from ..catalogue.claims import NYSTROM_ORDER, ORDER
 from ..catalogue.entries import Entries
 from ..errors import BudgetError, DataError
 from ..exact import Ball, Exact, Scalar
@@ -250,7 +251,7 @@ def suspected(method: Any, found: int) -> str:
         return ""
     c = getattr(method, "abscissae_given", None)
     said = "" if c is None else row_apart(method.A, c)
-    declared = claims.get("nystrom-order", claims.get("order"))
+    declared = claims.get(NYSTROM_ORDER.key, claims.get(ORDER.key))
     orders = [declared] if declared is not None else list(range(8, found, -1)) if said else []
     entry = next((x for n in orders if n > found and (x := corrected(method, n))), "")
     return "; ".join(x for x in (said, entry) if x)
