@@ -32,6 +32,9 @@ if TYPE_CHECKING:
     from .prove.analysis import Analysis, analyze
     from .prove.verifier import verify
     from .scenes.comparing import Comparison, compare
+    from .theory.series import Series
+    from .theory.starting_series import StartingSeries
+    from .theory.trees import Tree
     from .views.bibtex import cite
     from .views.plot import plot
     from .views.show import show
@@ -55,6 +58,9 @@ _HOMES = {
         "StartingMethod",
     ),
     "problems": ("Problem", "problem"),
+    "theory.series": ("Series",),
+    "theory.starting_series": ("StartingSeries",),
+    "theory.trees": ("Tree",),
     "scenes.comparing": ("Comparison", "compare"),
     "prove.analysis": ("Analysis", "analyze"),
     "prove.verifier": ("verify",),
@@ -87,8 +93,11 @@ __all__ = [
     "PartitionedGLM",
     "Problem",
     "Proof",
+    "Series",
     "Solution",
     "StartingMethod",
+    "StartingSeries",
+    "Tree",
     "UsageError",
     "Verdict",
     "__version__",

@@ -15,19 +15,13 @@ from glmref.method.component import ROOTED, Palette
 from glmref.method.stage_order import reached
 from glmref.theory.coefficients import Coefficient, first_nonzero, is_zero, plus, times, weighted
 from glmref.theory.series import Series
-from glmref.theory.starting_series import StartingSeries, component
+from glmref.theory.starting_series import StartingSeries
 from glmref.theory.trees import Tree, trees, trees_up_to
-
-
-def series_of(method: Method, *, free: bool) -> StartingSeries:
-    """Return the starting series of a method, before the first order."""
-    components = {c.colour: component(*c.matrices, c.output) for c in method.components}
-    return StartingSeries(components, method.palette, free=free)
 
 
 def order_residuals(method: Method, order: int, *, free: bool = False) -> dict[Tree, Any]:
     """Return the residuals of all conditions through an order but those that are used up."""
-    series, found = series_of(method, free=free), {}
+    series, found = StartingSeries.of(method, free=free), {}
     for _ in range(order):
         level = series.advance()
         found |= {t: first_nonzero(series.residual(t)) for t in level if t not in series.determined}

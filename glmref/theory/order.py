@@ -32,7 +32,7 @@ from ..method.component import Palette
 from ..method.stage_order import is_shared
 from .coefficients import first_nonzero, is_zero, scalars
 from .series import Series
-from .starting_series import NotPreconsistent, StartingSeries, component
+from .starting_series import NotPreconsistent, StartingSeries
 from .trees import MAX_ORDER, Tree, counted, trees_up_to
 
 Principal = Literal["free", "identity"]
@@ -137,20 +137,19 @@ def order_of(
     proof = Proof.EXACT if method.is_exact else Proof.ENCLOSED
     free = principal == "free"
     try:
-        components = {c.colour: component(*c.matrices, c.output) for c in method.components}
+        # free principal parts are determined by trees that may not count
+        kept = (lambda t: True) if free else counts
+        series = StartingSeries.of(method, free=free, counts=kept)
     except NotPreconsistent as reason:
         return OrderResult(0, principal, proof=proof, reason=f"not preconsistent: {reason}")
     except ExactnessError as reason:
         return OrderResult(0, principal, proof=proof, decided=False, reason=str(reason))
-    # free principal parts are determined by trees that may not count
-    kept = (lambda t: True) if free else counts
-    series = StartingSeries(components, method.palette, free=free, counts=kept)
     result = OrderResult(
         0,
         principal,
         proof=proof,
-        multiplicity=max(len(c.N) for c in components.values()),
-        outputs={colour: c.output for colour, c in components.items()},
+        multiplicity=max(len(c.N) for c in series.components.values()),
+        outputs={colour: c.output for colour, c in series.components.items()},
     )
     return _search(series, result, most, counts)
 

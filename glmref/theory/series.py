@@ -15,15 +15,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from fractions import Fraction
-from functools import cache
+from functools import cache, partial
 from math import factorial
 from typing import Any
 
 from ..errors import UsageError
 from ..exact import Scalar
-from ..method.component import ROOTED, Palette
+from ..method.component import ROOTED, Method, Palette
+from ..method.stage_order import is_shared
 from .coefficients import Coefficient, combination, is_zero, plus, scalars, times
-from .trees import Tree, coproduct, pruned, trees_up_to
+from .starting_series import tableau_series
+from .trees import Tree, contractions, coproduct, pruned, single, trees, trees_up_to
 
 
 class Series(Mapping[Tree, Coefficient]):
@@ -44,6 +46,18 @@ class Series(Mapping[Tree, Coefficient]):
     ------
     UsageError
         For a tree of another palette or of too high an order.
+
+    Examples
+    --------
+    >>> import glmref
+    >>> from glmref.theory.series import compose, flow, inverse, modified_equation
+    >>> heun = glmref.Series.of(glmref.from_rk([[0, 0], [1, 0]], [0.5, 0.5]), 3)
+    >>> heun[glmref.Tree("[o]")], heun[glmref.Tree("[oo]")]
+    (Exact(1/2), Exact(1/2))
+    >>> compose(heun, inverse(heun)) == compose(inverse(heun), heun) == flow(3, 0)
+    True
+    >>> modified_equation(heun)[glmref.Tree("[oo]")]
+    Exact(1/6)
     """
 
     __slots__ = ("_empty", "_values", "order", "palette")
@@ -65,6 +79,38 @@ class Series(Mapping[Tree, Coefficient]):
         self._values = dict(values)
         each = empty if isinstance(empty, Mapping) else dict.fromkeys(palette, empty)
         self._empty: dict[str, Coefficient] = dict(each)
+
+    @classmethod
+    def of(cls, method: Method, order: int) -> Series:
+        """Return the series of a step, a start or a finish that takes in one value.
+
+        Parameters
+        ----------
+        method : Method
+            ``Y = U y + h A F``, values ``V y + h B F`` of one value y; U = 1.
+        order : int
+            Largest order of a tree.
+
+        Returns
+        -------
+        Series
+            Numbers where one value is made, else vectors.
+
+        Raises
+        ------
+        UsageError
+            When the method carries several values: see :class:`.starting_series.StartingSeries`.
+        """
+        table = {c.colour: (c.A, c.B, tuple(x for x, *_ in c.V)) for c in method.components}
+        rows = [row for c in method.components for row in c.U]
+        if any([(x - 1).is_zero() for x in row] != [True] for row in rows):
+            raise UsageError("a series of a method needs one value taken in, with U = 1")
+        levels = partial(trees, palette=method.palette)
+        found: dict[Any, Coefficient] = dict(tableau_series(levels, table, order))
+        if all(len(u) == 1 for _, _, u in table.values()):
+            found = {t: x for t, (x,) in found.items()}
+        empty = {colour: found.pop(colour) for colour in table}
+        return cls(found, empty, order, method.palette)
 
     def empty(self, colour: str | None = None) -> Coefficient:
         """Coefficient of the empty tree, for the component of the given root colour."""
@@ -222,3 +268,78 @@ def shift(series: Series, time: Any = 1) -> Series:
                 terms.append((weight(removed, ways, factorial(removed)), known[kept]))
         values[t] = combination(terms)
     return Series(values, series._empty, series.order, series.palette)
+
+
+def substitute(field: Series, series: Series) -> Series:
+    """Return the series of a map in which the vector field is replaced by a series of its own.
+
+    With ``h f~ = sum of b(t) h^|t| / sigma(t) F(t)``, b the ``field``, the B-series a of f~ is the
+    B-series ``b * a`` of f: the sum over all ways to contract t of a(skeleton) times the product
+    of b(part) over the parts.
+
+    Raises
+    ------
+    UsageError
+        For different palettes, or one with colours that may not stand below each other: the field
+        of a separable system is not separable.
+
+    References
+    ----------
+    Hairer, Lubich, Wanner (2006), theorem IX.9.3; Chartier, Hairer, Vilmart (2010), theorem 3.2.
+    """
+    order = _check_fields(field, series)
+    values = {t: _contracted(t, field, series) for t in trees_up_to(order, series.palette)}
+    return Series(values, series._empty, order, series.palette)
+
+
+def _check_fields(first: Series, second: Series) -> int:
+    if dict(first.palette) != dict(second.palette) or not is_shared(first.palette):
+        raise UsageError("a field is substituted over one palette, all colours below each")
+    return min(first.order, second.order)
+
+
+def _contracted(t: Tree, field: Mapping[Tree, Any], series: Series, *, whole: bool = True) -> Any:
+    """Sum of a(skeleton) times the b of the parts; not ``whole``: at least one edge is cut."""
+    total: Any = 0
+    for (skeleton, part, others), ways in contractions(t).items():
+        if whole or others:
+            value = times(ways, series[skeleton])
+            for s in (part, *others):
+                value = times(field[s], value)
+            total = plus(total, value)
+    return total
+
+
+def modified_equation(series: Series, of: Series | None = None) -> Series:
+    """Return the vector field f~ whose exact flow is the map of a series: backward error analysis.
+
+    Parameters
+    ----------
+    series : Series
+        Of a consistent one-step method, a(o) = 1.
+    of : Series or None
+        The map for f~ is that of this series in place of the exact flow. With the flow as
+        ``series`` and the method as ``of``, f~ is the modifying integrator: the method applied to
+        f~ gives the exact solution of f.
+
+    Returns
+    -------
+    Series
+        b with the empty coefficient 0 and ``substitute(b, of) = series``.
+
+    Raises
+    ------
+    UsageError
+        When a(o) of ``of`` is not 1, or as :func:`substitute`.
+
+    References
+    ----------
+    Hairer, Lubich, Wanner (2006), section IX.9; Chartier, Hairer, Vilmart (2010), section 3.
+    """
+    of = flow(series.order, 1, series.palette) if of is None else of
+    if any(is_zero(_minus(of[single(c)], 1)) is not True for c in of.palette):
+        raise UsageError("a modified equation needs a consistent method: a(o) = 1")
+    order, values = _check_fields(series, of), {}
+    for t in trees_up_to(order, series.palette):
+        values[t] = _minus(series[t], _contracted(t, values, of, whole=False))
+    return Series(values, 0, order, series.palette)

@@ -64,7 +64,7 @@ from typing import Any
 from ..errors import ExactnessError
 from ..exact import Exact, linalg
 from ..exact.linalg import Matrix, Vector
-from ..method.component import Palette
+from ..method.component import Method, Palette
 from ..method.preconsistency import first_functional
 from ..system.budget import spend
 from .coefficients import (
@@ -315,6 +315,34 @@ class StartingSeries:
         self._images: dict[tuple[str, tuple[int, ...], bool], tuple[Any, ...]] = {}
         self._products: dict[tuple[int, ...], tuple[Any, ...]] = {}
         self._abscissae: dict[str, int] = {}
+
+    @classmethod
+    def of(
+        cls, method: Method, *, free: bool = True, counts: Callable[[Tree], bool] = lambda t: True
+    ) -> StartingSeries:
+        """Return the series of a method, before the first order.
+
+        Parameters
+        ----------
+        method : Method
+            Its values may be several; V is exact.
+        free, counts
+            See :class:`StartingSeries`.
+
+        Raises
+        ------
+        NotPreconsistent, ExactnessError
+            As :func:`component`.
+
+        Examples
+        --------
+        >>> from glmref import StartingSeries, Tree, load
+        >>> series = StartingSeries.of(load("ab-2"), free=False).through(2)
+        >>> series.value(Tree("[o]"))
+        (0, Exact(-1))
+        """
+        components = {c.colour: component(*c.matrices, c.output) for c in method.components}
+        return cls(components, method.palette, free=free, counts=counts)
 
     def level(self, n: int) -> list[Tree]:
         """Return the trees of an order that count."""

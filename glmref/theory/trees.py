@@ -42,7 +42,26 @@ class Tree:
     """A rooted tree, its vertices coloured ``o``, or ``f`` and ``k``, or ``1`` to ``9``.
 
     Trees are interned: two equal trees are the same object, so comparison and hashing cost nothing.
-    Make them with :func:`tree`, :func:`parse_tree` or :func:`trees`.
+
+    Parameters
+    ----------
+    text : str
+        Text form, for example ``"[o[oo]]"`` or ``"f[kk[f]]"``; see :func:`tree` for a root with
+        given children and :func:`trees` for all trees of an order.
+
+    Raises
+    ------
+    UsageError
+        Naming the place that cannot be read.
+
+    Examples
+    --------
+    >>> from glmref import Tree
+    >>> t = Tree("[o[o]]")
+    >>> t.order, t.density, t.symmetry
+    (4, 8, 1)
+    >>> str(t * Tree("o"))
+    '[oo[o]]'
     """
 
     __slots__ = ("_repeat", "children", "colour", "density", "key", "order", "symmetry")
@@ -55,9 +74,13 @@ class Tree:
     key: tuple[Any, ...]
     _repeat: int  # how many of the last children are equal
 
-    def __new__(cls) -> NoReturn:
-        """Refuse: two equal trees would not be the same object."""
-        raise UsageError("trees are made by tree(), parse_tree() or trees(), not by Tree()")
+    def __new__(cls, text: str) -> Tree:
+        """Return the one tree of a text form."""
+        return parse_tree(text)
+
+    def __mul__(self, other: Tree) -> Tree:
+        """Return the Butcher product: this tree with ``other`` attached to its root."""
+        return tree((*self.children, other), self.colour)
 
     def __setattr__(self, name: str, value: object) -> NoReturn:
         raise AttributeError(f"a Tree is immutable: `{name}` cannot be set")
@@ -85,7 +108,7 @@ class Tree:
         return f"Tree({str(self)!r})"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return parse_tree, (str(self),)
+        return Tree, (str(self),)
 
     def __copy__(self) -> Tree:
         return self
@@ -421,3 +444,36 @@ def coproduct(t: Tree) -> tuple[tuple[Tree, tuple[Tree, ...], int], ...]:
             found[kept, removed] = found.get((kept, removed), 0) + ways * more
     ranked = sorted(found.items(), key=lambda item: (-item[0][0].order, item[0][0].key))
     return tuple((kept, removed, ways) for (kept, removed), ways in ranked)
+
+
+#: A way to contract a tree: what is left of it with each part as one vertex, the part with the
+#: root, the other parts in ascending order.
+Contraction = tuple[Tree, Tree, tuple[Tree, ...]]
+
+
+@cache
+def contractions(t: Tree) -> Mapping[Contraction, int]:
+    """Cut any edges of a tree and contract each part to a vertex of the colour of its root.
+
+    Returns
+    -------
+    Mapping[Contraction, int]
+        (skeleton, part with the root, other parts) with the number of ways.
+
+    References
+    ----------
+    Hairer, Lubich, Wanner (2006), section IX.9; Chartier, Hairer, Vilmart, "Algebraic structures
+    of B-series", Found. Comput. Math. 10 (2010), 407-427.
+    """
+    root = single(t.colour)
+    if not t.children:
+        return MappingProxyType({(root, root, ()): 1})
+    last = t.children[-1]
+    found: dict[Contraction, int] = {}
+    for (skeleton, part, others), ways in contractions(tree(t.children[:-1], t.colour)).items():
+        for (inner, below, further), more in contractions(last).items():
+            joined = tree((*skeleton.children, *inner.children), t.colour), part * below, further
+            for whole, rest, parts in (joined, (skeleton * inner, part, (below, *further))):
+                key = whole, rest, tuple(sorted((*others, *parts), key=_key))
+                found[key] = found.get(key, 0) + ways * more
+    return MappingProxyType(found)

@@ -1,16 +1,30 @@
 """Series: flow, composition, inverse, elementary weights."""
 
+import doctest
+import random
 from fractions import Fraction as F
 
 import pytest
 
+from glmref import from_rk, load
 from glmref.errors import UsageError
 from glmref.exact import Ball, exact
 from glmref.exact.expression import parse
-from glmref.method.component import GENERAL, SEPARABLE
+from glmref.method.component import GENERAL, ROOTED, SEPARABLE
+from glmref.theory import series, starting_series
+from glmref.theory import trees as trees_module
 from glmref.theory.coefficients import is_zero, plus, times, weighted
-from glmref.theory.series import Series, compose, flow, identity, inverse, shift
-from glmref.theory.trees import parse_tree, single
+from glmref.theory.series import (
+    Series,
+    compose,
+    flow,
+    identity,
+    inverse,
+    modified_equation,
+    shift,
+    substitute,
+)
+from glmref.theory.trees import Tree, parse_tree, single, trees, trees_up_to
 from tests.bseries import combine, derivative, elementary_weights
 
 RK4 = ([[0, 0, 0, 0], [F(1, 2), 0, 0, 0], [0, F(1, 2), 0, 0], [0, 0, 1, 0]],
@@ -150,3 +164,52 @@ def test_coefficients_of_any_kind_are_added_and_multiplied():
         ((0, 0), True), ((0, wide), None), ((wide, 1), False), ((0, 1), False),
     ):  # fmt: skip
         assert is_zero(value) is zero
+
+
+@pytest.mark.parametrize("palette", [ROOTED, GENERAL])
+def test_a_field_that_is_substituted_is_found_again(palette):
+    drawn = random.Random(5)
+    level = trees_up_to(4, palette)
+    value = {t: F(drawn.randint(-9, 9), 7) for t in level}
+    a = Series(value | {t: F(1) for t in trees(1, palette)}, 1, 4, palette)
+    found = modified_equation(a)
+    assert substitute(found, flow(4, 1, palette)) == a
+    back = modified_equation(flow(4, 1, palette), a)
+    assert substitute(back, a) == flow(4, 1, palette)
+    # substituting twice is substituting what was substituted: the law of Chartier, Hairer, Vilmart
+    assert substitute(substitute(found, back), a) == substitute(found, substitute(back, a))
+
+
+def test_the_modified_equation_of_euler_and_of_the_implicit_midpoint_rule():
+    # Hairer, Lubich, Wanner (2006), example IX.7.1 and (IX.1.6): coefficients divided by sigma
+    euler = modified_equation(Series.of(from_rk([[0]], [1]), 3))
+    assert [euler[Tree(t)] for t in ("o", "[o]", "[oo]", "[[o]]")] == [
+        1,
+        F(-1, 2),
+        F(1, 6),
+        F(1, 3),
+    ]
+    midpoint = modified_equation(Series.of(load("implicit-midpoint"), 3))
+    assert [midpoint[Tree(t)] for t in ("[o]", "[oo]", "[[o]]")] == [0, F(-1, 12), F(1, 12)]
+
+
+def test_the_field_scaled_is_the_time_scaled():
+    assert substitute(Series({single(): 3}, 0, 5), flow(5)) == flow(5, 3)
+
+
+def test_series_of_methods_are_their_weights_and_several_values_are_refused():
+    assert Series.of(load("rk4"), 5) == elementary_weights(*RK4, 5)
+    verlet = Series.of(load("stormer-verlet"), 3)
+    assert verlet.empty("f") == 1 and verlet[Tree("f[k]")] == F(1, 2)
+    with pytest.raises(UsageError, match="one value"):
+        Series.of(load("ab-2"), 2)
+    with pytest.raises(UsageError, match="below each"):
+        modified_equation(verlet)
+    with pytest.raises(UsageError, match="consistent"):
+        modified_equation(flow(3), flow(3, 2))
+
+
+@pytest.mark.parametrize("module", [series, starting_series, trees_module])
+def test_the_examples_of_the_docstrings_are_as_printed(module):
+    found = doctest.testmod(module)
+    assert found.attempted and not found.failed

@@ -9,8 +9,9 @@ from glmref.exact.linalg import rank
 from glmref.method import GLM
 from glmref.method.component import GENERAL, ROOTED, SEPARABLE
 from glmref.theory.series import flow
+from glmref.theory.starting_series import StartingSeries
 from glmref.theory.trees import pruned, trees
-from tests.bseries import elementary_weights, order_residuals, series_of
+from tests.bseries import elementary_weights, order_residuals
 
 
 def commutator(order, palette):
@@ -59,7 +60,7 @@ def test_the_number_of_effective_order_conditions():
     # |T_k+1| - |T_k| conditions are left at order k + 1 >= 3 (Butcher 1969)
     A, b = rk4()
     m = GLM(A=A, U=[[1]] * 4, B=[b], V=[[1]])
-    series = series_of(m, free=True)
+    series = StartingSeries.of(m, free=True)
     left = [len(series.advance()) - len(series.determined) for _ in range(7)]
     assert left == [1, 1, 1, 2, 5, 11, 28]
 
@@ -76,7 +77,7 @@ def test_trees_that_a_stage_order_makes_alike_are_computed_once():
         B=[["5/18", "4/9", "5/18"]],
         V=[[1]],
     )
-    series = series_of(gauss, free=False)
+    series = StartingSeries.of(gauss, free=False)
     for _ in range(6):
         assert all(series.residual(t) == (0,) for t in series.advance())
     # 37 trees, but powers of c to the fifth and what the missing A c^3 = c^4 / 4 adds: [[ooo]] and

@@ -108,8 +108,7 @@ def test_a_tree_cannot_be_changed_or_made_by_hand():
         single().order = 2  # type: ignore[misc]
     with pytest.raises(AttributeError, match="immutable"):
         del single().order
-    with pytest.raises(UsageError, match="parse_tree"):
-        Tree()
+    assert Tree("[[o]o]") is Tree("[o]") * Tree("[o]") is parse_tree("[o[o]]")
     with pytest.raises(UsageError, match="colour"):
         tree([], "green")
 
