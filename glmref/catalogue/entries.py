@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from ..errors import DataError, ExactnessError
-from ..exact import Ball, Exact, Scalar
+from ..exact import Scalar
 from ..exact.expression import Weight, parse, rational, weigh
 from ..exact.linalg import Matrix, Vector
 from ..system.budget import spend
@@ -102,9 +102,7 @@ class Entries:
                 )
 
     def scalar(self, text: object, where: str) -> Scalar:
-        """Read one entry; one that is a number already is of a document made in Python."""
-        if isinstance(text, Exact | Ball):
-            return text
+        """Read one entry."""
         if not isinstance(text, str):
             raise self.error(
                 f"`{where}` must be a string such as '1/2', got {shown(text)}; quote the number"

@@ -88,12 +88,9 @@ def _decided(
             say(f.as_json(), None)
 
     said = apart(program, READING)
-    found: dict[str, Finding] = {}
-    for row in said.messages:  # in the order in which they were decided
-        found.pop(row["claim"], None)
-        found[row["claim"]] = Finding.from_json(row)
+    found = {row["claim"]: Finding.from_json(row) for row in said.messages}
     if not said.ended:
-        return [x for x in found.values() if not _pending(x)]
+        return [*found.values()]
     if not found:
         raise unread(path, said)
     error = said.error(seconds)

@@ -27,7 +27,6 @@ from ..problems.formula import RealPowers, real_power
 from ..problems.tracing import fingerprint
 from ..problems.user import UserFunction, plain
 from ..system.cache import cache_folder
-from ..system.files import replace_whole
 from ..system.terminal import saying
 from . import native
 from .expressions import Unsupported
@@ -170,7 +169,7 @@ def _module_file(text: str, about: str = "") -> Path:
         raise OSError("no folder for compiled kernels can be written")
     path = folder / f"glmref_kernel_{hashlib.sha256(key.encode()).hexdigest()[:24]}.py"
     if not path.exists():
-        replace_whole(path, text.encode(), umask=0o077)
+        native.write_whole(path, text.encode())
     return path
 
 
@@ -232,7 +231,7 @@ def _compiled_around(
             given = plain(function)
             jitted = hasattr(given, "py_func")
             own[f"own_{name}"] = given if jitted else numba.njit(error_model="numpy")(given)
-        with saying(f"compiling {names or 'a kernel'} with numba, which takes seconds, once ..."):
+        with saying(f"compiling {names or 'a kernel'} ..."):
             kept = None if key is None else _kept_around(signature, called + source, fuse, own, key)
             if kept is not None:
                 return Built(kept["kernel"], "numba", functions={k: kept[k] for k in functions})

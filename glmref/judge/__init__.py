@@ -5,6 +5,6 @@ modules name are those of docs/certificates.md. ``python -m glmref.judge FILE...
 ``python -m glmref.judge.join`` writes it as one file for machines without glmref.
 """
 
-from .proof import verdict
+from .statements import judged, verdict
 
-__all__ = ["verdict"]
+__all__ = ["judged", "verdict"]

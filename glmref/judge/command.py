@@ -7,10 +7,11 @@ import pathlib
 import signal
 import sys
 
-from .proof import verdict
-from .refusals import Refused, Unreadable, beyond, require
+from .proof import frame
+from .refusals import NoCertificate, Refused, Unreadable, beyond, require
+from .statements import RULES, verdict
 
-SECONDS = 60  # wall clock for one certificate
+SECONDS = 60  # of processor time for one certificate
 
 
 MEGABYTES = 32  # size of a file
@@ -49,23 +50,33 @@ def read(path):
 
 
 def check(text):
-    """Return (accepted, sentence) for one certificate, within the limits of time and size."""
-    if hasattr(signal, "SIGALRM"):
-        signal.signal(signal.SIGALRM, beyond)
-        signal.alarm(SECONDS)
+    """Return (accepted, sentence) for one certificate, within the limits of time and size.
+
+    Raises
+    ------
+    Unreadable
+        If the text is not JSON, or its value has not the members of a certificate.
+    """
+    if hasattr(signal, "SIGPROF"):
+        signal.signal(signal.SIGPROF, beyond)
+        signal.setitimer(signal.ITIMER_PROF, SECONDS)
     try:
         require(len(text) <= MEGABYTES * 2**20, "beyond the limits of this checker")
-        return verdict(json.loads(text, parse_float=no_float, parse_constant=no_float,
-                                  object_pairs_hook=no_twins))  # fmt: skip
+        value = json.loads(text, parse_float=no_float, parse_constant=no_float,
+                           object_pairs_hook=no_twins)  # fmt: skip
+        frame(value, RULES)
+        return verdict(value)
     except json.JSONDecodeError as error:
         raise Unreadable(f"no JSON: {error}") from error
+    except NoCertificate as error:
+        raise Unreadable(f"no certificate: {error}") from error
     except Refused as refused:
         return False, str(refused)
     except (RecursionError, ValueError):
         return False, "beyond the limits of this checker"
     finally:
-        if hasattr(signal, "SIGALRM"):
-            signal.alarm(0)
+        if hasattr(signal, "SIGPROF"):
+            signal.setitimer(signal.ITIMER_PROF, 0)
 
 
 def main(arguments=None):
@@ -75,12 +86,24 @@ def main(arguments=None):
     code = 0
     for path in parser.parse_args(arguments).files:
         try:
-            for text in read(path):
-                accepted, sentence = check(text)
-                answer = f"{path}: {'yes' if accepted else 'no'}: {sentence}"
-                sys.stdout.write(f"{printed(answer)}\n")
-                code = code if accepted else 1
+            texts = read(path)
         except Unreadable as error:
-            sys.stderr.write(f"{printed(f'{path}: {error}')}\n")
-            return 2
+            complain(path, error)
+            code = 2
+            continue
+        for text in texts:
+            try:
+                accepted, sentence = check(text)
+            except Unreadable as error:
+                complain(path, error)
+                code = 2
+                continue
+            answer = f"{path}: {'yes' if accepted else 'no'}: {sentence}"
+            sys.stdout.write(f"{printed(answer)}\n")
+            code = max(code, 0 if accepted else 1)
     return code
+
+
+def complain(path, error):
+    """Write one line to stderr."""
+    sys.stderr.write(f"{printed(f'{path}: {error}')}\n")

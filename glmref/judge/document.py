@@ -20,7 +20,7 @@ from .linalg import (
     times,
     transpose,
 )
-from .numbers import Interval, inverse, total, vanishes
+from .numbers import Interval, apart, inverse, total, vanishes
 from .refusals import as_object, keys, not_covered, require
 
 COMMON = "$schema format name title class field broken notes digits constants claims source"
@@ -126,7 +126,10 @@ class Method:
         """Return the base with steps gamma_1 h, gamma_2 h, .."""
         require(isinstance(self.base, dict) and self.base.get("class") == "rk", "a base must be rk")
         require(self.base.get("name") == self.document.get("base"), "the base has another name")
-        base, gamma = Method(self.base, self.numbers).single(), self.list("gamma")
+        whole_base = Method(self.base, self.numbers)
+        if "c" in self.base and not vanishes(gaps_of_rows(whole_base)):
+            not_covered("a composition of a base with c apart")
+        base, gamma = whole_base.single(), self.list("gamma")
         (b,), zero, A, left = base.B, [Fraction(0)], [], []
         for k, g in enumerate(gamma, 1):
             right = zero * (len(b) * (len(gamma) - k))
@@ -163,6 +166,7 @@ class Method:
     def make_one_leg(self):
         """Return the one-leg form."""
         alpha, beta = self.multistep()
+        require(not apart(total(beta) - 1), "beta of a one-leg method does not sum to 1")
         unit, k = inverse(alpha[-1]), len(alpha) - 1
         a, back = multiples(unit, alpha), range(k - 1, -1, -1)
         V = [[-a[m] for m in back], *identity(k)[: k - 1]]
@@ -316,6 +320,8 @@ class Method:
         """Return the pair of a splitting: P stages from a, Q stages from b."""
         first, a, b, zero = self.document["first"], self.list("a"), self.list("b"), Fraction(0)
         require(first in ("q", "p"), "first is q or p")
+        more = len(a) - len(b) if first == "q" else len(b) - len(a)
+        require(more in (0, 1), "the updates of q and p do not alternate")
         early = int(first == "q")
         A = [[x if i < j + early else zero for i, x in enumerate(a)] for j in range(len(b))]
         A_hat = [[x if j + early <= i else zero for j, x in enumerate(b)] for i in range(len(a))]

@@ -36,7 +36,8 @@ class Sweep(Enclosed):
             require(all(size(t) == n for t in ts), "a free tree has another order")
         require(all(t in self.free.get(size(t), ()) for t in self.xi), "a tree of xi is not free")
         self.explicit = {i for kind, i, *_ in self.equations if kind == "explicit"}
-        self.explicit |= {self.s - 1 - i for i in self.explicit}
+        if self.signs is not None:
+            self.explicit |= {self.s - 1 - i for i in self.explicit}
         self.order = max((size(e[2]) + (e[0] != "order") for e in self.equations
                           if e[0] in ("order", "identity", "defect")), default=2)  # fmt: skip
 
@@ -118,10 +119,11 @@ class Sweep(Enclosed):
                 c[i] = value
             elif kind == "explicit" and i == 0 and self.starts_at_two():
                 c[0] = Fraction(0)
-        for i, x in list(c.items()):
-            c.setdefault(self.s - 1 - i, 1 - x)
-        if self.s % 2:
-            c.setdefault(self.s // 2, Fraction(1, 2))
+        if self.signs is not None:  # c of the mirror stage is 1 - c
+            for i, x in list(c.items()):
+                c.setdefault(self.s - 1 - i, 1 - x)
+            if self.s % 2:
+                c.setdefault(self.s // 2, Fraction(1, 2))
         return [c[i] for i in range(self.s)] if len(c) == self.s else None
 
     def quadrature(self, power):

@@ -10,6 +10,7 @@ from .linalg import (
     diagonal,
     dot,
     equal,
+    identity,
     inverse_matrix,
     kernel,
     minus,
@@ -121,6 +122,9 @@ class Enclosed:
         for M in (self.G, *self.V.values()):
             border = [M[0][0] - 1, *M[0][1:], *(row[0] for row in M[1:])]
             require(vanishes(border), "the first row and column of V or G are not 1, 0, .., 0")
+        for V in self.V.values():
+            regular = rank(minus(V, identity(len(V)))) == len(V) - 1
+            require(regular, "I - V is not regular on the values 2 to r")
 
     def find_signs(self):
         """Return the diagonals of E by colour, after the checks of theorem 3, or None."""

@@ -7,8 +7,8 @@ from fractions import Fraction
 
 from .grammar import DIGITS, parse, plain
 from .linalg import diagonal
-from .numbers import PLACES, conj, enclose, real, upper, vanishes
-from .refusals import SIZE, keys, require
+from .numbers import PLACES, Element, conj, enclose, real, upper, vanishes
+from .refusals import SIZE, keys, require, whole
 from .towers import DIMENSION, Tower
 
 
@@ -110,7 +110,7 @@ class Numbers:
             if not Fraction(number):
                 return Fraction(0)  # 0.000 of a table is 0
             require(self.decimal is not None, "a decimal is no exact number")
-            return self.decimal(number)
+            return self.decimal(number, whole(document["digits"], 1, 400))
 
         return parse(text, known, self.radical, written_out,
                      decimal if "digits" in document else None)  # fmt: skip
@@ -120,7 +120,11 @@ class Numbers:
         require(isinstance(texts, list) and 0 < len(texts) <= SIZE, "a list of numbers is missing")
         if document is None:
             return [self.number(text) for text in texts]
-        return [self.entry(text, document) for text in texts]
+        found = [self.entry(text, document) for text in texts]
+        if document.get("field") != "complex" and not all(self.tower.real):
+            real_ = all(not isinstance(x, Element) or conj(x) == x for x in found)
+            require(real_, "an entry of a real method is not real")
+        return found
 
     def matrix(self, rows, document=None):
         """Return a matrix of the document, or of a witness."""

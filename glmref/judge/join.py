@@ -52,10 +52,13 @@ class Source:
                 else:
                     self.imports |= set(map(ast.unparse, single(node)))
                 last = node.end_lineno or 0
+            elif isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
+                last = node.end_lineno or 0  # annotations: all names are there in the one file
             elif isinstance(node, ast.FunctionDef | ast.ClassDef):
                 self.names.add(node.name)
-            elif isinstance(node, ast.Assign):
-                self.names |= {x.id for x in node.targets if isinstance(x, ast.Name)}
+            elif isinstance(node, ast.Assign | ast.AnnAssign):
+                targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+                self.names |= {x.id for x in targets if isinstance(x, ast.Name)}
         self.text = "\n".join(text.splitlines()[last:]).strip("\n")
 
 

@@ -24,7 +24,7 @@ class Block:
         if proof is not None:
             keys(proof, "radius centre inverse conditions" + more, where="proof")
 
-    def unknown(self, text):
+    def unknown(self, text, digits):
         """Return the unknown that a decimal stands for."""
         require(len(text.partition(".")[2]) >= 20, "a decimal of a start has few places")
         return Linear({self.unknowns.setdefault(text, len(self.unknowns)): Fraction(1)})

@@ -1,21 +1,15 @@
-"""One certificate: its statement, its parts, and the answer (section 7)."""
+"""One certificate: its statement, its method, its series, what its parts have shown."""
+
+from __future__ import annotations
 
 import json
+from collections.abc import Mapping
+from copy import copy
 from fractions import Fraction
 from functools import lru_cache
 
-from .claims import (
-    ADDITIVE,
-    AS_EXACT,
-    LOOKS_AT,
-    ORDERS,
-    PROVES,
-    ROSENBROCK,
-    SECOND,
-    VALUES,
-    WITNESS,
-)
-from .document import Method, gaps_of_rows
+from .claims import LOOKS_AT, WITNESS
+from .document import Method
 from .enclosed_pair import Pair
 from .enclosed_rk import RungeKutta
 from .enclosed_sweep import Sweep
@@ -25,66 +19,23 @@ from .krawczyk import at_values
 from .linalg import apply, equal, is_exact
 from .numbers import Interval, apart, as_real
 from .parity import even_start, start_with_parity
-from .refusals import Refused, as_object, keys, require, whole
-from .rules_digits import not_to_digits, to_digits
-from .rules_enclosed import (
-    implied,
-    implied_finish,
-    implied_order,
-    implied_stage_order,
-    implied_start,
-)
-from .rules_forms import form, given_form_fails, no_form, not_quadratic, quadratic
-from .rules_growth import bounded, eigen, grows, growth, unbounded, unshared
-from .rules_orders import (
-    not_preconsistent,
-    order_at_least,
-    order_at_most,
-    preconsistent,
-    stage_order_at_least,
-    stage_order_at_most,
-)
-from .rules_rows import absent, all_zero_or_not, check_rows, dense, differences_of, gaps_of_end, row
-from .rules_stability import a_stable, l_limit, not_a_stable
-from .rules_starts import finish_at_least, finish_at_most, start_at_least, start_at_most
-from .rules_structure import (
-    abscissae,
-    equivalent,
-    error_constant,
-    explicit,
-    implicit,
-    other_abscissae,
-    reducible,
-)
-from .rules_symmetry import not_symmetric, symmetric
+from .refusals import Malformed, NoCertificate, as_object, keys, require, whole
+from .rule import Bound, Rule
 from .series import Solved
 from .trees import PATHS, size, through
 
 FORMAT = "glmref-certificate-1"
 
 
-RULES = {rule.__name__.replace("_", "-"): rule for rule in (
-    order_at_least, order_at_most, preconsistent, stage_order_at_least,
-    stage_order_at_most, start_at_least, start_at_most, finish_at_least, finish_at_most, bounded,
-    unbounded, eigen, growth, grows, unshared, form, given_form_fails, no_form, quadratic,
-    not_quadratic, symmetric, not_symmetric, explicit, implicit, abscissae, other_abscissae,
-    error_constant, reducible, equivalent, a_stable, not_a_stable, l_limit, implied,
-    implied_order, implied_stage_order, implied_start, implied_finish, row, dense, absent,
-    to_digits, not_to_digits, not_preconsistent,
-)} | {
-    "consistent": lambda proof, w: preconsistent(proof, w, True),
-    "no-order-1": lambda proof, w: not_preconsistent(proof, w, True),
-    "irreducible": lambda proof, w: reducible(proof, w, False),
-    "other-error-constant": lambda proof, w: error_constant(proof, w, False),
-    "not-l-limit": lambda proof, w: l_limit(proof, w, False),
-    "not-dense": lambda proof, w: dense(proof, w, False),
-    "differences": all_zero_or_not(differences_of, True),
-    "no-differences": all_zero_or_not(differences_of, False),
-    "row-sums": all_zero_or_not(gaps_of_rows, True),
-    "no-row-sums": all_zero_or_not(gaps_of_rows, False),
-    "dense-end": all_zero_or_not(gaps_of_end, True),
-    "no-dense-end": all_zero_or_not(gaps_of_end, False),
-}  # fmt: skip
+def around_decimal(text, digits):
+    """Return an interval around a decimal of a document with this number of places.
+
+    A decimal with fewer places says less than `digits` does.
+    """
+    places = len(text.partition(".")[2]) if isinstance(text, str) else digits
+    require(places >= digits, f"a decimal has {places} places, not the {digits} of its file")
+    unit = Fraction(1, 10**digits)
+    return Interval.ends(Fraction(text) - unit, Fraction(text) + unit)
 
 
 class Record:
@@ -94,15 +45,10 @@ class Record:
         self.exact, self.numbers, self.root, self.memory = numbers, numbers, None, {}
         unknowns = as_object(document.get("unknowns", {}))
         if field["kind"] == "balls":
-            digits = whole(document.get("digits"), 1, 400)
-
-            def around_decimal(text):
-                unit = Fraction(1, 10**digits)
-                return Interval.ends(Fraction(text) - unit, Fraction(text) + unit)
-
             values = {}
             for name, text in unknowns.items():
-                values[name] = around_decimal(published_decimal(text, digits))
+                digits = whole(document.get("digits"), 1, 400)
+                values[name] = around_decimal(published_decimal(text, digits), digits)
             self.numbers = numbers.changed(decimal=around_decimal, unknowns=values)
         elif block is not None:
             kinds = {"sweep": Sweep, "pair-sweep": Pair, "splitting": Pair, "rk": RungeKutta,
@@ -139,38 +85,64 @@ def record_of(text):
     return Record(document, field, block, numbers_of(json.dumps(field)).changed())
 
 
+def frame(certificate: object, rules: Mapping[str, object]) -> tuple[dict, dict]:
+    """Return (document, statement) of a value that has the members of a certificate.
+
+    Raises
+    ------
+    NoCertificate
+        If a member is missing, unknown or of another type: what is no certificate proves and
+        refutes nothing.
+    """
+    try:
+        keys(certificate, "format statement document field parts identities", "base", "certificate")
+        member(certificate["format"] == FORMAT, "the format is another one")
+        statement, document = certificate["statement"], certificate["document"]
+        keys(statement, "method claim declared verdict proof", where="statement")
+        for key in ("method", "claim", "verdict", "proof"):
+            member(isinstance(statement[key], str), f"the {key} of the statement is no string")
+        member(statement["verdict"] in ("holds", "fails"), "the verdict is not holds or fails")
+        member(isinstance(document, dict), "the document is no object")
+        member(document.get("name") == statement["method"], "the document has another name")
+        field, parts, texts = (certificate[key] for key in ("field", "parts", "identities"))
+        member(isinstance(field, dict), "the field is no object")
+        member(isinstance(field.get("kind"), str), "the field has no kind")
+        lines = isinstance(texts, list) and all(isinstance(x, str) for x in texts)
+        member(lines, "the identities are no list of strings")
+        member(isinstance(parts, list) and 0 < len(parts) <= 20, "the parts are no list of 1 to 20")
+        for part in parts:
+            keys(part, "rule witness", "", "part")
+            member(isinstance(part["witness"], dict), "a witness is no object")
+            known = isinstance(part["rule"], str) and part["rule"] in rules
+            member(known, f"no rule is called {part['rule']!r}")
+    except Malformed as error:
+        raise NoCertificate(str(error)) from None
+    return document, statement
+
+
+def member(fine: bool, why: str) -> None:
+    """Refuse a member of a certificate."""
+    if not fine:
+        raise Malformed(why)
+
+
 class Proof:
     """One certificate while it is checked: the statement, the method, what is shown so far."""
 
-    def __init__(self, certificate):
-        keys(certificate, "format statement document field parts identities", "base", "certificate")
-        require(certificate["format"] == FORMAT, "another format")
-        statement, parts = certificate["statement"], certificate["parts"]
-        keys(statement, "method claim declared verdict proof", where="statement")
+    def __init__(self, certificate, rules):
+        document, statement = frame(certificate, rules)
+        self.table, self.parts = rules, certificate["parts"]
         self.claim, self.declared = statement["claim"], statement["declared"]
-        require(statement["verdict"] in ("holds", "fails"), "a verdict is holds or fails")
-        require(isinstance(self.claim, str), "a claim is a string")
         self.holds = statement["verdict"] == "holds"
-        texts = certificate["identities"]
-        require(isinstance(texts, list) and all(isinstance(x, str) for x in texts), "identities")
-        require(isinstance(parts, list) and 0 < len(parts) <= 20, "parts are a list")
-        for part in parts:
-            keys(part, "rule witness", "", "part")
-            require(part["rule"] in RULES, f"no rule is called {part['rule']!r}")
-        self.parts, self.rules = parts, [part["rule"] for part in parts]
-        document = as_object(certificate["document"])
-        require(document.get("name") == statement["method"], "the document is another method")
+        self.rules = [part["rule"] for part in self.parts]
         claims = as_object(document.get("claims", {}))
         declared = claims.get(self.claim, self.declared)
         same = type(declared) is type(self.declared) and declared == self.declared
         require(same, "the document declares something else")
-        field = dict(as_object(certificate["field"]))
-        require(("proofs" in field) == (field.get("kind") == "enclosure"), "proofs of a method")
-        base, self.blocks, self.kind = (
-            certificate.get("base"),
-            field.pop("proofs", {}),
-            field["kind"],
-        )
+        field = dict(certificate["field"])
+        require(("proofs" in field) == (field["kind"] == "enclosure"), "proofs of a method")
+        base, self.blocks = certificate.get("base"), field.pop("proofs", {})
+        self.kind = field["kind"]
         keys(self.blocks, "", "method starting finishing", "proofs")
         kept = {key: value for key, value in document.items() if key != "claims"}
         self.record = record_of(json.dumps([kept, base, field, self.blocks.get("method")]))
@@ -179,14 +151,29 @@ class Proof:
         if self.rules != ["absent"]:
             self.method = self.method.for_claim(self.claim)
         require(statement["proof"] in self.proofs(), "the proof is another")
-        self.low = self.high = self.reversal = self.row = None
+        self.known: dict[str, Bound] = {}
+        self.reversal = self.row = None
         self.stable, self.eigen = set(), {}
         self.claim_text = f"{self.claim} = {self.declared}"
 
     def apply(self, part):
-        """Check one part, and return the bound that it proves, if any."""
-        keys(part["witness"], *WITNESS.get(part["rule"], "").split("|"))
-        return RULES[part["rule"]](self, part["witness"])
+        """Check one part; keep and return what it shows, if anything."""
+        rule, witness = self.table[part["rule"]], part["witness"]
+        if isinstance(rule, Rule):
+            found = rule.apply(self, witness)
+        else:
+            keys(witness, *WITNESS.get(part["rule"], "").split("|"))
+            found = rule(self, witness)
+        if isinstance(found, Bound):
+            before = self.known.get(found.quantity)
+            self.known[found.quantity] = before.meet(found) if before else found
+        return found
+
+    def of_row(self, name, method):
+        """Return the proof of an embedded row, of which nothing is shown."""
+        other = copy(self)
+        other.method, other.row, other.known = method, name, {}
+        return other
 
     def proofs(self):
         """Return what the proof may be called: exact where only exact entries are looked at."""
@@ -254,8 +241,9 @@ class Proof:
             sweep = self.root()
             series = sweep.series(sweep.root, order + 1).cut_value
             return sweep.reversal()["o"], series, sweep.q
-        require(self.reversal is not None and self.low is not None, "symmetry is missing")
-        L, eta = self.reversal["o"], self.series(*self.low[1:], order, filled=True)
+        known = self.known.get("order")
+        require(self.reversal is not None and known is not None, "symmetry is missing")
+        L, eta = self.reversal["o"], self.series(*known.kind, order, filled=True)
         for t in through(self.method, order, False):
             sign_ = -1 if size(t) % 2 else 1
             equal(eta.eta_of(t), [sign_ * x for x in apply(L, eta.eta_of(t))], "eta(-h) = L eta(h)")
@@ -266,39 +254,6 @@ class Proof:
         require(isinstance(texts, list), "a list is declared")
         return [self.method.numbers.entry(text, {}) for text in texts]
 
-    def check(self):
-        """Check that the parts are those of the statement (7), and each of them."""
-        kind, about = self.method.kind, self.claim in ADDITIVE or not self.method.additive
-        about = self.claim in ROSENBROCK if kind == "rosenbrock" else about
-        require(about, f"{self.claim} has no meaning for an additive method")
-        require(self.claim != "w-order" or kind == "rosenbrock", "a Rosenbrock method is needed")
-        fine = self.rules == ["absent"] or self.fits()
-        require(fine, f"these parts do not prove {self.claim}: {self.rules}")
-        results = [self.apply(part) for part in self.parts]
-        if self.rules == ["absent"]:
-            return
-        if self.claim == "embedded-order":
-            check_rows(self, results)
-        elif self.claim in ORDERS or self.claim == "dense-order":
-            self.check_order(self.low and self.low[0], self.high and self.high[0])
-        elif self.claim in SECOND:
-            low, high = ([value for rule, value in zip(self.rules, results, strict=True)
-                          if rule in names] for names in self.both_ends())  # fmt: skip
-            if self.rules == ["order-at-most"]:  # none of these orders is above that of the method
-                high = self.high
-            self.check_order(*(found[0] if found else None for found in (low, high)))
-        if self.claim in ("zero-stable", "parasitism-free", "growth") and "bounded" in self.rules:
-            require(self.stable == set(self.method.parts), "V of one component is missing")
-        for shown in (self.low, self.high):
-            if shown and (self.claim in ORDERS or self.claim in SECOND):
-                found = shown[1], shown[2] in (True, "nystrom-paths")
-                require(found == self.mode(), "principal or trees are not those of the claim")
-
-    def both_ends(self):
-        """Return the rules for the two bounds of an order that rests on the order."""
-        name = SECOND.get(self.claim, "order")
-        return {f"{name}-at-least", f"implied-{name}"}, {f"{name}-at-most"}
-
     def mode(self):
         """Return (identity?, nystrom?) of the orders that a claim is about."""
         single = all(m.r == 1 for m in self.method.parts.values())
@@ -308,52 +263,3 @@ class Proof:
         if self.claim == "starting-order":
             return self.method.pair, False
         return self.claim != "effective-order", nystrom
-
-    def fits(self):
-        """Tell whether the parts are such as prove statements of this kind (7)."""
-        claim, rules, truth = self.claim, self.rules, self.holds
-        if claim in (*ORDERS, *SECOND):  # any bounds: what they show is compared with the claim
-            whole(self.declared)
-            names = {"order-at-least", "implied-order", "order-at-most", "no-order-1"}
-            names |= {"not-preconsistent"}.union(*self.both_ends())
-            known = "order-at-most" in rules or not any(x.startswith("implied") for x in rules)
-            fine = set(rules) <= names | {"symmetric"} and len(set(rules)) == len(rules)
-            return fine and (known or not self.holds)
-        if claim == "dense-order":
-            whole(self.declared)
-        elif claim not in VALUES:
-            require(type(self.declared) is bool, "the claim is true or false")
-            truth = self.declared == self.holds
-        exact = self.kind in ("rational", "tower")
-        texts = PROVES.get(claim, ("", ""))[not truth] if exact or claim in AS_EXACT else ""
-        if not exact and (truth or claim == "growth"):
-            texts += "|implied"
-        often = {"*": len(self.method.parts), "+": len(self.method.document.get("embedded", ()))}
-        return rules in ([x.rstrip("*+") for x in text.split() for _ in range(often.get(x[-1], 1))]
-                         for text in texts.split("|") if text)  # fmt: skip
-
-    def check_order(self, low, high):
-        """Refuse bounds that do not decide the declared order; no order is below 0."""
-        if {"no-order-1", "not-preconsistent"} & set(self.rules):
-            low = high = 0
-        low, p = low or 0, self.declared
-        decided = low == p == high if self.holds else p < low or (high is not None and high < p)
-        require(decided, f"the parts show {low} <= order <= {high}")
-
-
-def verdict(certificate):
-    """Return (accepted, sentence) for the value of one JSON file."""
-    try:
-        proof = Proof(certificate)
-        proof.check()
-    except (Refused, ArithmeticError, LookupError, MemoryError, RecursionError, TypeError,
-            ValueError, AttributeError) as error:  # fmt: skip
-        record_of.cache_clear()  # a series may have been left half made
-        if isinstance(error, Refused):
-            return False, str(error)
-        if isinstance(error, RecursionError | MemoryError | ArithmeticError):
-            return False, "beyond the limits of this checker"
-        return False, f"a part has another shape ({type(error).__name__})"
-    name, claim = str(proof.method.document["name"])[:100], proof.claim_text[:300]
-    word = "holds" if proof.holds else "fails"
-    return True, f"{name}: {claim} {word} ({', '.join(proof.rules)})"

@@ -1,52 +1,90 @@
 """Refusals, and readers of small JSON values."""
 
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NoReturn
+
 SIZE = 200  # rows and columns of a matrix of the document
 
 
 class Refused(Exception):
     """The certificate proves nothing: the answer is no."""
 
-    def __init__(self, why):
-        super().__init__(why if len(why) <= 200 else f"{why[:200]}...")
+    def __str__(self) -> str:
+        text = self.sentence()
+        return text if len(text) <= 200 else f"{text[:200]}..."
+
+    def sentence(self) -> str:
+        """Return what is refused, of any length."""
+        return str(self.args[0]) if self.args else "refused"
+
+
+class NotShown(Refused):
+    """Something that a rule needs does not hold."""
+
+
+class Undecided(Refused):
+    """Something that a rule needs may hold or not: an interval holds 0."""
+
+
+class NotCovered(Refused):
+    """The judge does not decide statements of this kind."""
+
+
+class Beyond(Refused):
+    """The certificate needs more time or space than the limits allow."""
+
+
+class Malformed(Refused):
+    """A member of the certificate is missing, unknown or of another type."""
+
+
+class NoCertificate(Malformed):
+    """The value has not the members of a certificate: the exit code is 2."""
 
 
 class Unreadable(Exception):
-    """The file is not JSON: the exit code is 2."""
+    """The file is not JSON, or its value is no certificate: the exit code is 2."""
 
 
-def require(truth, why):
+def require(truth: object, why: str) -> None:
     """Refuse unless `truth`."""
     if not truth:
-        raise Refused(why)
+        raise NotShown(why)
 
 
-def not_covered(what):
-    """Refuse what this checker does not decide."""
-    raise Refused(f"not covered: {what}")
+def not_covered(what: str) -> NoReturn:
+    """Refuse what the judge does not decide."""
+    raise NotCovered(f"not covered: {what}")
 
 
-def beyond(_number=None, _frame=None):
+def beyond(_number: object = None, _frame: object = None) -> NoReturn:
     """Refuse what takes too long."""
-    raise Refused("beyond the limits of this checker")
+    raise Beyond("beyond the limits of this checker")
 
 
-def keys(thing, needed, optional="", where="witness"):
+def keys(thing: object, needed: str, optional: str = "", where: str = "witness") -> None:
     """Refuse an object whose keys are not the `needed` ones and some `optional` ones."""
-    require(isinstance(thing, dict), f"the {where} is no object")
-    needed, optional = set(needed.split()), set(optional.split())
-    for key in needed - set(thing):
-        raise Refused(f"the {where} has no key {key!r}")
-    for key in set(thing) - needed - optional:
-        raise Refused(f"the {where} has an unknown key {key!r}")
+    if not isinstance(thing, dict):
+        raise Malformed(f"the {where} is no object")
+    for key in needed.split():
+        if key not in thing:
+            raise Malformed(f"the {where} has no key {key!r}")
+    for key in thing:
+        if key not in needed.split() + optional.split():
+            raise Malformed(f"the {where} has an unknown key {key!r}")
 
 
-def whole(value, low=0, high=20):
+def whole(value: object, low: int = 0, high: int = 20) -> int:
     """Return an integer within bounds."""
-    require(type(value) is int and low <= value <= high, f"{value!r} is no whole number in bounds")
+    if type(value) is not int or not low <= value <= high:
+        raise Malformed(f"{value!r} is no whole number in bounds")
     return value
 
 
-def as_object(value):
+def as_object(value: object) -> Mapping[str, object]:
     """Return an object of the certificate."""
-    require(isinstance(value, dict), "an object is missing")
+    if not isinstance(value, dict):
+        raise Malformed("an object is missing")
     return value

@@ -6,7 +6,7 @@ from .grammar import two_digits
 from .linalg import dot
 from .refusals import as_object, keys, require, whole
 from .series import Series
-from .trees import gamma, grows_in, is_nystrom, read_tree, show, size, stands, trees
+from .trees import gamma, is_coloured, is_nystrom, read_tree, show, size, stands, trees
 
 
 class Sizes:
@@ -103,7 +103,7 @@ class ToDigits:
     def read(self, text, low, high):
         """Return a tree of a witness, whose order is one of these."""
         tree = read_tree(text)
-        require(low <= size(tree) <= high and grows_in(self.base.palette, tree), "the tree")
+        require(low <= size(tree) <= high and is_coloured(tree, self.base.palette), "the tree")
         require(self.counted(tree), "the condition of the tree is not meant")
         return tree
 

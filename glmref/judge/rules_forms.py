@@ -45,40 +45,43 @@ def energy(method, G):
 
 
 def given_form(method):
-    """Return (G, D) of the file; D is None where it gives none."""
+    """Return (G, {name: D}) of what the file gives; G is None where it gives none."""
     G = method.form() if "G" in method.document else None
-    names = ("D_P", "D_Q") if method.pair else ("D",)
-    if method.kind == "pair-sweep":
-        return G, None
-    D = [method.list(key) for key in names if key in method.document]
-    return G, (None if len(D) < len(names) else tuple(D) if method.pair else D[0])
+    names = () if method.kind == "pair-sweep" else ("D_P", "D_Q") if method.pair else ("D",)
+    return G, {name: method.list(name) for name in names if name in method.document}
 
 
 def form(proof, w):
     """Rule form: G and D satisfy the identities; they are those of the file if it has some."""
     method, read = proof.method, proof.method.numbers
-    keys(w, "G D_P D_Q" if method.pair else "G D")
-    G = read.matrix(w["G"])
-    D = (read.vector(w["D_P"]), read.vector(w["D_Q"])) if method.pair else read.vector(w["D"])
+    names = ("D_P", "D_Q") if method.pair else ("D",)
+    keys(w, " ".join(("G", *names)))
+    G, D = read.matrix(w["G"]), {name: read.vector(w[name]) for name in names}
     own_G, own_D = given_form(method)
     if own_G is not None:
         equal(G, own_G, "the G of the file")
-    if own_D is not None:
-        equal(list(map(list, D)) if method.pair else D, list(own_D), "the D of the file")
-    require(vanishes(form_defects(method, G, D)), "an identity of the form does not hold")
+    for name, own in own_D.items():
+        equal(D[name], own, f"the {name} of the file")
+    defects = form_defects(method, G, tuple(D.values()) if method.pair else D["D"])
+    require(vanishes(defects), "an identity of the form does not hold")
     require(bool(energy(method, G)), "u^* G u is 0")
 
 
 def given_form_fails(proof, w):
-    """Rule given-form-fails: with the G (and D) of the file one identity does not hold."""
+    """Rule given-form-fails: with the G and D of the file one identity does not hold.
+
+    A D that is not given is B^* G u, the only one that the second identity times u allows.
+    """
     method = proof.method
-    G, D = given_form(method)
+    G, own = given_form(method)
     require(G is not None, "the file gives no G")
-    if D is None:  # D = B^* G u, the only D that the second identity times u allows
-        m, last = method.parts, list(method.parts)[-1]
-        D = apply(star(next(iter(m.values())).B), apply(G, method.u(last)))
-        if method.pair:
-            D = D, apply(star(m["k"].B), apply(star(G), method.u("f")))
+    m, last = method.parts, list(method.parts)[-1]
+    first = "D_P" if method.pair else "D"
+    if first not in own:
+        own[first] = apply(star(next(iter(m.values())).B), apply(G, method.u(last)))
+    if method.pair and "D_Q" not in own:
+        own["D_Q"] = apply(star(m["k"].B), apply(star(G), method.u("f")))
+    D = (own["D_P"], own["D_Q"]) if method.pair else own["D"]
     fails = any(map(apart, entries(form_defects(method, G, D))))
     require(fails or vanishes(energy(method, G)), "the identities may hold")
 

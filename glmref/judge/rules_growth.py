@@ -174,7 +174,9 @@ def grows(proof, w):
     z, matrices = groups[k]
     gaps = growth_gap(proof, z, matrices, declared_groups(proof, groups)[k])
     if free and single:
-        gaps = gaps if not bool(z - 1) else [x for row in matrices[0] for x in row]
-        if not bool(z - 1) and is_exact(matrices[0]) and rank(matrices[0]) != 1:
+        if not bool(z - 1):
+            require(len(matrices[0]) > 1, "a simple eigenvalue 1 has no parasitic component")
+            require(rank(matrices[0]) > 1, "the growth matrix of 1 has rank 1")
             return
+        gaps = [x for row in matrices[0] for x in row]
     require(any(map(apart, gaps)), "the growth parameters are as declared")

@@ -1,13 +1,21 @@
-"""Rules for orders and stage orders (section 4)."""
+"""Rules for orders and stage orders (sections 4 and 6)."""
+
+from __future__ import annotations
 
 from fractions import Fraction
+from functools import cached_property
 
-from .linalg import apply, equal, is_exact, kernel, less, ones
+from .document import Method
+from .enclosed_pair import Pair
+from .enclosed_rk import RungeKutta
+from .linalg import apply, is_exact, kernel, less, ones
 from .numbers import apart, total, vanishes
-from .refusals import require, whole
-from .series import path_orders
+from .refusals import not_covered, require, whole
+from .rule import Bound, Case, Fails, Rule, Truth
+from .series import Series, Solved, path_orders
 from .trees import (
     PATHS,
+    Tree,
     gamma,
     is_coloured,
     is_nystrom,
@@ -15,124 +23,341 @@ from .trees import (
     paths,
     pool_of,
     read_tree,
-    show,
     size,
     stands,
     through,
 )
 
-
-def preconsistent(proof, w, consistent=False):
-    """Rules preconsistent and consistent."""
-    for c in proof.method.parts:
-        require(proof.method.vectors_to_one(c, consistent)[0] is not None, "u does not exist")
+BUTCHER = "Butcher, Numerical Methods for Ordinary Differential Equations (2016), section 530"
+UNIQUE = "docs/certificates.md, section 4 (why two starting series agree below the order)"
 
 
-def not_preconsistent(proof, w, consistent=False):
-    """Rules not-preconsistent and no-order-1."""
-    require(proof.method.vectors_to_one(w["colour"], consistent)[0] is None, "u may exist")
-
-
-def asked(proof, w):
-    """Return (order, identity?, which trees) of a witness."""
-    identity_mode, nystrom = mode(w)
-    return whole(w["order"], 0, 20), identity_mode, nystrom
-
-
-def order_at_least(proof, w):
-    """Rule order-at-least: U u = 1, and W R(t) = 0 for every tree through the order."""
-    p, identity_mode, nystrom = asked(proof, w)
-    series = proof.series(identity_mode, nystrom, p)
-    for c, u in series.u.items():
-        m = proof.method.part(c)
-        equal(apply(m.U, u), ones(len(m.U)), f"U u = 1 ({c})")
-    for tree in through(proof.method, p, nystrom):
-        require(vanishes(series.condition(tree)), f"the condition of tree {show(tree)}")
-    if nystrom in PATHS:  # stages are the solution on the paths below the order
-        require(proof.method.separable and series.simple, "paths decide for separable pairs")
-        for colour in PATHS[nystrom] if p > 1 else "":
-            reached = min(path_orders(proof.method, series, colour, p - 1))
-            require(reached >= p - 1, f"a stage of {colour} is not the solution")
-    proof.low = p, identity_mode, nystrom
-
-
-def order_at_most(proof, w):
-    """Rule order-at-most: W R(t) is not 0 for a tree of order p + 1."""
-    p, identity_mode, nystrom = asked(proof, w)
-    series = proof.series(identity_mode, nystrom, p + 1)
-    if nystrom in PATHS:
-        require(proof.low == (p, identity_mode, nystrom), "paths prove both bounds, or none")
-        gaps = [x for t in pool_of(proof.method, p + 1, nystrom) for x in series.condition(t)]
-        gaps = gaps if identity_mode else [total(gaps)]  # beta may be added to one, and taken away
-    elif not series.simple and p:
-        require(series.last == p and not series.loose, "the next order may hold")
-        gaps = [1]
-    else:
-        gaps = series.condition(named_tree(proof, w, p + 1, nystrom))
-    require(any(map(apart, gaps)), "the conditions of the next order may hold")
-    proof.high = p, identity_mode, nystrom
-
-
-def named_tree(proof, w, order, nystrom):
-    """Return the tree of a witness, which must be one of this order."""
-    tree, method = read_tree(w.get("tree")), proof.method
-    fine = size(tree) == order and (
-        tree in paths(method.palette, order)
-        if nystrom in PATHS
-        else is_coloured(tree, method.palette)
+def counts(method: Method, tree: Tree, order: int, which: bool | str) -> bool:
+    """Tell whether a tree is one of an order that counts for a method."""
+    if size(tree) != order:
+        return False
+    if which in PATHS:
+        return tree in paths(method.palette, order)
+    return (
+        is_coloured(tree, method.palette)
         and stands(tree, method.system)
-        and (not nystrom or is_nystrom(tree))
+        and (not which or is_nystrom(tree))
     )
-    require(fine, "the tree has another order")
-    return tree
 
 
-def known_order(proof, q):
-    """Return the order that the series of a bound q rests on; without one, an order above it."""
-    require(not proof.high or proof.low == proof.high, "the order is not enclosed")
-    p = proof.high[0] if proof.high else q + 1
-    require(q <= p, "the bound is above the order")
-    return p
+class OrderCase(Case):
+    """A part about the order p of a method: principal part, trees, series."""
+
+    @cached_property
+    def kind(self) -> tuple[bool, bool | str]:
+        """Return the principal part and the trees that the witness names."""
+        return mode(self.witness)
+
+    @property
+    def along_paths(self) -> bool:
+        """Tell whether trees without branches stand for all."""
+        return self.kind[1] in PATHS
+
+    @cached_property
+    def order(self) -> int:
+        """Return p."""
+        return whole(self.witness["order"], 0, 20)
+
+    def series(self, order: int) -> Solved:
+        """Return the starting series, ready for the conditions of an order."""
+        return self.proof.series(*self.kind, order)
+
+    @cached_property
+    def tree(self) -> Tree:
+        """Return the tree of the witness."""
+        return read_tree(self.witness.get("tree"))
+
+    def bound(self, **ends: int) -> Bound:
+        """Return bounds of the order, of this kind."""
+        return Bound("order", identity=self.kind[0], trees=self.kind[1], **ends)
 
 
-def stage_defect(series, tree, last):
+class ComponentCase(Case):
+    """A part about u and v of every component, or of one colour."""
+
+    def exists(self, colour: str, consistent: bool) -> bool:
+        """Tell whether the vectors of a component exist."""
+        return self.method.vectors_to_one(colour, consistent)[0] is not None
+
+
+def u_exists(case: ComponentCase) -> bool:
+    """Every component has some u with V u = u and U u = 1."""
+    return all(case.exists(c, False) for c in case.method.parts)
+
+
+def u_and_v_exist(case: ComponentCase) -> bool:
+    """Every component has u and v with V u = u, U u = 1 and B 1 + V v = u + v."""
+    return all(case.exists(c, True) for c in case.method.parts)
+
+
+def no_u_exists(case: ComponentCase) -> bool:
+    """No u has V u = u and U u = 1."""
+    return not case.exists(case.witness["colour"], False)
+
+
+def no_u_and_v_exist(case: ComponentCase) -> bool:
+    """No u and v have V u = u, U u = 1 and B 1 + V v = u + v."""
+    return not case.exists(case.witness["colour"], True)
+
+
+# ---------------------------------------------------------------------------- order
+
+
+def stages_begin_at_the_solution(case: OrderCase) -> bool:
+    """U u = 1 for every component."""
+    parts = case.method.parts
+    return all(
+        vanishes(less(apply(parts[c].U, u), ones(len(parts[c].U))))
+        for c, u in case.series(case.order).u.items()
+    )
+
+
+def conditions_hold(case: OrderCase) -> bool | Fails:
+    """W R(t) = 0 for every tree t through the order."""
+    series = case.series(case.order)
+    for tree in through(case.method, case.order, case.kind[1]):
+        if not vanishes(series.condition(tree)):
+            return Fails(tree)
+    return True
+
+
+def paths_stand_for_trees(case: OrderCase) -> bool:
+    """Trees without branches decide for separable pairs with the simple eigenvalue 1 of each V."""
+    return not case.along_paths or (case.method.separable and case.series(case.order).simple)
+
+
+def stages_are_right_along_paths(case: OrderCase) -> bool:
+    """On trees without branches below the order the stages that count are the solution."""
+    p = case.order
+    if not case.along_paths or p < 2:
+        return True
+    series = case.series(p)
+    return all(
+        min(path_orders(case.method, series, c, p - 1)) >= p - 1 for c in PATHS[str(case.kind[1])]
+    )
+
+
+def lower_bound_is_shown_along_paths(case: OrderCase) -> bool:
+    """Along trees without branches the lower bound of the same order is shown before."""
+    known = case.known("order")
+    return not case.along_paths or (known.low == case.order and known.kind == case.kind)
+
+
+def tree_is_of_the_next_order(case: OrderCase) -> bool:
+    """The tree of the witness is one of the next order that counts."""
+    if case.along_paths or (case.order and not case.series(case.order + 1).simple):
+        return True  # all conditions of the next order are looked at
+    return counts(case.method, case.tree, case.order + 1, case.kind[1])
+
+
+def next_order_fails(case: OrderCase) -> bool:
+    """A condition of the next order is not 0 whatever the principal parts are."""
+    p = case.order
+    series = case.series(p + 1)
+    if case.along_paths:
+        gaps = [x for t in pool_of(case.method, p + 1, case.kind[1]) for x in series.condition(t)]
+        # a free principal part may be added to one of them, and is taken away at the other
+        return any(map(apart, gaps if case.kind[0] else [total(gaps)]))
+    if p and not series.simple:
+        return series.last == p and not series.loose
+    return any(map(apart, series.condition(case.tree)))
+
+
+def order_follows_from_the_equations(case: OrderCase) -> bool:
+    """The equations of the enclosure give the conditions of every order through p."""
+    proof, p = case.proof, whole(case.witness["order"], 1, 20)
+    require(not case.along_paths, "paths decide for exact pairs")
+    root = proof.root()
+    more = (proof.row, case.method) if isinstance(root, RungeKutta) else ()
+    root.order_holds(p, *case.kind, *more)
+    return True
+
+
+# ---------------------------------------------------------------------------- stage order
+
+
+class BoundCase(Case):
+    """A part about a bound q of an order that rests on the order of the method."""
+
+    @cached_property
+    def q(self) -> int:
+        """Return the bound."""
+        return whole(self.witness["q"])
+
+    @cached_property
+    def order(self) -> Bound:
+        """Return what is known of the order of the method."""
+        return self.known("order")
+
+    @property
+    def kind(self) -> tuple[bool, bool | str]:
+        """Return the kind of the order of the method, else that of the claim."""
+        shown = self.order.low is not None
+        return self.order.kind if shown else self.proof.mode()
+
+    @property
+    def most(self) -> int:
+        """Return the order of the method; where it is not known one above q, which q is not."""
+        return self.q + 1 if self.order.high is None else self.order.high
+
+    @property
+    def is_the_order(self) -> bool:
+        """Tell whether q is the order of the method, which nothing exceeds."""
+        return self.q == self.most
+
+    @cached_property
+    def tree(self) -> Tree:
+        """Return the tree of the witness, which must be one of order q + 1."""
+        tree = read_tree(self.witness.get("tree"))
+        fine = counts(self.method, tree, self.q + 1, self.kind[1])
+        require(fine, "the tree has another order")
+        return tree
+
+
+def bound_is_below_the_order(case: BoundCase) -> bool:
+    """The order is shown to be at least the bound."""
+    return case.order.low is not None and case.q <= case.order.low
+
+
+def series_is_that_of_the_order(case: BoundCase) -> bool:
+    """Both bounds of the order are shown, or the series is the only one without them."""
+    order = case.order
+    return (
+        order.enclosed
+        or (order.high is not None and case.q < order.high)
+        or (order.identity and case.proof.mode()[0])
+    )
+
+
+def order_is_enclosed_or_open(case: BoundCase) -> bool:
+    """Where the order is bounded above, its bounds agree."""
+    return case.order.high is None or case.order.enclosed
+
+
+def bound_is_at_most_the_order(case: BoundCase) -> bool:
+    """The bound is at most the order."""
+    return case.q <= case.most
+
+
+def principal_parts_are_unique(case: BoundCase) -> bool:
+    """Below the bound no other principal parts satisfy the conditions."""
+    return case.is_the_order or not case.proof.series(*case.kind, case.q + 1, filled=True).loose
+
+
+def stage_defect(series: Series, tree: Tree, last: bool) -> list:
     """Return xi(t) - c^|t| / gamma(t), z times it at the `last` order: U N beta may be added there.
 
-    z are the rows with z U N = 0.
+    z are the rows with z U N = 0; c is what the stages are at the single vertex.
     """
     c, method = series.stages((tree[0], ())), series.method
     gap = less(series.stages(tree), [x ** size(tree) * Fraction(1, gamma(tree)) for x in c])
     if not last or not series.free or all(m.r == 1 for m in method.parts.values()):
         return gap
     N, U = series.N[tree[0]], method.part(tree[0]).U
-    moved = [apply(U, n) for n in N] if len(N) > 1 else [ones(len(U))]  # U u = 1
-    require(is_exact(moved), "not covered: decimals in U where the eigenvalue 1 of V is multiple")
-    return apply(kernel(moved), gap)
+    added = [apply(U, n) for n in N] if len(N) > 1 else [ones(len(U))]  # U u = 1
+    if not is_exact(added):
+        not_covered("decimals in U where the eigenvalue 1 of V is multiple")
+    return apply(kernel(added), gap)
 
 
-def stage_order_at_least(proof, w):
-    """Rule stage-order-at-least; c is what the stages are at the single vertices."""
-    q = whole(w["q"])
-    require(proof.low and q <= proof.low[0], "the stage order is above the order")
-    p, *kind = proof.low
-    known = proof.low == proof.high or (proof.high and q < p) or (proof.low[1] and proof.mode()[0])
-    require(known, "the order is not enclosed")
-    series = proof.series(*kind, q, filled=True)
-    for tree in through(proof.method, q, kind[1]):
-        fine = size(tree) == 1 or vanishes(stage_defect(series, tree, size(tree) == p))
-        require(fine, f"the stages are wrong at tree {show(tree)}")
-    return q
+def stages_are_the_solution(case: BoundCase) -> bool | Fails:
+    """Every stage is the solution at its abscissa on every tree through q."""
+    series = case.proof.series(*case.kind, case.q, filled=True)
+    for tree in through(case.method, case.q, case.kind[1]):
+        if size(tree) > 1 and not vanishes(
+            stage_defect(series, tree, size(tree) == case.order.low)
+        ):
+            return Fails(tree)
+    return True
 
 
-def stage_order_at_most(proof, w):
-    """Rule stage-order-at-most: where the order is not known, a multiple of ones is free."""
-    q, kind = whole(w["q"]), proof.mode()
-    p = known_order(proof, q)
-    if q == p:
-        require(proof.high, "the order is not part of the certificate")
-        return q
-    tree, series = named_tree(proof, w, q + 1, kind[1]), proof.series(*kind, q + 1, filled=True)
-    require(not series.loose, "other principal parts may be right")
-    gap = stage_defect(series, tree, q + 1 == p)
-    require(any(map(apart, gap)), "the stages may be right at the tree")
-    return q
+def a_stage_is_wrong(case: BoundCase) -> bool:
+    """A stage is not the solution at the tree, whatever the principal part is."""
+    if case.is_the_order:
+        return True
+    series = case.proof.series(*case.kind, case.q + 1, filled=True)
+    return any(map(apart, stage_defect(series, case.tree, case.q + 1 == case.most)))
+
+
+def stage_order_follows_from_the_equations(case: BoundCase) -> bool:
+    """The equations of the enclosure give the order of every stage."""
+    root, low = case.proof.root(), case.order.low
+    require(case.q >= 1 and not isinstance(root, Pair), "the stage order of pairs")
+    root.stage_order_holds(case.q, low)
+    return True
+
+
+def order_is_shown(case: BoundCase) -> bool:
+    """The order of the method is bounded below by a part before."""
+    return case.order.low is not None
+
+
+ORDER_RULES = (
+    Rule(
+        "preconsistent", "preconsistent", "holds", "the definition", BUTCHER, "", ComponentCase,
+        (u_exists,), lambda case: Truth("preconsistent"),
+    ),
+    Rule(
+        "consistent", "consistent", "holds", "the definition", BUTCHER, "", ComponentCase,
+        (u_and_v_exist,), lambda case: Truth("consistent"),
+    ),
+    Rule(
+        "not-preconsistent", "preconsistent", "fails",
+        "without u no start makes a stage the solution: the order is 0",
+        BUTCHER, "colour", ComponentCase, (no_u_exists,), lambda case: Truth("consistent", False),
+    ),
+    Rule(
+        "no-order-1", "consistent", "fails", "order 1 is that u and v exist: the order is 0",
+        BUTCHER, "colour", ComponentCase,
+        (no_u_and_v_exist,), lambda case: Truth("consistent", False),
+    ),
+    Rule(
+        "order-at-least", "order", "at least",
+        "a starting method S has M S = S E + O(h^(p+1)), E the flow: B-series with any "
+        "coefficients are those of Runge-Kutta methods up to a given order",
+        "Butcher (1972), An algebraic theory of integration methods", "order principal trees",
+        OrderCase,
+        (stages_begin_at_the_solution, conditions_hold, paths_stand_for_trees,
+         stages_are_right_along_paths),
+        lambda case: case.bound(low=case.order),
+    ),
+    Rule(
+        "order-at-most", "order", "at most",
+        "two starting series of order p agree below p up to the flow, so that one condition of "
+        "order p + 1 that fails excludes the order",
+        UNIQUE, "order principal trees | tree", OrderCase,
+        (lower_bound_is_shown_along_paths, tree_is_of_the_next_order, next_order_fails),
+        lambda case: case.bound(high=case.order),
+    ),
+    Rule(
+        "implied-order", "order", "at least",
+        "the equations and symmetry give the conditions of every order through p",
+        "docs/certificates.md, 6.2 to 6.4 and 6.8", "order principal trees", OrderCase,
+        (order_follows_from_the_equations,), lambda case: case.bound(low=case.order),
+    ),
+    Rule(
+        "stage-order-at-least", "stage-order", "at least", "the definition", UNIQUE, "q", BoundCase,
+        (bound_is_below_the_order, series_is_that_of_the_order, stages_are_the_solution),
+        lambda case: Bound("stage-order", case.q, None, *case.kind),
+    ),
+    Rule(
+        "stage-order-at-most", "stage-order", "at most",
+        "the starting series is unique up to the flow and, at the order itself, up to N beta",
+        UNIQUE, "q | tree", BoundCase,
+        (order_is_enclosed_or_open, bound_is_at_most_the_order, principal_parts_are_unique,
+         a_stage_is_wrong),
+        lambda case: Bound("stage-order", None, case.q, *case.kind),
+    ),
+    Rule(
+        "implied-stage-order", "stage-order", "at least",
+        "the equations `defect`, mirrored, are those of every stage",
+        "docs/certificates.md, 6.3", "q", BoundCase,
+        (order_is_shown, stage_order_follows_from_the_equations),
+        lambda case: Bound("stage-order", case.q, None, *case.kind),
+    ),
+)  # fmt: skip

@@ -3,10 +3,11 @@
 from fractions import Fraction
 
 from .claims import ABSENT
-from .document import gaps_of_rows
+from .document import CLASSES, gaps_of_rows
 from .linalg import apply, dot, identity, kernel, less, minus, ones, transpose
 from .numbers import Interval, apart, inverse, total, vanishes
 from .refusals import as_object, require, whole
+from .rule import Bound
 from .series import Series
 from .trees import gamma, read_tree, show, size, trees
 
@@ -23,20 +24,16 @@ def row(proof, w):
     own += [high] if proof.holds else [high, low, ["implied-order"]]
     require(names in own, "the parts of a row")
     nystrom = whole_method.kind == "nystrom"
-    proof.low = proof.high = None
-    proof.method = whole_method.with_row(rows[w["row"]][0]).for_claim("order")
-    proof.row = w["row"]
+    inner = proof.of_row(w["row"], whole_method.with_row(rows[w["row"]][0]).for_claim("order"))
     for part in w["parts"]:
-        proof.apply(part)
-    proof.method, proof.row = whole_method, None
+        inner.apply(part)
     if names == ["no-order-1"]:
         return w["row"], range(1)
     kinds = (True, "nystrom-paths") if nystrom else (False,)
-    fine = all(x is None or (x[1] is True and x[2] in kinds) for x in (proof.low, proof.high))
-    require(fine, "an order of another kind")
-    least = proof.low[0] if proof.low else 0
-    most = proof.high[0] if proof.high else 20  # the largest order that a claim may name
-    return w["row"], range(least, most + 1)
+    bound = inner.known["order"]
+    require(bound.identity and bound.trees in kinds, "an order of another kind")
+    most = 20 if bound.high is None else bound.high  # the largest order that a claim may name
+    return w["row"], range(bound.low or 0, most + 1)
 
 
 def check_rows(proof, found):
@@ -119,12 +116,15 @@ def absent(proof, w):
     """Rule absent: the file has nothing that the claim is about, which settles the claim."""
     require(proof.claim in ABSENT, "the claim is about the method itself")
     key, value = ABSENT[proof.claim]
+    document, needed_or_optional = proof.method.document, " ".join(CLASSES[proof.method.kind])
+    has_meaning = key in needed_or_optional.split()
+    require(has_meaning, f"{proof.claim} has no meaning for the class of the file")
     if proof.claim == "embedded-order":
-        rows = set(proof.method.rows()) if proof.method.document.get(key) else set()
+        rows = set(proof.method.rows()) if key in document else set()
         other = not rows or rows != set(as_object(proof.declared))
         require(other and not proof.holds, "the rows are these")
         return
-    require(not proof.method.document.get(key), f"the file has {key}")
+    require(key not in document, f"the file has {key}")
     require(key != "starting" or not proof.method.pair, "a pair without a start has (y0, 0, ..)")
     same = type(proof.declared) is type(value) and proof.declared == value
     require(same == proof.holds, "the value is another")
@@ -152,5 +152,4 @@ def dense(proof, w, reached=True):
     tree = read_tree(w["tree"])
     require(size(tree) == p + 1 and tree in trees(method.palette, p + 1), "the tree")
     require(any(apart(x) for x in gaps(tree)), "the next order is reached")
-    proof.high = (p, True, False)
-    proof.low = proof.high if reached else None
+    return Bound("dense-order", p if reached else None, p, True)

@@ -85,14 +85,48 @@ def at_infinity(P):
 
 
 def on_imaginary_axis(P):
-    """Return the differences of Schur and Cohn of P(w, i y), None where Cohn's step fails."""
+    """Return the differences of Schur and Cohn of P(w, i y) as polynomials in y.
+
+    None stands for a step of Cohn that fails; a difference that is 0 for all y is [].
+    """
     real_ = all(conj(c) == c for p in P for c in p)
     require(real_, "not covered: linear stability of complex methods")
     found = list(margins(map(OnAxis, P)))
     # a difference is its own conjugate: even in i y
-    return [
-        x and [c * (-1) ** (k // 2) for k, c in enumerate(x.p)] for x in found if x or x is None
-    ]
+    return [None if x is None else [c * (-1) ** (k // 2) for k, c in enumerate(x.p)] for x in found]
+
+
+def discriminant(P):
+    """Return the resultant of P(w, z) and its derivative by w, a polynomial in z."""
+    n = len(P) - 1
+    degree = (2 * n - 1) * max(len(p) - 1 for p in P)
+    nodes = [Fraction(k) for k in range(degree + 1)]
+    values = []
+    for z in nodes:
+        p = [horner(c, z) if c else Fraction(0) for c in P]
+        q = [k * c for k, c in enumerate(p)][1:]
+        none = [Fraction(0)]
+        rows = [none * k + p[::-1] + none * (n - 2 - k) for k in range(n - 1)]
+        rows += [none * k + q[::-1] + none * (n - 1 - k) for k in range(n)]
+        values.append(characteristic(rows)[0] * (-1) ** len(rows))  # the determinant
+    return trim(interpolate(nodes, values))
+
+
+def never_meet(P):
+    """Tell whether the eigenvalues other than fixed zeros are different at all y but 0 (5).
+
+    The real and the imaginary part of the discriminant at i y have no common root but 0.
+    """
+    while P and not trim(P[0]):
+        P = P[1:]
+    if len(P) < 3:
+        return True
+    found = discriminant(P)
+    if not found:
+        return False
+    even = trim([c * (-1) ** (k // 2) if k % 2 == 0 else Fraction(0) for k, c in enumerate(found)])
+    odd = trim([c * (-1) ** (k // 2) if k % 2 else Fraction(0) for k, c in enumerate(found)])
+    return no_root_but_zero(gcd(even, odd) if even and odd else even or odd)
 
 
 def a_stable(proof, w):
@@ -105,9 +139,12 @@ def a_stable(proof, w):
     require(len(last) == m.r + 1 and in_disc(last), "(3): an eigenvalue at infinity")
     found = on_imaginary_axis(P)
     require(None not in found, "(4): a step of Cohn fails")
-    require(all(map(nowhere_negative, found)), "(4): a difference is negative somewhere")
-    if m.r > 1 and not all(map(no_root_but_zero, found)):
-        not_covered("(5) by the discriminant")
+    fine = all(not x or nowhere_negative(x) for x in found)
+    require(fine, "(4): a difference is negative somewhere")
+    # where a difference is 0 eigenvalues of modulus 1 may meet; [] is 0 everywhere
+    apart_ = m.r == 1 or all(x and no_root_but_zero(x) for x in found) or never_meet(P)
+    if not apart_:
+        not_covered("(5): eigenvalues that meet on the imaginary axis")
 
 
 def at_imaginary(m, y):
@@ -141,7 +178,7 @@ def not_a_stable(proof, w):
         require(not poles_lie_right(m), "(2) holds")
     elif reason == "axis":
         found = on_imaginary_axis(stability_polynomial(m))
-        out = any(x is None or not nowhere_negative(x) for x in found)
+        out = any(x is None or (x and not nowhere_negative(x)) for x in found)
         require(out, "no difference is negative")
     else:
         require("unbounded" in proof.rules, "unbounded is not part of the certificate")

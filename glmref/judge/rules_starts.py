@@ -1,22 +1,123 @@
-"""Rules for starts and finishes (section 4)."""
+"""Rules for starts and finishes (sections 4 and 6)."""
 
+from __future__ import annotations
+
+from collections.abc import Callable
 from fractions import Fraction
+from functools import cached_property
 
-from .document import reading
-from .linalg import apply, dot, equal, less, times, transpose
+from .linalg import apply, dot, less, times, transpose
 from .numbers import apart, is_nil, total, vanishes
-from .refusals import keys, require, whole
-from .rules_orders import known_order, named_tree
-from .series import Series, path_orders
-from .trees import LEAF, PATHS, cuts, show, size, through
+from .parity import finish_with_parity, undoes
+from .refusals import as_object, keys, require
+from .rule import Bound, Fails, Rule
+from .rules_orders import (
+    UNIQUE,
+    BoundCase,
+    bound_is_at_most_the_order,
+    bound_is_below_the_order,
+    order_is_enclosed_or_open,
+    order_is_shown,
+)
+from .series import Series, external, path_orders
+from .trees import LEAF, PATHS, Tree, cuts, size, through
 
 
-def check_start_along_paths(method, start, p, nystrom):
-    """Refuse unless the values of a start use stages that are the solution far enough (4)."""
-    if "starting" not in method.document:
-        return  # its values are 0 on a tree where eta is: there and on the path of the same order
+class StartCase(BoundCase):
+    """A part about the start of the file: its series, and how it differs from eta."""
+
+    @property
+    def declared(self) -> bool:
+        """Tell whether the file gives a start."""
+        return "starting" in self.method.document
+
+    @cached_property
+    def u(self) -> dict[str, list]:
+        """Return the u of the start by colour; a pair without one has (1, 0, .., 0)."""
+        method = self.method
+        if not self.declared:
+            return {c: [Fraction(int(k == 0)) for k in range(m.r)] for c, m in method.parts.items()}
+        table = as_object(method.document["starting"])
+        return {c: method.list("u_hat" if c == "k" else "u", table) for c in method.parts}
+
+    @cached_property
+    def start(self) -> Series:
+        """Return the series of the start; a pair without one has (y0, 0, ..)."""
+        method = self.method
+        if not self.declared:
+            require(method.pair, "the file has no start")
+            zero = [[Fraction(0)]]
+            tables = {c: (zero, zero * m.r) for c, m in method.parts.items()}
+            return Series.of_tables(tables, self.u)
+        table = method.document["starting"]
+        hats = {"f": "", "k": "_hat"} if method.pair else {"o": ""}
+        keys(table, " ".join(f"A{h} B{h} u{h}" for h in hats.values()), "name kind order", "start")
+        tables = {c: (method.matrix("A" + h, table), method.matrix("B" + h, table))
+                  for c, h in hats.items()}  # fmt: skip
+        for c, (_, B) in tables.items():
+            fits = len(B) == len(self.u[c]) == method.part(c).r
+            require(fits, "the start has another number of values")
+        return Series.of_tables(tables, self.u)
+
+    def gap(self, order: int, p: int) -> Callable[[Tree], list]:
+        """Return the function that gives start(t) - eta(t) through an order.
+
+        Of one method eta is moved along the flow, so that it agrees with the start in what is
+        read at the single vertex, and at order p it may be moved by eigenvectors N beta.
+        """
+        method, start, free = self.method, self.start, not self.method.pair
+        require(not free or not method.system, "a start of a Rosenbrock method")
+        series = self.proof.series(not free, self.kind[1], order, filled=True)
+        sigma = Fraction(0)
+        if free and order:
+            single = less(start.value(LEAF), series.eta_of(LEAF))
+            sigma = dot(series.w["o"], single)
+
+        def gap(tree: Tree) -> list:
+            found = less(start.value(tree), series.eta_of(tree))
+            if free:
+                found = less(found, series.shift(tree, sigma))
+            if free and size(tree) == p:
+                W, N = series.W["o"], series.N["o"]
+                return less(found, apply(transpose(N), apply(W, found)))
+            return found
+
+        return gap
+
+    @property
+    def past_the_bound(self) -> tuple[int, int]:
+        """Return the orders of eta and of the method with which order q + 1 is looked at."""
+        known = self.order.high
+        return min(self.q + 1, self.most), self.q + 2 if known is None else known
+
+
+def order_is_enclosed(case: StartCase) -> bool:
+    """Both bounds of the order are shown and agree."""
+    return case.order.enclosed
+
+
+def start_has_the_u(case: StartCase) -> bool:
+    """The u of the start is that of the method (from order 1 on)."""
+    if not case.q:
+        return True
+    series = case.proof.series(not case.method.pair, case.kind[1], 1)
+    return all(
+        len(u) == len(case.u[c]) and vanishes(less(case.u[c], u)) for c, u in series.u.items()
+    )
+
+
+def start_uses_right_stages_along_paths(case: StartCase) -> bool:
+    """Along trees without branches a value of the start uses stages that are the solution."""
+    if case.kind[1] not in PATHS or not case.declared:
+        return True  # without a start its values are 0 on a tree where eta is, and on the path too
+    return uses_right_stages(case, case.past_the_bound[1])
+
+
+def uses_right_stages(case: StartCase, p: int) -> bool:
+    """Tell whether the stages that the values of a start use have the order that these need."""
+    start, method = case.start, case.method
     (A, B), (A_hat, B_hat) = ((start.part(c).A, start.part(c).B) for c in "fk")
-    if nystrom:
+    if case.kind[1] == "nystrom-paths":
         links = {"f": (times(A, A_hat), "f", 2)}
         used = [(B_hat, "f", p - 1), (times(B, A_hat), "f", p - 2)]
     else:
@@ -27,125 +128,209 @@ def check_start_along_paths(method, start, p, nystrom):
     while before != orders:
         before = {c: list(x) for c, x in orders.items()}
         for c, (M, other, gain) in links.items():
-            for i, row_ in enumerate(M):
-                least = [orders[other][j] + gain for j, x in enumerate(row_) if not is_nil(x)]
+            for i, row in enumerate(M):
+                least = [orders[other][j] + gain for j, x in enumerate(row) if not is_nil(x)]
                 orders[c][i] = min([orders[c][i], *least])
-    fine = all(is_nil(x) or orders[c][j] >= least
-               for M, c, least in used for row_ in M for j, x in enumerate(row_))  # fmt: skip
-    require(fine, "a value of the start uses a stage that is not the solution")
+    return all(is_nil(x) or orders[c][j] >= least
+               for M, c, least in used for row in M for j, x in enumerate(row))  # fmt: skip
 
 
-def start_of(method):
-    """Return the series of the file's start; a pair without one has (y0, 0, ..)."""
-    table = method.document.get("starting")
-    if table is None:
-        require(method.pair, "the file has no start")
-        zero = [[Fraction(0)]]
-        tables = {c: (zero, zero * m.r) for c, m in method.parts.items()}
-        u = {c: [Fraction(int(k == 0)) for k in range(m.r)] for c, m in method.parts.items()}
-        return Series.of_tables(tables, u)
-    hats = {"o": ""} if not method.pair else {"f": "", "k": "_hat"}
-    keys(table, " ".join(f"A{h} B{h} u{h}" for h in hats.values()), "name kind order", "start")
-    tables = {c: (method.matrix("A" + h, table), method.matrix("B" + h, table))
-              for c, h in hats.items()}  # fmt: skip
-    u = {c: method.list("u" + h, table) for c, h in hats.items()}
-    for c, (_, B) in tables.items():
-        require(len(B) == len(u[c]) == method.part(c).r, "the start has another number of values")
-    return Series.of_tables(tables, u)
+def start_agrees(case: StartCase) -> bool | Fails:
+    """The start is the starting series of the method at every tree through q."""
+    gap = case.gap(case.q, int(case.order.low or 0))
+    for tree in through(case.method, case.q, case.kind[1]):
+        if not vanishes(gap(tree)):
+            return Fails(tree)
+    return True
 
 
-def start_gap(proof, order, p, nystrom):
-    """Return the function that gives start(t) - eta(t) through an order.
+def series_is_known(case: StartCase) -> bool:
+    """Both bounds of the order are shown, or the series is the same whatever the order is.
 
-    Of one method eta is moved along the flow, so that it agrees with the start in what is read at
-    the single vertex, and at order p it may be moved by eigenvectors N beta.
+    That is so of pairs and of the bound 0 where 1 is a simple eigenvalue of each V, and of u.
     """
-    method, start = proof.method, start_of(proof.method)
-    free = not method.pair
-    require(not free or not method.system, "a start of a Rosenbrock method")
-    series = proof.series(not free, nystrom, order, filled=True)
-    if nystrom in PATHS:
-        check_start_along_paths(method, start, p, nystrom == "nystrom-paths")
-
-    def gap(tree):
-        found = less(start.value(tree), series.eta_of(tree))
-        if free:
-            found = less(found, series.shift(tree, sigma))
-        if free and size(tree) == p:
-            W, N = series.W["o"], series.N["o"]
-            return less(found, apply(transpose(N), apply(W, found)))
-        return found
-
-    sigma = Fraction(0)
-    if free and order:
-        single = less(start.value(LEAF), series.eta_of(LEAF))
-        sigma = dot(reading(method, "o", series.u["o"]), single)
-    return start, series, gap
+    if case.is_the_order or case.order.enclosed or case.witness["tree"] == "":
+        return True
+    series = case.proof.series(case.method.pair, case.kind[1], 1)
+    return series.simple and (case.q == 0 or case.method.pair)
 
 
-def start_at_least(proof, w):
-    """Rule start-at-least."""
-    q = whole(w["q"])
-    require(proof.low and proof.low == proof.high and q <= proof.low[0], "the order is open")
-    p, _, nystrom = proof.low
-    start, series, gap = start_gap(proof, q, p, nystrom)
-    for c, u in series.u.items() if q else ():
-        equal(start.u[c], u, "u of the start")
-    for tree in through(proof.method, q, nystrom):
-        require(vanishes(gap(tree)), f"the start at tree {show(tree)}")
-    return q
+def no_other_start_is_right(case: StartCase) -> bool:
+    """Through order q + 1 no other principal parts satisfy the conditions."""
+    if case.is_the_order:
+        return True
+    series = case.proof.series(
+        bool(case.method.pair), case.kind[1], case.past_the_bound[0], filled=True
+    )
+    return not series.loose
 
 
-def start_at_most(proof, w):
-    """Rule start-at-most: a tree at which the start is wrong, or q is the order."""
-    q, nystrom = whole(w["q"]), proof.low[2] if proof.low else proof.mode()[1]
-    p = known_order(proof, q)
-    if q == p:
-        require(proof.high, "the order is not part of the certificate")
-        return q
-    require(proof.high or q == 0 or proof.method.pair, "the order is not known")
-    start, series, gap = start_gap(proof, min(q + 1, p), p if proof.high else q + 2, nystrom)
-    require(not series.loose, "other principal parts may be right")
-    if w["tree"] == "":
-        gaps = [x - y for c, u in series.u.items() for x, y in zip(start.u[c], u, strict=True)]
-        require(q == 0, "u belongs to order 0")
+def start_is_wrong(case: StartCase) -> bool:
+    """The start is another series at the tree, or has another u where q is 0."""
+    if case.is_the_order:
+        return True
+    order, p = case.past_the_bound
+    if case.witness["tree"] == "":
+        series = case.proof.series(bool(case.method.pair), case.kind[1], order, filled=True)
+        gaps = [x for c, u in series.u.items() for x in less(case.u[c], u)]
+        return case.q == 0 and any(map(apart, gaps))
+    gap = case.gap(order, p)
+    return any(map(apart, gap(case.tree)))
+
+
+def start_follows_from_the_equations(case: StartCase) -> bool:
+    """The start is proved to be the starting series that the equations give."""
+    proof, q, trees = case.proof, case.q, case.order.trees
+    require(q >= 1, "the start has order 0")
+    if not case.method.pair:
+        require(q == case.order.low and case.declared, "the start has another order")
+        proof.odd_start(q)
+    elif case.declared:
+        require(q <= proof.even_orders()[bool(trees)], "the start has a lower order")
     else:
-        gaps = gap(named_tree(proof, w, q + 1, nystrom))
-    require(any(map(apart, gaps)), "the start may be right at the tree")
-    return q
+        proof.root().zero_start_holds(q, trees)
+    return True
 
 
-def finish_defect(proof, tree):
-    """Return (a b)(t), a the first value of the start and b the finish."""
-    method = proof.method
-    require(not method.pair, "pairs have no finish")
-    require(not method.declared, "not covered: a finish of a method that declares an output")
-    start, table = start_of(method), method.document.get("finishing")
-    require(start.u["o"][0] == 1, "the first value of the start is not y0")
-    keys(table, "A b", "name kind order", "finish")
-    A, b = method.matrix("A", table), [method.list("b", table)]
-    finish = Series.of_tables({"o": (A, b)})
-
-    def first(t):
-        return start.value(t)[0]
-
-    return first(tree) + total(w * finish.value(s)[0] for s, w in cuts(tree, first).items())
+# ---------------------------------------------------------------------------- finishes
 
 
-def finish_at_least(proof, w):
-    """Rule finish-at-least."""
-    require(proof.low and whole(w["q"]) <= proof.low[0], "the finish is above the order")
-    for tree in through(proof.method, w["q"], False):
-        require(vanishes(finish_defect(proof, tree)), f"the finish is wrong at {show(tree)}")
-    return w["q"]
+class FinishCase(StartCase):
+    """A part about the finish of the file, after its start."""
+
+    @cached_property
+    def external(self) -> tuple[list, list]:
+        """Return u and the row that reads the solution."""
+        require(not self.method.pair, "pairs have no finish")
+        return external(self.method, "o")
+
+    @cached_property
+    def finish(self) -> Series:
+        """Return the series of the finish."""
+        table = self.method.document.get("finishing")
+        keys(table, "A b", "name kind order", "finish")
+        A, b = self.method.matrix("A", table), [self.method.list("b", table)]
+        return Series.of_tables({"o": (A, b)})
+
+    def defect(self, tree: Tree) -> object:
+        """Return (a b)(t), a the output of the start and b the finish."""
+        start, (_, w) = self.start, self.external
+
+        def output(t: Tree) -> object:
+            return dot(w, start.value(t))
+
+        pieces = cuts(tree, output).items()
+        return output(tree) + total(x * self.finish.value(s)[0] for s, x in pieces)
 
 
-def finish_at_most(proof, w):
-    """Rule finish-at-most: a tree, or the order of the method."""
-    q = whole(w["q"], 0, 14)
-    if "tree" in w:
-        gap = finish_defect(proof, named_tree(proof, w, q + 1, False))
-        require(bool(gap), "the finish is right at the tree")
-    else:
-        require(proof.high and q == known_order(proof, q), "the finish has another order")
-    return q
+def output_of_the_start_is_y(case: FinishCase) -> bool:
+    """The output of the start begins with y itself: w u = 1 for the u of the start."""
+    return vanishes(dot(case.external[1], case.u["o"]) - 1)
+
+
+def finish_undoes_the_start(case: FinishCase) -> bool | Fails:
+    """The finish gives y back at every tree through q."""
+    for tree in through(case.method, case.q, False):
+        if not vanishes(case.defect(tree)):
+            return Fails(tree)
+    return True
+
+
+def finish_is_wrong_or_the_order_is_reached(case: FinishCase) -> bool:
+    """The finish does not give y back at the tree; or, without a tree, q is the order."""
+    if "tree" not in case.witness:
+        return case.order.high is not None and case.is_the_order
+    return apart(case.defect(case.tree))
+
+
+def finish_has_trees(case: FinishCase) -> bool:
+    """The bound is at most 14, through which trees are listed."""
+    return case.q <= 14
+
+
+def bound_is_the_order(case: FinishCase) -> bool:
+    """The bound, 1 at least, is the order that is shown."""
+    return 1 <= case.q == case.order.low
+
+
+def file_has_start_and_finish(case: FinishCase) -> bool:
+    """The file gives a start and a finish."""
+    return {"starting", "finishing"} <= set(case.method.document)
+
+
+def solution_is_the_first_value(case: FinishCase) -> bool:
+    """The solution is read from the first value: u_1 = 1 and w = (1, 0, .., 0)."""
+    u, w = case.external
+    first = [Fraction(int(k == 0)) for k in range(len(w))]
+    return vanishes(less(w, first)) and vanishes(u[0] - 1)
+
+
+def first_value_starts_at_y(case: FinishCase) -> bool:
+    """The first value of the start begins with y itself: u_1 = 1."""
+    return vanishes(case.u["o"][0] - 1)
+
+
+def finish_follows_from_the_digits(case: FinishCase) -> bool:
+    """The finish undoes the first value of the start, or has parity and is proved."""
+    proof, document = case.proof, case.method.document
+    closing = as_object(document["finishing"])
+    keys(closing, "A b", "name kind order", "finish")
+    if undoes(case.method.numbers, document["starting"], closing):
+        return True
+    A, B = proof.odd_start(case.q)
+    block = proof.blocks.get("finishing")
+    require(block is not None, "the proof of the finish is missing")
+    finish_with_parity(block, case.method.numbers, document, A, B[0], case.q)
+    return True
+
+
+START_RULES = (
+    Rule(
+        "start-at-least", "start", "at least",
+        "the start is a starting series of the order: principal parts and the flow are free",
+        UNIQUE, "q", StartCase,
+        (order_is_enclosed, bound_is_below_the_order, start_has_the_u,
+         start_uses_right_stages_along_paths, start_agrees),
+        lambda case: Bound("start", case.q, None, *case.kind),
+    ),
+    Rule(
+        "start-at-most", "start", "at most",
+        "the starting series is unique up to the flow, and at the order itself up to N beta",
+        UNIQUE, "q | tree", StartCase,
+        (order_is_enclosed_or_open, bound_is_at_most_the_order, series_is_known,
+         start_uses_right_stages_along_paths, no_other_start_is_right, start_is_wrong),
+        lambda case: Bound("start", None, case.q, *case.kind),
+    ),
+    Rule(
+        "implied-start", "start", "at least",
+        "a start with parity whose conditions have one root within the digits",
+        "docs/certificates.md, 6.7", "q", StartCase,
+        (order_is_shown, bound_is_below_the_order, start_has_the_u,
+         start_follows_from_the_equations),
+        lambda case: Bound("start", case.q, None, *case.kind),
+    ),
+    Rule(
+        "finish-at-least", "finish", "at least",
+        "the product of the series of the output of the start and of the finish is y",
+        "Butcher (2016), section 38 (composition of B-series)", "q", FinishCase,
+        (bound_is_below_the_order, file_has_start_and_finish, output_of_the_start_is_y,
+         finish_undoes_the_start),
+        lambda case: Bound("finish", case.q, None, *case.kind),
+    ),
+    Rule(
+        "finish-at-most", "finish", "at most", "the same; no finish is above the order",
+        "Butcher (2016), section 38", "q | tree", FinishCase,
+        (finish_has_trees, order_is_enclosed_or_open, file_has_start_and_finish,
+         output_of_the_start_is_y, finish_is_wrong_or_the_order_is_reached),
+        lambda case: Bound("finish", None, case.q, *case.kind),
+    ),
+    Rule(
+        "implied-finish", "finish", "at least",
+        "a Runge-Kutta method with the stages of the first value, b and A - 1 b, is its inverse; "
+        "else a finish with parity whose conditions have one root within the digits",
+        "Butcher (2016), section 383; docs/certificates.md, 6.7", "q", FinishCase,
+        (bound_is_the_order, file_has_start_and_finish, solution_is_the_first_value,
+         first_value_starts_at_y, finish_follows_from_the_digits),
+        lambda case: Bound("finish", case.q, None, *case.kind),
+    ),
+)  # fmt: skip

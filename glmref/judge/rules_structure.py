@@ -5,10 +5,9 @@ from fractions import Fraction
 from math import factorial
 
 from .document import Component
-from .linalg import apply, dot, equal, less, rank, times, transpose
+from .linalg import apply, dot, equal, kernel, less, multiples, rank, times, transpose
 from .numbers import apart, inverse, is_nil, total, vanishes
 from .refusals import Refused, require
-from .rules_orders import preconsistent
 
 
 def needs(method, surely=False):
@@ -47,23 +46,38 @@ def implicit(proof, w):
 
 
 def abscissae_of(proof):
-    """Return c = A 1 + U v of each part, v with 0 in what is read as the solution."""
+    """Return c = A 1 + U v of each part, v with 0 in what is read as the solution.
+
+    Where 1 is a multiple eigenvalue of V, v is known up to N beta, and U v must be the same for all
+    that have 0 there.
+    """
     require(not proof.method.pair, "the abscissae of pairs")
-    series = proof.series(True, False, 1, filled=True)
-    return [x for c in proof.method.parts for x in series.stages((c, ()))]
+    series, found = proof.series(True, False, 1, filled=True), []
+    for colour, m in proof.method.parts.items():
+        leaf, N, w = (colour, ()), series.N[colour], series.w[colour]
+        c = series.stages(leaf)
+        if len(N) > 1:
+            reads = apply(N, w)
+            unseen = [apply(m.U, apply(transpose(N), beta)) for beta in kernel([reads])]
+            require(vanishes(unseen), "v, and with it c, is not the only one")
+            j = next(j for j, x in enumerate(reads) if apart(x))
+            factor = dot(w, series.eta_of(leaf)) * inverse(reads[j])
+            c = less(c, multiples(factor, apply(m.U, N[j])))
+        found += c
+    return found
 
 
 def abscissae(proof, w):
     """Rule abscissae, of a consistent method."""
-    preconsistent(proof, w, consistent=True)
+    exist = (proof.method.vectors_to_one(c, True)[0] is not None for c in proof.method.parts)
+    require(all(exist), "u does not exist")
     equal(abscissae_of(proof), proof.claimed(proof.declared), "the list of abscissae")
 
 
 def other_abscissae(proof, w):
-    """Rule other-abscissae: 1 is a simple eigenvalue, so that c is the only one there may be."""
+    """Rule other-abscissae: c is the only one there may be, and another one."""
     c, given = abscissae_of(proof), proof.claimed(proof.declared)
-    simple = proof.series(True, False, 1).simple
-    fine = len(c) != len(given) or (simple and any(map(apart, less(c, given))))
+    fine = len(c) != len(given) or any(map(apart, less(c, given)))
     require(fine, "the abscissae may be as declared")
 
 

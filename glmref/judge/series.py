@@ -81,6 +81,26 @@ def path_orders(method, series, colour, most):
     return reached
 
 
+def external(method, colour):
+    """Return (u, w): the values that stand for y0, and the row that reads the solution.
+
+    V u = u. Where 1 is a simple eigenvalue of V, u is scaled so that one stage begins at y0 (that
+    all do, U u = 1, is a condition of the order); else u is the only one of a consistent method.
+    """
+    m = method.part(colour)
+    N = kernel(minus(m.V, identity(m.r)))
+    require(N, "V u = u has no solution")
+    if len(N) == 1:
+        seen = sorted((x for x in apply(m.U, N[0]) if apart(x)),
+                      key=lambda x: type(x) is Interval)  # fmt: skip
+        require(seen, "U u is 0")
+        u = multiples(inverse(seen[0]), N[0])
+    else:
+        u, unique = method.vectors_to_one(colour, consistent=True)
+        require(u is not None and unique, "u is not determined")
+    return u, reading(method, colour, u)
+
+
 class Solved(Series):
     """The starting series that an order needs, found order by order (4).
 
@@ -100,18 +120,9 @@ class Solved(Series):
             require(is_exact(m.V), "V holds decimals")
             shift = minus(m.V, identity(m.r))
             N, W = kernel(shift), kernel(transpose(shift))
-            require(N, "V u = u has no solution")
-            if len(N) == 1:
-                seen = sorted((x for x in apply(m.U, N[0]) if apart(x)),
-                              key=lambda x: type(x) is Interval)  # fmt: skip
-                require(seen, "U u is 0")  # of order 1 is only a method with U u = 1
-                N = [multiples(inverse(seen[0]), N[0])]
-                u = N[0]
-            else:
-                u, unique = method.vectors_to_one(c, consistent=True)
-                require(u is not None and unique, "u is not determined")
+            u, w = external(method, c)
+            N = [u] if len(N) == 1 else N
             W = times(inverse_matrix(times(W, transpose(N))), W)
-            w = reading(method, c, u)
             border = times(transpose(N), [w] if len(N) == 1 else W)
             lift = inverse_matrix(combine(scale(-1, shift), border))
             first = None if c in method.declared or len(N) > 1 else first_place(u)

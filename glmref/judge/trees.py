@@ -1,13 +1,19 @@
 """Rooted trees: densities, enumeration, cuts, texts (section 3)."""
 
+from __future__ import annotations
+
 from fractions import Fraction
 from functools import cache
 from itertools import product
+from typing import TypeAlias
 
 from .numbers import is_nil
 from .refusals import require
 
 TREES = 40_000  # trees of one order
+
+#: A rooted tree: the colour of the root and the trees of its children, in order.
+Tree: TypeAlias = "tuple[str, tuple[Tree, ...]]"
 
 
 @cache
@@ -206,10 +212,3 @@ def versions(t):
                 found.add(other)
                 waiting.append(other)
     return frozenset(found)
-
-
-def grows_in(palette, tree):
-    """Tell whether the colours of a tree are those of a palette."""
-    children = dict(palette)
-    fine = tree[0] in children and all(x[0] in children[tree[0]] for x in tree[1])
-    return fine and all(grows_in(palette, x) for x in tree[1])

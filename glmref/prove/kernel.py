@@ -201,6 +201,20 @@ def _number(text: object) -> Scalar:
     return text.value if isinstance(text, Text) else parse(str(text))
 
 
+def _is_only_one(U: Matrix, gap: Matrix, w: Vector) -> bool:
+    """Tell whether c = A 1 + U v is the same for all v with w v = 0, where gap = V - I.
+
+    1 must be semisimple, so that u is the only one, and U n = 0 for all n with gap n = 0, w n = 0.
+    """
+    N, W = linalg.nullspace(gap), linalg.nullspace(linalg.transpose(gap))
+    if len(N) == 1:
+        return True
+    if linalg.rank(tuple(tuple(linalg.dot(row, n) for n in N) for row in W)) < len(N):
+        return False
+    free = linalg.nullspace((*gap, w))
+    return all(x.is_zero() for n in free for x in linalg.matvec(U, n))
+
+
 class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
     """The rules, for one method.
 
@@ -961,7 +975,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
                         return Known(False, True, "the method has no abscissae")
                     found += c
                     gap = linalg.sub(part.V, linalg.identity(len(part.V)))
-                    unique = unique and linalg.rank(gap) == len(gap) - 1
+                    unique = unique and _is_only_one(part.U, gap, output(part))
             elif self.method.additive:
                 raise ExactnessError("abscissae of additive methods are judged of exact numbers")
             else:
@@ -978,7 +992,8 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
         known = compared(found, declared, exact=exact)
         if known.truth and not consistent:
             return Known(None, exact, "within the digits the method may not be consistent")
-        return known if known.truth is not False or unique else Known(None, exact, known.reason)
+        reason = known.reason or "the abscissae are not unique"
+        return known if unique else Known(None, exact, reason)
 
     def _error_constant(self, declared: list[Scalar], witness: Mapping[str, Any]) -> Known:
         """C_(p+1) / sigma(1) from alpha and beta of the file: independent of the values carried.

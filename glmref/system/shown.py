@@ -25,8 +25,7 @@ DARK = (
 #: What records ask of the subpackages above: module and function.
 ABOVE = (
     ("report.notebook", "html"),
-    ("views.plot", "plot_solution"),
-    ("engine.between", "at"),
+    ("views.plot", "plot"),
     ("exchange.export", "save"),
 )
 

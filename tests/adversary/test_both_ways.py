@@ -29,37 +29,13 @@ ROWS: dict[str, dict[str, Any]] = {
     for path in sorted((data_root() / "hostile").glob("*.json"))
     for row in json.loads(path.read_text(encoding="utf-8"))["rows"]
 }
-#: Rows that the judge accepts still: the hypotheses that no rule evaluates.
-OPEN = frozenset(ROWS)
-#: Rows whose claim is accepted in both directions.
-TWOFOLD = frozenset(
-    {
-        "defective-on-the-imaginary-axis",
-        "defective-on-the-imaginary-axis-three-times",
-        "growth-at-the-simple-eigenvalue-1",
-        "growth-at-the-simple-eigenvalue-1-of-two-values",
-        "pair-sweep-i-minus-v-singular-order",
-        "start-of-a-pair-where-1-is-multiple",
-        "start-where-1-is-multiple",
-        "sweep-abscissa-in-the-middle",
-        "sweep-abscissae-not-mirrored",
-        "sweep-explicit-form",
-    }
-)
-
-
-def rows(pending: frozenset[str]) -> list[Any]:
-    """Return every row as a parameter; those pending must fail."""
-    assert pending <= set(ROWS)
-    mark = pytest.mark.xfail(strict=True, reason="a hypothesis that no rule evaluates yet")
-    return [pytest.param(x, marks=[mark] if x in pending else []) for x in ROWS]
 
 
 def subject_of(row: dict[str, Any]) -> Subject:
     return Subject(row["document"], row["field"], row.get("base"), row["statement"]["proof"])
 
 
-@pytest.mark.parametrize("name", rows(OPEN))
+@pytest.mark.parametrize("name", ROWS)
 def test_a_hostile_certificate_is_refused(name: str) -> None:
     row = ROWS[name]
     statement, parts = row["statement"], [(x["rule"], x["witness"]) for x in row["parts"]]
@@ -69,7 +45,7 @@ def test_a_hostile_certificate_is_refused(name: str) -> None:
     assert not accepted(certificate), row["why"]
 
 
-@pytest.mark.parametrize("name", rows(TWOFOLD))
+@pytest.mark.parametrize("name", ROWS)
 def test_no_claim_of_a_hostile_document_is_accepted_in_both_directions(name: str) -> None:
     row = ROWS[name]
     subject, statement = subject_of(row), row["statement"]

@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from glmref import judge
+from glmref.judge.command import main
 from glmref.judge.document import Method
 from glmref.judge.fields import Numbers
 from glmref.judge.linalg import identity
@@ -343,7 +344,45 @@ def test_a_file_may_hold_one_certificate_on_each_line(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "name", ["a\nb.json: yes: c", "\x1b[2J", "\ud800", "\u202e", "\x85", "x" * 9999, 5]
+    ("change", "sentence"),
+    [
+        (lambda c: c.pop("parts"), "the certificate has no key 'parts'"),
+        (lambda c: c.update(more=1), "the certificate has an unknown key 'more'"),
+        (lambda c: c["statement"].update(method=None), "the method of the statement is no string"),
+        (
+            lambda c: (c["statement"].update(method=None), c["document"].pop("name")),
+            "the method of the statement is no string",
+        ),
+        (lambda c: c["document"].pop("name"), "the document has another name"),
+        (lambda c: c["statement"].update(verdict="open"), "the verdict is not holds or fails"),
+        (
+            lambda c: c["statement"].update(claim=["order"]),
+            "the claim of the statement is no string",
+        ),
+        (lambda c: c.update(document=None), "the document is no object"),
+        (lambda c: c.update(field=None), "the field is no object"),
+        (lambda c: c.update(field={}), "the field has no kind"),
+        (lambda c: c.update(parts={}), "the parts are no list of 1 to 20"),
+        (lambda c: c["parts"].append(None), "the part is no object"),
+        (lambda c: c["parts"][0].update(witness=None), "a witness is no object"),
+        (lambda c: c["parts"][0].update(rule=["row"]), "no rule is called"),
+        (lambda c: c.update(identities="x"), "the identities are no list of strings"),
+    ],
+)
+def test_what_has_not_the_members_of_a_certificate_is_none(tmp_path, capsys, change, sentence):
+    value = copy.deepcopy(CERTIFICATES["rk4 order"])
+    change(value)
+    path = tmp_path / "c.json"
+    path.write_text(json.dumps(value), encoding="utf-8")
+    assert main([str(path)]) == 2
+    found = capsys.readouterr()
+    assert found.out == "" and found.err.startswith(f"{path}: no certificate: {sentence}")
+    assert found.err.count("\n") == 1
+    assert not judge.verdict(value)[0]
+
+
+@pytest.mark.parametrize(
+    "name", ["a\nb.json: yes: c", "\x1b[2J", "\ud800", "\u202e", "\x85", "x" * 9999]
 )
 def test_a_name_makes_no_answer_of_its_own(tmp_path, name):
     certificate = json.loads(

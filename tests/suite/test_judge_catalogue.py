@@ -24,6 +24,7 @@ from glmref.judge.numbers import Interval, apart
 from glmref.judge.proof import Proof
 from glmref.judge.refusals import Refused
 from glmref.judge.rules_growth import unshared
+from glmref.judge.statements import RULES
 from glmref.prove.verifier import verify
 
 #: One file of each kind: sweeps with one and several values, pairs, splittings, an exact method with
@@ -302,7 +303,7 @@ def test_a_changed_start_is_refused_along_paths(
 def test_pairs_that_share_an_eigenvalue_are_refused(sample: dict[Any, dict[str, Any]]) -> None:
     value = copy.deepcopy(sample["multistep-rkn-8", "parasitism-free"])
     assert [part["rule"] for part in value["parts"]] == ["bounded", "bounded", "unshared"]
-    proof = Proof(value)
+    proof = Proof(value, RULES)
     unshared(proof, {})
     for first in ("1", "2"):  # the eigenvalues of the first block: exp(+-i pi/3); 1 twice
         value["document"]["p"]["V"][1][1] = first
@@ -310,7 +311,7 @@ def test_pairs_that_share_an_eigenvalue_are_refused(sample: dict[Any, dict[str, 
             value["document"]["q"]["V"] = value["document"]["p"]["V"]
         else:
             value["document"]["q"]["V"] = [["1"]]
-        other = Proof(sample["multistep-rkn-8", "parasitism-free"])
+        other = Proof(sample["multistep-rkn-8", "parasitism-free"], RULES)
         other.method = Method(value["document"], proof.record.numbers)
         with pytest.raises(Refused):
             unshared(other, {})

@@ -11,6 +11,7 @@ import pytest
 
 from glmref.judge import command
 from glmref.judge.join import Source, joined, ordered
+from glmref.judge.refusals import Unreadable
 
 from .test_judge import CERTIFICATES, REFUSED, changed
 
@@ -22,8 +23,17 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+def is_unreadable(case: object) -> bool:
+    try:
+        command.check(json.dumps(case))
+    except Unreadable:
+        return True
+    return False
+
+
 def test_the_joined_file_answers_as_the_package_does(program: Path, tmp_path: Path) -> None:
     cases = [*CERTIFICATES.values(), *(changed(*x) for x in REFUSED.values())]
+    cases = [case for case in cases if not is_unreadable(case)]
     path = tmp_path / "certificates.jsonl"
     path.write_text("\n".join(map(json.dumps, cases)), encoding="utf-8")
     done = subprocess.run(

@@ -1,0 +1,165 @@
+"""What a rule is: a theorem, its hypotheses, its conclusion; the one place where rules refuse."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Generic, TypeVar
+
+from .refusals import NotShown, keys
+from .trees import Tree, show
+
+if TYPE_CHECKING:
+    from .proof import Proof
+
+
+@dataclass(frozen=True)
+class Fails:
+    """A hypothesis does not hold, and the tree at which it does not; false as a truth value."""
+
+    at: Tree
+
+    def __bool__(self) -> bool:
+        return False
+
+
+@dataclass(frozen=True)
+class Bound:
+    """What is shown of an order: of the method, its stages, its start or its finish.
+
+    Parameters
+    ----------
+    quantity : str
+        ``"order"``, ``"stage-order"``, ``"start"`` or ``"finish"``.
+    low, high : int or None
+        The order is at least `low` and at most `high`, where shown.
+    identity : bool
+        Whether the principal part is the identity: the solution itself is carried.
+    trees : bool or str
+        Which trees count: False for all, True for Nystrom trees, else ``"paths"`` or
+        ``"nystrom-paths"``, which stand for these.
+    """
+
+    quantity: str
+    low: int | None = None
+    high: int | None = None
+    identity: bool = False
+    trees: bool | str = False
+
+    @property
+    def kind(self) -> tuple[bool, bool | str]:
+        """Return the principal part and the trees."""
+        return self.identity, self.trees
+
+    @property
+    def enclosed(self) -> bool:
+        """Tell whether both bounds are shown and agree."""
+        return self.low is not None and self.low == self.high
+
+    def meet(self, other: Bound) -> Bound:
+        """Return both bounds; refuse those of another kind of order."""
+        if self.kind != other.kind:
+            raise NotShown(f"bounds of two kinds of {self.quantity}")
+        low = self.low if other.low is None else other.low
+        return replace(self, low=low, high=self.high if other.high is None else other.high)
+
+
+@dataclass(frozen=True)
+class Truth:
+    """What is shown to be true or false of the method."""
+
+    of: str
+    holds: bool = True
+
+
+Conclusion = Bound | Truth
+
+
+class Case:
+    """One part of a certificate while a rule is applied to it.
+
+    Families of rules derive from it and add, as cached properties, the values that several of
+    their hypotheses look at, so that each is computed once and by one function.
+
+    Parameters
+    ----------
+    proof : Proof
+        The certificate: its statement, its method, what other parts have shown.
+    witness : mapping
+        The witness of the part.
+    """
+
+    def __init__(self, proof: Proof, witness: Mapping[str, object]) -> None:
+        self.proof, self.witness, self.method = proof, witness, proof.method
+
+    def known(self, quantity: str) -> Bound:
+        """Return the bounds that parts before this one have shown."""
+        return self.proof.known.get(quantity, Bound(quantity))
+
+
+C = TypeVar("C", bound=Case)
+
+
+class HypothesisFails(NotShown):
+    """A hypothesis of a rule does not hold; the sentence is made when it is read."""
+
+    def sentence(self) -> str:
+        """Return the rule, where the hypothesis fails, and the hypothesis."""
+        rule, hypothesis, outcome = self.args
+        place = f" at tree {show(outcome.at)}" if isinstance(outcome, Fails) else ""
+        return f"{rule} needs{place}: {sentence_of(hypothesis)}"
+
+
+def sentence_of(hypothesis: Callable[..., object]) -> str:
+    """Return the first sentence of the docstring of a hypothesis, on one line."""
+    text = re.sub(r"\s+", " ", (hypothesis.__doc__ or hypothesis.__name__).strip())
+    return text.partition(". ")[0].rstrip(".")
+
+
+@dataclass(frozen=True)
+class Rule(Generic[C]):
+    """A theorem that a part of a certificate is an instance of.
+
+    Parameters
+    ----------
+    name : str
+        The name in certificates.
+    about : str
+        The claim, or the quantity, that the conclusion is about.
+    direction : str
+        ``"at least"``, ``"at most"``, ``"holds"`` or ``"fails"``.
+    theorem : str
+        What follows from the hypotheses.
+    source : str
+        Author, year and number of the theorem, or where it is proved.
+    witness : str
+        Keys of the witness; after a bar those that may be missing.
+    case : callable
+        Makes the case from the proof and the witness.
+    hypotheses : tuple of callable
+        Functions of the case that return True, False or `Fails`. The docstring of each is the
+        sentence that must hold.
+    conclusion : callable
+        Returns what is shown when all hypotheses hold.
+    """
+
+    name: str
+    about: str
+    direction: str
+    theorem: str
+    source: str
+    witness: str
+    case: Callable[[Proof, Mapping[str, object]], C]
+    hypotheses: tuple[Callable[[C], bool | Fails], ...]
+    conclusion: Callable[[C], Conclusion]
+
+    def apply(self, proof: Proof, witness: Mapping[str, object]) -> Conclusion:
+        """Return what a part shows, or refuse with the first hypothesis that fails."""
+        keys(witness, *self.witness.split("|"))
+        case = self.case(proof, witness)
+        for hypothesis in self.hypotheses:
+            outcome = hypothesis(case)
+            if not outcome:
+                raise HypothesisFails(self.name, hypothesis, outcome)
+        return self.conclusion(case)

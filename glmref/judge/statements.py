@@ -1,0 +1,150 @@
+"""Which parts prove which statement, and the answer to a certificate (section 7)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from .claims import ADDITIVE, AS_EXACT, ORDERS, PROVES, ROSENBROCK, SECOND, VALUES
+from .document import gaps_of_rows
+from .proof import Proof, record_of
+from .refusals import Malformed, Refused, require, whole
+from .rule import Bound, Rule
+from .rules_digits import not_to_digits, to_digits
+from .rules_enclosed import implied
+from .rules_forms import form, given_form_fails, no_form, not_quadratic, quadratic
+from .rules_growth import bounded, eigen, grows, growth, unbounded, unshared
+from .rules_orders import ORDER_RULES
+from .rules_rows import absent, all_zero_or_not, check_rows, dense, differences_of, gaps_of_end, row
+from .rules_stability import a_stable, l_limit, not_a_stable
+from .rules_starts import START_RULES
+from .rules_structure import (
+    abscissae,
+    equivalent,
+    error_constant,
+    explicit,
+    implicit,
+    other_abscissae,
+    reducible,
+)
+from .rules_symmetry import not_symmetric, symmetric
+
+#: Rules by name: records, and functions of (proof, witness) that are not records yet.
+RULES: dict[str, Rule | Callable] = {rule.name: rule for rule in (*ORDER_RULES, *START_RULES)} | {
+    rule.__name__.replace("_", "-"): rule for rule in (
+        bounded, unbounded, eigen, growth, grows, unshared, form, given_form_fails, no_form,
+        quadratic, not_quadratic, symmetric, not_symmetric, explicit, implicit, abscissae,
+        other_abscissae, error_constant, reducible, equivalent, a_stable, not_a_stable, l_limit,
+        implied, row, dense, absent, to_digits, not_to_digits,
+    )
+} | {
+    "irreducible": lambda proof, w: reducible(proof, w, False),
+    "other-error-constant": lambda proof, w: error_constant(proof, w, False),
+    "not-l-limit": lambda proof, w: l_limit(proof, w, False),
+    "not-dense": lambda proof, w: dense(proof, w, False),
+    "differences": all_zero_or_not(differences_of, True),
+    "no-differences": all_zero_or_not(differences_of, False),
+    "row-sums": all_zero_or_not(gaps_of_rows, True),
+    "no-row-sums": all_zero_or_not(gaps_of_rows, False),
+    "dense-end": all_zero_or_not(gaps_of_end, True),
+    "no-dense-end": all_zero_or_not(gaps_of_end, False),
+}  # fmt: skip
+
+
+def has_meaning(proof: Proof) -> bool:
+    """Tell whether the claim has a meaning for the class of the file."""
+    kind, claim = proof.method.kind, proof.claim
+    if kind == "rosenbrock":
+        return claim in ROSENBROCK
+    return claim != "w-order" and (claim in ADDITIVE or not proof.method.additive)
+
+
+def fits(proof: Proof) -> bool:
+    """Tell whether the parts are such as prove statements of this kind."""
+    claim, rules, truth = proof.claim, proof.rules, proof.holds
+    if claim in (*ORDERS, *SECOND):
+        return fits_order(proof)
+    if claim == "dense-order":
+        whole(proof.declared)
+    elif claim not in VALUES:
+        if type(proof.declared) is not bool:
+            raise Malformed("the claim is true or false")
+        truth = proof.declared == proof.holds
+    exact = proof.kind in ("rational", "tower")
+    texts = PROVES.get(claim, ("", ""))[not truth] if exact or claim in AS_EXACT else ""
+    if not exact and (truth or claim == "growth"):
+        texts += "|implied"
+    often = {"*": len(proof.method.parts), "+": len(proof.method.document.get("embedded", ()))}
+    return rules in ([x.rstrip("*+") for x in text.split() for _ in range(often.get(x[-1], 1))]
+                     for text in texts.split("|") if text)  # fmt: skip
+
+
+def fits_order(proof: Proof) -> bool:
+    """Tell whether the parts are about orders: what they show is compared with the claim."""
+    rules, name = proof.rules, SECOND.get(proof.claim, "order")
+    whole(proof.declared)
+    names = {"order-at-least", "implied-order", "order-at-most", "no-order-1", "not-preconsistent",
+             "symmetric", f"{name}-at-least", f"{name}-at-most", f"implied-{name}"}  # fmt: skip
+    known = "order-at-most" in rules or not any(x.startswith("implied") for x in rules)
+    return set(rules) <= names and len(set(rules)) == len(rules) and (known or not proof.holds)
+
+
+def decide_order(proof: Proof, quantity: str) -> None:
+    """Refuse bounds that do not decide the declared order; no order is below 0."""
+    bound = proof.known.get(quantity, Bound(quantity))
+    low, high, p = bound.low or 0, bound.high, proof.declared
+    if proof.rules == ["order-at-most"]:  # no order is above that of the method
+        high = proof.known["order"].high
+    if {"no-order-1", "not-preconsistent"} & set(proof.rules):
+        low = high = 0
+    decided = low == p == high if proof.holds else p < low or (high is not None and high < p)
+    require(decided, f"the parts show {low} <= order <= {high}")
+    for shown in proof.known.values() if quantity != "dense-order" else ():
+        found = shown.identity, shown.trees in (True, "nystrom-paths")
+        require(found == proof.mode(), "principal or trees are not those of the claim")
+
+
+def decide(proof: Proof) -> None:
+    """Check that the parts are those of the statement, and each of them, and what they show."""
+    claim = proof.claim
+    require(has_meaning(proof), f"{claim} has no meaning for the class of the file")
+    fine = proof.rules == ["absent"] or fits(proof)
+    require(fine, f"these parts do not prove {claim}: {proof.rules}")
+    results = [proof.apply(part) for part in proof.parts]
+    if proof.rules == ["absent"]:
+        return
+    if claim == "embedded-order":
+        check_rows(proof, results)
+    elif claim in (*ORDERS, *SECOND, "dense-order"):
+        decide_order(proof, SECOND.get(claim, "dense-order" if claim == "dense-order" else "order"))
+    if claim in ("zero-stable", "parasitism-free", "growth") and "bounded" in proof.rules:
+        require(proof.stable == set(proof.method.parts), "V of one component is missing")
+
+
+def judged(certificate: object) -> str:
+    """Return the sentence of a certificate that proves its statement.
+
+    Raises
+    ------
+    Refused
+        If it proves nothing: the class says why, the text is one sentence.
+    """
+    proof = Proof(certificate, RULES)
+    decide(proof)
+    name, claim = proof.method.document["name"][:100], proof.claim_text[:300]
+    word = "holds" if proof.holds else "fails"
+    return f"{name}: {claim} {word} ({', '.join(proof.rules)})"
+
+
+def verdict(certificate: object) -> tuple[bool, str]:
+    """Return (accepted, sentence) for the value of one JSON file, whatever it holds."""
+    try:
+        return True, judged(certificate)
+    except Refused as error:
+        record_of.cache_clear()  # a series may have been left half made
+        return False, str(error)
+    except (ArithmeticError, MemoryError, RecursionError):
+        record_of.cache_clear()
+        return False, "beyond the limits of this checker"
+    except (LookupError, TypeError, ValueError, AttributeError) as error:
+        record_of.cache_clear()
+        return False, f"a part has another shape ({type(error).__name__})"
