@@ -25,7 +25,7 @@ from ..problems.formula import FUNCTIONS
 from ..problems.model import Problem
 from .longtime import energy_deviation
 from .timing import repeat
-from .work_precision import SAMPLES, reference_state, state_error
+from .work_precision import SAMPLES, judged_state
 
 #: Steps after which a peer gives up, where it can be told.
 MOST_STEPS = 10_000_000
@@ -315,9 +315,7 @@ def measure_peer(
         "notices": [],
     }
     if finished and "state" in ask:
-        reference = reference_state(problem, end)
-        record["state_error"] = finite(state_error(run.y[-1], reference))
-        record["reference"], record["reference_error"] = reference.kind, reference.error
+        record |= judged_state(problem, run.y[-1], end)
     if finished and "energy" in ask and problem.hamiltonian is not None:
         deviation = energy_deviation(problem, np.vstack([problem.y0, run.y]))
         record["energy_error"] = finite(float(np.max(deviation)))

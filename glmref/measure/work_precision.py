@@ -8,7 +8,7 @@ Only what is asked is computed: no energy and no samples for it, no reference fo
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass, field
 from functools import lru_cache
 from time import perf_counter
@@ -26,6 +26,7 @@ from ..engine.starting_values import starting_values
 from ..errors import UsageError
 from ..method import Method
 from ..problems.model import Problem
+from ..problems.user import FunctionFailed
 from .longtime import energy_deviation
 from .timing import Timing
 
@@ -156,8 +157,10 @@ def measure(
         start_seconds=begin.seconds,
         build_seconds=solution.build_seconds,
         kernel=solution.kernel,
-        notices=solution.notices,
-        **(_errors(problem, solution, ask) if solution.completed else {}),
+        **{
+            "notices": solution.notices,
+            **(_errors(problem, solution, ask) if solution.completed else {}),
+        },
     )
 
 
@@ -178,9 +181,8 @@ def _errors(problem: Problem, solution: Solution, ask: Collection[str]) -> dict[
     """Fields of :class:`Work` that answer the questions about a completed run."""
     record: dict[str, Any] = {}
     if "state" in ask:
-        reference = reference_state(problem, _last_time(problem, solution))
-        record["state_error"] = state_error(np.asarray(solution.y[-1]), reference)
-        record["reference"], record["reference_error"] = reference.kind, reference.error
+        at = _last_time(problem, solution)
+        record |= judged_state(problem, solution.y[-1], at, solution.notices)
     if "energy" in ask:
         record["energy_error"] = energy_error(problem, solution)
     return record
@@ -263,6 +265,42 @@ def energy_error(problem: Problem, solution: Solution) -> float:
     return float(np.max(energy_deviation(problem, np.vstack([problem.y0, y]))))
 
 
+#: What a record says under ``reference`` where there is none; the sentence is in its ``notices``.
+NO_REFERENCE = "cannot be computed"
+
+
+class NoReference(UsageError):
+    """There is no reference for the state at a time."""
+
+
+def judged_state(problem: Problem, y: Any, t: float, notices: Iterable[str] = ()) -> dict[str, Any]:
+    """Return what a record says of the error of a state.
+
+    Parameters
+    ----------
+    y : (d,)
+        The state at the time t.
+    notices : Iterable of str
+        Sentences that the record has already.
+
+    Returns
+    -------
+    dict
+        ``state_error``, ``reference`` and ``reference_error``. Where there is no reference the
+        errors are ``None``, ``reference`` is :data:`NO_REFERENCE`, and ``notices`` says why.
+    """
+    try:
+        reference = reference_state(problem, t)
+    except NoReference as error:
+        nothing = {"state_error": None, "reference": NO_REFERENCE, "reference_error": None}
+        return {**nothing, "notices": (*notices, str(error))}
+    return {
+        "state_error": state_error(np.asarray(y), reference),
+        "reference": reference.kind,
+        "reference_error": reference.error,
+    }
+
+
 def state_error(y: np.ndarray, reference: Reference) -> float:
     """Euclidean error of a state relative to the reference's norm."""
     size = float(np.linalg.norm(reference.state)) or 1.0
@@ -274,12 +312,21 @@ def reference_state(problem: Problem, t: float) -> Reference:
 
     Raises
     ------
-    UsageError
-        When the computed reference does not reach the time.
+    NoReference
+        When the exact solution has no value at the time, or the computed one does not reach it.
     """
     if problem.exact is not None:
-        elapsed = t - float(problem.t_span[0])
-        return Reference(np.asarray(problem.solution(elapsed), dtype=float), 2.0**-52, "exact")
+        elapsed, why = t - float(problem.t_span[0]), "it is not finite there"
+        try:
+            state = np.asarray(problem.solution(elapsed), dtype=float)
+        except (ArithmeticError, ValueError, FunctionFailed) as error:
+            state, why = np.array([math.nan]), f"{type(error).__name__}: {error}"
+        if not np.isfinite(state).all():
+            raise NoReference(
+                f"the exact solution of {problem.name} has no value at t = {t:g} ({why}); choose "
+                f"another t_end"
+            )
+        return Reference(state, 2.0**-52, "exact")
     for stored in problem.references:
         if abs(float(stored.t) - t) <= 1e-12 * max(1.0, abs(t)):
             return Reference(stored.rounded(), max(stored.agreement, 2.0**-52), "stored")
@@ -327,7 +374,7 @@ def _computed(problem: Problem, t: float) -> Reference:
         if enough and (steps > _MOST_REFERENCE_STEPS or solution.seconds > _LONG):
             break
     if found is None:
-        raise UsageError(
+        raise NoReference(
             f"no reference for {problem.name} at t = {t:g}: {message or 'two runs are missing'}; "
             f"ask for invariants instead"
         )

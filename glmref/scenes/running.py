@@ -35,9 +35,8 @@ from ..measure.timing import Timing, circumstances, machine
 from ..measure.work_precision import (
     Deadline,
     check_interruption,
+    judged_state,
     measure,
-    reference_state,
-    state_error,
 )
 from ..problems.user import FunctionFailed
 from .model import TIMED, Scene, subject_of
@@ -260,9 +259,8 @@ def _long(task: Mapping[str, Any], method: Any, subject: Any) -> dict[str, Any]:
         (energy,) = watch(subject, solution, quadratic=False, invariants=False)
         record["energy_error"] = energy.as_json()["largest"]
     if "state" in asked and solution.completed and solution.steps == task["steps"]:
-        reference = reference_state(subject, float(solution.t[-1]))
-        record["state_error"] = state_error(np.asarray(solution.y[-1]), reference)
-        record["reference"], record["reference_error"] = reference.kind, reference.error
+        notices = record.get("notices", ())
+        record |= judged_state(subject, solution.y[-1], float(solution.t[-1]), notices)
     if "law" in asked:
         record |= _law(method, subject, solution)
     if "parasitic" in asked:
