@@ -148,9 +148,13 @@ class StageSolver:
         self.converged = True
 
     def __call__(
-        self, function: Callable[[np.ndarray], np.ndarray], x: np.ndarray, scale: Any
-    ) -> np.ndarray:
+        self, function: Callable[[np.ndarray], np.ndarray], x: np.ndarray, scale: Any,
+        alike: Sequence[int] = (),
+    ) -> np.ndarray:  # fmt: skip
         """Iterate from x. A change below a few units of ``scale`` counts as round-off.
+
+        ``alike`` numbers the entries of x (as it is flattened): those with one number are slopes of
+        one component of the state, and have one size; by default each has a size of its own.
 
         Fixed point first; where that does not contract, Newton with a difference quotient matrix
         (unless that matrix is beyond :data:`.memory.NEWTON_BYTES`: then it has not converged).
@@ -161,7 +165,7 @@ class StageSolver:
         if 8 * x.size**2 > NEWTON_BYTES:
             self.converged = False
             return x
-        settled, result = self._settle(self._newton(function, x), x, scale)
+        settled, result = self._settle(self._newton(function, x, alike), x, scale)
         self.converged &= settled
         return result
 
@@ -198,7 +202,7 @@ class StageSolver:
         return False, x
 
     def _newton(
-        self, function: Callable[[np.ndarray], np.ndarray], x: np.ndarray
+        self, function: Callable[[np.ndarray], np.ndarray], x: np.ndarray, alike: Sequence[int]
     ) -> Callable[[np.ndarray], np.ndarray]:
         """Return the simplified Newton update, its matrix by differences at the first guess."""
         matrix: list[np.ndarray] = []
@@ -209,18 +213,28 @@ class StageSolver:
         def update(x: np.ndarray) -> np.ndarray:
             defect = residual(x)
             if not matrix:
-                matrix.append(self._differences(residual, x, defect))
+                matrix.append(self._differences(residual, x, defect, alike))
             return x - self.arithmetic.solve(matrix[0], defect).reshape(x.shape)
 
         return update
 
     def _differences(
-        self, residual: Callable[[np.ndarray], np.ndarray], x: np.ndarray, at: np.ndarray
-    ) -> np.ndarray:
+        self, residual: Callable[[np.ndarray], np.ndarray], x: np.ndarray, at: np.ndarray,
+        alike: Sequence[int],
+    ) -> np.ndarray:  # fmt: skip
+        """Difference quotients of the residual, whose value at x is ``at``.
+
+        The first slope of a stiff system may be zero where that of the next stage is 1e9 and the
+        residual 1e18, which hides a step taken from the first one alone: the matrix is singular.
+        """
         flat = x.ravel()
         columns = []
-        for k in range(len(flat)):
-            step = self.arithmetic.epsilon**0.5 * (abs(flat[k]) + 1)
+        sizes: dict[int, Any] = {}
+        group = alike or range(len(flat))
+        for number, value in zip(group, flat, strict=True):
+            sizes[number] = max(sizes.get(number, 0), abs(value))
+        for k, number in enumerate(group):
+            step = self.arithmetic.epsilon**0.5 * (sizes[number] + 1)
             moved = flat.copy()
             moved[k] = moved[k] + step
             columns.append((residual(moved.reshape(x.shape)) - at) / step)

@@ -20,7 +20,7 @@ from typing import Any
 
 from ..problems.formula import Formula
 from .band import Band
-from .emit import TARGETS, ScalarTarget, Writer, length_check
+from .emit import INFINITE, TARGETS, ScalarTarget, Writer, length_check
 from .forms import StepForm
 from .kicks import KickWriter
 from .newton import COMPLEX_HELPERS, HELPERS
@@ -387,7 +387,7 @@ class Builder(KickWriter):
             self._take(self._pairs(values), [], values.part)
 
     def _finite(self, total: str) -> None:
-        with self.w.block(f"if not (abs({total}) < 1e300):"):
+        with self.w.block(f"if not (abs({total}) < {INFINITE}):"):
             self.w("outcome = 2", "break")
 
     def _taking(self, pairs: Sequence[tuple[str, str]], condition: str = "good") -> list[str]:

@@ -26,6 +26,10 @@ from itertools import pairwise
 from .shape import Part, Shape, inlined, parameter_names, used_parameters
 from .unroll import placed
 
+#: Infinity as generated source has it: a literal beyond the range of doubles. A state is finite
+#: below it, in generated steps as in those of the reference.
+INFINITE = "1e999"
+
 _REFERENCE = re.compile(r"@(\w+)")
 _COUNTER = re.compile(r"\bcomponent\b")
 

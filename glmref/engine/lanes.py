@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 from .arithmetic import NOISE
 from .codegen import SCALAR_LIMIT, Builder, Options, header
-from .emit import LaneTarget, VectorTarget, Writer
+from .emit import INFINITE, LaneTarget, VectorTarget, Writer
 from .expressions import Unsupported
 from .forms import StepForm
 from .shape import Shape
@@ -128,7 +128,7 @@ class _LaneBuilder(Builder):
         # both sides of a choice are loaded first, so that it becomes a select, not a branch
         self.w(
             f"before = {status}",
-            f"good = (before == 0.0) & (abs({total}) < 1e300)",
+            f"good = (before == 0.0) & (abs({total}) < {INFINITE})",
             "after = 2.0 if (before == 0.0) & (not good) else before",
             f"{status} = after",
             f"{done} = {done} + (1.0 if good else 0.0)",

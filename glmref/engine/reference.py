@@ -373,7 +373,7 @@ class _Step:
         self, solver: StageSolver, nodes: list[int], bases: list[np.ndarray], settle: Settle | None
     ) -> None:
         """Find the slopes of stages that depend on each other."""
-        engine, h = self.engine, self.h
+        engine, h, d = self.engine, self.h, self.values.shape[1]
         places: list[tuple[int, int]] = []  # which slopes: component and row
         for whose, i in (engine.nodes[node] for node in nodes):
             among = range(len(self.slopes)) if self.additive else whose
@@ -422,7 +422,9 @@ class _Step:
             write(found.ravel())
             return
         far = max(size(y) for y in bases) / abs(h) if h else 0
-        write(solver(rhs, guess, size(guess) + far))
+        # slopes of one component of the state, at several stages
+        alike = [n * d + c for n, i in places for c in range(self.slopes[n].shape[1])]
+        write(solver(rhs, guess, size(guess) + far, alike))
 
 
 def _check(method: Method, problem: Problem) -> None:

@@ -21,7 +21,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
-from glmref import Problem, load, names, problem
+from glmref import Problem, load, names, problem, solve
 from glmref.engine.codegen import kernel_source
 from glmref.engine.compiled import interpret
 from glmref.engine.kernel import Kernel, prepare
@@ -322,3 +322,38 @@ def test_machine_code_and_interpreter_have_the_same_bits(name):
 @pytest.mark.parametrize("name", METHODS)
 def test_machine_code_and_interpreter_have_the_same_bits_for_every_method(name):
     same_bits(name, "kepler")
+
+
+STIFF_METHODS = ["lobatto-iiic-2", "lobatto-iiic-3", "lobatto-iiic-5", "radau-iia-3"]
+
+
+@pytest.mark.parametrize("rate", [1e10, 1e13])
+@pytest.mark.parametrize("method", STIFF_METHODS)
+def test_stages_of_a_stiff_equation_are_solved_by_every_engine(method: str, rate: float) -> None:
+    """y' = -rate (y - cos t): the reference gave up, with a matrix of differences of rounding.
+
+    Each stage lies on cos t to about 1/rate (Prothero and Robinson 1974), and y is the last one.
+    """
+    stiff = Problem(f=(f"-{rate!r}*(y[0] - cos(t))",), y0=(1.0,), t_span=(0, 3))
+    for options in ({"engine": "reference"}, {"engine": "interpreted"}, {"engine": "compiled"}):
+        run = solve(stiff, method, h=0.3, steps=10, **options)
+        assert run.completed, (options, run.message)
+        assert abs(run.y[-1][0] - np.cos(run.t[-1])) < 10 / rate + 1e-15, options
+    run = solve(stiff, method, h=0.3, steps=2, engine="reference", digits=30)
+    assert run.completed and abs(float(run.y[-1][0]) - np.cos(0.6)) < 10 / rate + 1e-15
+
+
+@pytest.mark.parametrize("size", [1e300, 1.2e308])
+@pytest.mark.parametrize("method", ["rk4", "gauss-2", "stormer-verlet"])
+def test_a_state_is_finite_up_to_the_largest_double_in_every_engine(
+    method: str, size: float
+) -> None:
+    """Generated steps ended as not finite from 1e300 on; the reference went on to infinity."""
+    drift = Problem(f=("y[1]", "0*y[0]"), dq=("p[0]",), dp=("0*q[0]",), y0=(size, size / 1e3))
+    for engine in ("reference", "interpreted", "compiled"):
+        run = solve(drift, method, h=0.125, steps=3, engine=engine)
+        assert run.completed, (engine, run.message)
+        assert run.y[-1][0] == pytest.approx(size * (1 + 0.375e-3), rel=1e-15)
+        gone = solve(drift, method, h=1e9, steps=900, engine=engine)
+        assert gone.outcome == "not finite", engine
+        assert np.isfinite(gone.y).all()
