@@ -7,7 +7,8 @@ a constant may use those above it, and so do rows of weights, the first of which
 the standard library is used, so that any script can format data without this package's
 dependencies.
 
-After a change of the data run ``python -m glmref.catalogue.canonical data``.
+After a change of the data run ``python -m glmref.catalogue.canonical data``: it also lays out the
+certificates of ``hostile/``, with their keys in the order given.
 """
 
 from __future__ import annotations

@@ -1,0 +1,112 @@
+"""``python -m tests.oracle --count N --seed S``: draw statements, and compare three opinions on them.
+
+The verdict of the kernel, the judge's answer to the certificates in both directions, and the oracle
+may leave a statement open, but never contradict each other.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import random
+import sys
+from collections import Counter
+from collections.abc import Iterator
+from typing import Any
+
+from glmref.catalogue.reader import load_document
+from glmref.errors import GlmrefError
+from glmref.findings import Verdict
+from glmref.prove.certificate import certificates_of
+from glmref.prove.verifier import facts_for
+from glmref.system.budget import limited
+from tests.adversary.both_ways import SOURCE, accepted, contradicts
+
+from .claims import Oracle
+from .draw import Draw, claims_of
+from .numbers import Undecided
+
+WORDS = {Verdict.HOLDS: True, Verdict.FAILS: False}
+
+
+def compared(
+    document: dict[str, Any], claims: dict[str, Any], count: Counter[str]
+) -> Iterator[str]:
+    """Yield what one program says against another about the claims of a document."""
+    whole = {**document, "source": SOURCE, "claims": claims}
+    try:
+        facts = facts_for(load_document(whole))
+    except GlmrefError:
+        count["documents refused"] += 1
+        return
+    count["documents"] += 1
+    try:
+        oracle = Oracle(document)
+    except (Undecided, ZeroDivisionError):
+        return
+    for claim, declared in claims.items():
+        try:
+            with limited(10):
+                judged = facts.judge(claim, declared)
+                found = [x for _, x in certificates_of(facts, {claim: (declared, judged)})]
+        except GlmrefError:
+            count["statements refused"] += 1
+            continue
+        count["statements"] += 1
+        word, other = WORDS.get(judged.verdict), None
+        try:
+            other = oracle.judge(claim, declared)
+        except (IndexError, KeyError, TypeError, ValueError) as error:
+            yield f"{claim} = {declared}: the oracle breaks down: {error!r}"
+        count["kernel decides"] += word is not None
+        count["oracle decides"] += other is not None
+        if word is not None and other is not None:
+            count["both decide"] += 1
+            if word is not other:
+                yield f"{claim} = {declared}: the kernel says {word}, the oracle {other}"
+        for certificate in found:
+            if not isinstance(certificate, dict):
+                count["decided without a certificate"] += word is not None
+                continue
+            if not accepted(certificate):
+                count["certificates refused"] += 1
+                continue
+            count["certificates accepted"] += 1
+            for reason in contradicts(certificate):
+                yield f"{claim} = {declared}: accepted in both directions: {reason}"
+
+
+def run(count: int, seed: int, tell: bool = True) -> tuple[Counter[str], list[str]]:
+    """Draw documents until so many statements were compared; return counts and contradictions."""
+    totals: Counter[str] = Counter()
+    against: list[str] = []
+    number = 0
+    while totals["statements"] < count and number < count:
+        rng = random.Random(f"{seed} {number}")
+        document = Draw(rng).document()
+        for text in compared(document, claims_of(document, rng), totals):
+            against.append(f"{text}\n  {json.dumps(document)}")
+            if tell:
+                sys.stdout.write(f"seed {seed}, document {number}: {against[-1]}\n")
+                sys.stdout.flush()
+        number += 1
+        if tell and number % 500 == 0:
+            sys.stderr.write(f"{number} documents, {len(against)} contradictions: {dict(totals)}\n")
+    return totals, against
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the comparison; the exit code is 1 where there is a contradiction."""
+    parser = argparse.ArgumentParser(prog="python -m tests.oracle", description=__doc__)
+    parser.add_argument("--count", type=int, default=30_000, help="statements")
+    parser.add_argument("--seed", type=int, default=1, help="seed of the documents")
+    given = parser.parse_args(arguments)
+    totals, against = run(given.count, given.seed)
+    for key, n in totals.most_common():
+        sys.stdout.write(f"{n:8} {key}\n")
+    sys.stdout.write(f"{len(against):8} contradictions\n")
+    return int(bool(against))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,76 @@
+"""The oracle agrees with the catalogue, and contradicts neither the kernel nor the judge."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+
+from glmref.catalogue.files import data_root
+from glmref.catalogue.lookup import document, names
+
+from .__main__ import run
+from .claims import Oracle, opinion
+
+HOSTILE = [
+    row
+    for path in sorted((data_root() / "hostile").glob("*.json"))
+    if path.stem != "documents"  # to be refused for the document, whatever the matrices are
+    for row in json.loads(path.read_text(encoding="utf-8"))["rows"]
+]
+
+
+def oracle_of(name: str) -> Oracle:
+    d = document(name)
+    return Oracle(d, document(d["base"]) if "base" in d else None)
+
+
+@pytest.mark.sampled(8)
+@pytest.mark.parametrize("name", names())
+def test_every_claim_of_the_catalogue_is_true_or_open(name: str) -> None:
+    oracle = oracle_of(name)
+    wrong = [
+        claim for claim, x in oracle.document["claims"].items() if oracle.judge(claim, x) is False
+    ]
+    assert not wrong
+
+
+@pytest.mark.sampled(8)
+@pytest.mark.parametrize("name", names("broken"))
+def test_the_claim_of_a_broken_file_is_false_or_open(name: str) -> None:
+    oracle = oracle_of(name)
+    claim = oracle.document["broken"]["claim"]
+    assert oracle.judge(claim, oracle.document["claims"][claim]) is not True
+
+
+def test_the_oracle_has_an_opinion() -> None:
+    """Of the quick methods it leaves less than one claim in ten open."""
+    answers = []
+    for name in (
+        "rk4",
+        "gauss-2",
+        "gsymplectic-n",
+        "bdf-3",
+        "stormer-verlet",
+        "ars-4-4-3",
+        "rodas3",
+        "pair-4-5",
+    ):
+        oracle = oracle_of(name)
+        answers += [oracle.judge(claim, x) for claim, x in oracle.document["claims"].items()]
+    assert answers.count(True) > 0.9 * len(answers)
+    assert False not in answers
+
+
+@pytest.mark.parametrize("row", HOSTILE, ids=lambda row: row["name"])
+def test_the_oracle_does_not_believe_a_hostile_statement(row: dict[str, Any]) -> None:
+    statement, d = row["statement"], row["document"]
+    claim, declared = statement["claim"], statement["declared"]
+    says = opinion(d, claim, declared, row.get("base"))
+    assert says is None or says is not (statement["verdict"] == "holds")
+
+
+def test_drawn_statements_are_never_contradicted() -> None:
+    _, against = run(60, 5, tell=False)
+    assert not against
