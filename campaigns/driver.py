@@ -21,7 +21,7 @@ from typing import Any
 from glmref.catalogue.lookup import document
 from glmref.catalogue.strict_json import write_json
 from glmref.compute import Done, Limits, Records, executor, measure
-from glmref.compute.choosing import ENVIRONMENT
+from glmref.compute.executors import ENVIRONMENT
 from glmref.compute.identity import identity
 from glmref.compute.records import key_of
 from glmref.errors import UsageError

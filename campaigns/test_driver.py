@@ -13,7 +13,7 @@ import pytest
 
 from campaigns.driver import arguments, carried_out, complete
 from glmref.compute import Records
-from glmref.compute.choosing import ENVIRONMENT
+from glmref.compute.executors import ENVIRONMENT
 from glmref.errors import UsageError
 from tests.unit.faulty_tasks import behave
 

@@ -42,7 +42,7 @@ from campaigns.partitioned.stages_search import (
     ranges,
 )
 from glmref.catalogue.lookup import data_root, document, load
-from glmref.compute.choosing import ENVIRONMENT
+from glmref.compute.executors import ENVIRONMENT
 from glmref.derive.recipes.multistep import SHIPPED
 from glmref.derive.recipes.record import survey_notes
 

@@ -12,8 +12,7 @@ from typing import Any
 from ..catalogue.lookup import path_of, unread
 from ..compute import Done, Executor, Limits, executor, in_order
 from ..compute.child import Function, cores
-from ..compute.choosing import ENVIRONMENT
-from ..compute.executors import Local
+from ..compute.executors import ENVIRONMENT, Local
 from ..errors import BudgetError, GlmrefError
 from ..findings import Finding, Verdict
 from ..prove.verdict_cache import Question, keep_findings, look_up, question

@@ -14,8 +14,7 @@ Public names::
 from __future__ import annotations
 
 from .child import Done, Limits
-from .choosing import executor
-from .executors import Executor, in_order
+from .executors import Executor, executor, in_order
 from .records import Records
 from .running import measure
 

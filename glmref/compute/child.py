@@ -94,6 +94,10 @@ class Done:
         return {"outcome": self.failure, "message": self.message, "attempts": self.attempts}
 
 
+#: Tasks that have ended since the last list, each with what became of it.
+Results = list[tuple[Task, Done]]
+
+
 def attempt(function: Function, task: Task) -> Done:
     """Carry out a task in this process; an exception becomes a failure."""
     begun = perf_counter()

@@ -1,9 +1,9 @@
-"""Tasks on a Dask cluster; imported when one is asked for, and no sooner.
+"""Tasks on a Dask cluster; Dask is imported when one is chosen.
 
 Dask decides which worker takes which task, and gives the tasks of a lost worker to others. Each
 thread of a worker has a :class:`~.child.Child` for its tasks, so that what a task does to its
 process, the worker survives, and machine code that holds the interpreter does not silence it.
-Results come back to this process, which alone writes records. Short tasks travel several at a time.
+Results come back to this process, the only one that writes records. Short tasks travel together.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from importlib import import_module
+from importlib.util import find_spec
 from itertools import count, islice
 from pathlib import Path
 from queue import Empty, SimpleQueue
@@ -25,15 +26,14 @@ from uuid import uuid4
 
 from ..errors import UsageError
 from ..system.files import printable
-from .child import KILLED, UNLIMITED, Child, Done, Function, Limits, Task, cores
-from .executors import Results
+from .child import KILLED, UNLIMITED, Child, Done, Function, Limits, Results, Task, cores
 from .identity import difference, identity
 
 #: Seconds of work that tasks which travel together may hold, and how many they may be. A parcel
 #: costs client, scheduler and worker some 10 ms of processor time, whatever it holds.
 TOGETHER, MOST = 0.5, 256
 #: Seconds after which the scheduler is asked how many threads its workers have.
-LOOK = 5.0
+ASK = 5.0
 #: What Dask notes for its developers in a cluster that is started here. By default a scheduler has
 #: the profile of each of the last 1,000 s and 7,200 samples of the load of its machine, so that its
 #: memory grows for an hour, whatever it does; and scheduler, nannies and workers each measure fifty
@@ -108,7 +108,7 @@ class Dask:
 
     def __init__(self, client: Any, name: str) -> None:
         self.client, self.name, self.threads = client, name, 1
-        self.dashboard: str = client.dashboard_link if _has_dashboard() else ""
+        self.dashboard: str = client.dashboard_link if find_spec("bokeh") else ""
 
     def run(
         self,
@@ -128,15 +128,15 @@ class _Run:
         self.ended: SimpleQueue[Any] = SimpleQueue()
         self.sent: dict[tuple[str, int], tuple[Any, list[Task], int]] = {}
         self.prefix, self.numbers = f"glmref-{uuid4().hex}", count()
-        self.ahead: deque[Task] = deque()
+        self.waiting: deque[Task] = deque()
         self.mean: float | None = None
-        self.looked, self.seen = -LOOK, monotonic()
+        self.asked_at, self.alive_at = -ASK, monotonic()
 
     def results(self, waiting: Iterator[Task]) -> Iterator[Results]:
         """Keep every thread busy, with one parcel of tasks more behind the one that it has."""
         try:
             while True:
-                self._look()
+                self._count_threads()
                 while len(self.sent) < 2 * self.dask.threads and (parcel := self._parcel(waiting)):
                     self._send(parcel, 1)
                 if not self.sent:
@@ -147,16 +147,16 @@ class _Run:
             with suppress(Exception):  # the connection may be lost
                 self.client.cancel([future for future, _, _ in self.sent.values()])
 
-    def _look(self) -> None:
-        if monotonic() - self.looked > LOOK:
+    def _count_threads(self) -> None:
+        if monotonic() - self.asked_at > ASK:
             try:
                 known = self.client.nthreads()
             except Exception:
                 raise self._lost() from None
-            self.dask.threads, self.looked = max(1, sum(known.values())), monotonic()
-            self.seen = self.looked if known else self.seen
+            self.dask.threads, self.asked_at = max(1, sum(known.values())), monotonic()
+            self.alive_at = self.asked_at if known else self.alive_at
             # a scheduler of the user's own may wait for workers as long as it wants
-            if self.client.cluster is not None and self.looked - self.seen > PATIENCE:
+            if self.client.cluster is not None and self.asked_at - self.alive_at > PATIENCE:
                 raise UsageError(
                     "all workers of the Dask cluster died, and none was started again; what had "
                     "ended is kept, so run the same command again"
@@ -173,12 +173,12 @@ class _Run:
         most, parts = 1, 2 * self.dask.threads
         if self.mean is not None and not self.limits.pinned:
             most = max(1, min(MOST, int(TOGETHER / max(self.mean, 1e-6))))
-        self.ahead.extend(islice(waiting, max(0, most * parts - len(self.ahead))))
-        size = min(most, -(-len(self.ahead) // parts))
-        return [self.ahead.popleft() for _ in range(size)]
+        self.waiting.extend(islice(waiting, max(0, most * parts - len(self.waiting))))
+        size = min(most, -(-len(self.waiting) // parts))
+        return [self.waiting.popleft() for _ in range(size)]
 
     def _send(self, parcel: list[Task], number: int) -> None:
-        # one group of tasks for the whole run: the scheduler remembers each group for ever
+        # one group of tasks for the whole run: the scheduler never forgets one
         key = (self.prefix, next(self.numbers))
         try:
             future = self.client.submit(
@@ -212,17 +212,17 @@ class _Run:
         for future in futures:
             _, parcel, number = self.sent.pop(future.key)
             if future.key in values:
-                results += self._opened(parcel, values[future.key])
+                results += self._results_of(parcel, values[future.key])
             else:
                 results += self._failed(future, parcel, number)
         return results
 
-    def _opened(self, parcel: list[Task], value: list[Done] | str) -> Results:
+    def _results_of(self, parcel: list[Task], value: list[Done] | str) -> Results:
         if isinstance(value, str):
             raise UsageError(f"a worker of {self.client.scheduler.address} {value}")
         for done in value:
             self.mean = done.seconds if self.mean is None else 0.9 * self.mean + 0.1 * done.seconds
-        self.ahead.extendleft(reversed(parcel[len(value) :]))
+        self.waiting.extendleft(reversed(parcel[len(value) :]))
         return list(zip(parcel, value, strict=False))
 
     def _failed(self, future: Any, parcel: list[Task], number: int) -> Results:
@@ -247,14 +247,6 @@ class _Run:
             "the connection to the scheduler of the Dask cluster was lost; what had ended is kept, "
             "so start the scheduler again and run the same command"
         )
-
-
-def _has_dashboard() -> bool:
-    try:
-        import_module("bokeh")
-    except ImportError:
-        return False
-    return True
 
 
 @contextmanager

@@ -2,13 +2,21 @@
 
 An executor takes a function of a module and tasks in JSON, and yields what became of each in the
 order in which they end. Few tasks are taken ahead, so that a million of them needs no more memory
-than ten.
+than ten. A text chooses one::
+
+    here                      in this process, one after another
+    local, local:4            as many processes as there are cores, or four
+    dask, dask:4              a Dask cluster on this machine, with a worker a core, or four
+    dask:tcp://HOST:8786      the Dask cluster with this scheduler
+    dask:scheduler.json       the same, by the file that its scheduler wrote
 """
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from contextlib import contextmanager
 from itertools import islice
 from queue import SimpleQueue
 from typing import Protocol
@@ -20,13 +28,16 @@ from .child import (
     Done,
     Function,
     Limits,
+    Results,
     Task,
     attempt,
     cores,
     physical_cores,
 )
+from .cluster import cluster
 
-Results = list[tuple[Task, Done]]
+#: The environment variable that chooses where nothing else does.
+ENVIRONMENT = "GLMREF_EXECUTOR"
 
 
 class Executor(Protocol):
@@ -154,3 +165,34 @@ def in_order(results: Iterable[Results], tasks: Iterable[Task]) -> Iterator[tupl
         while id(task) not in early:
             early |= {id(one): done for one, done in next(waiting)}
         yield task, early.pop(id(task))
+
+
+@contextmanager
+def executor(text: str | None = None) -> Iterator[Executor]:
+    """Open the executor that a text chooses, and close it in the end.
+
+    Parameters
+    ----------
+    text : str or None
+        See the module; by default what :data:`ENVIRONMENT` says, else ``"here"``.
+
+    Raises
+    ------
+    UsageError
+        For a text that chooses nothing, a cluster that does not answer, or Dask where it is not
+        installed.
+    """
+    asked = text or os.environ.get(ENVIRONMENT) or "here"
+    kind, _, rest = asked.partition(":")
+    if kind == "dask":
+        with cluster(rest) as found:
+            yield found
+    elif kind == "local" and (not rest or (rest.isdecimal() and len(rest) < 5 and int(rest))):
+        yield Local(int(rest) if rest else None)
+    elif asked == "here":
+        yield Here()
+    else:
+        raise UsageError(
+            f"there is no executor {asked[:100]!r}; write here, local, local:N, dask, dask:N, "
+            f"dask:tcp://HOST:PORT or dask:FILE with the file of a scheduler"
+        )

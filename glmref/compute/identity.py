@@ -2,30 +2,24 @@
 
 from __future__ import annotations
 
-import hashlib
 import platform
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
-from pathlib import Path
 
 from .. import __version__
-
-_PACKAGE = Path(__file__).parents[1]
+from ..system.cache import sources
 
 
 @cache
 def identity() -> dict[str, str]:
-    """Versions of Python and of what computes, and a hash of the sources of this package."""
-    digest = hashlib.sha256()
-    for path in sorted(_PACKAGE.rglob("*.py")):
-        digest.update(str(path.relative_to(_PACKAGE)).encode() + b"\0" + path.read_bytes())
+    """Return versions of Python and of what computes, and a hash of the sources of this package."""
     found = {"python": platform.python_version(), "glmref": __version__}
     for name in ("numpy", "python-flint", "mpmath", "numba", "llvmlite"):
         try:
             found[name] = version(name)
         except PackageNotFoundError:
             continue
-    return {**found, "the sources of glmref": digest.hexdigest()[:12]}
+    return {**found, "the sources of glmref": sources()[:12]}
 
 
 def difference(mine: dict[str, str], expected: dict[str, str]) -> str:

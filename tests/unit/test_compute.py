@@ -93,7 +93,7 @@ def test_the_scheduler_keeps_nothing_of_a_task_that_has_ended(
     assert kept() <= before + 4  # a group for the run, and what it has not let go yet
     from dask.utils import key_split
 
-    monkeypatch.setattr(cluster, "LOOK", 0.0)
+    monkeypatch.setattr(cluster, "ASK", 0.0)
     run(dask, SQUARES)
     assert key_split.cache_info().currsize < 40  # it would have a key for each task
 
@@ -124,7 +124,7 @@ def test_a_cluster_whose_workers_all_died_ends_with_a_sentence(
         dashboard_link="", cluster="own", nthreads=dict, cancel=lambda _: None, status="running",
         submit=lambda *_, key, **__: SimpleNamespace(key=key, add_done_callback=lambda _: None),
     )  # fmt: skip
-    monkeypatch.setattr(cluster, "LOOK", 0.0)
+    monkeypatch.setattr(cluster, "ASK", 0.0)
     monkeypatch.setattr(cluster, "PATIENCE", 0.5)
     with pytest.raises(UsageError, match="all workers of the Dask cluster died"):
         next(cluster.Dask(client, "dask:2").run(behave, SQUARES))
