@@ -27,6 +27,7 @@ from ..problems.formula import RealPowers, real_power
 from ..problems.tracing import fingerprint
 from ..problems.user import UserFunction, plain
 from ..system.cache import cache_folder
+from ..system.files import replace_whole
 from ..system.terminal import saying
 from . import native
 from .expressions import Unsupported
@@ -169,7 +170,7 @@ def _module_file(text: str, about: str = "") -> Path:
         raise OSError("no folder for compiled kernels can be written")
     path = folder / f"glmref_kernel_{hashlib.sha256(key.encode()).hexdigest()[:24]}.py"
     if not path.exists():
-        native.write_whole(path, text.encode())
+        replace_whole(path, text.encode(), umask=0o077)
     return path
 
 

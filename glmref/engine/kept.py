@@ -9,7 +9,6 @@ what it computes may have changed with what it reads, and then it is another ker
 from __future__ import annotations
 
 import hashlib
-import json
 import sys
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
@@ -29,8 +28,7 @@ from ..problems.formula import Formula
 from ..problems.model import Problem
 from ..problems.tracing import Recorded, recorded, traced
 from ..problems.user import NoValue, UserFunction
-from ..system.cache import cache_folder
-from . import native
+from ..system.cache import cache_folder, read_value, sources, write_value
 from .forms import Rows, StepForm
 from .reference import Stepper, stepper
 from .sweep import step_form
@@ -130,14 +128,10 @@ def recalled(
         return compute()
     name = hashlib.sha256(f"{key} {_code()}".encode()).hexdigest()[:24]
     path = folder / f"glmref_{kind}_{name}.json"
-    with suppress(OSError, ValueError, KeyError, TypeError):  # none, or a damaged one
-        digest, _, text = path.read_bytes().partition(b"\n")
-        if hashlib.sha256(text).hexdigest().encode() == digest:
-            return read(json.loads(text))
+    with suppress(ValueError, KeyError, TypeError):  # none
+        return read(read_value(path))
     found = compute()
-    with suppress(OSError, TypeError, ValueError):
-        text = json.dumps(write(found)).encode()
-        native.write_whole(path, hashlib.sha256(text).hexdigest().encode() + b"\n" + text)
+    write_value(path, write(found))
     return found
 
 
@@ -154,16 +148,11 @@ def _tuples(value: Any) -> Any:
 
 @cache
 def _code() -> str:
-    """Checksum of the modules that what is recalled comes from, and of what they compute with."""
+    """Return what is recalled depends on: modules, and what they compute with."""
     # exact numbers are computed by a library that only glmref.exact imports
     flint = getattr(sys.modules.get("flint"), "__version__", "")
-    package = Path(__file__).parents[1]
-    parts = ("exact", "method", "problems", "engine")
-    files = sorted(path for part in parts for path in (package / part).glob("*.py"))
-    seen = hashlib.sha256(f"{flint} {np.__version__} {sys.version}".encode())
-    for path in files:
-        seen.update(path.read_bytes())
-    return seen.hexdigest()
+    code = sources("exact", "method", "problems", "engine")
+    return f"{flint} {np.__version__} {sys.version} {code}"
 
 
 @lru_cache(maxsize=_MOST)

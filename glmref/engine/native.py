@@ -10,9 +10,6 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import ctypes.util
-import hashlib
-import os
-import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -21,11 +18,10 @@ from typing import Any
 
 import numpy as np
 
+from ..system.cache import read_entry, write_entry
 from ..system.terminal import saying
 from .expressions import CACHE_LINE, LIBRARY
 from .translate import translated
-
-_DIGEST = 32  # bytes of a checksum
 
 #: Kinds of arguments: arrays of doubles, integers, vectors of doubles; double, integer.
 KINDS = {"d*": ctypes.c_void_p, "i*": ctypes.c_void_p, "d": ctypes.c_double, "i": ctypes.c_int64,
@@ -119,7 +115,7 @@ def _engine(source: str, arguments: Mapping[str, str], cached: Path | None, tuni
         cpu=binding.get_host_cpu_name(), features=features, opt=3
     )
     _resolve_symbols(source)
-    code = None if cached is None else _read(cached)
+    code = None if cached is None else read_entry(cached)
     if code is not None:
         engine = binding.create_mcjit_compiler(binding.parse_assembly(""), machine)
         engine.add_object_file(binding.ObjectFileRef.from_data(code))
@@ -147,50 +143,10 @@ def _compiled(
     builder = binding.create_pass_builder(machine, options)
     builder.getModulePassManager().run(module, builder)
     if cached is not None:
-        _write(cached, machine.emit_object(module))
+        write_entry(cached, machine.emit_object(module))
     engine = binding.create_mcjit_compiler(module, machine)
     engine.finalize_object()
     return engine
-
-
-def _read(path: Path) -> bytes | None:
-    """Object code as it was written, or ``None``: LLVM crashes on a damaged file."""
-    try:
-        data = path.read_bytes()
-    except OSError:
-        return None
-    digest, code = data[:_DIGEST], data[_DIGEST:]
-    return code if hashlib.sha256(code).digest() == digest else None
-
-
-def _write(path: Path, code: bytes) -> None:
-    """Keep object code, after a checksum; where it cannot be kept, it is made anew next time."""
-    with contextlib.suppress(OSError):
-        write_whole(path, hashlib.sha256(code).digest() + code)
-
-
-def write_whole(path: Path, content: bytes) -> None:
-    """Write a file in one piece: another process may be reading it, or writing it too.
-
-    Raises
-    ------
-    OSError
-        Where the system refuses; nothing is left then.
-    """
-    with tempfile.NamedTemporaryFile(
-        "wb", buffering=0, dir=path.parent, suffix=".tmp", delete=False
-    ) as file:
-        aside = file.name
-        with contextlib.suppress(OSError):  # what is missing shows in the size, below
-            file.write(content)
-    try:
-        if os.path.getsize(aside) != len(content):
-            raise OSError(f"{path} cannot be written whole")
-        os.replace(aside, path)
-    except BaseException:
-        with contextlib.suppress(OSError):
-            os.unlink(aside)
-        raise
 
 
 def _resolve_symbols(source: str) -> None:

@@ -10,12 +10,10 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import platform
 import sys
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -23,8 +21,8 @@ from ..catalogue.lookup import is_shipped, path_of
 from ..errors import GlmrefError
 from ..exact import LIBRARY
 from ..findings import Finding, Verdict
-from ..system.cache import private_folder
-from ..system.files import read_bytes, write_bytes
+from ..system.cache import private_folder, read_value, sources, write_value
+from ..system.files import read_bytes
 
 FORMAT = "glmref-kept-findings-1"
 #: What a verdict is computed by: subpackages and modules of the package.
@@ -57,20 +55,6 @@ class Question(NamedTuple):
         return None if folder is None else folder / f"{name}.json"
 
 
-@cache
-def _code() -> str:
-    """Checksum of the modules that a verdict is computed by."""
-    package = Path(__file__).parents[1]
-    found = hashlib.sha256()
-    for subpackage in SUBPACKAGES:
-        place = package / subpackage
-        for path in sorted(place.rglob("*.py")) if place.is_dir() else [place]:
-            content = path.read_bytes()
-            found.update(f"{path.relative_to(package).as_posix()} {len(content)} ".encode())
-            found.update(content)
-    return found.hexdigest()
-
-
 def question(name: str | Path, only: Sequence[str], budget: float | None) -> Question | None:
     """What is asked of a file; ``None`` for one that cannot be read.
 
@@ -91,7 +75,7 @@ def question(name: str | Path, only: Sequence[str], budget: float | None) -> Que
             "only": sorted(set(only)),
             "budget": budget,
             "shipped": is_shipped(path),  # without a budget unless asked for
-            "code": _code(),
+            "code": sources(*SUBPACKAGES),
             "versions": [LIBRARY, sys.version, sys.platform, platform.machine()],
         }
     except (GlmrefError, OSError):  # said in a sentence by who reads it next
@@ -109,12 +93,7 @@ def look_up(question: Question) -> list[Finding] | None:
     if path is None:
         return None
     try:
-        if hasattr(os, "getuid") and path.lstat().st_uid != os.getuid():
-            return None  # put there by somebody else
-        digest, _, text = read_bytes(path, MOST).partition(b"\n")
-        if hashlib.sha256(text).hexdigest().encode() != digest:
-            return None
-        entry = json.loads(text)
+        entry = read_value(path)
         if entry["format"] != FORMAT or entry["asked"] != question.asked:
             return None
         if any(_digest(Path(name)) != seen for name, seen in entry["read"].items()):
@@ -147,7 +126,6 @@ def keep_findings(question: Question, read: Mapping[str, str], findings: list[Fi
     others = {name: seen for name, seen in read.items() if name != str(question.path)}
     rows = [x.as_json() for x in findings]
     entry = {"format": FORMAT, "asked": question.asked, "read": others, "findings": rows}
-    with suppress(GlmrefError, OSError, TypeError, ValueError):
-        text = json.dumps(entry, allow_nan=False).encode()
-        if [Finding.from_json(row) for row in json.loads(text)["findings"]] == findings:
-            write_bytes(path, hashlib.sha256(text).hexdigest().encode() + b"\n" + text, sync=False)
+    with suppress(TypeError, ValueError, KeyError):
+        if [Finding.from_json(row) for row in json.loads(json.dumps(rows))] == findings:
+            write_value(path, entry)

@@ -1,12 +1,23 @@
-"""The user's folder for what can be computed again: kernels, and verdicts of ``verify``."""
+"""What can be computed again: kernels, forms of methods, verdicts of ``verify``.
+
+One folder of the user has all of it. An entry is a file with the checksum of its content, written
+in one piece: a damaged one counts as missing.
+"""
 
 from __future__ import annotations
 
+import hashlib
+import json
 import os
 import stat
 import sys
 import tempfile
+from contextlib import suppress
+from functools import cache
 from pathlib import Path
+from typing import Any
+
+from .files import BINARY, replace_whole
 
 #: Variable that names the cache folder; by default the platform's user cache.
 CACHE_VARIABLE = "GLMREF_CACHE"
@@ -82,3 +93,63 @@ def private_folder(name: str) -> Path | None:
     """Folder of that name in :func:`cache_folder` that nobody else can write, or ``None``."""
     base = cache_folder()
     return base / name if base is not None and _writable(base / name, private=True) else None
+
+
+# --- entries --------------------------------------------------------------------------------------
+
+#: Bytes of an entry at the most.
+_MOST = 1 << 26
+
+
+def read_entry(path: Path) -> bytes | None:
+    """Return the content of an entry, ``None`` where it is missing, damaged or of another user."""
+    try:
+        # without O_NONBLOCK, opening a named pipe waits for a writer
+        descriptor = os.open(path, os.O_RDONLY | BINARY | getattr(os, "O_NONBLOCK", 0))
+        with open(descriptor, "rb") as stream:
+            about = os.fstat(stream.fileno())
+            if hasattr(os, "getuid") and about.st_uid != os.getuid():
+                return None
+            digest, content = stream.read(32), stream.read(_MOST)
+    except OSError:
+        return None
+    return content if hashlib.sha256(content).digest() == digest else None
+
+
+def write_entry(path: Path, content: bytes) -> None:
+    """Write an entry; where that is refused, the content is computed again next time."""
+    with suppress(OSError):
+        replace_whole(path, hashlib.sha256(content).digest() + content, umask=0o077)
+
+
+def read_value(path: Path) -> Any:
+    """Return the JSON value of an entry, ``None`` as :func:`read_entry`."""
+    content = read_entry(path)
+    with suppress(ValueError, RecursionError):
+        return None if content is None else json.loads(content)
+    return None
+
+
+def write_value(path: Path, value: Any) -> None:
+    """Write a JSON value as an entry; one that JSON does not have is not written."""
+    with suppress(TypeError, ValueError):
+        write_entry(path, json.dumps(value, allow_nan=False).encode())
+
+
+@cache
+def sources(*parts: str) -> str:
+    """Return the checksum of modules of this package.
+
+    Parameters
+    ----------
+    parts : str
+        Subpackages and modules, as paths below the package; all without any.
+    """
+    package = Path(__file__).parents[1]
+    found = hashlib.sha256()
+    for place in (package / part for part in parts or (".",)):
+        for path in sorted(place.rglob("*.py")) if place.is_dir() else [place]:
+            content = path.read_bytes()
+            found.update(f"{path.relative_to(package).as_posix()} {len(content)} ".encode())
+            found.update(content)
+    return found.hexdigest()

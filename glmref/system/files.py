@@ -22,7 +22,7 @@ from .arguments import shown
 BINARY = getattr(os, "O_BINARY", 0)
 
 
-def reason(error: OSError | ValueError) -> str:
+def reason(error: Exception) -> str:
     """Return why the system refused, in its words."""
     return getattr(error, "strerror", None) or shown(error, str, 200)
 
@@ -246,7 +246,7 @@ def write_bytes(path: Path, content: bytes, *, sync: bool = True) -> None:
         target = path.resolve()  # a link stays a link
         mode = target.stat().st_mode if target.exists() else None
     except (OSError, ValueError, RuntimeError) as error:
-        raise UsageError(f"{printable(path)} cannot be written ({shown(error, str)})") from None
+        raise UsageError(f"{printable(path)} cannot be written ({reason(error)})") from None
     if mode is not None and not stat.S_ISREG(mode):
         raise UsageError(f"{printable(path)} is {kind_of(mode)}; name a regular file to write")
     if not target.parent.is_dir():
@@ -254,33 +254,52 @@ def write_bytes(path: Path, content: bytes, *, sync: bool = True) -> None:
             f"{printable(path)} cannot be written: there is no folder {printable(target.parent)}; "
             f"make it, or name another place"
         )
-    aside = target.with_name(f".{target.name[:100]}.{os.getpid()}.tmp")
     try:
-        with aside.open("wb") as stream:
-            stream.write(content)
-            stream.flush()
-            if sync:
-                os.fsync(stream.fileno())
-            if mode is not None:
-                os.chmod(aside, stat.S_IMODE(mode))
-        os.replace(aside, target)
-        if sync:
-            sync_folder(target.parent)
+        replace_whole(target, content, sync=sync, mode=mode)
     except OSError as error:
         raise UsageError(
             f"{printable(path)} cannot be written ({reason(error)}); make room there, or name "
             f"another place"
         ) from None
-    finally:
+
+
+def replace_whole(
+    path: Path, content: bytes, *, sync: bool = False, mode: int | None = None, umask: int = 0
+) -> None:
+    """Write a file in one piece, whatever stands there; see :func:`write_bytes`.
+
+    Parameters
+    ----------
+    mode : int or None
+        Permissions; by default those of a new file.
+    umask : int
+        Permissions that a new file does not get, in addition to those the user has excluded.
+
+    Raises
+    ------
+    OSError
+        Where the system refuses.
+    """
+    # another process or thread may be writing the same: no two have the same name
+    aside = path.with_name(f".{path.name[:100]}.{os.urandom(6).hex()}.tmp")
+    descriptor = os.open(aside, os.O_WRONLY | os.O_CREAT | os.O_EXCL | BINARY, 0o666 & ~umask)
+    try:
+        with open(descriptor, "wb") as stream:
+            stream.write(content)
+            stream.flush()
+            if sync:
+                os.fsync(descriptor)
+        if mode is not None:
+            os.chmod(aside, stat.S_IMODE(mode))
+        os.replace(aside, path)
+    except BaseException:
         with contextlib.suppress(OSError):
-            aside.unlink()  # gone already where it was moved
-
-
-def sync_folder(folder: Path) -> None:
-    """Bring the names in a folder to the disk, where the system can."""
-    with contextlib.suppress(OSError):
-        descriptor = os.open(folder, os.O_RDONLY)
-        try:
-            os.fsync(descriptor)
-        finally:
-            os.close(descriptor)
+            aside.unlink()
+        raise
+    if sync:
+        with contextlib.suppress(OSError):  # the names in the folder, where the system can
+            descriptor = os.open(path.parent, os.O_RDONLY)
+            try:
+                os.fsync(descriptor)
+            finally:
+                os.close(descriptor)

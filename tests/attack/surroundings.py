@@ -118,7 +118,7 @@ def _damaged(draw: random.Random, name: str, folder: Path) -> dict[str, str | No
         content += draw.choice((b"\n", b"x", b"{}", bytes(10_000_000)))
     else:  # with the checksum of what is nonsense
         text = mutated(draw, ["x", 1, {"asked": [], "read": {"/": 1}}], text=0.5)
-        content = bytearray(hashlib.sha256(text).hexdigest().encode() + b"\n" + text)
+        content = bytearray(hashlib.sha256(text).digest() + text)
     entry.write_bytes(content)
     return variables
 

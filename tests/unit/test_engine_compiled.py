@@ -56,10 +56,10 @@ def test_a_named_folder_that_cannot_be_written_costs_the_cache_and_no_run(
 
 
 def test_a_cache_that_is_full_costs_the_cache_and_no_run(folder, monkeypatch):
-    def full(path, content):
+    def full(path, content, **more):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("glmref.engine.native.write_whole", full)
+    monkeypatch.setattr(cache, "replace_whole", full)
     assert prepare(load("rk4"), problem("pendulum"), h=0.1).built.engine == "native"
     assert list(folder.iterdir()) == []
 
@@ -70,12 +70,12 @@ def test_a_module_that_numba_cannot_keep_is_compiled_in_memory(folder, monkeypat
     def unsupported(*arguments):
         raise Unsupported("not today")
 
-    def full(path, content):
+    def full(path, content, **more):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(native, "compile_kernel", unsupported)
     if fault == "full":
-        monkeypatch.setattr("glmref.engine.native.write_whole", full)
+        monkeypatch.setattr(compiled, "replace_whole", full)
     else:
         monkeypatch.setattr(compiled, "cache_folder", lambda: None)
     built = prepare(load("rk4"), problem("pendulum"), h=0.1).built

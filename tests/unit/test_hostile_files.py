@@ -164,8 +164,8 @@ def test_an_output_that_cannot_be_is_named(
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("glmref.cli.reporting.PLACES", (Path("in"),))
     # a page of each method would take seconds, and none is to be written
-    monkeypatch.setattr(sys.modules["glmref.report.build"], "pages_of", lambda *arguments: [])
-    monkeypatch.setattr("glmref.report.markup.Site.document", lambda *arguments: "new")
+    monkeypatch.setattr(sys.modules["glmref.report.build"], "pages_of", lambda *_, **__: [])
+    monkeypatch.setattr("glmref.report.markup.Site.document", lambda *_, **__: "new")
     arguments = {
         "run": ["run", "oscillator", "--quick"],
         "derive": ["derive", "two-stage"],
